@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::datasets {
 
 struct DicomOptions {
     std::string patient_name = "Phantom^Retractor"; ///< never a person's: what we write is synthetic or derived
@@ -24,7 +24,8 @@ struct DicomOptions {
 /// written as text with about 11 digits.
 /// @throws InputError for a bad grid or sizes that disagree, IoError when the folder holds other files or writing
 /// fails.
-void write_dicom_series(const std::filesystem::path& folder, const Volume& volume, const DicomOptions& options = {});
+void write_dicom_series(
+    const std::filesystem::path& folder, const mesh::Volume& volume, const DicomOptions& options = {});
 
 /// One series of a folder, from the tags of its files.
 struct DicomSeries {
@@ -54,7 +55,7 @@ struct DicomReadOptions {
 
 /// A CT and what was decided while reading it, one line each, for the user. No line holds a patient's name or id.
 struct DicomVolume {
-    Volume volume;
+    mesh::Volume volume;
     std::vector<std::string> notes;
 };
 
@@ -68,6 +69,6 @@ struct DicomVolume {
 DicomVolume read_dicom(const std::filesystem::path& path, const DicomReadOptions& options = {}, const Job& job = {});
 
 /// The volume alone, for files that the project wrote itself.
-Volume read_dicom_series(const std::filesystem::path& folder, const Job& job = {});
+mesh::Volume read_dicom_series(const std::filesystem::path& folder, const Job& job = {});
 
-} // namespace retractor
+} // namespace retractor::datasets

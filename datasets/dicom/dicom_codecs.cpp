@@ -16,7 +16,7 @@
 #include <fstream>
 #include <memory>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -269,4 +269,4 @@ std::vector<char> decode_image(const DicomFile& file, const std::vector<char>& c
     return out;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

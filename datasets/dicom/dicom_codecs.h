@@ -4,7 +4,7 @@
 
 #include "datasets/dicom/dicom_tags.h"
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// The bytes of each image of a compressed file, in order.
 /// @throws InputError when the chain of fragments is cut or damaged, or does not tell where an image begins.
@@ -17,4 +17,4 @@ bool is_compressed(const DicomFile& file);
 /// @throws InputError for a stream that is cut, damaged or of another size than the tags say.
 std::vector<char> decode_image(const DicomFile& file, const std::vector<char>& compressed);
 
-} // namespace retractor
+} // namespace retractor::datasets

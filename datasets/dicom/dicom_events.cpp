@@ -4,7 +4,7 @@
 #include <vtkNew.h>
 #include <vtkObject.h>
 
-namespace retractor {
+namespace retractor::datasets {
 
 struct ErrorCollector::Observer {
     vtkNew<vtkCallbackCommand> command;
@@ -27,4 +27,4 @@ ErrorCollector::~ErrorCollector() = default;
 bool ErrorCollector::failed() const { return !observer_->text.empty(); }
 const std::string& ErrorCollector::text() const { return observer_->text; }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -6,7 +6,7 @@
 
 class vtkObject;
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// Collects what an object reports from now on; warnings are dropped.
 class ErrorCollector {
@@ -21,4 +21,4 @@ private:
     std::unique_ptr<Observer> observer_;
 };
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <numeric>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -258,8 +258,8 @@ DicomArrangement arrange_dicom(std::vector<DicomSlice> slices, const std::vector
         check_tilt(stack, heights, files, rectify_tilt);
         grow_for_tilt(stack);
     }
-    check_grid(stack.grid);
+    mesh::check_grid(stack.grid);
     return stack;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -5,7 +5,7 @@
 #include "datasets/dicom/dicom_tags.h"
 #include "mesh/image/volume.h"
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// A slice whose geometry is complete and finite. Frame: patient LPS, mm.
 struct DicomSlice {
@@ -23,7 +23,7 @@ struct DicomSlice {
 };
 
 struct DicomArrangement {
-    ImageGrid grid; ///< what the volume will have: grown in the plane where the slices are shifted
+    mesh::ImageGrid grid; ///< what the volume will have: grown in the plane where the slices are shifted
     std::vector<DicomSlice> slices; ///< by rising k
     /// Tilted gantry: slice k lies k times this (pixels along i and j) from the first; zero for straight stacks.
     std::array<double, 2> shift { 0.0, 0.0 };
@@ -53,4 +53,4 @@ std::string mm_text(double mm);
 void check_places(
     const std::vector<DicomSlice>& slices, const std::vector<double>& heights, const std::vector<DicomFile>& files);
 
-} // namespace retractor
+} // namespace retractor::datasets

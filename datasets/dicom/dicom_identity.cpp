@@ -16,7 +16,7 @@
 #include <optional>
 #include <vector>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -152,4 +152,4 @@ bool holds_dicom(const fs::path& path)
         && std::any_of(begin(entries), end(entries), [](const auto& entry) { return is_dicom(entry.path()); });
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::datasets {
 
 struct PatientIdentity {
     std::string name; ///< as DICOM writes it, "Family^Given", UTF-8
@@ -33,4 +33,4 @@ PatientIdentity read_dicom_identity(const std::filesystem::path& path);
 /// Whether a path is a folder with a DICOM file in it, or a DICOM file, by its content. False when it cannot be read.
 bool holds_dicom(const std::filesystem::path& path);
 
-} // namespace retractor
+} // namespace retractor::datasets

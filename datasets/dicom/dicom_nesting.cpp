@@ -9,7 +9,7 @@
 #include <limits>
 #include <string>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -293,4 +293,4 @@ bool nests_too_deep(const std::filesystem::path& path)
     return dicom_nesting(path, kDeepest) >= kDeepest;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

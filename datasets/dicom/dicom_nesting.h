@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// An upper bound of how deep sequences lie in each other; counting stops at `limit`. The parser calls itself for
 /// every level, so that a file of nothing but nested sequences would use up the stack. Exact for well-formed files;
@@ -12,4 +12,4 @@ int dicom_nesting(const std::filesystem::path& path, int limit);
 /// Whether a file must not be given to the parser: structured reports nest some ten deep, this allows 64.
 bool nests_too_deep(const std::filesystem::path& path);
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -157,4 +157,4 @@ void check_places(
     throw InputError(text, where);
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

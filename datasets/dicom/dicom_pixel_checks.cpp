@@ -8,7 +8,7 @@
 #include <set>
 #include <string>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -111,4 +111,4 @@ void check_pixel_tags(const DicomFile& file)
     check_sizes(file);
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -20,7 +20,7 @@
 #include <span>
 #include <thread>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -157,4 +157,4 @@ DicomPixelCounts read_dicom_pixels(const std::vector<DicomFile>& files, const Di
     return counts;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

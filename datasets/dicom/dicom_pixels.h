@@ -4,7 +4,7 @@
 #include "datasets/dicom/dicom_values.h"
 #include "mesh/base/job.h"
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// What is checked without decoding: an image of one 8- or 16-bit sample, and as many bytes as it needs.
 /// @throws InputError naming file and tag.
@@ -15,4 +15,4 @@ void check_pixel_tags(const DicomFile& file);
 DicomPixelCounts read_dicom_pixels(const std::vector<DicomFile>& files, const DicomArrangement& stack,
     std::vector<std::int16_t>& voxels, const Job& job);
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -10,7 +10,7 @@
 #include <new>
 #include <set>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -104,6 +104,6 @@ DicomVolume read_dicom(const fs::path& path, const DicomReadOptions& options, co
     }
 }
 
-Volume read_dicom_series(const fs::path& folder, const Job& job) { return read_dicom(folder, {}, job).volume; }
+mesh::Volume read_dicom_series(const fs::path& folder, const Job& job) { return read_dicom(folder, {}, job).volume; }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -10,7 +10,7 @@
 #include <map>
 #include <tuple>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -295,4 +295,4 @@ std::vector<DicomSeries> list_dicom_series(const fs::path& folder)
     return list;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -6,7 +6,7 @@
 #include "datasets/dicom/dicom_tags.h"
 #include "mesh/base/job.h"
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// Where DICOM files were looked for.
 struct DicomFolder {
@@ -34,4 +34,4 @@ std::vector<DicomGroup> group_dicom_series(DicomFolder folder, std::vector<std::
 DicomGroup choose_dicom_series(
     std::vector<DicomGroup> groups, const std::string& wish, const std::string& where, std::vector<std::string>& notes);
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -117,4 +117,4 @@ std::vector<DicomSlice> dicom_slices(const std::vector<DicomFile>& files)
     return slices;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

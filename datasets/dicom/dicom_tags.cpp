@@ -17,7 +17,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -261,4 +261,4 @@ std::optional<DicomFile> read_dicom_tags(const fs::path& path)
     return file;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// One slice: a file, or a frame of an enhanced multi-frame object (its functional groups looked up). Numbers as the
 /// file gives them, none when the tag is absent, NaN where the text is no number; checked by dicom_slices().
@@ -76,4 +76,4 @@ bool is_lossy(const DicomFile& file);
 /// No DICOM file: nothing.
 std::optional<DicomFile> read_dicom_tags(const std::filesystem::path& path);
 
-} // namespace retractor
+} // namespace retractor::datasets

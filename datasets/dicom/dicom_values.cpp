@@ -8,7 +8,7 @@
 #include <optional>
 #include <type_traits>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -199,4 +199,4 @@ void store_dicom_slice(const void* stored, const DicomFile& file, const DicomArr
     place_shifted(straight, size, stack, k, out);
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -6,7 +6,7 @@
 
 #include <span>
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// What became of the pixels, over all slices.
 struct DicomPixelCounts {
@@ -23,4 +23,4 @@ struct DicomPixelCounts {
 void store_dicom_slice(const void* stored, const DicomFile& file, const DicomArrangement& stack, std::size_t k,
     std::span<std::int16_t> voxels, DicomPixelCounts& counts);
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -16,15 +16,15 @@
 
 #include <unistd.h>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
     namespace fs = std::filesystem;
 
-    void check(const Volume& volume)
+    void check(const mesh::Volume& volume)
     {
-        check_grid(volume.grid);
+        mesh::check_grid(volume.grid);
         if (volume.voxels.size() != volume.grid.voxel_count())
             throw InputError("the CT has " + std::to_string(volume.voxels.size()) + " voxels, its grid "
                 + std::to_string(volume.grid.voxel_count()));
@@ -45,7 +45,7 @@ namespace {
                     folder.string());
     }
 
-    void fill_meta_data(vtkDICOMMetaData* data, const Volume& volume, const DicomOptions& options)
+    void fill_meta_data(vtkDICOMMetaData* data, const mesh::Volume& volume, const DicomOptions& options)
     {
         data->Set(DC::PatientName, options.patient_name);
         data->Set(DC::PatientID, options.patient_id);
@@ -61,9 +61,9 @@ namespace {
         data->Set(DC::WindowWidth, "400");
     }
 
-    void write_files(const fs::path& folder, const Volume& volume, const DicomOptions& options)
+    void write_files(const fs::path& folder, const mesh::Volume& volume, const DicomOptions& options)
     {
-        const ImageGrid& grid = volume.grid;
+        const mesh::ImageGrid& grid = volume.grid;
         // CT scanners store unsigned numbers with an intercept of -1024; darker padding moves it down.
         const int darkest = *std::min_element(volume.voxels.begin(), volume.voxels.end());
         const int intercept = std::min(-1024, darkest);
@@ -104,7 +104,7 @@ namespace {
 
 } // namespace
 
-void write_dicom_series(const fs::path& folder, const Volume& volume, const DicomOptions& options)
+void write_dicom_series(const fs::path& folder, const mesh::Volume& volume, const DicomOptions& options)
 {
     check(volume);
     const fs::path target = folder.has_filename() ? folder : folder.parent_path(); // "series/" is "series"
@@ -128,4 +128,4 @@ void write_dicom_series(const fs::path& folder, const Volume& volume, const Dico
     }
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -107,4 +107,4 @@ std::vector<std::string> telling_parts(const std::string& text, const std::strin
     return there;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// The parts of a name as DICOM writes it ("Family^Given=..."), each once.
 std::vector<std::string> name_parts(const std::string& name);
@@ -25,4 +25,4 @@ inline constexpr std::size_t kShortestTelling = 3;
 /// at least two ("Ng Li").
 std::vector<std::string> telling_parts(const std::string& text, const std::string& name);
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -14,7 +14,7 @@
 #include <fstream>
 #include <limits>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -365,4 +365,4 @@ std::uint64_t skip(ByteSource& source, std::uint64_t count)
     return done;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// A stream of decoded bytes.
 class ByteSource {
@@ -38,4 +38,4 @@ std::unique_ptr<ByteSource> open_source(const EncodedBytes& bytes);
 /// Reads and drops up to `count` bytes; returns how many there were.
 std::uint64_t skip(ByteSource& source, std::uint64_t count);
 
-} // namespace retractor
+} // namespace retractor::datasets

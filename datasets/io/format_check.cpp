@@ -19,7 +19,7 @@
 
 #include <unistd.h>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -144,7 +144,7 @@ namespace {
                 throw IoError(
                     "cannot write: " + std::error_code(errno, std::generic_category()).message(), path.string());
         }
-        const Volume read = read_volume(folder);
+        const mesh::Volume read = read_volume(folder);
         if (read.grid.size != std::array { kEdge, kEdge, kSlices })
             throw IoError("the series has another size");
         for (int k = 0; k < kSlices; ++k)
@@ -156,7 +156,7 @@ namespace {
 
     void write_and_read_volume(const fs::path& path)
     {
-        Volume volume;
+        mesh::Volume volume;
         volume.grid.size = { kEdge, kEdge, 2 };
         volume.grid.origin = { -12.5, 30.0, 7.0 };
         for (int k = 0; k < 2; ++k)
@@ -164,7 +164,7 @@ namespace {
                 for (int x = 0; x < kEdge; ++x)
                     volume.voxels.push_back(static_cast<std::int16_t>(value_at(x, y) + kIntercept + k));
         write_volume(path, volume);
-        const Volume read = read_volume(path);
+        const mesh::Volume read = read_volume(path);
         if (read.voxels != volume.voxels || (read.grid.origin - volume.grid.origin).norm() > 1e-4)
             throw IoError("the volume comes back changed");
     }
@@ -224,4 +224,4 @@ std::string image_library_versions()
         + gdcm::Version::GetVersion() + ", VTK " + vtkVersion::GetVTKVersion();
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

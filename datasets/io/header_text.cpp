@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <sstream>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -158,4 +158,4 @@ std::vector<fs::path> data_files(const fs::path& header, const std::string& valu
     return files;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

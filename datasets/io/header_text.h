@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace retractor {
+namespace retractor::datasets {
 
 std::string trimmed(std::string_view text);
 std::string lower_case(std::string_view text);
@@ -33,4 +33,4 @@ std::filesystem::path data_file(const std::filesystem::path& header, const std::
 std::vector<std::filesystem::path> data_files(
     const std::filesystem::path& header, const std::string& value, std::ifstream& rest);
 
-} // namespace retractor
+} // namespace retractor::datasets

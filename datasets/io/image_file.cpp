@@ -7,7 +7,7 @@
 #include <itkNiftiImageIO.h>
 #include <itkNrrdImageIO.h>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -64,4 +64,4 @@ void write_image_file(const std::filesystem::path& path, ImageFormat format, con
     }
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

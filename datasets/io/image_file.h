@@ -5,7 +5,7 @@
 #include <array>
 #include <filesystem>
 
-namespace retractor {
+namespace retractor::datasets {
 
 enum class ImageFormat { nifti, nrrd, metaimage };
 
@@ -21,4 +21,4 @@ struct ImageFile {
 /// @throws IoError.
 void write_image_file(const std::filesystem::path& path, ImageFormat format, const ImageFile& image, const void* bytes);
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::datasets {
 
 std::size_t voxel_bytes(VoxelType type)
 {
@@ -45,7 +45,7 @@ std::array<int, 3> checked_sizes(const std::vector<double>& sizes, const std::st
     return checked;
 }
 
-void set_steps(ImageGrid& grid, const Mat3& steps, const std::string& where)
+void set_steps(mesh::ImageGrid& grid, const Mat3& steps, const std::string& where)
 {
     constexpr double kSquare = 1e-4; // cosine between axes: as check_grid()
     if (!steps.allFinite())
@@ -66,10 +66,10 @@ void set_steps(ImageGrid& grid, const Mat3& steps, const std::string& where)
                 where);
         }
     try {
-        check_grid(grid);
+        mesh::check_grid(grid);
     } catch (const InputError& error) {
         throw InputError(error.what(), where);
     }
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

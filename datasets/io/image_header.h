@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::datasets {
 
 enum class VoxelType { uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32, float64 };
 enum class Encoding { raw, deflate, bzip2, text, hex }; ///< deflate: gzip or zlib
@@ -40,7 +40,7 @@ struct VoxelStore {
 
 struct ImageHeader {
     std::string where; ///< the file that was asked for
-    ImageGrid grid;
+    mesh::ImageGrid grid;
     int components = 1; ///< numbers per voxel, fastest
     VoxelStore store;
     double slope = 1.0; ///< value = slope * stored + intercept
@@ -54,6 +54,6 @@ std::array<int, 3> checked_sizes(const std::vector<double>& sizes, const std::st
 
 /// Spacing and direction from steps: column a is the way (mm) from a voxel to the next along index a.
 /// @throws InputError for numbers that are not finite, a step of length zero, axes that are not square to each other.
-void set_steps(ImageGrid& grid, const Mat3& steps, const std::string& where);
+void set_steps(mesh::ImageGrid& grid, const Mat3& steps, const std::string& where);
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -18,7 +18,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -314,4 +314,4 @@ ImageHeader read_label_image(const fs::path& path, std::vector<Label>& voxels, b
     return read_image(path, voxels, layered, job);
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

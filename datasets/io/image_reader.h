@@ -5,7 +5,7 @@
 #include "datasets/io/image_header.h"
 #include "mesh/base/job.h"
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// True where the suffix is one of .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd, .vti.
 bool is_image_name(const std::filesystem::path& path);
@@ -21,4 +21,4 @@ ImageHeader read_hounsfield_image(
 ImageHeader read_label_image(
     const std::filesystem::path& path, std::vector<Label>& voxels, bool layered, const Job& job = {});
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -11,7 +11,7 @@
 #include <set>
 #include <sstream>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -32,22 +32,22 @@ namespace {
         return value.get<std::string>();
     }
 
-    LabelInfo read_label(const json& entry, const std::string& where)
+    mesh::LabelInfo read_label(const json& entry, const std::string& where)
     {
         const json& id = member(entry, "id", where);
         if (!id.is_number_integer() || id.get<std::int64_t>() < 1
             || id.get<std::int64_t>() > std::numeric_limits<Label>::max())
             throw InputError("a label's id must be a whole number from 1 to 65535", where + "/id");
         const std::string role = text_member(entry, "role", where);
-        if (!role_from_string(role))
+        if (!mesh::role_from_string(role))
             throw InputError("unknown role \"" + role + "\": use wall, voxel, target or at-risk", where + "/role");
         return { id.get<Label>(), text_member(entry, "name", where), text_member(entry, "material", where),
-            *role_from_string(role) };
+            *mesh::role_from_string(role) };
     }
 
 } // namespace
 
-LabelTable label_table_from_json(const std::string& text, const std::string& where)
+mesh::LabelTable label_table_from_json(const std::string& text, const std::string& where)
 {
     const json document = parse_strictly(text, where);
     const std::string frame = text_member(document, "frame", where);
@@ -56,12 +56,12 @@ LabelTable label_table_from_json(const std::string& text, const std::string& whe
     const json& entries = member(document, "labels", where);
     if (!entries.is_array())
         throw InputError("must be a list", where + "/labels");
-    LabelTable table;
+    mesh::LabelTable table;
     std::set<Label> ids;
     std::set<std::string> names;
     for (std::size_t i = 0; i < entries.size(); ++i) {
         const std::string at = where + "/labels/" + std::to_string(i);
-        LabelInfo info = read_label(entries[i], at);
+        mesh::LabelInfo info = read_label(entries[i], at);
         if (!ids.insert(info.id).second)
             throw InputError("id " + std::to_string(info.id) + " is given twice", at + "/id");
         if (!names.insert(info.name).second)
@@ -71,7 +71,7 @@ LabelTable label_table_from_json(const std::string& text, const std::string& whe
     return table;
 }
 
-LabelTable read_label_table(const std::filesystem::path& path)
+mesh::LabelTable read_label_table(const std::filesystem::path& path)
 {
     std::ifstream file(path, std::ios::binary);
     if (!file)
@@ -81,10 +81,10 @@ LabelTable read_label_table(const std::filesystem::path& path)
     return label_table_from_json(text.str(), path.string() + ":");
 }
 
-std::string label_table_to_json(const LabelTable& table)
+std::string label_table_to_json(const mesh::LabelTable& table)
 {
     json entries = json::array();
-    for (const LabelInfo& info : table)
+    for (const mesh::LabelInfo& info : table)
         entries.push_back({ { "id", info.id }, { "name", info.name }, { "material", info.material },
             { "role", std::string(to_string(info.role)) } });
     try {
@@ -94,17 +94,17 @@ std::string label_table_to_json(const LabelTable& table)
     }
 }
 
-void write_label_table(const std::filesystem::path& path, const LabelTable& table)
+void write_label_table(const std::filesystem::path& path, const mesh::LabelTable& table)
 {
     write_file_atomically(path, label_table_to_json(table));
 }
 
-void check_labels_named(const LabelVolume& labels, const std::string& where)
+void check_labels_named(const mesh::LabelVolume& labels, const std::string& where)
 {
     std::vector<bool> seen(std::size_t { std::numeric_limits<Label>::max() } + 1, false);
     for (const Label label : labels.voxels)
         seen[label] = true;
-    for (const LabelInfo& info : labels.table)
+    for (const mesh::LabelInfo& info : labels.table)
         seen[info.id] = false;
     seen[0] = false;
     std::string unknown;
@@ -118,4 +118,4 @@ void check_labels_named(const LabelVolume& labels, const std::string& where)
             where);
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

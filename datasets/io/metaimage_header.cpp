@@ -6,7 +6,7 @@
 #include <cmath>
 #include <fstream>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -244,4 +244,4 @@ ImageHeader read_metaimage_header(const fs::path& path)
     return header;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -13,7 +13,7 @@
 #include <fstream>
 #include <utility>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -333,4 +333,4 @@ std::vector<NiftiExtension> read_nifti_extensions(const fs::path& path)
     return extensions;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// The grid is the sform's where the file has one, else the qform's, turned from RAS to LPS and into mm.
 /// Two that place a corner of the image apart are refused: one of them is wrong, and which is not ours to guess. So is
@@ -22,4 +22,4 @@ struct NiftiExtension {
 /// The header extensions of a file that read_nifti_header() accepts; TotalSegmentator keeps its label names in one.
 std::vector<NiftiExtension> read_nifti_extensions(const std::filesystem::path& path);
 
-} // namespace retractor
+} // namespace retractor::datasets

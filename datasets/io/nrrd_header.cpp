@@ -11,7 +11,7 @@
 #include <limits>
 #include <optional>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -323,4 +323,4 @@ ImageHeader read_nrrd_header(const fs::path& path)
     return header;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-namespace retractor {
+namespace retractor::datasets {
 
 nlohmann::ordered_json parse_strictly(const std::string& text, const std::string& where)
 {
@@ -34,4 +34,4 @@ nlohmann::ordered_json parse_strictly(const std::string& text, const std::string
     }
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

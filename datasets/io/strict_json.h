@@ -5,11 +5,11 @@
 
 #include <string>
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// The document, the order of its keys kept.
 /// @throws InputError, its where() as given: not JSON, not UTF-8, or a key given twice in one object (of which the
 /// parser alone would keep the last in silence).
 nlohmann::ordered_json parse_strictly(const std::string& text, const std::string& where);
 
-} // namespace retractor
+} // namespace retractor::datasets

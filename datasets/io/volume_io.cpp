@@ -14,7 +14,7 @@
 #include <string_view>
 #include <type_traits>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -32,9 +32,10 @@ namespace {
         throw InputError("an image is written into one file: use .nrrd, .nii, .nii.gz or .mha", path.string());
     }
 
-    template <typename T> void write_image(const fs::path& path, const ImageGrid& grid, const std::vector<T>& voxels)
+    template <typename T>
+    void write_image(const fs::path& path, const mesh::ImageGrid& grid, const std::vector<T>& voxels)
     {
-        check_grid(grid);
+        mesh::check_grid(grid);
         if (voxels.size() != grid.voxel_count())
             throw InputError("the image has " + std::to_string(voxels.size()) + " voxels, its grid "
                 + std::to_string(grid.voxel_count()));
@@ -102,7 +103,7 @@ namespace {
         constexpr double kFinest_mm = 0.05;
         constexpr double kCoarsest_mm = 20.0;
         replace_padding(imported);
-        const Volume& volume = imported.volume;
+        const mesh::Volume& volume = imported.volume;
         if (volume.voxels.empty())
             throw InputError("the image has no voxels", where);
         const auto [least, most] = std::minmax_element(volume.voxels.begin(), volume.voxels.end());
@@ -125,7 +126,7 @@ namespace {
 
 fs::path label_table_path(const fs::path& image) { return image.parent_path() / (image_stem(image) + ".labels.json"); }
 
-Volume read_volume(const fs::path& path, const Job& job)
+mesh::Volume read_volume(const fs::path& path, const Job& job)
 {
     if (fs::is_directory(path))
         return read_dicom_series(path, job);
@@ -148,10 +149,10 @@ ImportedVolume import_volume(const fs::path& path, const ImportOptions& options,
     return imported;
 }
 
-LabelVolume read_label_voxels(const fs::path& path, std::vector<std::string>* notes, const Job& job)
+mesh::LabelVolume read_label_voxels(const fs::path& path, std::vector<std::string>* notes, const Job& job)
 {
     const Stopwatch watch;
-    LabelVolume labels;
+    mesh::LabelVolume labels;
     ImageHeader header = read_label_image(path, labels.voxels, false, job);
     if (job.cancelled())
         return {};
@@ -162,9 +163,9 @@ LabelVolume read_label_voxels(const fs::path& path, std::vector<std::string>* no
     return labels;
 }
 
-LabelVolume read_label_volume(const fs::path& path, const Job& job)
+mesh::LabelVolume read_label_volume(const fs::path& path, const Job& job)
 {
-    LabelVolume labels = read_label_voxels(path, nullptr, job);
+    mesh::LabelVolume labels = read_label_voxels(path, nullptr, job);
     if (job.cancelled())
         return {};
     labels.table = read_label_table(label_table_path(path));
@@ -172,20 +173,20 @@ LabelVolume read_label_volume(const fs::path& path, const Job& job)
     return labels;
 }
 
-void write_volume(const fs::path& path, const Volume& volume) { write_image(path, volume.grid, volume.voxels); }
+void write_volume(const fs::path& path, const mesh::Volume& volume) { write_image(path, volume.grid, volume.voxels); }
 
-void write_label_volume(const fs::path& path, const LabelVolume& labels)
+void write_label_volume(const fs::path& path, const mesh::LabelVolume& labels)
 {
     check_labels_named(labels, path.string());
     write_image(path, labels.grid, labels.voxels);
     write_label_table(label_table_path(path), labels.table);
 }
 
-LabelVolume resample_labels_to(const LabelVolume& labels, const ImageGrid& grid)
+mesh::LabelVolume resample_labels_to(const mesh::LabelVolume& labels, const mesh::ImageGrid& grid)
 {
-    check_grid(grid);
-    LabelVolume result { grid, std::vector<Label>(grid.voxel_count(), 0), labels.table };
-    const ImageGrid& from = labels.grid;
+    mesh::check_grid(grid);
+    mesh::LabelVolume result { grid, std::vector<Label>(grid.voxel_count(), 0), labels.table };
+    const mesh::ImageGrid& from = labels.grid;
     const Vec3 start = from.index(grid.origin);
     Mat3 step; // change of the source index per target index
     for (int axis = 0; axis < 3; ++axis)
@@ -209,4 +210,4 @@ LabelVolume resample_labels_to(const LabelVolume& labels, const ImageGrid& grid)
     return result;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::datasets {
 
 std::int16_t to_hounsfield(double value, const std::string& where)
 {
@@ -26,4 +26,4 @@ Label to_label(double value, const std::string& where)
     return static_cast<Label>(value);
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string>
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// Rounded to the nearest Hounsfield unit. @throws InputError for NaN and for what 16 bits cannot hold.
 std::int16_t to_hounsfield(double value, const std::string& where);
@@ -42,4 +42,4 @@ template <typename Visit> void with_voxel_type(VoxelType type, const Visit& visi
     }
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -11,7 +11,7 @@
 #include <fstream>
 #include <optional>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -389,4 +389,4 @@ ImageHeader read_vti_header(const fs::path& path)
     return header;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -4,7 +4,7 @@
 
 #include "datasets/io/image_header.h"
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// A .vti names no frame and no unit: LPS in mm is assumed, and a note says so. Data in text, base64 or appended,
 /// plain or packed by zlib. The image is the array that PointData names as scalars, or the only one.
@@ -12,4 +12,4 @@ namespace retractor {
 /// several numbers per voxel, other compressors, sizes that contradict one another; IoError when it cannot be opened.
 ImageHeader read_vti_header(const std::filesystem::path& path);
 
-} // namespace retractor
+} // namespace retractor::datasets

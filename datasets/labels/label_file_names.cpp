@@ -11,7 +11,7 @@
 #include <optional>
 #include <string_view>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -95,4 +95,4 @@ std::map<Label, std::string> label_names_in_file(const std::filesystem::path& im
     return label_names_from_xml(text, image.string());
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

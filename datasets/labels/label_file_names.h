@@ -7,7 +7,7 @@
 #include <map>
 #include <string>
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// The table that TotalSegmentator writes as an extension of the NIfTI-1 header (XML, <Label Key="5">liver</Label>),
 /// without id 0. Empty when there is none, also for files of other formats.
@@ -17,4 +17,4 @@ std::map<Label, std::string> label_names_in_file(const std::filesystem::path& im
 /// The same from the extension's text.
 std::map<Label, std::string> label_names_from_xml(const std::string& xml, const std::string& where);
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -1,12 +1,12 @@
 #include "datasets/labels/label_import.h"
 
 #include "datasets/io/image_reader.h"
+#include "datasets/io/label_table.h"
+#include "datasets/io/volume_io.h"
 #include "datasets/labels/label_file_names.h"
 #include "datasets/labels/label_masks.h"
 #include "datasets/labels/label_presets.h"
-#include "datasets/io/label_table.h"
 #include "datasets/labels/seg_nrrd.h"
-#include "datasets/io/volume_io.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 #include <optional>
 #include <set>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -72,13 +72,13 @@ namespace {
     }
 
     /// A table from names in a file. Two ids of one structure keep apart by their ids.
-    LabelTable named_table(const Names& names, Notes& notes)
+    mesh::LabelTable named_table(const Names& names, Notes& notes)
     {
-        LabelTable table;
+        mesh::LabelTable table;
         std::vector<std::string> renamed;
         for (const auto& [id, name] : names) {
-            LabelInfo info = describe_structure(name, id);
-            if (find_label(table, info.name) != nullptr) {
+            mesh::LabelInfo info = describe_structure(name, id);
+            if (mesh::find_label(table, info.name) != nullptr) {
                 notes.push_back("the structure " + info.name + " occurs twice, id " + std::to_string(id) + " becomes "
                     + info.name + "_" + std::to_string(id));
                 info.name += "_" + std::to_string(id);
@@ -92,15 +92,16 @@ namespace {
         return table;
     }
 
-    void keep_present(LabelTable& table, const Counts& present)
+    void keep_present(mesh::LabelTable& table, const Counts& present)
     {
-        std::erase_if(table, [&](const LabelInfo& info) { return !present.contains(info.id); });
+        std::erase_if(table, [&](const mesh::LabelInfo& info) { return !present.contains(info.id); });
     }
 
-    void check_all_named(const LabelTable& table, const Counts& present, const std::string& by, const fs::path& image)
+    void check_all_named(
+        const mesh::LabelTable& table, const Counts& present, const std::string& by, const fs::path& image)
     {
         Counts unnamed = present;
-        for (const LabelInfo& info : table)
+        for (const mesh::LabelInfo& info : table)
             unnamed.erase(info.id);
         if (!unnamed.empty())
             throw InputError(counted(unnamed.size(), "label") + " without a name in " + by + ": "
@@ -110,9 +111,9 @@ namespace {
 
     /// The image may know better than the user which version of a tool wrote it.
     void check_preset_agrees(
-        const LabelTable& table, const Names& own, const std::string& preset, const fs::path& image)
+        const mesh::LabelTable& table, const Names& own, const std::string& preset, const fs::path& image)
     {
-        for (const LabelInfo& info : table) {
+        for (const mesh::LabelInfo& info : table) {
             const auto name = own.find(info.id);
             if (name != own.end() && describe_structure(name->second, info.id).name != info.name)
                 throw InputError("preset " + preset + " says that id " + std::to_string(info.id) + " is " + info.name
@@ -158,9 +159,9 @@ namespace {
             notes.push_back(counted(outside, "voxel") + " lie outside the body by their label: they have none now");
     }
 
-    void name_by_preset(LabelVolume& labels, const std::string& preset, const fs::path& path, Notes& notes)
+    void name_by_preset(mesh::LabelVolume& labels, const std::string& preset, const fs::path& path, Notes& notes)
     {
-        LabelTable table;
+        mesh::LabelTable table;
         try {
             table = preset_table(preset);
         } catch (const InputError& error) {
@@ -181,7 +182,7 @@ namespace {
         labels.table = std::move(table);
     }
 
-    void name_by_file(LabelVolume& labels, const fs::path& path, Notes& notes)
+    void name_by_file(mesh::LabelVolume& labels, const fs::path& path, Notes& notes)
     {
         const Counts present = count_voxels(labels.voxels);
         if (fs::exists(label_table_path(path))) {
@@ -240,10 +241,10 @@ namespace {
         imported.labels = std::move(merged.labels);
         imported.notes.insert(imported.notes.end(), merged.notes.begin(), merged.notes.end());
         record_part(job, "labels", watch, imported.labels.voxels.size() * sizeof(Label));
-        LabelTable& table = imported.labels.table;
+        mesh::LabelTable& table = imported.labels.table;
         const Counts present = count_voxels(imported.labels.voxels);
         std::vector<std::string> empty;
-        for (const LabelInfo& info : table)
+        for (const mesh::LabelInfo& info : table)
             if (!present.contains(info.id))
                 empty.push_back(info.name);
         if (!empty.empty())
@@ -332,7 +333,7 @@ namespace {
             if (job.cancelled())
                 return {};
             std::vector<std::string> told;
-            const LabelVolume image = read_label_voxels(images[n], &told, silent);
+            const mesh::LabelVolume image = read_label_voxels(images[n], &told, silent);
             if (job.cancelled())
                 return {};
             for (const std::string& note : told)
@@ -416,7 +417,7 @@ namespace {
             return {};
         note_grid(merged, masks, imported.notes);
         note_overlaps(merged, imported.notes);
-        LabelVolume& labels = imported.labels;
+        mesh::LabelVolume& labels = imported.labels;
         for (std::size_t n = 0; n < merged.names.size(); ++n)
             if (merged.counts[n] > 0)
                 labels.table.push_back(describe_structure(merged.names[n], static_cast<Label>(n + 1)));
@@ -439,4 +440,4 @@ ImportedLabels import_labels(const fs::path& path, const LabelImportOptions& opt
     return imported;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::datasets {
 
 struct LabelImportOptions {
     /// See label_preset_names(). Empty: the JSON table beside the image, else the names in the file (.seg.nrrd, or
@@ -17,7 +17,7 @@ struct LabelImportOptions {
 };
 
 struct ImportedLabels {
-    LabelVolume labels; ///< on the file's own grid
+    mesh::LabelVolume labels; ///< on the file's own grid
     std::vector<std::string> notes; ///< what was decided, one line each
 };
 
@@ -40,4 +40,4 @@ struct ImportedLabels {
 ImportedLabels import_labels(
     const std::filesystem::path& path, const LabelImportOptions& options = {}, const Job& job = {});
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <optional>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -34,7 +34,8 @@ namespace {
 
     /// Bounding box of the voxels from `low` to `high` (inclusive, indices of `from`) seen in the indices of `to`;
     /// `half` 0.5 takes whole voxels, 0 their centres.
-    IndexBox seen_in(const ImageGrid& to, const ImageGrid& from, const Vec3& low, const Vec3& high, double half)
+    IndexBox seen_in(
+        const mesh::ImageGrid& to, const mesh::ImageGrid& from, const Vec3& low, const Vec3& high, double half)
     {
         IndexBox box;
         for (int corner = 0; corner < 8; ++corner) {
@@ -46,7 +47,7 @@ namespace {
         return box;
     }
 
-    Vec3 last_index(const ImageGrid& grid) { return Vec3(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1); }
+    Vec3 last_index(const mesh::ImageGrid& grid) { return Vec3(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1); }
 
     /// The voxels a mask has, as a box of indices.
     std::pair<std::array<int, 3>, std::array<int, 3>> extent_of(const StructureMask& mask)
@@ -78,7 +79,7 @@ namespace {
 
     /// Every image must be joined to the others by images that touch: masks of two patients, or of two frames of one
     /// patient, must not be laid into one picture.
-    void check_one_place(std::span<const StructureMask> masks, const ImageGrid& grid)
+    void check_one_place(std::span<const StructureMask> masks, const mesh::ImageGrid& grid)
     {
         constexpr double kSlack = 1.0; // voxels: crops round neighbouring organs may leave a seam
         std::vector<IndexBox> boxes;
@@ -104,7 +105,7 @@ namespace {
     }
 
     /// The grid extended by whole voxels so that the centres of all labelled voxels lie in it.
-    ImageGrid covering(const ImageGrid& grid, std::span<const StructureMask> masks)
+    mesh::ImageGrid covering(const mesh::ImageGrid& grid, std::span<const StructureMask> masks)
     {
         IndexBox all;
         all.add(Vec3::Zero());
@@ -116,7 +117,7 @@ namespace {
             all.add(box.low);
             all.add(box.high);
         }
-        ImageGrid wide = grid;
+        mesh::ImageGrid wide = grid;
         Vec3 shift;
         double voxels = 1.0;
         constexpr double kNearest = 0.5 - 1e-3; // a centre this near is in the outermost voxel already
@@ -134,7 +135,7 @@ namespace {
     }
 
     /// Offset of a grid in the kept one where both have the same voxels, as a crop has.
-    std::optional<std::array<int, 3>> same_lattice(const ImageGrid& grid, const ImageGrid& crop)
+    std::optional<std::array<int, 3>> same_lattice(const mesh::ImageGrid& grid, const mesh::ImageGrid& crop)
     {
         constexpr double kSame = 1e-2; // of a voxel over the whole crop: NIfTI stores single precision
         const Vec3 last = last_index(crop);
@@ -148,7 +149,8 @@ namespace {
     }
 
     /// Calls visit(offset in the kept grid) for each voxel of the kept grid that the mask covers.
-    template <typename Visit> void for_voxels(const ImageGrid& grid, const StructureMask& mask, const Visit& visit)
+    template <typename Visit>
+    void for_voxels(const mesh::ImageGrid& grid, const StructureMask& mask, const Visit& visit)
     {
         const auto nx = static_cast<std::uint32_t>(mask.grid.size[0]);
         const auto ny = static_cast<std::uint32_t>(mask.grid.size[1]);
@@ -199,7 +201,7 @@ std::size_t StructureMask::voxel_count() const
         [](std::size_t sum, const VoxelRun& run) { return sum + run.count; });
 }
 
-std::vector<VoxelRun> runs_of(const ImageGrid& grid, const std::vector<Label>& voxels, Label value)
+std::vector<VoxelRun> runs_of(const mesh::ImageGrid& grid, const std::vector<Label>& voxels, Label value)
 {
     std::vector<VoxelRun> runs;
     const auto nx = static_cast<std::size_t>(grid.size[0]);
@@ -273,4 +275,4 @@ MergedMasks merge_masks(std::span<const StructureMask> masks, const Job& job)
     return merged;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// A stretch of voxels in memory order.
 struct VoxelRun {
@@ -22,7 +22,7 @@ struct VoxelRun {
 struct StructureMask {
     std::string name; ///< structures of one name are joined
     std::string source; ///< the file, for messages
-    ImageGrid grid;
+    mesh::ImageGrid grid;
     std::vector<VoxelRun> runs;
 
     std::size_t voxel_count() const;
@@ -30,7 +30,7 @@ struct StructureMask {
 };
 
 /// The voxels of `voxels` that equal `value`.
-std::vector<VoxelRun> runs_of(const ImageGrid& grid, const std::vector<Label>& voxels, Label value);
+std::vector<VoxelRun> runs_of(const mesh::ImageGrid& grid, const std::vector<Label>& voxels, Label value);
 
 /// What an overlap took from one structure.
 struct LostVoxels {
@@ -39,7 +39,7 @@ struct LostVoxels {
 };
 
 struct MergedMasks {
-    ImageGrid grid;
+    mesh::ImageGrid grid;
     std::vector<Label> voxels; ///< 1 + index into names
     std::vector<std::string> names; ///< in the order in which they first occur
     std::vector<std::size_t> counts; ///< voxels each name has in the end
@@ -54,4 +54,4 @@ struct MergedMasks {
 /// grid of more than 400 million voxels.
 MergedMasks merge_masks(std::span<const StructureMask> masks, const Job& job = {});
 
-} // namespace retractor
+} // namespace retractor::datasets

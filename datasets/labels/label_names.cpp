@@ -10,7 +10,7 @@
 #include <optional>
 #include <set>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -124,7 +124,7 @@ namespace {
     struct Structure {
         std::string name; ///< as the planner spells it, side not included
         std::string material;
-        Role role = Role::voxel;
+        mesh::Role role = mesh::Role::voxel;
     };
 
     using Dictionary = std::map<std::string, Structure>;
@@ -136,8 +136,8 @@ namespace {
     }
 
     /// Names are separated by commas; the first is the planner's, the others are further spellings of it.
-    void add_structures(
-        Dictionary& dictionary, const char* material, Role role, std::initializer_list<std::string_view> structures)
+    void add_structures(Dictionary& dictionary, const char* material, mesh::Role role,
+        std::initializer_list<std::string_view> structures)
     {
         for (std::string_view rest : structures) {
             const std::string name(rest.substr(0, rest.find(',')));
@@ -153,20 +153,20 @@ namespace {
     {
         static const Dictionary kDictionary = [] {
             Dictionary d;
-            add_structures(d, "skin", Role::wall, { "skin" });
-            add_structures(d, "fat", Role::wall,
+            add_structures(d, "skin", mesh::Role::wall, { "skin" });
+            add_structures(d, "fat", mesh::Role::wall,
                 { "fat,subcutaneous fat,subcutaneous adipose tissue,adipose tissue,subcutaneous fatty "
                   "tissue,subcutaneous tissue",
                     "intermuscular_fat", "breast" });
-            add_structures(d, "intercostal", Role::wall, { "intercostal,intercostal muscle" });
-            add_structures(d, "muscle", Role::wall,
+            add_structures(d, "intercostal", mesh::Role::wall, { "intercostal,intercostal muscle" });
+            add_structures(d, "muscle", mesh::Role::wall,
                 { "muscle,skeletal muscle,muscle tissue", "autochthon,deep muscle of back", "gluteus_maximus",
                     "gluteus_medius", "gluteus_minimus", "iliopsoas", "pectoralis", "pectoralis_major",
                     "pectoralis_minor", "serratus_anterior", "latissimus_dorsi", "trapezius", "rhomboid", "deltoid",
                     "supraspinatus", "infraspinatus", "subscapularis", "teres_major", "teres_minor", "coracobrachial",
                     "triceps_brachii", "biceps_brachii", "sternocleidomastoid", "rectus_abdominis", "erector_spinae",
                     "levator_scapulae", "paravertebral", "chest_wall,thoracic wall" });
-            add_structures(d, "bone", Role::wall,
+            add_structures(d, "bone", mesh::Role::wall,
                 { "sternum,breastbone", "manubrium,manubrium sterni", "xiphoid_process,xiphoid", "ribs,rib cage",
                     "spine,vertebrae,vertebral column,spinal column", "vertebrae_body",
                     "vertebrae_cervical,cervical spine,vertebra cervical spine",
@@ -174,13 +174,13 @@ namespace {
                     "vertebrae_lumbar,lumbar spine,vertebra lumbar spine", "scapula,shoulder blade",
                     "clavicle,collar bone,collarbone", "humerus", "sacrum", "hip", "femur", "skull", "skeleton", "bone",
                     "bone_other" });
-            add_structures(d, "cartilage", Role::wall,
+            add_structures(d, "cartilage", mesh::Role::wall,
                 { "costal_cartilages,rib cartilage", "intervertebral_discs,intervertebral disc" });
 
-            add_structures(d, "heart", Role::at_risk,
+            add_structures(d, "heart", mesh::Role::at_risk,
                 { "heart", "heart_myocardium,myocardium", "heart_atrium,atrium", "heart_ventricle,ventricle",
                     "atrial_appendage,auricle" });
-            add_structures(d, "vessel", Role::at_risk,
+            add_structures(d, "vessel", mesh::Role::at_risk,
                 { "aorta", "ascending_aorta", "descending_aorta", "transversal_aorta", "aortic_arch,arch of the aorta",
                     "pulmonary_artery", "pulmonary_trunk", "pulmonary_vein", "pulmonary_vessels",
                     "brachiocephalic_trunk,brachiocephalic artery,innominate artery", "subclavian_artery,subclavian",
@@ -188,24 +188,24 @@ namespace {
                     "superior_vena_cava", "inferior_vena_cava", "vena_cava,caval vein", "portal_vein_and_splenic_vein",
                     "iliac_artery,common iliac artery", "iliac_vena,iliac vein,common iliac vein",
                     "coronary_arteries,coronary", "celiac_trunk,coeliac trunk" });
-            add_structures(d, "soft_tissue", Role::at_risk, { "spinal_cord" });
+            add_structures(d, "soft_tissue", mesh::Role::at_risk, { "spinal_cord" });
 
-            add_structures(d, "lung", Role::voxel,
+            add_structures(d, "lung", mesh::Role::voxel,
                 { "lung", "lung_upper_lobe,upper lobe,superior lobe,superior lobe of lung",
                     "lung_middle_lobe,middle lobe", "lung_lower_lobe,lower lobe,inferior lobe,inferior lobe of lung",
                     "lung_upper_third,upper third", "lung_middle_third,middle third", "lung_lower_third,lower third",
                     "cavity" });
-            add_structures(d, "vessel", Role::voxel, { "lung_vessels,blood vessel of lung" });
-            add_structures(d, "heart", Role::voxel, { "pericardium" });
-            add_structures(d, "fat", Role::voxel,
+            add_structures(d, "vessel", mesh::Role::voxel, { "lung_vessels,blood vessel of lung" });
+            add_structures(d, "heart", mesh::Role::voxel, { "pericardium" });
+            add_structures(d, "fat", mesh::Role::voxel,
                 { "mediastinal_fat", "mediastinum", "torso_fat,fat trunk,visceral fat,visceral adipose tissue" });
-            add_structures(d, "cartilage", Role::voxel,
+            add_structures(d, "cartilage", mesh::Role::voxel,
                 { "trachea", "bronchus_main,main bronchus", "lung_trachea_bronchia,trachea and bronchus" });
-            add_structures(d, "muscle", Role::voxel,
+            add_structures(d, "muscle", mesh::Role::voxel,
                 { "oesophagus", "diaphragm", "stomach", "gallbladder,gall bladder", "small_bowel,small intestine",
                     "duodenum", "colon,large bowel,large intestine", "urinary_bladder,bladder" });
-            add_structures(d, "liver", Role::voxel, { "liver", "upper_abdomen" });
-            add_structures(d, "soft_tissue", Role::voxel,
+            add_structures(d, "liver", mesh::Role::voxel, { "liver", "upper_abdomen" });
+            add_structures(d, "soft_tissue", mesh::Role::voxel,
                 { "spleen", "kidney", "kidney_cyst", "pancreas", "adrenal_gland,adrenal", "thyroid_gland,thyroid",
                     "prostate", "thymus", "brain", "face", "body", "body_trunc", "body_extremities", "abdomen",
                     "pleural_effusion,effusion pleural cavity", "pericardial_effusion,effusion pericardial cavity",
@@ -249,7 +249,7 @@ namespace {
         }
         const std::string name = (number ? "rib" : "ribs") + (side.empty() ? "" : "_" + side)
             + (number ? "_" + std::to_string(*number) : "");
-        return Structure { name, "bone", Role::wall };
+        return Structure { name, "bone", mesh::Role::wall };
     }
 
     /// "vertebrae_T5", "T5 vertebra", "T5", "fifth thoracic vertebra".
@@ -280,7 +280,7 @@ namespace {
         if (region == 0 || !number || *number < 1 || *number > last.at(region)
             || !(alone || has(parsed.words, "vertebra")))
             return std::nullopt;
-        return Structure { std::string("vertebrae_") + region + std::to_string(*number), "bone", Role::wall };
+        return Structure { std::string("vertebrae_") + region + std::to_string(*number), "bone", mesh::Role::wall };
     }
 
     /// Words that tell the tissue of a structure that the dictionary does not have.
@@ -293,29 +293,29 @@ namespace {
         static const std::set<std::string_view> kBone { "bone", "rib", "vertebra", "sternum", "scapula", "clavicle",
             "spine" };
         const bool target = has_any(words, kTarget);
-        const auto with = [&](const char* material, Role role) {
-            return Structure { std::move(name), material, target ? Role::target : role };
+        const auto with = [&](const char* material, mesh::Role role) {
+            return Structure { std::move(name), material, target ? mesh::Role::target : role };
         };
         if (has_any(words, kVessel))
-            return with("vessel", Role::at_risk);
+            return with("vessel", mesh::Role::at_risk);
         if (has(words, "lung"))
-            return with("lung", Role::voxel);
+            return with("lung", mesh::Role::voxel);
         if (has(words, "liver"))
-            return with("liver", Role::voxel);
+            return with("liver", mesh::Role::voxel);
         if (has_any(words, { "heart", "cardiac", "myocardium" }))
-            return with("heart", Role::at_risk);
+            return with("heart", mesh::Role::at_risk);
         if (has(words, "cartilage"))
-            return with("cartilage", Role::voxel);
+            return with("cartilage", mesh::Role::voxel);
         if (has_any(words, kBone))
-            return with("bone", Role::wall);
+            return with("bone", mesh::Role::wall);
         if (has(words, "muscle"))
-            return with("muscle", Role::wall);
+            return with("muscle", mesh::Role::wall);
         if (has(words, "fat"))
-            return with("fat", Role::voxel);
-        return with("soft_tissue", Role::voxel);
+            return with("fat", mesh::Role::voxel);
+        return with("soft_tissue", mesh::Role::voxel);
     }
 
-    bool is_target(const Words& words) { return by_words(words, {}).role == Role::target; }
+    bool is_target(const Words& words) { return by_words(words, {}).role == mesh::Role::target; }
 
     Structure structure_of(const Parsed& parsed)
     {
@@ -345,11 +345,11 @@ namespace {
 
 } // namespace
 
-LabelInfo describe_structure(std::string_view name, Label id)
+mesh::LabelInfo describe_structure(std::string_view name, Label id)
 {
     const Parsed parsed = parse(name);
     if (parsed.own.empty())
-        return { id, "label_" + std::to_string(id), "soft_tissue", Role::voxel };
+        return { id, "label_" + std::to_string(id), "soft_tissue", mesh::Role::voxel };
     Structure structure = structure_of(parsed);
     return { id, std::move(structure.name), std::move(structure.material), structure.role };
 }
@@ -382,4 +382,4 @@ std::string structure_from_terminology(std::string_view tags)
     return text;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -4,7 +4,7 @@
 
 #include <span>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -154,7 +154,7 @@ std::vector<std::string> label_preset_names()
     return names;
 }
 
-LabelTable preset_table(std::string_view wanted)
+mesh::LabelTable preset_table(std::string_view wanted)
 {
     std::string known;
     for (const Preset& preset : presets()) {
@@ -164,7 +164,7 @@ LabelTable preset_table(std::string_view wanted)
         if (preset.structures == nullptr)
             throw InputError("this preset takes the names from the file (.seg.nrrd), it has no ids of its own",
                 "preset '" + std::string(wanted) + "'");
-        LabelTable table;
+        mesh::LabelTable table;
         for (const std::string& name : preset.structures())
             table.push_back(describe_structure(name, static_cast<Label>(table.size() + 1)));
         return table;
@@ -172,4 +172,4 @@ LabelTable preset_table(std::string_view wanted)
     throw InputError("there is no preset of this name; known are: " + known, "preset '" + std::string(wanted) + "'");
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

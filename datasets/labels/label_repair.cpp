@@ -15,7 +15,7 @@
 #include <map>
 #include <set>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -33,7 +33,7 @@ namespace {
 
     class Pieces {
     public:
-        explicit Pieces(const LabelVolume& labels)
+        explicit Pieces(const mesh::LabelVolume& labels)
             : size_(labels.grid.size)
         {
             cut_into_runs(labels.voxels);
@@ -161,7 +161,7 @@ namespace {
     };
 
     /// Structures that are pairs or many by nature.
-    bool comes_in_pieces(const LabelInfo& info)
+    bool comes_in_pieces(const mesh::LabelInfo& info)
     {
         static const std::set<std::string_view> kTissues { "skin", "fat", "muscle", "intercostal" };
         static const std::set<std::string_view> kNames { "spine", "skeleton", "bone", "bone_other", "costal_cartilages",
@@ -171,14 +171,14 @@ namespace {
             "pleural_effusion" };
         static constexpr std::array<std::string_view, 7> kMany { "arteries", "veins", "vessels", "nodules", "lesions",
             "metastases", "targets" };
-        return (kTissues.contains(info.material) && info.role == Role::wall) || kNames.contains(info.name)
+        return (kTissues.contains(info.material) && info.role == mesh::Role::wall) || kNames.contains(info.name)
             || info.name.starts_with("ribs") || std::any_of(kMany.begin(), kMany.end(), [&](std::string_view word) {
                    return info.name.find(word) != std::string::npos;
                });
     }
 
     /// Skin is a shell: what it encloses is the body, no hole.
-    bool may_have_holes(const LabelInfo& info) { return info.material != "skin"; }
+    bool may_have_holes(const mesh::LabelInfo& info) { return info.material != "skin"; }
 
     struct LabelPieces {
         std::size_t voxels = 0;
@@ -207,10 +207,10 @@ namespace {
     }
 
     /// Calls visit(run, label, offset) for the background runs that `label` alone encloses.
-    template <typename Visit> void for_holes(const Pieces& pieces, const LabelTable& table, const Visit& visit)
+    template <typename Visit> void for_holes(const Pieces& pieces, const mesh::LabelTable& table, const Visit& visit)
     {
         std::vector<bool> holes_of(std::size_t { std::numeric_limits<Label>::max() } + 1, false);
-        for (const LabelInfo& info : table)
+        for (const mesh::LabelInfo& info : table)
             holes_of[info.id] = may_have_holes(info);
         const std::vector<std::uint32_t> around = pieces.surroundings();
         pieces.for_runs([&](RunIndex run, std::size_t offset) {
@@ -222,9 +222,9 @@ namespace {
         });
     }
 
-    void check_input(const LabelVolume& labels)
+    void check_input(const mesh::LabelVolume& labels)
     {
-        check_grid(labels.grid);
+        mesh::check_grid(labels.grid);
         if (labels.voxels.size() != labels.grid.voxel_count())
             throw InputError("the labels have " + std::to_string(labels.voxels.size()) + " voxels, their grid "
                 + std::to_string(labels.grid.voxel_count()));
@@ -233,10 +233,11 @@ namespace {
         check_labels_named(labels, "labels");
     }
 
-    std::vector<LabelFragments> in_order_of(const LabelTable& table, const std::map<Label, LabelFragments>& by_label)
+    std::vector<LabelFragments> in_order_of(
+        const mesh::LabelTable& table, const std::map<Label, LabelFragments>& by_label)
     {
         std::vector<LabelFragments> list;
-        for (const LabelInfo& info : table) {
+        for (const mesh::LabelInfo& info : table) {
             const auto found = by_label.find(info.id);
             if (found == by_label.end()
                 || (found->second.pieces < 2 && found->second.stray_voxels == 0 && found->second.hole_voxels == 0))
@@ -260,11 +261,11 @@ namespace {
     }
 
     /// Sets to 0 the pieces that are not kept; by label the voxels that went.
-    std::map<Label, std::size_t> remove_strays(LabelVolume& labels, const Pieces& pieces, double keep_fraction)
+    std::map<Label, std::size_t> remove_strays(mesh::LabelVolume& labels, const Pieces& pieces, double keep_fraction)
     {
         const std::map<Label, LabelPieces> found = pieces_per_label(pieces);
         std::vector<bool> many(std::size_t { std::numeric_limits<Label>::max() } + 1, false);
-        for (const LabelInfo& info : labels.table)
+        for (const mesh::LabelInfo& info : labels.table)
             many[info.id] = comes_in_pieces(info);
         std::map<Label, std::size_t> removed;
         pieces.for_runs([&](RunIndex run, std::size_t offset) {
@@ -286,7 +287,7 @@ namespace {
 
 } // namespace
 
-std::vector<LabelFragments> find_fragments(const LabelVolume& labels, const Job& job)
+std::vector<LabelFragments> find_fragments(const mesh::LabelVolume& labels, const Job& job)
 {
     check_input(labels);
     job.report("look for fragments", 0.0);
@@ -301,7 +302,7 @@ std::vector<LabelFragments> find_fragments(const LabelVolume& labels, const Job&
     return in_order_of(labels.table, by_label);
 }
 
-std::vector<LabelFragments> repair_labels(LabelVolume& labels, double keep_fraction, const Job& job)
+std::vector<LabelFragments> repair_labels(mesh::LabelVolume& labels, double keep_fraction, const Job& job)
 {
     check_input(labels);
     if (!(keep_fraction >= 0.0 && keep_fraction <= 1.0))
@@ -332,4 +333,4 @@ std::vector<LabelFragments> repair_labels(LabelVolume& labels, double keep_fract
     return changed;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::datasets {
 
 struct LabelFragments {
     std::string name;
@@ -18,7 +18,7 @@ struct LabelFragments {
 };
 
 /// One entry for each label that has voxels and is in more than one piece or has holes.
-std::vector<LabelFragments> find_fragments(const LabelVolume& labels, const Job& job = {});
+std::vector<LabelFragments> find_fragments(const mesh::LabelVolume& labels, const Job& job = {});
 
 /// Keeps the largest piece of each label (stray voxels become 0) and fills holes that belong to no label. Labels that
 /// are pairs or many by nature (ribs under one name, costal cartilages, skin, fat, muscle, vertebrae as one spine) keep
@@ -26,6 +26,6 @@ std::vector<LabelFragments> find_fragments(const LabelVolume& labels, const Job&
 /// Skin is a shell: what it encloses is no hole of it. Of equal pieces the first in memory order is kept. Returns what
 /// was changed: voxels and pieces as they were, strays removed, holes filled. Cancelled, nothing is changed.
 /// @throws InputError for a fraction outside 0 to 1, and for voxels that the table does not name.
-std::vector<LabelFragments> repair_labels(LabelVolume& labels, double keep_fraction = 0.02, const Job& job = {});
+std::vector<LabelFragments> repair_labels(mesh::LabelVolume& labels, double keep_fraction = 0.02, const Job& job = {});
 
-} // namespace retractor
+} // namespace retractor::datasets

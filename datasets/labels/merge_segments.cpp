@@ -7,7 +7,7 @@
 #include <numeric>
 #include <set>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -49,13 +49,14 @@ namespace {
         return ids;
     }
 
-    LabelTable table_of(const SegmentedImage& image, const std::vector<Label>& ids, std::vector<std::string>& notes)
+    mesh::LabelTable table_of(
+        const SegmentedImage& image, const std::vector<Label>& ids, std::vector<std::string>& notes)
     {
-        LabelTable table;
+        mesh::LabelTable table;
         for (std::size_t s = 0; s < image.segments.size(); ++s) {
-            LabelInfo info = describe_structure(image.segments[s].name, ids[s]);
+            mesh::LabelInfo info = describe_structure(image.segments[s].name, ids[s]);
             const std::string name = info.name;
-            for (int copy = 2; find_label(table, info.name) != nullptr; ++copy)
+            for (int copy = 2; mesh::find_label(table, info.name) != nullptr; ++copy)
                 info.name = name + "_" + std::to_string(copy);
             if (info.name != name)
                 notes.push_back("segment \"" + image.segments[s].name + "\" means \"" + name
@@ -101,4 +102,4 @@ MergedSegments merge_segments(const SegmentedImage& image, const Job& job)
     return merged;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

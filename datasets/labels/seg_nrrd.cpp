@@ -8,7 +8,7 @@
 #include <limits>
 #include <set>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -125,4 +125,4 @@ SegmentedImage read_seg_nrrd(const fs::path& path, const Job& job)
     return image;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::datasets {
 
 struct Segment {
     std::string id; ///< "Segment_1"
@@ -21,7 +21,7 @@ struct Segment {
 };
 
 struct SegmentedImage {
-    ImageGrid grid;
+    mesh::ImageGrid grid;
     int layers = 1;
     std::vector<Label> voxels; ///< layer fastest: voxel v of layer l is at v * layers + l
     std::vector<Segment> segments; ///< in the file's order
@@ -38,10 +38,10 @@ SegmentedImage read_seg_nrrd(const std::filesystem::path& path, const Job& job =
 /// Layers merged into one label map, named by describe_structure(). Where segments overlap the one with fewer voxels
 /// wins: a vessel inside an organ stays visible.
 struct MergedSegments {
-    LabelVolume labels;
+    mesh::LabelVolume labels;
     std::size_t overlapping_voxels = 0;
     std::vector<std::string> notes; ///< those of the image, renumbering, renaming, overlap
 };
 MergedSegments merge_segments(const SegmentedImage& image, const Job& job = {});
 
-} // namespace retractor
+} // namespace retractor::datasets

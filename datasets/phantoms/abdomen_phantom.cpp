@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -98,9 +98,9 @@ namespace {
         return kHu[label];
     }
 
-    ImageGrid grid_of(const AbdomenParameters& p, double margin)
+    mesh::ImageGrid grid_of(const AbdomenParameters& p, double margin)
     {
-        ImageGrid grid;
+        mesh::ImageGrid grid;
         grid.spacing = p.spacing_mm;
         const Vec3 extent(p.width_mm + 2.0 * margin, p.depth_mm + 2.0 * margin, p.height_mm);
         for (int axis = 0; axis < 3; ++axis)
@@ -110,8 +110,8 @@ namespace {
         return grid;
     }
 
-    Phantom filled(
-        const ImageGrid& grid, const AbdomenParameters& parameters, LabelTable table, bool liver_alone, const Job& job)
+    Phantom filled(const mesh::ImageGrid& grid, const AbdomenParameters& parameters, mesh::LabelTable table,
+        bool liver_alone, const Job& job)
     {
         const Stopwatch watch;
         const Abdomen abdomen(parameters);
@@ -141,9 +141,9 @@ Phantom make_abdomen_phantom(const AbdomenParameters& parameters, const Job& job
 {
     check(parameters);
     return filled(grid_of(parameters, parameters.margin_mm), parameters,
-        { { kWall, "abdominal_wall", "muscle", Role::wall }, { kSpine, "spine", "bone", Role::wall },
-            { kLiver, "liver", "liver", Role::voxel }, { kStomach, "stomach", "muscle", Role::voxel },
-            { kBowel, "bowel", "fat", Role::voxel } },
+        { { kWall, "abdominal_wall", "muscle", mesh::Role::wall }, { kSpine, "spine", "bone", mesh::Role::wall },
+            { kLiver, "liver", "liver", mesh::Role::voxel }, { kStomach, "stomach", "muscle", mesh::Role::voxel },
+            { kBowel, "bowel", "fat", mesh::Role::voxel } },
         false, job);
 }
 
@@ -153,8 +153,8 @@ Phantom make_liver_phantom(const AbdomenParameters& parameters, const Job& job)
     AbdomenParameters wide = parameters;
     wide.height_mm *= 1.2; // the liver ends within the grid, above and below
     Phantom phantom = filled(grid_of(wide, 4.0 * parameters.spacing_mm.maxCoeff()), parameters,
-        { { kLiver, "liver", "liver", Role::wall } }, true, job);
+        { { kLiver, "liver", "liver", mesh::Role::wall } }, true, job);
     return phantom;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -4,7 +4,7 @@
 
 #include "datasets/phantoms/phantom.h"
 
-namespace retractor {
+namespace retractor::datasets {
 
 struct AbdomenParameters {
     double width_mm = 300.0; ///< left to right over the skin, 220 to 420
@@ -24,4 +24,4 @@ Phantom make_abdomen_phantom(const AbdomenParameters& parameters, const Job& job
 /// The same patient's liver alone, as tissue to be touched (role wall), its grid just round it.
 Phantom make_liver_phantom(const AbdomenParameters& parameters, const Job& job = {});
 
-} // namespace retractor
+} // namespace retractor::datasets

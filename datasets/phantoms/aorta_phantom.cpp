@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -94,14 +94,14 @@ namespace {
 
     /// In the parameters (angle step, layer, length step): the grid before it is bent.
     struct Grid {
-        TetMesh mesh;
+        mesh::TetMesh mesh;
         std::vector<std::array<double, 3>> place; ///< per node; the angle step may be the same as `around` steps less
     };
 
     /// Kuhn's six tetrahedra per cell are the same in every cell, so the grid closes on itself.
-    TetMesh kuhn_ring(const AortaParameters& p)
+    mesh::TetMesh kuhn_ring(const AortaParameters& p)
     {
-        TetMesh mesh;
+        mesh::TetMesh mesh;
         const auto id = [&](int i, int j, int k) {
             return static_cast<VertexId>((k * (p.through + 1) + j) * p.around + i % p.around);
         };
@@ -132,7 +132,7 @@ namespace {
     }
 
     /// Angle steps of an element's corners made neighbours: those beyond the seam get `around` steps more.
-    std::array<std::array<double, 3>, 4> unrolled(const TetMesh& grid, TetId t, int around)
+    std::array<std::array<double, 3>, 4> unrolled(const mesh::TetMesh& grid, TetId t, int around)
     {
         std::array<std::array<double, 3>, 4> corners {};
         bool far = false;
@@ -157,9 +157,9 @@ namespace {
     ElasticModel sweep_mesh(const Sweep& sweep)
     {
         const AortaParameters& p = sweep.p;
-        const TetMesh grid = kuhn_ring(p);
+        const mesh::TetMesh grid = kuhn_ring(p);
         ElasticModel body;
-        body.mesh = p.nodes_per_tet == 10 ? with_midpoints(grid) : grid;
+        body.mesh = p.nodes_per_tet == 10 ? mesh::with_midpoints(grid) : grid;
         body.roles.resize(body.mesh.vertex_count());
         const auto put = [&](VertexId node, const std::array<double, 3>& at) {
             const double radius
@@ -178,9 +178,9 @@ namespace {
                 for (std::size_t axis = 0; axis < 3; ++axis)
                     middle[axis] += 0.25 * corners[c][axis];
             }
-            for (std::size_t e = 0; e < kTetEdges.size() && p.nodes_per_tet == 10; ++e) {
-                const auto &a = corners[static_cast<std::size_t>(kTetEdges[e][0])],
-                           &b = corners[static_cast<std::size_t>(kTetEdges[e][1])];
+            for (std::size_t e = 0; e < mesh::kTetEdges.size() && p.nodes_per_tet == 10; ++e) {
+                const auto &a = corners[static_cast<std::size_t>(mesh::kTetEdges[e][0])],
+                           &b = corners[static_cast<std::size_t>(mesh::kTetEdges[e][1])];
                 put(nodes[4 + e], { 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]), 0.5 * (a[2] + b[2]) });
             }
             const bool stiff = sweep.sclerotic(sweep.length * middle[2] / p.along, 2.0 * kPi * middle[0] / p.around);
@@ -221,4 +221,4 @@ PalpationScene make_aorta_phantom(const AortaParameters& parameters)
     return scene;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -6,7 +6,7 @@
 
 #include <string>
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// Where the wall is sclerotic: a length of the centreline, all round or within an angle about the site.
 struct StiffRegion {
@@ -34,4 +34,4 @@ struct AortaParameters {
 /// @throws InputError naming the parameter that is out of its range.
 PalpationScene make_aorta_phantom(const AortaParameters& parameters);
 
-} // namespace retractor
+} // namespace retractor::datasets

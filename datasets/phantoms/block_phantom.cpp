@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -79,7 +79,7 @@ Phantom make_block_phantom(const BlockParameters& b, const Job& job)
 {
     check(b);
     const Stopwatch watch;
-    ImageGrid grid;
+    mesh::ImageGrid grid;
     grid.spacing = b.spacing_mm;
     for (int axis = 0; axis < 3; ++axis)
         grid.size[static_cast<std::size_t>(axis)]
@@ -89,11 +89,11 @@ Phantom make_block_phantom(const BlockParameters& b, const Job& job)
 
     Phantom phantom;
     phantom.labels = { grid, std::vector<Label>(grid.voxel_count(), 0),
-        { { kSkin, "skin", "skin", Role::wall }, { kFat, "fat", "fat", Role::wall },
-            { kMuscle, "muscle", "muscle", Role::wall }, { kCavity, "cavity", "lung", Role::voxel },
-            { kTarget, "target", "vessel", Role::target } } };
+        { { kSkin, "skin", "skin", mesh::Role::wall }, { kFat, "fat", "fat", mesh::Role::wall },
+            { kMuscle, "muscle", "muscle", mesh::Role::wall }, { kCavity, "cavity", "lung", mesh::Role::voxel },
+            { kTarget, "target", "vessel", mesh::Role::target } } };
     if (b.bone_bar)
-        phantom.labels.table.insert(phantom.labels.table.begin() + 3, { kBone, "bone", "bone", Role::wall });
+        phantom.labels.table.insert(phantom.labels.table.begin() + 3, { kBone, "bone", "bone", mesh::Role::wall });
     std::vector<float> hu(grid.voxel_count());
     for (int k = 0; k < grid.size[2]; ++k)
         for (int j = 0; j < grid.size[1]; ++j)
@@ -117,11 +117,11 @@ Phantom transformed(const Phantom& phantom, const Mat3& rotation, const Vec3& tr
     if (!orthonormal || rotation.determinant() < 0.0 || !translation.allFinite())
         throw InputError("a phantom can only be moved by a proper rotation and a finite translation");
     Phantom moved = phantom;
-    for (ImageGrid* grid : { &moved.ct.grid, &moved.labels.grid }) {
+    for (mesh::ImageGrid* grid : { &moved.ct.grid, &moved.labels.grid }) {
         grid->origin = rotation * grid->origin + translation;
         grid->direction = rotation * grid->direction;
     }
     return moved;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -12,7 +12,7 @@
 #include <fstream>
 #include <sstream>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -126,7 +126,7 @@ namespace {
 
 void check_elastic_model(const ElasticModel& model)
 {
-    check_mesh(model.mesh);
+    mesh::check_mesh(model.mesh);
     if (model.mesh.tet_count() == 0)
         throw InputError("the body has no elements", "mesh");
     if (model.roles.size() != model.mesh.vertex_count())
@@ -154,19 +154,19 @@ bool has_inner_wall(const ElasticModel& model)
 void write_elastic_model(const std::filesystem::path& vtu, const ElasticModel& model)
 {
     check_elastic_model(model);
-    MeshFields fields;
+    mesh::MeshFields fields;
     std::vector<double>& roles = fields.point_scalars["role"];
     for (const VertexRole role : model.roles)
         roles.push_back(static_cast<double>(role));
     fields.cell_scalars["youngs_modulus_MPa"] = model.youngs_modulus;
     fields.cell_scalars["poissons_ratio"] = model.poissons_ratio;
-    write_vtu(vtu, model.mesh, fields);
+    mesh::write_vtu(vtu, model.mesh, fields);
 }
 
 ElasticModel read_elastic_model(const std::filesystem::path& vtu)
 {
-    MeshFields fields;
-    ElasticModel model { read_vtu(vtu, &fields), {}, {}, {} };
+    mesh::MeshFields fields;
+    ElasticModel model { mesh::read_vtu(vtu, &fields), {}, {}, {} };
     const std::vector<double>& roles = array_of(fields.point_scalars, "role", vtu);
     for (std::size_t v = 0; v < roles.size(); ++v) {
         if (!(roles[v] == 0.0 || roles[v] == 1.0 || roles[v] == 2.0))
@@ -253,4 +253,4 @@ PalpationScene read_palpation_scene(const std::filesystem::path& file)
     return scene;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

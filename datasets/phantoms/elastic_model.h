@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::datasets {
 
 enum class VertexRole : std::uint8_t {
     free = 0, ///< moves
@@ -18,7 +18,7 @@ enum class VertexRole : std::uint8_t {
 };
 
 struct ElasticModel {
-    TetMesh mesh;
+    mesh::TetMesh mesh;
     std::vector<VertexRole> roles; ///< one per vertex
     std::vector<double> youngs_modulus, poissons_ratio; ///< MPa, -; one per element
 };
@@ -68,4 +68,4 @@ bool is_palpation_scene(const std::filesystem::path& file);
 /// @throws IoError when a file cannot be read; InputError naming the JSON pointer that is missing or wrong.
 PalpationScene read_palpation_scene(const std::filesystem::path& file);
 
-} // namespace retractor
+} // namespace retractor::datasets

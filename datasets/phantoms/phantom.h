@@ -8,12 +8,12 @@
 
 #include <cstdint>
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// A CT and the labels of the same voxels (both on one grid).
 struct Phantom {
-    Volume ct;
-    LabelVolume labels;
+    mesh::Volume ct;
+    mesh::LabelVolume labels;
 };
 
 /// An adult chest, arms not included, from the base of the neck to the upper abdomen. The defaults are an adult of
@@ -69,4 +69,4 @@ Phantom make_block_phantom(const BlockParameters& parameters, const Job& job = {
 /// @throws InputError unless `rotation` is a proper rotation (orthonormal to 1e-9, determinant +1).
 Phantom transformed(const Phantom& phantom, const Mat3& rotation, const Vec3& translation);
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -8,12 +8,12 @@
 #include <sstream>
 #include <vector>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
     /// (1 2 1)/4 along one axis, the border value repeated.
-    void blur_axis(std::span<float> values, const ImageGrid& grid, std::size_t axis)
+    void blur_axis(std::span<float> values, const mesh::ImageGrid& grid, std::size_t axis)
     {
         const auto stride = static_cast<std::size_t>(axis == 0 ? 1
                 : axis == 1                                    ? grid.size[0]
@@ -37,13 +37,13 @@ namespace {
 
 } // namespace
 
-Volume render_ct(const ImageGrid& grid, std::span<float> ideal_hu, double noise_hu, std::uint64_t seed)
+mesh::Volume render_ct(const mesh::ImageGrid& grid, std::span<float> ideal_hu, double noise_hu, std::uint64_t seed)
 {
     constexpr double kLowest = -1024.0;
     constexpr double kHighest = 3071.0;
     for (std::size_t axis = 0; axis < 3; ++axis)
         blur_axis(ideal_hu, grid, axis);
-    Volume ct { grid, std::vector<std::int16_t>(ideal_hu.size()) };
+    mesh::Volume ct { grid, std::vector<std::int16_t>(ideal_hu.size()) };
     for (std::size_t v = 0; v < ideal_hu.size(); ++v) {
         const double hu
             = static_cast<double>(ideal_hu[v]) + (noise_hu > 0.0 ? noise_hu * gaussian_noise(seed, v) : 0.0);
@@ -61,4 +61,4 @@ void check_parameter(const char* name, double value, double low, double high)
     throw InputError(message.str(), name);
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::datasets {
 
 Nearest nearest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b)
 {
@@ -134,4 +134,4 @@ double gaussian_noise(std::uint64_t seed, std::uint64_t index)
     return sum * std::sqrt(3.0); // four uniform numbers have variance 4/12
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

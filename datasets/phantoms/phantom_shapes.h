@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// Where a point is nearest to a polyline, and how far.
 struct Nearest {
@@ -63,4 +63,4 @@ std::vector<Vec3> smooth_polyline(std::span<const Vec3> corners, int pieces);
 /// result does not depend on the order in which voxels are visited). Sum of four uniform numbers.
 double gaussian_noise(std::uint64_t seed, std::uint64_t index);
 
-} // namespace retractor
+} // namespace retractor::datasets

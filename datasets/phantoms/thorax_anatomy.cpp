@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -425,4 +425,4 @@ ThoraxOrgans::ThoraxOrgans(const ThoraxParameters& parameters, const ThoraxSurfa
     coronary_centre_ = inside + (reach - 0.15 * coronary_radius_) * direction;
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -9,7 +9,7 @@
 #include <array>
 #include <vector>
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// Radial build-up of the rib cage, counted outward from the pleura (mm).
 inline constexpr double kPleuralCover = 3.0; ///< intercostal tissue between a rib and the pleura
@@ -108,4 +108,4 @@ private:
     Vec3 aneurysm_radii_;
 };
 
-} // namespace retractor
+} // namespace retractor::datasets

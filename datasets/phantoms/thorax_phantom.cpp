@@ -9,7 +9,7 @@
 #include <limits>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace {
 
@@ -47,48 +47,48 @@ namespace {
 
     struct NamedLabels {
         Ids id {};
-        LabelTable table;
+        mesh::LabelTable table;
     };
 
     NamedLabels name_labels()
     {
         NamedLabels n;
-        const auto add = [&](const std::string& name, const char* material, Role role) {
+        const auto add = [&](const std::string& name, const char* material, mesh::Role role) {
             const auto id = static_cast<Label>(n.table.size() + 1);
             n.table.push_back({ id, name, material, role });
             return id;
         };
         const std::array<std::string, 2> sides { "left", "right" };
         Ids& id = n.id;
-        id.skin = add("skin", "skin", Role::wall);
-        id.fat = add("fat", "fat", Role::wall);
-        id.muscle = add("muscle", "muscle", Role::wall);
-        id.intercostal = add("intercostal", "intercostal", Role::wall);
+        id.skin = add("skin", "skin", mesh::Role::wall);
+        id.fat = add("fat", "fat", mesh::Role::wall);
+        id.muscle = add("muscle", "muscle", mesh::Role::wall);
+        id.intercostal = add("intercostal", "intercostal", mesh::Role::wall);
         for (std::size_t side = 0; side < 2; ++side)
             for (std::size_t rib = 0; rib < kRibPairs; ++rib)
-                id.rib[side][rib] = add("rib_" + sides[side] + "_" + std::to_string(rib + 1), "bone", Role::wall);
-        id.costal_cartilages = add("costal_cartilages", "cartilage", Role::wall);
-        id.sternum = add("sternum", "bone", Role::wall);
-        id.spine = add("spine", "bone", Role::wall);
+                id.rib[side][rib] = add("rib_" + sides[side] + "_" + std::to_string(rib + 1), "bone", mesh::Role::wall);
+        id.costal_cartilages = add("costal_cartilages", "cartilage", mesh::Role::wall);
+        id.sternum = add("sternum", "bone", mesh::Role::wall);
+        id.spine = add("spine", "bone", mesh::Role::wall);
         for (std::size_t side = 0; side < 2; ++side)
-            id.scapula[side] = add("scapula_" + sides[side], "bone", Role::wall);
+            id.scapula[side] = add("scapula_" + sides[side], "bone", mesh::Role::wall);
         for (std::size_t side = 0; side < 2; ++side)
-            id.clavicle[side] = add("clavicle_" + sides[side], "bone", Role::wall);
+            id.clavicle[side] = add("clavicle_" + sides[side], "bone", mesh::Role::wall);
         for (std::size_t side = 0; side < 2; ++side)
-            id.lung[side] = add("lung_" + sides[side], "lung", Role::voxel);
-        id.heart = add("heart", "heart", Role::at_risk);
-        id.pericardium = add("pericardium", "heart", Role::voxel);
-        id.aorta = add("aorta", "vessel", Role::at_risk);
-        id.aneurysm = add("aneurysm", "vessel", Role::target);
-        id.coronary_target = add("coronary_target", "vessel", Role::target);
-        id.mediastinal_fat = add("mediastinal_fat", "fat", Role::voxel);
-        id.pulmonary_artery = add("pulmonary_artery", "vessel", Role::at_risk);
-        id.vena_cava = add("vena_cava", "vessel", Role::at_risk);
-        id.trachea = add("trachea", "cartilage", Role::voxel);
-        id.oesophagus = add("oesophagus", "muscle", Role::voxel);
-        id.diaphragm = add("diaphragm", "muscle", Role::voxel);
-        id.liver = add("liver", "liver", Role::voxel);
-        id.stomach = add("stomach", "muscle", Role::voxel);
+            id.lung[side] = add("lung_" + sides[side], "lung", mesh::Role::voxel);
+        id.heart = add("heart", "heart", mesh::Role::at_risk);
+        id.pericardium = add("pericardium", "heart", mesh::Role::voxel);
+        id.aorta = add("aorta", "vessel", mesh::Role::at_risk);
+        id.aneurysm = add("aneurysm", "vessel", mesh::Role::target);
+        id.coronary_target = add("coronary_target", "vessel", mesh::Role::target);
+        id.mediastinal_fat = add("mediastinal_fat", "fat", mesh::Role::voxel);
+        id.pulmonary_artery = add("pulmonary_artery", "vessel", mesh::Role::at_risk);
+        id.vena_cava = add("vena_cava", "vessel", mesh::Role::at_risk);
+        id.trachea = add("trachea", "cartilage", mesh::Role::voxel);
+        id.oesophagus = add("oesophagus", "muscle", mesh::Role::voxel);
+        id.diaphragm = add("diaphragm", "muscle", mesh::Role::voxel);
+        id.liver = add("liver", "liver", mesh::Role::voxel);
+        id.stomach = add("stomach", "muscle", mesh::Role::voxel);
         return n;
     }
 
@@ -158,7 +158,7 @@ namespace {
         ThoraxOrgans organs_;
         NamedLabels names_;
         Ids& id_;
-        ImageGrid grid_;
+        mesh::ImageGrid grid_;
         std::vector<Label> labels_;
         std::vector<float> hu_;
         std::vector<float> depth_; ///< mm under the skin
@@ -201,7 +201,7 @@ namespace {
     /// Fills one field of first-order distances: level sets on the grid, divided by their gradient.
     /// The powers of x and y are tabled per slice, which leaves one power per voxel.
     template <typename SectionAt>
-    std::vector<float> distances(const ImageGrid& grid, double squareness, const SectionAt& section_at)
+    std::vector<float> distances(const mesh::ImageGrid& grid, double squareness, const SectionAt& section_at)
     {
         const auto nx = static_cast<std::size_t>(grid.size[0]);
         const auto ny = static_cast<std::size_t>(grid.size[1]);
@@ -516,4 +516,4 @@ Phantom make_thorax_phantom(const ThoraxParameters& parameters, const Job& job)
     return Painter(parameters, job).paint();
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

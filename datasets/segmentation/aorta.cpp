@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
@@ -376,4 +376,4 @@ Aorta find_aorta(const AortaInput& input, int threads)
     return aorta;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -6,7 +6,7 @@
 
 #include "datasets/segmentation/lungs.h"
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 struct AortaInput {
     const WorkingImage& image;
@@ -26,4 +26,4 @@ struct Aorta {
 
 Aorta find_aorta(const AortaInput& input, int threads);
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -1,12 +1,12 @@
 #include "datasets/segmentation/autosegment.h"
 
+#include "datasets/io/volume_io.h"
 #include "datasets/segmentation/body.h"
 #include "datasets/segmentation/bones/bones.h"
 #include "datasets/segmentation/cavity.h"
 #include "datasets/segmentation/given_labels.h"
 #include "datasets/segmentation/vessels.h"
 #include "datasets/segmentation/wall_layers.h"
-#include "datasets/io/volume_io.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 #include <iomanip>
 #include <sstream>
 
-namespace retractor {
+namespace retractor::datasets {
 
 using namespace segmentation;
 
@@ -23,20 +23,20 @@ namespace {
     struct Known {
         const char* name;
         const char* material;
-        Role role;
+        mesh::Role role;
     };
-    constexpr std::array<Known, 4> kLayers { { { "skin", "skin", Role::wall }, { "fat", "fat", Role::wall },
-        { "muscle", "muscle", Role::wall }, { "intercostal", "intercostal", Role::wall } } };
-    constexpr std::array<Known, 7> kOrgans { { { "lung_left", "lung", Role::voxel },
-        { "lung_right", "lung", Role::voxel }, { "trachea", "cartilage", Role::voxel },
-        { "heart", "heart", Role::at_risk }, { "aorta", "vessel", Role::at_risk },
-        { "mediastinum", "fat", Role::voxel }, { "upper_abdomen", "liver", Role::voxel } } };
+    constexpr std::array<Known, 4> kLayers { { { "skin", "skin", mesh::Role::wall }, { "fat", "fat", mesh::Role::wall },
+        { "muscle", "muscle", mesh::Role::wall }, { "intercostal", "intercostal", mesh::Role::wall } } };
+    constexpr std::array<Known, 7> kOrgans { { { "lung_left", "lung", mesh::Role::voxel },
+        { "lung_right", "lung", mesh::Role::voxel }, { "trachea", "cartilage", mesh::Role::voxel },
+        { "heart", "heart", mesh::Role::at_risk }, { "aorta", "vessel", mesh::Role::at_risk },
+        { "mediastinum", "fat", mesh::Role::voxel }, { "upper_abdomen", "liver", mesh::Role::voxel } } };
     constexpr const char* kGiven = "given";
     constexpr const char* kBody = "body"; // a given label of this name says what the body is, and is no organ
 
-    void check(const Volume& ct, const AutosegmentOptions& options)
+    void check(const mesh::Volume& ct, const AutosegmentOptions& options)
     {
-        check_grid(ct.grid);
+        mesh::check_grid(ct.grid);
         if (ct.voxels.size() != ct.grid.voxel_count())
             throw InputError("the CT's grid and its voxels do not agree in number", "ct");
         if (!(options.spacing_mm >= 0.5 && options.spacing_mm <= 4.0)) {
@@ -45,7 +45,7 @@ namespace {
             throw InputError(message.str(), "spacing_mm");
         }
         constexpr double kMostVoxels = 120e6; // about 3 GB of working memory
-        if (working_voxels(ct.grid, options.spacing_mm) > kMostVoxels)
+        if (segmentation::working_voxels(ct.grid, options.spacing_mm) > kMostVoxels)
             throw InputError("the labels would have more than 120 million voxels (counted in the box along the world's "
                              "axes round the CT): use a larger spacing",
                 "spacing_mm");
@@ -54,13 +54,13 @@ namespace {
     /// The labels while they are found, step by step.
     class Segmenter {
     public:
-        Segmenter(const Volume& ct, const AutosegmentOptions& options, const Job& job)
+        Segmenter(const mesh::Volume& ct, const AutosegmentOptions& options, const Job& job)
             : job_(job)
-            , image_(working_image(ct, options.spacing_mm, job.threads))
+            , image_(segmentation::working_image(ct, options.spacing_mm, job.threads))
             , extent_(image_.extent())
         {
             if (options.given)
-                given_ = with_parts_joined(resample_labels_to(*options.given, image_.grid));
+                given_ = segmentation::with_parts_joined(resample_labels_to(*options.given, image_.grid));
             out_.labels.grid = image_.grid;
             out_.labels.voxels.assign(image_.grid.voxel_count(), 0);
             name_labels();
@@ -70,13 +70,13 @@ namespace {
 
     private:
         void name_labels();
-        Label add_label(const std::string& name, const std::string& material, Role role);
-        Label id_of(std::string_view name) const { return find_label(out_.labels.table, name)->id; }
+        Label add_label(const std::string& name, const std::string& material, mesh::Role role);
+        Label id_of(std::string_view name) const { return mesh::find_label(out_.labels.table, name)->id; }
 
         bool is_given(std::string_view name) const;
-        Mask given_mask(std::string_view name) const;
-        void keep_given(std::string_view name, Mask& mask) const;
-        void paint(const Mask& mask, std::string_view name);
+        segmentation::Mask given_mask(std::string_view name) const;
+        void keep_given(std::string_view name, segmentation::Mask& mask) const;
+        void paint(const segmentation::Mask& mask, std::string_view name);
         void paint_given();
         void drop_unused_labels();
         void note(const std::string& name, bool rough, const std::string& how);
@@ -93,28 +93,28 @@ namespace {
         void find_organs();
         void find_wall();
         void take_bone_by_threshold();
-        Mask named_bones(const std::function<bool(const std::string&)>& wanted) const;
+        segmentation::Mask named_bones(const std::function<bool(const std::string&)>& wanted) const;
         void give_airless_lung_back();
         void keep_wall_closed();
 
         const Job& job_;
-        WorkingImage image_;
-        Extent extent_;
-        std::optional<LabelVolume> given_;
-        Mask body_;
-        Lungs lungs_;
-        Bones bones_;
-        Mask all_bones_;
-        Mask ribs_;
-        Cavity cavity_;
+        segmentation::WorkingImage image_;
+        segmentation::Extent extent_;
+        std::optional<mesh::LabelVolume> given_;
+        segmentation::Mask body_;
+        segmentation::Lungs lungs_;
+        segmentation::Bones bones_;
+        segmentation::Mask all_bones_;
+        segmentation::Mask ribs_;
+        segmentation::Cavity cavity_;
         std::vector<float> depth_; ///< mm under the body's surface
         Segmentation out_;
     };
 
-    Label Segmenter::add_label(const std::string& name, const std::string& material, Role role)
+    Label Segmenter::add_label(const std::string& name, const std::string& material, mesh::Role role)
     {
-        LabelTable& table = out_.labels.table;
-        if (const LabelInfo* there = find_label(table, name))
+        mesh::LabelTable& table = out_.labels.table;
+        if (const mesh::LabelInfo* there = mesh::find_label(table, name))
             return there->id;
         const auto id = static_cast<Label>(table.size() + 1);
         table.push_back({ id, name, material, role });
@@ -128,7 +128,7 @@ namespace {
         for (const Known& known : kOrgans)
             add_label(known.name, known.material, known.role);
         if (given_)
-            for (const LabelInfo& info : given_->table)
+            for (const mesh::LabelInfo& info : given_->table)
                 if (info.name != kBody)
                     add_label(info.name, info.material, info.role);
     }
@@ -137,30 +137,30 @@ namespace {
     {
         if (!given_)
             return false;
-        const LabelInfo* info = find_label(given_->table, name);
+        const mesh::LabelInfo* info = mesh::find_label(given_->table, name);
         return info != nullptr
             && std::find(given_->voxels.begin(), given_->voxels.end(), info->id) != given_->voxels.end();
     }
 
-    Mask Segmenter::given_mask(std::string_view name) const
+    segmentation::Mask Segmenter::given_mask(std::string_view name) const
     {
-        Mask mask(image_.hu.size(), 0);
+        segmentation::Mask mask(image_.hu.size(), 0);
         if (!given_)
             return mask;
-        if (const LabelInfo* info = find_label(given_->table, name))
+        if (const mesh::LabelInfo* info = mesh::find_label(given_->table, name))
             for (std::size_t v = 0; v < mask.size(); ++v)
                 mask[v] = given_->voxels[v] == info->id ? 1 : 0;
         return mask;
     }
 
     /// What was given replaces what was found.
-    void Segmenter::keep_given(std::string_view name, Mask& mask) const
+    void Segmenter::keep_given(std::string_view name, segmentation::Mask& mask) const
     {
         if (is_given(name))
             mask = given_mask(name);
     }
 
-    void Segmenter::paint(const Mask& mask, std::string_view name)
+    void Segmenter::paint(const segmentation::Mask& mask, std::string_view name)
     {
         const Label id = id_of(name);
         for (std::size_t v = 0; v < mask.size(); ++v)
@@ -172,7 +172,7 @@ namespace {
     {
         if (!given_)
             return;
-        for (const LabelInfo& info : given_->table)
+        for (const mesh::LabelInfo& info : given_->table)
             if (info.name != kBody && is_given(info.name))
                 paint(given_mask(info.name), info.name);
     }
@@ -188,8 +188,8 @@ namespace {
         for (const Label label : out_.labels.voxels)
             ++count[label];
         std::vector<Label> renumbered(count.size(), 0);
-        LabelTable table;
-        for (LabelInfo info : out_.labels.table)
+        mesh::LabelTable table;
+        for (mesh::LabelInfo info : out_.labels.table)
             if (count[info.id] > 0) {
                 renumbered[info.id] = static_cast<Label>(table.size() + 1);
                 for (FoundStructure& found : out_.structures)
@@ -209,7 +209,7 @@ namespace {
         if (is_given(kBody)) {
             body_ = given_mask(kBody);
         } else {
-            Body body = segment_body(image_, job_.threads);
+            segmentation::Body body = segmentation::segment_body(image_, job_.threads);
             body_ = std::move(body.mask);
             warn(body.warnings);
         }
@@ -217,9 +217,9 @@ namespace {
             for (std::size_t v = 0; v < body_.size(); ++v)
                 if (given_->voxels[v] != 0)
                     body_[v] = 1;
-        Mask outside(body_.size());
+        segmentation::Mask outside(body_.size());
         std::transform(body_.begin(), body_.end(), outside.begin(), [](std::uint8_t b) { return b == 0 ? 1 : 0; });
-        depth_ = distance_to(extent_, outside);
+        depth_ = segmentation::distance_to(extent_, outside);
         take_off_electrodes();
     }
 
@@ -230,7 +230,8 @@ namespace {
         const float surface = std::max(3.0F, 1.01F * static_cast<float>(extent_.spacing[0])); // mm
         constexpr float kDeepest = 12.0F;
         constexpr std::int16_t kSkinHu = 40;
-        const Pieces pieces = connected_pieces(extent_, common(threshold(image_.hu, kBright, 32767), body_));
+        const segmentation::Pieces pieces = segmentation::connected_pieces(
+            extent_, segmentation::common(segmentation::threshold(image_.hu, kBright, 32767), body_));
         std::vector<float> least(pieces.voxels.size() + 1, kDeepest);
         std::vector<float> most(pieces.voxels.size() + 1, 0.0F);
         for (std::size_t v = 0; v < depth_.size(); ++v) {
@@ -260,15 +261,15 @@ namespace {
         if (is_given("lung_left") && is_given("lung_right") && is_given("trachea")) {
             lungs_ = { given_mask("lung_left"), given_mask("lung_right"), given_mask("trachea"), std::nullopt, {} };
         } else {
-            lungs_ = segment_lungs(image_, body_);
+            lungs_ = segmentation::segment_lungs(image_, body_);
             warn(lungs_.warnings);
         }
         keep_given("lung_left", lungs_.left);
         keep_given("lung_right", lungs_.right);
         keep_given("trachea", lungs_.trachea);
-        lungs_.right = without(lungs_.right, lungs_.left);
-        lungs_.left = without(lungs_.left, lungs_.trachea);
-        lungs_.right = without(lungs_.right, lungs_.trachea);
+        lungs_.right = segmentation::without(lungs_.right, lungs_.left);
+        lungs_.left = segmentation::without(lungs_.left, lungs_.trachea);
+        lungs_.right = segmentation::without(lungs_.right, lungs_.trachea);
         note("lung_left", false, "air below -400 HU inside the body, vessels filled, gas of the bowel left out");
         note("lung_right", false, "as the left one, parted from it where they touch");
         note("trachea", false, "the tube of air followed from the neck to the main bronchi");
@@ -276,17 +277,17 @@ namespace {
 
     void Segmenter::find_bones()
     {
-        const Mask lungs = united(lungs_.both(), lungs_.trachea);
-        bones_ = segment_bones({ image_, body_, lungs, given_ ? &*given_ : nullptr }, job_);
+        const segmentation::Mask lungs = segmentation::united(lungs_.both(), lungs_.trachea);
+        bones_ = segmentation::segment_bones({ image_, body_, lungs, given_ ? &*given_ : nullptr }, job_);
         warn(bones_.warnings);
         out_.structures.insert(out_.structures.end(), bones_.structures.begin(), bones_.structures.end());
         std::vector<Label> renumbered(static_cast<std::size_t>(65536), 0);
-        for (const LabelInfo& info : bones_.table)
+        for (const mesh::LabelInfo& info : bones_.table)
             renumbered[info.id] = add_label(info.name, info.material, info.role);
         for (std::size_t v = 0; v < body_.size(); ++v)
             if (bones_.labels[v] != 0 && body_[v] != 0 && lungs[v] == 0)
                 out_.labels.voxels[v] = renumbered[bones_.labels[v]];
-        if (find_label(bones_.table, "spine") == nullptr)
+        if (mesh::find_label(bones_.table, "spine") == nullptr)
             take_bone_by_threshold();
         all_bones_ = named_bones([](const std::string&) { return true; });
         ribs_ = named_bones(
@@ -298,10 +299,11 @@ namespace {
     {
         constexpr int kBoneHu = 180;
         constexpr const char* kName = "bone_other";
-        const Mask bright = majority(extent_, common(threshold(image_.hu, kBoneHu, 32767), body_), 1, job_.threads);
-        const Label id = add_label(kName, "bone", Role::wall);
-        if (find_label(bones_.table, kName) == nullptr)
-            bones_.table.push_back({ id, kName, "bone", Role::wall });
+        const segmentation::Mask bright = segmentation::majority(
+            extent_, segmentation::common(segmentation::threshold(image_.hu, kBoneHu, 32767), body_), 1, job_.threads);
+        const Label id = add_label(kName, "bone", mesh::Role::wall);
+        if (mesh::find_label(bones_.table, kName) == nullptr)
+            bones_.table.push_back({ id, kName, "bone", mesh::Role::wall });
         for (std::size_t v = 0; v < bright.size(); ++v)
             if (bright[v] != 0 && body_[v] != 0 && out_.labels.voxels[v] == 0)
                 out_.labels.voxels[v] = id;
@@ -312,13 +314,13 @@ namespace {
     }
 
     /// The voxels of the bones whose name is wanted.
-    Mask Segmenter::named_bones(const std::function<bool(const std::string&)>& wanted) const
+    segmentation::Mask Segmenter::named_bones(const std::function<bool(const std::string&)>& wanted) const
     {
         std::vector<std::uint8_t> take(out_.labels.table.size() + 1, 0);
-        for (const LabelInfo& info : bones_.table)
+        for (const mesh::LabelInfo& info : bones_.table)
             if (wanted(info.name))
                 take[id_of(info.name)] = 1;
-        Mask mask(out_.labels.voxels.size());
+        segmentation::Mask mask(out_.labels.voxels.size());
         std::transform(out_.labels.voxels.begin(), out_.labels.voxels.end(), mask.begin(),
             [&](Label label) { return take[label]; });
         return mask;
@@ -326,17 +328,18 @@ namespace {
 
     void Segmenter::find_cavity()
     {
-        const Mask spine = named_bones([](const std::string& name) { return name == "spine"; });
-        const Mask sternum = named_bones([](const std::string& name) { return name == "sternum"; });
-        Mask cage = united(united(ribs_, spine), sternum);
-        if (count_set(spine) == 0) {
+        const segmentation::Mask spine = named_bones([](const std::string& name) { return name == "spine"; });
+        const segmentation::Mask sternum = named_bones([](const std::string& name) { return name == "sternum"; });
+        segmentation::Mask cage = segmentation::united(segmentation::united(ribs_, spine), sternum);
+        if (segmentation::count_set(spine) == 0) {
             constexpr float kDeepestRib = 55.0F; // mm; what is bright below may as well be a vessel or a kidney
             cage = all_bones_;
             for (std::size_t v = 0; v < cage.size(); ++v)
                 if (depth_[v] > kDeepestRib)
                     cage[v] = 0;
         }
-        cavity_ = segment_cavity({ image_, body_, lungs_, cage, spine, sternum, all_bones_ }, job_.threads);
+        cavity_
+            = segmentation::segment_cavity({ image_, body_, lungs_, cage, spine, sternum, all_bones_ }, job_.threads);
         warn(cavity_.warnings);
         keep_wall_closed();
         give_airless_lung_back();
@@ -367,9 +370,9 @@ namespace {
         constexpr double kFromMidline = 50.0;
         constexpr double kFarRight = 65.0;
         constexpr double kMuchMl = 30.0;
-        const Extent cells = coarse_extent(extent_, kCells);
-        const Mask lungs = lungs_.both();
-        Mask around(lungs.size()); // lungs and wall, not the abdomen
+        const segmentation::Extent cells = segmentation::coarse_extent(extent_, kCells);
+        const segmentation::Mask lungs = lungs_.both();
+        segmentation::Mask around(lungs.size()); // lungs and wall, not the abdomen
         double middle = 0.0;
         double count = 0.0;
         const auto nx = static_cast<std::size_t>(extent_.size[0]);
@@ -381,8 +384,8 @@ namespace {
             }
         }
         middle = count > 0.0 ? middle / count : 0.5 * extent_.size[0];
-        const Mask pockets
-            = fine_values(extent_, closed(cells, coarse_mask(extent_, around, kCells, 0.5), kPocket), kCells);
+        const segmentation::Mask pockets = segmentation::fine_values(extent_,
+            segmentation::closed(cells, segmentation::coarse_mask(extent_, around, kCells, 0.5), kPocket), kCells);
         double filled = 0.0;
         for (std::size_t v = 0; v < lungs.size(); ++v) {
             if (cavity_.thorax[v] == 0 || lungs[v] != 0 || lungs_.trachea[v] != 0)
@@ -400,12 +403,13 @@ namespace {
 
     void Segmenter::find_organs()
     {
-        const Mask lungs = lungs_.both();
-        Mask mediastinum = without(without(cavity_.thorax, lungs), lungs_.trachea);
-        const Mask spine = named_bones([](const std::string& name) { return name == "spine"; });
-        const Mask sternum = named_bones([](const std::string& name) { return name == "sternum"; });
-        const Vessels vessels
-            = find_vessels({ image_, mediastinum, cavity_.abdomen, lungs_, spine, sternum, all_bones_ }, job_.threads);
+        const segmentation::Mask lungs = lungs_.both();
+        segmentation::Mask mediastinum
+            = segmentation::without(segmentation::without(cavity_.thorax, lungs), lungs_.trachea);
+        const segmentation::Mask spine = named_bones([](const std::string& name) { return name == "spine"; });
+        const segmentation::Mask sternum = named_bones([](const std::string& name) { return name == "sternum"; });
+        const segmentation::Vessels vessels = segmentation::find_vessels(
+            { image_, mediastinum, cavity_.abdomen, lungs_, spine, sternum, all_bones_ }, job_.threads);
         if (!is_given("heart") || !is_given("aorta"))
             warn(vessels.warnings);
         paint(cavity_.abdomen, "upper_abdomen");
@@ -414,8 +418,8 @@ namespace {
             paint(vessels.heart, "heart");
         if (!is_given("aorta"))
             paint(vessels.aorta, "aorta");
-        paint(common(lungs_.left, body_), "lung_left");
-        paint(common(lungs_.right, body_), "lung_right");
+        paint(segmentation::common(lungs_.left, body_), "lung_left");
+        paint(segmentation::common(lungs_.right, body_), "lung_right");
         paint(lungs_.trachea, "trachea");
         note("heart", true, vessels.heart_how);
         note("aorta", !vessels.contrast, vessels.aorta_how);
@@ -426,11 +430,12 @@ namespace {
 
     void Segmenter::find_wall()
     {
-        Mask wall(body_.size());
+        segmentation::Mask wall(body_.size());
         for (std::size_t v = 0; v < wall.size(); ++v)
             wall[v] = body_[v] != 0 && out_.labels.voxels[v] == 0 ? 1 : 0;
-        const std::vector<Layer> layers = wall_layers(
-            { image_, wall, depth_, ribs_, cavity_.shell, united(lungs_.both(), lungs_.trachea) }, job_.threads);
+        const std::vector<segmentation::Layer> layers = segmentation::wall_layers(
+            { image_, wall, depth_, ribs_, cavity_.shell, segmentation::united(lungs_.both(), lungs_.trachea) },
+            job_.threads);
         std::array<Label, 5> id {};
         for (std::size_t n = 0; n < kLayers.size(); ++n)
             // A layer that was given is complete as it is; muscle takes the place of what else would be found of it.
@@ -466,11 +471,11 @@ namespace {
 
 } // namespace
 
-Segmentation autosegment(const Volume& ct, const AutosegmentOptions& options, const Job& job)
+Segmentation autosegment(const mesh::Volume& ct, const AutosegmentOptions& options, const Job& job)
 {
     check(ct, options);
-    set_filter_threads(std::max(1, job.threads));
+    segmentation::set_filter_threads(std::max(1, job.threads));
     return Segmenter(ct, options, job).run();
 }
 
-} // namespace retractor
+} // namespace retractor::datasets

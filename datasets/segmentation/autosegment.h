@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::datasets {
 
 struct AutosegmentOptions {
     /// Spacing of the labels' grid, even in all directions: thin enough for a rib (8 mm) and for skin, coarse enough
@@ -22,11 +22,12 @@ struct AutosegmentOptions {
     double spacing_mm = 1.5;
     /// Labels that are right already: each voxel of theirs (by world position) keeps its label, and a structure that
     /// they hold is not searched for. Their table's names decide what they stand for.
-    std::optional<LabelVolume> given = std::nullopt;
+    std::optional<mesh::LabelVolume> given = std::nullopt;
 };
 
 struct Segmentation {
-    LabelVolume labels; ///< on its own grid; names and roles as make_thorax_phantom() gives them, where they apply
+    mesh::LabelVolume
+        labels; ///< on its own grid; names and roles as make_thorax_phantom() gives them, where they apply
     std::vector<FoundStructure> structures; ///< in the order of the steps
     std::vector<std::string>
         warnings; ///< what the user must look at ("rib 1 left not found", "no contrast: the aorta is rough")
@@ -38,6 +39,6 @@ struct Segmentation {
 /// is nothing else), upper_abdomen (below the diaphragm) (voxel); heart, aorta (at risk). Everything of the body has a
 /// label. Records the parts "segmentation" and "labels".
 /// @throws InputError when the image shows no body or no lungs (what was looked for is in the message).
-Segmentation autosegment(const Volume& ct, const AutosegmentOptions& options = {}, const Job& job = {});
+Segmentation autosegment(const mesh::Volume& ct, const AutosegmentOptions& options = {}, const Job& job = {});
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
@@ -87,4 +87,4 @@ Body segment_body(const WorkingImage& image, int threads)
     return body;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 struct Body {
     Mask mask; ///< lungs and gas inside included, also where the image's upper or lower border opens them
@@ -16,4 +16,4 @@ struct Body {
 /// @throws InputError when nothing in the image is as large as a trunk.
 Body segment_body(const WorkingImage& image, int threads);
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -10,7 +10,7 @@
 #include <limits>
 #include <numbers>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
@@ -265,4 +265,4 @@ Cavity segment_cavity(const CavityInput& input, int threads)
     return cavity;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

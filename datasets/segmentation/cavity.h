@@ -5,7 +5,7 @@
 
 #include "datasets/segmentation/lungs.h"
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 struct CavityInput {
     const WorkingImage& image;
@@ -26,4 +26,4 @@ struct Cavity {
 
 Cavity segment_cavity(const CavityInput& input, int threads);
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

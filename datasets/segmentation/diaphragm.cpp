@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
@@ -229,4 +229,4 @@ DiaphragmHeight diaphragm_height(const Extent& extent, const Lungs& lungs)
     return out;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

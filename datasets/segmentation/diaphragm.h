@@ -4,7 +4,7 @@
 
 #include "datasets/segmentation/lungs.h"
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 struct DiaphragmHeight {
     std::vector<double> plane; ///< per column (x fastest): plane index, negative below the image
@@ -13,4 +13,4 @@ struct DiaphragmHeight {
 
 DiaphragmHeight diaphragm_height(const Extent& extent, const Lungs& lungs);
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

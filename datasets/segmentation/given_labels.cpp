@@ -7,40 +7,40 @@
 #include <string_view>
 #include <vector>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
     /// The structure that a label is a part of.
-    std::optional<LabelInfo> whole_of(std::string_view name)
+    std::optional<mesh::LabelInfo> whole_of(std::string_view name)
     {
         if (name.starts_with("lung_") && name.find("lobe") != std::string_view::npos) {
             if (name.ends_with("_left"))
-                return LabelInfo { 0, "lung_left", "lung", Role::voxel };
+                return mesh::LabelInfo { 0, "lung_left", "lung", mesh::Role::voxel };
             if (name.ends_with("_right"))
-                return LabelInfo { 0, "lung_right", "lung", Role::voxel };
+                return mesh::LabelInfo { 0, "lung_right", "lung", mesh::Role::voxel };
         }
         if (name.starts_with("vertebrae_"))
-            return LabelInfo { 0, "spine", "bone", Role::wall };
+            return mesh::LabelInfo { 0, "spine", "bone", mesh::Role::wall };
         return std::nullopt;
     }
 
 } // namespace
 
-LabelVolume with_parts_joined(LabelVolume labels)
+mesh::LabelVolume with_parts_joined(mesh::LabelVolume labels)
 {
     std::vector<Label> id_of(std::size_t { std::numeric_limits<Label>::max() } + 1);
     for (std::size_t id = 0; id < id_of.size(); ++id)
         id_of[id] = static_cast<Label>(id);
-    LabelTable table;
-    for (const LabelInfo& info : labels.table)
+    mesh::LabelTable table;
+    for (const mesh::LabelInfo& info : labels.table)
         if (!whole_of(info.name))
             table.push_back(info);
-    for (const LabelInfo& info : labels.table) {
-        std::optional<LabelInfo> whole = whole_of(info.name);
+    for (const mesh::LabelInfo& info : labels.table) {
+        std::optional<mesh::LabelInfo> whole = whole_of(info.name);
         if (!whole)
             continue;
-        if (const LabelInfo* known = find_label(table, whole->name)) {
+        if (const mesh::LabelInfo* known = mesh::find_label(table, whole->name)) {
             id_of[info.id] = known->id;
         } else { // the first part's id stands for the whole
             whole->id = info.id;
@@ -53,4 +53,4 @@ LabelVolume with_parts_joined(LabelVolume labels)
     return labels;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -3,10 +3,10 @@
 
 #include "mesh/image/volume.h"
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 /// Parts of one structure become that structure: lobes of a lung ("lung_upper_lobe_left") the lung ("lung_left"),
 /// vertebrae ("vertebrae_T5") the spine. Everything else is left as it is.
-LabelVolume with_parts_joined(LabelVolume labels);
+mesh::LabelVolume with_parts_joined(mesh::LabelVolume labels);
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

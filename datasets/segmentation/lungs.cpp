@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
@@ -390,4 +390,4 @@ Lungs segment_lungs(const WorkingImage& image, const Mask& body)
     return lungs;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 struct Lungs {
     Mask left; ///< vessels inside included, windpipe and main bronchi not
@@ -22,4 +22,4 @@ struct Lungs {
 /// @throws InputError when there is no lung (how much air was found, and where, is in the message).
 Lungs segment_lungs(const WorkingImage& image, const Mask& body);
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 std::vector<PlaneExtents> plane_extents(const Extent& extent, const Mask& mask)
 {
@@ -74,4 +74,4 @@ std::pair<int, int> plane_range(const std::vector<PlaneExtents>& planes)
     return { first, last };
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

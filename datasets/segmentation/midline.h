@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 /// The extents of a mask in an axial plane.
 struct PlaneExtents {
@@ -29,4 +29,4 @@ std::vector<double> smooth_line(std::vector<double> values, int reach);
 /// The front of the spine in each plane (index y) beside `middle_x`, NaN where there is none.
 std::vector<double> spine_front(const Extent& extent, const Mask& spine, const std::vector<double>& middle_x);
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
@@ -99,4 +99,4 @@ Mask inside_surface(
     return out;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

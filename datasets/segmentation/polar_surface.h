@@ -4,7 +4,7 @@
 
 #include "datasets/segmentation/image/working_image.h"
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 inline constexpr int kAngles = 480; ///< 2 mm apart at a radius of 150 mm
 
@@ -38,4 +38,4 @@ void complete(PolarField& field, const std::vector<std::uint8_t>& known);
 Mask inside_surface(
     const Extent& extent, const PolarAxis& axis, const PolarField& radius, const Mask& limit, int threads);
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
@@ -81,4 +81,4 @@ Vessels find_vessels(const VesselsInput& input, int threads)
     return vessels;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -3,7 +3,7 @@
 
 #include "datasets/segmentation/lungs.h"
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 struct VesselsInput {
     const WorkingImage& image;
@@ -26,4 +26,4 @@ struct Vessels {
 
 Vessels find_vessels(const VesselsInput& input, int threads);
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

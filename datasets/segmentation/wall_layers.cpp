@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
@@ -58,4 +58,4 @@ std::vector<Layer> wall_layers(const WallInput& input, int threads)
     return layers;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

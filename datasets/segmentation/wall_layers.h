@@ -4,7 +4,7 @@
 
 #include "datasets/segmentation/cavity.h"
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 enum class Layer : std::uint8_t { none, skin, fat, muscle, intercostal };
 
@@ -19,4 +19,4 @@ struct WallInput {
 
 std::vector<Layer> wall_layers(const WallInput& input, int threads);
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

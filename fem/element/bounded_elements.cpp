@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -198,7 +198,7 @@ namespace {
 
 } // namespace
 
-BoundedElements::BoundedElements(const TetMesh& mesh, const std::vector<double>& gradients,
+BoundedElements::BoundedElements(const mesh::TetMesh& mesh, const std::vector<double>& gradients,
     const std::vector<double>& volumes, const std::vector<Lame>& lame)
 {
     packs_.resize((mesh.tet_count() + kPack - 1) / kPack, Pack {});
@@ -229,4 +229,4 @@ double BoundedElements::add_response(
     return add_packs_plainly(packs_.data() + first, count, displacement.data(), forces.data());
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -16,12 +16,12 @@
 #include <cstdint>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 class BoundedElements {
 public:
     /// @param gradients of the shape functions at rest: element, node, axis. @param volumes of the elements at rest.
-    BoundedElements(const TetMesh& mesh, const std::vector<double>& gradients, const std::vector<double>& volumes,
+    BoundedElements(const mesh::TetMesh& mesh, const std::vector<double>& gradients, const std::vector<double>& volumes,
         const std::vector<Lame>& lame);
 
     /// Elements are taken in packs of so many.
@@ -43,4 +43,4 @@ private:
     std::vector<Pack> packs_;
 };
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -7,7 +7,7 @@
 
 #include <array>
 
-namespace retractor {
+namespace retractor::fem {
 
 struct CornerGradients {
     std::array<Vec3, 4> of; ///< per corner, 1/mm
@@ -28,4 +28,4 @@ inline CornerGradients corner_gradients(const Vec3& p0, const Vec3& p1, const Ve
     return g;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

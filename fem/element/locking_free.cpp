@@ -14,7 +14,7 @@
 #include <map>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -131,7 +131,7 @@ namespace {
 
     constexpr double kElementShare = 0.05; // of the energy of shape; FEBio's own default for its stabilisation
 
-    LockingFree::Elements measure(const TetMesh& mesh)
+    LockingFree::Elements measure(const mesh::TetMesh& mesh)
     {
         LockingFree::Elements elements;
         NodeGradients rest(4, 3);
@@ -148,7 +148,7 @@ namespace {
 
     /// Disjoint patches of elements of one law round a vertex, at most eight each, greedily.
     /// @return the patch of each element: the number of its first element.
-    std::vector<std::int32_t> patches(const TetMesh& mesh, const std::vector<std::int32_t>& law)
+    std::vector<std::int32_t> patches(const mesh::TetMesh& mesh, const std::vector<std::int32_t>& law)
     {
         constexpr std::size_t kMost = 8; // as many as one element splits into when it is refined
         std::vector<std::vector<std::int32_t>> around(mesh.vertex_count());
@@ -205,13 +205,13 @@ namespace {
 } // namespace
 
 std::vector<AveragingDomain> edge_patch_domains(
-    const TetMesh& mesh, const std::vector<std::int32_t>& law_of_element, const std::vector<double>& volume)
+    const mesh::TetMesh& mesh, const std::vector<std::int32_t>& law_of_element, const std::vector<double>& volume)
 {
     using EdgeKey = std::array<std::int32_t, 3>; // the edge's vertices, the law
     std::vector<std::pair<EdgeKey, TetId>> all;
     for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
         const auto nodes = mesh.tet(static_cast<TetId>(t));
-        for (const auto& [i, j] : kTetEdges) {
+        for (const auto& [i, j] : mesh::kTetEdges) {
             const VertexId a = nodes[static_cast<std::size_t>(i)], b = nodes[static_cast<std::size_t>(j)];
             all.push_back({ { std::min(a, b), std::max(a, b), law_of_element[t] }, static_cast<TetId>(t) });
         }
@@ -230,7 +230,7 @@ std::vector<AveragingDomain> edge_patch_domains(
     return domains;
 }
 
-LockingFree::LockingFree(const TetMesh& mesh, const AveragingScheme& scheme, std::vector<PointLaw> laws,
+LockingFree::LockingFree(const mesh::TetMesh& mesh, const AveragingScheme& scheme, std::vector<PointLaw> laws,
     const std::vector<std::int32_t>& law_of_element, const std::vector<FibreDirections>& fibres)
     : node_count_(mesh.vertex_count())
     , laws_(std::move(laws))
@@ -252,7 +252,7 @@ LockingFree::LockingFree(const TetMesh& mesh, const AveragingScheme& scheme, std
     gather_volumes(std::move(members));
 }
 
-std::int32_t LockingFree::add_point(const TetMesh& mesh, const Elements& elements, const AveragingDomain& domain,
+std::int32_t LockingFree::add_point(const mesh::TetMesh& mesh, const Elements& elements, const AveragingDomain& domain,
     double scale, const std::vector<FibreDirections>& fibres)
 {
     std::vector<VertexId> nodes;
@@ -462,4 +462,4 @@ std::size_t LockingFree::bytes() const
         + fibres_.size() * sizeof(FibreDirections);
 }
 
-} // namespace retractor
+} // namespace retractor::fem

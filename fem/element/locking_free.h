@@ -32,7 +32,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// What strain is averaged over: elements of one law round an edge or a node.
 struct AveragingDomain {
@@ -44,11 +44,11 @@ struct AveragingDomain {
 
 /// Divides the elements of a mesh into domains. @param law_of_element, volume one per element, mm^3.
 using AveragingScheme = std::function<std::vector<AveragingDomain>(
-    const TetMesh& mesh, const std::vector<std::int32_t>& law_of_element, const std::vector<double>& volume)>;
+    const mesh::TetMesh& mesh, const std::vector<std::int32_t>& law_of_element, const std::vector<double>& volume)>;
 
 /// Elements round each edge, in the order of the edges; each domain is in the patch that most of its volume lies in.
 std::vector<AveragingDomain> edge_patch_domains(
-    const TetMesh& mesh, const std::vector<std::int32_t>& law_of_element, const std::vector<double>& volume);
+    const mesh::TetMesh& mesh, const std::vector<std::int32_t>& law_of_element, const std::vector<double>& volume);
 
 /// What a point is made of: Lame's parameters for the linear and corotational models, else a law.
 struct PointLaw {
@@ -63,7 +63,7 @@ public:
 
     /// @param law_of_element index into `laws`, one per element. @param fibres one per element; empty: none.
     /// @throws InputError when the mesh is not of four-node elements.
-    LockingFree(const TetMesh& mesh, const AveragingScheme& scheme, std::vector<PointLaw> laws,
+    LockingFree(const mesh::TetMesh& mesh, const AveragingScheme& scheme, std::vector<PointLaw> laws,
         const std::vector<std::int32_t>& law_of_element, const std::vector<FibreDirections>& fibres);
 
     /// Energy, N mm; its derivative is added to `forces`.
@@ -81,8 +81,8 @@ private:
         std::vector<double> slope, curvature; ///< of the volumetric energy by the volume ratio, per volume domain
         std::vector<double> pressure; ///< per strain point: the mean of its domains' slopes
     };
-    std::int32_t add_point(const TetMesh& mesh, const Elements& elements, const AveragingDomain& domain, double scale,
-        const std::vector<FibreDirections>& fibres);
+    std::int32_t add_point(const mesh::TetMesh& mesh, const Elements& elements, const AveragingDomain& domain,
+        double scale, const std::vector<FibreDirections>& fibres);
     void gather_volumes(std::vector<std::pair<std::array<std::int32_t, 2>, std::int32_t>> members);
     Mat3 deformation_gradient(const Eigen::VectorXd& u, std::size_t point) const;
     VolumeState volumes(const Eigen::VectorXd& u) const;
@@ -113,4 +113,4 @@ private:
     std::vector<double> second_half_;
 };
 
-} // namespace retractor
+} // namespace retractor::fem

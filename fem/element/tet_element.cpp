@@ -2,7 +2,7 @@
 
 #include <Eigen/LU>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -31,8 +31,8 @@ namespace {
         }
         for (std::size_t a = 0; a < 4; ++a)
             g.row(static_cast<Eigen::Index>(a)) = (4.0 * b[a] - 1.0) * d.row(static_cast<Eigen::Index>(a));
-        for (std::size_t e = 0; e < kTetEdges.size(); ++e) {
-            const int i = kTetEdges[e][0], j = kTetEdges[e][1];
+        for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e) {
+            const int i = mesh::kTetEdges[e][0], j = mesh::kTetEdges[e][1];
             g.row(static_cast<Eigen::Index>(4 + e))
                 = 4.0 * (b[static_cast<std::size_t>(j)] * d.row(i) + b[static_cast<std::size_t>(i)] * d.row(j));
         }
@@ -55,9 +55,9 @@ Eigen::VectorXd shape_values(int nodes_per_tet, const std::array<double, 4>& b)
     Eigen::VectorXd values(10);
     for (std::size_t a = 0; a < 4; ++a)
         values[static_cast<Eigen::Index>(a)] = b[a] * (2.0 * b[a] - 1.0);
-    for (std::size_t e = 0; e < kTetEdges.size(); ++e)
-        values[static_cast<Eigen::Index>(4 + e)]
-            = 4.0 * b[static_cast<std::size_t>(kTetEdges[e][0])] * b[static_cast<std::size_t>(kTetEdges[e][1])];
+    for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e)
+        values[static_cast<Eigen::Index>(4 + e)] = 4.0 * b[static_cast<std::size_t>(mesh::kTetEdges[e][0])]
+            * b[static_cast<std::size_t>(mesh::kTetEdges[e][1])];
     return values;
 }
 
@@ -71,4 +71,4 @@ ShapeGradients shape_gradients(const NodeGradients& nodes, const QuadraturePoint
     return shape;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

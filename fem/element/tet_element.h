@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// Barycentric coordinates and a weight; the weights of a rule sum to 1.
 struct QuadraturePoint {
@@ -36,4 +36,4 @@ struct ShapeGradients {
 /// there.
 ShapeGradients shape_gradients(const NodeGradients& nodes, const QuadraturePoint& point);
 
-} // namespace retractor
+} // namespace retractor::fem

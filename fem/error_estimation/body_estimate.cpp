@@ -1,15 +1,15 @@
 #include "fem/error_estimation/body_estimate.h"
 
-#include "fem/linear_algebra/constrained_solver.h"
 #include "fem/error_estimation/contact_by_averages.h"
 #include "fem/error_estimation/two_levels.h"
+#include "fem/linear_algebra/constrained_solver.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
 #include <cmath>
 #include <deque>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -152,4 +152,4 @@ BodyEstimate estimate_error(ElasticBody& coarse_body, const std::vector<std::uin
     return estimate;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 enum class EstimateStatus {
     done,
@@ -42,4 +42,4 @@ struct BodyEstimate {
 BodyEstimate estimate_error(ElasticBody& coarse, const std::vector<std::uint8_t>& coarse_held, ElasticBody& fine,
     const std::vector<std::uint8_t>& fine_held, const Eigen::VectorXd& answer, const Job& job);
 
-} // namespace retractor
+} // namespace retractor::fem

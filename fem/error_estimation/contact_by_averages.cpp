@@ -9,9 +9,10 @@
 #include <array>
 #include <map>
 
-namespace retractor {
+namespace retractor::fem {
 
-ContactByAverages::ContactByAverages(const ElasticBody& coarse, const TetMesh& fine, const Eigen::VectorXd& answer)
+ContactByAverages::ContactByAverages(
+    const ElasticBody& coarse, const mesh::TetMesh& fine, const Eigen::VectorXd& answer)
     : contact_(coarse.contact())
     , coarse_size_(answer.size())
 {
@@ -45,13 +46,13 @@ void ContactByAverages::add_product(const Eigen::VectorXd& u, Eigen::VectorXd& t
         spread(stiffness_.multiply(average(u)), to);
 }
 
-void ContactByAverages::weigh_edges(const TetMesh& coarse, const TetMesh& fine)
+void ContactByAverages::weigh_edges(const mesh::TetMesh& coarse, const mesh::TetMesh& fine)
 {
     std::vector<double> area(coarse.vertex_count(), 0.0);
     std::map<std::array<VertexId, 2>, double> of_edge; // end and midpoint
     std::map<VertexId, std::array<VertexId, 2>> ends;
-    for (const TetFace& face : boundary_faces(coarse)) {
-        const auto corners = face_vertices(coarse, face);
+    for (const mesh::TetFace& face : mesh::boundary_faces(coarse)) {
+        const auto corners = mesh::face_vertices(coarse, face);
         if (!std::all_of(
                 corners.begin(), corners.end(), [&](VertexId v) { return !forces_.segment<3>(3 * v).isZero(0.0); }))
             continue;
@@ -59,8 +60,8 @@ void ContactByAverages::weigh_edges(const TetMesh& coarse, const TetMesh& fine)
         for (const VertexId v : corners)
             area[static_cast<std::size_t>(v)] += size;
         const auto nodes = fine.tet(face.tet);
-        for (std::size_t e = 0; e < kTetEdges.size(); ++e) {
-            const auto [i, j] = kTetEdges[e];
+        for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e) {
+            const auto [i, j] = mesh::kTetEdges[e];
             if (i == face.corner || j == face.corner)
                 continue;
             const VertexId middle = nodes[4 + e];
@@ -97,4 +98,4 @@ void ContactByAverages::spread(const Eigen::VectorXd& forces, Eigen::VectorXd& t
     }
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -10,7 +10,7 @@
 
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// Contact by the coarse body's pairs. A point of theirs feels the displacement there and the mean of what the finer
 /// elements add on the edges round it, weighted by the area of the faces in contact on both sides of an edge.
@@ -18,7 +18,7 @@ class ContactByAverages {
 public:
     /// By the pairs as they are; a body without contact has none. @param fine with_midpoints() of its mesh. @param
     /// answer of the coarse body, which must outlive this.
-    ContactByAverages(const ElasticBody& coarse, const TetMesh& fine, const Eigen::VectorXd& answer);
+    ContactByAverages(const ElasticBody& coarse, const mesh::TetMesh& fine, const Eigen::VectorXd& answer);
 
     /// For add_product(); what is indefinite is left out by the share `lifted`.
     void linearise(const Eigen::VectorXd& answer, double lifted);
@@ -34,7 +34,7 @@ public:
     const BlockMatrix& linear_stiffness() const { return stiffness_; } ///< as linear functions feel it
 
 private:
-    void weigh_edges(const TetMesh& coarse, const TetMesh& fine);
+    void weigh_edges(const mesh::TetMesh& coarse, const mesh::TetMesh& fine);
     Eigen::VectorXd average(const Eigen::VectorXd& u) const;
     void spread(const Eigen::VectorXd& forces, Eigen::VectorXd& to) const;
 
@@ -45,4 +45,4 @@ private:
     std::vector<Share> shares_;
 };
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -78,15 +78,15 @@ ElasticProblem with_midpoints(const ElasticProblem& problem)
     std::vector<int> midpoint_holder(fine.mesh.vertex_count() - problem.mesh.vertex_count(), kNobody);
     const auto hold = [&](TetId t, int by, int but_corner) {
         const auto nodes = fine.mesh.tet(t);
-        for (std::size_t e = 0; e < kTetEdges.size(); ++e)
-            if (kTetEdges[e][0] != but_corner && kTetEdges[e][1] != but_corner)
+        for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e)
+            if (mesh::kTetEdges[e][0] != but_corner && mesh::kTetEdges[e][1] != but_corner)
                 midpoint_holder[static_cast<std::size_t>(nodes[4 + e] - corners)] = by;
     };
     for (TetId t = 0; t < static_cast<TetId>(problem.mesh.tet_count()); ++t)
         if (const int by = common_holder(holder, problem.mesh.tet(t)); by != kNobody)
             hold(t, by, -1);
-    for (const TetFace& face : boundary_faces(problem.mesh))
-        if (const int by = common_holder(holder, face_vertices(problem.mesh, face)); by != kNobody)
+    for (const mesh::TetFace& face : mesh::boundary_faces(problem.mesh))
+        if (const int by = common_holder(holder, mesh::face_vertices(problem.mesh, face)); by != kNobody)
             hold(face.tet, by, face.corner);
     for (std::size_t e = 0; e < midpoint_holder.size(); ++e) {
         const auto v = static_cast<VertexId>(static_cast<std::size_t>(corners) + e);
@@ -172,4 +172,4 @@ ErrorEstimate estimate_error(const ElasticProblem& problem, Elasticity elasticit
     return estimate;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -17,16 +17,16 @@
 // energy [Babuska, Szabo, Katz 1981: twice the rate of refinement], which kErrorShare makes up for.
 
 #include "fem/error_estimation/body_estimate.h"
+#include "fem/material/elasticity.h"
 #include "fem/model/contact.h"
 #include "fem/statics/elastic_problem.h"
-#include "fem/material/elasticity.h"
 #include "mesh/base/job.h"
 
 #include <optional>
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// Share of the error that ten-node elements remove where the field is singular like the root of the distance.
 inline constexpr double kErrorShare = 0.75;
@@ -78,4 +78,4 @@ ElasticProblem with_midpoints(const ElasticProblem& problem);
 /// The other way: four-node elements with the corners of ten-node ones. @pre corners come first, midpoints last.
 ElasticProblem without_midpoints(const ElasticProblem& problem);
 
-} // namespace retractor
+} // namespace retractor::fem

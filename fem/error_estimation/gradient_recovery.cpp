@@ -14,7 +14,7 @@
 #include <set>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -28,7 +28,7 @@ namespace {
     /// outside their samples, get a fit of lower degree. At corners of cubes cut into tetrahedra quadratics take 9.
     constexpr double kMostWeight = 12.0;
 
-    NodeGradients rest_positions(const TetMesh& mesh, TetId t)
+    NodeGradients rest_positions(const mesh::TetMesh& mesh, TetId t)
     {
         const auto nodes = mesh.tet(t);
         NodeGradients x(static_cast<Eigen::Index>(nodes.size()), 3);
@@ -37,7 +37,7 @@ namespace {
         return x;
     }
 
-    Mat3 gradient(const TetMesh& mesh, TetId t, const ShapeGradients& shape, const Eigen::VectorXd& u)
+    Mat3 gradient(const mesh::TetMesh& mesh, TetId t, const ShapeGradients& shape, const Eigen::VectorXd& u)
     {
         const auto nodes = mesh.tet(t);
         Mat3 H = Mat3::Zero();
@@ -69,8 +69,9 @@ namespace {
         std::array<Eigen::Vector4d, 10> node;
         for (int a = 0; a < 4; ++a)
             node[static_cast<std::size_t>(a)] = Eigen::Vector4d::Unit(a);
-        for (std::size_t e = 0; e < kTetEdges.size(); ++e)
-            node[4 + e] = 0.5 * (Eigen::Vector4d::Unit(kTetEdges[e][0]) + Eigen::Vector4d::Unit(kTetEdges[e][1]));
+        for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e)
+            node[4 + e]
+                = 0.5 * (Eigen::Vector4d::Unit(mesh::kTetEdges[e][0]) + Eigen::Vector4d::Unit(mesh::kTetEdges[e][1]));
         std::vector<QuadraturePoint> rule;
         for (const auto& part : kParts)
             for (const QuadraturePoint& q : quadrature(10)) {
@@ -160,7 +161,7 @@ namespace {
     /// The elements of one tissue, and what is fitted to the answer there.
     class Tissue {
     public:
-        Tissue(const TetMesh& mesh, std::vector<TetId> tets, const Eigen::VectorXd& u)
+        Tissue(const mesh::TetMesh& mesh, std::vector<TetId> tets, const Eigen::VectorXd& u)
             : mesh_(mesh)
             , tets_(std::move(tets))
         {
@@ -175,8 +176,8 @@ namespace {
                 const auto nodes = mesh_.tet(tets_[i]);
                 for (const VertexId v : nodes.first(4))
                     round_[v].push_back(i);
-                for (std::size_t e = 0; e < kTetEdges.size(); ++e)
-                    for (const int end : kTetEdges[e])
+                for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e)
+                    for (const int end : mesh::kTetEdges[e])
                         midpoints_[nodes[static_cast<std::size_t>(end)]].insert(nodes[4 + e]);
             }
             for (const auto& [vertex, near] : round_)
@@ -224,7 +225,7 @@ namespace {
                 recovered_.try_emplace(node, Gradient::Zero()).first->second += 0.5 * values.row(row++).transpose();
         }
 
-        const TetMesh& mesh_;
+        const mesh::TetMesh& mesh_;
         std::vector<TetId> tets_;
         std::vector<Sample> samples_; ///< kPerTet per element
         std::map<VertexId, std::vector<std::size_t>> round_; ///< elements of this tissue, by their place in tets_
@@ -232,7 +233,7 @@ namespace {
         std::map<VertexId, Gradient> recovered_; ///< at nodes
     };
 
-    void check(const TetMesh& mesh, std::span<const Lame> lame, const Eigen::VectorXd& u)
+    void check(const mesh::TetMesh& mesh, std::span<const Lame> lame, const Eigen::VectorXd& u)
     {
         if (mesh.nodes_per_tet != 10)
             throw InputError("gradients are recovered from ten-node elements", "nodes_per_tet");
@@ -242,7 +243,7 @@ namespace {
             throw InputError("there must be three finite displacements per node", "displacement");
     }
 
-    void check_corners(const TetMesh& mesh, const Eigen::VectorXd& four_node)
+    void check_corners(const mesh::TetMesh& mesh, const Eigen::VectorXd& four_node)
     {
         VertexId corners = 0;
         for (std::size_t t = 0; t < mesh.tet_count(); ++t)
@@ -254,7 +255,8 @@ namespace {
 
 } // namespace
 
-double recovered_energy(const TetMesh& mesh, Elasticity model, std::span<const Lame> lame, const Eigen::VectorXd& u)
+double recovered_energy(
+    const mesh::TetMesh& mesh, Elasticity model, std::span<const Lame> lame, const Eigen::VectorXd& u)
 {
     check(mesh, lame, u);
     const std::vector<QuadraturePoint> rule = fine_rule();
@@ -280,7 +282,7 @@ double recovered_energy(const TetMesh& mesh, Elasticity model, std::span<const L
     return sum;
 }
 
-double energy_between(const TetMesh& mesh, Elasticity model, std::span<const Lame> lame, const Eigen::VectorXd& u,
+double energy_between(const mesh::TetMesh& mesh, Elasticity model, std::span<const Lame> lame, const Eigen::VectorXd& u,
     const Eigen::VectorXd& other)
 {
     check(mesh, lame, u);
@@ -298,8 +300,8 @@ double energy_between(const TetMesh& mesh, Elasticity model, std::span<const Lam
     return sum;
 }
 
-double share_left(const TetMesh& mesh, Elasticity model, std::span<const Lame> lame, const Eigen::VectorXd& ten_node,
-    const Eigen::VectorXd& four_node)
+double share_left(const mesh::TetMesh& mesh, Elasticity model, std::span<const Lame> lame,
+    const Eigen::VectorXd& ten_node, const Eigen::VectorXd& four_node)
 {
     constexpr double kRoundOff = 1e-20; // of squares
     check(mesh, lame, ten_node);
@@ -308,10 +310,10 @@ double share_left(const TetMesh& mesh, Elasticity model, std::span<const Lame> l
     straight.head(four_node.size()) = four_node;
     for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
         const auto nodes = mesh.tet(static_cast<TetId>(t));
-        for (std::size_t e = 0; e < kTetEdges.size(); ++e)
+        for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e)
             straight.segment<3>(3 * nodes[4 + e]) = 0.5
-                * (straight.segment<3>(3 * nodes[static_cast<std::size_t>(kTetEdges[e][0])])
-                    + straight.segment<3>(3 * nodes[static_cast<std::size_t>(kTetEdges[e][1])]));
+                * (straight.segment<3>(3 * nodes[static_cast<std::size_t>(mesh::kTetEdges[e][0])])
+                    + straight.segment<3>(3 * nodes[static_cast<std::size_t>(mesh::kTetEdges[e][1])]));
     }
     const double gained = energy_between(mesh, model, lame, ten_node, straight);
     const double lacking = recovered_energy(mesh, model, lame, ten_node);
@@ -321,4 +323,4 @@ double share_left(const TetMesh& mesh, Elasticity model, std::span<const Lame> l
     return lacking > none ? std::numeric_limits<double>::infinity() : 0.0;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -15,16 +15,17 @@
 
 #include <span>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// Twice the energy of shape (N mm), of small strains on top of where the answer is, between its gradients and the
 /// recovered ones. That of volume is left out: it is what plain four-node elements lock by, and in nearly
 /// incompressible tissue would hide all else. @param mesh ten-node; fitted per label. @param model of the answer.
 /// @param lame one per element. @param u three per node.
-double recovered_energy(const TetMesh& mesh, Elasticity model, std::span<const Lame> lame, const Eigen::VectorXd& u);
+double recovered_energy(
+    const mesh::TetMesh& mesh, Elasticity model, std::span<const Lame> lame, const Eigen::VectorXd& u);
 
 /// The same between two answers on one mesh, on top of where the first is.
-double energy_between(const TetMesh& mesh, Elasticity model, std::span<const Lame> lame, const Eigen::VectorXd& u,
+double energy_between(const mesh::TetMesh& mesh, Elasticity model, std::span<const Lame> lame, const Eigen::VectorXd& u,
     const Eigen::VectorXd& other);
 
 /// What ten-node elements still lack of a number, over what they add to that of plain four-node ones on the same mesh.
@@ -35,7 +36,7 @@ double energy_between(const TetMesh& mesh, Elasticity model, std::span<const Lam
 /// it is above one, elements are too large or too flat to tell.
 /// @param ten_node the answer, three per node. @param four_node plain elements' answer at the corners, which come
 /// first. @throws InputError naming what does not fit the mesh.
-double share_left(const TetMesh& mesh, Elasticity model, std::span<const Lame> lame, const Eigen::VectorXd& ten_node,
-    const Eigen::VectorXd& four_node);
+double share_left(const mesh::TetMesh& mesh, Elasticity model, std::span<const Lame> lame,
+    const Eigen::VectorXd& ten_node, const Eigen::VectorXd& four_node);
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -44,16 +44,16 @@ namespace {
 
 } // namespace
 
-Nesting::Nesting(const TetMesh& fine, std::size_t corners)
+Nesting::Nesting(const mesh::TetMesh& fine, std::size_t corners)
     : corners_(static_cast<Eigen::Index>(corners))
     , ends_(fine.vertex_count() - corners)
 {
     for (std::size_t t = 0; t < fine.tet_count(); ++t) {
         const auto nodes = fine.tet(static_cast<TetId>(t));
-        for (std::size_t e = 0; e < kTetEdges.size(); ++e)
+        for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e)
             ends_[static_cast<std::size_t>(nodes[4 + e]) - corners]
-                = { nodes[static_cast<std::size_t>(kTetEdges[e][0])],
-                      nodes[static_cast<std::size_t>(kTetEdges[e][1])] };
+                = { nodes[static_cast<std::size_t>(mesh::kTetEdges[e][0])],
+                      nodes[static_cast<std::size_t>(mesh::kTetEdges[e][1])] };
     }
 }
 
@@ -212,4 +212,4 @@ std::size_t TwoLevels::bytes() const
         + (together_ ? together_->bytes() : 0);
 }
 
-} // namespace retractor
+} // namespace retractor::fem

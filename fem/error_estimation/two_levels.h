@@ -10,9 +10,9 @@
 // functions alone. What these strain may be bone beside muscle, and couples the edges round a corner: such edges are
 // solved together.
 
+#include "fem/error_estimation/contact_by_averages.h"
 #include "fem/linear_algebra/block_matrix.h"
 #include "fem/linear_algebra/constrained_solver.h"
-#include "fem/error_estimation/contact_by_averages.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
 #include <Eigen/Core>
@@ -24,13 +24,13 @@
 #include <optional>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// Linear functions among the quadratic ones.
 class Nesting {
 public:
     /// @param fine ten-node elements; their corners are the first vertices.
-    Nesting(const TetMesh& fine, std::size_t corners);
+    Nesting(const mesh::TetMesh& fine, std::size_t corners);
 
     Eigen::VectorXd prolong(const Eigen::VectorXd& coarse) const;
     Eigen::VectorXd restrict_to_corners(const Eigen::VectorXd& fine) const; ///< the transpose
@@ -78,4 +78,4 @@ private:
     std::optional<ConstrainedSolver> together_; ///< solves it
 };
 
-} // namespace retractor
+} // namespace retractor::fem

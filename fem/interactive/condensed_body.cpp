@@ -1,14 +1,14 @@
 #include "fem/interactive/condensed_body.h"
 
-#include "fem/linear_algebra/dense_algebra.h"
 #include "fem/interactive/vertex_matrix.h"
+#include "fem/linear_algebra/dense_algebra.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -164,4 +164,4 @@ std::size_t CondensedBody::bytes() const
         + (free_.size() + number_.size() + place_.size() + kept_.size()) * sizeof(std::int32_t);
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -14,7 +14,7 @@
 #include <memory>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// How vertices that are kept in addition hang on those kept before: u = follow u_before + own f.
 struct AddedVertices {
@@ -78,4 +78,4 @@ private:
     Eigen::MatrixXd added_fields_; ///< per unknown that was added: the field of a unit force there
 };
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -491,4 +491,4 @@ std::size_t CondensedWound::bytes() const
     return sum;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -16,7 +16,7 @@
 #include <optional>
 #include <set>
 
-namespace retractor {
+namespace retractor::fem {
 
 class CondensedWound final : public WoundSolver {
 public:
@@ -107,4 +107,4 @@ private:
     std::optional<LocalSystem> local_;
 };
 
-} // namespace retractor
+} // namespace retractor::fem

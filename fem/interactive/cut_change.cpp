@@ -1,11 +1,11 @@
 #include "fem/interactive/cut_change.h"
 
-#include "fem/linear_algebra/dense_algebra.h"
 #include "fem/interactive/vertex_matrix.h"
+#include "fem/linear_algebra/dense_algebra.h"
 
 #include <algorithm>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -150,4 +150,4 @@ CutChange make_cut_change(const OnlineStiffness& K, const KeptView& view, const 
     return change;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

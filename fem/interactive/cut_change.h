@@ -6,7 +6,7 @@
 #include "fem/interactive/kept_view.h"
 #include "fem/interactive/vertex_matrix.h"
 
-namespace retractor {
+namespace retractor::fem {
 
 struct CutChange {
     std::vector<VertexId> changed; ///< kept vertices whose rows differ from the reference; rising
@@ -48,4 +48,4 @@ Eigen::MatrixXd changed_stiffness(const CutChange& change);
 CutChange make_cut_change(const OnlineStiffness& K, const KeptView& view, const std::vector<std::uint8_t>& active,
     const std::set<VertexId>& newborn, const std::set<VertexId>& held);
 
-} // namespace retractor
+} // namespace retractor::fem

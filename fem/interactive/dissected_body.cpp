@@ -1,14 +1,14 @@
 #include "fem/interactive/dissected_body.h"
 
-#include "fem/linear_algebra/two_halves.h"
 #include "fem/interactive/vertex_matrix.h"
+#include "fem/linear_algebra/two_halves.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -650,4 +650,4 @@ std::size_t DissectedBody::bytes() const
     return sum;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

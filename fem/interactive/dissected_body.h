@@ -5,8 +5,8 @@
 // and those above them, are factored anew from the stiffness as it is now. Exact, whatever was cut before: nothing adds
 // up. Multifrontal Cholesky as in Duff and Reid (1983). Units mm, N; three unknowns per vertex.
 
-#include "fem/linear_algebra/dense_algebra.h"
 #include "fem/interactive/online_stiffness.h"
+#include "fem/linear_algebra/dense_algebra.h"
 #include "fem/linear_algebra/sparse_cholesky.h"
 
 #include <Eigen/Core>
@@ -16,7 +16,7 @@
 #include <set>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// How a body is taken apart. A leaf has vertices that stay closed; all others may change.
 struct Dissection {
@@ -105,4 +105,4 @@ private:
     std::array<std::vector<std::int32_t>, 2> below_;
 };
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 DissectedWound::DissectedWound(
     const OnlineBody& body, std::unique_ptr<DissectedBody> parts, const ReferenceRows& touched)
@@ -71,4 +71,4 @@ NearAnswer DissectedWound::solve_under(const Eigen::VectorXd& load, const Eigen:
     return near;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -8,7 +8,7 @@
 
 #include <memory>
 
-namespace retractor {
+namespace retractor::fem {
 
 class DissectedWound final : public WoundSolver {
 public:
@@ -40,4 +40,4 @@ private:
     bool ready_ = false; ///< they are up to date
 };
 
-} // namespace retractor
+} // namespace retractor::fem

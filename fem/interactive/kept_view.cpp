@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -178,4 +178,4 @@ void keep_also(KeptView& view, const AddedVertices& added)
         view.keep(v);
 }
 
-} // namespace retractor
+} // namespace retractor::fem

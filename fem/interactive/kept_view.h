@@ -8,8 +8,8 @@
 
 #include "fem/interactive/condensed_body.h"
 #include "fem/interactive/online_stiffness.h"
-#include "fem/linear_algebra/sparse_cholesky.h"
 #include "fem/interactive/vertex_matrix.h"
+#include "fem/linear_algebra/sparse_cholesky.h"
 
 #include <Eigen/Core>
 
@@ -20,7 +20,7 @@
 #include <set>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// Rows of the stiffness as they were in a state, of every vertex touched since.
 using ReferenceRows = std::map<VertexId, OnlineStiffness::Row>;
@@ -101,4 +101,4 @@ void keep_also(KeptView& view, const AddedVertices& added);
 /// Rows three per vertex at these places.
 std::vector<std::int32_t> rows_of_vertices(const KeptView& view, const std::vector<VertexId>& vertices);
 
-} // namespace retractor
+} // namespace retractor::fem

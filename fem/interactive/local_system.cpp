@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -293,4 +293,4 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
     return s;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

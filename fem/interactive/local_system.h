@@ -5,12 +5,12 @@
 // is factored (Cholesky). Units mm, N; three rows per vertex, one column per case.
 
 #include "fem/interactive/cut_change.h"
-#include "fem/linear_algebra/dense_algebra.h"
 #include "fem/interactive/online_hook.h"
+#include "fem/linear_algebra/dense_algebra.h"
 
 #include <optional>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// Compliance of the kept vertices that hooks hold; made when hooks or the view change.
 struct HookCompliance {
@@ -83,4 +83,4 @@ private:
     Eigen::MatrixXd held_stiffness_; ///< dense: rows of the changed stiffness of the held vertices, all columns
 };
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -27,9 +27,9 @@ namespace {
     VertexId slots(const OnlineBody& body) { return static_cast<VertexId>(body.K.slot_count()); }
 
     /// The living alone. @param place per vertex id: its number there, or -1.
-    TetMesh compact(const OnlineStiffness& K, std::vector<VertexId>& place)
+    mesh::TetMesh compact(const OnlineStiffness& K, std::vector<VertexId>& place)
     {
-        TetMesh mesh;
+        mesh::TetMesh mesh;
         place.assign(K.slot_count(), -1);
         std::vector<Vec3> points;
         for (VertexId v = 0; v < static_cast<VertexId>(K.slot_count()); ++v)
@@ -91,33 +91,33 @@ void check_hook(const OnlineBody& body, const OnlineHook& hook)
         throw InputError("a hook is a patch of three vertices at least, never a point", where);
 }
 
-void carry_supports(OnlineBody& body, const MeshDelta& delta)
+void carry_supports(OnlineBody& body, const mesh::MeshDelta& delta)
 {
     body.fixed.resize(body.K.slot_count(), 0);
-    for (const MeshDelta::VertexBorn& born : delta.vertices_born) {
-        const bool fixed = born.origin == MeshDelta::Origin::restored
+    for (const mesh::MeshDelta::VertexBorn& born : delta.vertices_born) {
+        const bool fixed = born.origin == mesh::MeshDelta::Origin::restored
             ? body.ablated_fixed.give_back(born.id).value_or(0) != 0
             : body.is_fixed(born.a) && body.is_fixed(born.b);
         body.fixed[static_cast<std::size_t>(born.id)] = fixed ? 1 : 0;
     }
-    for (const MeshDelta::VertexBorn& gone : delta.vertices_gone) {
+    for (const mesh::MeshDelta::VertexBorn& gone : delta.vertices_gone) {
         std::uint8_t& fixed = body.fixed[static_cast<std::size_t>(gone.id)];
-        if (gone.origin == MeshDelta::Origin::restored)
+        if (gone.origin == mesh::MeshDelta::Origin::restored)
             body.ablated_fixed.keep(gone.id, fixed);
         fixed = 0;
     }
 }
 
-bool carry_hooks(OnlineBody& body, const MeshDelta& delta)
+bool carry_hooks(OnlineBody& body, const mesh::MeshDelta& delta)
 {
     bool changed = false;
     for (auto& [id, hook] : body.hooks) {
-        for (const MeshDelta::VertexBorn& born : delta.vertices_born)
+        for (const mesh::MeshDelta::VertexBorn& born : delta.vertices_born)
             if (const auto lost = hook.lost.find(born.id); lost != hook.lost.end() && lost->second == born.position) {
                 hook.lost.erase(lost);
                 changed = true;
             }
-        for (const MeshDelta::VertexBorn& gone : delta.vertices_gone)
+        for (const mesh::MeshDelta::VertexBorn& gone : delta.vertices_gone)
             if (hook.holds(gone.id)) {
                 hook.lost.emplace(gone.id, gone.position);
                 changed = true;
@@ -184,7 +184,7 @@ std::string partly_lost(const OnlineBody& body)
 /// Of the elements that have a face in a patch: all that the patches' planes are made of.
 std::vector<FacingHooks> facing_hooks_of(const OnlineBody& body)
 {
-    TetMesh mesh;
+    mesh::TetMesh mesh;
     std::vector<HookPatch> patches;
     std::map<VertexId, VertexId> compact;
     std::set<TetId> faced;
@@ -240,7 +240,7 @@ bool all_joined_to_something(const OnlineBody& body)
 std::string loose_piece(const OnlineBody& body)
 {
     std::vector<VertexId> place, anchors;
-    const TetMesh mesh = compact(body.K, place);
+    const mesh::TetMesh mesh = compact(body.K, place);
     for (VertexId v = 0; v < slots(body); ++v)
         if (body.K.alive(v) && is_supported(body, v))
             anchors.push_back(place[static_cast<std::size_t>(v)]);
@@ -291,4 +291,4 @@ std::vector<Vec3> hook_forces(const OnlineBody& body, const Eigen::VectorXd& imb
     return forces;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

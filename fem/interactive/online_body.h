@@ -2,10 +2,10 @@
 // A body while it is cut: its stiffness as it is now, what supports it, and the hooks with what they hold. Vertices by
 // the session's ids; fields have three entries per id. Units mm, N, MPa; frame patient LPS.
 
-#include "fem/statics/boundary_conditions.h"
-#include "fem/statics/hooks_apart.h"
 #include "fem/interactive/online_hook.h"
 #include "fem/interactive/online_stiffness.h"
+#include "fem/statics/boundary_conditions.h"
+#include "fem/statics/hooks_apart.h"
 #include "mesh/cutting/ablated_values.h"
 
 #include <Eigen/Core>
@@ -18,7 +18,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// With those of its vertices that are gone: where they were. A vertex that comes back to the very place is the same.
 struct AttachedHook : OnlineHook {
@@ -31,7 +31,7 @@ inline constexpr std::size_t kHookPatch = 3; ///< vertices of a hook at least
 struct OnlineBody {
     OnlineStiffness K; ///< of all living vertices, the fixed and the held included
     std::vector<std::uint8_t> fixed {}; ///< per vertex id
-    AblatedValues<std::uint8_t> ablated_fixed {};
+    mesh::AblatedValues<std::uint8_t> ablated_fixed {};
     std::map<HookId, AttachedHook> hooks {};
     std::vector<HeldVertex> held {}; ///< living nodes of all hooks, as gather_held() found them
 
@@ -49,9 +49,9 @@ void set_supports(OnlineBody& body, const Supports& supports);
 void check_hook(const OnlineBody& body, const OnlineHook& hook);
 
 /// What supports lose and get back. @pre the stiffness is that after the delta.
-void carry_supports(OnlineBody& body, const MeshDelta& delta);
+void carry_supports(OnlineBody& body, const mesh::MeshDelta& delta);
 /// What hooks lose and get back. @return whether any did.
-bool carry_hooks(OnlineBody& body, const MeshDelta& delta);
+bool carry_hooks(OnlineBody& body, const mesh::MeshDelta& delta);
 
 std::vector<std::uint8_t> active_vertices(const OnlineBody& body); ///< per vertex id: 1 where a free vertex lives
 std::set<VertexId> hooked_vertices(const OnlineBody& body); ///< whose displacement a hook gives
@@ -86,4 +86,4 @@ template <class F> void for_blocks(const OnlineStiffness& K, VertexId v, const F
         f(row.column[k], RowBlock(row.value.data() + 9 * k));
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// Vertices that move as one: a patch, or all that a stiff bar takes. Never a single point.
 struct OnlineHook {
@@ -25,4 +25,4 @@ struct HeldVertex {
     std::int32_t hook = 0; ///< its number among the attached
 };
 
-} // namespace retractor
+} // namespace retractor::fem

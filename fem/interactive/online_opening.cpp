@@ -1,8 +1,8 @@
 #include "fem/interactive/online_opening.h"
 
-#include "fem/linear_algebra/blas_threads.h"
 #include "fem/interactive/condensed_wound.h"
 #include "fem/interactive/dissected_wound.h"
+#include "fem/linear_algebra/blas_threads.h"
 #include "mesh/base/error.h"
 #include "mesh/base/job.h"
 
@@ -16,7 +16,7 @@
 #include <sstream>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -56,7 +56,7 @@ namespace {
 } // namespace
 
 struct OnlineOpening::State {
-    State(const CutSession& session, std::span<const Material> materials, OnlineOptions given)
+    State(const mesh::CutSession& session, std::span<const Material> materials, OnlineOptions given)
         : options(std::move(given))
         , body { OnlineStiffness(session, materials, options.stress_of_element) }
     {
@@ -257,7 +257,7 @@ void keep_freed_memory()
     ::mallopt(M_TRIM_THRESHOLD, kLarge);
 }
 
-OnlineOpening::OnlineOpening(const CutSession& session, std::span<const Material> material_of_label,
+OnlineOpening::OnlineOpening(const mesh::CutSession& session, std::span<const Material> material_of_label,
     const Supports& supports, std::span<const VertexId> corridor, OnlineOptions options)
 {
     state_ = std::make_unique<State>(session, material_of_label, std::move(options));
@@ -280,7 +280,7 @@ OnlineOpening::OnlineOpening(const CutSession& session, std::span<const Material
 OnlineOpening::~OnlineOpening() = default;
 OnlineOpening::OnlineOpening(OnlineOpening&&) noexcept = default;
 
-void OnlineOpening::follow(const MeshDelta& delta, std::span<const LipFace> lips)
+void OnlineOpening::follow(const mesh::MeshDelta& delta, std::span<const mesh::LipFace> lips)
 {
     State& s = *state_;
     OnlineStiffness& K = s.body.K;
@@ -296,9 +296,9 @@ void OnlineOpening::follow(const MeshDelta& delta, std::span<const LipFace> lips
             s.rebuild->reference.try_emplace(v, row);
         s.solver->row_touched(v, row);
     }
-    for (const MeshDelta::VertexBorn& vertex : delta.vertices_born)
+    for (const mesh::MeshDelta::VertexBorn& vertex : delta.vertices_born)
         s.solver->vertex_born(vertex.id);
-    for (const MeshDelta::VertexBorn& vertex : delta.vertices_gone)
+    for (const mesh::MeshDelta::VertexBorn& vertex : delta.vertices_gone)
         s.solver->vertex_gone(vertex.id);
     if (carry_hooks(s.body, delta))
         s.solver->hooks_changed();
@@ -534,4 +534,4 @@ std::size_t OnlineOpening::bytes() const
     return s.body.K.bytes() + s.solver->bytes() + static_cast<std::size_t>(s.columns.size()) * sizeof(double);
 }
 
-} // namespace retractor
+} // namespace retractor::fem

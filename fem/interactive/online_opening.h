@@ -16,12 +16,12 @@
 // vertex lives. A vertex that cuts add is fixed where the edge or vertex it comes from is; it has no bed. One
 // that an undone ablation brings back has the support it had; one ablated before this was made comes back free.
 
-#include "fem/statics/boundary_conditions.h"
-#include "fem/statics/hooks_apart.h"
-#include "fem/material/material.h"
 #include "fem/interactive/online_hook.h"
 #include "fem/interactive/online_options.h"
 #include "fem/interactive/online_stiffness.h"
+#include "fem/material/material.h"
+#include "fem/statics/boundary_conditions.h"
+#include "fem/statics/hooks_apart.h"
 
 #include <Eigen/Core>
 
@@ -31,7 +31,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 enum class OnlineStatus {
     solved,
@@ -67,8 +67,8 @@ class OnlineOpening {
 public:
     /// @param corridor vertices where cuts are planned, for speed only; those fixed or not alive are left out.
     /// @throws InputError on bad materials, supports, vertices; SolverError when the body is not held.
-    OnlineOpening(const CutSession& session, std::span<const Material> material_of_label, const Supports& supports,
-        std::span<const VertexId> corridor, OnlineOptions options = {});
+    OnlineOpening(const mesh::CutSession& session, std::span<const Material> material_of_label,
+        const Supports& supports, std::span<const VertexId> corridor, OnlineOptions options = {});
     ~OnlineOpening();
     OnlineOpening(OnlineOpening&&) noexcept;
 
@@ -76,7 +76,7 @@ public:
     /// ids: one that is gone is let go, and held again when it comes back, whatever its id was used for meanwhile.
     /// @param lips of the session after it (CutSession::lips()); needed where there is tension.
     /// @throws InputError when it does not fit; nothing is changed then.
-    void follow(const MeshDelta& delta, std::span<const LipFace> lips = {});
+    void follow(const mesh::MeshDelta& delta, std::span<const mesh::LipFace> lips = {});
 
     /// @throws InputError when nodes are missing, dead, fixed, named twice or held by another hook, and on bad drives.
     HookId attach(OnlineHook hook);
@@ -132,4 +132,4 @@ private:
     std::unique_ptr<State> state_;
 };
 
-} // namespace retractor
+} // namespace retractor::fem

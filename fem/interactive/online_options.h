@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// How the body is kept between cuts: condensed onto the corridor's dense system (CondensedBody), or, where so much is
 /// touched that this would cost more, taken apart (DissectedBody).
@@ -29,4 +29,4 @@ struct OnlineOptions {
     std::vector<Mat3> stress_of_element {};
 };
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -12,7 +12,7 @@
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -57,12 +57,12 @@ namespace {
 
 } // namespace
 
-OnlineStiffness::OnlineStiffness(
-    const CutSession& session, std::span<const Material> material_of_label, std::span<const Mat3> stress_of_element)
+OnlineStiffness::OnlineStiffness(const mesh::CutSession& session, std::span<const Material> material_of_label,
+    std::span<const Mat3> stress_of_element)
     : stress_(checked_stress(stress_of_element))
 {
-    SlotMap map;
-    const TetMesh mesh = session.compact_mesh(&map);
+    mesh::SlotMap map;
+    const mesh::TetMesh mesh = session.compact_mesh(&map);
     std::vector<std::uint8_t> used(std::size_t { 1 } << 16, 0);
     for (const Label label : mesh.labels)
         used[label] = 1;
@@ -78,7 +78,7 @@ OnlineStiffness::OnlineStiffness(
             = mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose();
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
         const TetId slot = map.tet_slot[static_cast<std::size_t>(t)];
-        MeshDelta::Tet tet { slot, {}, mesh.labels[static_cast<std::size_t>(t)], session.origin(slot) };
+        mesh::MeshDelta::Tet tet { slot, {}, mesh.labels[static_cast<std::size_t>(t)], session.origin(slot) };
         check_label(tet.label);
         check_origin(tet.origin);
         for (std::size_t a = 0; a < 4; ++a)
@@ -108,12 +108,12 @@ void OnlineStiffness::check_origin(TetId origin) const
             element_name(origin));
 }
 
-void OnlineStiffness::set_wound(std::span<const LipFace> lips)
+void OnlineStiffness::set_wound(std::span<const mesh::LipFace> lips)
 {
     if (!loaded())
         return;
-    std::vector<TetFace> faces;
-    for (const LipFace& lip : lips) {
+    std::vector<mesh::TetFace> faces;
+    for (const mesh::LipFace& lip : lips) {
         const auto id = static_cast<std::size_t>(lip.face.tet);
         if (lip.face.tet < 0 || id >= tets_.size() || tets_[id].nodes[0] < 0 || lip.face.corner < 0
             || lip.face.corner > 3)
@@ -121,11 +121,13 @@ void OnlineStiffness::set_wound(std::span<const LipFace> lips)
         faces.push_back(lip.face);
     }
     std::sort(faces.begin(), faces.end(), // the same bits for the same wound
-        [](const TetFace& a, const TetFace& b) { return std::pair(a.tet, a.corner) < std::pair(b.tet, b.corner); });
+        [](const mesh::TetFace& a, const mesh::TetFace& b) {
+            return std::pair(a.tet, a.corner) < std::pair(b.tet, b.corner);
+        });
     load_.setZero();
-    for (const TetFace& face : faces) {
+    for (const mesh::TetFace& face : faces) {
         const Tet& tet = tets_[static_cast<std::size_t>(face.tet)];
-        const auto& corners = kTetFaces[static_cast<std::size_t>(face.corner)];
+        const auto& corners = mesh::kTetFaces[static_cast<std::size_t>(face.corner)];
         const auto node = [&](std::size_t i) { return tet.nodes[static_cast<std::size_t>(corners[i])]; };
         const auto at = [&](std::size_t i) -> const Vec3& { return position_[static_cast<std::size_t>(node(i))]; };
         const Vec3 area = area_vector(at(0), at(1), at(2));
@@ -151,7 +153,7 @@ void OnlineStiffness::set_bed(std::vector<double> stiffness)
         sum_row(v);
 }
 
-std::vector<VertexId> OnlineStiffness::touched_by(const MeshDelta& delta) const
+std::vector<VertexId> OnlineStiffness::touched_by(const mesh::MeshDelta& delta) const
 {
     std::vector<VertexId> touched;
     const auto add = [&](VertexId v) {
@@ -159,10 +161,10 @@ std::vector<VertexId> OnlineStiffness::touched_by(const MeshDelta& delta) const
             touched.push_back(v);
     };
     for (const auto* tets : { &delta.tets_gone, &delta.tets_born })
-        for (const MeshDelta::Tet& tet : *tets)
+        for (const mesh::MeshDelta::Tet& tet : *tets)
             for (const VertexId v : tet.nodes)
                 add(v);
-    for (const MeshDelta::VertexMoved& moved : delta.vertices_moved)
+    for (const mesh::MeshDelta::VertexMoved& moved : delta.vertices_moved)
         if (moved.id >= 0 && moved.id < static_cast<VertexId>(rows_.size()))
             for (const VertexId v : row(moved.id).column)
                 add(v);
@@ -171,11 +173,11 @@ std::vector<VertexId> OnlineStiffness::touched_by(const MeshDelta& delta) const
     return touched;
 }
 
-void OnlineStiffness::check(const MeshDelta& delta) const
+void OnlineStiffness::check(const mesh::MeshDelta& delta) const
 {
     const std::string wrong = "the delta does not belong to this state of the mesh: ";
     std::map<TetId, bool> lives; // where the delta has changed it
-    for (const MeshDelta::Tet& tet : delta.tets_gone) {
+    for (const mesh::MeshDelta::Tet& tet : delta.tets_gone) {
         const auto id = static_cast<std::size_t>(tet.id);
         const auto known = lives.find(tet.id);
         if (tet.id < 0 || id >= tets_.size() || tets_[id].nodes != tet.nodes
@@ -184,21 +186,21 @@ void OnlineStiffness::check(const MeshDelta& delta) const
         lives[tet.id] = false;
     }
     std::map<VertexId, Vec3> born;
-    for (const MeshDelta::VertexBorn& vertex : delta.vertices_born) {
+    for (const mesh::MeshDelta::VertexBorn& vertex : delta.vertices_born) {
         if (!vertex.position.allFinite())
             throw InputError("a vertex is born at a place that is not finite", vertex_name(vertex.id));
         if (vertex.id < 0 || (vertex.id < static_cast<VertexId>(rows_.size()) && alive(vertex.id)))
             throw InputError(wrong + "a vertex is born that lives", vertex_name(vertex.id));
         born.emplace(vertex.id, vertex.position);
     }
-    for (const MeshDelta::VertexMoved& moved : delta.vertices_moved) {
+    for (const mesh::MeshDelta::VertexMoved& moved : delta.vertices_moved) {
         const bool lives_now = moved.id >= 0 && moved.id < static_cast<VertexId>(rows_.size()) && alive(moved.id);
         if (!moved.to.allFinite())
             throw InputError("a vertex is moved to a place that is not finite", vertex_name(moved.id));
         if (!lives_now && !born.contains(moved.id))
             throw InputError(wrong + "a vertex is moved that does not live", vertex_name(moved.id));
     }
-    for (const MeshDelta::Tet& tet : delta.tets_born) {
+    for (const mesh::MeshDelta::Tet& tet : delta.tets_born) {
         check_label(tet.label);
         check_origin(tet.origin);
         const auto id = static_cast<std::size_t>(tet.id);
@@ -213,12 +215,12 @@ void OnlineStiffness::check(const MeshDelta& delta) const
     }
 }
 
-void OnlineStiffness::grow(const MeshDelta& delta)
+void OnlineStiffness::grow(const mesh::MeshDelta& delta)
 {
     std::size_t vertices = rows_.size(), tets = tets_.size();
-    for (const MeshDelta::VertexBorn& vertex : delta.vertices_born)
+    for (const mesh::MeshDelta::VertexBorn& vertex : delta.vertices_born)
         vertices = std::max(vertices, static_cast<std::size_t>(vertex.id) + 1);
-    for (const MeshDelta::Tet& tet : delta.tets_born)
+    for (const mesh::MeshDelta::Tet& tet : delta.tets_born)
         tets = std::max(tets, static_cast<std::size_t>(tet.id) + 1);
     tets_.resize(tets);
     if (vertices == rows_.size())
@@ -229,7 +231,7 @@ void OnlineStiffness::grow(const MeshDelta& delta)
     load_.conservativeResizeLike(Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(vertices)));
 }
 
-void OnlineStiffness::add_tet(const MeshDelta::Tet& tet)
+void OnlineStiffness::add_tet(const mesh::MeshDelta::Tet& tet)
 {
     tets_[static_cast<std::size_t>(tet.id)] = { tet.nodes, tet.label, tet.origin };
     for (const VertexId v : tet.nodes) {
@@ -239,7 +241,7 @@ void OnlineStiffness::add_tet(const MeshDelta::Tet& tet)
     ++living_tets_;
 }
 
-void OnlineStiffness::remove_tet(const MeshDelta::Tet& tet)
+void OnlineStiffness::remove_tet(const mesh::MeshDelta::Tet& tet)
 {
     tets_[static_cast<std::size_t>(tet.id)] = {};
     for (const VertexId v : tet.nodes) {
@@ -250,35 +252,35 @@ void OnlineStiffness::remove_tet(const MeshDelta::Tet& tet)
 }
 
 /// An id that is used again is another vertex: it has no part in the bed of the one before.
-void OnlineStiffness::carry_beds(const MeshDelta& delta)
+void OnlineStiffness::carry_beds(const mesh::MeshDelta& delta)
 {
-    for (const MeshDelta::VertexBorn& born : delta.vertices_born)
-        if (born.origin == MeshDelta::Origin::restored)
+    for (const mesh::MeshDelta::VertexBorn& born : delta.vertices_born)
+        if (born.origin == mesh::MeshDelta::Origin::restored)
             if (const std::optional<double> kept = ablated_beds_.give_back(born.id))
                 bed_[static_cast<std::size_t>(born.id)] = *kept;
-    for (const MeshDelta::VertexBorn& gone : delta.vertices_gone)
-        if (bed(gone.id) > 0.0 || gone.origin == MeshDelta::Origin::restored) {
+    for (const mesh::MeshDelta::VertexBorn& gone : delta.vertices_gone)
+        if (bed(gone.id) > 0.0 || gone.origin == mesh::MeshDelta::Origin::restored) {
             bed_.resize(std::max(bed_.size(), static_cast<std::size_t>(gone.id) + 1), 0.0);
             const double was = std::exchange(bed_[static_cast<std::size_t>(gone.id)], 0.0);
-            if (gone.origin == MeshDelta::Origin::restored)
+            if (gone.origin == mesh::MeshDelta::Origin::restored)
                 ablated_beds_.keep(gone.id, was);
         }
 }
 
-void OnlineStiffness::apply(const MeshDelta& delta)
+void OnlineStiffness::apply(const mesh::MeshDelta& delta)
 {
     check(delta);
     std::vector<VertexId> touched = touched_by(delta);
     grow(delta);
-    for (const MeshDelta::VertexBorn& vertex : delta.vertices_born) {
+    for (const mesh::MeshDelta::VertexBorn& vertex : delta.vertices_born) {
         position_[static_cast<std::size_t>(vertex.id)] = vertex.position;
         touched.push_back(vertex.id);
     }
-    for (const MeshDelta::VertexMoved& moved : delta.vertices_moved)
+    for (const mesh::MeshDelta::VertexMoved& moved : delta.vertices_moved)
         position_[static_cast<std::size_t>(moved.id)] = moved.to;
-    for (const MeshDelta::Tet& tet : delta.tets_gone)
+    for (const mesh::MeshDelta::Tet& tet : delta.tets_gone)
         remove_tet(tet);
-    for (const MeshDelta::Tet& tet : delta.tets_born)
+    for (const mesh::MeshDelta::Tet& tet : delta.tets_born)
         add_tet(tet);
     carry_beds(delta);
     living_vertices_ += delta.vertices_born.size();
@@ -381,7 +383,7 @@ Eigen::MatrixXd OnlineStiffness::multiply(const Eigen::MatrixXd& x) const
 double OnlineStiffness::volume(TetId t) const
 {
     const auto& n = tet(t);
-    return tet_volume(position(n[0]), position(n[1]), position(n[2]), position(n[3]));
+    return mesh::tet_volume(position(n[0]), position(n[1]), position(n[2]), position(n[3]));
 }
 
 std::size_t OnlineStiffness::bytes() const
@@ -395,4 +397,4 @@ std::size_t OnlineStiffness::bytes() const
     return sum;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -17,7 +17,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 class OnlineStiffness {
 public:
@@ -26,7 +26,7 @@ public:
     /// (pre_strain.h); empty: none.
     /// @throws InputError on bad materials, a label without one, a stress that is not finite or not symmetric, or a
     /// wrong number of stresses.
-    OnlineStiffness(const CutSession& session, std::span<const Material> material_of_label,
+    OnlineStiffness(const mesh::CutSession& session, std::span<const Material> material_of_label,
         std::span<const Mat3> stress_of_element = {});
 
     /// Springs to the ground, N/mm per vertex id, the same in every direction: a bed that is not modelled. Vertices
@@ -40,15 +40,15 @@ public:
     }
 
     /// Living vertices whose rows this delta changes, and some round them that stay as they are; rising.
-    std::vector<VertexId> touched_by(const MeshDelta& delta) const;
+    std::vector<VertexId> touched_by(const mesh::MeshDelta& delta) const;
     /// @throws InputError when the delta does not fit the mesh as it is.
-    void check(const MeshDelta& delta) const;
+    void check(const mesh::MeshDelta& delta) const;
     /// @throws InputError as check(); nothing is changed then.
-    void apply(const MeshDelta& delta);
+    void apply(const mesh::MeshDelta& delta);
 
     /// The faces of all wounds now, after apply(): the load is what the tension did there. For nothing without tension.
     /// @throws InputError on a face that is not in the mesh; the load is as it was then.
-    void set_wound(std::span<const LipFace> lips);
+    void set_wound(std::span<const mesh::LipFace> lips);
 
     /// Sums all rows anew in the pattern as it is; on two cores. For timing: apply() keeps them right.
     void assemble();
@@ -91,19 +91,19 @@ private:
         Label label = 0;
         TetId origin = 0;
     };
-    void grow(const MeshDelta& delta);
-    void add_tet(const MeshDelta::Tet& tet);
-    void remove_tet(const MeshDelta::Tet& tet);
+    void grow(const mesh::MeshDelta& delta);
+    void add_tet(const mesh::MeshDelta::Tet& tet);
+    void remove_tet(const mesh::MeshDelta::Tet& tet);
     void check_label(Label label) const;
     void check_origin(TetId origin) const;
     void make_pattern(VertexId v);
     void sum_row(VertexId v);
-    void carry_beds(const MeshDelta& delta);
+    void carry_beds(const mesh::MeshDelta& delta);
 
     std::vector<Lame> lame_; ///< per label
     std::vector<Mat3> stress_; ///< per element of the first mesh; empty: none
     std::vector<double> bed_; ///< per vertex id; may be shorter than the rows; 0 where no vertex lives
-    AblatedValues<double> ablated_beds_;
+    mesh::AblatedValues<double> ablated_beds_;
     std::vector<Vec3> position_; ///< per vertex id
     std::vector<std::vector<TetId>> around_; ///< per vertex id: elements, rising
     std::vector<Row> rows_;
@@ -112,4 +112,4 @@ private:
     std::size_t living_vertices_ = 0, living_tets_ = 0;
 };
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -66,4 +66,4 @@ StrainPeak strain_peak(const OnlineStiffness& K, const Eigen::VectorXd& displace
     return { at->strain, middle };
 }
 
-} // namespace retractor
+} // namespace retractor::fem

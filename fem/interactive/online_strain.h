@@ -7,7 +7,7 @@
 
 #include <span>
 
-namespace retractor {
+namespace retractor::fem {
 
 struct StrainPeak {
     double p99 = 0.0; ///< largest principal Green-Lagrange strain: 99th percentile by volume
@@ -21,4 +21,4 @@ struct StrainPeak {
 StrainPeak strain_peak(
     const OnlineStiffness& stiffness, const Eigen::VectorXd& displacement, std::span<const VertexId> held);
 
-} // namespace retractor
+} // namespace retractor::fem

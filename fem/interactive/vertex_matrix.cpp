@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -72,4 +72,4 @@ std::vector<std::int32_t> condensing_order(const RowOf& row, const std::vector<V
     return order;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -8,7 +8,7 @@
 #include <functional>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 struct SparseMatrix {
     SymmetricPattern pattern;
@@ -25,4 +25,4 @@ SparseMatrix vertex_matrix(
 std::vector<std::int32_t> condensing_order(const RowOf& row, const std::vector<VertexId>& vertices,
     const std::function<std::int32_t(VertexId)>& number, std::size_t kept_from, Ordering ordering);
 
-} // namespace retractor
+} // namespace retractor::fem

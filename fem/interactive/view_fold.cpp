@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 FoldSource fold_source(
     const KeptView& view, const CutChange& change, const OnlineStiffness& K, std::set<VertexId> held, bool leaving)
@@ -148,4 +148,4 @@ KeptView fold(const FoldSource& source, const CutChange& change)
     return next;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -14,7 +14,7 @@
 #include <set>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// All that fold() needs of a view and of the stiffness in the state that a change leads to: they may go on meanwhile.
 struct FoldSource {
@@ -39,4 +39,4 @@ FoldSource fold_source(
 /// body's own that only earlier changes touched leave, but for held ones. @param change is used up: its work space is.
 KeptView fold(const FoldSource& source, const CutChange& change);
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// One column per case.
 struct NearAnswer {
@@ -60,4 +60,4 @@ public:
     virtual std::size_t bytes() const = 0;
 };
 
-} // namespace retractor
+} // namespace retractor::fem

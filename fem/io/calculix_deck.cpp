@@ -11,7 +11,7 @@
 #include <optional>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -40,7 +40,7 @@ namespace {
 
     std::string node_number(VertexId v) { return std::to_string(static_cast<long>(v) + 1); }
 
-    void write_nodes(std::string& deck, const TetMesh& mesh)
+    void write_nodes(std::string& deck, const mesh::TetMesh& mesh)
     {
         deck += "*NODE, NSET=NALL\n";
         for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
@@ -53,7 +53,7 @@ namespace {
 
     std::string tissue(Label label) { return "TISSUE" + std::to_string(label); }
 
-    void write_elements(std::string& deck, const TetMesh& mesh, Label label)
+    void write_elements(std::string& deck, const mesh::TetMesh& mesh, Label label)
     {
         deck += "*ELEMENT, TYPE=" + std::string(mesh.nodes_per_tet == 10 ? "C3D10" : "C3D4")
             + ", ELSET=" + tissue(label) + "\n";
@@ -198,7 +198,7 @@ namespace {
 std::string calculix_deck(const ElasticProblem& problem)
 {
     check_problem(problem);
-    const TetMesh& mesh = problem.mesh;
+    const mesh::TetMesh& mesh = problem.mesh;
     constexpr std::size_t kBytesPerNode = 64, kBytesPerElementNode = 8;
     std::string deck;
     deck.reserve(kBytesPerNode * mesh.vertex_count() + kBytesPerElementNode * (mesh.nodes.size() + mesh.tet_count()));
@@ -261,4 +261,4 @@ CalculixAnswer read_calculix_answer(std::string_view dat, const ElasticProblem& 
     return answer;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// The whole deck; the same text for the same problem. Node i is vertex i - 1, element i tetrahedron i - 1.
 /// @throws InputError as check_problem() does.
@@ -28,4 +28,4 @@ struct CalculixAnswer {
 /// number: an answer that ends early is no answer.
 CalculixAnswer read_calculix_answer(std::string_view dat, const ElasticProblem& problem);
 
-} // namespace retractor
+} // namespace retractor::fem

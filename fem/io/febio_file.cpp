@@ -10,7 +10,7 @@
 #include <map>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -68,7 +68,7 @@ namespace {
             + "</node>\n";
     }
 
-    std::string elements(const TetMesh& mesh, Label label)
+    std::string elements(const mesh::TetMesh& mesh, Label label)
     {
         std::string text = "<Elements type=\"" + std::string(mesh.nodes_per_tet == 10 ? "tet10" : "tet4") + "\" name=\""
             + part(label) + "\">\n";
@@ -102,7 +102,7 @@ namespace {
     }
 
     /// Anchors follow the mesh's nodes: three per bedded vertex, along x, y and z, in the order of beds().
-    std::string anchors(const TetMesh& mesh, const NodesOfStiffness& beds, std::vector<std::size_t>& ids)
+    std::string anchors(const mesh::TetMesh& mesh, const NodesOfStiffness& beds, std::vector<std::size_t>& ids)
     {
         std::string text = "<Nodes name=\"anchors\">\n";
         for (const auto& [stiffness, nodes] : beds)
@@ -116,7 +116,7 @@ namespace {
         return text + "</Nodes>\n";
     }
 
-    std::string springs(const TetMesh& mesh, const NodesOfStiffness& beds)
+    std::string springs(const mesh::TetMesh& mesh, const NodesOfStiffness& beds)
     {
         std::string text;
         std::size_t anchor = mesh.vertex_count();
@@ -133,7 +133,7 @@ namespace {
 
     std::string mesh_section(const ElasticProblem& problem, const NodesOfStiffness& beds)
     {
-        const TetMesh& mesh = problem.mesh;
+        const mesh::TetMesh& mesh = problem.mesh;
         std::string text = "<Mesh>\n<Nodes name=\"wall\">\n";
         for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
             text += node(v + 1, mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose());
@@ -253,7 +253,7 @@ namespace {
         return parsed<Label>(digits.substr(0, digits.find(':')), element);
     }
 
-    void read_nodes(const XmlElement& mesh_section, TetMesh& mesh)
+    void read_nodes(const XmlElement& mesh_section, mesh::TetMesh& mesh)
     {
         const auto nodes = named(mesh_section, "Nodes", "wall").all("node");
         mesh.vertices.resize(static_cast<Eigen::Index>(nodes.size()), 3);
@@ -265,7 +265,7 @@ namespace {
         }
     }
 
-    void read_elements(const XmlElement& mesh_section, TetMesh& mesh)
+    void read_elements(const XmlElement& mesh_section, mesh::TetMesh& mesh)
     {
         const auto parts = mesh_section.all("Elements");
         std::size_t count = 0;
@@ -447,4 +447,4 @@ std::string first_difference(const ElasticProblem& a, const ElasticProblem& b)
     return {};
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -13,7 +13,7 @@
 #include <string>
 #include <string_view>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// How far from its node an anchor of a bed spring lies.
 inline constexpr double kFebioAnchorMm = 1000.0;
@@ -30,4 +30,4 @@ ElasticProblem read_febio_file(std::string_view text);
 /// The first difference between two problems in what a file can hold, in words; empty: there is none, to the last bit.
 std::string first_difference(const ElasticProblem& a, const ElasticProblem& b);
 
-} // namespace retractor
+} // namespace retractor::fem

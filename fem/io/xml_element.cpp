@@ -6,7 +6,7 @@
 #include <array>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -215,4 +215,4 @@ std::string xml_escaped(std::string_view text)
     return escaped;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

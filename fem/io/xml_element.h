@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 struct XmlElement {
     std::string name;
@@ -29,4 +29,4 @@ XmlElement parse_xml(std::string_view text);
 /// Text as it stands in an attribute or an element.
 std::string xml_escaped(std::string_view text);
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-namespace retractor {
+namespace retractor::fem {
 
 void set_blas_threads(int threads) { openblas_set_num_threads(std::max(threads, 1)); }
 
@@ -26,4 +26,4 @@ bool use_one_blas_thread_unless_asked()
     return true;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -11,7 +11,7 @@
 
 #include <string>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// Asks for this many threads, at least one, from now on and in the whole process.
 void set_blas_threads(int threads);
@@ -43,4 +43,4 @@ bool use_one_blas_thread_unless_asked();
 /// Initialised once in a program, before main(), wherever this header is included.
 inline const bool kBlasThreadsAreSet = use_one_blas_thread_unless_asked();
 
-} // namespace retractor
+} // namespace retractor::fem

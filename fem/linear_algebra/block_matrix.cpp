@@ -4,13 +4,13 @@
 
 #include <algorithm>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
     using Block = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
 
-    NodeGroups elements_as_groups(const TetMesh& mesh)
+    NodeGroups elements_as_groups(const mesh::TetMesh& mesh)
     {
         NodeGroups groups;
         groups.node = mesh.nodes;
@@ -64,7 +64,10 @@ BlockPattern block_pattern(std::size_t node_count, const NodeGroups& groups)
     return pattern;
 }
 
-BlockPattern block_pattern(const TetMesh& mesh) { return block_pattern(mesh.vertex_count(), elements_as_groups(mesh)); }
+BlockPattern block_pattern(const mesh::TetMesh& mesh)
+{
+    return block_pattern(mesh.vertex_count(), elements_as_groups(mesh));
+}
 
 std::vector<std::int32_t> group_block_map(const NodeGroups& groups, const BlockPattern& pattern)
 {
@@ -83,7 +86,7 @@ std::vector<std::int32_t> group_block_map(const NodeGroups& groups, const BlockP
     return map;
 }
 
-std::vector<std::int32_t> element_block_map(const TetMesh& mesh, const BlockPattern& pattern)
+std::vector<std::int32_t> element_block_map(const mesh::TetMesh& mesh, const BlockPattern& pattern)
 {
     return group_block_map(elements_as_groups(mesh), pattern);
 }
@@ -116,4 +119,4 @@ Eigen::MatrixXd dense(const BlockMatrix& matrix)
     return full;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// Compressed rows of the lower triangle, diagonal included; columns rise within a row, so the diagonal block is last.
 struct BlockPattern {
@@ -36,14 +36,14 @@ struct NodeGroups {
 /// Nodes of one group are coupled. Nodes that are in no group have empty rows.
 BlockPattern block_pattern(std::size_t node_count, const NodeGroups& groups);
 /// Nodes of one element are coupled.
-BlockPattern block_pattern(const TetMesh& mesh);
+BlockPattern block_pattern(const mesh::TetMesh& mesh);
 
 /// Per group and pair of its nodes, as element_block_map(); group g's pairs begin at the sum of those before it.
 std::vector<std::int32_t> group_block_map(const NodeGroups& groups, const BlockPattern& pattern);
 
 /// Per element and pair of local nodes (a >= b, at a (a + 1) / 2 + b): the block they add to; ~block when the block is
 /// to be added transposed (the global order of the two nodes is the other way round).
-std::vector<std::int32_t> element_block_map(const TetMesh& mesh, const BlockPattern& pattern);
+std::vector<std::int32_t> element_block_map(const mesh::TetMesh& mesh, const BlockPattern& pattern);
 
 struct BlockMatrix {
     BlockPattern pattern;
@@ -56,4 +56,4 @@ struct BlockMatrix {
 /// All entries, for small matrices: both triangles.
 Eigen::MatrixXd dense(const BlockMatrix& matrix);
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -65,4 +65,4 @@ ConditionEstimate estimate_condition(const BlockMatrix& K, const std::vector<std
     return estimate;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 ConstrainedSolver::ConstrainedSolver(const BlockPattern& pattern, std::vector<std::uint8_t> prescribed)
     : prescribed_(std::move(prescribed))
@@ -142,4 +142,4 @@ void ConstrainedSolver::mask(Eigen::VectorXd& vector) const
             vector[static_cast<Eigen::Index>(i)] = 0.0;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

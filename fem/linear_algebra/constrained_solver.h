@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 class ConstrainedSolver {
 public:
@@ -63,4 +63,4 @@ private:
     SparseCholesky cholesky_;
 };
 
-} // namespace retractor
+} // namespace retractor::fem

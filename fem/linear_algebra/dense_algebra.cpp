@@ -23,7 +23,7 @@ void dsyev_(const char* jobz, const char* uplo, const int* n, double* a, const i
     const int* lwork, int* info);
 }
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -338,4 +338,4 @@ void DenseLu::solve(Eigen::MatrixXd& b) const
     dgetrs_("N", &n, &cases, lu_.data(), &n, exchanges_.data(), b.data(), &n, &info);
 }
 
-} // namespace retractor
+} // namespace retractor::fem

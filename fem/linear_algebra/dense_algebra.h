@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// How many cores one call may use; the bits are the same.
 enum class Cores { one, two };
@@ -65,4 +65,4 @@ private:
     double rcond_ = 0.0;
 };
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// @param vector three entries per node, node by node. @return in the vector's unit; 0 when it is empty.
 inline double largest_nodal_norm(const Eigen::VectorXd& vector)
@@ -17,4 +17,4 @@ inline double largest_nodal_norm(const Eigen::VectorXd& vector)
     return std::sqrt(largest);
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -9,7 +9,7 @@
 #include <exception>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -184,4 +184,4 @@ PartialFactor factor_before(const Supernodes& f, double* x, Eigen::Index end, co
     return partial;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 struct PartialFactor {
     Eigen::MatrixXd trailing; ///< lower triangle: what the first unknowns, condensed, add among the last
@@ -23,4 +23,4 @@ struct PartialFactor {
 PartialFactor factor_before(const Supernodes& f, double* x, Eigen::Index end, const SymmetricPattern& pattern,
     const std::vector<std::int32_t>& place, const std::vector<double>& values);
 
-} // namespace retractor
+} // namespace retractor::fem

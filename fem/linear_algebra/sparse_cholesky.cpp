@@ -16,7 +16,7 @@
 #include <new>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -512,4 +512,4 @@ std::size_t SparseCholesky::bytes() const
     return state_->common.memory_inuse + state_->place.size() * sizeof(std::int32_t);
 }
 
-} // namespace retractor
+} // namespace retractor::fem

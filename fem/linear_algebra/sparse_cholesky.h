@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 enum class Ordering {
     nested_dissection, ///< METIS: for large matrices
@@ -100,4 +100,4 @@ private:
     std::unique_ptr<State> state_;
 };
 
-} // namespace retractor
+} // namespace retractor::fem

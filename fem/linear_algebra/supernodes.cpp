@@ -2,7 +2,7 @@
 
 #include <cholmod.h>
 
-namespace retractor {
+namespace retractor::fem {
 
 Supernodes::Supernodes(const cholmod_factor_struct& factor)
     : count(factor.nsuper)
@@ -73,4 +73,4 @@ TwoParts two_parts(const Supernodes& f, Eigen::Index given)
     return parts;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -11,7 +11,7 @@
 
 struct cholmod_factor_struct;
 
-namespace retractor {
+namespace retractor::fem {
 
 /// A supernodal factor's arrays: dense blocks of columns with the same rows, the diagonal block first.
 struct Supernodes {
@@ -48,4 +48,4 @@ struct TwoParts {
 /// Of those with columns before `given`: subtrees are split until none is much of the whole.
 TwoParts two_parts(const Supernodes& f, Eigen::Index given);
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// One triangle of a symmetric matrix: compressed columns of the upper triangle, diagonal included, rows rising.
 struct SymmetricPattern {
@@ -14,4 +14,4 @@ struct SymmetricPattern {
     std::int32_t size() const { return static_cast<std::int32_t>(column_start.size()) - 1; }
 };
 
-} // namespace retractor
+} // namespace retractor::fem

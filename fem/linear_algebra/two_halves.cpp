@@ -2,7 +2,7 @@
 
 #include <atomic>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -13,4 +13,4 @@ namespace {
 void set_solver_threads(int threads) { second_thread = threads >= 2; }
 bool solver_has_second_thread() { return second_thread; }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -5,7 +5,7 @@
 #include <thread>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// How many threads one solve may use: 1, or 2 and more, which are all the same, as the work is split in two halves at
 /// most. One setting for the whole process; to begin with, as many as there are cores.
@@ -43,4 +43,4 @@ template <class F> void in_two_halves(std::size_t count, const F& f)
     f(std::size_t { 0 }, std::size_t { 0 }, middle);
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -9,7 +9,7 @@
 #include <limits>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -253,4 +253,4 @@ PointResponse evaluate_point(Elasticity model, const Lame& l, const Mat3& F, boo
     return response;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -20,7 +20,7 @@
 
 #include <Eigen/Core>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// `hyperelastic` stands for the laws of hyperelasticity.h; the functions below do not take it.
 enum class Elasticity { linear, corotational, hyperelastic, bounded };
@@ -72,4 +72,4 @@ struct PointResponse {
 };
 PointResponse evaluate_point(Elasticity model, const Lame& lame, const Mat3& F, bool with_tangent);
 
-} // namespace retractor
+} // namespace retractor::fem

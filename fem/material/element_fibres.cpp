@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -21,7 +21,7 @@ namespace {
         const auto side = [&](std::size_t i, std::size_t j) {
             return (corners[i] - around.point).cross(corners[j] - around.point).dot(along);
         };
-        for (const auto& face : kTetFaces) {
+        for (const auto& face : mesh::kTetFaces) {
             const auto a = static_cast<std::size_t>(face[0]), b = static_cast<std::size_t>(face[1]),
                        c = static_cast<std::size_t>(face[2]);
             const std::array<double, 3> s { side(a, b), side(b, c), side(c, a) };
@@ -54,11 +54,11 @@ void check_fibres_around(const FibresAround& around, const std::string& where)
         throw InputError("the fibres' angle to the circumference must be between 0 and 90 degrees", where);
 }
 
-FibreDirections element_fibres(const TetMesh& mesh, TetId element, const TissueLaw& tissue)
+FibreDirections element_fibres(const mesh::TetMesh& mesh, TetId element, const TissueLaw& tissue)
 {
     if (!tissue.around)
         return tissue.fibres;
-    const Corners corners = tet_corners(mesh, element);
+    const Corners corners = mesh::tet_corners(mesh, element);
     const Vec3 along = tissue.around->axis.stableNormalized(),
                middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
     if (axis_meets(corners, *tissue.around, along))
@@ -68,4 +68,4 @@ FibreDirections element_fibres(const TetMesh& mesh, TetId element, const TissueL
     return { std::cos(angle) * round + std::sin(angle) * along, std::cos(angle) * round - std::sin(angle) * along };
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -6,7 +6,7 @@
 
 #include <string>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// @throws InputError when a coordinate is not finite, the axis is zero, or the angle is not between 0 and 90 degrees.
 void check_fibres_around(const FibresAround& around, const std::string& where);
@@ -16,6 +16,6 @@ void check_fibres_around(const FibresAround& around, const std::string& where);
 /// @pre the element is one of the mesh's, and check_fibres_around() holds of the axis.
 /// @throws InputError naming the element and its place when the axis that fibres turn round runs through it: there they
 /// have no direction.
-FibreDirections element_fibres(const TetMesh& mesh, TetId element, const TissueLaw& tissue);
+FibreDirections element_fibres(const mesh::TetMesh& mesh, TetId element, const TissueLaw& tissue);
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -15,7 +15,7 @@
 #include <string_view>
 #include <variant>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -318,4 +318,4 @@ void lift_negative(TangentMatrix& tangent, double projected)
     tangent += eigen.eigenvectors() * lift.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-} // namespace retractor
+} // namespace retractor::fem

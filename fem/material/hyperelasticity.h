@@ -10,7 +10,7 @@
 #include "fem/material/tissue_law.h"
 #include "mesh/base/geometry.h"
 
-namespace retractor {
+namespace retractor::fem {
 
 /// @throws InputError naming the law and the parameter that is NaN or out of its range.
 void check_hyperelastic(const Hyperelastic& law);
@@ -36,4 +36,4 @@ HyperelasticPoint evaluate_point(
 /// semidefinite one).
 void lift_negative(TangentMatrix& tangent, double projected);
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <string>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -111,4 +111,4 @@ std::string law_in_words(const Material& material)
         + formatted(" with fibres at %g degrees to the circumference round an axis", material.law->around->angle_deg);
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 struct Material {
     std::string name;
@@ -46,4 +46,4 @@ Hyperelastic hyperelastic_law(const Material& material);
 /// axis".
 std::string law_in_words(const Material& material);
 
-} // namespace retractor
+} // namespace retractor::fem

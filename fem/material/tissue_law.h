@@ -7,7 +7,7 @@
 #include <string_view>
 #include <variant>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// mu/2 (tr C - 3) - mu ln J + lambda/2 (ln J)^2 [Bonet, Wood, Nonlinear continuum mechanics, 1997, eq. 5.28], the one
 /// whose linearisation is linear elasticity with these parameters.
@@ -71,4 +71,4 @@ struct TissueLaw {
     std::optional<FibresAround> around {}; ///< in each element those at its middle: element_fibres()
 };
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -3,7 +3,7 @@
 
 #include "mesh/base/geometry.h"
 
-namespace retractor {
+namespace retractor::fem {
 
 enum class PreStrainKind {
     none,
@@ -27,4 +27,4 @@ struct PreStrain {
 /// Beyond it small strains are no description of anything: published skin tension is 0.02 to 0.06.
 inline constexpr double kLargestPreStrain = 0.5;
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -10,7 +10,7 @@
 #include <map>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -45,20 +45,20 @@ namespace {
     }
 
     /// Triangles of the boundary; faces of ten-node elements as four each.
-    std::vector<std::array<VertexId, 3>> boundary_triangles(const TetMesh& mesh)
+    std::vector<std::array<VertexId, 3>> boundary_triangles(const mesh::TetMesh& mesh)
     {
         std::vector<std::array<VertexId, 3>> triangles;
-        for (const TetFace& face : boundary_faces(mesh)) {
-            const auto corners = face_vertices(mesh, face);
+        for (const mesh::TetFace& face : mesh::boundary_faces(mesh)) {
+            const auto corners = mesh::face_vertices(mesh, face);
             if (mesh.nodes_per_tet == 4) {
                 triangles.push_back(corners);
                 continue;
             }
             const auto nodes = mesh.tet(face.tet);
             const auto middle = [&](VertexId a, VertexId b) {
-                for (std::size_t e = 0; e < kTetEdges.size(); ++e) {
-                    const VertexId c = nodes[static_cast<std::size_t>(kTetEdges[e][0])],
-                                   d = nodes[static_cast<std::size_t>(kTetEdges[e][1])];
+                for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e) {
+                    const VertexId c = nodes[static_cast<std::size_t>(mesh::kTetEdges[e][0])],
+                                   d = nodes[static_cast<std::size_t>(mesh::kTetEdges[e][1])];
                     if ((a == c && b == d) || (a == d && b == c))
                         return nodes[4 + e];
                 }
@@ -179,7 +179,7 @@ double Contact::Surface::area_towards(VertexId point, const Points& at, const Ve
     return area;
 }
 
-Contact::Contact(const TetMesh& mesh, const std::vector<Lame>& lame, ContactOptions options)
+Contact::Contact(const mesh::TetMesh& mesh, const std::vector<Lame>& lame, ContactOptions options)
     : options_(std::move(options))
 {
     if (!(options_.stiffness > 0.0 && std::isfinite(options_.stiffness) && options_.reach > 0.0
@@ -250,7 +250,7 @@ std::array<Vec3, 4> Contact::corners(const Eigen::VectorXd& u, const ContactPair
 /// The best face of each point, appended to `pairs`. @param body_points, body_faces whose they are: else the fixed
 /// surfaces'.
 void Contact::pair_points(const Surface& points, const Points& at, const Surface& faces, const Points& faces_at,
-    const TriangleProximity& near, bool body_points, bool body_faces, const std::vector<double>& overlap,
+    const mesh::TriangleProximity& near, bool body_points, bool body_faces, const std::vector<double>& overlap,
     Pairing pairing, std::vector<ContactPair>& pairs) const
 {
     const auto number = [](std::int32_t v, bool of_body) { return of_body ? v : ~v; };
@@ -275,7 +275,7 @@ void Contact::pair_points(const Surface& points, const Points& at, const Surface
                 points.triangles[static_cast<std::size_t>(t)].end());
         const std::array<VertexId, 3>* best = nullptr;
         double nearest = 0.0;
-        for (const TriangleProximity::Nearby& candidate : near.within(p, options_.reach)) {
+        for (const mesh::TriangleProximity::Nearby& candidate : near.within(p, options_.reach)) {
             const auto& triangle = faces.triangles[static_cast<std::size_t>(candidate.triangle)];
             if (self && std::any_of(triangle.begin(), triangle.end(), [&](VertexId w) {
                     return std::find(ring.begin(), ring.end(), w) != ring.end();
@@ -336,7 +336,7 @@ bool Contact::find(const Eigen::VectorXd& u, Pairing pairing)
     const Points at = positions(u);
     if (!at.allFinite())
         throw InputError("a displacement is not finite", "contact");
-    const TriangleProximity near_body(at, body_.triangles, options_.reach);
+    const mesh::TriangleProximity near_body(at, body_.triangles, options_.reach);
     std::vector<ContactPair> found;
     pair_points(body_, at, body_, at, near_body, true, true, body_.overlap_self, pairing, found);
     if (!fixed_.triangles.empty()) {
@@ -496,4 +496,4 @@ double Contact::free_share(
     return free;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

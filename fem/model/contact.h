@@ -27,7 +27,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 struct ContactOptions {
     /// Of the penalty: pressure per depth, in P-wave moduli (lambda + 2 mu) of the tissue per length of an edge. Tissue
@@ -60,7 +60,7 @@ public:
     /// @param lame one per element.
     /// @throws InputError on options that are not positive, and naming the fixed surface and triangle that has no area
     /// or a vertex out of range.
-    Contact(const TetMesh& mesh, const std::vector<Lame>& lame, ContactOptions options);
+    Contact(const mesh::TetMesh& mesh, const std::vector<Lame>& lame, ContactOptions options);
 
     /// Which points find() pairs: where surfaces are rough, two sets of pairs can lead to each other's equilibrium
     /// without end, which new ones alone cannot.
@@ -108,7 +108,7 @@ private:
 
     static Surface surface_of(Points rest, Triangles triangles);
     void pair_points(const Surface& points, const Points& at, const Surface& faces, const Points& faces_at,
-        const TriangleProximity& near, bool body_points, bool body_faces, const std::vector<double>& overlap,
+        const mesh::TriangleProximity& near, bool body_points, bool body_faces, const std::vector<double>& overlap,
         Pairing pairing, std::vector<ContactPair>& pairs) const;
     void note_overlaps();
     Points positions(const Eigen::VectorXd& u) const;
@@ -119,9 +119,9 @@ private:
     Surface body_, fixed_;
     std::vector<double> modulus_per_edge_; ///< per node of the body: N/mm^3
     std::vector<double> edge_; ///< per node of the body: mm
-    std::optional<TriangleProximity> near_fixed_;
+    std::optional<mesh::TriangleProximity> near_fixed_;
     std::vector<ContactPair> pairs_;
     double overlap_at_rest_ = 0.0;
 };
 
-} // namespace retractor
+} // namespace retractor::fem

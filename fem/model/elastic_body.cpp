@@ -12,7 +12,7 @@
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -86,7 +86,7 @@ namespace {
                     throw InputError("a fibre direction must be a unit vector", "element " + std::to_string(t));
     }
 
-    void check_tissue(const TetMesh& mesh, const HyperelasticTissue& tissue)
+    void check_tissue(const mesh::TetMesh& mesh, const HyperelasticTissue& tissue)
     {
         for (const Hyperelastic& law : tissue.laws)
             check_hyperelastic(law);
@@ -104,12 +104,12 @@ namespace {
 
 } // namespace
 
-HyperelasticTissue uniform_tissue(const TetMesh& mesh, const Hyperelastic& law)
+HyperelasticTissue uniform_tissue(const mesh::TetMesh& mesh, const Hyperelastic& law)
 {
     return { { law }, std::vector<std::int32_t>(mesh.tet_count(), 0), {} };
 }
 
-ElasticBody::ElasticBody(const TetMesh& mesh, Elasticity model, std::vector<Lame> lame_of_element)
+ElasticBody::ElasticBody(const mesh::TetMesh& mesh, Elasticity model, std::vector<Lame> lame_of_element)
     : mesh_(mesh)
     , model_(model)
     , lame_(std::move(lame_of_element))
@@ -121,7 +121,7 @@ ElasticBody::ElasticBody(const TetMesh& mesh, Elasticity model, std::vector<Lame
     measure_elements();
 }
 
-ElasticBody::ElasticBody(const TetMesh& mesh, HyperelasticTissue tissue)
+ElasticBody::ElasticBody(const mesh::TetMesh& mesh, HyperelasticTissue tissue)
     : mesh_(mesh)
     , model_(Elasticity::hyperelastic)
     , tissue_(std::move(tissue))
@@ -478,4 +478,4 @@ std::size_t ElasticBody::bytes() const
         + tissue_.fibres.size() * sizeof(FibreDirections) + (bounded_ ? bounded_->bytes() : 0);
 }
 
-} // namespace retractor
+} // namespace retractor::fem

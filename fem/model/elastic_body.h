@@ -3,14 +3,14 @@
 // direct scatter. Units mm, N, MPa. Vectors have three entries per node. Results do not depend on the number of
 // threads: elements are always summed in the same two halves.
 
-#include "fem/linear_algebra/block_matrix.h"
 #include "fem/element/bounded_elements.h"
-#include "fem/model/contact.h"
-#include "fem/material/elasticity.h"
-#include "fem/material/hyperelasticity.h"
-#include "fem/model/loads.h"
 #include "fem/element/locking_free.h"
 #include "fem/element/tet_element.h"
+#include "fem/linear_algebra/block_matrix.h"
+#include "fem/material/elasticity.h"
+#include "fem/material/hyperelasticity.h"
+#include "fem/model/contact.h"
+#include "fem/model/loads.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
 #include <Eigen/Core>
@@ -20,7 +20,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// What the elements of a mesh are made of, by hyperelastic laws.
 struct HyperelasticTissue {
@@ -30,18 +30,18 @@ struct HyperelasticTissue {
 };
 
 /// One law everywhere.
-HyperelasticTissue uniform_tissue(const TetMesh& mesh, const Hyperelastic& law);
+HyperelasticTissue uniform_tissue(const mesh::TetMesh& mesh, const Hyperelastic& law);
 
 class ElasticBody {
 public:
     /// Linear, corotational or bounded. @param lame_of_element one per element.
     /// @throws InputError naming the element that is turned over at a quadrature point.
-    ElasticBody(const TetMesh& mesh, Elasticity model, std::vector<Lame> lame_of_element);
+    ElasticBody(const mesh::TetMesh& mesh, Elasticity model, std::vector<Lame> lame_of_element);
 
     /// Hyperelastic. The energy is infinite where det F <= 0 at a quadrature point, and a line search on it never turns
     /// one over.
     /// @throws InputError as above, and naming the law, element or fibre that is out of its range.
-    ElasticBody(const TetMesh& mesh, HyperelasticTissue tissue);
+    ElasticBody(const mesh::TetMesh& mesh, HyperelasticTissue tissue);
 
     /// Springs that draw each node back to where it was: what the body rests on and is not modelled (a Winkler bed).
     /// @param stiffness one per node, N/mm, the same in every direction; empty: none.
@@ -70,7 +70,7 @@ public:
     void avoid_locking(const AveragingScheme& scheme = edge_patch_domains);
 
     Elasticity model() const { return model_; }
-    const TetMesh& mesh() const { return mesh_; }
+    const mesh::TetMesh& mesh() const { return mesh_; }
 
     struct Response {
         double energy = 0.0; ///< of tissue, bed, loads and contact, N mm
@@ -114,7 +114,7 @@ private:
     Mat3 deformation_gradient(const Eigen::VectorXd& u, std::size_t element, std::size_t point) const;
     const double* gradients(std::size_t element, std::size_t point) const;
 
-    TetMesh mesh_;
+    mesh::TetMesh mesh_;
     Elasticity model_;
     std::vector<Lame> lame_; ///< one per element; empty: hyperelastic
     HyperelasticTissue tissue_;
@@ -134,4 +134,4 @@ private:
     std::vector<double> second_half_; ///< values of the elements' second half, before they are added
 };
 
-} // namespace retractor
+} // namespace retractor::fem

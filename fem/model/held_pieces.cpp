@@ -9,7 +9,7 @@
 #include <sstream>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -30,7 +30,7 @@ namespace {
         bool on_line = true; ///< all, so that it can turn about that line: their second principal extent is zero
     };
 
-    Hold hold_on(const TetMesh& mesh, const Elements& elements, const std::vector<std::uint8_t>& held)
+    Hold hold_on(const mesh::TetMesh& mesh, const Elements& elements, const std::vector<std::uint8_t>& held)
     {
         std::vector<VertexId> nodes;
         for (const TetId t : elements)
@@ -64,13 +64,13 @@ namespace {
             + " vertices on one line alone: nothing keeps it from turning about that";
     }
 
-    [[noreturn]] void refuse(const TetMesh& mesh, const Elements& elements, std::size_t number, const Hold& hold)
+    [[noreturn]] void refuse(const mesh::TetMesh& mesh, const Elements& elements, std::size_t number, const Hold& hold)
     {
         double volume = 0.0;
         Vec3 centre = Vec3::Zero();
         for (const TetId t : elements) {
             const auto n = mesh.tet(t);
-            const double v = tet_volume(mesh, t);
+            const double v = mesh::tet_volume(mesh, t);
             volume += v;
             for (std::size_t a = 0; a < 4; ++a)
                 centre += 0.25 * v * mesh.vertices.row(n[a]).transpose();
@@ -84,7 +84,7 @@ namespace {
 
     /// Flags the pieces that are held, one after the other: @param held per vertex, gains those of their vertices.
     std::vector<std::uint8_t> hold_pieces(
-        const TetMesh& mesh, const std::vector<Elements>& pieces, std::vector<std::uint8_t>& held)
+        const mesh::TetMesh& mesh, const std::vector<Elements>& pieces, std::vector<std::uint8_t>& held)
     {
         std::vector<std::uint8_t> done(pieces.size(), 0);
         for (bool progress = true; progress;) {
@@ -102,7 +102,7 @@ namespace {
         return done;
     }
 
-    std::vector<std::uint8_t> flags(const TetMesh& mesh, std::span<const VertexId> vertices)
+    std::vector<std::uint8_t> flags(const mesh::TetMesh& mesh, std::span<const VertexId> vertices)
     {
         std::vector<std::uint8_t> flag(mesh.vertex_count(), 0);
         for (const VertexId v : vertices)
@@ -113,15 +113,15 @@ namespace {
 } // namespace
 
 std::vector<std::uint8_t> held_pieces(
-    const TetMesh& mesh, std::span<const int> piece_of_tet, std::span<const VertexId> held_nodes)
+    const mesh::TetMesh& mesh, std::span<const int> piece_of_tet, std::span<const VertexId> held_nodes)
 {
     std::vector<std::uint8_t> held = flags(mesh, held_nodes);
     return hold_pieces(mesh, elements_of_pieces(piece_of_tet), held);
 }
 
-void check_pieces_held(const TetMesh& mesh, std::span<const VertexId> held_nodes)
+void check_pieces_held(const mesh::TetMesh& mesh, std::span<const VertexId> held_nodes)
 {
-    const std::vector<Elements> pieces = elements_of_pieces(connected_pieces(mesh));
+    const std::vector<Elements> pieces = elements_of_pieces(mesh::connected_pieces(mesh));
     std::vector<std::uint8_t> held = flags(mesh, held_nodes);
     const std::vector<std::uint8_t> done = hold_pieces(mesh, pieces, held);
     for (std::size_t p = 0; p < done.size(); ++p)
@@ -129,4 +129,4 @@ void check_pieces_held(const TetMesh& mesh, std::span<const VertexId> held_nodes
             refuse(mesh, pieces[p], p, hold_on(mesh, pieces[p], held));
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -13,7 +13,7 @@
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -52,28 +52,29 @@ namespace {
     }
 
     /// Corners counter-clockwise seen from outside, then the midpoints between them.
-    std::vector<VertexId> face_nodes(const TetMesh& mesh, const TetFace& face)
+    std::vector<VertexId> face_nodes(const mesh::TetMesh& mesh, const mesh::TetFace& face)
     {
         const auto nodes = mesh.tet(face.tet);
-        const auto& corner = kTetFaces[static_cast<std::size_t>(face.corner)];
+        const auto& corner = mesh::kTetFaces[static_cast<std::size_t>(face.corner)];
         std::vector<VertexId> all;
         for (const int c : corner)
             all.push_back(nodes[static_cast<std::size_t>(c)]);
         for (std::size_t i = 0; mesh.nodes_per_tet == 10 && i < 3; ++i)
-            for (std::size_t e = 0; e < kTetEdges.size(); ++e)
-                if (std::minmax(corner[i], corner[(i + 1) % 3]) == std::minmax(kTetEdges[e][0], kTetEdges[e][1]))
+            for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e)
+                if (std::minmax(corner[i], corner[(i + 1) % 3])
+                    == std::minmax(mesh::kTetEdges[e][0], mesh::kTetEdges[e][1]))
                     all.push_back(nodes[4 + e]);
         return all;
     }
 
-    void check_faces(const TetMesh& mesh, const std::vector<TetFace>& faces)
+    void check_faces(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& faces)
     {
         if (faces.empty())
             throw InputError("a load needs at least one face", "load");
         std::set<std::pair<TetId, int>> boundary;
-        for (const TetFace& face : boundary_faces(mesh))
+        for (const mesh::TetFace& face : mesh::boundary_faces(mesh))
             boundary.insert({ face.tet, face.corner });
-        for (const TetFace& face : faces)
+        for (const mesh::TetFace& face : faces)
             if (!boundary.contains({ face.tet, face.corner }))
                 throw InputError("a load acts on the surface; this face is inside or does not exist",
                     "element " + std::to_string(face.tet) + ", face " + std::to_string(face.corner));
@@ -111,7 +112,7 @@ namespace {
 
 } // namespace
 
-void integrate(const TetMesh& mesh,
+void integrate(const mesh::TetMesh& mesh,
     const std::function<void(std::span<const VertexId>, const Eigen::VectorXd&, const Vec3&, double)>& f)
 {
     const std::vector<QuadraturePoint> rule = fine_rule();
@@ -127,7 +128,7 @@ void integrate(const TetMesh& mesh,
     }
 }
 
-Eigen::VectorXd body_force_loads(const TetMesh& mesh, const std::function<Vec3(const Vec3&)>& force)
+Eigen::VectorXd body_force_loads(const mesh::TetMesh& mesh, const std::function<Vec3(const Vec3&)>& force)
 {
     Eigen::VectorXd loads = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
     integrate(mesh, [&](auto nodes, const Eigen::VectorXd& values, const Vec3& position, double weight) {
@@ -138,17 +139,17 @@ Eigen::VectorXd body_force_loads(const TetMesh& mesh, const std::function<Vec3(c
     return loads;
 }
 
-Eigen::VectorXd traction_loads(const TetMesh& mesh, const std::vector<TetFace>& faces, const Vec3& traction)
+Eigen::VectorXd traction_loads(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& faces, const Vec3& traction)
 {
     check_faces(mesh, faces);
     std::vector<FaceTraction> tractions;
     tractions.reserve(faces.size());
-    for (const TetFace& face : faces)
+    for (const mesh::TetFace& face : faces)
         tractions.push_back({ face, traction });
     return traction_loads(mesh, tractions);
 }
 
-Eigen::VectorXd traction_loads(const TetMesh& mesh, std::span<const FaceTraction> tractions)
+Eigen::VectorXd traction_loads(const mesh::TetMesh& mesh, std::span<const FaceTraction> tractions)
 {
     Eigen::VectorXd loads = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
     const auto rule = face_rule(mesh.nodes_per_tet == 10);
@@ -232,7 +233,7 @@ namespace {
 
 } // namespace
 
-FollowerPressure::FollowerPressure(const TetMesh& mesh, const std::vector<TetFace>& faces, double pressure)
+FollowerPressure::FollowerPressure(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& faces, double pressure)
     : rest_(mesh.vertices)
     , nodes_per_face_(mesh.nodes_per_tet == 10 ? 6 : 3)
     , pressure_(pressure)
@@ -240,7 +241,7 @@ FollowerPressure::FollowerPressure(const TetMesh& mesh, const std::vector<TetFac
     check_faces(mesh, faces);
     if (!std::isfinite(pressure))
         throw InputError("the pressure is not finite", "load");
-    for (const TetFace& face : faces) {
+    for (const mesh::TetFace& face : faces) {
         const std::vector<VertexId> nodes = face_nodes(mesh, face);
         nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
     }
@@ -351,4 +352,4 @@ Eigen::VectorXd FollowerPressure::force(const Eigen::VectorXd& u) const
     return force;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -20,27 +20,28 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// Calls f(nodes, shape values, rest position, weight in mm^3) at points of each element; exact for degree 5.
-void integrate(const TetMesh& mesh,
+void integrate(const mesh::TetMesh& mesh,
     const std::function<void(std::span<const VertexId>, const Eigen::VectorXd&, const Vec3&, double)>& f);
 
 /// Consistent nodal loads of a force per volume, N/mm^3, at rest positions; integrated exactly for degree 5 in all.
-Eigen::VectorXd body_force_loads(const TetMesh& mesh, const std::function<Vec3(const Vec3&)>& force);
+Eigen::VectorXd body_force_loads(const mesh::TetMesh& mesh, const std::function<Vec3(const Vec3&)>& force);
 
 /// Consistent nodal loads of a traction, MPa, on boundary faces at rest. @throws InputError as FollowerPressure does.
-Eigen::VectorXd traction_loads(const TetMesh& mesh, const std::vector<TetFace>& faces, const Vec3& traction);
+Eigen::VectorXd traction_loads(
+    const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& faces, const Vec3& traction);
 
 /// A force per area at rest that keeps its direction.
 struct FaceTraction {
-    TetFace face;
+    mesh::TetFace face;
     Vec3 traction = Vec3::Zero(); ///< MPa
 };
 
 /// Consistent nodal loads of tractions, each on its own face. P1 and P2.
 /// @throws InputError on a face that is not in the mesh, or a traction that is not finite.
-Eigen::VectorXd traction_loads(const TetMesh& mesh, std::span<const FaceTraction> tractions);
+Eigen::VectorXd traction_loads(const mesh::TetMesh& mesh, std::span<const FaceTraction> tractions);
 
 inline constexpr double kKiloPascal = 1e-3; ///< MPa
 
@@ -48,7 +49,7 @@ class FollowerPressure {
 public:
     /// @param pressure MPa; positive pushes into the body.
     /// @throws InputError naming the face that is not on the boundary, and on a pressure that is not finite.
-    FollowerPressure(const TetMesh& mesh, const std::vector<TetFace>& faces, double pressure);
+    FollowerPressure(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& faces, double pressure);
 
     /// Takes the rim's shape at u for the rim's part of the energy; until then it is that at rest.
     void renew_rim(const Eigen::VectorXd& u);
@@ -75,7 +76,7 @@ private:
 /// Pressure on part of a body's surface, which it follows.
 struct SurfacePressure {
     std::string name; ///< what presses, for messages
-    std::vector<TetFace> faces; ///< on the boundary
+    std::vector<mesh::TetFace> faces; ///< on the boundary
     double pressure = 0.0; ///< MPa; positive pushes into the body
 };
 
@@ -86,4 +87,4 @@ struct ExternalLoads {
     bool empty() const { return nodal.size() == 0 && pressures.empty(); }
 };
 
-} // namespace retractor
+} // namespace retractor::fem

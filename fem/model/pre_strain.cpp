@@ -10,7 +10,7 @@
 #include <cmath>
 #include <string>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -51,7 +51,7 @@ namespace {
         return s2 * plane + (s1 - s2) * pull * pull.transpose();
     }
 
-    std::vector<std::vector<TetId>> elements_round_corners(const TetMesh& mesh)
+    std::vector<std::vector<TetId>> elements_round_corners(const mesh::TetMesh& mesh)
     {
         std::vector<std::vector<TetId>> around(mesh.vertex_count());
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
@@ -60,7 +60,7 @@ namespace {
         return around;
     }
 
-    void must_match(const TetMesh& mesh, std::span<const Mat3> stresses)
+    void must_match(const mesh::TetMesh& mesh, std::span<const Mat3> stresses)
     {
         if (stresses.size() != mesh.tet_count())
             throw InputError("there must be one pre-stress per element: " + std::to_string(stresses.size()) + " for "
@@ -138,7 +138,7 @@ Mat3 pre_stress(const PreStrain& tension, const Material& material, const Vec3& 
 }
 
 std::vector<Mat3> pre_stress(
-    const TetMesh& mesh, std::span<const Material> material_of_label, std::span<const PreStrain> tension_of_label)
+    const mesh::TetMesh& mesh, std::span<const Material> material_of_label, std::span<const PreStrain> tension_of_label)
 {
     const auto tension_of
         = [&](Label label) { return label < tension_of_label.size() ? tension_of_label[label] : PreStrain {}; };
@@ -164,13 +164,14 @@ std::vector<Mat3> pre_stress(
     return stresses;
 }
 
-std::vector<Vec3> surface_normals(const TetMesh& mesh, std::span<const Label> seeds, std::span<const VertexId> held)
+std::vector<Vec3> surface_normals(
+    const mesh::TetMesh& mesh, std::span<const Label> seeds, std::span<const VertexId> held)
 {
     std::vector<bool> is_held(mesh.vertex_count(), false);
     for (const VertexId v : held)
         is_held.at(static_cast<std::size_t>(v)) = true;
-    const auto is_free = [&](const TetFace& face) {
-        const auto corners = face_vertices(mesh, face);
+    const auto is_free = [&](const mesh::TetFace& face) {
+        const auto corners = mesh::face_vertices(mesh, face);
         return std::any_of(
             corners.begin(), corners.end(), [&](VertexId v) { return !is_held[static_cast<std::size_t>(v)]; });
     };
@@ -183,9 +184,9 @@ std::vector<Vec3> surface_normals(const TetMesh& mesh, std::span<const Label> se
             || mesh.labels[static_cast<std::size_t>(from)] == mesh.labels[static_cast<std::size_t>(to)];
     };
     std::vector<Vec3> sum(mesh.tet_count(), Vec3::Zero());
-    for (const TetFace& face : boundary_faces(mesh))
+    for (const mesh::TetFace& face : mesh::boundary_faces(mesh))
         if (seeded(face.tet) && is_free(face))
-            sum[static_cast<std::size_t>(face.tet)] += area_vector(mesh.vertices, face_vertices(mesh, face));
+            sum[static_cast<std::size_t>(face.tet)] += area_vector(mesh.vertices, mesh::face_vertices(mesh, face));
     const auto around = elements_round_corners(mesh);
     std::vector<bool> known(mesh.tet_count());
     std::vector<TetId> front;
@@ -220,7 +221,7 @@ std::vector<Vec3> surface_normals(const TetMesh& mesh, std::span<const Label> se
     return sum;
 }
 
-Eigen::VectorXd pre_stress_forces(const TetMesh& mesh, std::span<const Mat3> stresses)
+Eigen::VectorXd pre_stress_forces(const mesh::TetMesh& mesh, std::span<const Mat3> stresses)
 {
     must_match(mesh, stresses);
     Eigen::VectorXd forces = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
@@ -241,25 +242,26 @@ Eigen::VectorXd pre_stress_forces(const TetMesh& mesh, std::span<const Mat3> str
 }
 
 std::vector<FaceTraction> released_tractions(
-    const TetMesh& mesh, std::span<const TetFace> lips, std::span<const Mat3> stresses)
+    const mesh::TetMesh& mesh, std::span<const mesh::TetFace> lips, std::span<const Mat3> stresses)
 {
     must_match(mesh, stresses);
     std::vector<FaceTraction> tractions;
     tractions.reserve(lips.size());
-    for (const TetFace& face : lips) {
+    for (const mesh::TetFace& face : lips) {
         if (face.tet < 0 || static_cast<std::size_t>(face.tet) >= mesh.tet_count() || face.corner < 0
             || face.corner > 3)
             throw InputError("the lip has a face that is not in the mesh", "element " + std::to_string(face.tet));
         const Mat3& stress = stresses[static_cast<std::size_t>(face.tet)];
         if (!stress.isZero(0.0))
-            tractions.push_back({ face, -(stress * unit_normal(mesh.vertices, face_vertices(mesh, face))) });
+            tractions.push_back({ face, -(stress * unit_normal(mesh.vertices, mesh::face_vertices(mesh, face))) });
     }
     return tractions;
 }
 
-Eigen::VectorXd release_forces(const TetMesh& mesh, std::span<const TetFace> lips, std::span<const Mat3> stresses)
+Eigen::VectorXd release_forces(
+    const mesh::TetMesh& mesh, std::span<const mesh::TetFace> lips, std::span<const Mat3> stresses)
 {
     return traction_loads(mesh, released_tractions(mesh, lips, stresses));
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -8,9 +8,9 @@
 // Linear superposition makes this exact for a linear body; its limits: what the pre-stress does besides (removed tissue
 // that leaves no lip, a change of the supports) is not felt, and sigma0 is the stress at rest, whatever opens later.
 
-#include "fem/model/loads.h"
 #include "fem/material/material.h"
 #include "fem/material/tissue_tension.h"
+#include "fem/model/loads.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
 #include <Eigen/Core>
@@ -18,7 +18,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// Whether the two ways in the tissue's plane differ, so that one must be named.
 bool needs_pull(const PreStrain& tension);
@@ -33,27 +33,27 @@ Mat3 pre_stress(const PreStrain& tension, const Material& material, const Vec3& 
 
 /// One stress per element. @param material_of_label, tension_of_label by label; labels beyond the second have none.
 /// @throws InputError naming the label.
-std::vector<Mat3> pre_stress(
-    const TetMesh& mesh, std::span<const Material> material_of_label, std::span<const PreStrain> tension_of_label);
+std::vector<Mat3> pre_stress(const mesh::TetMesh& mesh, std::span<const Material> material_of_label,
+    std::span<const PreStrain> tension_of_label);
 
 /// Per element the outward normal of its label's free surface, carried inwards by averages over neighbours of the same
 /// label; zero where no part of the label's piece is free. With `seeds`: of the free surface of these labels alone,
 /// carried on through all tissue. Four-node elements.
 /// @param held a face with all its corners among these is no free surface, but where the body was cut off.
 std::vector<Vec3> surface_normals(
-    const TetMesh& mesh, std::span<const Label> seeds = {}, std::span<const VertexId> held = {});
+    const mesh::TetMesh& mesh, std::span<const Label> seeds = {}, std::span<const VertexId> held = {});
 
 /// Internal nodal forces (three per node) of the stresses at rest: the integral of B^T sigma0. P1 and P2.
 /// @throws InputError on a wrong number of stresses.
-Eigen::VectorXd pre_stress_forces(const TetMesh& mesh, std::span<const Mat3> stress_of_element);
+Eigen::VectorXd pre_stress_forces(const mesh::TetMesh& mesh, std::span<const Mat3> stress_of_element);
 
 /// What opens the wound: the tractions -sigma0 n on the faces of the lips.
 /// @throws InputError on a face out of range, a wrong number of stresses.
 std::vector<FaceTraction> released_tractions(
-    const TetMesh& mesh, std::span<const TetFace> lips, std::span<const Mat3> stress_of_element);
+    const mesh::TetMesh& mesh, std::span<const mesh::TetFace> lips, std::span<const Mat3> stress_of_element);
 
 /// The same as nodal loads (three per node). P1 and P2. @throws InputError as above.
 Eigen::VectorXd release_forces(
-    const TetMesh& mesh, std::span<const TetFace> lips, std::span<const Mat3> stress_of_element);
+    const mesh::TetMesh& mesh, std::span<const mesh::TetFace> lips, std::span<const Mat3> stress_of_element);
 
-} // namespace retractor
+} // namespace retractor::fem

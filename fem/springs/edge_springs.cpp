@@ -13,7 +13,7 @@
 #include <optional>
 #include <string>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -94,7 +94,8 @@ ElementSprings element_springs(const std::array<Vec3, 4>& x, double youngs_modul
     std::array<Vec3, 6> directions;
     std::array<double, 6> lengths {};
     for (std::size_t e = 0; e < 6; ++e) {
-        const Vec3 edge = x[static_cast<std::size_t>(kTetEdges[e][1])] - x[static_cast<std::size_t>(kTetEdges[e][0])];
+        const Vec3 edge
+            = x[static_cast<std::size_t>(mesh::kTetEdges[e][1])] - x[static_cast<std::size_t>(mesh::kTetEdges[e][0])];
         lengths[e] = edge.norm();
         directions[e] = edge / lengths[e];
     }
@@ -109,19 +110,19 @@ ElementSprings element_springs(const std::array<Vec3, 4>& x, double youngs_modul
             * g.volume / (lengths[e] * lengths[e]);
         if (tense)
             springs.force_density[e] = -g.volume
-                * g.of[static_cast<std::size_t>(kTetEdges[e][0])].dot(
-                    stress * g.of[static_cast<std::size_t>(kTetEdges[e][1])]);
+                * g.of[static_cast<std::size_t>(mesh::kTetEdges[e][0])].dot(
+                    stress * g.of[static_cast<std::size_t>(mesh::kTetEdges[e][1])]);
     }
     return springs;
 }
 
-SpringNetwork::SpringNetwork(const TetMesh& mesh, std::span<const Material> material_of_label,
+SpringNetwork::SpringNetwork(const mesh::TetMesh& mesh, std::span<const Material> material_of_label,
     std::span<const Mat3> stress_of_element, SpringOptions options)
     : options_(options)
     , materials_(material_of_label.begin(), material_of_label.end())
     , stress_of_origin_(stress_of_element.begin(), stress_of_element.end())
 {
-    check_mesh(mesh);
+    mesh::check_mesh(mesh);
     if (mesh.nodes_per_tet != 4)
         throw InputError("springs lie on the edges of four-node elements", "nodes_per_tet");
     check_options(stress_of_element, mesh.tet_count());
@@ -135,14 +136,14 @@ SpringNetwork::SpringNetwork(const TetMesh& mesh, std::span<const Material> mate
         sum_row(v);
 }
 
-SpringNetwork::SpringNetwork(const CutSession& session, std::span<const Material> material_of_label,
+SpringNetwork::SpringNetwork(const mesh::CutSession& session, std::span<const Material> material_of_label,
     std::span<const Mat3> stress_of_element, SpringOptions options)
     : options_(options)
     , materials_(material_of_label.begin(), material_of_label.end())
     , stress_of_origin_(stress_of_element.begin(), stress_of_element.end())
 {
-    SlotMap map;
-    const TetMesh mesh = session.compact_mesh(&map);
+    mesh::SlotMap map;
+    const mesh::TetMesh mesh = session.compact_mesh(&map);
     check_options(stress_of_element, stress_of_element.size());
     make_room(map.compact_vertex.size(), map.compact_tet.size());
     for (std::size_t v = 0; v < map.vertex_slot.size(); ++v)
@@ -228,7 +229,7 @@ void SpringNetwork::measure(TetId id)
     std::array<Vec3, 4> x;
     for (std::size_t i = 0; i < 4; ++i)
         x[i] = rest_.row(tet.nodes[i]).transpose();
-    tet.volume = tet_volume(x[0], x[1], x[2], x[3]);
+    tet.volume = mesh::tet_volume(x[0], x[1], x[2], x[3]);
     if (!(tet.volume > 0.0))
         throw InputError("an element has no volume", "element " + std::to_string(id));
     const double modulus = options_.calibration * materials_[tet.label].youngs_modulus_MPa;
@@ -243,8 +244,8 @@ void SpringNetwork::sum_row(VertexId v)
     for (const TetId t : around_[at(v)]) {
         const Tet& tet = tets_[at(t)];
         for (std::size_t e = 0; e < 6; ++e) {
-            const VertexId a = tet.nodes[static_cast<std::size_t>(kTetEdges[e][0])];
-            const VertexId b = tet.nodes[static_cast<std::size_t>(kTetEdges[e][1])];
+            const VertexId a = tet.nodes[static_cast<std::size_t>(mesh::kTetEdges[e][0])];
+            const VertexId b = tet.nodes[static_cast<std::size_t>(mesh::kTetEdges[e][1])];
             if (a != v && b != v)
                 continue;
             const VertexId other = a == v ? b : a;
@@ -269,11 +270,11 @@ SpringNetwork::Identity SpringNetwork::new_identity()
     return { last_identity_, last_identity_ };
 }
 
-void SpringNetwork::take_in(const MeshDelta::VertexBorn& born)
+void SpringNetwork::take_in(const mesh::MeshDelta::VertexBorn& born)
 {
     rest_.row(born.id) = born.position.transpose();
     identity_[at(born.id)] = new_identity();
-    if (born.origin == MeshDelta::Origin::restored) {
+    if (born.origin == mesh::MeshDelta::Origin::restored) {
         if (const std::optional<Ablated> kept = ablated_.give_back(born.id)) {
             fixed_[at(born.id)] = kept->fixed;
             identity_[at(born.id)] = kept->identity;
@@ -282,41 +283,41 @@ void SpringNetwork::take_in(const MeshDelta::VertexBorn& born)
     }
     displacement_.row(born.id) = (1.0 - born.t) * displacement_.row(born.a) + born.t * displacement_.row(born.b);
     fixed_[at(born.id)] = static_cast<std::uint8_t>(fixed_axes(born.a) & fixed_axes(born.b));
-    if (born.origin == MeshDelta::Origin::copy)
+    if (born.origin == mesh::MeshDelta::Origin::copy)
         identity_[at(born.id)].original = identity_[at(born.a)].original;
 }
 
-void SpringNetwork::apply(const MeshDelta& delta)
+void SpringNetwork::apply(const mesh::MeshDelta& delta)
 {
     std::size_t vertices = rows_.size(), tets = tets_.size(); // room for all at once: it is copied as a whole
-    for (const MeshDelta::VertexBorn& born : delta.vertices_born)
+    for (const mesh::MeshDelta::VertexBorn& born : delta.vertices_born)
         vertices = std::max(vertices, at(born.id) + 1);
-    for (const MeshDelta::Tet& tet : delta.tets_born)
+    for (const mesh::MeshDelta::Tet& tet : delta.tets_born)
         tets = std::max(tets, at(tet.id) + 1);
     make_room(vertices, tets);
-    for (const MeshDelta::VertexBorn& born : delta.vertices_born)
+    for (const mesh::MeshDelta::VertexBorn& born : delta.vertices_born)
         take_in(born);
     std::vector<VertexId> touched;
     std::vector<TetId> reshaped;
-    for (const MeshDelta::VertexMoved& moved : delta.vertices_moved)
+    for (const mesh::MeshDelta::VertexMoved& moved : delta.vertices_moved)
         rest_.row(moved.id) = moved.to.transpose();
-    for (const MeshDelta::Tet& tet : delta.tets_gone) {
+    for (const mesh::MeshDelta::Tet& tet : delta.tets_gone) {
         remove(tet.id);
         touched.insert(touched.end(), tet.nodes.begin(), tet.nodes.end());
     }
-    for (const MeshDelta::Tet& tet : delta.tets_born) {
+    for (const mesh::MeshDelta::Tet& tet : delta.tets_born) {
         insert(tet.id, tet.nodes, tet.label, tet.origin);
         touched.insert(touched.end(), tet.nodes.begin(), tet.nodes.end());
     }
-    for (const MeshDelta::VertexMoved& moved : delta.vertices_moved)
+    for (const mesh::MeshDelta::VertexMoved& moved : delta.vertices_moved)
         reshaped.insert(reshaped.end(), around_[at(moved.id)].begin(), around_[at(moved.id)].end());
     sort_unique(reshaped);
     for (const TetId t : reshaped) {
         measure(t);
         touched.insert(touched.end(), tets_[at(t)].nodes.begin(), tets_[at(t)].nodes.end());
     }
-    for (const MeshDelta::VertexBorn& gone : delta.vertices_gone) {
-        if (gone.origin == MeshDelta::Origin::restored)
+    for (const mesh::MeshDelta::VertexBorn& gone : delta.vertices_gone) {
+        if (gone.origin == mesh::MeshDelta::Origin::restored)
             ablated_.keep(gone.id, { fixed_[at(gone.id)], identity_[at(gone.id)] });
         displacement_.row(gone.id).setZero();
         rest_.row(gone.id).setZero();
@@ -328,22 +329,22 @@ void SpringNetwork::apply(const MeshDelta& delta)
         sum_row(v);
 }
 
-void SpringNetwork::set_wound(std::span<const LipFace> lips)
+void SpringNetwork::set_wound(std::span<const mesh::LipFace> lips)
 {
     for (const VertexId v : lip_vertices_)
         release_[at(v)].setZero();
     lip_vertices_.clear();
-    std::vector<LipFace> sorted(lips.begin(), lips.end());
-    std::sort(sorted.begin(), sorted.end(), [](const LipFace& a, const LipFace& b) {
+    std::vector<mesh::LipFace> sorted(lips.begin(), lips.end());
+    std::sort(sorted.begin(), sorted.end(), [](const mesh::LipFace& a, const mesh::LipFace& b) {
         return std::pair(a.face.tet, a.face.corner) < std::pair(b.face.tet, b.face.corner);
     });
-    for (const LipFace& lip : sorted) {
+    for (const mesh::LipFace& lip : sorted) {
         if (lip.face.tet < 0 || at(lip.face.tet) >= tets_.size() || !tets_[at(lip.face.tet)].alive
             || lip.face.corner < 0 || lip.face.corner > 3)
             throw InputError(
                 "the wound has a face that is not in the network", "element " + std::to_string(lip.face.tet));
         const Tet& tet = tets_[at(lip.face.tet)];
-        const auto& local = kTetFaces[static_cast<std::size_t>(lip.face.corner)];
+        const auto& local = mesh::kTetFaces[static_cast<std::size_t>(lip.face.corner)];
         std::array<VertexId, 3> v {};
         for (std::size_t i = 0; i < 3; ++i)
             v[i] = tet.nodes[static_cast<std::size_t>(local[i])];
@@ -438,4 +439,4 @@ double widest_gape(const SpringNetwork& network)
     return widest;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

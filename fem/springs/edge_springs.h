@@ -39,7 +39,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// What one element gives to its six edges, in the order of kTetEdges.
 struct ElementSprings {
@@ -78,12 +78,12 @@ public:
     /// @param stress_of_element one per element (fem/pre_strain.h), or none at all.
     /// @throws InputError on a mesh check_mesh() refuses, ten-node elements, a label without a material or with a bad
     /// one, a calibration that is not positive, stresses that are not finite or of a wrong number.
-    SpringNetwork(const TetMesh& mesh, std::span<const Material> material_of_label,
+    SpringNetwork(const mesh::TetMesh& mesh, std::span<const Material> material_of_label,
         std::span<const Mat3> stress_of_element = {}, SpringOptions options = {});
     /// On a session that has cuts already; `stress_of_element` by the elements of its first mesh.
     /// Copies of the cuts made before are not known to copies(); vertices that an ablation took before come back free
     /// when it is undone: fix() them then.
-    SpringNetwork(const CutSession& session, std::span<const Material> material_of_label,
+    SpringNetwork(const mesh::CutSession& session, std::span<const Material> material_of_label,
         std::span<const Mat3> stress_of_element = {}, SpringOptions options = {});
 
     /// Follows a cut, an undo or a redo: only edges of elements born, gone or with a moved corner are summed anew, from
@@ -91,10 +91,10 @@ public:
     /// lie where the tissue they are made of lies now; one on an edge between two fixed vertices is fixed as both are.
     /// A vertex that comes back without this network having seen it go is free.
     /// @throws InputError on a new element without volume, material or pre-stress; the network must not be used then.
-    void apply(const MeshDelta& delta);
+    void apply(const mesh::MeshDelta& delta);
     /// The faces of all wounds, as CutSession::lips() has them after that delta: where tension is set free.
     /// @throws InputError on a face of an element that does not exist.
-    void set_wound(std::span<const LipFace> lips);
+    void set_wound(std::span<const mesh::LipFace> lips);
 
     /// Vertices that stay where they are now, or only along some axes (a plane of symmetry); further calls add to them.
     /// @param axes bits 1, 2, 4 for x, y, z. @throws InputError on an id or axes out of range.
@@ -150,7 +150,7 @@ private:
     void remove(TetId id);
     void measure(TetId id);
     void sum_row(VertexId v);
-    void take_in(const MeshDelta::VertexBorn& born);
+    void take_in(const mesh::MeshDelta::VertexBorn& born);
     Identity new_identity();
 
     SpringOptions options_;
@@ -164,7 +164,7 @@ private:
         std::uint8_t fixed = 0;
         Identity identity;
     };
-    AblatedValues<Ablated> ablated_;
+    mesh::AblatedValues<Ablated> ablated_;
     std::vector<std::vector<TetId>> around_;
     std::vector<std::vector<SpringEnd>> rows_; ///< by the other end's id
     std::vector<Tet> tets_;
@@ -175,4 +175,4 @@ private:
 /// Largest distance between two vertices that a cut parted, mm; 0 without a wound.
 double widest_gape(const SpringNetwork& network);
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -130,4 +130,4 @@ void SpringDynamics::set_state(Eigen::VectorXd displacement, Eigen::VectorXd vel
     compute_bound();
 }
 
-} // namespace retractor
+} // namespace retractor::fem

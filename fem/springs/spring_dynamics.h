@@ -17,7 +17,7 @@
 
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 struct StabilityBound {
     double largest_frequency
@@ -60,4 +60,4 @@ private:
     StabilityBound bound_;
 };
 
-} // namespace retractor
+} // namespace retractor::fem

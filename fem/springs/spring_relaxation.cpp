@@ -12,7 +12,7 @@
 #include <queue>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -497,4 +497,4 @@ double settle(SpringNetwork& network, std::vector<VertexId> active, double toler
     return result.energy;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

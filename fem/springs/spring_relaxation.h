@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// The springs round some vertices of a network, packed; the other vertices stand where they stand now.
 /// Vectors have three entries per active vertex, in the order given; those along fixed axes are zero.
@@ -129,4 +129,4 @@ double settle(SpringNetwork& network, std::vector<VertexId> active, double toler
 /// Free vertices of some element within `reach_mm` of the wound along edges at rest, by id; 0: all.
 std::vector<VertexId> vertices_near_wound(const SpringNetwork& network, double reach_mm);
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// A vertex that rests on tissue which is not modelled: a spring to where it was, the same in every direction.
 struct BeddedVertex {
@@ -30,4 +30,4 @@ struct HookPatch {
     Vec3 displacement = Vec3::Zero(); ///< mm, prescribed for all nodes
 };
 
-} // namespace retractor
+} // namespace retractor::fem

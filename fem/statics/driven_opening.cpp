@@ -15,7 +15,7 @@
 #include <string_view>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -360,4 +360,4 @@ DrivenOpening open_driven(
     return HookSearch(problem, drives, options).search(job);
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -17,7 +17,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// No wound is opened by more than this on a side: rib spreaders end at some 250 mm between their blades.
 constexpr double kFarthestHookMm = 150.0;
@@ -72,4 +72,4 @@ struct DrivenOpening {
 DrivenOpening open_driven(const ElasticProblem& problem, std::span<const HookDrive> drives,
     const OpeningOptions& options, const Job& job = {});
 
-} // namespace retractor
+} // namespace retractor::fem

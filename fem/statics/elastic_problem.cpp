@@ -7,12 +7,12 @@
 #include <set>
 #include <string>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
     /// @throws InputError naming the first element whose label has no material.
-    void check_labels(const TetMesh& mesh, std::span<const Material> material_of_label)
+    void check_labels(const mesh::TetMesh& mesh, std::span<const Material> material_of_label)
     {
         for (std::size_t t = 0; t < mesh.tet_count(); ++t)
             if (mesh.labels[t] >= material_of_label.size())
@@ -20,13 +20,13 @@ namespace {
                     "label " + std::to_string(mesh.labels[t]) + " has no material", "element " + std::to_string(t));
     }
 
-    void check_node(const TetMesh& mesh, VertexId node, const std::string& where)
+    void check_node(const mesh::TetMesh& mesh, VertexId node, const std::string& where)
     {
         if (node < 0 || static_cast<std::size_t>(node) >= mesh.vertex_count())
             throw InputError("node " + std::to_string(node) + " is out of range", where);
     }
 
-    void check_hook(const TetMesh& mesh, const HookPatch& hook)
+    void check_hook(const mesh::TetMesh& mesh, const HookPatch& hook)
     {
         const std::string where = "hook '" + hook.name + "'";
         if (hook.nodes.empty())
@@ -39,7 +39,7 @@ namespace {
 
 } // namespace
 
-Prescribed prescribe(const TetMesh& mesh, const Supports& supports, std::span<const HookPatch> hooks)
+Prescribed prescribe(const mesh::TetMesh& mesh, const Supports& supports, std::span<const HookPatch> hooks)
 {
     const std::size_t n = mesh.vertex_count();
     Prescribed all { std::vector<std::uint8_t>(3 * n, 0), Eigen::VectorXd::Zero(static_cast<Eigen::Index>(3 * n)), {},
@@ -73,13 +73,13 @@ Prescribed prescribe(const TetMesh& mesh, const Supports& supports, std::span<co
     return all;
 }
 
-std::vector<Label> labels_met(const TetMesh& mesh)
+std::vector<Label> labels_met(const mesh::TetMesh& mesh)
 {
     const std::set<Label> met(mesh.labels.begin(), mesh.labels.end());
     return { met.begin(), met.end() };
 }
 
-std::vector<Lame> element_parameters(const TetMesh& mesh, std::span<const Material> material_of_label)
+std::vector<Lame> element_parameters(const mesh::TetMesh& mesh, std::span<const Material> material_of_label)
 {
     check_labels(mesh, material_of_label);
     std::vector<Lame> of_label(material_of_label.size());
@@ -92,7 +92,7 @@ std::vector<Lame> element_parameters(const TetMesh& mesh, std::span<const Materi
     return of_element;
 }
 
-HyperelasticTissue hyperelastic_tissue(const TetMesh& mesh, std::span<const Material> material_of_label)
+HyperelasticTissue hyperelastic_tissue(const mesh::TetMesh& mesh, std::span<const Material> material_of_label)
 {
     check_labels(mesh, material_of_label);
     HyperelasticTissue tissue;
@@ -120,7 +120,8 @@ HyperelasticTissue hyperelastic_tissue(const TetMesh& mesh, std::span<const Mate
     return tissue;
 }
 
-ElasticBody tissue_body(const TetMesh& mesh, std::span<const Material> material_of_label, const TissueModel& model)
+ElasticBody tissue_body(
+    const mesh::TetMesh& mesh, std::span<const Material> material_of_label, const TissueModel& model)
 {
     ElasticBody body = model.elasticity == Elasticity::hyperelastic
         ? ElasticBody(mesh, hyperelastic_tissue(mesh, material_of_label))
@@ -130,7 +131,7 @@ ElasticBody tissue_body(const TetMesh& mesh, std::span<const Material> material_
     return body;
 }
 
-std::vector<double> bed_stiffness(const TetMesh& mesh, const Supports& supports)
+std::vector<double> bed_stiffness(const mesh::TetMesh& mesh, const Supports& supports)
 {
     if (supports.bedded.empty())
         return {};
@@ -169,7 +170,7 @@ Eigen::VectorXd nodal_loads(const ElasticProblem& problem)
 
 void check_problem(const ElasticProblem& problem)
 {
-    check_mesh(problem.mesh);
+    mesh::check_mesh(problem.mesh);
     if (problem.mesh.tet_count() == 0)
         throw InputError("the mesh has no elements");
     (void)element_parameters(problem.mesh, problem.material_of_label);
@@ -187,4 +188,4 @@ std::vector<Vec3> hook_forces(const Eigen::VectorXd& nodal_forces, const Prescri
     return forces;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -2,11 +2,11 @@
 // An opened wound as a problem of elasticity: what is solved here, written for other programs and estimated for its
 // error. Units mm, N, MPa; frame patient LPS.
 
-#include "fem/statics/boundary_conditions.h"
-#include "fem/model/elastic_body.h"
 #include "fem/material/elasticity.h"
-#include "fem/model/loads.h"
 #include "fem/material/material.h"
+#include "fem/model/elastic_body.h"
+#include "fem/model/loads.h"
+#include "fem/statics/boundary_conditions.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
 #include <Eigen/Core>
@@ -15,10 +15,10 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 struct ElasticProblem {
-    TetMesh mesh; ///< cut, at rest; P1 or P2
+    mesh::TetMesh mesh; ///< cut, at rest; P1 or P2
     std::vector<Material> material_of_label; ///< by label; labels not met may be anything
     Supports supports;
     std::vector<HookPatch> hooks;
@@ -35,14 +35,14 @@ struct Prescribed {
 };
 
 /// @throws InputError when a node is out of range, a patch is empty, or two patches disagree on a node.
-Prescribed prescribe(const TetMesh& mesh, const Supports& supports, std::span<const HookPatch> hooks);
+Prescribed prescribe(const mesh::TetMesh& mesh, const Supports& supports, std::span<const HookPatch> hooks);
 
 /// One per element. @throws InputError naming the element whose label has no material, or the material that is wrong.
-std::vector<Lame> element_parameters(const TetMesh& mesh, std::span<const Material> material_of_label);
+std::vector<Lame> element_parameters(const mesh::TetMesh& mesh, std::span<const Material> material_of_label);
 
 /// Each element by its label's hyperelastic_law(), with that material's fibres in it. @throws InputError as above, and
 /// as element_fibres() does.
-HyperelasticTissue hyperelastic_tissue(const TetMesh& mesh, std::span<const Material> material_of_label);
+HyperelasticTissue hyperelastic_tissue(const mesh::TetMesh& mesh, std::span<const Material> material_of_label);
 
 /// What the equations are made of.
 struct TissueModel {
@@ -51,11 +51,12 @@ struct TissueModel {
 };
 
 /// The mesh as a body of these materials. @throws InputError as above, and as ElasticBody::avoid_locking() does.
-ElasticBody tissue_body(const TetMesh& mesh, std::span<const Material> material_of_label, const TissueModel& model);
+ElasticBody tissue_body(
+    const mesh::TetMesh& mesh, std::span<const Material> material_of_label, const TissueModel& model);
 
 /// N/mm, one per node; empty when nothing is bedded. @throws InputError on a vertex out of range or named twice, or a
 /// stiffness that is not positive.
-std::vector<double> bed_stiffness(const TetMesh& mesh, const Supports& supports);
+std::vector<double> bed_stiffness(const mesh::TetMesh& mesh, const Supports& supports);
 
 /// All of the above, its loads and check_mesh(). @throws InputError as they do, and on a mesh without elements.
 void check_problem(const ElasticProblem& problem);
@@ -67,9 +68,9 @@ ExternalLoads external_loads(const ElasticProblem& problem);
 Eigen::VectorXd nodal_loads(const ElasticProblem& problem);
 
 /// The labels that elements of the mesh carry, rising.
-std::vector<Label> labels_met(const TetMesh& mesh);
+std::vector<Label> labels_met(const mesh::TetMesh& mesh);
 
 /// Forces at the nodes (three per node), summed over the nodes of each hook.
 std::vector<Vec3> hook_forces(const Eigen::VectorXd& nodal_forces, const Prescribed& prescribed, std::size_t hooks);
 
-} // namespace retractor
+} // namespace retractor::fem

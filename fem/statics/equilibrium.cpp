@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -526,4 +526,4 @@ Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::u
     return result;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -31,7 +31,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 struct EquilibriumOptions {
     int load_steps = 4; ///< at least as many
@@ -73,4 +73,4 @@ private:
     bool assembled_ = false;
 };
 
-} // namespace retractor
+} // namespace retractor::fem

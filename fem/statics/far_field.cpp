@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -166,4 +166,4 @@ std::size_t FarField::bytes() const
         + free_.size() * sizeof(VertexId);
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -2,16 +2,16 @@
 // A linear body of which only a rim matters: everything else is condensed onto it once, so that what lies beyond the
 // rim costs a dense product. Units mm, N, MPa.
 
-#include "fem/model/elastic_body.h"
 #include "fem/linear_algebra/sparse_cholesky.h"
 #include "fem/linear_algebra/symmetric_pattern.h"
+#include "fem/model/elastic_body.h"
 
 #include <Eigen/Core>
 
 #include <cstdint>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// Unknowns and order of elimination of a block matrix of which some nodes are prescribed and the last ones kept.
 struct CondensingSystem {
@@ -59,4 +59,4 @@ private:
     Eigen::MatrixXd stiffness_;
 };
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -21,7 +21,7 @@ namespace {
 
 } // namespace
 
-HandZone hand_zone(const TetMesh& mesh, const Points& wound)
+HandZone hand_zone(const mesh::TetMesh& mesh, const Points& wound)
 {
     std::size_t count = 0;
     for (const Reach& reach : kReaches) {
@@ -38,4 +38,4 @@ NearFieldOptions hand_options(Eigen::VectorXd load)
     return { .elasticity = Elasticity::bounded, .frame_iterations = kFrameIterations, .load = std::move(load) };
 }
 
-} // namespace retractor
+} // namespace retractor::fem

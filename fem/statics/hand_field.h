@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 struct HandZone {
     std::vector<std::uint8_t> near; ///< one per element, 1 = nonlinear
@@ -17,9 +17,9 @@ struct HandZone {
 /// Within 40 mm of the wound; nearer where that is more elements than can be dragged.
 /// @param wound the vertices of its lips, at rest. @throws InputError where even those within 20 mm are too many, and
 /// as elements_near() does.
-HandZone hand_zone(const TetMesh& mesh, const Points& wound);
+HandZone hand_zone(const mesh::TetMesh& mesh, const Points& wound);
 
 /// Bounded elasticity: cuts through patients leave flat elements. @param load as in NearFieldOptions.
 NearFieldOptions hand_options(Eigen::VectorXd load = {});
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -12,7 +12,7 @@
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -56,7 +56,7 @@ namespace {
     }
 
     /// Twice the area of the largest triangle found from the two nodes furthest apart: zero for nodes on a line.
-    bool spans_a_plane(const TetMesh& mesh, const std::vector<VertexId>& nodes)
+    bool spans_a_plane(const mesh::TetMesh& mesh, const std::vector<VertexId>& nodes)
     {
         if (nodes.size() < 3)
             return false;
@@ -70,7 +70,7 @@ namespace {
             [&](VertexId v) { return far.cross(point_at(mesh.vertices, v) - a).norm() > kOnLine * far.squaredNorm(); });
     }
 
-    std::string nearest_node(const TetMesh& mesh, const std::set<VertexId>& lip, const Vec3& centre)
+    std::string nearest_node(const mesh::TetMesh& mesh, const std::set<VertexId>& lip, const Vec3& centre)
     {
         double best = std::numeric_limits<double>::max();
         VertexId nearest = -1;
@@ -90,7 +90,7 @@ namespace {
 
     /// Adds the midpoints of element edges whose two ends are under the patch and on one lip face.
     void add_midpoints(
-        const TetMesh& mesh, std::span<const std::array<VertexId, 3>> lip_faces, std::set<VertexId>& patch)
+        const mesh::TetMesh& mesh, std::span<const std::array<VertexId, 3>> lip_faces, std::set<VertexId>& patch)
     {
         std::set<std::pair<VertexId, VertexId>> edges;
         for (const auto& face : lip_faces)
@@ -99,9 +99,9 @@ namespace {
                     edges.insert(std::minmax(a, b));
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
             const auto n = mesh.tet(t);
-            for (std::size_t e = 0; e < kTetEdges.size(); ++e) {
-                const VertexId a = n[static_cast<std::size_t>(kTetEdges[e][0])];
-                const VertexId b = n[static_cast<std::size_t>(kTetEdges[e][1])];
+            for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e) {
+                const VertexId a = n[static_cast<std::size_t>(mesh::kTetEdges[e][0])];
+                const VertexId b = n[static_cast<std::size_t>(mesh::kTetEdges[e][1])];
                 if (edges.contains(std::minmax(a, b)))
                     patch.insert(n[4 + e]);
             }
@@ -110,7 +110,7 @@ namespace {
 
 } // namespace
 
-std::vector<VertexId> hook_patch_nodes(const TetMesh& mesh, std::span<const std::array<VertexId, 3>> lip_faces,
+std::vector<VertexId> hook_patch_nodes(const mesh::TetMesh& mesh, std::span<const std::array<VertexId, 3>> lip_faces,
     const Vec3& centre, const Vec3& along, const Vec3& depth, double width_mm, double height_mm, std::string_view name)
 {
     const std::string where = "hook '" + std::string(name) + "' at " + place(centre);
@@ -135,4 +135,4 @@ std::vector<VertexId> hook_patch_nodes(const TetMesh& mesh, std::span<const std:
     return { covered.begin(), covered.end() };
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -11,7 +11,7 @@
 #include <limits>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -309,4 +309,4 @@ std::vector<Vec3> per_hook(const Eigen::VectorXd& unknowns)
     return of;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

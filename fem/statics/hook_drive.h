@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// What drives a hook. The tissue under it moves as one, by some d. With `force_N` set, the hook pulls with this force.
 /// Otherwise it is drawn to `displacement` through a grip (how well the lip follows), and slips when the force would
@@ -60,4 +60,4 @@ Eigen::VectorXd resisted(const Eigen::MatrixXd& R, const Eigen::VectorXd& forces
 Eigen::VectorXd packed(const std::vector<Vec3>& of_hooks);
 std::vector<Vec3> per_hook(const Eigen::VectorXd& unknowns);
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -21,7 +21,7 @@ namespace {
         double radius = 0.0;
     };
 
-    std::vector<PatchPlane> patch_planes(const TetMesh& mesh, std::span<const HookPatch> hooks)
+    std::vector<PatchPlane> patch_planes(const mesh::TetMesh& mesh, std::span<const HookPatch> hooks)
     {
         std::vector<PatchPlane> planes(hooks.size());
         std::vector<int> hook_of_node(mesh.vertex_count(), -1);
@@ -34,8 +34,8 @@ namespace {
                 planes[h].radius
                     = std::max(planes[h].radius, (mesh.vertices.row(v).transpose() - planes[h].middle).norm());
         }
-        for (const TetFace& face : boundary_faces(mesh)) {
-            const auto corners = face_vertices(mesh, face);
+        for (const mesh::TetFace& face : mesh::boundary_faces(mesh)) {
+            const auto corners = mesh::face_vertices(mesh, face);
             const int hook = hook_of_node[static_cast<std::size_t>(corners[0])];
             if (hook < 0 || hook_of_node[static_cast<std::size_t>(corners[1])] != hook
                 || hook_of_node[static_cast<std::size_t>(corners[2])] != hook)
@@ -157,7 +157,7 @@ namespace {
 
 } // namespace
 
-std::vector<FacingHooks> facing_hooks(const TetMesh& mesh, std::span<const HookPatch> hooks)
+std::vector<FacingHooks> facing_hooks(const mesh::TetMesh& mesh, std::span<const HookPatch> hooks)
 {
     std::vector<FacingHooks> facing;
     if (hooks.empty() || !on_two_sides(hooks))
@@ -184,7 +184,7 @@ double crossing_mm(const FacingHooks& pair, const Vec3& moved_a, const Vec3& mov
     return -(moved_b - moved_a).dot(pair.normal) - pair.gap_mm;
 }
 
-void check_hooks_apart(const TetMesh& mesh, std::span<const HookPatch> hooks)
+void check_hooks_apart(const mesh::TetMesh& mesh, std::span<const HookPatch> hooks)
 {
     for (const FacingHooks& pair : facing_hooks(mesh, hooks)) {
         const HookPatch &a = hooks[pair.a], &b = hooks[pair.b];
@@ -257,4 +257,4 @@ RestApart rest_of_hooks_apart(const Eigen::MatrixXd& R, const Eigen::VectorXd& r
     return apart;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// Two hooks of opposite sides whose patches lie opposite each other at rest.
 struct FacingHooks {
@@ -23,14 +23,14 @@ struct FacingHooks {
 };
 
 /// @pre the hooks' nodes are in the mesh.
-std::vector<FacingHooks> facing_hooks(const TetMesh& mesh, std::span<const HookPatch> hooks);
+std::vector<FacingHooks> facing_hooks(const mesh::TetMesh& mesh, std::span<const HookPatch> hooks);
 
 /// By how far two hooks that have moved so, mm, have passed through each other; negative: what is left between them.
 double crossing_mm(const FacingHooks& pair, const Vec3& moved_a, const Vec3& moved_b);
 
 /// @throws InputError naming two hooks of opposite sides that would pass through each other, and by how far.
 /// @pre as facing_hooks().
-void check_hooks_apart(const TetMesh& mesh, std::span<const HookPatch> hooks);
+void check_hooks_apart(const mesh::TetMesh& mesh, std::span<const HookPatch> hooks);
 
 /// Draws hooks that have passed through each other back to where their lips meet, straight apart: along the lips they
 /// go where they were going.
@@ -49,4 +49,4 @@ struct RestApart {
 RestApart rest_of_hooks_apart(const Eigen::MatrixXd& R, const Eigen::VectorXd& r, std::vector<HookDrive> drives,
     std::span<const FacingHooks> facing);
 
-} // namespace retractor
+} // namespace retractor::fem

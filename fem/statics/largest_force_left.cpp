@@ -2,7 +2,7 @@
 
 #include "mesh/base/text.h"
 
-namespace retractor {
+namespace retractor::fem {
 
 std::string largest_force_left(const Points& points, const Eigen::VectorXd& displacement, const Eigen::VectorXd& forces)
 {
@@ -17,4 +17,4 @@ std::string largest_force_left(const Points& points, const Eigen::VectorXd& disp
         place.x(), place.y(), place.z());
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -6,11 +6,11 @@
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 LocalProblem local_problem(const ElasticProblem& whole, const Points& points, double distance)
 {
-    const TetMesh& mesh = whole.mesh;
+    const mesh::TetMesh& mesh = whole.mesh;
     const std::vector<std::uint8_t> near = elements_near(mesh, points, distance);
     std::vector<std::uint8_t> kept(mesh.vertex_count(), 0), beyond(mesh.vertex_count(), 0);
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
@@ -77,4 +77,4 @@ LocalProblem local_problem(const ElasticProblem& whole, const Points& points, do
     return local;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -8,7 +8,7 @@
 
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 struct LocalProblem {
     ElasticProblem problem;
@@ -22,4 +22,4 @@ struct LocalProblem {
 /// an element, that is left out, and on a body under pressure.
 LocalProblem local_problem(const ElasticProblem& whole, const Points& points, double distance);
 
-} // namespace retractor
+} // namespace retractor::fem

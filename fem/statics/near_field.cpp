@@ -1,10 +1,10 @@
 #include "fem/statics/near_field.h"
 
+#include "fem/linear_algebra/nodal_norm.h"
+#include "fem/model/held_pieces.h"
 #include "fem/statics/elastic_problem.h"
 #include "fem/statics/far_field.h"
-#include "fem/model/held_pieces.h"
 #include "fem/statics/largest_force_left.h"
-#include "fem/linear_algebra/nodal_norm.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -15,19 +15,19 @@
 #include <sstream>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
     /// Some elements of a mesh with the nodes they use: those of the rim last, else in the mesh's order.
     struct Part {
-        TetMesh mesh;
+        mesh::TetMesh mesh;
         std::vector<VertexId> vertex; ///< per node of the part: of the whole mesh
         std::vector<VertexId> node; ///< per vertex of the whole mesh: of the part, or -1
         std::vector<TetId> element; ///< per element of the part: of the whole mesh
     };
 
-    Part part_of(const TetMesh& mesh, const std::vector<std::uint8_t>& near, std::uint8_t which,
+    Part part_of(const mesh::TetMesh& mesh, const std::vector<std::uint8_t>& near, std::uint8_t which,
         const std::vector<VertexId>& rim)
     {
         Part part;
@@ -60,7 +60,7 @@ namespace {
 
     /// Free vertices with elements on both sides.
     std::vector<VertexId> rim_of(
-        const TetMesh& mesh, const std::vector<std::uint8_t>& near, const Prescribed& prescribed)
+        const mesh::TetMesh& mesh, const std::vector<std::uint8_t>& near, const Prescribed& prescribed)
     {
         constexpr std::uint8_t kNear = 1, kFar = 2;
         std::vector<std::uint8_t> sides(mesh.vertex_count(), 0);
@@ -120,7 +120,7 @@ namespace {
 
 } // namespace
 
-std::vector<std::uint8_t> elements_near(const TetMesh& mesh, const Points& points, double distance)
+std::vector<std::uint8_t> elements_near(const mesh::TetMesh& mesh, const Points& points, double distance)
 {
     if (points.rows() == 0 || !points.allFinite() || !(distance > 0.0))
         throw InputError("elements are near some points, within a positive distance", "near field");
@@ -561,7 +561,7 @@ struct NearField::State {
     }
 };
 
-NearField::NearField(const TetMesh& mesh, std::span<const Material> material_of_label, const Supports& supports,
+NearField::NearField(const mesh::TetMesh& mesh, std::span<const Material> material_of_label, const Supports& supports,
     std::vector<HookPatch> hooks, const std::vector<std::uint8_t>& near, NearFieldOptions options)
     : state_(std::make_unique<State>())
 {
@@ -774,4 +774,4 @@ std::size_t NearField::bytes() const
         + s.pairs.size() * 2 * static_cast<std::size_t>(s.now.u.size()) * sizeof(double);
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -15,11 +15,11 @@
 //
 // With all elements near it is the fully nonlinear problem, solved the same way.
 
-#include "fem/statics/boundary_conditions.h"
 #include "fem/material/elasticity.h"
+#include "fem/material/material.h"
+#include "fem/statics/boundary_conditions.h"
 #include "fem/statics/hook_drive.h"
 #include "fem/statics/hooks_apart.h"
-#include "fem/material/material.h"
 #include "mesh/base/job.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
@@ -31,11 +31,11 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// Flags the elements with a corner within `distance` (mm) of one of the points. @throws InputError when there is no
 /// point, or the distance is not positive.
-std::vector<std::uint8_t> elements_near(const TetMesh& mesh, const Points& points, double distance);
+std::vector<std::uint8_t> elements_near(const mesh::TetMesh& mesh, const Points& points, double distance);
 
 struct NearFieldOptions {
     /// hyperelastic: by the materials' laws (hyperelastic_law()); corotational; bounded, which meshes with flat
@@ -90,7 +90,7 @@ public:
     /// @param near one per element, 1 = nonlinear.
     /// @throws InputError on bad meshes, materials, supports, hooks, when no element is near, or a hook holds a node of
     /// a far element, or one that is not near is loaded; SolverError naming what is not held.
-    NearField(const TetMesh& mesh, std::span<const Material> material_of_label, const Supports& supports,
+    NearField(const mesh::TetMesh& mesh, std::span<const Material> material_of_label, const Supports& supports,
         std::vector<HookPatch> hooks, const std::vector<std::uint8_t>& near, NearFieldOptions options = {});
     ~NearField();
     NearField(NearField&&) noexcept;
@@ -127,4 +127,4 @@ private:
     std::unique_ptr<State> state_;
 };
 
-} // namespace retractor
+} // namespace retractor::fem

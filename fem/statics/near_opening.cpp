@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -43,7 +43,7 @@ namespace {
 
     class NearOpening {
     public:
-        NearOpening(const TetMesh& mesh, std::span<const Material> materials, const Supports& supports,
+        NearOpening(const mesh::TetMesh& mesh, std::span<const Material> materials, const Supports& supports,
             std::span<const HookPatch> hooks, const OpeningOptions& options, const Job& job)
             : mesh_(mesh)
             , materials_(materials)
@@ -184,7 +184,7 @@ namespace {
             settled_ = std::move(settled);
         }
 
-        const TetMesh& mesh_;
+        const mesh::TetMesh& mesh_;
         std::span<const Material> materials_;
         const Supports& supports_;
         std::span<const HookPatch> hooks_;
@@ -227,10 +227,10 @@ NearFrame drag_in_steps(NearField& field, std::span<const HookDrive> from, std::
     return frame;
 }
 
-OpeningResult open_near(const TetMesh& mesh, std::span<const Material> material_of_label, const Supports& supports,
-    std::span<const HookPatch> hooks, const OpeningOptions& options, const Job& job)
+OpeningResult open_near(const mesh::TetMesh& mesh, std::span<const Material> material_of_label,
+    const Supports& supports, std::span<const HookPatch> hooks, const OpeningOptions& options, const Job& job)
 {
     return NearOpening(mesh, material_of_label, supports, hooks, options, job).open();
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -3,9 +3,9 @@
 // with the linear far field judged. Where ribs swing it is wrong by much, and may even turn elements over; there the
 // whole is solved nonlinearly from where it was still good. Units mm, N.
 
+#include "fem/material/material.h"
 #include "fem/statics/boundary_conditions.h"
 #include "fem/statics/hook_drive.h"
-#include "fem/material/material.h"
 #include "fem/statics/near_field.h"
 #include "fem/statics/opening_types.h"
 #include "mesh/base/job.h"
@@ -14,7 +14,7 @@
 #include <functional>
 #include <span>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// Hooks drawn in steps, as a hand would: tissue that has more than one rest comes to the one on the way.
 struct DragInSteps {
@@ -31,7 +31,7 @@ NearFrame drag_in_steps(NearField& field, std::span<const HookDrive> from, std::
 
 /// Opening::open() for OpeningOptions::near, without what is measured on the deformed elements.
 /// @throws as NearField's constructor.
-OpeningResult open_near(const TetMesh& mesh, std::span<const Material> material_of_label, const Supports& supports,
-    std::span<const HookPatch> hooks, const OpeningOptions& options, const Job& job);
+OpeningResult open_near(const mesh::TetMesh& mesh, std::span<const Material> material_of_label,
+    const Supports& supports, std::span<const HookPatch> hooks, const OpeningOptions& options, const Job& job);
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -1,8 +1,8 @@
 #include "fem/statics/opening.h"
 
+#include "fem/model/held_pieces.h"
 #include "fem/statics/elastic_problem.h"
 #include "fem/statics/equilibrium.h"
-#include "fem/model/held_pieces.h"
 #include "fem/statics/hooks_apart.h"
 #include "fem/statics/largest_force_left.h"
 #include "fem/statics/near_opening.h"
@@ -17,7 +17,7 @@
 #include <sstream>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
@@ -49,7 +49,7 @@ namespace {
 
     /// 99th percentile by volume of the strain outside the elements that touch a hook patch.
     double strain_percentile(
-        const TetMesh& mesh, const ElasticBody::Deformation& d, const std::vector<int>& hook_of_node)
+        const mesh::TetMesh& mesh, const ElasticBody::Deformation& d, const std::vector<int>& hook_of_node)
     {
         std::vector<std::size_t> order;
         double total = 0.0;
@@ -70,7 +70,7 @@ namespace {
     /// @pre result.displacement is set.
     void measure(const ElasticBody& body, const Prescribed& prescribed, OpeningResult& result)
     {
-        const TetMesh& mesh = body.mesh();
+        const mesh::TetMesh& mesh = body.mesh();
         const Eigen::VectorXd displacement
             = Eigen::Map<const Eigen::VectorXd>(result.displacement.data(), result.displacement.size());
         ElasticBody::Deformation d = body.deformation(displacement);
@@ -163,7 +163,7 @@ namespace {
 } // namespace
 
 struct Opening::State {
-    TetMesh mesh;
+    mesh::TetMesh mesh;
     Supports supports;
     OpeningOptions options;
     std::vector<Material> materials; ///< by label
@@ -218,11 +218,11 @@ OpeningResult Opening::State::open_all(const Prescribed& prescribed, std::size_t
 }
 
 Opening::Opening(
-    const TetMesh& mesh, std::span<const Material> material_of_label, Supports supports, OpeningOptions options)
+    const mesh::TetMesh& mesh, std::span<const Material> material_of_label, Supports supports, OpeningOptions options)
     : state_(std::make_unique<State>())
 {
     check_options(options);
-    check_mesh(mesh);
+    mesh::check_mesh(mesh);
     if (mesh.tet_count() == 0)
         throw InputError("the mesh has no elements");
     if (options.load.size() != 0 && (options.load.size() != 3 * mesh.vertices.rows() || !options.load.allFinite()))
@@ -263,4 +263,4 @@ OpeningResult Opening::open(std::span<const HookPatch> hooks, const Job& job)
     return result;
 }
 
-} // namespace retractor
+} // namespace retractor::fem

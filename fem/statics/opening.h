@@ -11,9 +11,9 @@
 // Four-node elements lock above nu of about 0.49: there take locking-free ones or ten-node ones (with_midpoints).
 // Nonlinear near the wound and linear beyond, as far as that is right: OpeningOptions::near (near_opening.h).
 
+#include "fem/material/material.h"
 #include "fem/statics/boundary_conditions.h"
 #include "fem/statics/elastic_problem.h"
-#include "fem/material/material.h"
 #include "fem/statics/opening_types.h"
 #include "mesh/base/job.h"
 #include "mesh/tetrahedra/tet_mesh.h"
@@ -21,7 +21,7 @@
 #include <memory>
 #include <span>
 
-namespace retractor {
+namespace retractor::fem {
 
 /// Holds the mesh's stiffness pattern and its symbolic factorisation; both are built when first needed. A further
 /// open() starts from the last converged state (status converged), and with the same nodes held it keeps the ordering.
@@ -29,7 +29,7 @@ class Opening {
 public:
     /// @param materials one per element label id: materials_of_label[label]; labels not met may be anything.
     /// @throws InputError on bad meshes, materials, supports, and on options that contradict each other.
-    Opening(const TetMesh& mesh, std::span<const Material> material_of_label, Supports supports,
+    Opening(const mesh::TetMesh& mesh, std::span<const Material> material_of_label, Supports supports,
         OpeningOptions options = {});
     /// With the problem's loads; its hooks are not used. @throws InputError as above, and where the options have a load
     /// too.
@@ -47,4 +47,4 @@ private:
     std::unique_ptr<State> state_;
 };
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -3,8 +3,8 @@
 // (OpeningResult). opening.h opens a wound; near_opening.h does the part of it in which tissue far from the wound stays
 // linear. Units mm, N, MPa; frame patient LPS.
 
-#include "fem/model/contact.h"
 #include "fem/material/elasticity.h"
+#include "fem/model/contact.h"
 #include "fem/model/loads.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 struct OpeningOptions {
     Elasticity elasticity = Elasticity::corotational; ///< not bounded
@@ -74,4 +74,4 @@ struct [[nodiscard]] OpeningResult {
     double assemble_seconds = 0.0, factor_seconds = 0.0, solve_seconds = 0.0;
 };
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -1,11 +1,11 @@
 #include "fem/statics/tension.h"
 
 #include "fem/linear_algebra/constrained_solver.h"
-#include "fem/springs/edge_springs.h"
 #include "fem/model/elastic_body.h"
-#include "fem/statics/elastic_problem.h"
 #include "fem/model/held_pieces.h"
+#include "fem/springs/edge_springs.h"
 #include "fem/springs/spring_relaxation.h"
+#include "fem/statics/elastic_problem.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -14,17 +14,17 @@
 #include <numbers>
 #include <string>
 
-namespace retractor {
+namespace retractor::fem {
 
 namespace {
 
-    void check_vertex(const TetMesh& mesh, VertexId v, const char* which)
+    void check_vertex(const mesh::TetMesh& mesh, VertexId v, const char* which)
     {
         if (v < 0 || static_cast<std::size_t>(v) >= mesh.vertex_count())
             throw InputError(std::string(which) + " vertex is not in the mesh", "vertex " + std::to_string(v));
     }
 
-    std::vector<std::uint8_t> prescribed_unknowns(const TetMesh& mesh, std::span<const VertexId> held)
+    std::vector<std::uint8_t> prescribed_unknowns(const mesh::TetMesh& mesh, std::span<const VertexId> held)
     {
         std::vector<std::uint8_t> prescribed(3 * mesh.vertex_count(), 0);
         for (const VertexId v : held) {
@@ -41,8 +41,9 @@ namespace {
 
 } // namespace
 
-ReleasedWound release_wound(const TetMesh& mesh, std::span<const TetFace> lips, std::span<const Mat3> stresses,
-    std::span<const Material> materials, const Supports& supports, const Points& held_displacement, const Job& job)
+ReleasedWound release_wound(const mesh::TetMesh& mesh, std::span<const mesh::TetFace> lips,
+    std::span<const Mat3> stresses, std::span<const Material> materials, const Supports& supports,
+    const Points& held_displacement, const Job& job)
 {
     ReleasedWound result;
     Stopwatch watch;
@@ -77,8 +78,8 @@ ReleasedWound release_wound(const TetMesh& mesh, std::span<const TetFace> lips, 
     return result;
 }
 
-double spring_calibration(const TetMesh& mesh, std::span<const Material> materials, std::span<const VertexId> held,
-    const Vec3& pull, std::span<const VertexId> symmetry, const Job& job)
+double spring_calibration(const mesh::TetMesh& mesh, std::span<const Material> materials,
+    std::span<const VertexId> held, const Vec3& pull, std::span<const VertexId> symmetry, const Job& job)
 {
     constexpr double kStrain = 1e-4; // small: both models are then linear
     if (!(pull.norm() > 0.0 && pull.allFinite()))
@@ -121,7 +122,7 @@ double spring_calibration(const TetMesh& mesh, std::span<const Material> materia
 
 double SheetProblem::thickness() const { return std::numbers::pi * cut_length / around; }
 
-TetMesh sheet_mesh(const SheetProblem& s)
+mesh::TetMesh sheet_mesh(const SheetProblem& s)
 {
     const double a = 0.5 * s.cut_length;
     if (!(a > 0.0 && s.radius > a && std::isfinite(s.radius)))
@@ -146,7 +147,7 @@ TetMesh sheet_mesh(const SheetProblem& s)
             const double x = i == 0 && 4 * j == n ? 0.0 : a * std::cosh(xi) * std::cos(eta);
             flat.emplace_back(x, i == 0 ? 0.0 : a * std::sinh(xi) * std::sin(eta), 0.0);
         }
-    TetMesh mesh;
+    mesh::TetMesh mesh;
     const auto count = static_cast<VertexId>(flat.size());
     mesh.vertices.resize(2 * static_cast<Eigen::Index>(count), 3);
     for (VertexId v = 0; v < count; ++v) {
@@ -155,7 +156,7 @@ TetMesh sheet_mesh(const SheetProblem& s)
     }
     const auto add = [&](std::array<VertexId, 4> t) {
         const auto p = [&](std::size_t i) { return Vec3(mesh.vertices.row(t[i])); };
-        if (tet_volume(p(0), p(1), p(2), p(3)) < 0.0)
+        if (mesh::tet_volume(p(0), p(1), p(2), p(3)) < 0.0)
             std::swap(t[2], t[3]);
         mesh.nodes.insert(mesh.nodes.end(), t.begin(), t.end());
         mesh.labels.push_back(1);
@@ -180,11 +181,11 @@ TetMesh sheet_mesh(const SheetProblem& s)
                 prism({ low[here], high[next], high[here] });
             }
         }
-    check_mesh(mesh);
+    mesh::check_mesh(mesh);
     return mesh;
 }
 
-Blade sheet_blade(const SheetProblem& s)
+mesh::Blade sheet_blade(const SheetProblem& s)
 {
     const double a = 0.5 * s.cut_length;
     return { .line = { Vec3(-a, 0.0, s.thickness()), Vec3(a, 0.0, s.thickness()) },
@@ -192,7 +193,7 @@ Blade sheet_blade(const SheetProblem& s)
         .depth_mm = 2.0 * s.thickness() };
 }
 
-std::vector<VertexId> sheet_rim(const SheetProblem& s, const TetMesh& mesh)
+std::vector<VertexId> sheet_rim(const SheetProblem& s, const mesh::TetMesh& mesh)
 {
     const double a = 0.5 * s.cut_length, b = std::sqrt(s.radius * s.radius - a * a);
     constexpr double kOnRim = 1e-6;
@@ -205,7 +206,7 @@ std::vector<VertexId> sheet_rim(const SheetProblem& s, const TetMesh& mesh)
     return rim;
 }
 
-std::vector<VertexId> sheet_middle_plane(const TetMesh& mesh)
+std::vector<VertexId> sheet_middle_plane(const mesh::TetMesh& mesh)
 {
     std::vector<VertexId> middle;
     for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
@@ -240,4 +241,4 @@ double sheet_gape(PreStrainKind kind, double e, double length, double nu, double
     }
 }
 
-} // namespace retractor
+} // namespace retractor::fem

@@ -2,9 +2,9 @@
 // How far a wound gapes under tension: linear finite elements with initial stress, the closed form they and the springs
 // are measured against, and the sheet it holds for. Units mm, N, MPa.
 
-#include "fem/statics/boundary_conditions.h"
 #include "fem/material/material.h"
 #include "fem/model/pre_strain.h"
+#include "fem/statics/boundary_conditions.h"
 #include "mesh/base/job.h"
 #include "mesh/cutting/store/blade.h"
 #include "mesh/tetrahedra/tet_mesh.h"
@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 
 struct [[nodiscard]] ReleasedWound {
     Points displacement; ///< n x 3, mm
@@ -24,9 +24,9 @@ struct [[nodiscard]] ReleasedWound {
 /// @param held_displacement where the fixed nodes are moved to (n x 3, others unused), or none.
 /// @throws InputError on bad materials or stresses and on supports that are not in the mesh; SolverError on a piece
 /// that nothing holds.
-ReleasedWound release_wound(const TetMesh& mesh, std::span<const TetFace> lips, std::span<const Mat3> stress_of_element,
-    std::span<const Material> material_of_label, const Supports& supports, const Points& held_displacement = {},
-    const Job& job = {});
+ReleasedWound release_wound(const mesh::TetMesh& mesh, std::span<const mesh::TetFace> lips,
+    std::span<const Mat3> stress_of_element, std::span<const Material> material_of_label, const Supports& supports,
+    const Points& held_displacement = {}, const Job& job = {});
 
 /// What the stiffness of all springs on a mesh must be scaled by, that it takes the same energy to stretch the body
 /// along `pull` by the ends that are held as linear finite elements take with Poisson's ratio 1/4 (Young's moduli as
@@ -35,7 +35,7 @@ ReleasedWound release_wound(const TetMesh& mesh, std::span<const TetFace> lips, 
 /// @param symmetry vertices in a plane of symmetry across z, which keep their z: a thin sheet has to be kept from
 /// bending, which conjugate gradients take for ever to find out about.
 /// @throws InputError as above, on a vertex that is not in the mesh, or when the held vertices do not stretch the body.
-double spring_calibration(const TetMesh& mesh, std::span<const Material> material_of_label,
+double spring_calibration(const mesh::TetMesh& mesh, std::span<const Material> material_of_label,
     std::span<const VertexId> held, const Vec3& pull, std::span<const VertexId> symmetry = {}, const Job& job = {});
 
 /// A flat round sheet with a straight cut through its middle. In confocal elliptic coordinates, which are conformal,
@@ -49,13 +49,13 @@ struct SheetProblem {
 };
 
 /// Uncut, one label (1), one layer of prisms divided into three. @throws InputError on sizes out of range.
-TetMesh sheet_mesh(const SheetProblem& sheet);
+mesh::TetMesh sheet_mesh(const SheetProblem& sheet);
 /// Along the mesh's own edges from tip to tip, through the sheet.
-Blade sheet_blade(const SheetProblem& sheet);
+mesh::Blade sheet_blade(const SheetProblem& sheet);
 /// The vertices on the rim, which are held, and those in the middle plane z = 0, which keep their z by symmetry; of the
 /// mesh before or after the cut.
-std::vector<VertexId> sheet_rim(const SheetProblem& sheet, const TetMesh& mesh);
-std::vector<VertexId> sheet_middle_plane(const TetMesh& mesh);
+std::vector<VertexId> sheet_rim(const SheetProblem& sheet, const mesh::TetMesh& mesh);
+std::vector<VertexId> sheet_middle_plane(const mesh::TetMesh& mesh);
 
 /// Displacement round a straight cut in an infinite sheet whose lips lose the traction `stress` across it: plane
 /// stress, by Westergaard's function stress (z / sqrt(z^2 - a^2) - 1) [Westergaard 1939; Tada, Paris, Irwin 2000, 5.1].
@@ -69,4 +69,4 @@ Vec3 sheet_displacement(
 /// @param strain across the cut. @param along_cut biaxial: a, the strain along it. @throws InputError on another kind.
 double sheet_gape(PreStrainKind kind, double strain, double cut_length, double poissons_ratio, double along_cut = 0.0);
 
-} // namespace retractor
+} // namespace retractor::fem

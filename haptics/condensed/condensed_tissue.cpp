@@ -8,7 +8,7 @@
 #include <numeric>
 #include <utility>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -16,9 +16,9 @@ namespace {
     constexpr double kAhead = 0.25; ///< s of a finger's way that columns are fetched for
     constexpr double kMargin = 8.0; ///< mm about a finger's reach that columns are fetched for
 
-    std::vector<Lame> lame_of(const ElasticModel& model)
+    std::vector<fem::Lame> lame_of(const datasets::ElasticModel& model)
     {
-        std::vector<Lame> lame(model.mesh.tet_count());
+        std::vector<fem::Lame> lame(model.mesh.tet_count());
         for (std::size_t t = 0; t < lame.size(); ++t) {
             const double E = model.youngs_modulus[t], nu = model.poissons_ratio[t];
             lame[t] = { E / (2.0 * (1.0 + nu)), E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)) };
@@ -26,29 +26,29 @@ namespace {
         return lame;
     }
 
-    std::vector<std::uint8_t> corners_with(const ElasticModel& model, VertexRole role)
+    std::vector<std::uint8_t> corners_with(const datasets::ElasticModel& model, datasets::VertexRole role)
     {
         std::vector<std::uint8_t> flags(model.roles.size());
         std::transform(model.roles.begin(), model.roles.end(), flags.begin(),
-            [&](VertexRole r) { return static_cast<std::uint8_t>(r == role); });
+            [&](datasets::VertexRole r) { return static_cast<std::uint8_t>(r == role); });
         return flags;
     }
 
     /// A midpoint is fixed when both its corners are.
-    std::vector<std::uint8_t> with_fixed_midpoints(const TetMesh& mesh, std::vector<std::uint8_t> fixed)
+    std::vector<std::uint8_t> with_fixed_midpoints(const mesh::TetMesh& mesh, std::vector<std::uint8_t> fixed)
     {
         fixed.resize(mesh.vertex_count(), 0);
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()) && mesh.nodes_per_tet == 10; ++t) {
             const auto tet = mesh.tet(t);
-            for (std::size_t e = 0; e < kTetEdges.size(); ++e)
-                if (fixed[static_cast<std::size_t>(tet[static_cast<std::size_t>(kTetEdges[e][0])])] != 0
-                    && fixed[static_cast<std::size_t>(tet[static_cast<std::size_t>(kTetEdges[e][1])])] != 0)
+            for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e)
+                if (fixed[static_cast<std::size_t>(tet[static_cast<std::size_t>(mesh::kTetEdges[e][0])])] != 0
+                    && fixed[static_cast<std::size_t>(tet[static_cast<std::size_t>(mesh::kTetEdges[e][1])])] != 0)
                     fixed[static_cast<std::size_t>(tet[4 + e])] = 1;
         }
         return fixed;
     }
 
-    void check(const CondensedOptions& o, const ElasticModel& model)
+    void check(const CondensedOptions& o, const datasets::ElasticModel& model)
     {
         const auto refuse = [](const char* what, const char* where) { throw InputError(what, where); };
         if (o.fingers < 1 || o.fingers > 16)
@@ -91,16 +91,17 @@ struct CondensedTissue::Finger {
     }
 };
 
-CondensedTissue::CondensedTissue(ElasticModel model, PulsePressure pulse, CondensedOptions options, const Job& job)
+CondensedTissue::CondensedTissue(
+    datasets::ElasticModel model, PulsePressure pulse, CondensedOptions options, const Job& job)
     : model_(std::move(model))
     , pulse_(std::move(pulse))
     , options_(options)
     , solver_(options.patch_limit * options.fingers)
 {
-    check_elastic_model(model_);
+    datasets::check_elastic_model(model_);
     check(options_, model_);
     const Stopwatch watch;
-    mesh_ = options_.element == TouchElement::p2 && model_.mesh.nodes_per_tet == 4 ? with_midpoints(model_.mesh)
+    mesh_ = options_.element == TouchElement::p2 && model_.mesh.nodes_per_tet == 4 ? mesh::with_midpoints(model_.mesh)
                                                                                    : model_.mesh;
     show_surface();
     body_ = build(model_, nullptr, {}, job);
@@ -115,8 +116,8 @@ CondensedTissue::CondensedTissue(ElasticModel model, PulsePressure pulse, Conden
 void CondensedTissue::show_surface()
 {
     std::vector<std::int32_t> number(mesh_.vertex_count(), -1);
-    for (const TetFace& face : boundary_faces(mesh_)) {
-        std::array<VertexId, 3> triangle = face_vertices(mesh_, face);
+    for (const mesh::TetFace& face : mesh::boundary_faces(mesh_)) {
+        std::array<VertexId, 3> triangle = mesh::face_vertices(mesh_, face);
         for (VertexId& v : triangle) {
             std::int32_t& n = number[static_cast<std::size_t>(v)];
             if (n < 0) {
@@ -156,13 +157,14 @@ void CondensedTissue::make_room_for_fingers()
 
 CondensedTissue::~CondensedTissue() = default;
 
-std::unique_ptr<CondensedTissue::Body> CondensedTissue::build(ElasticModel model,
-    std::shared_ptr<const TouchSurface> touch, const std::vector<VertexRole>& touch_roles, const Job& job) const
+std::unique_ptr<CondensedTissue::Body> CondensedTissue::build(datasets::ElasticModel model,
+    std::shared_ptr<const TouchSurface> touch, const std::vector<datasets::VertexRole>& touch_roles,
+    const Job& job) const
 {
     auto body = std::make_unique<Body>();
-    std::vector<std::uint8_t> inner = corners_with(model, VertexRole::inner_wall);
+    std::vector<std::uint8_t> inner = corners_with(model, datasets::VertexRole::inner_wall);
     inner.resize(mesh_.vertex_count(), 0);
-    body->fixed = with_fixed_midpoints(mesh_, corners_with(model, VertexRole::fixed));
+    body->fixed = with_fixed_midpoints(mesh_, corners_with(model, datasets::VertexRole::fixed));
     const WallFaces faces = wall_faces(mesh_, inner, body->fixed);
     body->touch = touch != nullptr && touch_roles == model.roles
         ? std::move(touch)
@@ -494,7 +496,7 @@ void CondensedTissue::swap_in()
 
 void CondensedTissue::start_build()
 {
-    ElasticModel model = model_;
+    datasets::ElasticModel model = model_;
     const auto first = waiting_edits_.begin();
     auto last = waiting_edits_.end();
     if (built_alone_ > 0) {
@@ -612,4 +614,4 @@ PressedCheck check_pressed(CondensedTissue& tissue)
     return check;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

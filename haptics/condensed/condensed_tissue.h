@@ -30,7 +30,7 @@
 #include <memory>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 struct CondensedOptions {
     TouchElement element = TouchElement::p2;
@@ -50,7 +50,7 @@ class CondensedTissue : public TissueResponse {
 public:
     /// @throws InputError as check_elastic_model, on options out of their range, and when no surface can be touched;
     /// SolverError when the body is not held.
-    CondensedTissue(ElasticModel model, PulsePressure pulse, CondensedOptions options, const Job& job = {});
+    CondensedTissue(datasets::ElasticModel model, PulsePressure pulse, CondensedOptions options, const Job& job = {});
     ~CondensedTissue() override;
 
     std::string_view name() const noexcept override { return "fem"; }
@@ -76,7 +76,7 @@ public:
     /// Fetches every column about these places now, before the servo comes there.
     void prepare(std::span<const Fingertip> fingers);
 
-    const ElasticModel& model() const { return model_; }
+    const datasets::ElasticModel& model() const { return model_; }
     const PulsePressure& pulse() const { return pulse_; }
     const CondensedOptions& options() const { return options_; }
     const TouchSurface& touch_surface() const { return *body_->touch; }
@@ -106,7 +106,7 @@ public:
 private:
     /// What an edit swaps in whole.
     struct Body {
-        ElasticModel model;
+        datasets::ElasticModel model;
         std::vector<std::uint8_t> fixed; ///< per node
         std::shared_ptr<const TouchSurface> touch; ///< shared while only the elasticity changes
         std::unique_ptr<StationCompliance> compliance;
@@ -126,8 +126,8 @@ private:
     void show_surface();
     void make_room_for_fingers();
     /// @param like a body whose touch surface is taken when the roles are the same; or nullptr
-    std::unique_ptr<Body> build(ElasticModel model, std::shared_ptr<const TouchSurface> touch,
-        const std::vector<VertexRole>& touch_roles, const Job& job) const;
+    std::unique_ptr<Body> build(datasets::ElasticModel model, std::shared_ptr<const TouchSurface> touch,
+        const std::vector<datasets::VertexRole>& touch_roles, const Job& job) const;
     void swap_in();
     void start_build();
     std::unique_ptr<Body> built_body();
@@ -145,8 +145,8 @@ private:
     void report(std::span<const Fingertip> fingers, std::span<FingerContact> contacts) noexcept;
     void publish(double time, double pressure, std::span<const Fingertip> fingers) noexcept;
 
-    ElasticModel model_;
-    TetMesh mesh_; ///< of the element's nodes
+    datasets::ElasticModel model_;
+    mesh::TetMesh mesh_; ///< of the element's nodes
     PulsePressure pulse_;
     CondensedOptions options_;
     TriMesh shown_;
@@ -187,4 +187,4 @@ struct PressedCheck {
 /// Simulation thread.
 PressedCheck check_pressed(CondensedTissue& tissue);
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::haptics {
 
 ContactSolver::ContactSolver(std::size_t capacity)
     : capacity_(capacity)
@@ -140,4 +140,4 @@ double ContactSolver::stiffness(std::size_t first, std::size_t last) noexcept
     return sum;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 class ContactSolver {
 public:
@@ -46,4 +46,4 @@ private:
     int factorisations_ = 0;
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

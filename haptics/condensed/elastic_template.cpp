@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -28,16 +28,16 @@ namespace {
             throw InputError("it changes nothing: give it Young's modulus, Poisson's ratio or a role", kWhere);
     }
 
-    std::size_t give_role(const ElasticTemplate& edit, ElasticModel& model)
+    std::size_t give_role(const ElasticTemplate& edit, datasets::ElasticModel& model)
     {
-        std::vector<VertexRole> roles = model.roles;
+        std::vector<datasets::VertexRole> roles = model.roles;
         std::size_t inside = 0;
         for (std::size_t v = 0; v < roles.size(); ++v)
             if (edit.contains(model.mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose())) {
                 roles[v] = *edit.role;
                 ++inside;
             }
-        if (std::find(roles.begin(), roles.end(), VertexRole::fixed) == roles.end())
+        if (std::find(roles.begin(), roles.end(), datasets::VertexRole::fixed) == roles.end())
             throw InputError("no vertex would be fixed any more: the body would float", "elasticity template");
         model.roles = std::move(roles);
         return inside;
@@ -53,7 +53,7 @@ bool ElasticTemplate::contains(const Vec3& point) const
     return ((axes.transpose() * from).cwiseAbs().array() <= half_size.array()).all();
 }
 
-std::size_t apply(const ElasticTemplate& edit, ElasticModel& model)
+std::size_t apply(const ElasticTemplate& edit, datasets::ElasticModel& model)
 {
     check(edit);
     std::size_t changed = edit.role ? give_role(edit, model) : 0;
@@ -71,4 +71,4 @@ std::size_t apply(const ElasticTemplate& edit, ElasticModel& model)
     return changed;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -6,7 +6,7 @@
 
 #include <optional>
 
-namespace retractor {
+namespace retractor::haptics {
 
 struct ElasticTemplate {
     enum class Shape { box, sphere };
@@ -15,7 +15,7 @@ struct ElasticTemplate {
     Vec3 half_size { 10.0, 10.0, 10.0 }; ///< of the box along its axes; of the sphere the first is the radius
     Mat3 axes = Mat3::Identity(); ///< columns: the box's axes, a rotation
     std::optional<double> youngs_modulus {}, poissons_ratio {}; ///< MPa, -; what is not given stays
-    std::optional<VertexRole> role {}; ///< of the vertices inside
+    std::optional<datasets::VertexRole> role {}; ///< of the vertices inside
 
     bool contains(const Vec3& point) const;
     bool operator==(const ElasticTemplate&) const = default;
@@ -25,6 +25,6 @@ struct ElasticTemplate {
 /// and, where there is a role, vertices that is.
 /// @throws InputError on sizes that are not positive, axes that are no rotation, values out of their range, neither
 /// values nor role, or a role that would leave no vertex fixed; the model is as it was then.
-std::size_t apply(const ElasticTemplate& edit, ElasticModel& model);
+std::size_t apply(const ElasticTemplate& edit, datasets::ElasticModel& model);
 
-} // namespace retractor
+} // namespace retractor::haptics

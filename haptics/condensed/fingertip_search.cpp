@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -76,7 +76,7 @@ TouchedPlace FingertipSearch::find(const Fingertip& finger, const StationComplia
         const auto& corner = surface_->triangles()[static_cast<std::size_t>(t)];
         const std::array<Vec3, 3> at { position(corner[0], body, pressure), position(corner[1], body, pressure),
             position(corner[2], body, pressure) };
-        const ClosestPoint closest = closest_on_triangle(finger.position, at[0], at[1], at[2]);
+        const mesh::ClosestPoint closest = mesh::closest_on_triangle(finger.position, at[0], at[1], at[2]);
         if (best >= 0.0 && closest.distance >= best)
             continue;
         best = closest.distance;
@@ -174,4 +174,4 @@ std::size_t FingertipSearch::candidates(const Fingertip& finger, const TouchedPl
     return found;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -3,13 +3,13 @@
 // does not depend on the size of the mesh. Proxy-based contact after [Ruspini, Kolarov, Khatib 1997]. Units mm.
 
 #include "haptics/condensed/station_compliance.h"
-#include "haptics/servo/tissue_response.h"
 #include "haptics/condensed/touch_surface.h"
+#include "haptics/servo/tissue_response.h"
 
 #include <cstdint>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// What a fingertip is like where it touches.
 enum class FingertipShape {
@@ -73,4 +73,4 @@ private:
     std::vector<std::int32_t> queue_;
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -43,7 +43,7 @@ HalfSpace::HalfSpace(double radius, double youngs_modulus, double poissons_ratio
     const std::vector<double> down = refined(
         { 0.0, 0.025, 0.08, 0.2, 0.4, 0.75, 1.3, 2.1, 3.4, 5.5, 9.0, 15.0, 25.0, 42.0, 65.0, 100.0 }, fineness);
     const auto n = static_cast<int>(across.size()) - 1, m = static_cast<int>(down.size()) - 1;
-    mesh_ = kuhn_box(n, n, m, 1.0);
+    mesh_ = mesh::kuhn_box(n, n, m, 1.0);
     TouchedBody body;
     body.mesh = &mesh_;
     body.prescribed.assign(3 * mesh_.vertex_count(), 0);
@@ -62,18 +62,18 @@ HalfSpace::HalfSpace(double radius, double youngs_modulus, double poissons_ratio
                           -down[static_cast<std::size_t>(m - k)] })
                   .transpose();
     }
-    check_mesh(mesh_);
-    std::vector<TetFace> faces;
-    for (const TetFace& face : boundary_faces(mesh_)) {
-        const auto corners = face_vertices(mesh_, face);
+    mesh::check_mesh(mesh_);
+    std::vector<mesh::TetFace> faces;
+    for (const mesh::TetFace& face : mesh::boundary_faces(mesh_)) {
+        const auto corners = mesh::face_vertices(mesh_, face);
         if (std::all_of(
                 corners.begin(), corners.end(), [&](VertexId v) { return top[static_cast<std::size_t>(v)] != 0; }))
             faces.push_back(face);
     }
     surface_ = std::make_unique<TouchSurface>(mesh_, faces, fixed, 1e-3 * radius / fineness); // every vertex a station
     const double E = youngs_modulus, nu = poissons_ratio;
-    const std::vector<Lame> lame(
-        mesh_.tet_count(), Lame { E / (2.0 * (1.0 + nu)), E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)) });
+    const std::vector<fem::Lame> lame(
+        mesh_.tet_count(), fem::Lame { E / (2.0 * (1.0 + nu)), E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)) });
     constexpr std::size_t kStore = std::size_t { 512 } << 20U;
     body_ = std::make_unique<StationCompliance>(body, *surface_, lame, TouchElement::locking_free, kStore, job);
     for (std::size_t s = 0; s < surface_->stations().size(); ++s)
@@ -133,4 +133,4 @@ double sneddon_force(double depth, double sphere_radius, double youngs_modulus, 
         * ((R * R + a * a) * std::log((R + a) / (R - a)) - 2.0 * a * R);
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -10,7 +10,7 @@
 #include <functional>
 #include <memory>
 
-namespace retractor {
+namespace retractor::haptics {
 
 class HalfSpace {
 public:
@@ -27,7 +27,7 @@ public:
     std::size_t node_count() const { return mesh_.vertex_count(); }
 
 private:
-    TetMesh mesh_;
+    mesh::TetMesh mesh_;
     std::unique_ptr<TouchSurface> surface_;
     std::unique_ptr<StationCompliance> body_;
     std::vector<std::int32_t> near_; ///< stations that may press
@@ -41,4 +41,4 @@ double sneddon_depth(double sphere_radius, double a);
 /// The force at a depth, N.
 double sneddon_force(double depth, double sphere_radius, double youngs_modulus, double poissons_ratio);
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -88,4 +88,4 @@ double pad_stiffness(const TouchSurface& surface, std::int32_t middle, double ra
     return sum;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

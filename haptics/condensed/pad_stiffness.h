@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// Stations near each other, and all that pads on any of them press (they are among those).
 struct PadGroup {
@@ -24,4 +24,4 @@ std::vector<PadGroup> pad_groups(const TouchSurface& surface, double radius);
 double pad_stiffness(const TouchSurface& surface, std::int32_t middle, double radius,
     const std::vector<std::int32_t>& pressed, const Eigen::MatrixXd& compliance);
 
-} // namespace retractor
+} // namespace retractor::haptics

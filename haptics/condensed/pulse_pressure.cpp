@@ -10,7 +10,7 @@
 #include <numbers>
 #include <utility>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -170,4 +170,4 @@ double PulsePressure::rate_for(double heart_rate_per_min) const { return period_
 double PulsePressure::lowest_mmHg() const { return *std::min_element(samples_.begin(), samples_.end()) / kMPaPerMmHg; }
 double PulsePressure::highest_mmHg() const { return *std::max_element(samples_.begin(), samples_.end()) / kMPaPerMmHg; }
 
-} // namespace retractor
+} // namespace retractor::haptics

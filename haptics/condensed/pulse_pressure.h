@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 inline constexpr double kMPaPerMmHg = 133.322387415e-6;
 
@@ -71,4 +71,4 @@ private:
     double rate_ = 1.0, beaten_ = 0.0, since_ = 0.0;
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -1,8 +1,8 @@
 #include "haptics/condensed/station_compliance.h"
 
 #include "fem/linear_algebra/constrained_solver.h"
-#include "fem/model/loads.h"
 #include "fem/linear_algebra/two_halves.h"
+#include "fem/model/loads.h"
 #include "haptics/condensed/pad_stiffness.h"
 #include "mesh/base/error.h"
 
@@ -13,7 +13,7 @@
 #include <limits>
 #include <thread>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -39,25 +39,26 @@ void ServoGate::wait_for_tick_end() const noexcept
 /// Stations whose columns are not solved yet.
 struct StationCompliance::Batch {
     std::vector<std::int32_t> stations, places;
-    SparseCholesky::HalfSolution half; ///< three columns per station
+    fem::SparseCholesky::HalfSolution half; ///< three columns per station
 };
 
 struct StationCompliance::Solver {
-    std::unique_ptr<ConstrainedSolver> solver;
+    std::unique_ptr<fem::ConstrainedSolver> solver;
     Eigen::VectorXd pressure_load; ///< of 1 MPa
     Eigen::Index unknowns = 0;
 
     /// Unit forces on stations: column of a station's axis.
-    SparseCholesky::HalfSolution half_solve(const TouchSurface& surface, std::span<const std::int32_t> stations) const
+    fem::SparseCholesky::HalfSolution half_solve(
+        const TouchSurface& surface, std::span<const std::int32_t> stations) const
     {
-        std::vector<SparseCholesky::Load> loads;
+        std::vector<fem::SparseCholesky::Load> loads;
         for (std::size_t i = 0; i < stations.size(); ++i)
             for (std::int32_t axis = 0; axis < 3; ++axis)
                 add(surface, stations[i], static_cast<std::int32_t>(3 * i) + axis, Vec3::Unit(axis), loads);
         return solver->half_solve(loads, static_cast<Eigen::Index>(3 * stations.size()));
     }
     static void add(const TouchSurface& surface, std::int32_t station, std::int32_t column, const Vec3& force,
-        std::vector<SparseCholesky::Load>& loads)
+        std::vector<fem::SparseCholesky::Load>& loads)
     {
         const auto s = static_cast<std::size_t>(station);
         const auto first = static_cast<std::size_t>(surface.station_nodes().start[s]);
@@ -70,7 +71,7 @@ struct StationCompliance::Solver {
 };
 
 StationCompliance::StationCompliance(const TouchedBody& body, const TouchSurface& surface,
-    const std::vector<Lame>& lame, TouchElement element, std::size_t budget, const Job& job)
+    const std::vector<fem::Lame>& lame, TouchElement element, std::size_t budget, const Job& job)
     : surface_(&surface)
     , shown_(body.shown)
     , solver_(std::make_unique<Solver>())
@@ -80,17 +81,18 @@ StationCompliance::StationCompliance(const TouchedBody& body, const TouchSurface
     s.unknowns = 3 * body.mesh->vertices.rows();
     job.report("assemble", 0.0);
     {
-        ElasticBody elastic(*body.mesh, Elasticity::linear, lame);
+        fem::ElasticBody elastic(*body.mesh, fem::Elasticity::linear, lame);
         if (element == TouchElement::locking_free)
             elastic.avoid_locking();
-        const BlockMatrix& K = elastic.stiffness(Eigen::VectorXd::Zero(s.unknowns), 0.0);
+        const fem::BlockMatrix& K = elastic.stiffness(Eigen::VectorXd::Zero(s.unknowns), 0.0);
         job.report("factorise", 0.0);
-        s.solver = std::make_unique<ConstrainedSolver>(K.pattern, body.prescribed);
+        s.solver = std::make_unique<fem::ConstrainedSolver>(K.pattern, body.prescribed);
         s.solver->factorise(K);
     }
     s.pressure_load = Eigen::VectorXd::Zero(s.unknowns);
     if (!body.inner_faces.empty())
-        s.pressure_load = FollowerPressure(*body.mesh, body.inner_faces, 1.0).force(Eigen::VectorXd::Zero(s.unknowns));
+        s.pressure_load
+            = fem::FollowerPressure(*body.mesh, body.inner_faces, 1.0).force(Eigen::VectorXd::Zero(s.unknowns));
 
     const std::size_t stations = stations_ = surface.stations().size();
     capacity_ = stations_within(budget, shown_.size(), stations);
@@ -128,13 +130,13 @@ void StationCompliance::measure_pads(const Job& job)
     stand_in_.assign(surface_->stations().size(), 0.0);
     std::atomic<std::size_t> next { 0 };
     const auto measure = [&](const PadGroup& group) {
-        std::vector<SparseCholesky::Load> loads;
+        std::vector<fem::SparseCholesky::Load> loads;
         for (std::size_t i = 0; i < group.pressed.size(); ++i)
             Solver::add(*surface_, group.pressed[i], static_cast<std::int32_t>(i),
                 surface_->stations()[static_cast<std::size_t>(group.pressed[i])].normal, loads);
-        const SparseCholesky::HalfSolution half
+        const fem::SparseCholesky::HalfSolution half
             = solver_->solver->half_solve(loads, static_cast<Eigen::Index>(group.pressed.size()));
-        const Eigen::MatrixXd C = SparseCholesky::product(half, half);
+        const Eigen::MatrixXd C = fem::SparseCholesky::product(half, half);
         for (const std::int32_t s : group.middles)
             stand_in_[static_cast<std::size_t>(s)] = pad_stiffness(*surface_, s, kStandInRadius, group.pressed, C);
     };
@@ -150,7 +152,7 @@ void StationCompliance::measure_pads(const Job& job)
     job.report("stiffness under fingertips", 0.0);
     constexpr std::size_t kWorthAThread = 32;
     if (groups.size() >= kWorthAThread) {
-        const SecondThread other([&] { work(failures[1]); });
+        const fem::SecondThread other([&] { work(failures[1]); });
         work(failures[0]);
     } else
         work(failures[0]);
@@ -253,7 +255,7 @@ void StationCompliance::take_in(std::span<const std::int32_t> stations, std::spa
         solver_->half_solve(*surface_, stations) };
     const auto at = [](std::size_t i) { return static_cast<Eigen::Index>(3 * i); };
     const auto set_blocks_with = [&](const Batch& other) {
-        const Eigen::MatrixXd L = SparseCholesky::product(fresh.half, other.half);
+        const Eigen::MatrixXd L = fem::SparseCholesky::product(fresh.half, other.half);
         for (std::size_t i = 0; i < fresh.places.size(); ++i)
             for (std::size_t k = 0; k < other.places.size(); ++k)
                 if (const std::int32_t q = other.places[k]; &other == &fresh || awaits_columns(q, other.stations[k])) {
@@ -336,10 +338,10 @@ void StationCompliance::add_displacement(double pressure, std::span<const Statio
 Eigen::VectorXd StationCompliance::solve(double pressure, std::span<const StationForce> forces) const
 {
     Eigen::VectorXd load = pressure * solver_->pressure_load;
-    std::vector<SparseCholesky::Load> loads;
+    std::vector<fem::SparseCholesky::Load> loads;
     for (const StationForce& f : forces)
         Solver::add(*surface_, f.station, 0, f.force, loads);
-    for (const SparseCholesky::Load& l : loads)
+    for (const fem::SparseCholesky::Load& l : loads)
         load[l.unknown] += l.value;
     return solver_->solver->solve(load);
 }
@@ -356,4 +358,4 @@ std::size_t StationCompliance::bytes() const
     return sum;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -19,7 +19,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// Which elements carry the body.
 enum class TouchElement {
@@ -42,9 +42,9 @@ private:
 
 /// The body and its boundary conditions, as the compliance needs them.
 struct TouchedBody {
-    const TetMesh* mesh = nullptr; ///< of the element's nodes
+    const mesh::TetMesh* mesh = nullptr; ///< of the element's nodes
     std::vector<std::uint8_t> prescribed; ///< one per unknown, three per node; 1 = does not move
-    std::vector<TetFace> inner_faces; ///< where blood presses
+    std::vector<mesh::TetFace> inner_faces; ///< where blood presses
     std::vector<VertexId> shown; ///< nodes whose displacement is drawn
 };
 
@@ -53,7 +53,7 @@ public:
     /// Factors, solves for the unit pressure, and measures what stands in for stations that are not ready.
     /// @param lame one per element. @param budget bytes for columns and blocks.
     /// @throws SolverError naming the node when the body is not held.
-    StationCompliance(const TouchedBody& body, const TouchSurface& surface, const std::vector<Lame>& lame,
+    StationCompliance(const TouchedBody& body, const TouchSurface& surface, const std::vector<fem::Lame>& lame,
         TouchElement element, std::size_t budget, const Job& job);
     ~StationCompliance();
     StationCompliance(const StationCompliance&) = delete;
@@ -148,4 +148,4 @@ private:
     std::vector<double> stand_in_; ///< N/mm, per station
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -12,22 +12,22 @@
 #include <map>
 #include <utility>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
     Vec3 at(const Points& points, std::int32_t v) { return points.row(v).transpose(); }
 
     /// Nodes of a face: three corners, then the midpoints of 01, 12, 20 where there are any.
-    std::vector<VertexId> face_nodes(const TetMesh& mesh, const TetFace& face)
+    std::vector<VertexId> face_nodes(const mesh::TetMesh& mesh, const mesh::TetFace& face)
     {
-        const auto corners = face_vertices(mesh, face);
+        const auto corners = mesh::face_vertices(mesh, face);
         std::vector<VertexId> nodes(corners.begin(), corners.end());
         const auto tet = mesh.tet(face.tet);
         for (std::size_t i = 0; i < 3 && mesh.nodes_per_tet == 10; ++i)
-            for (std::size_t e = 0; e < kTetEdges.size(); ++e) {
-                const VertexId a = tet[static_cast<std::size_t>(kTetEdges[e][0])],
-                               b = tet[static_cast<std::size_t>(kTetEdges[e][1])];
+            for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e) {
+                const VertexId a = tet[static_cast<std::size_t>(mesh::kTetEdges[e][0])],
+                               b = tet[static_cast<std::size_t>(mesh::kTetEdges[e][1])];
                 if (std::minmax(a, b) == std::minmax(corners[i], corners[(i + 1) % 3]))
                     nodes.push_back(tet[4 + e]);
             }
@@ -89,12 +89,13 @@ namespace {
 
 } // namespace
 
-WallFaces wall_faces(const TetMesh& mesh, std::span<const std::uint8_t> inner_wall, std::span<const std::uint8_t> fixed)
+WallFaces wall_faces(
+    const mesh::TetMesh& mesh, std::span<const std::uint8_t> inner_wall, std::span<const std::uint8_t> fixed)
 {
     WallFaces faces;
-    for (const TetFace& face : boundary_faces(mesh)) {
+    for (const mesh::TetFace& face : mesh::boundary_faces(mesh)) {
         bool inner = false, held = true;
-        for (const VertexId v : face_vertices(mesh, face)) {
+        for (const VertexId v : mesh::face_vertices(mesh, face)) {
             inner = inner || inner_wall[static_cast<std::size_t>(v)] != 0;
             held = held && fixed[static_cast<std::size_t>(v)] != 0;
         }
@@ -104,8 +105,8 @@ WallFaces wall_faces(const TetMesh& mesh, std::span<const std::uint8_t> inner_wa
     return faces;
 }
 
-TouchSurface::TouchSurface(
-    const TetMesh& mesh, const std::vector<TetFace>& outer, const std::vector<std::uint8_t>& fixed, double spacing)
+TouchSurface::TouchSurface(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& outer,
+    const std::vector<std::uint8_t>& fixed, double spacing)
     : spacing_(spacing)
 {
     if (!(spacing > 0.0 && std::isfinite(spacing)))
@@ -119,10 +120,10 @@ TouchSurface::TouchSurface(
     fill_grid();
 }
 
-void TouchSurface::take_faces(const TetMesh& mesh, const std::vector<TetFace>& outer)
+void TouchSurface::take_faces(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& outer)
 {
     vertex_of_node_.assign(mesh.vertex_count(), -1);
-    for (const TetFace& face : outer)
+    for (const mesh::TetFace& face : outer)
         for (const VertexId v : face_nodes(mesh, face))
             vertex_of_node_[static_cast<std::size_t>(v)] = 0;
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
@@ -134,7 +135,7 @@ void TouchSurface::take_faces(const TetMesh& mesh, const std::vector<TetFace>& o
     for (std::size_t i = 0; i < nodes_.size(); ++i)
         rest_.row(static_cast<Eigen::Index>(i)) = mesh.vertices.row(nodes_[i]);
     std::vector<std::pair<std::int32_t, std::int32_t>> edges, rounds;
-    for (const TetFace& face : outer) {
+    for (const mesh::TetFace& face : outer) {
         const std::vector<VertexId> on_face = face_nodes(mesh, face);
         for (const SubTriangle& sub : sub_triangles(on_face.size())) {
             std::array<std::int32_t, 3> triangle {};
@@ -204,7 +205,7 @@ void TouchSurface::place_stations(const std::vector<std::uint8_t>& fixed)
     station_neighbours_ = compress(std::move(pairs), stations_.size());
 }
 
-void TouchSurface::weigh_stations(const TetMesh& mesh, const std::vector<TetFace>& outer)
+void TouchSurface::weigh_stations(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& outer)
 {
     std::map<std::pair<std::int32_t, std::int32_t>, double> weight; // station and node: mm^2
     const auto add = [&](std::int32_t vertex, VertexId node, double value) {
@@ -213,7 +214,7 @@ void TouchSurface::weigh_stations(const TetMesh& mesh, const std::vector<TetFace
     };
     // Six points, exact for degree 4 [Dunavant 1985]: a hat function times a quadratic shape function is of degree 3.
     constexpr double a = 0.445948490915965, b = 0.091576213509771, wa = 0.223381589678011, wb = 0.109951743655322;
-    for (const TetFace& face : outer) {
+    for (const mesh::TetFace& face : outer) {
         const std::vector<VertexId> on_face = face_nodes(mesh, face);
         constexpr std::array<std::array<double, 3>, 6> kLocal { { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 },
             { 0.5, 0.5, 0 }, { 0, 0.5, 0.5 }, { 0.5, 0, 0.5 } } };
@@ -322,4 +323,4 @@ std::size_t TouchSurface::bytes() const
         + weights_.size() * sizeof(double);
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// Lists of numbers, one per item, compressed.
 struct NumberLists {
@@ -37,19 +37,19 @@ struct Station {
 
 /// Boundary faces of a mesh: those blood presses on, and all others.
 struct WallFaces {
-    std::vector<TetFace> inner, outer;
+    std::vector<mesh::TetFace> inner, outer;
 };
 /// @param inner_wall, fixed one per node. A face with a corner on the inner wall is one; a face whose corners are all
 /// fixed is in neither list.
 WallFaces wall_faces(
-    const TetMesh& mesh, std::span<const std::uint8_t> inner_wall, std::span<const std::uint8_t> fixed);
+    const mesh::TetMesh& mesh, std::span<const std::uint8_t> inner_wall, std::span<const std::uint8_t> fixed);
 
 class TouchSurface {
 public:
     /// @param outer the faces that can be touched. @param fixed one per node of the mesh.
     /// @param spacing between stations, mm. @throws InputError when there is nothing to touch.
-    TouchSurface(
-        const TetMesh& mesh, const std::vector<TetFace>& outer, const std::vector<std::uint8_t>& fixed, double spacing);
+    TouchSurface(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& outer,
+        const std::vector<std::uint8_t>& fixed, double spacing);
 
     // Vertices: corners, and midpoints where elements have them.
     std::size_t vertex_count() const { return nodes_.size(); }
@@ -79,10 +79,10 @@ public:
     std::size_t bytes() const;
 
 private:
-    void take_faces(const TetMesh& mesh, const std::vector<TetFace>& outer);
+    void take_faces(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& outer);
     void measure_normals();
     void place_stations(const std::vector<std::uint8_t>& fixed);
-    void weigh_stations(const TetMesh& mesh, const std::vector<TetFace>& outer);
+    void weigh_stations(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& outer);
     void fill_grid();
 
     double spacing_ = 0.0;
@@ -102,4 +102,4 @@ private:
     std::vector<std::int32_t> nearest_; ///< per cell: a vertex near its middle
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace retractor {
+namespace retractor::haptics {
 
 Device::~Device() = default;
 Ticked::~Ticked() = default;
@@ -47,4 +47,4 @@ Vec3 clamped(const Vec3& force, double limit) noexcept
     return length > limit ? Vec3(force * (limit / length)) : force;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// What the hardware can do. Defaults: 3D Systems Touch, from its data sheet and the manufacturer's limits.
 struct DeviceLimits {
@@ -115,4 +115,4 @@ void run_ticks(Ticked& ticked, std::uint64_t count, double step_s = 1e-3, std::u
 /// `force` with its length cut to `limit`; NaN stays.
 Vec3 clamped(const Vec3& force, double limit) noexcept;
 
-} // namespace retractor
+} // namespace retractor::haptics

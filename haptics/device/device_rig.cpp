@@ -1,13 +1,13 @@
 #include "haptics/device/device_rig.h"
 
+#include "haptics/device/udp_bridge.h"
 #include "haptics/recording/motion_file.h"
 #include "haptics/recording/replay.h"
-#include "haptics/device/udp_bridge.h"
 #include "mesh/base/error.h"
 
 #include <charconv>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -95,4 +95,4 @@ std::vector<HdProblem> DeviceRig::take_problems()
     return touches_ ? touches_->take_problems() : std::vector<HdProblem> {};
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

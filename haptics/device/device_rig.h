@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// Whether a name asks for hardware, which only lives in real time: touch or udp.
 bool is_live_device(const std::string& name);
@@ -43,4 +43,4 @@ private:
     std::unique_ptr<TickThread> thread_;
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::haptics {
 
 HandPath::HandPath(std::vector<HandKey> keys)
     : keys_(std::move(keys))
@@ -47,4 +47,4 @@ std::uint32_t HandPath::buttons(double time_s) const noexcept
     return next == 0 ? keys_.front().buttons : keys_[next - 1].buttons;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 struct HandKey {
     double time_s = 0.0;
@@ -30,4 +30,4 @@ private:
     std::vector<HandKey> keys_;
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -9,7 +9,7 @@
 
 #include <unistd.h>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -144,4 +144,4 @@ std::vector<HdFinding> diagnose_hd(
     return findings;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 struct HdFinding {
     std::string name; ///< "OpenHaptics", "udev rule", "device", "permission", "configuration"
@@ -22,4 +22,4 @@ struct HdFinding {
 std::vector<HdFinding> diagnose_hd(const std::vector<std::string>& libraries = default_hd_libraries(),
     const std::filesystem::path& root = "/", const std::filesystem::path& home = {});
 
-} // namespace retractor
+} // namespace retractor::haptics

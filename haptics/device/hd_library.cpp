@@ -6,7 +6,7 @@
 
 #include <cstdlib>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -105,4 +105,4 @@ std::string missing_library(const std::string& reason)
     return end == std::string::npos ? std::string() : reason.substr(0, end);
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// In the order in which they are tried; RETRACTOR_HD_LIBRARY in the environment names the only one.
 std::vector<std::string> default_hd_libraries();
@@ -43,4 +43,4 @@ private:
 /// The library that the linker's message says is missing ("libncurses.so.5"); empty when it says no such thing.
 std::string missing_library(const std::string& reason);
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <thread>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -411,4 +411,4 @@ void HdSession::stop() noexcept
     running_ = false;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// Which device: by the name in the vendor's configuration, by serial number, or the default one when both are empty.
 struct HdDeviceRequest {
@@ -92,4 +92,4 @@ private:
     std::atomic<std::size_t> written_ { 0 }, read_ { 0 };
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-namespace retractor::hd {
+namespace retractor::haptics::hd {
 
 using Handle = std::uint32_t;
 using Enum = std::uint32_t;
@@ -72,4 +72,4 @@ struct Functions {
     Boolean (*hdWaitForCompletion)(SchedulerHandle, std::uint32_t);
 };
 
-} // namespace retractor::hd
+} // namespace retractor::haptics::hd

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace retractor {
+namespace retractor::haptics {
 
 PointerDevice::PointerDevice(const PointerOptions& options, const DeviceInfo& info)
     : time_s_(options.time_s)
@@ -81,4 +81,4 @@ DeviceReading PointerDevice::read(double, double step_s) noexcept
 
 Vec3 PointerDevice::write(const Vec3&) noexcept { return Vec3::Zero(); }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -6,7 +6,7 @@
 #include "haptics/device/device.h"
 #include "mesh/base/triple_buffer.h"
 
-namespace retractor {
+namespace retractor::haptics {
 
 struct PointerOptions {
     double time_s = 0.02; ///< the tip follows the pointer with this time constant: events make no blows
@@ -57,4 +57,4 @@ private:
     Vec3 position_;
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -126,4 +126,4 @@ Vec3 SimulatedHand::write(const Vec3& force) noexcept
     return applied;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -15,7 +15,7 @@
 #include <array>
 #include <cstddef>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// Per axis of the device's frame: left-right, up-down, fore-aft.
 struct HandParameters {
@@ -75,4 +75,4 @@ private:
 /// To whole multiples of `resolution`, each axis; 0 leaves it as it is.
 Vec3 quantised(const Vec3& position, double resolution) noexcept;
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <ctime>
 
-namespace retractor {
+namespace retractor::haptics {
 
 double TickHistogram::edge(std::size_t bin) { return kLow * std::pow(10.0, static_cast<double>(bin) / kPerDecade); }
 
@@ -68,4 +68,4 @@ double TickTimer::begin() noexcept
 
 void TickTimer::end() noexcept { times_.compute.add(clock_() - begun_); }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// Counts of durations in bins that grow by a twentieth of a decade's factor, 12 %, from 100 ns to 10 s. Allocates
 /// nothing; reading it is for when nothing is added.
@@ -71,4 +71,4 @@ private:
     TickTimes times_;
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -11,7 +11,7 @@
 #include <sched.h>
 #include <sys/prctl.h>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -92,4 +92,4 @@ TickTimes empty_loop(double seconds, const TickThreadOptions& options)
     return thread.times();
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-namespace retractor {
+namespace retractor::haptics {
 
 struct TickThreadOptions {
     double period_s = 1e-3;
@@ -44,4 +44,4 @@ private:
 /// Runs nothing for a while: the machine's own jitter. @param seconds of it
 TickTimes empty_loop(double seconds, const TickThreadOptions& options = {});
 
-} // namespace retractor
+} // namespace retractor::haptics

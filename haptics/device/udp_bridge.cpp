@@ -20,7 +20,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -233,4 +233,4 @@ void UdpRelay::tick(double time_s, double step_s) noexcept
     device_.write(share_ * force_);
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

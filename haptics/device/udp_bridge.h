@@ -18,7 +18,7 @@
 #include <memory>
 #include <string>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// A UDP socket that never waits.
 class DatagramSocket {
@@ -117,4 +117,4 @@ private:
     Vec3 force_ = Vec3::Zero();
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::haptics {
 
 double VelocityEstimate::axis_velocity(int axis) const noexcept
 {
@@ -35,4 +35,4 @@ Vec3 VelocityEstimate::update(const Vec3& position, double step_s) noexcept
     return velocity_;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

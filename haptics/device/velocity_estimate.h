@@ -8,7 +8,7 @@
 #include <array>
 #include <cstddef>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// Each axis for itself. Allocates nothing.
 class VelocityEstimate {
@@ -41,4 +41,4 @@ private:
     Vec3 velocity_ = Vec3::Zero();
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

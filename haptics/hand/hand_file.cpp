@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -68,4 +68,4 @@ HandModel read_hand(const std::filesystem::path& path, bool left)
     return hand;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -7,10 +7,10 @@
 
 #include <filesystem>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// @param left the mirror image. @throws IoError when it cannot be read; InputError as read_obj_surface(), when a
 /// fingertip is not named, and when it is not of a hand's size.
 HandModel read_hand(const std::filesystem::path& path, bool left);
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -105,7 +105,7 @@ HandModel make_hand(bool left, double length_mm)
             low = low.cwiseMin((end.array() - radius).matrix());
             high = high.cwiseMax((end.array() + radius).matrix());
         }
-    ImageGrid grid;
+    mesh::ImageGrid grid;
     grid.spacing = Vec3::Constant(kVoxel);
     grid.origin = low.array() - 3.0 * kVoxel;
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -120,7 +120,7 @@ HandModel make_hand(bool left, double length_mm)
                     ? 1
                     : 0;
             }
-    hand.surface = mask_surface(grid, inside, 2.0);
+    hand.surface = mesh::mask_surface(grid, inside, 2.0);
     return hand;
 }
 
@@ -179,4 +179,4 @@ std::array<std::optional<HandPlace>, 2> place_hands(
     return placed;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -9,7 +9,7 @@
 #include <optional>
 #include <span>
 
-namespace retractor {
+namespace retractor::haptics {
 
 struct HandModel {
     TriMesh surface; ///< closed, oriented outwards
@@ -51,4 +51,4 @@ constexpr std::size_t kFingersPerHand = 3;
 std::array<std::optional<HandPlace>, 2> place_hands(
     const std::array<HandModel, 2>& hands, std::span<const ShownFinger> fingers, const Vec3& sight, const Vec3& up);
 
-} // namespace retractor
+} // namespace retractor::haptics

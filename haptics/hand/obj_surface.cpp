@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -107,4 +107,4 @@ TriMesh read_obj_surface(
     return mesh;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// Vertices at one place are joined (files that carry texture seams repeat them), those no face uses are left out.
 /// @param unit_mm what one unit of the file is
@@ -17,4 +17,4 @@ namespace retractor {
 TriMesh read_obj_surface(const std::filesystem::path& path, double unit_mm = 1.0,
     std::map<std::string, std::vector<VertexId>>* groups = nullptr);
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -1,6 +1,6 @@
 #include "haptics/recording/csv_field.h"
 
-namespace retractor {
+namespace retractor::haptics {
 
 std::string csv_field(const std::string& text)
 {
@@ -15,4 +15,4 @@ std::string csv_field(const std::string& text)
     return result + "\"";
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

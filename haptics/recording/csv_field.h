@@ -3,9 +3,9 @@
 
 #include <string>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// In quotes where it holds a comma, a quote or an end of line; quotes inside are doubled.
 std::string csv_field(const std::string& text);
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <limits>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -228,4 +228,4 @@ MotionRecording motion_from_binary(std::string_view content, const std::string& 
     return recording;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

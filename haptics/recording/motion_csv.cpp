@@ -7,7 +7,7 @@
 #include <charconv>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -222,4 +222,4 @@ MotionRecording motion_from_csv(std::string_view content, const std::string& whe
     return recording;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

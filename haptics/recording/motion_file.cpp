@@ -8,7 +8,7 @@
 #include <iterator>
 #include <string>
 
-namespace retractor {
+namespace retractor::haptics {
 
 void write_motion(const std::filesystem::path& path, const MotionRecording& recording)
 {
@@ -34,4 +34,4 @@ MotionRecording read_motion(const std::filesystem::path& path)
                                      : motion_from_csv(content, path.string());
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// Writes binary, or CSV when the name ends in .csv. Replaces what was there, atomically.
 /// @throws IoError naming the path; InputError when counts do not fit each other
@@ -16,4 +16,4 @@ void write_motion(const std::filesystem::path& path, const MotionRecording& reco
 /// not increase
 MotionRecording read_motion(const std::filesystem::path& path);
 
-} // namespace retractor
+} // namespace retractor::haptics

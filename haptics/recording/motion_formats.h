@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace retractor {
+namespace retractor::haptics {
 
 std::string motion_to_binary(const MotionRecording& recording);
 std::string motion_to_csv(const MotionRecording& recording);
@@ -15,4 +15,4 @@ bool is_binary_motion(std::string_view content);
 MotionRecording motion_from_binary(std::string_view content, const std::string& where);
 MotionRecording motion_from_csv(std::string_view content, const std::string& where);
 
-} // namespace retractor
+} // namespace retractor::haptics

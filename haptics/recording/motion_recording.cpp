@@ -4,7 +4,7 @@
 
 #include <utility>
 
-namespace retractor {
+namespace retractor::haptics {
 
 MotionRecorder::MotionRecorder(std::vector<RecordedDevice> devices, double rate_hz, std::size_t max_ticks)
     : max_ticks_(max_ticks)
@@ -36,4 +36,4 @@ void place_pointers(MotionRecording& recording)
             device.frame = SceneFrame {};
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// One device at one tick.
 struct MotionSample {
@@ -71,4 +71,4 @@ private:
     std::size_t max_ticks_, lost_ = 0;
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

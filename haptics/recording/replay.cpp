@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::haptics {
 
 ReplayDevice::ReplayDevice(MotionRecording recording, std::size_t device, const ReplayOptions& options)
     : recording_(std::move(recording))
@@ -81,4 +81,4 @@ Vec3 ReplayDevice::write(const Vec3& force) noexcept
     return force_;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -4,7 +4,7 @@
 #include "haptics/device/device.h"
 #include "haptics/recording/motion_recording.h"
 
-namespace retractor {
+namespace retractor::haptics {
 
 enum class ReplayMode {
     position, ///< the recorded positions, whatever force there is
@@ -42,4 +42,4 @@ private:
     Vec3 force_ = Vec3::Zero();
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -98,4 +98,4 @@ Vec3 DeviceMapping::force_to_device(const Vec3& force) const noexcept
     return options_.force_scale * (turn_.transpose() * force);
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

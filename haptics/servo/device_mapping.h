@@ -7,7 +7,7 @@
 
 #include <string>
 
-namespace retractor {
+namespace retractor::haptics {
 
 struct MappingOptions {
     Vec3 scene_centre = Vec3::Zero(); ///< where the middle of the device's workspace lies in the scene, mm
@@ -57,4 +57,4 @@ private:
     bool clutched_ = false;
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -68,4 +68,4 @@ Vec3 FingerCoupling::force(const Fingertip& finger, const FingerContact& contact
     return force - std::min(0.0, force.dot(normal)) * normal;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

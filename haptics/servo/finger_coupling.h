@@ -1,11 +1,11 @@
 #pragma once
 // Between a finger in the scene and the tissue's answer to it: what the hand is to feel.
 
+#include "haptics/device/velocity_estimate.h"
 #include "haptics/servo/passivity.h"
 #include "haptics/servo/tissue_response.h"
-#include "haptics/device/velocity_estimate.h"
 
-namespace retractor {
+namespace retractor::haptics {
 
 enum class CouplingKind {
     tissue, ///< the tissue's own force; where it is stiffer than the device can render, a spring in series with it
@@ -50,4 +50,4 @@ private:
     bool was_touching_ = false;
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -81,4 +81,4 @@ void PassivityController::written(const Vec3& applied) noexcept
     held_.front() = applied;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -7,7 +7,7 @@
 #include <array>
 #include <cstdint>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// A spring and a damper between hand and proxy.
 struct Coupling {
@@ -74,4 +74,4 @@ private:
     std::uint64_t damped_ticks_ = 0;
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

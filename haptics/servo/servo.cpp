@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -265,4 +265,4 @@ void Servo::tick(double time_s, double step_s) noexcept
     write_devices(time_s, step_s);
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -2,9 +2,9 @@
 // The loop between devices and tissue: in each tick all devices are read, the tissue is asked once with all fingertips,
 // and every device is given its force, limited, watched for energy, and let go at a fault.
 
+#include "haptics/recording/motion_recording.h"
 #include "haptics/servo/device_mapping.h"
 #include "haptics/servo/finger_coupling.h"
-#include "haptics/recording/motion_recording.h"
 #include "haptics/servo/passivity.h"
 #include "haptics/servo/servo_fault.h"
 #include "haptics/servo/tissue_response.h"
@@ -15,7 +15,7 @@
 #include <memory>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// A fingertip on a device: one on its stylus, or several on the hand that it carries.
 struct FingerMount {
@@ -125,4 +125,4 @@ private:
     TripleBuffer<ServoState> state_;
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

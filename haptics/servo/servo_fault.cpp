@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -57,4 +57,4 @@ double FaultLatch::gain(double step_s) noexcept
     return gain_;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

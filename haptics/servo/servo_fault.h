@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <string>
 
-namespace retractor {
+namespace retractor::haptics {
 
 enum class FaultKind : std::uint8_t {
     none,
@@ -62,4 +62,4 @@ private:
     double gain_ = 0.0;
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -11,7 +11,7 @@
 #include <map>
 #include <utility>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -215,7 +215,7 @@ bool SurfaceProxy::find_near(const Fingertip& tip, ProxyContact& contact) const 
     const Vec3 reach = Vec3::Constant(tip.radius);
     for_triangles_in(tip.position - reach, tip.position + reach, [&](std::int32_t t) {
         const Vec3 a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
-        const Vec3 w = closest_on_triangle(tip.position, a, b, c).barycentric;
+        const Vec3 w = mesh::closest_on_triangle(tip.position, a, b, c).barycentric;
         const Vec3 point = w[0] * a + w[1] * b + w[2] * c, out = tip.position - point;
         if (!(out.norm() < nearest) || !(out.dot(normal_at(t, w)) > 0.0)) // from outside only
             return;
@@ -233,8 +233,8 @@ void SurfaceProxy::walk(ProxyContact& contact, const Vec3& goal) const noexcept
     double distance = std::numeric_limits<double>::infinity();
     std::int32_t triangle = contact.triangle;
     for (int step = 0; step < kMostSteps; ++step) {
-        const Vec3 w
-            = closest_on_triangle(goal, corner(triangle, 0), corner(triangle, 1), corner(triangle, 2)).barycentric;
+        const Vec3 w = mesh::closest_on_triangle(goal, corner(triangle, 0), corner(triangle, 1), corner(triangle, 2))
+                           .barycentric;
         const Vec3 point = w[0] * corner(triangle, 0) + w[1] * corner(triangle, 1) + w[2] * corner(triangle, 2);
         const double here = (point - goal).norm();
         if (!(here < distance - 1e-12))
@@ -250,7 +250,8 @@ void SurfaceProxy::walk(ProxyContact& contact, const Vec3& goal) const noexcept
             const std::int32_t next = neighbours_[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(i)];
             if (w[i] > 1e-12 || next < 0)
                 continue;
-            const Vec3 n = closest_on_triangle(goal, corner(next, 0), corner(next, 1), corner(next, 2)).barycentric;
+            const Vec3 n
+                = mesh::closest_on_triangle(goal, corner(next, 0), corner(next, 1), corner(next, 2)).barycentric;
             const double there
                 = (n[0] * corner(next, 0) + n[1] * corner(next, 1) + n[2] * corner(next, 2) - goal).norm();
             if (there < nearest) {
@@ -310,4 +311,4 @@ const ProxyContact& SurfaceProxy::move(std::size_t finger, const Fingertip& tip)
     return c;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

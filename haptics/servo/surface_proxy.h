@@ -16,7 +16,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 struct SurfaceProxyOptions {
     std::size_t fingers = 1;
@@ -84,4 +84,4 @@ private:
     std::vector<Finger> fingers_;
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

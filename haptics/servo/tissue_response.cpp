@@ -1,7 +1,7 @@
 #include "haptics/servo/tissue_response.h"
 
-namespace retractor {
+namespace retractor::haptics {
 
 TissueResponse::~TissueResponse() = default;
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -8,7 +8,7 @@
 #include <span>
 #include <string_view>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// One fingertip: a rigid sphere at the end of a device.
 struct Fingertip {
@@ -54,4 +54,4 @@ public:
     virtual void follow(Points& deformed) = 0;
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <string>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -124,4 +124,4 @@ SphereFilling fill_with_count(const TriMesh& surface, std::size_t wanted, double
     return filling_of(locator, best, best_radius);
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 struct SphereFilling {
     double radius = 0.0; ///< of every sphere
@@ -38,4 +38,4 @@ SphereFilling fill_with_count(const TriMesh& surface, std::size_t wanted, double
 
 inline constexpr std::size_t kMostSpheres = 1'000'000;
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -506,4 +506,4 @@ double calibrate_sphere_force(double sphere_radius, const SphereLaw& law, double
     return sneddon_force(depth, finger_radius, youngs_modulus_MPa, poissons_ratio) / contact.force.z();
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -18,15 +18,15 @@
 // A finger can pinch the exact point of the surface under it: the polygon there is divided at that point, and the new
 // vertex is held where the finger is, with the spheres beneath it.
 
+#include "haptics/servo/tissue_response.h"
 #include "haptics/spheres/sphere_filling.h"
 #include "haptics/spheres/surface_locator.h"
-#include "haptics/servo/tissue_response.h"
 
 #include <array>
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 struct SphereOrgan {
     std::string name;
@@ -155,4 +155,4 @@ private:
 double calibrate_sphere_force(double sphere_radius, const SphereLaw& law, double youngs_modulus_MPa,
     double poissons_ratio, double finger_radius = 8.0, double depth = 4.0);
 
-} // namespace retractor
+} // namespace retractor::haptics

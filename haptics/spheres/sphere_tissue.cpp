@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-namespace retractor {
+namespace retractor::haptics {
 
 SphereTissue::SphereTissue(std::vector<SphereOrgan> organs, const SphereLaw& law, double blend_time)
     : motion_(std::move(organs), law)
@@ -96,4 +96,4 @@ void SphereTissue::follow(Points& deformed)
     motion_.deform(deformed);
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

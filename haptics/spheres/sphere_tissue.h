@@ -4,14 +4,14 @@
 // that the hand feels 1,000 Hz whatever the number of spheres. A new answer is blended in over blend_time, so that its
 // steps are not felt. Units mm, N, s; the frame is the scene's.
 
-#include "haptics/spheres/sphere_motion.h"
 #include "haptics/servo/tissue_response.h"
+#include "haptics/spheres/sphere_motion.h"
 #include "mesh/base/triple_buffer.h"
 
 #include <array>
 #include <atomic>
 
-namespace retractor {
+namespace retractor::haptics {
 
 class SphereTissue final : public TissueResponse {
 public:
@@ -59,4 +59,4 @@ private:
     double followed_s_ = 0.0; ///< time of the last question answered
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -12,7 +12,7 @@
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -42,7 +42,7 @@ namespace {
 
 NearestOnSurface nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c)
 {
-    const ClosestPoint closest = closest_on_triangle(p, a, b, c);
+    const mesh::ClosestPoint closest = mesh::closest_on_triangle(p, a, b, c);
     NearestOnSurface nearest;
     nearest.weights = closest.barycentric;
     nearest.point = closest.barycentric.x() * a + closest.barycentric.y() * b + closest.barycentric.z() * c;
@@ -161,4 +161,4 @@ double SurfaceLocator::distance_within(const Vec3& p, double most) const
     return least;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

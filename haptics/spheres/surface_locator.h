@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 struct NearestOnSurface {
     std::size_t triangle = 0;
@@ -51,4 +51,4 @@ private:
     std::vector<std::vector<std::int32_t>> columns_; ///< the same, seen along z
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

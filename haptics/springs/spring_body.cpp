@@ -10,7 +10,7 @@
 #include <numeric>
 #include <utility>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -72,14 +72,14 @@ namespace {
             throw InputError("spring body: " + what);
     }
 
-    void check_elements(const TetMesh& mesh)
+    void check_elements(const mesh::TetMesh& mesh)
     {
-        check_mesh(mesh);
+        mesh::check_mesh(mesh);
         if (mesh.nodes_per_tet != 4)
             throw InputError("springs lie on the edges of four-node elements, got ten nodes");
     }
 
-    SpringBody organ_of(const TetMesh& mesh, std::span<const double> modulus, std::span<const double> density,
+    SpringBody organ_of(const mesh::TetMesh& mesh, std::span<const double> modulus, std::span<const double> density,
         std::span<const VertexId> held, double calibration)
     {
         if (!(calibration > 0.0) || !std::isfinite(calibration))
@@ -97,12 +97,12 @@ namespace {
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
             const auto element = static_cast<std::size_t>(t);
             const auto nodes = mesh.tet(t);
-            const std::array<Vec3, 4> corners = tet_corners(mesh, t);
-            const double quarter = 0.25 * tet_volume(mesh, t) * density[element];
+            const std::array<Vec3, 4> corners = mesh::tet_corners(mesh, t);
+            const double quarter = 0.25 * mesh::tet_volume(mesh, t) * density[element];
             for (const VertexId v : nodes)
                 body.mass[static_cast<std::size_t>(v)] += quarter;
-            const double volume = tet_volume(mesh, t);
-            for (const auto& edge : kTetEdges) {
+            const double volume = mesh::tet_volume(mesh, t);
+            for (const auto& edge : mesh::kTetEdges) {
                 const auto a = static_cast<std::size_t>(edge[0]), b = static_cast<std::size_t>(edge[1]);
                 stiffness[std::minmax(nodes[a], nodes[b])]
                     += calibration * modulus[element] * volume / (corners[a] - corners[b]).squaredNorm();
@@ -113,8 +113,8 @@ namespace {
                 body.springs.push_back({ ends.first, ends.second,
                     (mesh.vertices.row(ends.first) - mesh.vertices.row(ends.second)).norm(), k });
         std::vector<std::uint8_t> outer(mesh.vertex_count(), 0);
-        for (const TetFace& face : boundary_faces(mesh)) {
-            body.surface.triangles.push_back(face_vertices(mesh, face));
+        for (const mesh::TetFace& face : mesh::boundary_faces(mesh)) {
+            body.surface.triangles.push_back(mesh::face_vertices(mesh, face));
             body.surface.labels.push_back(mesh.labels[static_cast<std::size_t>(face.tet)]);
             for (const VertexId v : body.surface.triangles.back())
                 outer[static_cast<std::size_t>(v)] = 1;
@@ -171,7 +171,7 @@ SpringBody make_spring_element(double length_mm, double stiffness_N_per_mm, doub
     return body;
 }
 
-SpringBody make_spring_organ(const TetMesh& mesh, std::span<const Material> material_of_label,
+SpringBody make_spring_organ(const mesh::TetMesh& mesh, std::span<const fem::Material> material_of_label,
     std::span<const VertexId> held, double calibration)
 {
     check_elements(mesh);
@@ -181,14 +181,14 @@ SpringBody make_spring_organ(const TetMesh& mesh, std::span<const Material> mate
         if (label >= material_of_label.size())
             throw InputError(
                 "element " + std::to_string(t) + " has label " + std::to_string(label) + " without a material");
-        check_material(material_of_label[label]);
+        fem::check_material(material_of_label[label]);
         modulus.push_back(material_of_label[label].youngs_modulus_MPa);
         density.push_back(material_of_label[label].density_tonne_per_mm3);
     }
     return organ_of(mesh, modulus, density, held, calibration);
 }
 
-SpringBody make_spring_organ(const TetMesh& mesh, std::span<const double> modulus_of_element, double density,
+SpringBody make_spring_organ(const mesh::TetMesh& mesh, std::span<const double> modulus_of_element, double density,
     std::span<const VertexId> held, double calibration)
 {
     check_elements(mesh);
@@ -226,4 +226,4 @@ void check_spring_body(const SpringBody& body)
         require(std::all_of(triangle.begin(), triangle.end(), inside), "a triangle has wrong corners");
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

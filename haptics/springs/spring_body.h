@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 struct TissueSpring {
     VertexId a = 0, b = 0;
@@ -66,15 +66,15 @@ SpringBody make_spring_element(double length_mm, double stiffness_N_per_mm, doub
 /// which have no place among particles.)
 /// @throws InputError as check_mesh(), on ten-node elements, a label without a material, a vertex out of range, or a
 /// calibration that is not positive.
-SpringBody make_spring_organ(const TetMesh& mesh, std::span<const Material> material_of_label,
+SpringBody make_spring_organ(const mesh::TetMesh& mesh, std::span<const fem::Material> material_of_label,
     std::span<const VertexId> held, double calibration = 1.0);
 
 /// The same with a Young's modulus per element and one density (tonne/mm^3).
-SpringBody make_spring_organ(const TetMesh& mesh, std::span<const double> modulus_of_element, double density,
+SpringBody make_spring_organ(const mesh::TetMesh& mesh, std::span<const double> modulus_of_element, double density,
     std::span<const VertexId> held, double calibration = 1.0);
 
 /// @throws InputError naming what is wrong: sizes that do not fit, NaN, a mass, stiffness or length that is not
 /// positive, an index out of range, a spring from a particle to itself.
 void check_spring_body(const SpringBody& body);
 
-} // namespace retractor
+} // namespace retractor::haptics

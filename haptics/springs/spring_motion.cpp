@@ -8,7 +8,7 @@
 #include <limits>
 #include <numeric>
 
-namespace retractor {
+namespace retractor::haptics {
 
 DeviceVoigt device_voigt(const DeviceLimits& device, double stiffness_fraction, double damping_fraction)
 {
@@ -296,4 +296,4 @@ double slow_down_to(SpringBody& body, double step_s, double arm_ratio)
     return factor;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -21,7 +21,7 @@
 
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// Of all elements of a body; dashpots and arms in proportion to their springs.
 struct ElementLaw {
@@ -124,4 +124,4 @@ private:
 /// pressed slowly is answered alike, what moves fast is heavier. @return the factor, at least 1.
 double slow_down_to(SpringBody& body, double step_s, double arm_ratio = 0.0);
 
-} // namespace retractor
+} // namespace retractor::haptics

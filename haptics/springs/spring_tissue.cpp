@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -230,4 +230,4 @@ void SpringTissue::tick(
 
 void SpringTissue::follow(Points& deformed) { deformed = frames_.latest(); }
 
-} // namespace retractor
+} // namespace retractor::haptics

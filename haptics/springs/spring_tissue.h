@@ -13,14 +13,14 @@
 // carries them along until let go: then, and only then, the finger is pulled as well.
 
 #include "haptics/condensed/pulse_pressure.h"
-#include "haptics/springs/spring_motion.h"
 #include "haptics/servo/tissue_response.h"
+#include "haptics/springs/spring_motion.h"
 #include "mesh/base/triple_buffer.h"
 
 #include <atomic>
 #include <memory>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// What a grip takes hold of.
 enum class GripPatch { touched, point, ring };
@@ -108,4 +108,4 @@ private:
     bool started_ = false;
 };
 
-} // namespace retractor
+} // namespace retractor::haptics

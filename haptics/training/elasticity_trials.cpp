@@ -10,7 +10,7 @@
 #include <numbers>
 #include <numeric>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -197,4 +197,4 @@ QualityVerdict judge(const std::vector<QualityAnswer>& answers)
     return verdict;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// The source's twenty models, 0.2 to 4.0 in steps of 0.2, and the ten of its second study, 0.2 to 2.0.
 std::vector<double> trial_models(int count = 20);
@@ -83,4 +83,4 @@ struct QualityVerdict {
 };
 QualityVerdict judge(const std::vector<QualityAnswer>& answers);
 
-} // namespace retractor
+} // namespace retractor::haptics

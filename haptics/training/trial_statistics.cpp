@@ -10,7 +10,7 @@
 #include <numeric>
 #include <string>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -121,4 +121,4 @@ std::vector<double> absolute_deviations(std::span<const double> values, double r
     return deviations;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 /// Tukey's five numbers; quartiles by linear interpolation.
 struct BoxNumbers {
@@ -35,4 +35,4 @@ TTest paired_t_test(std::span<const double> a, std::span<const double> b);
 /// |v - right| of each.
 std::vector<double> absolute_deviations(std::span<const double> values, double right);
 
-} // namespace retractor
+} // namespace retractor::haptics

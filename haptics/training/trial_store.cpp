@@ -10,7 +10,7 @@
 #include <cmath>
 #include <utility>
 
-namespace retractor {
+namespace retractor::haptics {
 
 namespace {
 
@@ -284,4 +284,4 @@ std::string trials_csv(const std::vector<ElasticityTrial>& trials)
     return csv;
 }
 
-} // namespace retractor
+} // namespace retractor::haptics

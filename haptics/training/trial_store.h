@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 
 struct NamedElasticity {
     std::string name, expert, date; ///< date: YYYY-MM-DD
@@ -49,4 +49,4 @@ private:
 /// One line per trial, with a line of names first; RFC 4180.
 std::string trials_csv(const std::vector<ElasticityTrial>& trials);
 
-} // namespace retractor
+} // namespace retractor::haptics

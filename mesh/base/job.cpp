@@ -25,7 +25,7 @@ bool Ledger::has(std::string_view name) const
 void record_part(const Job& job, std::string_view name, const Stopwatch& watch, std::size_t bytes)
 {
     if (job.ledger != nullptr)
-        job.ledger->add({.name = std::string(name), .seconds = watch.seconds(), .bytes = bytes});
+        job.ledger->add({ .name = std::string(name), .seconds = watch.seconds(), .bytes = bytes });
 }
 
 } // namespace retractor

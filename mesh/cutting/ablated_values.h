@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 template <class Value> class AblatedValues {
 public:
@@ -33,4 +33,4 @@ private:
     std::map<VertexId, std::vector<Value>> kept_; ///< by id, last gone last; none empty
 };
 
-} // namespace retractor
+} // namespace retractor::mesh

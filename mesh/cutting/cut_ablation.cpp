@@ -1,16 +1,16 @@
 #include "mesh/cutting/cut_ablation.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/triangle.h"
 #include "mesh/cutting/stroke/cut_groups.h"
 #include "mesh/tetrahedra/tet_mesh.h"
-#include "mesh/base/triangle.h"
 
 #include <algorithm>
 #include <set>
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -172,4 +172,4 @@ CutResult ablate_elements(CutStore& store, std::span<const TetId> marked, int cu
     return Ablation(store, cut_number).run(marked, job);
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

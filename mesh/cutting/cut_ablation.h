@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// The elements by id, each once. @throws InputError when there is none, all are named, or one is not there.
 std::vector<TetId> checked_marks(const CutStore& store, std::span<const TetId> tets);
@@ -18,4 +18,4 @@ std::vector<TetId> checked_marks(const CutStore& store, std::span<const TetId> t
 /// @param marked from checked_marks().
 CutResult ablate_elements(CutStore& store, std::span<const TetId> marked, int cut_number, const Job& job);
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -21,7 +21,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -627,4 +627,4 @@ ReplayedJournal open_journal(const std::filesystem::path& path, TetMesh mesh, co
     return replayed;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -26,7 +26,7 @@
 #include <filesystem>
 #include <string>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// Counts up whenever the format changes, or the same operation gives other elements than before.
 inline constexpr int kCutJournalVersion = 4;
@@ -56,4 +56,4 @@ ReplayedJournal open_journal(const std::filesystem::path& path, TetMesh mesh, co
 /// The same without writing: the file stays as it is, and may be read-only.
 ReplayedJournal replay_journal(const std::filesystem::path& path, TetMesh mesh, const Job& job = {});
 
-} // namespace retractor
+} // namespace retractor::mesh

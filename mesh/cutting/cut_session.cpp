@@ -3,9 +3,9 @@
 #include "mesh/base/error.h"
 #include "mesh/base/statistics.h"
 #include "mesh/cutting/cut_ablation.h"
+#include "mesh/cutting/store/cut_store.h"
 #include "mesh/cutting/stroke/cut_care.h"
 #include "mesh/cutting/stroke/cut_moves.h"
-#include "mesh/cutting/store/cut_store.h"
 #include "mesh/cutting/stroke/cut_stroke.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 #include <unordered_map>
 #include <utility>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -551,4 +551,4 @@ CutMesh cut(const TetMesh& mesh, const Blade& blade, const CutOptions& options, 
     return out;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -21,7 +21,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// Maps between a session's stable ids and a compact mesh's consecutive ones; -1 where there is none.
 struct SlotMap {
@@ -137,4 +137,4 @@ struct [[nodiscard]] CutMesh {
 };
 CutMesh cut(const TetMesh& mesh, const Blade& blade, const CutOptions& options = {}, const Job& job = {});
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -153,4 +153,4 @@ AttributeArrays MeshAttributes::compact(const SlotMap& map) const
         gathered(values_.texture, map.vertex_slot) };
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -14,7 +14,7 @@
 #include <array>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// Plain arrays, by id; each may be empty: then there is no such attribute.
 struct AttributeArrays {
@@ -48,4 +48,4 @@ private:
     AttributeArrays first_, values_;
 };
 
-} // namespace retractor
+} // namespace retractor::mesh

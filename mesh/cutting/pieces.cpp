@@ -7,7 +7,7 @@
 #include <array>
 #include <map>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -129,4 +129,4 @@ std::vector<TetId> mark_between(
     });
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

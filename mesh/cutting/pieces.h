@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 struct Piece {
     std::vector<TetId> tets; ///< by id
@@ -41,4 +41,4 @@ std::vector<TetId> mark_box(
 std::vector<TetId> mark_between(
     const CutSession& session, const SweptBlade& a, const SweptBlade& b, std::span<const Label> labels = {});
 
-} // namespace retractor
+} // namespace retractor::mesh

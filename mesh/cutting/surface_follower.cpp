@@ -6,7 +6,7 @@
 #include <numeric>
 #include <string>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
     constexpr std::int64_t kSurface = -1; ///< nothing on the other side
@@ -196,4 +196,4 @@ void SurfaceFollower::follow(const MeshDelta& delta)
         changed_.pop_back();
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -10,7 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// A face with tissue on one side only; ids of the session.
 struct SurfaceFace {
@@ -64,4 +64,4 @@ private:
     std::vector<std::size_t> changed_;
 };
 
-} // namespace retractor
+} // namespace retractor::mesh

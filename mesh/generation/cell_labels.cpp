@@ -1,12 +1,12 @@
 #include "mesh/generation/cell_labels.h"
 
-#include "mesh/tetrahedra/tet_mesh.h"
 #include "mesh/base/triangle.h"
+#include "mesh/tetrahedra/tet_mesh.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -146,4 +146,4 @@ namespace {
 
 std::size_t fit_labels(LabelledCells& cells, const LabelField& field) { return Fit(cells, field).run(); }
 
-} // namespace retractor
+} // namespace retractor::mesh

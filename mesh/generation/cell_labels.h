@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// A tetrahedralisation of more than the body: what is outside has label 0.
 struct LabelledCells {
@@ -25,4 +25,4 @@ struct LabelledCells {
 /// @return the number of cells whose label changed.
 std::size_t fit_labels(LabelledCells& cells, const LabelField& field);
 
-} // namespace retractor
+} // namespace retractor::mesh

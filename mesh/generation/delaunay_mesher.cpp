@@ -17,7 +17,7 @@
 #include <cstdlib>
 #include <unordered_map>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -203,4 +203,4 @@ LocalMesh delaunay_mesh(
     return mesh;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -4,16 +4,16 @@
 // Local frame of mesh/label_field.h, mm.
 
 #include "mesh/base/job.h"
-#include "mesh/image/label_field.h"
 #include "mesh/generation/size_field.h"
 #include "mesh/generation/surface_seeds.h"
+#include "mesh/image/label_field.h"
 
 #include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 struct LocalMesh {
     std::vector<Vec3> vertices;
@@ -27,4 +27,4 @@ struct LocalMesh {
 LocalMesh delaunay_mesh(
     const LabelField& field, const SizeField& size, std::span<const SurfaceSeed> seeds, bool parallel, const Job& job);
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -1,13 +1,13 @@
 #include "mesh/generation/hybrid_model.h"
 
-#include "mesh/base/error.h"
 #include "mesh/base/corridor.h"
+#include "mesh/base/error.h"
 #include "mesh/generation/delaunay_mesher.h"
-#include "mesh/image/label_field.h"
 #include "mesh/generation/mesh_polish.h"
 #include "mesh/generation/mesh_statistics.h"
 #include "mesh/generation/size_field.h"
 #include "mesh/generation/surface_seeds.h"
+#include "mesh/image/label_field.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@
 #include <set>
 #include <string>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -189,4 +189,4 @@ HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizi
     return model;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

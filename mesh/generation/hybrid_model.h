@@ -9,12 +9,12 @@
 #include "mesh/base/job.h"
 #include "mesh/generation/mesh_sizing.h"
 #include "mesh/generation/mesh_statistics.h"
-#include "mesh/tetrahedra/tet_mesh.h"
 #include "mesh/image/volume.h"
+#include "mesh/tetrahedra/tet_mesh.h"
 
 #include <string>
 
-namespace retractor {
+namespace retractor::mesh {
 
 enum class MeshStatus { done, nothing_to_mesh, cancelled };
 
@@ -28,4 +28,4 @@ struct [[nodiscard]] HybridModel {
 /// @throws InputError on an empty table, a bad grid or non-positive sizes.
 HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizing, const Job& job = {});
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -1,14 +1,14 @@
 #include "mesh/generation/mesh_polish.h"
 
-#include "mesh/tetrahedra/tet_mesh.h"
 #include "mesh/base/triangle.h"
+#include "mesh/tetrahedra/tet_mesh.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -298,4 +298,4 @@ void fit_interfaces(LocalMesh& mesh, const LabelField& field, double smallest_de
     }
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -7,7 +7,7 @@
 
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 struct MeshSizing {
     std::vector<Vec3> corridor; ///< polyline the fine corridor follows, mm; empty: coarse everywhere
@@ -21,4 +21,4 @@ struct MeshSizing {
     bool deterministic = true; ///< one thread, the same mesh on every run; false: both cores
 };
 
-} // namespace retractor
+} // namespace retractor::mesh

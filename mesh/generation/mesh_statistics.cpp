@@ -1,13 +1,13 @@
 #include "mesh/generation/mesh_statistics.h"
 
-#include "mesh/base/statistics.h"
 #include "mesh/base/corridor.h"
+#include "mesh/base/statistics.h"
 #include "mesh/base/triangle.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -225,4 +225,4 @@ MeshStatistics mesh_statistics(const TetMesh& mesh, const LabelVolume& labels, c
     return statistics;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

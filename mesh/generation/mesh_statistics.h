@@ -2,17 +2,17 @@
 // What a mesh of labels is worth: volumes against the voxels, distance of its surfaces from the smooth
 // label boundary, dihedral angles, connectedness. Units mm.
 
-#include "mesh/image/label_field.h"
 #include "mesh/generation/mesh_sizing.h"
-#include "mesh/tetrahedra/tet_mesh.h"
+#include "mesh/image/label_field.h"
 #include "mesh/image/volume.h"
+#include "mesh/tetrahedra/tet_mesh.h"
 
 #include <cstddef>
 #include <map>
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 struct LabelFit {
     Label label = 0;
@@ -43,4 +43,4 @@ struct MeshStatistics {
 MeshStatistics mesh_statistics(const TetMesh& mesh, const LabelVolume& labels, const LabelField& field,
     const std::vector<Vec3>& local_corridor, const MeshSizing& sizing);
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -86,4 +86,4 @@ double SizeField::edge(const Vec3& local, int a, int b) const
 
 double SizeField::facet_distance(const Vec3& local, int a, int b) const { return kDistancePerEdge * edge(local, a, b); }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -2,12 +2,12 @@
 // Wanted edge length at each point: fine in the corridor, growing with the distance, never larger than a
 // label's thickness can bear. Local frame of mesh/label_field.h, mm.
 
-#include "mesh/image/label_field.h"
 #include "mesh/generation/mesh_sizing.h"
+#include "mesh/image/label_field.h"
 
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// How much the wanted edge grows per mm of distance from the corridor: neighbours then differ by about a
 /// third, which refinement can follow without slivers.
@@ -36,4 +36,4 @@ private:
     std::vector<float> thickness_;
 };
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -10,7 +10,7 @@
 #include <optional>
 #include <unordered_map>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -116,4 +116,4 @@ std::vector<SurfaceSeed> surface_seeds(const LabelField& field, const SizeField&
     return seeds;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

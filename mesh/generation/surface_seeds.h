@@ -2,12 +2,12 @@
 // First points for the mesher: on the surface of every connected component of every label, so that none is
 // overlooked. Local frame of mesh/label_field.h, mm.
 
-#include "mesh/image/label_field.h"
 #include "mesh/generation/size_field.h"
+#include "mesh/image/label_field.h"
 
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 struct SurfaceSeed {
     Vec3 point; ///< on the interface of labels a and b, to 0.01 mm
@@ -17,4 +17,4 @@ struct SurfaceSeed {
 /// A sparse set of points, two edge lengths apart, closer on components smaller than that.
 std::vector<SurfaceSeed> surface_seeds(const LabelField& field, const SizeField& size);
 
-} // namespace retractor
+} // namespace retractor::mesh

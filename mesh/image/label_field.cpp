@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -292,4 +292,4 @@ Vec3 LabelField::crossing(Vec3 a, Vec3 b, double tolerance) const
     return a;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

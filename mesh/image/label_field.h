@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// Corridor points are rounded to this (mm) after their transformation into the local frame, and voxel edges to
 /// kEdgeGrain, both far above round-off, so that a shifted or turned patient, read from any kind of file, gives
@@ -83,4 +83,4 @@ private:
     std::vector<std::uint8_t> uniform_; ///< per cell: the label all 4x4x4 voxels round it share, or kMixed
 };
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numeric>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -135,4 +135,4 @@ std::vector<float> local_thickness(const WallVoxels& wall)
     return thickness;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

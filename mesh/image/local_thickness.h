@@ -7,7 +7,7 @@
 
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// Distance (mm) from each voxel's centre to the nearest face between it and another label, along the
 /// centres of voxels (exact for flat faces along the axes). 0 where the voxel is outside.
@@ -16,4 +16,4 @@ std::vector<float> depth_in_label(const WallVoxels& wall);
 /// Thickness (mm) of the label at each voxel. 0 where the voxel is outside.
 std::vector<float> local_thickness(const WallVoxels& wall);
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -3,9 +3,9 @@
 
 #include "mesh/image/volume.h"
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// Bone or cartilage, whatever its role.
 inline bool is_skeleton(const LabelInfo& info) { return info.material == "bone" || info.material == "cartilage"; }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -74,4 +74,4 @@ Label label_at(const LabelVolume& labels, const Vec3& world)
     return labels.grid.contains(i, j, k) ? labels.voxels[labels.grid.offset(i, j, k)] : Label { 0 };
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// A regular grid: voxel (i, j, k) has its centre at origin + direction * (spacing .* (i, j, k)).
 /// Memory order: i runs fastest. `direction` columns are the unit axes of i, j, k; orthonormal, of
@@ -26,7 +26,8 @@ struct ImageGrid {
 
     std::size_t voxel_count() const
     {
-        return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
+        return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1])
+            * static_cast<std::size_t>(size[2]);
     }
     std::size_t offset(int i, int j, int k) const
     {
@@ -89,4 +90,4 @@ struct LabelVolume {
 /// The label at the voxel nearest to a world position (mm, LPS); 0 outside the grid.
 Label label_at(const LabelVolume& labels, const Vec3& world);
 
-} // namespace retractor
+} // namespace retractor::mesh

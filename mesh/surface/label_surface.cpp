@@ -17,7 +17,7 @@
 #include <optional>
 #include <string>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -276,4 +276,4 @@ TriMesh viewing_surface(const LabelVolume& labels, std::span<const Label> which,
     return mesh;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -8,7 +8,7 @@
 #include <functional>
 #include <span>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// Surface of the union of the given labels: the half-level of the slightly smoothed indicator, closed
 /// (also where the labels touch the image border), oriented outwards, mm in patient LPS.
@@ -28,4 +28,4 @@ TriMesh viewing_surface(
 TriMesh mask_surface(
     const ImageGrid& grid, std::span<const std::uint8_t> mask, double smoothing_mm = 1.0, const Job& job = {});
 
-} // namespace retractor
+} // namespace retractor::mesh

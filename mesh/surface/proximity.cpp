@@ -9,7 +9,7 @@
 #include <cmath>
 #include <string>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -132,4 +132,4 @@ std::vector<TriangleProximity::Nearby> TriangleProximity::within(const Vec3& poi
     return nearby;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 struct ClosestPoint {
     Vec3 barycentric; ///< on the triangle; not negative, sum 1
@@ -43,4 +43,4 @@ private:
     std::vector<std::pair<std::uint64_t, std::int32_t>> cells_; ///< cell and triangle, rising
 };
 
-} // namespace retractor
+} // namespace retractor::mesh

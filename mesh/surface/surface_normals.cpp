@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-namespace retractor {
+namespace retractor::mesh {
 
 Points vertex_normals(const TriMesh& surface)
 {
@@ -20,4 +20,4 @@ Points vertex_normals(const TriMesh& surface)
     return normals;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

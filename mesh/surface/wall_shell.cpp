@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -339,4 +339,4 @@ WallShell make_wall_shell(const TriMesh& closed, double thickness_mm, Label labe
     return shell;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

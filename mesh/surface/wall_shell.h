@@ -5,7 +5,7 @@
 
 #include "mesh/tetrahedra/tet_mesh.h"
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// A mesh's boundary as closed surfaces, oriented outwards. Where it touches itself at a vertex or along an edge, these
 /// are doubled: every edge has one triangle on each side.
@@ -26,4 +26,4 @@ struct WallShell {
 /// @throws InputError on a thickness that is not positive; SolverError naming the place where no wall fits.
 WallShell make_wall_shell(const TriMesh& closed, double thickness_mm, Label label = 1);
 
-} // namespace retractor
+} // namespace retractor::mesh

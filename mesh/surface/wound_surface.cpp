@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -110,4 +110,4 @@ TetSurface tissue_surface(const TetMesh& mesh, const Points& displacement, std::
     return surface_of_faces(mesh, displacement, faces);
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// A surface taken out of a tetrahedral mesh, with the way back.
 struct TetSurface {
@@ -31,4 +31,4 @@ TriMesh deformed_boundary(const TetMesh& mesh, const Points& displacement);
 /// between two listed labels are left out. Closed wherever the listed tissue is a solid.
 TetSurface tissue_surface(const TetMesh& mesh, const Points& displacement, std::span<const Label> labels);
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -26,7 +26,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -268,4 +268,4 @@ void write_vtp(const std::filesystem::path& path, const TriMesh& mesh, const Mes
     write_xml<vtkXMLPolyDataWriter>(path, surface);
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// Named values on a mesh.
 struct MeshFields {
@@ -32,4 +32,4 @@ TetMesh read_vtu(const std::filesystem::path& path, MeshFields* fields = nullptr
 /// @throws InputError naming the triangle or vertex that is out of range or not finite, or as write_vtu.
 void write_vtp(const std::filesystem::path& path, const TriMesh& mesh, const MeshFields& fields = {});
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
     constexpr int kMostCellsPerAxis = 256; // memory stays bounded for a mesh with a few far vertices
@@ -82,4 +82,4 @@ std::size_t TetGrid::bytes() const
     return sum;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 class TetGrid {
 public:
@@ -38,4 +38,4 @@ private:
     std::vector<Range> listed_; ///< per element
 };
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -12,7 +12,7 @@
 #include <numbers>
 #include <string>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -224,4 +224,4 @@ TetMesh kuhn_box(int nx, int ny, int nz, double spacing, Label label)
     return mesh;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// Node order: the four corners v0..v3 with det(v1-v0, v2-v0, v3-v0) > 0; with ten nodes the edge
 /// midpoints follow in VTK's order: 01, 12, 02, 03, 13, 23.
@@ -30,7 +30,8 @@ struct TetMesh {
 /// Local corner indices of the face opposite corner f, counter-clockwise seen from outside.
 inline constexpr std::array<std::array<int, 3>, 4> kTetFaces { { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } } };
 /// Local corner indices of the six edges, in the order of the P2 midpoints.
-inline constexpr std::array<std::array<int, 2>, 6> kTetEdges { { { 0, 1 }, { 1, 2 }, { 0, 2 }, { 0, 3 }, { 1, 3 }, { 2, 3 } } };
+inline constexpr std::array<std::array<int, 2>, 6> kTetEdges { { { 0, 1 }, { 1, 2 }, { 0, 2 }, { 0, 3 }, { 1, 3 },
+    { 2, 3 } } };
 
 /// The four corners of element t, in the node order above.
 std::array<Vec3, 4> tet_corners(const TetMesh& mesh, TetId t);
@@ -68,4 +69,4 @@ TetMesh with_midpoints(const TetMesh& mesh);
 /// Kuhn box: nx x ny x nz cubes of `spacing` mm, each split into six tetrahedra, corner at the origin.
 TetMesh kuhn_box(int nx, int ny, int nz, double spacing, Label label = 1);
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -34,10 +34,10 @@ namespace {
         }
     };
 
-    Vec3 centroid(const ImageGrid& grid, const Voxels& voxels) { return grid.world(voxels.mean_index()); }
+    Vec3 centroid(const mesh::ImageGrid& grid, const Voxels& voxels) { return grid.world(voxels.mean_index()); }
 
     /// Variances (ascending) and axes of a structure, world frame.
-    Eigen::SelfAdjointEigenSolver<Mat3> principal_axes(const ImageGrid& grid, const Voxels& voxels)
+    Eigen::SelfAdjointEigenSolver<Mat3> principal_axes(const mesh::ImageGrid& grid, const Voxels& voxels)
     {
         const Vec3 mean = voxels.mean_index();
         Mat3 covariance = Mat3::Zero();
@@ -50,7 +50,7 @@ namespace {
     }
 
     struct RibVoxels {
-        const LabelInfo* info = nullptr;
+        const mesh::LabelInfo* info = nullptr;
         bool left = true;
         int number = 0;
         Voxels voxels;
@@ -62,7 +62,7 @@ namespace {
     };
 
     /// "rib_left_5" -> side and number.
-    bool parse_rib(const LabelInfo& info, RibVoxels& rib)
+    bool parse_rib(const mesh::LabelInfo& info, RibVoxels& rib)
     {
         const std::string_view name = info.name;
         std::string_view rest;
@@ -80,18 +80,18 @@ namespace {
         return true;
     }
 
-    Collected collect(const LabelVolume& labels)
+    Collected collect(const mesh::LabelVolume& labels)
     {
-        check_grid(labels.grid);
+        mesh::check_grid(labels.grid);
         if (labels.voxels.size() != labels.grid.voxel_count())
             throw InputError("the label volume's voxel count does not match its size");
         Collected found;
         std::size_t largest = 0;
-        for (const LabelInfo& info : labels.table)
+        for (const mesh::LabelInfo& info : labels.table)
             largest = std::max(largest, static_cast<std::size_t>(info.id));
         found.ribs.reserve(labels.table.size()); // pointers into it are kept below
         std::vector<Voxels*> destination(largest + 1, nullptr);
-        for (const LabelInfo& info : labels.table) {
+        for (const mesh::LabelInfo& info : labels.table) {
             if (info.id == 0)
                 continue;
             RibVoxels rib;
@@ -141,7 +141,7 @@ namespace {
     }
 
     /// The unit `axis`, signed so that rib numbers grow against it.
-    Vec3 towards_first_rib(const ImageGrid& grid, const std::vector<RibVoxels>& ribs, const Vec3& axis)
+    Vec3 towards_first_rib(const mesh::ImageGrid& grid, const std::vector<RibVoxels>& ribs, const Vec3& axis)
     {
         double mean_number = 0.0, mean_height = 0.0;
         std::vector<double> heights;
@@ -166,7 +166,7 @@ namespace {
         return both < 0.0 ? axis : Vec3(-axis);
     }
 
-    AnatomicalFrame find_frame(const ImageGrid& grid, const Collected& found)
+    AnatomicalFrame find_frame(const mesh::ImageGrid& grid, const Collected& found)
     {
         AnatomicalFrame frame;
         const auto spine = principal_axes(grid, found.spine);
@@ -239,7 +239,7 @@ namespace {
         return angle < -90.0 ? angle + 360.0 : angle;
     }
 
-    RibLine rib_line(const ImageGrid& grid, const AnatomicalFrame& frame, const RibVoxels& rib)
+    RibLine rib_line(const mesh::ImageGrid& grid, const AnatomicalFrame& frame, const RibVoxels& rib)
     {
         RibLine line { .label = rib.info->id,
             .name = rib.info->name,
@@ -273,9 +273,9 @@ namespace {
 
     /// Where the voxels of some labels are round a point: their weighted mean, and their share of all weights.
     std::pair<Vec3, double> local_mean(
-        const LabelVolume& labels, const std::vector<bool>& counts, const Vec3& point, double radius)
+        const mesh::LabelVolume& labels, const std::vector<bool>& counts, const Vec3& point, double radius)
     {
-        const ImageGrid& grid = labels.grid;
+        const mesh::ImageGrid& grid = labels.grid;
         const Vec3 centre = grid.index(point);
         const Vec3 reach = Vec3::Constant(radius).cwiseQuotient(grid.spacing);
         Vec3 sum = Vec3::Zero();
@@ -297,13 +297,13 @@ namespace {
     }
 
     /// Follows the cartilage from the rib's front end: step forwards, then to the middle of the cartilage there.
-    void follow_cartilage(const LabelVolume& labels, const AnatomicalFrame& frame, RibLine& line)
+    void follow_cartilage(const mesh::LabelVolume& labels, const AnatomicalFrame& frame, RibLine& line)
     {
         constexpr double kStepMm = 4.0, kRadiusMm = 9.0, kLeastShare = 0.08, kTurn = 0.4;
         constexpr int kMostSteps = 80;
         std::vector<bool> counts(std::size_t { 1 } << 16, false);
         bool any = false;
-        for (const LabelInfo& info : labels.table)
+        for (const mesh::LabelInfo& info : labels.table)
             if (info.name.find("cartilage") != std::string::npos)
                 counts[info.id] = any = true;
         if (!any || line.points.size() < 4)
@@ -325,7 +325,7 @@ namespace {
         }
     }
 
-    SternumAxis sternum_axis(const ImageGrid& grid, const AnatomicalFrame& frame, const Voxels& voxels)
+    SternumAxis sternum_axis(const mesh::ImageGrid& grid, const AnatomicalFrame& frame, const Voxels& voxels)
     {
         const auto axes = principal_axes(grid, voxels);
         if (!(axes.eigenvalues()[2] > kElongated * axes.eigenvalues()[1]))
@@ -373,7 +373,7 @@ namespace {
 
 } // namespace
 
-Anatomy find_anatomy(const LabelVolume& labels)
+Anatomy find_anatomy(const mesh::LabelVolume& labels)
 {
     const Collected found = collect(labels);
     require(found);
@@ -408,9 +408,9 @@ Vec3 point_at_angle(const RibLine& rib, double angle_deg)
     return (1.0 - t) * rib.points[n - 1] + t * rib.points[n];
 }
 
-Vec3 label_centroid(const LabelVolume& labels, std::string_view name)
+Vec3 label_centroid(const mesh::LabelVolume& labels, std::string_view name)
 {
-    const LabelInfo* info = find_label(labels.table, name);
+    const mesh::LabelInfo* info = mesh::find_label(labels.table, name);
     if (info == nullptr)
         throw InputError("there is no label \"" + std::string(name) + "\" in the label table", std::string(name));
     Voxels voxels;
@@ -425,4 +425,4 @@ Vec3 label_centroid(const LabelVolume& labels, std::string_view name)
     return centroid(labels.grid, voxels);
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// The patient's axes: unit, orthogonal, left = superior x anterior.
 struct AnatomicalFrame {
@@ -46,7 +46,7 @@ struct Anatomy {
 /// Names as TotalSegmentator spells them: sternum, rib_left_1 ..., rib_right_12, vertebrae_* (or spine).
 /// @throws InputError naming the label that is missing and what to do, or the landmarks that contradict each other
 /// (ribs on the wrong side: a mirrored volume).
-Anatomy find_anatomy(const LabelVolume& labels);
+Anatomy find_anatomy(const mesh::LabelVolume& labels);
 
 /// The rib of this side and number. @throws InputError naming its label.
 const RibLine& find_rib(const Anatomy& anatomy, bool left, int number);
@@ -55,6 +55,6 @@ const RibLine& find_rib(const Anatomy& anatomy, bool left, int number);
 Vec3 point_at_angle(const RibLine& rib, double angle_deg);
 
 /// Centroid of a label. @throws InputError when it is not in the table or has no voxel.
-Vec3 label_centroid(const LabelVolume& labels, std::string_view name);
+Vec3 label_centroid(const mesh::LabelVolume& labels, std::string_view name);
 
-} // namespace retractor
+} // namespace retractor::planner

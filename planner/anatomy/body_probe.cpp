@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -22,9 +22,9 @@ namespace {
     /// Calls visit(label, offset from the point in mm in grid axes, weight) for all lattice places within `radius` of a
     /// point; beyond the grid its border goes on. The weight goes smoothly to zero at the radius.
     template <typename Visit>
-    void visit_ball(const LabelVolume& labels, const Vec3& point, double radius, Visit&& visit)
+    void visit_ball(const mesh::LabelVolume& labels, const Vec3& point, double radius, Visit&& visit)
     {
-        const ImageGrid& grid = labels.grid;
+        const mesh::ImageGrid& grid = labels.grid;
         const Vec3 centre = grid.index(point);
         std::array<int, 3> low {}, high {};
         for (int a = 0; a < 3; ++a) {
@@ -57,35 +57,35 @@ namespace {
         return 0.5 * (inside_t + outside_t);
     }
 
-    LabelMask empty_mask(const LabelTable& table)
+    LabelMask empty_mask(const mesh::LabelTable& table)
     {
         Label largest = 0;
-        for (const LabelInfo& info : table)
+        for (const mesh::LabelInfo& info : table)
             largest = std::max(largest, info.id);
         return LabelMask(static_cast<std::size_t>(largest) + 1, 0);
     }
 
 } // namespace
 
-LabelMask wall_mask(const LabelTable& table)
+LabelMask wall_mask(const mesh::LabelTable& table)
 {
     LabelMask mask = empty_mask(table);
-    for (const LabelInfo& info : table)
-        if (info.id != 0 && info.role == Role::wall)
+    for (const mesh::LabelInfo& info : table)
+        if (info.id != 0 && info.role == mesh::Role::wall)
             mask[info.id] = 1;
     return mask;
 }
 
-LabelMask body_mask(const LabelTable& table)
+LabelMask body_mask(const mesh::LabelTable& table)
 {
     LabelMask mask = empty_mask(table);
-    for (const LabelInfo& info : table)
+    for (const mesh::LabelInfo& info : table)
         if (info.id != 0)
             mask[info.id] = 1;
     return mask;
 }
 
-LabelMask mask_of(const LabelTable& table, std::span<const Label> labels)
+LabelMask mask_of(const mesh::LabelTable& table, std::span<const Label> labels)
 {
     LabelMask mask = empty_mask(table);
     for (const Label label : labels)
@@ -94,13 +94,13 @@ LabelMask mask_of(const LabelTable& table, std::span<const Label> labels)
     return mask;
 }
 
-BodyProbe::BodyProbe(const LabelVolume& labels)
+BodyProbe::BodyProbe(const mesh::LabelVolume& labels)
     : labels_(labels)
     , wall_(wall_mask(labels.table))
     , body_(body_mask(labels.table))
 {
-    check_grid(labels.grid);
-    const ImageGrid& grid = labels.grid;
+    mesh::check_grid(labels.grid);
+    const mesh::ImageGrid& grid = labels.grid;
     if (labels.voxels.size() != grid.voxel_count())
         throw InputError("the label volume's voxel count does not match its size");
     radius_ = std::max(kLeastKernelMm, kKernelVoxels * grid.spacing.maxCoeff());
@@ -126,7 +126,7 @@ double BodyProbe::share(const LabelMask& mask, const Vec3& point) const { return
 
 double BodyProbe::share_within(const LabelMask& mask, const Vec3& point, double radius) const
 {
-    const ImageGrid& grid = labels_.grid;
+    const mesh::ImageGrid& grid = labels_.grid;
     const Vec3 centre = grid.index(point);
     for (int a = 0; a < 3; ++a) {
         const double margin = radius / grid.spacing[a];
@@ -237,4 +237,4 @@ Vec3 BodyProbe::project_to_skin(const Vec3& point) const
     return skin;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -9,20 +9,20 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// Which labels count, indexed by label id.
 using LabelMask = std::vector<std::uint8_t>;
 
-LabelMask wall_mask(const LabelTable& table); ///< all labels of role `wall`
-LabelMask body_mask(const LabelTable& table); ///< all labels but 0
-LabelMask mask_of(const LabelTable& table, std::span<const Label> labels);
+LabelMask wall_mask(const mesh::LabelTable& table); ///< all labels of role `wall`
+LabelMask body_mask(const mesh::LabelTable& table); ///< all labels but 0
+LabelMask mask_of(const mesh::LabelTable& table, std::span<const Label> labels);
 
 /// Keeps a reference to the labels: they must outlive it.
 class BodyProbe {
 public:
     /// @throws InputError when no voxel has a wall label.
-    explicit BodyProbe(const LabelVolume& labels);
+    explicit BodyProbe(const mesh::LabelVolume& labels);
 
     /// Share of the labels in `mask` within a smooth ball round a point, 0 to 1; 1/2 on a flat boundary.
     double share(const LabelMask& mask, const Vec3& point) const;
@@ -44,14 +44,14 @@ public:
     Vec3 project_to_skin(const Vec3& point) const;
 
     const Vec3& wall_centroid() const { return wall_centroid_; }
-    const LabelVolume& labels() const { return labels_; }
+    const mesh::LabelVolume& labels() const { return labels_; }
     static constexpr double kCavityMm = 4.0;
 
 private:
     double share_within(const LabelMask& mask, const Vec3& point, double radius) const;
     double evened(const Vec3& from, const Vec3& direction, double distance) const;
 
-    const LabelVolume& labels_;
+    const mesh::LabelVolume& labels_;
     LabelMask wall_;
     LabelMask body_;
     Vec3 wall_centroid_ = Vec3::Zero();
@@ -59,4 +59,4 @@ private:
     double reach_ = 0.0; ///< diagonal of the grid, mm
 };
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -50,40 +50,40 @@ namespace {
         return parsed;
     }
 
-    std::vector<std::string> bone_names(const LabelTable& table)
+    std::vector<std::string> bone_names(const mesh::LabelTable& table)
     {
         std::vector<std::string> names;
-        for (const LabelInfo& info : table)
-            if (info.material == "bone" && info.role == Role::wall)
+        for (const mesh::LabelInfo& info : table)
+            if (info.material == "bone" && info.role == mesh::Role::wall)
                 names.push_back(info.name);
         return names;
     }
 
-    std::vector<std::string> hard_names(const LabelTable& table)
+    std::vector<std::string> hard_names(const mesh::LabelTable& table)
     {
         std::vector<std::string> names = bone_names(table);
-        for (const LabelInfo& info : table)
-            if (info.material == "cartilage" && info.role == Role::wall)
+        for (const mesh::LabelInfo& info : table)
+            if (info.material == "cartilage" && info.role == mesh::Role::wall)
                 names.push_back(info.name);
         return names;
     }
 
-    LabelMask mask_of_names(const LabelTable& table, const std::vector<std::string>& names)
+    LabelMask mask_of_names(const mesh::LabelTable& table, const std::vector<std::string>& names)
     {
         std::vector<Label> ids;
         for (const std::string& name : names)
-            if (const LabelInfo* info = find_label(table, name))
+            if (const mesh::LabelInfo* info = mesh::find_label(table, name))
                 ids.push_back(info->id);
         return mask_of(table, ids);
     }
 
     /// Organs held aside; lungs may be one label per lung or per lobe ("lung_upper_lobe_left").
     std::vector<std::string> retracted_organs(
-        const LabelTable& table, bool left_lung, bool right_lung, bool pericardium)
+        const mesh::LabelTable& table, bool left_lung, bool right_lung, bool pericardium)
     {
         std::vector<std::string> names;
-        for (const LabelInfo& info : table) {
-            if (info.role == Role::target || info.role == Role::wall)
+        for (const mesh::LabelInfo& info : table) {
+            if (info.role == mesh::Role::target || info.role == mesh::Role::wall)
                 continue;
             const bool lung = info.name.starts_with("lung");
             const bool right = info.name.find("right") != std::string::npos;
@@ -95,7 +95,7 @@ namespace {
         return names;
     }
 
-    Vec3 target_centre(const LabelVolume& labels, const TargetSpec& target)
+    Vec3 target_centre(const mesh::LabelVolume& labels, const TargetSpec& target)
     {
         return target.is_sphere() ? target.centre : label_centroid(labels, target.label);
     }
@@ -164,17 +164,17 @@ namespace {
         const Approach& approach, const std::vector<Vec3>& points, const std::vector<std::size_t>& given)
     {
         const auto blade_to = [&](std::size_t count) {
-            Blade blade = blade_of(approach);
+            mesh::Blade blade = blade_of(approach);
             blade.line.resize(count, Vec3::Zero());
             blade.directions.resize(count, Vec3::Zero());
             return blade;
         };
         try {
-            static_cast<void>(SweptBlade(blade_of(approach)));
+            static_cast<void>(mesh::SweptBlade(blade_of(approach)));
         } catch (const InputError&) {
             for (std::size_t count = 2; count <= approach.incision.size(); ++count)
                 try {
-                    static_cast<void>(SweptBlade(blade_to(count)));
+                    static_cast<void>(mesh::SweptBlade(blade_to(count)));
                 } catch (const InputError& error) {
                     const std::size_t from = given[count - 2];
                     const Vec3 ends = approach.incision.back() - approach.incision.front();
@@ -324,10 +324,10 @@ namespace {
     }
 
     /// Least distance (mm) from a stretch of the blade to a voxel of the mask; capped at `reach`.
-    double clearance(const LabelVolume& labels, const LabelMask& mask, const Vec3& skin, const Vec3& inward,
+    double clearance(const mesh::LabelVolume& labels, const LabelMask& mask, const Vec3& skin, const Vec3& inward,
         double depth, double reach)
     {
-        const ImageGrid& grid = labels.grid;
+        const mesh::ImageGrid& grid = labels.grid;
         double least = reach;
         for (double t = 0.0; t <= depth; t += 2.0) {
             const Vec3 centre = grid.index(skin + t * inward);
@@ -345,7 +345,7 @@ namespace {
 
     /// No incision where bone or cartilage lies in its way (the shoulder blade, ribs that join), nor through the
     /// shoulder or an arm.
-    void mark_covered(const LabelVolume& labels, std::vector<SpaceNode>& nodes)
+    void mark_covered(const mesh::LabelVolume& labels, std::vector<SpaceNode>& nodes)
     {
         constexpr double kReachMm = 4.0, kBelowRibsMm = 8.0;
         const LabelMask hard = mask_of_names(labels.table, hard_names(labels.table));
@@ -421,7 +421,7 @@ namespace {
     }
 
     /// Refuses a blade that would touch bone. @returns the room beside it, in words.
-    std::string check_clearance(const LabelVolume& labels, const Approach& approach, const std::string& space)
+    std::string check_clearance(const mesh::LabelVolume& labels, const Approach& approach, const std::string& space)
     {
         constexpr double kReachMm = 12.0;
         const LabelMask hard = mask_of_names(labels.table, hard_names(labels.table));
@@ -523,23 +523,23 @@ namespace {
     }
 
     /// What is looked for must be in the body, behind the wall.
-    void check_target(const LabelVolume& labels, const TargetSpec& target)
+    void check_target(const mesh::LabelVolume& labels, const TargetSpec& target)
     {
         if (target.is_sphere()) {
-            if (label_at(labels, target.centre) == 0)
+            if (mesh::label_at(labels, target.centre) == 0)
                 throw InputError("the sphere's centre lies outside the body", "target", { "target" });
             return;
         }
-        const LabelInfo* info = find_label(labels.table, target.label);
+        const mesh::LabelInfo* info = mesh::find_label(labels.table, target.label);
         if (info == nullptr)
             throw InputError("there is no label \"" + target.label + "\" in the label table", "target", { "target" });
-        if (info->role == Role::wall)
+        if (info->role == mesh::Role::wall)
             throw InputError(
                 "\"" + target.label + "\" is a part of the wall, which is cut: choose an organ, or a sphere", "target",
                 { "target" });
     }
 
-    void check_request(const LabelVolume& labels, const ApproachRequest& request)
+    void check_request(const mesh::LabelVolume& labels, const ApproachRequest& request)
     {
         if (!(request.length_mm >= 0.0 && request.length_mm <= 1000.0))
             throw InputError("the length must be between 0 and 1000 mm, got " + std::to_string(request.length_mm),
@@ -561,7 +561,7 @@ namespace {
         return approach;
     }
 
-    void add_target_words(const LabelVolume& labels, Approach& approach)
+    void add_target_words(const mesh::LabelVolume& labels, Approach& approach)
     {
         const Vec3 target = target_centre(labels, approach.target);
         double nearest = std::numeric_limits<double>::infinity();
@@ -573,14 +573,14 @@ namespace {
 
 } // namespace
 
-Approach approach_from_template(const LabelVolume& labels, const ApproachRequest& request)
+Approach approach_from_template(const mesh::LabelVolume& labels, const ApproachRequest& request)
 {
     parse_template(request.template_name); // a misspelt template is refused before the landmarks are sought
     check_request(labels, request);
     return approach_from_template(labels, find_anatomy(labels), request);
 }
 
-Approach approach_from_template(const LabelVolume& labels, const Anatomy& anatomy, const ApproachRequest& request)
+Approach approach_from_template(const mesh::LabelVolume& labels, const Anatomy& anatomy, const ApproachRequest& request)
 {
     const ParsedTemplate parsed = parse_template(request.template_name);
     check_request(labels, request);
@@ -599,13 +599,13 @@ Approach approach_from_template(const LabelVolume& labels, const Anatomy& anatom
         approach.retracted = retracted_organs(labels.table, plan.left, !plan.left, parsed.kind == "midcab");
     }
     check_sweep(approach);
-    static_cast<void>(SweptBlade(blade_of(approach))); // the cutter's own check, before anything is planned on it
+    static_cast<void>(mesh::SweptBlade(blade_of(approach))); // the cutter's own check, before anything is planned on it
     add_target_words(labels, approach);
     check_approach(approach);
     return approach;
 }
 
-PointsApproach approach_from_points(const LabelVolume& labels, const std::vector<Vec3>& points,
+PointsApproach approach_from_points(const mesh::LabelVolume& labels, const std::vector<Vec3>& points,
     const ApproachRequest& request, double depth_mm, double reach_mm)
 {
     check_request(labels, request);
@@ -672,4 +672,4 @@ PointsApproach approach_from_points(const LabelVolume& labels, const std::vector
     return result;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

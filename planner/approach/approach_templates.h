@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 struct ApproachRequest {
     std::string template_name; ///< as above
@@ -32,9 +32,10 @@ struct ApproachRequest {
 };
 
 /// @throws InputError when the template is unknown, a landmark is missing, or the space has no room for the blade.
-Approach approach_from_template(const LabelVolume& labels, const ApproachRequest& request);
+Approach approach_from_template(const mesh::LabelVolume& labels, const ApproachRequest& request);
 /// The same with landmarks found before.
-Approach approach_from_template(const LabelVolume& labels, const Anatomy& anatomy, const ApproachRequest& request);
+Approach approach_from_template(
+    const mesh::LabelVolume& labels, const Anatomy& anatomy, const ApproachRequest& request);
 
 struct PointsApproach {
     Approach approach; ///< template_name "points"
@@ -44,7 +45,7 @@ struct PointsApproach {
 /// An incision through given points, moved onto the skin; the blade goes in square to the skin.
 /// @param depth_mm 0: through the wall, as measured. @throws InputError when a point is more than `reach_mm` off the
 /// skin, or when no cavity lies behind the wall and no depth is given.
-PointsApproach approach_from_points(const LabelVolume& labels, const std::vector<Vec3>& points,
+PointsApproach approach_from_points(const mesh::LabelVolume& labels, const std::vector<Vec3>& points,
     const ApproachRequest& request, double depth_mm = 0.0, double reach_mm = 40.0);
 
-} // namespace retractor
+} // namespace retractor::planner

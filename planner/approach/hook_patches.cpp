@@ -10,7 +10,7 @@
 #include <map>
 #include <set>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -42,11 +42,11 @@ namespace {
     /// Of the patch's width, to either side: the bone is borne on in its middle, so that it can turn on the hook.
     constexpr double kBearingShare = 0.25;
 
-    std::vector<VertexId> bone_vertices(const TetMesh& mesh, const LabelTable& table)
+    std::vector<VertexId> bone_vertices(const mesh::TetMesh& mesh, const mesh::LabelTable& table)
     {
         std::set<VertexId> vertices;
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            if (is_skeleton(*find_label(table, mesh.labels[static_cast<std::size_t>(t)])))
+            if (mesh::is_skeleton(*mesh::find_label(table, mesh.labels[static_cast<std::size_t>(t)])))
                 for (const VertexId v : mesh.tet(t))
                     vertices.insert(v);
         return { vertices.begin(), vertices.end() };
@@ -63,22 +63,22 @@ namespace {
 
 } // namespace
 
-std::vector<HookPatch> hook_patches(const TetMesh& wall, std::span<const LipFace> lips, const Approach& approach,
-    const LabelTable& table, const Supports& supports)
+std::vector<fem::HookPatch> hook_patches(const mesh::TetMesh& wall, std::span<const mesh::LipFace> lips,
+    const Approach& approach, const mesh::LabelTable& table, const fem::Supports& supports)
 {
     std::map<int, std::vector<std::array<VertexId, 3>>> lip_of_side;
     std::map<int, std::set<VertexId>> vertices_of_side;
-    for (const LipFace& lip : lips) {
-        lip_of_side[lip.side].push_back(face_vertices(wall, lip.face));
+    for (const mesh::LipFace& lip : lips) {
+        lip_of_side[lip.side].push_back(mesh::face_vertices(wall, lip.face));
         vertices_of_side[lip.side].insert(lip_of_side[lip.side].back().begin(), lip_of_side[lip.side].back().end());
     }
     const std::vector<VertexId> bones = bone_vertices(wall, table);
     const std::set<VertexId> held(supports.fixed.begin(), supports.fixed.end());
-    std::vector<HookPatch> patches;
+    std::vector<fem::HookPatch> patches;
     for (const HookSpec& spec : approach.hooks) {
         const HookPlace place = hook_place(approach, spec);
-        const std::vector<VertexId> on_lip = hook_patch_nodes(wall, lip_of_side[spec.side], place.centre, place.along,
-            place.depth, spec.patch_width_mm, spec.patch_height_mm, spec.name);
+        const std::vector<VertexId> on_lip = fem::hook_patch_nodes(wall, lip_of_side[spec.side], place.centre,
+            place.along, place.depth, spec.patch_width_mm, spec.patch_height_mm, spec.name);
         std::set<VertexId> nodes(on_lip.begin(), on_lip.end());
         for (const VertexId v : bones)
             if (is_behind_patch(spec, place, wall.vertices.row(v).transpose()))
@@ -97,9 +97,9 @@ std::vector<HookPatch> hook_patches(const TetMesh& wall, std::span<const LipFace
     return patches;
 }
 
-HookDrive drive_of(const HookSpec& spec)
+fem::HookDrive drive_of(const HookSpec& spec)
 {
-    HookDrive drive { .displacement = spec.opening_mm * spec.direction };
+    fem::HookDrive drive { .displacement = spec.opening_mm * spec.direction };
     if (spec.pull.force_N)
         drive.force_N = *spec.pull.force_N * spec.direction;
     drive.force_limit_N = spec.pull.force_limit_N.value_or(drive.force_limit_N);
@@ -107,4 +107,4 @@ HookDrive drive_of(const HookSpec& spec)
     return drive;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -9,15 +9,15 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// One patch per hook of the approach: nodes of its lip, and of the bone it bears on.
 /// @param lips faces of `wall` on the incision's two sides.
 /// @throws InputError naming the hook, when fewer than three free nodes lie under it.
-std::vector<HookPatch> hook_patches(const TetMesh& wall, std::span<const LipFace> lips, const Approach& approach,
-    const LabelTable& table, const Supports& supports);
+std::vector<fem::HookPatch> hook_patches(const mesh::TetMesh& wall, std::span<const mesh::LipFace> lips,
+    const Approach& approach, const mesh::LabelTable& table, const fem::Supports& supports);
 
 /// What the hook does to the tissue under it.
-HookDrive drive_of(const HookSpec& spec);
+fem::HookDrive drive_of(const HookSpec& spec);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -89,7 +89,7 @@ std::vector<HookSpec> make_hooks(
     const Approach& approach, std::string_view template_name, double opening_mm, const HookPull& pull)
 {
     check_approach(approach);
-    constexpr double kFarthest = 2.0 * kFarthestHookMm;
+    constexpr double kFarthest = 2.0 * fem::kFarthestHookMm;
     if (!(opening_mm >= 0.0 && opening_mm <= kFarthest))
         throw InputError(
             "the opening must be between 0 and " + in_words(kFarthest) + " mm, got " + std::to_string(opening_mm),
@@ -140,4 +140,4 @@ void set_hooks(Case& planned_case, std::string_view approach_name, std::string_v
     approach.hooks = make_hooks(approach, template_name, opening_mm, pull);
 }
 
-} // namespace retractor
+} // namespace retractor::planner

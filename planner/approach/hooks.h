@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// @param opening_mm distance between opposite hooks when open: each side moves half of it. 0 with a force to pull
 /// with.
@@ -23,4 +23,4 @@ std::vector<HookSpec> make_hooks(
 void set_hooks(Case& planned_case, std::string_view approach_name, std::string_view template_name, double opening_mm,
     const HookPull& pull = {});
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -82,7 +82,7 @@ namespace {
         check_positive(hook.patch_width_mm, where + "/patch_width_mm");
         check_positive(hook.patch_height_mm, where + "/patch_height_mm");
         check_unit(hook.direction, where + "/direction");
-        check_number(hook.opening_mm, 0.0, kFarthestHookMm, where + "/opening_mm");
+        check_number(hook.opening_mm, 0.0, fem::kFarthestHookMm, where + "/opening_mm");
         check_pull(hook.pull, where + "/");
         if (hook.pull.force_N && hook.opening_mm != 0.0)
             refuse("a hook that pulls with a force goes as far as that takes it: leave one of the two out",
@@ -144,11 +144,11 @@ std::optional<LoosePieces> loose_pieces_from_string(std::string_view text)
     return std::nullopt;
 }
 
-CutOptions cut_options_of(const Approach& approach, const LabelTable& table)
+mesh::CutOptions cut_options_of(const Approach& approach, const mesh::LabelTable& table)
 {
-    CutOptions options;
+    mesh::CutOptions options;
     for (const std::string& name : approach.uncut_labels) {
-        const LabelInfo* info = find_label(table, name);
+        const mesh::LabelInfo* info = mesh::find_label(table, name);
         if (info == nullptr)
             throw InputError("there is no label of this name", name);
         options.uncut_labels.push_back(info->id);
@@ -156,14 +156,14 @@ CutOptions cut_options_of(const Approach& approach, const LabelTable& table)
     return options;
 }
 
-Blade blade_of(const Approach& approach)
+mesh::Blade blade_of(const Approach& approach)
 {
     return { .line = approach.incision, .directions = approach.directions, .depth_mm = approach.depth_mm };
 }
 
-MeshSizing mesh_sizing_of(const Approach& approach, const LabelTable& table)
+mesh::MeshSizing mesh_sizing_of(const Approach& approach, const mesh::LabelTable& table)
 {
-    MeshSizing sizing { .corridor = approach.incision,
+    mesh::MeshSizing sizing { .corridor = approach.incision,
         .corridor_radius_mm = approach.sizing.corridor_radius_mm,
         .corridor_edge_mm = approach.sizing.corridor_edge_mm,
         .coarse_edge_mm = approach.sizing.coarse_edge_mm,
@@ -172,10 +172,10 @@ MeshSizing mesh_sizing_of(const Approach& approach, const LabelTable& table)
     for (std::size_t n = approach.incision.size(); n-- > 0;)
         sizing.corridor.push_back(approach.incision[n] + 0.5 * approach.depth_mm * approach.directions[n].normalized());
     const auto& uncut = approach.uncut_labels;
-    for (const LabelInfo& info : table) {
+    for (const mesh::LabelInfo& info : table) {
         const bool is_whole_sternum
             = info.name == "sternum" && std::find(uncut.begin(), uncut.end(), info.name) != uncut.end();
-        if (info.role == Role::wall && is_skeleton(info) && !is_whole_sternum)
+        if (info.role == mesh::Role::wall && is_skeleton(info) && !is_whole_sternum)
             sizing.whole_labels.push_back(info.id);
     }
     return sizing;
@@ -250,4 +250,4 @@ void check_approach(const Approach& approach, const std::string& pointer)
         refuse("must be between 1 and 100000", pointer + "/view/eye_count");
 }
 
-} // namespace retractor
+} // namespace retractor::planner

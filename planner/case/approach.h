@@ -2,9 +2,9 @@
 // An approach: where the surgeon cuts, how the blade goes in, what is looked at, which hooks hold the wound open.
 // Plain data, written to and read from case.json. Units mm; frame patient LPS.
 
+#include "mesh/base/geometry.h"
 #include "mesh/cutting/store/blade.h"
 #include "mesh/cutting/store/cut_types.h"
-#include "mesh/base/geometry.h"
 #include "mesh/generation/mesh_sizing.h"
 
 #include <optional>
@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// What a hook does besides going where it is told (fem/hook_drive.h). Set: > 0 and finite.
 struct HookPull {
@@ -105,10 +105,10 @@ struct Approach {
 };
 
 /// The approach's blade as the cutter takes it.
-Blade blade_of(const Approach& approach);
+mesh::Blade blade_of(const Approach& approach);
 
 /// How the approach's blade cuts: what it does not sever. @throws InputError naming a label that is not in the table.
-CutOptions cut_options_of(const Approach& approach, const LabelTable& table);
+mesh::CutOptions cut_options_of(const Approach& approach, const mesh::LabelTable& table);
 
 /// "rib from -10.0 to 10.0 mm across and 0.0 to 50.0 mm along the incision", "tissue in a ball of 5.0 mm at (1, 2, 3)".
 std::string ablation_text(const AblationSpec& ablation, double incision_length_mm);
@@ -120,7 +120,7 @@ std::optional<LoosePieces> loose_pieces_from_string(std::string_view text);
 /// The approach's sizing as the mesher takes it. The corridor follows the incision on the skin and comes back half way
 /// down the blade; bones and cartilages are kept whole, the sternum only where the approach divides it (elsewhere it is
 /// the firm end of the cartilages).
-MeshSizing mesh_sizing_of(const Approach& approach, const LabelTable& table);
+mesh::MeshSizing mesh_sizing_of(const Approach& approach, const mesh::LabelTable& table);
 
 /// Length of the incision, mm.
 double incision_length(const Approach& approach);
@@ -132,4 +132,4 @@ void check_sizing(const SizingSpec& sizing, const std::string& pointer = {});
 /// @throws InputError on NaN, values out of range, lists of unequal length, a malformed hook, target or cone.
 void check_approach(const Approach& approach, const std::string& pointer = {});
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -2,19 +2,19 @@
 
 #include "fem/model/pre_strain.h"
 #include "mesh/base/error.h"
-#include "mesh/image/skeleton.h"
 #include "mesh/base/text.h"
+#include "mesh/image/skeleton.h"
 
 #include <algorithm>
 #include <set>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
     void check_label_name(const Case& planned_case, const std::string& name, const std::string& where)
     {
-        if (find_label(planned_case.label_table, name) == nullptr)
+        if (mesh::find_label(planned_case.label_table, name) == nullptr)
             throw InputError("there is no label \"" + name + "\" in the label table", where);
     }
 
@@ -37,7 +37,7 @@ namespace {
             if (label.empty())
                 continue;
             check_label_name(planned_case, label, where);
-            if (find_label(planned_case.label_table, label)->role != Role::wall)
+            if (mesh::find_label(planned_case.label_table, label)->role != mesh::Role::wall)
                 throw InputError("only tissue of the wall can be removed, and \"" + label + "\" is none", where);
         }
     }
@@ -49,7 +49,7 @@ namespace {
         std::set<Label> ids;
         std::set<std::string> names;
         for (std::size_t n = 0; n < planned_case.label_table.size(); ++n) {
-            const LabelInfo& info = planned_case.label_table[n];
+            const mesh::LabelInfo& info = planned_case.label_table[n];
             const std::string where = "/labels/table/" + std::to_string(n);
             if (info.id == 0)
                 throw InputError("label 0 is \"nothing\" and cannot be named", where + "/id");
@@ -57,8 +57,8 @@ namespace {
                 throw InputError("label " + std::to_string(info.id) + " is named twice", where + "/id");
             if (info.name.empty() || !names.insert(info.name).second)
                 throw InputError("label names must be present and different: \"" + info.name + "\"", where + "/name");
-            const auto known = [&](const Material& m) { return m.name == info.material; };
-            if (info.role == Role::wall
+            const auto known = [&](const fem::Material& m) { return m.name == info.material; };
+            if (info.role == mesh::Role::wall
                 && std::none_of(planned_case.materials.begin(), planned_case.materials.end(), known))
                 throw InputError(
                     "there is no material \"" + info.material + "\" in the material table", where + "/material");
@@ -70,7 +70,7 @@ namespace {
         std::set<std::string> names;
         for (std::size_t n = 0; n < planned_case.materials.size(); ++n) {
             const std::string where = "/materials/" + std::to_string(n);
-            const Material& material = planned_case.materials[n];
+            const fem::Material& material = planned_case.materials[n];
             if (material.name.empty() || !names.insert(material.name).second)
                 throw InputError(
                     "material names must be present and different: \"" + material.name + "\"", where + "/name");
@@ -81,12 +81,12 @@ namespace {
             if (!(material.density_tonne_per_mm3 > 0.0 && material.density_tonne_per_mm3 < 1.0))
                 throw InputError("must be positive and finite", where + "/density_tonne_per_mm3");
             try {
-                check_material(material);
+                fem::check_material(material);
             } catch (const InputError& error) {
                 throw InputError(error.what(), where + "/law");
             }
             try {
-                check_pre_strain(material.pre_strain);
+                fem::check_pre_strain(material.pre_strain);
             } catch (const InputError& error) {
                 throw InputError(
                     "material \"" + material.name + "\": " + error.what(), where + "/pre_strain/" + error.where());
@@ -107,25 +107,25 @@ namespace {
 
 } // namespace
 
-bool has_soft_wall(const LabelTable& table)
+bool has_soft_wall(const mesh::LabelTable& table)
 {
     return std::any_of(table.begin(), table.end(),
-        [](const LabelInfo& info) { return info.role == Role::wall && !is_skeleton(info); });
+        [](const mesh::LabelInfo& info) { return info.role == mesh::Role::wall && !mesh::is_skeleton(info); });
 }
 
-std::vector<Material> materials_as_solved(const Case& planned_case, ElementKind element)
+std::vector<fem::Material> materials_as_solved(const Case& planned_case, ElementKind element)
 {
-    std::vector<Material> materials;
-    for (const LabelInfo& info : planned_case.label_table) {
+    std::vector<fem::Material> materials;
+    for (const mesh::LabelInfo& info : planned_case.label_table) {
         if (materials.size() <= info.id)
             materials.resize(static_cast<std::size_t>(info.id) + 1);
-        if (info.role == Role::wall)
-            materials[info.id] = as_solved(find_material(planned_case.materials, info.material), element);
+        if (info.role == mesh::Role::wall)
+            materials[info.id] = as_solved(fem::find_material(planned_case.materials, info.material), element);
     }
     return materials;
 }
 
-std::vector<Material> materials_as_solved(const Case& planned_case)
+std::vector<fem::Material> materials_as_solved(const Case& planned_case)
 {
     return materials_as_solved(planned_case, planned_case.solution.element);
 }
@@ -178,10 +178,10 @@ void check_pressures(const Case& planned_case)
     for (std::size_t i = 0; i < planned_case.pressures.size(); ++i) {
         const PressureSpec& spec = planned_case.pressures[i];
         const std::string where = "/pressures/" + std::to_string(i);
-        const LabelInfo* info = find_label(planned_case.label_table, spec.label);
+        const mesh::LabelInfo* info = mesh::find_label(planned_case.label_table, spec.label);
         if (info == nullptr)
             throw InputError("there is no label \"" + spec.label + "\"", where + "/label");
-        if (info->role == Role::wall)
+        if (info->role == mesh::Role::wall)
             throw InputError("the label \"" + spec.label
                     + "\" is wall itself: pressure comes from what the wall borders on, a cavity or a vessel's lumen",
                 where + "/label");
@@ -223,4 +223,4 @@ void check_case(const Case& planned_case)
                 "/views/" + std::to_string(n));
 }
 
-} // namespace retractor
+} // namespace retractor::planner

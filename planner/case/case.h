@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// A file, or a folder of files (a DICOM series), beside the case file.
 struct FileReference {
@@ -43,11 +43,11 @@ inline constexpr std::string_view kCaseFileName = "case.json";
 struct Case {
     std::filesystem::path folder; ///< where the case file lies; not written
     std::string file_name { kCaseFileName }; ///< of the case file in the folder; not written
-    std::optional<PatientIdentity> patient; ///< only where somebody asked to keep it; shown nowhere
+    std::optional<datasets::PatientIdentity> patient; ///< only where somebody asked to keep it; shown nowhere
     std::optional<FileReference> ct; ///< a scene may do without
     FileReference labels;
-    LabelTable label_table; ///< the whole table of the label volume: names, materials, roles
-    MaterialTable materials = default_materials();
+    mesh::LabelTable label_table; ///< the whole table of the label volume: names, materials, roles
+    fem::MaterialTable materials = fem::default_materials();
     SupportSpec supports;
     bool contact = false; ///< lips and organs hold each other off (fem/contact.h); else they pass through
     SolutionChoice solution; ///< of all approaches
@@ -64,13 +64,13 @@ struct Case {
 inline constexpr std::string_view kViewNames[] = { "surgeon", "overview", "slices" };
 
 /// Whether there is something to cut: a label of role wall that is soft. Bones alone are no wall.
-bool has_soft_wall(const LabelTable& table);
+bool has_soft_wall(const mesh::LabelTable& table);
 
 /// The materials of the wall by label, as elements of this kind can have them: see as_solved().
 /// @throws InputError as find_material() does.
-std::vector<Material> materials_as_solved(const Case& planned_case, ElementKind element);
+std::vector<fem::Material> materials_as_solved(const Case& planned_case, ElementKind element);
 /// The same for the kind of element that the case is solved with.
-std::vector<Material> materials_as_solved(const Case& planned_case);
+std::vector<fem::Material> materials_as_solved(const Case& planned_case);
 
 /// The approach of this name. @throws InputError naming those there are.
 const Approach& find_approach(const Case& planned_case, std::string_view name);
@@ -93,4 +93,4 @@ void check_pressures(const Case& planned_case);
 /// @throws InputError with the JSON pointer of the first thing that is wrong; looks at no file.
 void check_case(const Case& planned_case);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -17,7 +17,7 @@
 #include <memory>
 #include <sstream>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace fs = std::filesystem;
 
@@ -194,8 +194,8 @@ namespace {
         return list;
     }
 
-    Json written(const LabelInfo& info);
-    Json written(const Material& material);
+    Json written(const mesh::LabelInfo& info);
+    Json written(const fem::Material& material);
     Json written(const PressureSpec& pressure);
     Json written(const HookSpec& hook);
     Json written(const AblationSpec& ablation);
@@ -219,10 +219,10 @@ namespace {
         return { { "path", file.path.generic_string() }, { "sha256", file.sha256 } };
     }
 
-    LabelInfo read_label(const Node& node)
+    mesh::LabelInfo read_label(const Node& node)
     {
         node.object({ "id", "name", "material", "role" });
-        const auto role = role_from_string(node["role"].text());
+        const auto role = mesh::role_from_string(node["role"].text());
         if (!role)
             node["role"].refuse("unknown role \"" + node["role"].text() + "\": use wall, voxel, target or at-risk");
         return { .id = static_cast<Label>(node["id"].integer(0, std::numeric_limits<Label>::max())),
@@ -231,23 +231,23 @@ namespace {
             .role = *role };
     }
 
-    Json written(const LabelInfo& info)
+    Json written(const mesh::LabelInfo& info)
     {
         return { { "id", info.id }, { "name", info.name }, { "material", info.material },
             { "role", std::string(to_string(info.role)) } };
     }
 
-    TissueLaw with_fibres(const Hyperelastic& law, const Node& node, std::size_t families)
+    fem::TissueLaw with_fibres(const fem::Hyperelastic& law, const Node& node, std::size_t families)
     {
         if (node.is_object()) {
             node.object({ "around", "angle_deg" });
             const Node around = node["around"];
             around.object({ "point_mm", "axis" });
-            const FibresAround fibres { .point = around["point_mm"].point(),
+            const fem::FibresAround fibres { .point = around["point_mm"].point(),
                 .axis = around["axis"].point(),
                 .angle_deg = node["angle_deg"].number() };
             try {
-                check_fibres_around(fibres, {});
+                fem::check_fibres_around(fibres, {});
             } catch (const InputError& error) {
                 node.refuse(error.what());
             }
@@ -263,18 +263,18 @@ namespace {
         return { law, { fibres.front().normalized(), fibres.back().normalized() } };
     }
 
-    TissueLaw read_law(const Node& node)
+    fem::TissueLaw read_law(const Node& node)
     {
         node.object({ "model" },
             { "c10_MPa", "c01_MPa", "mu_MPa", "k1_MPa", "k2", "dispersion", "C_MPa", "bf", "bt", "bfs", "fibres" });
         const std::string model = node["model"].text();
         if (model == "mooney-rivlin") {
             node.object({ "model", "c10_MPa", "c01_MPa" });
-            return { MooneyRivlin { .c10 = node["c10_MPa"].number(), .c01 = node["c01_MPa"].number() } };
+            return { fem::MooneyRivlin { .c10 = node["c10_MPa"].number(), .c01 = node["c01_MPa"].number() } };
         }
         if (model == "holzapfel-gasser-ogden") {
             node.object({ "model", "mu_MPa", "k1_MPa", "k2", "dispersion", "fibres" });
-            return with_fibres(HolzapfelGasserOgden { .mu = node["mu_MPa"].number(),
+            return with_fibres(fem::HolzapfelGasserOgden { .mu = node["mu_MPa"].number(),
                                    .k1 = node["k1_MPa"].number(),
                                    .k2 = node["k2"].number(),
                                    .dispersion = node["dispersion"].number() },
@@ -282,7 +282,7 @@ namespace {
         }
         if (model == "guccione") {
             node.object({ "model", "C_MPa", "bf", "bt", "bfs", "fibres" });
-            return with_fibres(Guccione { .C = node["C_MPa"].number(),
+            return with_fibres(fem::Guccione { .C = node["C_MPa"].number(),
                                    .bf = node["bf"].number(),
                                    .bt = node["bt"].number(),
                                    .bfs = node["bfs"].number() },
@@ -292,7 +292,7 @@ namespace {
             + "\": use mooney-rivlin, holzapfel-gasser-ogden or guccione; without a law tissue is neo-Hookean");
     }
 
-    Json written_fibres(const TissueLaw& tissue, std::size_t families)
+    Json written_fibres(const fem::TissueLaw& tissue, std::size_t families)
     {
         if (tissue.around)
             return { { "around",
@@ -304,26 +304,26 @@ namespace {
         return directions;
     }
 
-    Json written(const TissueLaw& tissue)
+    Json written(const fem::TissueLaw& tissue)
     {
-        if (const auto* law = std::get_if<MooneyRivlin>(&tissue.law))
+        if (const auto* law = std::get_if<fem::MooneyRivlin>(&tissue.law))
             return { { "model", "mooney-rivlin" }, { "c10_MPa", law->c10 }, { "c01_MPa", law->c01 } };
-        if (const auto* law = std::get_if<HolzapfelGasserOgden>(&tissue.law))
+        if (const auto* law = std::get_if<fem::HolzapfelGasserOgden>(&tissue.law))
             return { { "model", "holzapfel-gasser-ogden" }, { "mu_MPa", law->mu }, { "k1_MPa", law->k1 },
                 { "k2", law->k2 }, { "dispersion", law->dispersion }, { "fibres", written_fibres(tissue, 2) } };
-        if (const auto* law = std::get_if<Guccione>(&tissue.law))
+        if (const auto* law = std::get_if<fem::Guccione>(&tissue.law))
             return { { "model", "guccione" }, { "C_MPa", law->C }, { "bf", law->bf }, { "bt", law->bt },
                 { "bfs", law->bfs }, { "fibres", written_fibres(tissue, 1) } };
         throw InputError("a neo-Hookean material is one without a law", "/materials");
     }
 
     /// Without "across" tissue is free to narrow.
-    PreStrain read_pre_strain(const Node& node)
+    fem::PreStrain read_pre_strain(const Node& node)
     {
         node.object({ "along" }, { "across", "direction", "normal" });
-        PreStrain tension { .kind = PreStrainKind::uniaxial_stress, .strain = node["along"].number() };
+        fem::PreStrain tension { .kind = fem::PreStrainKind::uniaxial_stress, .strain = node["along"].number() };
         if (node.has("across")) {
-            tension.kind = PreStrainKind::biaxial;
+            tension.kind = fem::PreStrainKind::biaxial;
             tension.across = node["across"].number();
         }
         const auto read_direction = [&](std::string_view key, Vec3& direction) {
@@ -338,23 +338,23 @@ namespace {
         return tension;
     }
 
-    Json written(const PreStrain& tension)
+    Json written(const fem::PreStrain& tension)
     {
         Json json { { "along", tension.strain } };
         switch (tension.kind) {
-        case PreStrainKind::uniaxial_stress:
+        case fem::PreStrainKind::uniaxial_stress:
             break;
-        case PreStrainKind::held_width:
+        case fem::PreStrainKind::held_width:
             json["across"] = 0.0;
             break;
-        case PreStrainKind::biaxial:
+        case fem::PreStrainKind::biaxial:
             json["across"] = tension.across;
             break;
-        case PreStrainKind::equibiaxial:
+        case fem::PreStrainKind::equibiaxial:
             json["across"] = tension.strain;
             break;
-        case PreStrainKind::none:
-        case PreStrainKind::isotropic:
+        case fem::PreStrainKind::none:
+        case fem::PreStrainKind::isotropic:
             throw InputError("a case holds tension in the tissue's plane only", "/materials");
         }
         if (!tension.pull.isZero(0.0))
@@ -364,7 +364,7 @@ namespace {
         return json;
     }
 
-    Material read_material(const Node& node)
+    fem::Material read_material(const Node& node)
     {
         node.object({ "name", "youngs_modulus_MPa", "poissons_ratio", "density_tonne_per_mm3", "source" },
             { "law", "pre_strain" });
@@ -374,17 +374,17 @@ namespace {
             .density_tonne_per_mm3 = node["density_tonne_per_mm3"].number(),
             .source = node["source"].text(),
             .law = node.has("law") ? std::optional(read_law(node["law"])) : std::nullopt,
-            .pre_strain = node.has("pre_strain") ? read_pre_strain(node["pre_strain"]) : PreStrain {} };
+            .pre_strain = node.has("pre_strain") ? read_pre_strain(node["pre_strain"]) : fem::PreStrain {} };
     }
 
-    Json written(const Material& material)
+    Json written(const fem::Material& material)
     {
         Json json { { "name", material.name }, { "youngs_modulus_MPa", material.youngs_modulus_MPa },
             { "poissons_ratio", material.poissons_ratio }, { "density_tonne_per_mm3", material.density_tonne_per_mm3 },
             { "source", material.source } };
         if (material.law)
             json["law"] = written(*material.law);
-        if (material.pre_strain.kind != PreStrainKind::none)
+        if (material.pre_strain.kind != fem::PreStrainKind::none)
             json["pre_strain"] = written(material.pre_strain);
         return json;
     }
@@ -641,15 +641,15 @@ namespace {
         if (root.has("patient")) {
             const Node patient = root["patient"];
             patient.object({ "name", "id" });
-            read.patient = PatientIdentity { .name = patient["name"].text(), .id = patient["id"].text() };
+            read.patient = datasets::PatientIdentity { .name = patient["name"].text(), .id = patient["id"].text() };
         }
         if (root.has("ct"))
             read.ct = read_reference(root["ct"].object({ "path", "sha256" }));
         const Node labels = root["labels"];
         labels.object({ "path", "sha256", "table" });
         read.labels = read_reference(labels);
-        read.label_table = labels["table"].list<LabelInfo>(read_label);
-        read.materials = root["materials"].list<Material>(read_material);
+        read.label_table = labels["table"].list<mesh::LabelInfo>(read_label);
+        read.materials = root["materials"].list<fem::Material>(read_material);
         const Node supports = root["supports"];
         supports.object({ "labels", "region_border" });
         read.supports = { .labels = supports["labels"].texts(), .region_border = supports["region_border"].boolean() };
@@ -710,7 +710,7 @@ FileReference make_reference(const fs::path& case_folder, const fs::path& path)
 
 Case case_from_json(const std::string& text, const fs::path& folder)
 {
-    const Json json = parse_strictly(text, "/");
+    const Json json = datasets::parse_strictly(text, "/");
     return read_sections(Node(json, ""), folder);
 }
 
@@ -768,4 +768,4 @@ std::string case_to_json(const Case& planned_case)
 
 void write_case(const Case& planned_case) { write_file_atomically(planned_case.file(), case_to_json(planned_case)); }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// Counts up whenever a case of the schema before could not be read any more, or would mean something else. A key that
 /// may be left out, and then means what there was before the key, leaves the schema as it is.
@@ -41,4 +41,4 @@ Case case_from_json(const std::string& text, const std::filesystem::path& folder
 /// The text of one entry of an approach's "ablations".
 std::string ablation_to_json(const AblationSpec& ablation);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -1,7 +1,7 @@
 #include "planner/case/import_case.h"
 
-#include "datasets/labels/label_import.h"
 #include "datasets/io/volume_io.h"
+#include "datasets/labels/label_import.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text.h"
 #include "planner/case/case_io.h"
@@ -18,7 +18,7 @@
 #include <signal.h>
 #include <unistd.h>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -62,20 +62,20 @@ namespace {
         if (request.ct.empty())
             return;
         if (fs::is_directory(request.ct))
-            imported.series = list_dicom_series(request.ct);
+            imported.series = datasets::list_dicom_series(request.ct);
         if (request.with_identity)
-            imported.patient = read_dicom_identity(request.ct);
-        ImportedVolume read
-            = import_volume(request.ct, { .series = request.series, .rectify_tilt = request.rectify_tilt }, job);
+            imported.patient = datasets::read_dicom_identity(request.ct);
+        datasets::ImportedVolume read = datasets::import_volume(
+            request.ct, { .series = request.series, .rectify_tilt = request.rectify_tilt }, job);
         if (job.cancelled())
             return;
         imported.notes.insert(imported.notes.end(), read.notes.begin(), read.notes.end());
-        imported.ct = std::make_shared<const Volume>(std::move(read.volume));
+        imported.ct = std::make_shared<const mesh::Volume>(std::move(read.volume));
     }
 
     // ---- labels ----------------------------------------------------------------------------------------------------
 
-    std::vector<std::size_t> voxel_counts(const LabelVolume& labels)
+    std::vector<std::size_t> voxel_counts(const mesh::LabelVolume& labels)
     {
         std::vector<std::size_t> counts(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, 0);
         for (const Label label : labels.voxels)
@@ -84,14 +84,14 @@ namespace {
     }
 
     /// Compared as it is: far away, an index does not fit into an int.
-    bool holds_index(const ImageGrid& grid, const Vec3& index)
+    bool holds_index(const mesh::ImageGrid& grid, const Vec3& index)
     {
         return index.minCoeff() >= 0.0 && index.x() < grid.size[0] && index.y() < grid.size[1]
             && index.z() < grid.size[2];
     }
 
     /// At least one labelled voxel lies inside the CT, or one of the two is of another patient or frame.
-    void check_overlap(const Volume& ct, const LabelVolume& labels, const fs::path& where)
+    void check_overlap(const mesh::Volume& ct, const mesh::LabelVolume& labels, const fs::path& where)
     {
         std::size_t at = 0;
         for (int k = 0; k < labels.grid.size[2]; ++k)
@@ -107,27 +107,27 @@ namespace {
             "no labelled voxel lies inside the CT: are both of the same patient and frame?", where.string());
     }
 
-    Label free_id(const LabelTable& table)
+    Label free_id(const mesh::LabelTable& table)
     {
         for (Label id = 1; id < std::numeric_limits<Label>::max(); ++id)
-            if (find_label(table, id) == nullptr)
+            if (mesh::find_label(table, id) == nullptr)
                 return id;
         throw InputError("there are more labels than ids", "labels", { "labels" });
     }
 
     /// Writes `later` over `labels`, on the grid of `labels`. The same name is the same label.
     /// @returns the voxels that had another label before.
-    std::size_t write_over(LabelVolume& labels, const LabelVolume& later)
+    std::size_t write_over(mesh::LabelVolume& labels, const mesh::LabelVolume& later)
     {
-        const LabelVolume moved = resample_labels_to(later, labels.grid);
+        const mesh::LabelVolume moved = datasets::resample_labels_to(later, labels.grid);
         std::vector<Label> id_of(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, 0);
-        for (const LabelInfo& info : later.table) {
-            if (const LabelInfo* same = find_label(labels.table, info.name)) {
+        for (const mesh::LabelInfo& info : later.table) {
+            if (const mesh::LabelInfo* same = mesh::find_label(labels.table, info.name)) {
                 id_of[info.id] = same->id;
                 continue;
             }
-            LabelInfo added = info;
-            if (find_label(labels.table, info.id) != nullptr)
+            mesh::LabelInfo added = info;
+            if (mesh::find_label(labels.table, info.id) != nullptr)
                 added.id = free_id(labels.table);
             id_of[info.id] = added.id;
             labels.table.push_back(added);
@@ -143,11 +143,11 @@ namespace {
         return changed;
     }
 
-    std::optional<LabelVolume> read_labels(const ImportRequest& request, ImportedCase& imported, const Job& job)
+    std::optional<mesh::LabelVolume> read_labels(const ImportRequest& request, ImportedCase& imported, const Job& job)
     {
-        std::optional<LabelVolume> labels;
+        std::optional<mesh::LabelVolume> labels;
         for (const fs::path& path : request.labels) {
-            ImportedLabels read = import_labels(path, { .preset = request.preset }, job);
+            datasets::ImportedLabels read = datasets::import_labels(path, { .preset = request.preset }, job);
             if (job.cancelled())
                 return std::nullopt;
             imported.notes.insert(imported.notes.end(), read.notes.begin(), read.notes.end());
@@ -156,7 +156,8 @@ namespace {
             if (request.labels.size() == 1)
                 return std::move(read.labels);
             if (!labels)
-                labels = LabelVolume { imported.ct->grid, std::vector<Label>(imported.ct->grid.voxel_count(), 0), {} };
+                labels = mesh::LabelVolume { imported.ct->grid, std::vector<Label>(imported.ct->grid.voxel_count(), 0),
+                    {} };
             if (const std::size_t changed = write_over(*labels, read.labels); changed > 0)
                 imported.notes.push_back(std::to_string(changed)
                     + " voxels of earlier label maps were overruled by number "
@@ -165,29 +166,29 @@ namespace {
         return labels;
     }
 
-    void prune_table(LabelVolume& labels, ImportedCase& imported)
+    void prune_table(mesh::LabelVolume& labels, ImportedCase& imported)
     {
         const std::vector<std::size_t> counts = voxel_counts(labels);
         std::vector<std::string> absent;
-        for (const LabelInfo& info : labels.table)
+        for (const mesh::LabelInfo& info : labels.table)
             if (counts[info.id] == 0)
                 absent.push_back(info.name);
-        std::erase_if(labels.table, [&](const LabelInfo& info) { return counts[info.id] == 0; });
+        std::erase_if(labels.table, [&](const mesh::LabelInfo& info) { return counts[info.id] == 0; });
         if (labels.table.empty())
             throw InputError("no voxel is labelled", "labels", { "labels" });
         if (!absent.empty())
             imported.notes.push_back("named in the label table but without voxels: " + joined(absent));
     }
 
-    LabelVolume find_labels(
-        const ImportRequest& request, std::optional<LabelVolume> given, ImportedCase& imported, const Job& job)
+    mesh::LabelVolume find_labels(
+        const ImportRequest& request, std::optional<mesh::LabelVolume> given, ImportedCase& imported, const Job& job)
     {
         if (!request.autosegment)
             return *std::move(given);
-        AutosegmentOptions options;
+        datasets::AutosegmentOptions options;
         options.spacing_mm = request.autosegment_spacing_mm;
         options.given = std::move(given);
-        Segmentation found = autosegment(*imported.ct, options, job);
+        datasets::Segmentation found = datasets::autosegment(*imported.ct, options, job);
         imported.structures = std::move(found.structures);
         imported.warnings.insert(imported.warnings.end(), found.warnings.begin(), found.warnings.end());
         return std::move(found.labels);
@@ -200,7 +201,7 @@ namespace {
         double mean_hu() const { return sum_hu / static_cast<double>(std::max<std::size_t>(inside, 1)); }
     };
 
-    std::vector<LabelValues> values_of_labels(const Volume& ct, const LabelVolume& labels)
+    std::vector<LabelValues> values_of_labels(const mesh::Volume& ct, const mesh::LabelVolume& labels)
     {
         std::vector<LabelValues> values(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1);
         const Vec3 start = ct.grid.index(labels.grid.origin);
@@ -227,26 +228,27 @@ namespace {
     }
 
     /// Bone that is not dense, lungs that are not air, organs in air: the labels are of another image, or shifted.
-    bool is_implausible(const LabelInfo& info, double mean_hu)
+    bool is_implausible(const mesh::LabelInfo& info, double mean_hu)
     {
         if (info.material == "bone")
             return mean_hu < 50.0;
         if (info.material == "lung")
             return mean_hu > -300.0;
         // The wall of the airways is thinner than a voxel, and gut is full of gas.
-        const bool hollow = info.material == "cartilage" || (info.material == "muscle" && info.role == Role::voxel);
+        const bool hollow
+            = info.material == "cartilage" || (info.material == "muscle" && info.role == mesh::Role::voxel);
         return !hollow && mean_hu < -300.0;
     }
 
     /// Labels that lie on the CT only by their numbers are told: same grid, other patient.
-    void check_plausibility(const Volume& ct, const LabelVolume& labels, ImportedCase& imported)
+    void check_plausibility(const mesh::Volume& ct, const mesh::LabelVolume& labels, ImportedCase& imported)
     {
         constexpr std::size_t kEnoughVoxels = 100;
         constexpr double kMuchOutside = 0.05;
         const std::vector<LabelValues> values = values_of_labels(ct, labels);
         std::vector<std::string> odd;
         std::size_t inside = 0, outside = 0;
-        for (const LabelInfo& info : labels.table) {
+        for (const mesh::LabelInfo& info : labels.table) {
             const LabelValues& value = values[info.id];
             inside += value.inside;
             outside += value.outside;
@@ -264,15 +266,15 @@ namespace {
     /// What the notes quote (series descriptions, file names) may hold the name.
     void withhold_identity(const ImportRequest& request, ImportedCase& imported)
     {
-        if (request.ct.empty() || !holds_dicom(request.ct))
+        if (request.ct.empty() || !datasets::holds_dicom(request.ct))
             return;
-        const std::vector<PatientIdentity> identities = dicom_identities(request.ct);
+        const std::vector<datasets::PatientIdentity> identities = datasets::dicom_identities(request.ct);
         for (std::string& note : imported.notes)
-            note = without_identity(note, identities);
+            note = datasets::without_identity(note, identities);
         for (std::string& warning : imported.warnings)
-            warning = without_identity(warning, identities);
-        for (DicomSeries& series : imported.series)
-            series.description = without_identity(series.description, identities);
+            warning = datasets::without_identity(warning, identities);
+        for (datasets::DicomSeries& series : imported.series)
+            series.description = datasets::without_identity(series.description, identities);
     }
 
     void read_all(const ImportRequest& request, ImportedCase& imported, const Job& job)
@@ -280,23 +282,23 @@ namespace {
         read_ct(request, imported, job);
         if (job.cancelled())
             return;
-        std::optional<LabelVolume> given = read_labels(request, imported, job);
+        std::optional<mesh::LabelVolume> given = read_labels(request, imported, job);
         if (given && request.repair_labels && !job.cancelled())
-            imported.repaired = repair_labels(*given, 0.02, job);
+            imported.repaired = datasets::repair_labels(*given, 0.02, job);
         if (job.cancelled())
             return;
-        LabelVolume labels = find_labels(request, std::move(given), imported, job);
+        mesh::LabelVolume labels = find_labels(request, std::move(given), imported, job);
         if (job.cancelled())
             return;
         prune_table(labels, imported);
-        imported.fragments = find_fragments(labels, job);
+        imported.fragments = datasets::find_fragments(labels, job);
         if (!has_soft_wall(labels.table))
             imported.warnings.push_back("no label has the role wall (bones alone are none): the case can be looked at, "
                                         "but no approach can be planned through it");
         if (imported.ct != nullptr)
             check_plausibility(*imported.ct, labels, imported);
         withhold_identity(request, imported);
-        imported.labels = std::make_shared<const LabelVolume>(std::move(labels));
+        imported.labels = std::make_shared<const mesh::LabelVolume>(std::move(labels));
     }
 
     // ---- writing ---------------------------------------------------------------------------------------------------
@@ -354,7 +356,8 @@ namespace {
 
     bool same_labels(const fs::path& a, const fs::path& b)
     {
-        return fs::exists(label_table_path(b)) && content_of(label_table_path(a)) == content_of(label_table_path(b))
+        return fs::exists(datasets::label_table_path(b))
+            && content_of(datasets::label_table_path(a)) == content_of(datasets::label_table_path(b))
             && checksum(a) == checksum(b);
     }
 
@@ -363,7 +366,8 @@ namespace {
     {
         for (int n = 1;; ++n) {
             const fs::path path = folder / (stem + (n == 1 ? "" : "-" + std::to_string(n)) + ".nrrd");
-            if ((!fs::exists(path) && !fs::exists(label_table_path(path))) || (fs::exists(path) && same(path)))
+            if ((!fs::exists(path) && !fs::exists(datasets::label_table_path(path)))
+                || (fs::exists(path) && same(path)))
                 return path;
         }
     }
@@ -376,10 +380,10 @@ namespace {
             throw IoError("cannot rename the finished file: " + code.message(), to.string());
     }
 
-    FileReference store_ct(const Volume& ct, const fs::path& folder, const Staging& staging)
+    FileReference store_ct(const mesh::Volume& ct, const fs::path& folder, const Staging& staging)
     {
         const fs::path staged = staging.folder() / "ct.nrrd";
-        write_volume(staged, ct);
+        datasets::write_volume(staged, ct);
         const fs::path path
             = place_for(folder, "ct", [&](const fs::path& other) { return checksum(staged) == checksum(other); });
         if (!fs::exists(path))
@@ -387,14 +391,14 @@ namespace {
         return make_reference(folder, path);
     }
 
-    FileReference store_labels(const LabelVolume& labels, const fs::path& folder, const Staging& staging)
+    FileReference store_labels(const mesh::LabelVolume& labels, const fs::path& folder, const Staging& staging)
     {
         const fs::path staged = staging.folder() / "labels.nrrd";
-        write_label_volume(staged, labels);
+        datasets::write_label_volume(staged, labels);
         const fs::path path
             = place_for(folder, "labels", [&](const fs::path& other) { return same_labels(staged, other); });
         if (!fs::exists(path)) {
-            move_into_place(label_table_path(staged), label_table_path(path));
+            move_into_place(datasets::label_table_path(staged), datasets::label_table_path(path));
             move_into_place(staged, path);
         }
         return make_reference(folder, path);
@@ -402,13 +406,13 @@ namespace {
 
     /// The spine holds the ribs; a spine that is labelled vertebra by vertebra does so too. Without one, the border of
     /// the meshed region holds alone.
-    std::vector<std::string> supporting_labels(const LabelTable& table)
+    std::vector<std::string> supporting_labels(const mesh::LabelTable& table)
     {
-        if (find_label(table, "spine") != nullptr)
+        if (mesh::find_label(table, "spine") != nullptr)
             return { "spine" };
         std::vector<std::string> vertebrae;
-        for (const LabelInfo& info : table)
-            if (info.name.starts_with("vertebrae") && info.role == Role::wall)
+        for (const mesh::LabelInfo& info : table)
+            if (info.name.starts_with("vertebrae") && info.role == mesh::Role::wall)
                 vertebrae.push_back(info.name);
         return vertebrae;
     }
@@ -419,7 +423,7 @@ std::optional<std::string> identity_warning(const fs::path& ct, const fs::path& 
 {
     const fs::path folder = fs::weakly_canonical(case_file).parent_path();
     const fs::path relative = fs::weakly_canonical(ct).lexically_relative(folder);
-    if (ct.empty() || relative.empty() || *relative.begin() == ".." || !holds_dicom(ct))
+    if (ct.empty() || relative.empty() || *relative.begin() == ".." || !datasets::holds_dicom(ct))
         return std::nullopt;
     return "the DICOM files lie inside the case folder and carry the patient's name and id: the case does not need "
            "them, take them out before handing the folder on";
@@ -433,7 +437,7 @@ ImportedCase read_import(const ImportRequest& request, const Job& job)
         read_all(request, imported, job);
     } catch (const Error&) {
         if (!job.cancelled()) // work that was stopped half-way may complain about what it has
-            rethrow_without_identity(request.ct);
+            datasets::rethrow_without_identity(request.ct);
     }
     imported.cancelled = job.cancelled();
     return imported;
@@ -472,14 +476,14 @@ Case write_import(const ImportedCase& imported, const fs::path& case_file)
     return made;
 }
 
-std::vector<LabelSize> label_sizes(const LabelVolume& labels)
+std::vector<LabelSize> label_sizes(const mesh::LabelVolume& labels)
 {
     const std::vector<std::size_t> counts = voxel_counts(labels);
     std::vector<LabelSize> sizes;
-    for (const LabelInfo& info : labels.table)
+    for (const mesh::LabelInfo& info : labels.table)
         sizes.push_back(
             { info, counts[info.id], static_cast<double>(counts[info.id]) * labels.grid.voxel_volume() / 1000.0 });
     return sizes;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 struct ImportRequest {
     std::filesystem::path ct; ///< DICOM folder or file, or an image; empty: a case of labels alone
@@ -26,22 +26,23 @@ struct ImportRequest {
     bool rectify_tilt = true;
     bool repair_labels = false; ///< see repair_labels()
     bool autosegment = false; ///< labels, when there are any, are then the parts that are right already
-    double autosegment_spacing_mm = AutosegmentOptions {}.spacing_mm;
+    double autosegment_spacing_mm = datasets::AutosegmentOptions {}.spacing_mm;
     bool with_identity = false; ///< keep the patient's name and id in the case file
 };
 
 /// What was read, found and decided; nothing of it is on disk yet. But for `patient`, nothing here names the patient.
 struct ImportedCase {
     bool cancelled = false; ///< everything else is then unspecified
-    std::shared_ptr<const Volume> ct; ///< null when the request had none
-    std::shared_ptr<const LabelVolume> labels; ///< on their own grid; only labels that have voxels are in the table
-    std::vector<DicomSeries> series; ///< those of the folder, when the CT is a DICOM folder
+    std::shared_ptr<const mesh::Volume> ct; ///< null when the request had none
+    std::shared_ptr<const mesh::LabelVolume>
+        labels; ///< on their own grid; only labels that have voxels are in the table
+    std::vector<datasets::DicomSeries> series; ///< those of the folder, when the CT is a DICOM folder
     std::vector<std::string> notes; ///< what was decided, one line each
     std::vector<std::string> warnings; ///< what the user must look at
-    std::vector<FoundStructure> structures; ///< of an automatic segmentation
-    std::vector<LabelFragments> fragments; ///< labels in pieces or with holes, after any repair
-    std::vector<LabelFragments> repaired; ///< what a repair changed
-    std::optional<PatientIdentity> patient; ///< only when asked for
+    std::vector<datasets::FoundStructure> structures; ///< of an automatic segmentation
+    std::vector<datasets::LabelFragments> fragments; ///< labels in pieces or with holes, after any repair
+    std::vector<datasets::LabelFragments> repaired; ///< what a repair changed
+    std::optional<datasets::PatientIdentity> patient; ///< only when asked for
 };
 
 /// Reads, segments, checks. Progress goes to the job; a cancelled job gives `cancelled`.
@@ -63,11 +64,11 @@ std::optional<std::string> identity_warning(const std::filesystem::path& ct, con
 
 /// One label as found, for tables.
 struct LabelSize {
-    LabelInfo info;
+    mesh::LabelInfo info;
     std::size_t voxels = 0;
     double volume_ml = 0.0;
 };
 /// In the order of the table.
-std::vector<LabelSize> label_sizes(const LabelVolume& labels);
+std::vector<LabelSize> label_sizes(const mesh::LabelVolume& labels);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -10,7 +10,7 @@
 #include <limits>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -31,27 +31,27 @@ Patient::Patient(Case planned_case, Job job)
 {
 }
 
-std::shared_ptr<const Volume> Patient::ct()
+std::shared_ptr<const mesh::Volume> Patient::ct()
 {
     const std::lock_guard lock(mutex_);
     if (!case_.ct)
         throw InputError("the case has no CT", "/ct");
     if (!ct_)
-        ct_ = std::make_shared<const Volume>(read_volume(case_.ct_path(), job_));
+        ct_ = std::make_shared<const mesh::Volume>(datasets::read_volume(case_.ct_path(), job_));
     return ct_;
 }
 
-std::shared_ptr<const LabelVolume> Patient::labels_locked()
+std::shared_ptr<const mesh::LabelVolume> Patient::labels_locked()
 {
     if (!labels_) {
-        LabelVolume labels = read_label_volume(case_.labels_path(), job_);
+        mesh::LabelVolume labels = datasets::read_label_volume(case_.labels_path(), job_);
         labels.table = case_.label_table;
-        labels_ = std::make_shared<const LabelVolume>(std::move(labels));
+        labels_ = std::make_shared<const mesh::LabelVolume>(std::move(labels));
     }
     return labels_;
 }
 
-std::shared_ptr<const LabelVolume> Patient::labels()
+std::shared_ptr<const mesh::LabelVolume> Patient::labels()
 {
     const std::lock_guard lock(mutex_);
     return labels_locked();
@@ -67,7 +67,7 @@ std::shared_ptr<const Anatomy> Patient::anatomy()
 
 AnatomicalFrame Patient::frame()
 {
-    if (find_label(case_.label_table, "sternum") != nullptr && has_voxels("sternum"))
+    if (mesh::find_label(case_.label_table, "sternum") != nullptr && has_voxels("sternum"))
         return anatomy()->frame;
     return { .origin = Vec3::Zero(), .superior = Vec3::UnitZ(), .anterior = -Vec3::UnitY(), .left = Vec3::UnitX() };
 }
@@ -75,7 +75,7 @@ AnatomicalFrame Patient::frame()
 bool Patient::has_voxels(std::string_view name)
 {
     const std::lock_guard lock(mutex_);
-    const LabelInfo* info = find_label(case_.label_table, name);
+    const mesh::LabelInfo* info = mesh::find_label(case_.label_table, name);
     if (info == nullptr)
         throw InputError("there is no label of this name", std::string(name));
     if (label_occurs_.empty()) {
@@ -90,12 +90,12 @@ std::shared_ptr<const TriMesh> Patient::organ_locked(std::string_view name)
 {
     if (const auto found = organs_.find(name); found != organs_.end())
         return found->second;
-    const LabelInfo* info = find_label(case_.label_table, name);
+    const mesh::LabelInfo* info = mesh::find_label(case_.label_table, name);
     if (info == nullptr)
         throw InputError("there is no label of this name", std::string(name));
     const Stopwatch watch;
     const std::array<Label, 1> which { info->id };
-    auto surface = std::make_shared<const TriMesh>(label_surface(*labels_locked(), which));
+    auto surface = std::make_shared<const TriMesh>(mesh::label_surface(*labels_locked(), which));
     if (surface->triangles.empty())
         throw InputError("the label has no voxel", std::string(name));
     record_part(job_, "surface " + std::string(name), watch, bytes_of(*surface));
@@ -115,10 +115,10 @@ std::shared_ptr<const TriMesh> Patient::body()
     if (!body_) {
         const Stopwatch watch;
         std::vector<Label> wall;
-        for (const LabelInfo& info : case_.label_table)
-            if (info.role == Role::wall)
+        for (const mesh::LabelInfo& info : case_.label_table)
+            if (info.role == mesh::Role::wall)
                 wall.push_back(info.id);
-        body_ = std::make_shared<const TriMesh>(viewing_surface(*labels_locked(), wall, kBodySmoothingMm));
+        body_ = std::make_shared<const TriMesh>(mesh::viewing_surface(*labels_locked(), wall, kBodySmoothingMm));
         if (body_->triangles.empty())
             throw InputError("no voxel has a label of role wall", case_.labels.path.string());
         record_part(job_, "surface body", watch, bytes_of(*body_));
@@ -172,11 +172,11 @@ TriMesh sphere_surface(const Vec3& centre, double radius_mm)
     return sphere;
 }
 
-bool stays_in_place(const LabelInfo& label, const Approach& approach, Patient& patient)
+bool stays_in_place(const mesh::LabelInfo& label, const Approach& approach, Patient& patient)
 {
-    return label.role != Role::wall
+    return label.role != mesh::Role::wall
         && std::find(approach.retracted.begin(), approach.retracted.end(), label.name) == approach.retracted.end()
         && patient.has_voxels(label.name);
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// Safe to use from several threads; what is handed out stays valid and unchanged.
 class Patient {
@@ -27,9 +27,9 @@ public:
     bool has_ct() const { return case_.ct.has_value(); }
 
     /// The CT ("voxels" in the ledger). @throws InputError when the case has none; IoError.
-    std::shared_ptr<const Volume> ct();
+    std::shared_ptr<const mesh::Volume> ct();
     /// The labels with the case's own table. @throws InputError, IoError.
-    std::shared_ptr<const LabelVolume> labels();
+    std::shared_ptr<const mesh::LabelVolume> labels();
     /// Landmarks. @throws InputError as find_anatomy does.
     std::shared_ptr<const Anatomy> anatomy();
     /// The patient's own axes; the frame's axes (x left, y back, z head) when the labels have no sternum to find them
@@ -49,14 +49,14 @@ private:
     Case case_;
     Job job_;
     std::mutex mutex_;
-    std::shared_ptr<const Volume> ct_;
-    std::shared_ptr<const LabelVolume> labels_;
+    std::shared_ptr<const mesh::Volume> ct_;
+    std::shared_ptr<const mesh::LabelVolume> labels_;
     std::shared_ptr<const Anatomy> anatomy_;
     std::map<std::string, std::shared_ptr<const TriMesh>, std::less<>> organs_;
     std::shared_ptr<const TriMesh> body_;
     std::vector<bool> label_occurs_; ///< by label id; empty until asked for
 
-    std::shared_ptr<const LabelVolume> labels_locked();
+    std::shared_ptr<const mesh::LabelVolume> labels_locked();
     std::shared_ptr<const TriMesh> organ_locked(std::string_view name);
 };
 
@@ -64,6 +64,6 @@ private:
 TriMesh sphere_surface(const Vec3& centre, double radius_mm);
 
 /// Whether the label is of an organ of the patient's that the approach leaves where it is.
-bool stays_in_place(const LabelInfo& label, const Approach& approach, Patient& patient);
+bool stays_in_place(const mesh::LabelInfo& label, const Approach& approach, Patient& patient);
 
-} // namespace retractor
+} // namespace retractor::planner

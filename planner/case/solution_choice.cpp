@@ -7,14 +7,14 @@
 #include <cmath>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
-    constexpr std::array<std::pair<Elasticity, std::string_view>, 3> kElasticities { {
-        { Elasticity::linear, "linear" },
-        { Elasticity::corotational, "corotational" },
-        { Elasticity::hyperelastic, "hyperelastic" },
+    constexpr std::array<std::pair<fem::Elasticity, std::string_view>, 3> kElasticities { {
+        { fem::Elasticity::linear, "linear" },
+        { fem::Elasticity::corotational, "corotational" },
+        { fem::Elasticity::hyperelastic, "hyperelastic" },
     } };
     constexpr std::array<std::pair<ElementKind, std::string_view>, 3> kElements { {
         { ElementKind::p1, "p1" },
@@ -40,12 +40,12 @@ namespace {
 
 } // namespace
 
-std::string_view to_string(Elasticity elasticity) { return name_of(kElasticities, elasticity); }
+std::string_view to_string(fem::Elasticity elasticity) { return name_of(kElasticities, elasticity); }
 std::string_view to_string(ElementKind element) { return name_of(kElements, element); }
 
-std::optional<Elasticity> elasticity_from_string(std::string_view text)
+std::optional<fem::Elasticity> elasticity_from_string(std::string_view text)
 {
-    return value_of<Elasticity>(kElasticities, text);
+    return value_of<fem::Elasticity>(kElasticities, text);
 }
 
 std::optional<ElementKind> element_from_string(std::string_view text) { return value_of<ElementKind>(kElements, text); }
@@ -85,11 +85,11 @@ void check_solution(const SolutionChoice& choice, bool contact, bool local)
     if (!(choice.near_mm >= 0.0) || !std::isfinite(choice.near_mm))
         throw InputError("the distance within which the wall is nonlinear must be finite and not negative",
             "/solution/near_mm", { "near_mm" });
-    if (choice.elasticity == Elasticity::bounded)
+    if (choice.elasticity == fem::Elasticity::bounded)
         throw InputError(
             "bounded elasticity is for tissue under the hand, not for plans", "/solution/elasticity", { "elasticity" });
     const bool near = choice.near_mm > 0.0;
-    if (near && choice.elasticity == Elasticity::linear)
+    if (near && choice.elasticity == fem::Elasticity::linear)
         throw InputError("nothing is nonlinear near the wound when the elasticity is linear: choose corotational or "
                          "hyperelastic, or leave near_mm out",
             "/solution", { "elasticity", "near_mm" });
@@ -110,4 +110,4 @@ void check_solution(const SolutionChoice& choice, bool contact, bool local)
             "/solution/near_mm", { "near_mm", "within_mm" });
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace retractor {
+namespace retractor::planner {
 
 enum class ElementKind {
     p1, ///< four nodes; Poisson's ratios at most 0.45, above it they lock
@@ -17,7 +17,7 @@ enum class ElementKind {
 };
 
 struct SolutionChoice {
-    Elasticity elasticity = Elasticity::corotational;
+    fem::Elasticity elasticity = fem::Elasticity::corotational;
     ElementKind element = ElementKind::p1;
     double near_mm = 0.0; ///< nonlinear within this distance of the lips and linear beyond; 0: the same everywhere
 
@@ -25,9 +25,9 @@ struct SolutionChoice {
 };
 
 /// "linear", "corotational", "hyperelastic"; "p1", "locking-free", "p2".
-std::string_view to_string(Elasticity elasticity);
+std::string_view to_string(fem::Elasticity elasticity);
 std::string_view to_string(ElementKind element);
-std::optional<Elasticity> elasticity_from_string(std::string_view text);
+std::optional<fem::Elasticity> elasticity_from_string(std::string_view text);
 std::optional<ElementKind> element_from_string(std::string_view text);
 
 /// The largest Poisson's ratio that the elements are given; what a material has above it is cut off.
@@ -43,4 +43,4 @@ std::string solution_text(const SolutionChoice& choice);
 /// @throws InputError naming the two that do not go together, or a distance that is negative or not finite.
 void check_solution(const SolutionChoice& choice, bool contact, bool local = false);
 
-} // namespace retractor
+} // namespace retractor::planner

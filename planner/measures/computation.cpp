@@ -11,7 +11,7 @@
 #include <array>
 #include <ctime>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -27,15 +27,15 @@ namespace {
         return text.data();
     }
 
-    MaterialTable wall_materials(const Case& planned_case)
+    fem::MaterialTable wall_materials(const Case& planned_case)
     {
-        MaterialTable used;
-        for (const LabelInfo& info : planned_case.label_table) {
-            const auto same = [&](const Material& material) { return material.name == info.material; };
-            if (info.role != Role::wall || std::any_of(used.begin(), used.end(), same))
+        fem::MaterialTable used;
+        for (const mesh::LabelInfo& info : planned_case.label_table) {
+            const auto same = [&](const fem::Material& material) { return material.name == info.material; };
+            if (info.role != mesh::Role::wall || std::any_of(used.begin(), used.end(), same))
                 continue;
             used.push_back(
-                as_solved(find_material(planned_case.materials, info.material), planned_case.solution.element));
+                as_solved(fem::find_material(planned_case.materials, info.material), planned_case.solution.element));
         }
         return used;
     }
@@ -88,7 +88,7 @@ Computation computation_of(const Case& planned_case, std::string program, std::c
     made.case_file = (file.parent_path().filename() / file.filename()).generic_string();
     made.identity_in_case = planned_case.patient.has_value();
     if (planned_case.patient)
-        made.case_file = without_identity(made.case_file, { *planned_case.patient });
+        made.case_file = datasets::without_identity(made.case_file, { *planned_case.patient });
     made.labels = planned_case.labels;
     made.ct = planned_case.ct;
     made.solution = planned_case.solution;
@@ -116,10 +116,10 @@ std::vector<std::pair<std::string, std::string>> computation_rows(const Computat
     };
 }
 
-std::string law_text(const Computation& computation, const Material& material)
+std::string law_text(const Computation& computation, const fem::Material& material)
 {
-    return computation.solution.elasticity == Elasticity::hyperelastic
-        ? law_in_words(material)
+    return computation.solution.elasticity == fem::Elasticity::hyperelastic
+        ? fem::law_in_words(material)
         : std::string(to_string(computation.solution.elasticity));
 }
 
@@ -141,11 +141,11 @@ nlohmann::ordered_json computation_document(const Computation& computation)
     json["supports"]
         = { { "labels", computation.supports.labels }, { "region_border", computation.supports.region_border } };
     json["materials"] = Json::array();
-    for (const Material& material : computation.materials)
+    for (const fem::Material& material : computation.materials)
         json["materials"].push_back({ { "name", material.name }, { "youngs_modulus_MPa", material.youngs_modulus_MPa },
             { "poissons_ratio", material.poissons_ratio }, { "law", law_text(computation, material) },
             { "tension", pre_strain_text(material.pre_strain) }, { "source", material.source } });
     return json;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// Holds no name or id of a person: the checksums say which images these are.
 struct Computation {
@@ -26,7 +26,7 @@ struct Computation {
     bool contact = false;
     std::vector<PressureSpec> pressures;
     SupportSpec supports;
-    MaterialTable materials; ///< of the wall's labels, with Poisson's ratios as the elements take them
+    fem::MaterialTable materials; ///< of the wall's labels, with Poisson's ratios as the elements take them
 };
 
 /// @param program name and version.
@@ -36,8 +36,8 @@ Computation computation_of(const Case& planned_case, std::string program, std::c
 std::vector<std::pair<std::string, std::string>> computation_rows(const Computation& computation);
 
 /// By which law a material resists.
-std::string law_text(const Computation& computation, const Material& material);
+std::string law_text(const Computation& computation, const fem::Material& material);
 
 nlohmann::ordered_json computation_document(const Computation& computation);
 
-} // namespace retractor
+} // namespace retractor::planner

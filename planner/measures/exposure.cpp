@@ -11,7 +11,7 @@
 #include <numbers>
 #include <span>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -226,7 +226,7 @@ void RayScene::State::add(Occluder occluder, unsigned mask)
         body.box.extend(Vec3(body.surface.vertices.row(v).transpose()));
     const int unnamed = tissue(occluder.name, occluder.material);
     std::map<Label, int> by_label;
-    for (const LabelInfo& info : occluder.labels)
+    for (const mesh::LabelInfo& info : occluder.labels)
         by_label.emplace(info.id, tissue(info.name, info.material));
     body.tissue.assign(body.surface.triangles.size(), unnamed);
     for (std::size_t t = 0; t < body.surface.labels.size(); ++t)
@@ -513,4 +513,4 @@ Exposure measure_exposure(const TriMesh& target, const std::vector<Occluder>& oc
     return RayScene(target, occluders, job).exposure(cone, options, job);
 }
 
-} // namespace retractor
+} // namespace retractor::planner

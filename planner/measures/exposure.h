@@ -5,8 +5,8 @@
 // Rays are traced in single precision (Embree), in coordinates relative to the centre of the scene: the numbers
 // agree under rigid motion to about 1e-3 (a sample at an edge of the opening may fall to the other side).
 
-#include "mesh/base/job.h"
 #include "mesh/base/geometry.h"
+#include "mesh/base/job.h"
 #include "mesh/image/volume.h"
 #include "planner/wall/field_geometry.h"
 
@@ -16,13 +16,13 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// Something that blocks the view. Leave out retracted organs.
 struct Occluder {
     std::string name; ///< of triangles whose label is not in `labels`
     TriMesh surface;
-    LabelTable labels; ///< names and materials of the surface's triangle labels; may be empty
+    mesh::LabelTable labels; ///< names and materials of the surface's triangle labels; may be empty
     std::string material; ///< of triangles whose label is not in `labels`; may be empty
     /// True for the wall that is opened (removed for the upper bound), false for organs that stay in the way.
     /// Bone inside the wall (tissue_surface() of the ribs) is a wall occluder of its own: it blocks nothing that the
@@ -144,4 +144,4 @@ private:
 Exposure measure_exposure(const TriMesh& target, const std::vector<Occluder>& occluders, const ViewCone& cone,
     const ExposureOptions& options = {}, const Job& job = {});
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -5,8 +5,8 @@
 #include "fem/material/tissue_tension.h"
 #include "mesh/base/geometry.h"
 #include "planner/case/approach.h"
-#include "planner/wall/removed_tissue.h"
 #include "planner/case/solution_choice.h"
+#include "planner/wall/removed_tissue.h"
 #include "planner/wall/wall_pressure.h"
 
 #include <cstddef>
@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// A structure between the eyes and the target, with the share of sight lines it is the first to block.
 struct SightBlocker {
@@ -55,7 +55,7 @@ struct FarFieldMetrics {
 
 /// Tension that tissue was under before the cut, and what it does to the wound by itself.
 struct TensionMetrics {
-    std::vector<std::pair<std::string, PreStrain>> tissues; ///< materials of the wall, with the pre-strain of each
+    std::vector<std::pair<std::string, fem::PreStrain>> tissues; ///< materials of the wall, with the pre-strain of each
     std::string message {}; ///< why there is no gape; empty: there is
     double gape_mm = 0.0, gape_area_mm2 = 0.0; ///< opening width and area before any hook pulls
     double seconds = 0.0; ///< that it took
@@ -176,4 +176,4 @@ struct FieldMetrics {
     std::string explanation; ///< why the field is as it is, in words
 };
 
-} // namespace retractor
+} // namespace retractor::planner

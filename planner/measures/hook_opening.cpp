@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-namespace retractor {
+namespace retractor::planner {
 
 HookOpening hook_opening(const FieldMetrics& field)
 {
@@ -61,4 +61,4 @@ bool has_limited_hooks(const FieldMetrics& field)
         [](const HookForce& hook) { return hook.pull.force_limit_N.has_value(); });
 }
 
-} // namespace retractor
+} // namespace retractor::planner

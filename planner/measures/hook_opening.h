@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// Distance between opposite hooks, as the opening that make_hooks() takes: the mean way of the hooks of one lip and
 /// that of the other.
@@ -24,4 +24,4 @@ std::string asked_text(const FieldMetrics& field);
 /// Whether a hook has a limit at which it yields.
 bool has_limited_hooks(const FieldMetrics& field);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -7,7 +7,7 @@
 #include <cassert>
 #include <cstddef>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -160,4 +160,4 @@ std::optional<double> metric_error(const MetricField& metric, const FieldMetrics
     return (*field.error).*metric.error;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// What stands together in every listing.
 enum class MetricGroup { sight, opening, distances, force, strain, soundness };
@@ -59,4 +59,4 @@ std::string metric_text(const MetricField& metric, double value, int digits = 1)
 /// The number's own error bar; none where it has none or errors were not estimated.
 std::optional<double> metric_error(const MetricField& metric, const FieldMetrics& field);
 
-} // namespace retractor
+} // namespace retractor::planner

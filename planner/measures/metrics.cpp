@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -438,7 +438,7 @@ std::string solution_text(const FieldMetrics& field)
     const SolutionMetrics& solution = field.solution;
     std::string text = "solved as " + solution_text(solution.choice), others;
     for (const auto& [material, law] : solution.laws)
-        if (law != law_name(NeoHookean {}))
+        if (law != fem::law_name(fem::NeoHookean {}))
             others += (others.empty() ? "" : ", ") + material + ": " + law;
     if (!solution.laws.empty())
         text += "; neo-Hookean" + (others.empty() ? "" : " but " + others);
@@ -471,4 +471,4 @@ nlohmann::ordered_json metrics_document(const std::vector<FieldMetrics>& fields)
     return document;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

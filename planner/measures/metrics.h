@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// One line for people: what each ablation took, by label. Empty when nothing was taken.
 std::string removed_text(const std::vector<RemovedTissue>& removed);
@@ -46,4 +46,4 @@ std::string opinion_text(const SecondOpinion& opinion);
 /// @throws InputError naming the approach and the number.
 nlohmann::ordered_json metrics_document(const std::vector<FieldMetrics>& fields);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -15,7 +15,7 @@
 #include <sstream>
 #include <string_view>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -244,7 +244,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << "</tbody></table><table class=\"materials\"><thead><tr><th>Material of the wall</th><th>Young's modulus"
                "</th><th>Poisson's ratio</th><th>Law</th><th>Tension before the "
                "cut</th><th>Source</th></tr></thead><tbody>";
-        for (const Material& material : computed.materials) {
+        for (const fem::Material& material : computed.materials) {
             out << "<tr><td>" << escaped(material.name) << "</td><td>"
                 << formatted("%.4g MPa", material.youngs_modulus_MPa) << "</td><td>"
                 << in_words(material.poissons_ratio, 3) << "</td><td>" << escaped(law_text(computed, material))
@@ -363,4 +363,4 @@ void write_report(const std::filesystem::path& path, const Report& report)
     write_file_atomically(path, out.str());
 }
 
-} // namespace retractor
+} // namespace retractor::planner

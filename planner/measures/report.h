@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// A picture of the report, already on disk as PNG.
 struct ReportPicture {
@@ -31,4 +31,4 @@ struct Report {
 /// Writes the page atomically. @throws IoError when a picture cannot be read or the page not written.
 void write_report(const std::filesystem::path& path, const Report& report);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -1,11 +1,11 @@
 #include "planner/palpation/palpable.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "mesh/generation/hybrid_model.h"
 #include "mesh/surface/wall_shell.h"
 #include "planner/palpation/palpable_hold.h"
 #include "planner/palpation/palpable_sites.h"
-#include "mesh/base/text.h"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@
 #include <numeric>
 #include <set>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -32,7 +32,7 @@ namespace {
         throw InputError(limits.data(), where, { field });
     }
 
-    void check_request(const LabelVolume& labels, const PalpableRequest& request)
+    void check_request(const mesh::LabelVolume& labels, const PalpableRequest& request)
     {
         if (request.structure.empty())
             throw InputError(
@@ -60,7 +60,7 @@ namespace {
                 throw InputError("sites have names of their own and finite points", "site " + name, { "sites" });
     }
 
-    bool is_hollow(const LabelVolume& labels, const PalpableRequest& request)
+    bool is_hollow(const mesh::LabelVolume& labels, const PalpableRequest& request)
     {
         if (request.wall_mm)
             return *request.wall_mm > 0.0;
@@ -68,7 +68,7 @@ namespace {
             [&](const std::string& name) { return label_of(labels, name, "structure").material.starts_with(kVessel); });
     }
 
-    bool holds_blood(const LabelVolume& labels, const PalpableRequest& request)
+    bool holds_blood(const mesh::LabelVolume& labels, const PalpableRequest& request)
     {
         return std::all_of(request.structure.begin(), request.structure.end(), [&](const std::string& name) {
             const std::string& material = label_of(labels, name, "structure").material;
@@ -77,12 +77,12 @@ namespace {
     }
 
     /// The structure alone, ready to be meshed; a hollow one as a single label.
-    LabelVolume structure_alone(const LabelVolume& labels, const PalpableRequest& request, bool hollow)
+    mesh::LabelVolume structure_alone(const mesh::LabelVolume& labels, const PalpableRequest& request, bool hollow)
     {
-        LabelVolume alone { labels.grid, labels.voxels, {} };
+        mesh::LabelVolume alone { labels.grid, labels.voxels, {} };
         std::vector<Label> becomes(std::size_t { std::numeric_limits<Label>::max() } + 1, 0);
         for (std::size_t s = 0; s < request.structure.size(); ++s) {
-            LabelInfo info = label_of(labels, request.structure[s], "structure");
+            mesh::LabelInfo info = label_of(labels, request.structure[s], "structure");
             if (becomes[info.id] != 0)
                 throw InputError("is named twice", "structure " + request.structure[s], { "structure" });
             if (std::find(labels.voxels.begin(), labels.voxels.end(), info.id) == labels.voxels.end())
@@ -90,7 +90,7 @@ namespace {
             const Label id = hollow ? kUsual : static_cast<Label>(s + 1);
             becomes[info.id] = id;
             info.id = id;
-            info.role = Role::wall;
+            info.role = mesh::Role::wall;
             if (!hollow || s == 0)
                 alone.table.push_back(info);
         }
@@ -129,9 +129,9 @@ namespace {
 
     /// A body without what is much thinner than `sigma_mm` and with its dents filled: fingers meet organs, not single
     /// voxels. Where labels meet, each point goes to the one that has most round it.
-    LabelVolume smoothed(LabelVolume body, double sigma_mm)
+    mesh::LabelVolume smoothed(mesh::LabelVolume body, double sigma_mm)
     {
-        ImageGrid& grid = body.grid;
+        mesh::ImageGrid& grid = body.grid;
         std::array<int, 3> low = grid.size, high { 0, 0, 0 };
         for (int k = 0; k < grid.size[2]; ++k)
             for (int j = 0; j < grid.size[1]; ++j)
@@ -160,7 +160,7 @@ namespace {
             = static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
         std::vector<float> most(count, 0.0F), sum(count, 0.0F), share(count);
         std::vector<Label> winner(count, 0);
-        for (const LabelInfo& info : body.table) {
+        for (const mesh::LabelInfo& info : body.table) {
             each([&](Label voxel, std::size_t n) { share[n] = voxel == info.id ? 1.0F : 0.0F; });
             for (std::size_t axis = 0; axis < 3; ++axis)
                 blur_along(share, size, axis, sigma_mm / grid.spacing[static_cast<int>(axis)]);
@@ -179,42 +179,43 @@ namespace {
         return body;
     }
 
-    double volume_of(const LabelVolume& alone)
+    double volume_of(const mesh::LabelVolume& alone)
     {
         return alone.grid.voxel_volume()
             * static_cast<double>(
                 std::count_if(alone.voxels.begin(), alone.voxels.end(), [](Label v) { return v != 0; }));
     }
 
-    TetMesh meshed(const LabelVolume& alone, double edge_mm, const Job& job)
+    mesh::TetMesh meshed(const mesh::LabelVolume& alone, double edge_mm, const Job& job)
     {
-        MeshSizing sizing;
+        mesh::MeshSizing sizing;
         sizing.coarse_edge_mm = edge_mm;
-        HybridModel model = build_hybrid_model(alone, sizing, job);
-        if (model.status == MeshStatus::nothing_to_mesh)
+        mesh::HybridModel model = mesh::build_hybrid_model(alone, sizing, job);
+        if (model.status == mesh::MeshStatus::nothing_to_mesh)
             throw SolverError("the structure was not meshed: " + model.message
                     + "; thin tissue needs edges shorter than " + in_words(edge_mm, 1) + " mm",
                 alone.table.front().name, { "edge_mm" });
-        if (model.status != MeshStatus::done)
+        if (model.status != mesh::MeshStatus::done)
             throw SolverError("the structure was not meshed: " + model.message, alone.table.front().name);
         return std::move(model.wall);
     }
 
-    TriMesh boundary_of(const TetMesh& mesh)
+    TriMesh boundary_of(const mesh::TetMesh& mesh)
     {
         TriMesh surface { mesh.vertices, {}, {} };
-        for (const TetFace& face : boundary_faces(mesh))
-            surface.triangles.push_back(face_vertices(mesh, face));
+        for (const mesh::TetFace& face : mesh::boundary_faces(mesh))
+            surface.triangles.push_back(mesh::face_vertices(mesh, face));
         return surface;
     }
 
-    void give_elasticity(PalpationScene& scene, const LabelVolume& labels, const LabelTable& alone,
-        const MaterialTable& materials, const PalpableRequest& request, std::vector<std::string>& notes)
+    void give_elasticity(datasets::PalpationScene& scene, const mesh::LabelVolume& labels,
+        const mesh::LabelTable& alone, const fem::MaterialTable& materials, const PalpableRequest& request,
+        std::vector<std::string>& notes)
     {
-        ElasticModel& body = scene.body;
+        datasets::ElasticModel& body = scene.body;
         std::vector<std::array<double, 2>> of(alone.size());
         for (std::size_t s = 0; s < alone.size(); ++s) {
-            const Material& material = find_material(materials, alone[s].material);
+            const fem::Material& material = fem::find_material(materials, alone[s].material);
             of[s] = { request.youngs_modulus_MPa.value_or(material.youngs_modulus_MPa),
                 request.poissons_ratio.value_or(material.poissons_ratio) };
             notes.push_back(alone[s].name + ": Young's modulus " + in_words(of[s][0], of[s][0] < 0.1 ? 4 : 2)
@@ -231,8 +232,9 @@ namespace {
                 middle += 0.25 * body.mesh.vertices.row(v).transpose();
             for (std::size_t p = 0; p < request.stiff.size(); ++p) {
                 const TargetSpec& where = request.stiff[p].where;
-                if (where.is_sphere() ? (middle - where.centre).norm() > where.radius_mm
-                                      : label_at(labels, middle) != find_label(labels.table, where.label)->id)
+                if (where.is_sphere()
+                        ? (middle - where.centre).norm() > where.radius_mm
+                        : mesh::label_at(labels, middle) != mesh::find_label(labels.table, where.label)->id)
                     continue;
                 body.youngs_modulus.back() = request.stiff[p].youngs_modulus_MPa;
                 if (scene.organs.empty())
@@ -258,18 +260,18 @@ namespace {
     }
 
     /// The surface that fingers see; the scene's mesh and roles made. Where no wall fits the outline is smoothed more.
-    TriMesh make_wall(PalpationScene& scene, const LabelVolume& alone, double wall_mm, double edge_mm, bool blood,
-        std::vector<std::string>& notes, const Job& job)
+    TriMesh make_wall(datasets::PalpationScene& scene, const mesh::LabelVolume& alone, double wall_mm, double edge_mm,
+        bool blood, std::vector<std::string>& notes, const Job& job)
     {
         constexpr double kMore = 1.5;
         constexpr int kTries = 4;
         double smoothing = std::max(wall_mm, kVoxels * alone.grid.spacing.maxCoeff());
         TriMesh outer;
-        WallShell shell;
+        mesh::WallShell shell;
         for (int tried = 1;; ++tried, smoothing *= kMore) {
-            outer = largest_closed_surface(meshed(smoothed(alone, smoothing), edge_mm, job));
+            outer = mesh::largest_closed_surface(meshed(smoothed(alone, smoothing), edge_mm, job));
             try {
-                shell = make_wall_shell(outer, wall_mm, kUsual);
+                shell = mesh::make_wall_shell(outer, wall_mm, kUsual);
                 break;
             } catch (const SolverError& error) {
                 if (tried == kTries)
@@ -286,22 +288,23 @@ namespace {
                 + " vertices, where the vessel is narrow or bends sharply");
         outer.vertices = shell.mesh.vertices.topRows(outer.vertices.rows());
         scene.body.mesh = std::move(shell.mesh);
-        scene.body.roles.assign(scene.body.mesh.vertex_count(), blood ? VertexRole::inner_wall : VertexRole::free);
-        std::fill_n(scene.body.roles.begin(), outer.vertices.rows(), VertexRole::free);
+        scene.body.roles.assign(
+            scene.body.mesh.vertex_count(), blood ? datasets::VertexRole::inner_wall : datasets::VertexRole::free);
+        std::fill_n(scene.body.roles.begin(), outer.vertices.rows(), datasets::VertexRole::free);
         return outer;
     }
 
 } // namespace
 
-Palpable make_palpable(
-    const LabelVolume& labels, const MaterialTable& materials, const PalpableRequest& request, const Job& job)
+Palpable make_palpable(const mesh::LabelVolume& labels, const fem::MaterialTable& materials,
+    const PalpableRequest& request, const Job& job)
 {
     check_request(labels, request);
     const Stopwatch watch;
     const bool hollow = is_hollow(labels, request);
-    const LabelVolume alone = structure_alone(labels, request, hollow);
+    const mesh::LabelVolume alone = structure_alone(labels, request, hollow);
     Palpable made;
-    PalpationScene& scene = made.scene;
+    datasets::PalpationScene& scene = made.scene;
     scene.name = name_of(request);
     constexpr double kElementsAcross = 10.0;
     const double edge = request.edge_mm.value_or(
@@ -312,25 +315,25 @@ Palpable make_palpable(
             scene, alone, request.wall_mm.value_or(kVesselWall), edge, holds_blood(labels, request), made.notes, job);
     else {
         scene.body.mesh = meshed(smoothed(alone, kVoxels * labels.grid.spacing.maxCoeff()), edge, job);
-        scene.body.roles.assign(scene.body.mesh.vertex_count(), VertexRole::free);
+        scene.body.roles.assign(scene.body.mesh.vertex_count(), datasets::VertexRole::free);
         surface = boundary_of(scene.body.mesh);
         if (alone.table.size() > 1)
-            for (const LabelInfo& info : alone.table)
+            for (const mesh::LabelInfo& info : alone.table)
                 scene.organs.push_back({ info.id, info.name });
     }
     give_elasticity(scene, labels, alone.table, materials, request, made.notes);
     hold_surface(scene, surface, labels, request, hollow, made.notes);
     if (hollow) // what holds the outside of a wall holds its inside too
         for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v)
-            if (scene.body.roles[static_cast<std::size_t>(v)] == VertexRole::fixed)
-                scene.body.roles[static_cast<std::size_t>(v + surface.vertices.rows())] = VertexRole::fixed;
+            if (scene.body.roles[static_cast<std::size_t>(v)] == datasets::VertexRole::fixed)
+                scene.body.roles[static_cast<std::size_t>(v + surface.vertices.rows())] = datasets::VertexRole::fixed;
     refuse_floating(scene, made.notes);
     if (!hollow)
         surface = boundary_of(scene.body.mesh); // some vertices may be gone
     add_sites(scene, surface, labels, request);
     if (scene.sites.empty())
         throw InputError("no place is free to be pressed: less must hold the structure", scene.name, { "held" });
-    check_elastic_model(scene.body);
+    datasets::check_elastic_model(scene.body);
     if (job.cancelled())
         throw SolverError("cancelled", scene.name);
     record_part(job, "palpable structure", watch,
@@ -339,4 +342,4 @@ Palpable make_palpable(
     return made;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

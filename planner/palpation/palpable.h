@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 struct Palpable {
-    PalpationScene scene;
+    datasets::PalpationScene scene;
     std::vector<std::string> notes; ///< what was decided and found, one line each
 };
 
@@ -24,7 +24,7 @@ struct Palpable {
 /// and those asked for; with NAME-opposite where a second finger would be when it is pinched.
 /// @throws InputError naming the label that is not there or has no voxel, with those that are; values out of range;
 /// that nothing holds the structure; SolverError when it cannot be meshed or the job is cancelled.
-Palpable make_palpable(
-    const LabelVolume& labels, const MaterialTable& materials, const PalpableRequest& request, const Job& job = {});
+Palpable make_palpable(const mesh::LabelVolume& labels, const fem::MaterialTable& materials,
+    const PalpableRequest& request, const Job& job = {});
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -13,7 +13,7 @@
 #include <set>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -92,7 +92,7 @@ namespace {
     /// What holds a vertex of the surface.
     class Holder {
     public:
-        Holder(const LabelVolume& labels, const PalpableRequest& request, bool hollow, const TriMesh& surface)
+        Holder(const mesh::LabelVolume& labels, const PalpableRequest& request, bool hollow, const TriMesh& surface)
             : labels_(labels)
             , low_(surface.vertices.colwise().minCoeff().transpose())
             , high_(surface.vertices.colwise().maxCoeff().transpose())
@@ -138,7 +138,7 @@ namespace {
             else if (colon != std::string::npos)
                 one = side(name, colon);
             else {
-                for (const LabelInfo& info : labels_.table)
+                for (const mesh::LabelInfo& info : labels_.table)
                     if (info.name == name || (name == "spine" && info.name.starts_with("vertebra")))
                         one.labels.push_back(info.id);
                 if (one.labels.empty() && chosen)
@@ -196,14 +196,14 @@ namespace {
                         && index[axis] <= labels_.grid.size[static_cast<std::size_t>(axis)] - 0.5;
                 if (!in_image)
                     return one.border;
-                const Label label = label_at(labels_, there);
+                const Label label = mesh::label_at(labels_, there);
                 if (std::find(one.labels.begin(), one.labels.end(), label) != one.labels.end())
                     return true;
             }
             return false;
         }
 
-        const LabelVolume& labels_;
+        const mesh::LabelVolume& labels_;
         Vec3 low_, high_;
         std::vector<One> holders_;
         std::vector<double> from_end_; ///< per vertex, along the surface, mm
@@ -211,11 +211,11 @@ namespace {
 
 } // namespace
 
-void hold_surface(PalpationScene& scene, const TriMesh& surface, const LabelVolume& labels,
+void hold_surface(datasets::PalpationScene& scene, const TriMesh& surface, const mesh::LabelVolume& labels,
     const PalpableRequest& request, bool hollow, std::vector<std::string>& notes)
 {
     const Holder holder(labels, request, hollow, surface);
-    const Points normals = vertex_normals(surface);
+    const Points normals = mesh::vertex_normals(surface);
     std::vector<char> used(static_cast<std::size_t>(surface.vertices.rows()), 0);
     for (const auto& triangle : surface.triangles)
         for (const VertexId v : triangle)
@@ -229,7 +229,7 @@ void hold_surface(PalpationScene& scene, const TriMesh& surface, const LabelVolu
             static_cast<VertexId>(v), surface.vertices.row(row).transpose(), normals.row(row).transpose());
         if (!by)
             continue;
-        scene.body.roles[v] = VertexRole::fixed;
+        scene.body.roles[v] = datasets::VertexRole::fixed;
         ++count[*by];
     }
     std::string held;
@@ -239,19 +239,19 @@ void hold_surface(PalpationScene& scene, const TriMesh& surface, const LabelVolu
     notes.push_back("held at: " + (held.empty() ? "nothing" : held));
 }
 
-void refuse_floating(PalpationScene& scene, std::vector<std::string>& notes)
+void refuse_floating(datasets::PalpationScene& scene, std::vector<std::string>& notes)
 {
     constexpr double kCrumb = 0.02; // of all elements
     constexpr std::size_t kLeastFixed = 3;
-    ElasticModel& body = scene.body;
-    const std::vector<int> piece_of = connected_pieces(body.mesh);
+    datasets::ElasticModel& body = scene.body;
+    const std::vector<int> piece_of = mesh::connected_pieces(body.mesh);
     const int pieces = 1 + *std::max_element(piece_of.begin(), piece_of.end());
     std::vector<std::size_t> tets(static_cast<std::size_t>(pieces), 0);
     std::vector<std::set<VertexId>> fixed(static_cast<std::size_t>(pieces));
     for (std::size_t t = 0; t < piece_of.size(); ++t) {
         ++tets[static_cast<std::size_t>(piece_of[t])];
         for (const VertexId v : body.mesh.tet(static_cast<TetId>(t)))
-            if (body.roles[static_cast<std::size_t>(v)] == VertexRole::fixed)
+            if (body.roles[static_cast<std::size_t>(v)] == datasets::VertexRole::fixed)
                 fixed[static_cast<std::size_t>(piece_of[t])].insert(v);
     }
     std::size_t dropped = 0;
@@ -272,7 +272,7 @@ void refuse_floating(PalpationScene& scene, std::vector<std::string>& notes)
         return;
     notes.push_back(std::to_string(dropped) + " small pieces that nothing holds are left out");
     std::vector<VertexId> number(body.mesh.vertex_count(), -1), kept;
-    ElasticModel rest;
+    datasets::ElasticModel rest;
     for (std::size_t t = 0; t < piece_of.size(); ++t) {
         if (stays[static_cast<std::size_t>(piece_of[t])] == 0)
             continue;
@@ -293,4 +293,4 @@ void refuse_floating(PalpationScene& scene, std::vector<std::string>& notes)
     body = std::move(rest);
 }
 
-} // namespace retractor
+} // namespace retractor::planner

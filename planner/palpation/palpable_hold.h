@@ -9,14 +9,14 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// Roles of the surface's vertices (numbers of the scene's mesh), and what is to be said of them.
 /// @throws InputError on a holder that cannot be read, is not there, or is the structure itself.
-void hold_surface(PalpationScene& scene, const TriMesh& surface, const LabelVolume& labels,
+void hold_surface(datasets::PalpationScene& scene, const TriMesh& surface, const mesh::LabelVolume& labels,
     const PalpableRequest& request, bool hollow, std::vector<std::string>& notes);
 
 /// Pieces that nothing holds would float: small ones are left out. @throws InputError on a large one.
-void refuse_floating(PalpationScene& scene, std::vector<std::string>& notes);
+void refuse_floating(datasets::PalpationScene& scene, std::vector<std::string>& notes);
 
-} // namespace retractor
+} // namespace retractor::planner

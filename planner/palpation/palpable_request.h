@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// Tissue that is stiffer (or softer) than the rest: a label's, or a ball's.
 struct StiffPlace {
@@ -35,9 +35,9 @@ struct PalpableRequest {
 };
 
 /// "aorta, heart, spine": the labels there are, for refusals.
-std::string names_of(const LabelTable& table);
+std::string names_of(const mesh::LabelTable& table);
 /// @param field of the request that names the label.
 /// @throws InputError of this field when the label is not there, with the labels that are.
-const LabelInfo& label_of(const LabelVolume& labels, const std::string& name, const char* field);
+const mesh::LabelInfo& label_of(const mesh::LabelVolume& labels, const std::string& name, const char* field);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -8,7 +8,7 @@
 #include <limits>
 #include <optional>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -28,14 +28,14 @@ namespace {
     /// Places to press on the surface that fingers see.
     class Sites {
     public:
-        Sites(PalpationScene& scene, const TriMesh& surface)
+        Sites(datasets::PalpationScene& scene, const TriMesh& surface)
             : scene_(scene)
             , surface_(surface)
         {
             std::vector<Vec3> fixed;
             for (const auto& triangle : surface.triangles)
                 for (const VertexId v : triangle)
-                    if (scene.body.roles[static_cast<std::size_t>(v)] == VertexRole::fixed)
+                    if (scene.body.roles[static_cast<std::size_t>(v)] == datasets::VertexRole::fixed)
                         fixed.emplace_back(surface.vertices.row(v).transpose());
             for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
                 double nearest = std::numeric_limits<double>::infinity();
@@ -96,14 +96,15 @@ namespace {
                     area_normal(surface_, *opposite).normalized() });
         }
 
-        PalpationScene& scene_;
+        datasets::PalpationScene& scene_;
         const TriMesh& surface_;
         std::vector<double> from_fixed_;
     };
 
 } // namespace
 
-void add_sites(PalpationScene& scene, const TriMesh& surface, const LabelVolume& labels, const PalpableRequest& request)
+void add_sites(datasets::PalpationScene& scene, const TriMesh& surface, const mesh::LabelVolume& labels,
+    const PalpableRequest& request)
 {
     Sites sites(scene, surface);
     sites.add_towards("front", -Vec3::UnitY());
@@ -115,7 +116,7 @@ void add_sites(PalpationScene& scene, const TriMesh& surface, const LabelVolume&
         if (!where.is_sphere()) {
             std::size_t count = 0;
             middle.setZero();
-            const Label id = find_label(labels.table, where.label)->id;
+            const Label id = mesh::find_label(labels.table, where.label)->id;
             for (int k = 0; k < labels.grid.size[2]; ++k)
                 for (int j = 0; j < labels.grid.size[1]; ++j)
                     for (int i = 0; i < labels.grid.size[0]; ++i)
@@ -131,4 +132,4 @@ void add_sites(PalpationScene& scene, const TriMesh& surface, const LabelVolume&
         sites.add_nearest(name, point);
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -6,11 +6,11 @@
 #include "mesh/image/volume.h"
 #include "planner/palpation/palpable_request.h"
 
-namespace retractor {
+namespace retractor::planner {
 
 /// "front", "left", "right", stiff places and those asked for, with their opposites: see make_palpable().
 /// @param surface what fingers see, with the scene's roles given
-void add_sites(
-    PalpationScene& scene, const TriMesh& surface, const LabelVolume& labels, const PalpableRequest& request);
+void add_sites(datasets::PalpationScene& scene, const TriMesh& surface, const mesh::LabelVolume& labels,
+    const PalpableRequest& request);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -12,7 +12,7 @@
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -32,9 +32,9 @@ namespace {
     /// Why a share of ten_node_share() tells no error; empty: it does.
     std::string without_share(double share)
     {
-        return share <= kMostShare ? "" // not of what is no number either
-                                   : "these elements are too large or too flat to tell how far ten-node "
-                                     "ones are off; ask for a finer mesh";
+        return share <= fem::kMostShare ? "" // not of what is no number either
+                                        : "these elements are too large or too flat to tell how far ten-node "
+                                          "ones are off; ask for a finer mesh";
     }
 
     /// What ten-node elements would say, to first order.
@@ -43,12 +43,12 @@ namespace {
     {
         const Points& solved = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
         const bool local = field.metrics.local.has_value();
-        const ElasticProblem& problem = local ? wound.part.problem : field.problem;
+        const fem::ElasticProblem& problem = local ? wound.part.problem : field.problem;
         const auto whole = [&](const Points& u) { return local ? on_the_whole(u, wound.part, field.wall) : u; };
         const Points answer = local ? Points(solved(wound.part.vertex_of, Eigen::all)) : solved;
-        ErrorEstimate finer = estimate_error(problem, choice.elasticity, answer, job, wound.contact);
+        fem::ErrorEstimate finer = fem::estimate_error(problem, choice.elasticity, answer, job, wound.contact);
         OtherAnswers answers { .message = finer.message };
-        if (finer.status != EstimateStatus::done) {
+        if (finer.status != fem::EstimateStatus::done) {
             if (has_linear_far_field(field) && field.opening.inverted_elements > 0)
                 answers.message += ", perhaps by the linear far field: nonlinear farther out they would not be";
             return answers;
@@ -58,15 +58,16 @@ namespace {
             field.opening.hook_forces_N, wound.contact);
         answers.other = { whole(finer.displacement), std::move(finer.hook_forces_N) };
         if (locking_free) {
-            answers.lacking = ten_node_share(with_midpoints(problem), choice.elasticity, finer.ten_node, finer.plain);
+            answers.lacking
+                = fem::ten_node_share(with_midpoints(problem), choice.elasticity, finer.ten_node, finer.plain);
             answers.message = without_share(answers.lacking);
             answers.plain = WoundAnswer { whole(finer.plain), std::move(finer.plain_forces_N) };
             return answers;
         }
-        answers.factor = 1.0 / kErrorShare;
+        answers.factor = 1.0 / fem::kErrorShare;
         // Of the equations that were solved: not with a linear far field or a penalty.
         if (!has_linear_far_field(field) && !wound.contact)
-            answers.energy = EnergyBars { finer.energy_error / std::sqrt(kErrorShare), finer.algebraic_error };
+            answers.energy = EnergyBars { finer.energy_error / std::sqrt(fem::kErrorShare), finer.algebraic_error };
         return answers;
     }
 
@@ -75,19 +76,19 @@ namespace {
         const PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
     {
         const bool local = field.metrics.local.has_value();
-        const ElasticProblem& problem = local ? wound.part.problem : field.problem;
-        const ElasticProblem coarse = without_midpoints(problem);
-        OpeningOptions options { .elasticity = choice.elasticity };
+        const fem::ElasticProblem& problem = local ? wound.part.problem : field.problem;
+        const fem::ElasticProblem coarse = fem::without_midpoints(problem);
+        fem::OpeningOptions options { .elasticity = choice.elasticity };
         options.contact = wound.contact;
         if (has_linear_far_field(field))
             options.near = near_elements(field, choice.near_mm);
         options.far_tolerance = std::numeric_limits<double>::infinity(); // it is linear there, as in the answer
-        Opening opening(coarse, options);
-        OpeningResult result = opening.open(coarse.hooks, as_stage(job, "opening, four-node elements"));
+        fem::Opening opening(coarse, options);
+        fem::OpeningResult result = opening.open(coarse.hooks, as_stage(job, "opening, four-node elements"));
         if (!is_usable(result))
             return { .message = "the four-node answer to compare with: " + result.message };
         OtherAnswers answers;
-        answers.factor = ten_node_share(problem, choice.elasticity, wound.ten_node, result.displacement);
+        answers.factor = fem::ten_node_share(problem, choice.elasticity, wound.ten_node, result.displacement);
         answers.message = without_share(answers.factor);
         answers.held = held_hooks(
             field.approach, coarse, { choice.elasticity }, result.displacement, result.hook_forces_N, wound.contact);
@@ -107,9 +108,10 @@ namespace {
         const std::size_t hooks = field.hooks.size();
         // With the hooks held the opening changes one way, with the hooks let go the other: where the two cancel, what
         // each is not known to is left.
-        const auto of_parts = [](double in_all, double held) { return std::max(in_all, (1.0 - kErrorShare) * held); };
+        const auto of_parts
+            = [](double in_all, double held) { return std::max(in_all, (1.0 - fem::kErrorShare) * held); };
         const auto add = [&](WoundAnswer& a, WoundAnswer& b, const WoundMeasures& b_held, double factor) {
-            const double of_opening = std::max(factor, kLeastOpeningShare);
+            const double of_opening = std::max(factor, fem::kLeastOpeningShare);
             const WoundMeasures of_a = measures_of(field, wound.rigid, a.displacement, a.hook_forces_N),
                                 of_b = measures_of(field, wound.rigid, b.displacement, b.hook_forces_N);
             bars.opening_width_mm += of_opening
@@ -158,8 +160,9 @@ void estimate_errors(PlannedField& field, const OpenedWound& wound, const Soluti
     FieldMetrics& m = field.metrics;
     ErrorBars& bars = m.error.emplace();
     if (!is_usable(field.opening)) {
-        bars.message = field.opening.status == OpeningStatus::inverted ? "elements of the opened wound are inside out"
-                                                                       : "the wound was not opened as asked";
+        bars.message = field.opening.status == fem::OpeningStatus::inverted
+            ? "elements of the opened wound are inside out"
+            : "the wound was not opened as asked";
         return;
     }
     const Stopwatch watch;
@@ -177,4 +180,4 @@ void estimate_errors(PlannedField& field, const OpenedWound& wound, const Soluti
     bars.seconds = watch.seconds();
 }
 
-} // namespace retractor
+} // namespace retractor::planner

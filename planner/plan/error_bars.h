@@ -4,10 +4,10 @@
 
 #include "planner/plan/opened_wound.h"
 
-namespace retractor {
+namespace retractor::planner {
 
 /// Fills field.metrics.error; where there is no estimate that says why. Nothing here can undo the plan, but
 /// cancelling it.
 void estimate_errors(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job);
 
-} // namespace retractor
+} // namespace retractor::planner

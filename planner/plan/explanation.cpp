@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -115,4 +115,4 @@ std::string explain_field(const PlannedField& field, const AnatomicalFrame& fram
     return text;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

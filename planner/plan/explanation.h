@@ -5,7 +5,7 @@
 
 #include <string>
 
-namespace retractor {
+namespace retractor::planner {
 
 struct PlannedField;
 
@@ -13,4 +13,4 @@ struct PlannedField;
 /// what limits the opening. States no cause that the numbers do not show.
 std::string explain_field(const PlannedField& field, const AnatomicalFrame& frame);
 
-} // namespace retractor
+} // namespace retractor::planner

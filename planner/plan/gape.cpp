@@ -6,14 +6,14 @@
 #include <algorithm>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
     /// An opening that came to rest with elements inside out says so of the rest alone.
-    std::string why_unusable(const OpeningResult& opening)
+    std::string why_unusable(const fem::OpeningResult& opening)
     {
-        return opening.status == OpeningStatus::inverted
+        return opening.status == fem::OpeningStatus::inverted
             ? std::to_string(opening.inverted_elements) + " elements turned inside out"
             : opening.message;
     }
@@ -35,7 +35,7 @@ namespace {
     /// Its opening is then the field's. @throws as open_part().
     OpenedWound open_bare(PlannedField& bare, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
     {
-        OpeningOptions options = opening_options(choice);
+        fem::OpeningOptions options = opening_options(choice);
         options.contact = wound.contact;
         OpenedPart opened = open_part(bare,
             { .within_mm = bare.metrics.local ? bare.metrics.local->within_mm : 0.0, .near_mm = choice.near_mm }, {},
@@ -49,11 +49,11 @@ namespace {
 
 } // namespace
 
-std::vector<std::pair<std::string, PreStrain>> tissues_under_tension(const ElasticProblem& problem)
+std::vector<std::pair<std::string, fem::PreStrain>> tissues_under_tension(const fem::ElasticProblem& problem)
 {
-    std::vector<std::pair<std::string, PreStrain>> tissues;
-    for (const Label label : labels_met(problem.mesh)) {
-        const Material& material = problem.material_of_label[label];
+    std::vector<std::pair<std::string, fem::PreStrain>> tissues;
+    for (const Label label : fem::labels_met(problem.mesh)) {
+        const fem::Material& material = problem.material_of_label[label];
         const auto same = [&](const auto& other) { return other.first == material.name; };
         if (under_tension(material) && std::none_of(tissues.begin(), tissues.end(), same))
             tissues.emplace_back(material.name, material.pre_strain);
@@ -91,4 +91,4 @@ TensionMetrics measure_gape(PlannedField& field, const OpenedWound& wound, const
     return tension;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

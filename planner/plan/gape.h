@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// The materials of the problem's mesh that are stretched before the cut, each once, with the pre-strain.
-std::vector<std::pair<std::string, PreStrain>> tissues_under_tension(const ElasticProblem& problem);
+std::vector<std::pair<std::string, fem::PreStrain>> tissues_under_tension(const fem::ElasticProblem& problem);
 
 /// Solves the wound once more as it was, without hooks; where it has none, its own answer is taken. Says why there is
 /// no gape (a piece that only hooks hold) rather than throw.
@@ -18,4 +18,4 @@ std::vector<std::pair<std::string, PreStrain>> tissues_under_tension(const Elast
 TensionMetrics measure_gape(
     PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -2,29 +2,29 @@
 
 #include "fem/statics/hook_drive.h"
 
-namespace retractor {
+namespace retractor::planner {
 
-HeldHooks held_hooks(const Approach& approach, const ElasticProblem& problem, const TissueModel& model,
-    const Points& displacement, const std::vector<Vec3>& forces_N, const std::optional<ContactOptions>& contact)
+HeldHooks held_hooks(const Approach& approach, const fem::ElasticProblem& problem, const fem::TissueModel& model,
+    const Points& displacement, const std::vector<Vec3>& forces_N, const std::optional<fem::ContactOptions>& contact)
 {
     HeldHooks held { .drives = drives_of(approach), .response = {}, .at = {}, .forces = {} };
     if (held.drives.empty())
         return held;
-    held.response = hook_response(problem, model, displacement, contact);
+    held.response = fem::hook_response(problem, model, displacement, contact);
     std::vector<Vec3> at;
-    for (const HookPatch& hook : problem.hooks)
+    for (const fem::HookPatch& hook : problem.hooks)
         at.push_back(hook.displacement);
-    held.at = packed(at);
-    held.forces = packed(forces_N);
+    held.at = fem::packed(at);
+    held.forces = fem::packed(forces_N);
     return held;
 }
 
-bool let_hooks_go(const HeldHooks& held, const LocalProblem& part, WoundAnswer& answer)
+bool let_hooks_go(const HeldHooks& held, const fem::LocalProblem& part, WoundAnswer& answer)
 {
     if (held.drives.empty())
         return true;
-    const std::optional<HooksLetGo> rest
-        = let_go(held.response, held.at, held.forces, packed(answer.hook_forces_N), held.drives);
+    const std::optional<fem::HooksLetGo> rest
+        = fem::let_go(held.response, held.at, held.forces, fem::packed(answer.hook_forces_N), held.drives);
     if (!rest)
         return false;
     const Eigen::VectorXd moved = held.response.displacement * rest->way;
@@ -35,9 +35,9 @@ bool let_hooks_go(const HeldHooks& held, const LocalProblem& part, WoundAnswer& 
         for (Eigen::Index v = 0; v < of_nodes.rows(); ++v)
             if (const VertexId at = part.vertex_of[static_cast<std::size_t>(v)]; at < answer.displacement.rows())
                 answer.displacement.row(at) += of_nodes.row(v);
-    answer.hook_forces_N = per_hook(rest->forces);
-    answer.hooks_mm = per_hook(held.at + rest->way);
+    answer.hook_forces_N = fem::per_hook(rest->forces);
+    answer.hooks_mm = fem::per_hook(held.at + rest->way);
     return true;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -10,23 +10,23 @@
 #include <optional>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// The plan's hooks where they are held, and what the tissue shows them there.
 struct HeldHooks {
-    std::vector<HookDrive> drives; ///< empty: all simply go where they are told, and there is nothing to let go
-    HookResponse response;
+    std::vector<fem::HookDrive> drives; ///< empty: all simply go where they are told, and there is nothing to let go
+    fem::HookResponse response;
     Eigen::VectorXd at, forces; ///< three per hook; forces of the answer whose response it is
 };
 
 /// @param problem that was solved, its hooks where they are held; @param displacement at its nodes; @param forces_N
 /// there, one per hook. @throws as hook_response().
-HeldHooks held_hooks(const Approach& approach, const ElasticProblem& problem, const TissueModel& model,
-    const Points& displacement, const std::vector<Vec3>& forces_N, const std::optional<ContactOptions>& contact);
+HeldHooks held_hooks(const Approach& approach, const fem::ElasticProblem& problem, const fem::TissueModel& model,
+    const Points& displacement, const std::vector<Vec3>& forces_N, const std::optional<fem::ContactOptions>& contact);
 
 /// Moves an answer found with the hooks held to where they would rest in it.
 /// @param part that the response is of; empty: the whole wall.
 /// @return false, and nothing done, where that cannot be told: let_go().
-bool let_hooks_go(const HeldHooks& held, const LocalProblem& part, WoundAnswer& answer);
+bool let_hooks_go(const HeldHooks& held, const fem::LocalProblem& part, WoundAnswer& answer);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -16,8 +16,8 @@ namespace {
     double difference_at_lips(const PlannedField& field, const Points& whole)
     {
         double worst = 0.0;
-        for (const LipFace& lip : field.lips)
-            for (const VertexId v : face_vertices(field.wall, lip.face))
+        for (const mesh::LipFace& lip : field.lips)
+            for (const VertexId v : mesh::face_vertices(field.wall, lip.face))
                 worst = std::max(worst, (field.opening.displacement.row(v) - whole.row(v)).norm());
         const double largest = whole.rowwise().norm().maxCoeff();
         return largest > 0.0 ? worst / largest : 0.0;
@@ -25,7 +25,7 @@ namespace {
 
     /// Compares with a smaller part: half the distance, or, where a hook reaches beyond that, three quarters.
     void estimate_local_error(const PlannedField& field, const RigidPieces& rigid, const WoundMeasures& here,
-        const OpeningOptions& options, LocalMetrics& local, const Job& job)
+        const fem::OpeningOptions& options, LocalMetrics& local, const Job& job)
     {
         constexpr double kSmaller[] = { 0.5, 0.75 };
         for (const double share : kSmaller) {
@@ -57,7 +57,7 @@ namespace {
     void compare_with_far_change(
         const PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, FarFieldMetrics& metrics)
     {
-        const LinearFarField& far = *field.opening.far;
+        const fem::LinearFarField& far = *field.opening.far;
         const Points& corners = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
         const Points at = wound.ten_node.size() == 0
             ? corners
@@ -83,7 +83,7 @@ namespace {
 
 void judge_far_field(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice)
 {
-    const LinearFarField& far = *field.opening.far;
+    const fem::LinearFarField& far = *field.opening.far;
     FarFieldMetrics& metrics = field.metrics.solution.far.emplace();
     metrics.linear = far.kept;
     metrics.linear_share = far.share;
@@ -96,12 +96,12 @@ void judge_far_field(PlannedField& field, const OpenedWound& wound, const Soluti
 }
 
 WholeMetrics compare_with_whole(
-    const PlannedField& field, const RigidPieces& rigid, const OpeningOptions& options, const Job& job)
+    const PlannedField& field, const RigidPieces& rigid, const fem::OpeningOptions& options, const Job& job)
 {
     const Stopwatch watch;
     WholeMetrics measured;
     try {
-        OpeningResult whole
+        fem::OpeningResult whole
             = open_part(field, {}, drives_of(field.approach), options, as_stage(job, "opening, whole wall")).opening;
         if (is_usable(whole)) {
             const WoundMeasures there = measures_of(field, rigid, whole.displacement, whole.hook_forces_N);
@@ -118,8 +118,8 @@ WholeMetrics compare_with_whole(
     return measured;
 }
 
-void judge_localisation(
-    PlannedField& field, const RigidPieces& rigid, const OpeningOptions& options, const LocalPlan& plan, const Job& job)
+void judge_localisation(PlannedField& field, const RigidPieces& rigid, const fem::OpeningOptions& options,
+    const LocalPlan& plan, const Job& job)
 {
     LocalMetrics& local = *field.metrics.local;
     if (!is_usable(field.opening)) {
@@ -135,4 +135,4 @@ void judge_localisation(
     if (job.cancelled())
         field.status = PlanStatus::cancelled;
 }
-} // namespace retractor
+} // namespace retractor::planner

@@ -4,7 +4,7 @@
 
 #include "planner/plan/opened_wound.h"
 
-namespace retractor {
+namespace retractor::planner {
 
 /// What a linear far field is off, by the law of the tissue there: fills field.metrics.solution.far.
 /// @pre field.opening.far.
@@ -12,11 +12,11 @@ void judge_far_field(PlannedField& field, const OpenedWound& wound, const Soluti
 
 /// What leaving out the rest of the wall may have changed: estimated, and measured where that was asked for. Fills
 /// field.metrics.local. @pre field.metrics.local.
-void judge_localisation(PlannedField& field, const RigidPieces& rigid, const OpeningOptions& options,
+void judge_localisation(PlannedField& field, const RigidPieces& rigid, const fem::OpeningOptions& options,
     const LocalPlan& plan, const Job& job);
 
 /// With the whole wall, all of it solved as `options` have it near the lips.
 WholeMetrics compare_with_whole(
-    const PlannedField& field, const RigidPieces& rigid, const OpeningOptions& options, const Job& job);
+    const PlannedField& field, const RigidPieces& rigid, const fem::OpeningOptions& options, const Job& job);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -1,8 +1,8 @@
 #include "planner/plan/opened_wound.h"
 
 #include "fem/error_estimation/error_estimate.h"
-#include "fem/statics/hook.h"
 #include "fem/material/material.h"
+#include "fem/statics/hook.h"
 #include "fem/statics/near_field.h"
 #include "fem/statics/opening.h"
 #include "planner/approach/hook_patches.h"
@@ -15,7 +15,7 @@
 #include <string_view>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -25,12 +25,12 @@ namespace {
 
     /// The wall's materials as the solver takes them: by label, and one more "label" for the joints.
     struct ElasticWall {
-        TetMesh mesh;
-        std::vector<Material> materials;
+        mesh::TetMesh mesh;
+        std::vector<fem::Material> materials;
     };
 
-    ElasticWall elastic_wall(
-        const TetMesh& wall, const LabelVolume& labels, const Case& planned_case, std::span<const Label> fixed_labels)
+    ElasticWall elastic_wall(const mesh::TetMesh& wall, const mesh::LabelVolume& labels, const Case& planned_case,
+        std::span<const Label> fixed_labels)
     {
         ElasticWall elastic { wall, materials_as_solved(planned_case) };
         if (fixed_labels.empty())
@@ -49,10 +49,10 @@ namespace {
     }
 
     /// With the organs that stay where they are.
-    ContactOptions contact_of(const PlannedField& field, Patient& patient)
+    fem::ContactOptions contact_of(const PlannedField& field, Patient& patient)
     {
-        ContactOptions contact;
-        for (const LabelInfo& info : patient.planned_case().label_table)
+        fem::ContactOptions contact;
+        for (const mesh::LabelInfo& info : patient.planned_case().label_table)
             if (stays_in_place(info, field.approach, patient))
                 contact.fixed.push_back(*patient.organ(info.name));
         return contact;
@@ -61,19 +61,19 @@ namespace {
     Points lip_points(const PlannedField& field)
     {
         std::set<VertexId> vertices;
-        for (const LipFace& lip : field.lips)
-            for (const VertexId v : face_vertices(field.wall, lip.face))
+        for (const mesh::LipFace& lip : field.lips)
+            for (const VertexId v : mesh::face_vertices(field.wall, lip.face))
                 vertices.insert(v);
         return field.wall.vertices(std::vector<VertexId>(vertices.begin(), vertices.end()), Eigen::all);
     }
 
     /// Of the wall's materials under the laws that hyperelastic tissue has them by.
-    std::vector<std::pair<std::string, std::string>> laws_of(const ElasticProblem& problem)
+    std::vector<std::pair<std::string, std::string>> laws_of(const fem::ElasticProblem& problem)
     {
         std::vector<std::pair<std::string, std::string>> laws;
-        for (const Label label : labels_met(problem.mesh)) {
-            const Material& material = problem.material_of_label[label];
-            const std::pair<std::string, std::string> law { material.name, law_in_words(material) };
+        for (const Label label : fem::labels_met(problem.mesh)) {
+            const fem::Material& material = problem.material_of_label[label];
+            const std::pair<std::string, std::string> law { material.name, fem::law_in_words(material) };
             if (std::find(laws.begin(), laws.end(), law) == laws.end())
                 laws.push_back(law);
         }
@@ -83,26 +83,26 @@ namespace {
     SolutionMetrics solution_metrics(const PlannedField& field, const SolutionChoice& choice)
     {
         SolutionMetrics solution { .choice = choice, .nodes = field.problem.mesh.vertex_count() };
-        if (choice.elasticity == Elasticity::hyperelastic)
+        if (choice.elasticity == fem::Elasticity::hyperelastic)
             solution.laws = laws_of(field.problem);
         return solution;
     }
 
 } // namespace
 
-bool is_usable(const OpeningResult& opening)
+bool is_usable(const fem::OpeningResult& opening)
 {
     // Slivers turned over at the rims of hooks do not move a wound of many thousand elements: they are counted, said
     // and left. More of them than this share, and the wound is no state that tissue can be in.
     constexpr double kMostInverted = 0.002;
-    return opening.status == OpeningStatus::converged
-        || (opening.status == OpeningStatus::inverted
+    return opening.status == fem::OpeningStatus::converged
+        || (opening.status == fem::OpeningStatus::inverted
             && opening.inverted_elements <= kMostInverted * static_cast<double>(opening.strain.size()));
 }
 
 bool has_linear_far_field(const PlannedField& field) { return field.opening.far && field.opening.far->kept; }
 
-Points on_the_whole(const Points& displacement, const LocalProblem& part, const TetMesh& whole)
+Points on_the_whole(const Points& displacement, const fem::LocalProblem& part, const mesh::TetMesh& whole)
 {
     Points all = Points::Zero(whole.vertices.rows(), 3);
     for (Eigen::Index v = 0; v < displacement.rows(); ++v) // corners come first, and may be all there are
@@ -112,13 +112,13 @@ Points on_the_whole(const Points& displacement, const LocalProblem& part, const 
 
 std::vector<std::uint8_t> near_elements(const PlannedField& field, double near_mm)
 {
-    const TetMesh& mesh = field.problem.mesh;
-    std::vector<std::uint8_t> near = elements_near(mesh, lip_points(field), near_mm);
+    const mesh::TetMesh& mesh = field.problem.mesh;
+    std::vector<std::uint8_t> near = fem::elements_near(mesh, lip_points(field), near_mm);
     std::vector<std::uint8_t> seeds(mesh.vertex_count(), 0);
-    for (const HookPatch& hook : field.problem.hooks)
+    for (const fem::HookPatch& hook : field.problem.hooks)
         for (const VertexId v : hook.nodes)
             seeds[static_cast<std::size_t>(v)] = 1;
-    for (const FaceTraction& load : field.problem.loads)
+    for (const fem::FaceTraction& load : field.problem.loads)
         for (const VertexId v : mesh.tet(load.face.tet))
             seeds[static_cast<std::size_t>(v)] = 1;
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
@@ -127,15 +127,15 @@ std::vector<std::uint8_t> near_elements(const PlannedField& field, double near_m
     return near;
 }
 
-std::vector<HookDrive> drives_of(const Approach& approach)
+std::vector<fem::HookDrive> drives_of(const Approach& approach)
 {
-    std::vector<HookDrive> drives;
+    std::vector<fem::HookDrive> drives;
     bool all_prescribe = true;
     for (const HookSpec& spec : approach.hooks) {
         drives.push_back(drive_of(spec));
         all_prescribe = all_prescribe && spec.pull.prescribes();
     }
-    return all_prescribe ? std::vector<HookDrive>() : drives;
+    return all_prescribe ? std::vector<fem::HookDrive>() : drives;
 }
 
 Job as_stage(const Job& job, std::string stage)
@@ -147,39 +147,39 @@ Job as_stage(const Job& job, std::string stage)
     return named;
 }
 
-OpeningOptions opening_options(const SolutionChoice& choice)
+fem::OpeningOptions opening_options(const SolutionChoice& choice)
 {
-    OpeningOptions options;
+    fem::OpeningOptions options;
     options.elasticity = choice.elasticity;
     options.locking_free = choice.element == ElementKind::locking_free;
     return options;
 }
 
-OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<const HookDrive> drives,
-    OpeningOptions options, const Job& job)
+OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<const fem::HookDrive> drives,
+    fem::OpeningOptions options, const Job& job)
 {
     OpenedPart opened;
     const bool local = extent.within_mm > 0.0;
     if (local)
-        opened.part = local_problem(field.problem, lip_points(field), extent.within_mm);
+        opened.part = fem::local_problem(field.problem, lip_points(field), extent.within_mm);
     if (extent.near_mm > 0.0) {
         options.near = near_elements(field, extent.near_mm);
         opened.near_tets
             = static_cast<std::size_t>(std::count(options.near.begin(), options.near.end(), std::uint8_t { 1 }));
     }
-    const ElasticProblem& problem = local ? opened.part.problem : field.problem;
+    const fem::ElasticProblem& problem = local ? opened.part.problem : field.problem;
     opened.hooks = problem.hooks;
     if (drives.empty()) {
-        Opening opening(problem, options);
+        fem::Opening opening(problem, options);
         opened.opening = opening.open(problem.hooks, job);
     } else {
-        DrivenOpening driven = open_driven(problem, drives, options, job);
+        fem::DrivenOpening driven = fem::open_driven(problem, drives, options, job);
         opened.opening = std::move(driven.opening);
         opened.hooks = std::move(driven.hooks);
         opened.yielded = std::move(driven.yielded);
     }
-    OpeningResult& result = opened.opening;
-    if (result.status == OpeningStatus::cancelled)
+    fem::OpeningResult& result = opened.opening;
+    if (result.status == fem::OpeningStatus::cancelled)
         return opened;
     if (problem.mesh.nodes_per_tet == 10)
         opened.ten_node = Eigen::Map<const Eigen::VectorXd>(result.displacement.data(), result.displacement.size());
@@ -196,12 +196,12 @@ OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<
     return opened;
 }
 
-OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume& labels,
+OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelVolume& labels,
     std::span<const Label> fixed_labels, CutWall cut, const LocalPlan& local, const Job& job)
 {
     const Case& planned_case = patient.planned_case();
     const SolutionChoice& choice = planned_case.solution;
-    OpeningOptions options = opening_options(choice);
+    fem::OpeningOptions options = opening_options(choice);
     if (planned_case.contact)
         options.contact = contact_of(field, patient);
     ElasticWall elastic = elastic_wall(field.wall, labels, planned_case, fixed_labels);
@@ -213,7 +213,7 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume&
         .pressures = {} };
     for (WallPressure& pressure : wall_pressures(field.wall, labels, planned_case, cut.wound)) {
         field.metrics.pressures.push_back(
-            pressure_metrics(field.wall, pressure, choice.elasticity != Elasticity::linear));
+            pressure_metrics(field.wall, pressure, choice.elasticity != fem::Elasticity::linear));
         field.problem.pressures.push_back(std::move(pressure.acts));
     }
     if (choice.element == ElementKind::p2)
@@ -236,15 +236,15 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume&
     if (options.contact)
         field.metrics.contact = ContactMetrics { field.opening.contact.touching, field.opening.contact.penetration,
             field.opening.contact.force_N, field.opening.contact_overlap_mm };
-    if (field.opening.status == OpeningStatus::cancelled) {
+    if (field.opening.status == fem::OpeningStatus::cancelled) {
         field.status = PlanStatus::cancelled;
     } else if (!is_usable(field.opening)) {
         field.status
-            = field.opening.status == OpeningStatus::inverted ? PlanStatus::inverted : PlanStatus::not_converged;
+            = field.opening.status == fem::OpeningStatus::inverted ? PlanStatus::inverted : PlanStatus::not_converged;
     }
     OpenedWound wound { { .vertices = std::move(cut.rigid), .solved = {} }, std::move(opened.part),
         std::move(options.contact), std::move(opened.ten_node) };
-    if (field.opening.status == OpeningStatus::cancelled || wound.rigid.vertices.empty())
+    if (field.opening.status == fem::OpeningStatus::cancelled || wound.rigid.vertices.empty())
         return wound;
     wound.rigid.solved = field.opening.displacement;
     move_rigid_pieces(field.wall, wound.rigid.vertices, field.opening.displacement);
@@ -280,7 +280,7 @@ WoundMeasures measures_of(
     const PlannedField& field, const RigidPieces& rigid, Points& displacement, const std::vector<Vec3>& hook_forces_N)
 {
     move_rigid_pieces(field.wall, rigid.vertices, displacement);
-    const WoundEdges edges = wound_edges(field.wall, field.lips, SweptBlade(blade_of(field.approach)));
+    const WoundEdges edges = wound_edges(field.wall, field.lips, mesh::SweptBlade(blade_of(field.approach)));
     const OpeningGeometry geometry = opening_geometry(edges, field.wall, displacement);
     return { geometry.width_mm, geometry.area_mm2, side_forces(field, hook_forces_N) };
 }
@@ -290,4 +290,4 @@ WoundMeasures measures_of(const PlannedField& field)
     return { field.geometry.width_mm, field.geometry.area_mm2, side_forces(field, field.opening.hook_forces_N) };
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// How much of the wall is solved, and how much of that nonlinearly; 0: all of it. mm, from the lips.
 struct Extent {
@@ -26,11 +26,11 @@ struct Extent {
 /// A part of the wall, solved in place of the whole.
 struct OpenedPart {
     Eigen::VectorXd ten_node {}; ///< as solved, at all nodes; of four-node elements: empty
-    LocalProblem part; ///< empty for the whole wall
-    std::vector<HookPatch> hooks; ///< where they are
+    fem::LocalProblem part; ///< empty for the whole wall
+    std::vector<fem::HookPatch> hooks; ///< where they are
     std::vector<bool> yielded; ///< per hook, where some do not simply go where they are told
     std::size_t near_tets = 0; ///< nonlinear ones, where the rest was to be linear
-    OpeningResult opening; ///< on the whole wall's vertices and elements; nothing moves beyond the part
+    fem::OpeningResult opening; ///< on the whole wall's vertices and elements; nothing moves beyond the part
 };
 
 /// What move_rigid_pieces() adds after the wound is solved: the pieces, and the answer without it.
@@ -42,8 +42,8 @@ struct RigidPieces {
 /// How the opening of a field was found, for those that judge it.
 struct OpenedWound {
     RigidPieces rigid;
-    LocalProblem part; ///< empty: the whole wall was solved
-    std::optional<ContactOptions> contact; ///< it was solved with
+    fem::LocalProblem part; ///< empty: the whole wall was solved
+    std::optional<fem::ContactOptions> contact; ///< it was solved with
     Eigen::VectorXd ten_node {}; ///< the answer of ten-node elements at all their nodes; of four-node ones: empty
 };
 
@@ -63,7 +63,7 @@ struct WoundMeasures {
 };
 
 /// Whether the wound is a state that tissue can be in: at rest, and with no more than a few slivers turned over.
-bool is_usable(const OpeningResult& opening);
+bool is_usable(const fem::OpeningResult& opening);
 
 bool has_linear_far_field(const PlannedField& field);
 
@@ -71,24 +71,24 @@ bool has_linear_far_field(const PlannedField& field);
 std::vector<std::uint8_t> near_elements(const PlannedField& field, double near_mm);
 
 /// Of the approach's hooks; empty where all of them simply go where they are told.
-std::vector<HookDrive> drives_of(const Approach& approach);
+std::vector<fem::HookDrive> drives_of(const Approach& approach);
 
 /// A part's displacement (corners first) on the vertices of the whole; nothing moves beyond it.
-Points on_the_whole(const Points& displacement, const LocalProblem& part, const TetMesh& whole);
+Points on_the_whole(const Points& displacement, const fem::LocalProblem& part, const mesh::TetMesh& whole);
 
 /// The job for one more opening of a wound: what it reports comes under that name, so that the stage of the plan's own
 /// opening does not begin again. @pre `job` outlives it.
 Job as_stage(const Job& job, std::string stage);
 
-OpeningOptions opening_options(const SolutionChoice& choice);
+fem::OpeningOptions opening_options(const SolutionChoice& choice);
 
 /// @param drives empty: the hooks go where field.problem says. @throws as Opening, and local_problem() does.
-OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<const HookDrive> drives,
-    OpeningOptions options, const Job& job);
+OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<const fem::HookDrive> drives,
+    fem::OpeningOptions options, const Job& job);
 
 /// Opens the cut wall as the case's solution says, and fills in what of the field comes of it: problem, opening, where
 /// the hooks came to rest, status (opening.message says why). @throws as open_part().
-OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume& labels,
+OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelVolume& labels,
     std::span<const Label> fixed_labels, CutWall cut, const LocalPlan& local, const Job& job);
 
 /// Per hook, whether it pushes, to hold a lip that would go farther without it: its force is mostly against its
@@ -106,4 +106,4 @@ WoundMeasures measures_of(
 /// Of the field as it was measured.
 WoundMeasures measures_of(const PlannedField& field);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -5,11 +5,11 @@
 #include "mesh/generation/hybrid_model.h"
 #include "mesh/image/skeleton.h"
 #include "mesh/surface/wound_surface.h"
+#include "planner/measures/metrics.h"
 #include "planner/plan/error_bars.h"
 #include "planner/plan/explanation.h"
 #include "planner/plan/gape.h"
 #include "planner/plan/left_out.h"
-#include "planner/measures/metrics.h"
 #include "planner/plan/opened_wound.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/wall_beyond.h"
@@ -24,7 +24,7 @@
 #include <thread>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -49,11 +49,11 @@ namespace {
         Stopwatch watch_;
     };
 
-    std::vector<Label> label_ids(const LabelTable& table, const std::vector<std::string>& names)
+    std::vector<Label> label_ids(const mesh::LabelTable& table, const std::vector<std::string>& names)
     {
         std::vector<Label> ids;
         for (const std::string& name : names) {
-            const LabelInfo* info = find_label(table, name);
+            const mesh::LabelInfo* info = mesh::find_label(table, name);
             if (info == nullptr)
                 throw InputError("there is no label of this name", name);
             ids.push_back(info->id);
@@ -65,8 +65,8 @@ namespace {
     bool take_cut(PlannedField& field, CutWall& cut)
     {
         field.cut_report = cut.report;
-        if (cut.status != CutStatus::done) {
-            field.status = cut.status == CutStatus::cancelled ? PlanStatus::cancelled : PlanStatus::cut_missed;
+        if (cut.status != mesh::CutStatus::done) {
+            field.status = cut.status == mesh::CutStatus::cancelled ? PlanStatus::cancelled : PlanStatus::cut_missed;
             field.message = cut.message;
             return false;
         }
@@ -82,8 +82,8 @@ namespace {
     }
 
     /// Before the cut.
-    WallTension tension_of(const TetMesh& wall, const LabelVolume& labels, const Case& planned_case,
-        const Approach& approach, const Supports& supports)
+    WallTension tension_of(const mesh::TetMesh& wall, const mesh::LabelVolume& labels, const Case& planned_case,
+        const Approach& approach, const fem::Supports& supports)
     {
         Vec3 inward = Vec3::Zero();
         for (const Vec3& direction : approach.directions)
@@ -115,7 +115,7 @@ namespace {
         for (const std::size_t side : { 0U, 1U })
             if (!took_lip[side].empty() || !field.metrics.removed.empty())
                 try {
-                    static_cast<void>(wound_edges(field.wall, field.lips, SweptBlade(blade_of(field.approach))));
+                    static_cast<void>(wound_edges(field.wall, field.lips, mesh::SweptBlade(blade_of(field.approach))));
                 } catch (const InputError& error) {
                     if (error.where() != (side == 0 ? "left lip" : "right lip"))
                         continue;
@@ -131,31 +131,32 @@ namespace {
     }
 
     /// The organ that a target given as a sphere lies in: it is operated on, and does not block the view of itself.
-    const LabelInfo* organ_of_sphere(Patient& patient, const TargetSpec& target)
+    const mesh::LabelInfo* organ_of_sphere(Patient& patient, const TargetSpec& target)
     {
         if (!target.is_sphere())
             return nullptr;
         const auto labels = patient.labels();
-        const LabelInfo* info = find_label(patient.planned_case().label_table, label_at(*labels, target.centre));
-        return info != nullptr && info->role != Role::wall ? info : nullptr;
+        const mesh::LabelInfo* info
+            = mesh::find_label(patient.planned_case().label_table, mesh::label_at(*labels, target.centre));
+        return info != nullptr && info->role != mesh::Role::wall ? info : nullptr;
     }
 
     std::vector<Occluder> occluders(Patient& patient, const PlannedField& field)
     {
         const Case& planned_case = patient.planned_case();
-        const LabelTable& table = planned_case.label_table;
+        const mesh::LabelTable& table = planned_case.label_table;
         std::vector<Occluder> all;
         all.push_back({ .name = "wall",
-            .surface = deformed_boundary(field.wall, field.opening.displacement),
+            .surface = mesh::deformed_boundary(field.wall, field.opening.displacement),
             .labels = table,
             .material = {},
             .wall = true });
         std::vector<Label> bones;
-        for (const LabelInfo& info : table)
-            if (info.role == Role::wall && is_skeleton(info))
+        for (const mesh::LabelInfo& info : table)
+            if (info.role == mesh::Role::wall && is_skeleton(info))
                 bones.push_back(info.id);
         all.push_back({ .name = "bone",
-            .surface = tissue_surface(field.wall, field.opening.displacement, bones).surface,
+            .surface = mesh::tissue_surface(field.wall, field.opening.displacement, bones).surface,
             .labels = table,
             .material = "bone",
             .wall = true });
@@ -164,8 +165,8 @@ namespace {
             .labels = {},
             .material = {},
             .wall = true });
-        const LabelInfo* operated_on = organ_of_sphere(patient, field.approach.target);
-        for (const LabelInfo& info : table) {
+        const mesh::LabelInfo* operated_on = organ_of_sphere(patient, field.approach.target);
+        for (const mesh::LabelInfo& info : table) {
             const bool operated
                 = info.name == field.approach.target.label || (operated_on != nullptr && info.id == operated_on->id);
             if (!operated && stays_in_place(info, field.approach, patient))
@@ -180,7 +181,7 @@ namespace {
 
     void look_through(PlannedField& field, Patient& patient, const Job& job)
     {
-        const SweptBlade blade(blade_of(field.approach));
+        const mesh::SweptBlade blade(blade_of(field.approach));
         const WoundEdges edges = wound_edges(field.wall, field.lips, blade);
         field.geometry = opening_geometry(edges, field.wall, field.opening.displacement);
         const std::shared_ptr<const TriMesh> target = patient.target(field.approach.target);
@@ -194,7 +195,7 @@ namespace {
         if (field.exposure.status == ExposureStatus::cancelled)
             field.status = PlanStatus::cancelled;
         const auto distance = working_distance_mm(field.geometry, *target, aim, cone.axis);
-        if (const LabelInfo* organ = organ_of_sphere(patient, field.approach.target))
+        if (const mesh::LabelInfo* organ = organ_of_sphere(patient, field.approach.target))
             remark(
                 field.message, "the sphere lies in the " + organ->name + ", which is not counted as blocking its view");
         field.metrics.working_distance_mm = distance.value_or((field.geometry.centre - aim).norm());
@@ -203,12 +204,12 @@ namespace {
     std::string status_text(const PlannedField& field)
     {
         switch (field.opening.status) {
-        case OpeningStatus::converged:
+        case fem::OpeningStatus::converged:
             return "converged";
-        case OpeningStatus::inverted:
+        case fem::OpeningStatus::inverted:
             return is_usable(field.opening) ? "converged" : "inverted, though " + field.opening.message;
-        case OpeningStatus::not_converged:
-        case OpeningStatus::cancelled:
+        case fem::OpeningStatus::not_converged:
+        case fem::OpeningStatus::cancelled:
             break;
         }
         return field.opening.message; // begins with what happened
@@ -242,7 +243,7 @@ namespace {
         m.eyes = seen.cone.eyes;
         m.target_samples = static_cast<int>(seen.samples);
         for (const SightShare& blocker : seen.blocked_by) {
-            const LabelInfo* info = find_label(patient.planned_case().label_table, blocker.name);
+            const mesh::LabelInfo* info = mesh::find_label(patient.planned_case().label_table, blocker.name);
             m.blockers.push_back({ blocker.name, blocker.share, info != nullptr && is_skeleton(*info) });
         }
         for (const SightShare& bone : seen.bone_in_sight)
@@ -311,16 +312,17 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     PlannedField field;
     field.approach = approach;
     const auto labels = patient.labels();
-    const MeshSizing sizing = mesh_sizing_of(approach, planned_case.label_table);
+    const mesh::MeshSizing sizing = mesh_sizing_of(approach, planned_case.label_table);
     const std::vector<Label> fixed_labels = label_ids(planned_case.label_table, planned_case.supports.labels);
     CutWall cut;
     OpenedWound wound;
     {
         const StageTimer timer(field.metrics, "mesh");
-        HybridModel model = build_hybrid_model(*labels, sizing, job);
+        mesh::HybridModel model = mesh::build_hybrid_model(*labels, sizing, job);
         field.mesh_statistics = model.statistics;
-        if (model.status != MeshStatus::done) {
-            field.status = model.status == MeshStatus::cancelled ? PlanStatus::cancelled : PlanStatus::nothing_to_mesh;
+        if (model.status != mesh::MeshStatus::done) {
+            field.status
+                = model.status == mesh::MeshStatus::cancelled ? PlanStatus::cancelled : PlanStatus::nothing_to_mesh;
             field.message = model.message;
             return field;
         }
@@ -329,7 +331,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     }
     {
         const StageTimer timer(field.metrics, "cut");
-        Supports supports = supports_of(field.wall, *labels, planned_case, sizing);
+        fem::Supports supports = supports_of(field.wall, *labels, planned_case, sizing);
         if (supports.fixed.empty())
             remark(field.message,
                 "nothing but the hooks holds this wall: name what does in case.json, \"supports\" (the spine, or the "
@@ -420,4 +422,4 @@ std::vector<PlannedField> plan_all(Patient& patient, const Job& job, const Local
     return fields;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -9,7 +9,7 @@
 
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// @throws InputError naming what does not go together, before anything long: check_solution(), a part with contact or
 /// a distance that is negative or not finite, a check of nothing.
@@ -24,4 +24,4 @@ PlannedField plan_approach(
 /// All approaches of the case, two at a time where the machine has the cores; results in the case's order.
 std::vector<PlannedField> plan_all(Patient& patient, const Job& job = {}, const LocalPlan& local = {});
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -9,14 +9,14 @@
 #include "mesh/generation/hybrid_model.h"
 #include "planner/case/approach.h"
 #include "planner/measures/exposure.h"
-#include "planner/wall/field_geometry.h"
 #include "planner/measures/field_metrics.h"
+#include "planner/wall/field_geometry.h"
 #include "planner/wall/wall_cut.h"
 
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 enum class PlanStatus {
     done,
@@ -33,17 +33,17 @@ struct [[nodiscard]] PlannedField {
     PlanStatus status = PlanStatus::done;
     std::string message;
     Approach approach;
-    MeshStatistics mesh_statistics;
-    CutReport cut_report;
+    mesh::MeshStatistics mesh_statistics;
+    mesh::CutReport cut_report;
 
-    TetMesh wall; ///< cut, at rest
-    std::vector<LipFace> lips; ///< faces of `wall` on the two sides of the incision
+    mesh::TetMesh wall; ///< cut, at rest
+    std::vector<mesh::LipFace> lips; ///< faces of `wall` on the two sides of the incision
     std::vector<WallPiece> pieces; ///< of `wall`, with what holds them
-    std::vector<HookPatch> hooks; ///< in the order of approach.hooks; nodes of `wall`; where they came to rest
+    std::vector<fem::HookPatch> hooks; ///< in the order of approach.hooks; nodes of `wall`; where they came to rest
     /// What the solver was given: `wall` with its materials, supports and hooks; of ten-node elements, midpoints last.
-    ElasticProblem problem;
+    fem::ElasticProblem problem;
     std::vector<bool> yielded; ///< per hook: held back by its limit; empty where all go where they are told
-    OpeningResult opening; ///< displacements of the vertices of `wall`
+    fem::OpeningResult opening; ///< displacements of the vertices of `wall`
     OpeningGeometry geometry; ///< of the opened wound
     Exposure exposure;
 
@@ -60,4 +60,4 @@ struct LocalPlan {
     bool check = false;
 };
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -3,8 +3,8 @@
 #include "fem/springs/edge_springs.h"
 #include "fem/springs/spring_relaxation.h"
 #include "mesh/base/error.h"
-#include "mesh/image/skeleton.h"
 #include "mesh/base/triangle.h"
+#include "mesh/image/skeleton.h"
 #include "planner/wall/wall_tension.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 #include <sstream>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -43,11 +43,11 @@ namespace {
 
     /// Vertices that the knife may change where it goes on along the planned line. Cutting elsewhere is as right, but
     /// hooks follow it later.
-    std::vector<VertexId> along_planned_line(const CutSession& session, const Approach& approach)
+    std::vector<VertexId> along_planned_line(const mesh::CutSession& session, const Approach& approach)
     {
         if (approach.incision.size() < 2)
             return {};
-        const SweptBlade blade(blade_of(approach));
+        const mesh::SweptBlade blade(blade_of(approach));
         const double stray = kStrayEdges * approach.sizing.corridor_edge_mm;
         Eigen::AlignedBox3d box = blade.box(0.0, blade.length());
         box.extend(Vec3(box.min() - Vec3::Constant(stray))).extend(Vec3(box.max() + Vec3::Constant(stray)));
@@ -55,7 +55,7 @@ namespace {
         for (VertexId v = 0; v < static_cast<VertexId>(session.vertex_slots()); ++v) {
             if (!session.has_vertex(v) || !box.contains(session.position(v)))
                 continue;
-            const BladeCoordinates c = blade.coordinates(session.position(v));
+            const mesh::BladeCoordinates c = blade.coordinates(session.position(v));
             if (std::abs(c.side) <= stray && c.along >= -stray && c.along <= blade.length() + stray
                 && c.depth <= blade.depth() + stray)
                 vertices.push_back(v);
@@ -63,33 +63,33 @@ namespace {
         return vertices;
     }
 
-    std::vector<Label> skeleton_labels(const LabelTable& table)
+    std::vector<Label> skeleton_labels(const mesh::LabelTable& table)
     {
         std::vector<Label> labels;
-        for (const LabelInfo& info : table)
-            if (is_skeleton(info))
+        for (const mesh::LabelInfo& info : table)
+            if (mesh::is_skeleton(info))
                 labels.push_back(info.id);
         return labels;
     }
 
-    std::string label_name(const LabelTable& table, Label label)
+    std::string label_name(const mesh::LabelTable& table, Label label)
     {
-        const LabelInfo* info = find_label(table, label);
+        const mesh::LabelInfo* info = mesh::find_label(table, label);
         return info == nullptr ? "nothing" : info->name;
     }
 
-    CutSession open_session(const TetMesh& wall, const Job& job)
+    mesh::CutSession open_session(const mesh::TetMesh& wall, const Job& job)
     {
         const Stopwatch watch;
-        CutSession session(wall);
+        mesh::CutSession session(wall);
         record_part(job, "cutting session", watch, session.bytes().mesh);
         return session;
     }
 
-    double volume_of(const MeshDelta::Tet& tet, const Points& vertices)
+    double volume_of(const mesh::MeshDelta::Tet& tet, const Points& vertices)
     {
         const auto p = [&](std::size_t i) { return Vec3(vertices.row(tet.nodes[i])); };
-        return tet_volume(p(0), p(1), p(2), p(3));
+        return mesh::tet_volume(p(0), p(1), p(2), p(3));
     }
 
 } // namespace
@@ -102,17 +102,17 @@ struct LipsOfCut {
 
 namespace {
 
-    std::vector<LipsOfCut> lips_of_cuts(const CutSession& session, std::size_t cuts)
+    std::vector<LipsOfCut> lips_of_cuts(const mesh::CutSession& session, std::size_t cuts)
     {
         std::vector<LipsOfCut> found(cuts);
-        for (const LipFace& lip : session.lips()) {
+        for (const mesh::LipFace& lip : session.lips()) {
             if (lip.side < 0 || static_cast<std::size_t>(lip.cut) >= cuts)
                 continue;
             const auto nodes = session.tet(lip.face.tet).nodes;
             std::array<Vec3, 3> p;
             for (std::size_t i = 0; i < 3; ++i)
                 p[i] = session.position(
-                    nodes[static_cast<std::size_t>(kTetFaces[static_cast<std::size_t>(lip.face.corner)][i])]);
+                    nodes[static_cast<std::size_t>(mesh::kTetFaces[static_cast<std::size_t>(lip.face.corner)][i])]);
             LipsOfCut& of = found[static_cast<std::size_t>(lip.cut)];
             of.area_mm2 += triangle_area(p);
             of.bared = of.bared || lip.side == 0;
@@ -125,8 +125,8 @@ namespace {
 struct CuttingDesk::Stroke {
     Touch begin;
     KnifeSettings settings;
-    Blade blade; ///< line and directions: what was accepted, the first point included
-    CutOptions options;
+    mesh::Blade blade; ///< line and directions: what was accepted, the first point included
+    mesh::CutOptions options;
     Vec3 tip = Vec3::Zero(); ///< the last point drawn, cut or not
     Vec3 tip_direction = Vec3::UnitY();
     std::string off; ///< where the line is now, when it is not on what can be cut; bridged when it soon comes back
@@ -139,11 +139,12 @@ CuttingDesk::CuttingDesk(OperatingTable table, const Job& job)
 {
 }
 
-CuttingDesk::CuttingDesk(OperatingTable table, CutSession session, const std::vector<MeshDelta>& cuts, const Job& job)
+CuttingDesk::CuttingDesk(
+    OperatingTable table, mesh::CutSession session, const std::vector<mesh::MeshDelta>& cuts, const Job& job)
     : labels_(std::move(table.labels))
     , materials_(std::move(table.materials))
     , outward_(table.outward)
-    , first_(std::make_shared<const TetMesh>(std::move(table.wall)))
+    , first_(std::make_shared<const mesh::TetMesh>(std::move(table.wall)))
     , skeleton_(skeleton_labels(labels_))
     , session_(std::move(session))
     , follower_(*first_)
@@ -158,30 +159,30 @@ CuttingDesk::CuttingDesk(OperatingTable table, CutSession session, const std::ve
     for (const VertexId v : table.held)
         held_.at(static_cast<std::size_t>(v)) = 1;
     cut_off_.insert(cut_off_.end(), table.held.begin(), table.held.end());
-    for (const BeddedVertex& bed : table.bedded)
+    for (const fem::BeddedVertex& bed : table.bedded)
         bed_.at(static_cast<std::size_t>(bed.vertex)) = bed.stiffness;
     const std::vector<LipsOfCut> lips = cuts.empty() ? std::vector<LipsOfCut> {} : lips_of_cuts(session_, cuts.size());
-    for (const MeshDelta& delta : cuts)
+    for (const mesh::MeshDelta& delta : cuts)
         cuts_.push_back(restored_entry(
             static_cast<int>(cuts_.size()) + 1, delta, lips[cuts_.size()], [&] { (void)take_in(delta); }));
 }
 
 /// @param take takes the delta in: volumes are of before it and after it.
 CutEntry CuttingDesk::restored_entry(
-    int number, const MeshDelta& delta, const LipsOfCut& lips, const std::function<void()>& take) const
+    int number, const mesh::MeshDelta& delta, const LipsOfCut& lips, const std::function<void()>& take) const
 {
     CutEntry entry { .number = number, .restored = true };
     entry.report.lip_area_mm2 = lips.area_mm2;
     std::map<Label, double> lost;
-    for (const MeshDelta::Tet& tet : delta.tets_gone)
+    for (const mesh::MeshDelta::Tet& tet : delta.tets_gone)
         lost[tet.label] += volume_of(tet, rest_);
     take();
-    for (const MeshDelta::Tet& tet : delta.tets_born)
+    for (const mesh::MeshDelta::Tet& tet : delta.tets_born)
         lost[tet.label] -= volume_of(tet, rest_);
     // An ablation takes vertices, or bares faces, or both; a cut neither.
     const bool ablation = lips.bared
         || std::any_of(delta.vertices_gone.begin(), delta.vertices_gone.end(),
-            [](const auto& gone) { return gone.origin == MeshDelta::Origin::restored; });
+            [](const auto& gone) { return gone.origin == mesh::MeshDelta::Origin::restored; });
     if (!ablation || lost.empty())
         return entry;
     double most = 0.0;
@@ -285,7 +286,7 @@ void CuttingDesk::leave_wall()
 KnifeAnswer CuttingDesk::cut_to(std::vector<Vec3> points, std::vector<Vec3> directions)
 {
     Stroke& stroke = *stroke_;
-    Blade longer = stroke.blade;
+    mesh::Blade longer = stroke.blade;
     longer.line.insert(longer.line.end(), points.begin(), points.end());
     longer.directions.insert(longer.directions.end(), directions.begin(), directions.end());
     const auto refused = [&](const Error& error) -> KnifeAnswer {
@@ -293,7 +294,7 @@ KnifeAnswer CuttingDesk::cut_to(std::vector<Vec3> points, std::vector<Vec3> dire
         return { false, stroke.left_out };
     };
     const Stopwatch watch;
-    CutResult result;
+    mesh::CutResult result;
     try {
         result = session_.extend_stroke(longer, stroke.options);
     } catch (const InputError& error) {
@@ -301,7 +302,7 @@ KnifeAnswer CuttingDesk::cut_to(std::vector<Vec3> points, std::vector<Vec3> dire
     } catch (const SolverError& error) { // where a step may not end; another point will do
         return refused(error);
     }
-    if (result.status != CutStatus::done)
+    if (result.status != mesh::CutStatus::done)
         return { false, result.message };
     stroke.blade = std::move(longer);
     step_ms_ = 1e3 * watch.seconds();
@@ -324,7 +325,7 @@ KnifeAnswer CuttingDesk::finish_stroke()
         return { false, reason };
     }
     const Stopwatch watch;
-    CutResult result;
+    mesh::CutResult result;
     try {
         result = session_.finish_stroke();
     } catch (const SolverError& error) { // it would be refused again, and an open stroke forbids everything else
@@ -335,7 +336,7 @@ KnifeAnswer CuttingDesk::finish_stroke()
     const std::shared_ptr<Stroke> ended = std::exchange(stroke_, nullptr); // now that the session's has ended
     step_ms_ = 1e3 * watch.seconds();
     follow(result.delta);
-    if (result.status != CutStatus::done)
+    if (result.status != mesh::CutStatus::done)
         return { false, result.message };
     std::erase_if(cuts_, [](const CutEntry& cut) { return !cut.in_force; });
     CutEntry entry {
@@ -362,24 +363,24 @@ void CuttingDesk::abandon_stroke()
         stroke_.reset();
         return;
     }
-    const MeshDelta delta = session_.abandon_stroke(); // where the journal refuses it, the stroke stays open
+    const mesh::MeshDelta delta = session_.abandon_stroke(); // where the journal refuses it, the stroke stays open
     stroke_.reset();
     follow(delta);
 }
 
-std::optional<Piece> CuttingDesk::free_piece_at(const Touch& at, std::string& why_not) const
+std::optional<mesh::Piece> CuttingDesk::free_piece_at(const Touch& at, std::string& why_not) const
 {
     const auto refuse = [&](const char* text) {
         why_not = text;
         return std::nullopt;
     };
-    const std::vector<SurfaceFace>& faces = follower_.faces();
+    const std::vector<mesh::SurfaceFace>& faces = follower_.faces();
     const auto touched = std::find_if(
-        faces.begin(), faces.end(), [&](const SurfaceFace& face) { return face.vertices == at.triangle; });
+        faces.begin(), faces.end(), [&](const mesh::SurfaceFace& face) { return face.vertices == at.triangle; });
     if (touched == faces.end())
         return refuse("the tissue has changed since: point again");
-    std::vector<Piece> pieces = find_pieces(session_);
-    const auto piece = std::find_if(pieces.begin(), pieces.end(), [&](const Piece& candidate) {
+    std::vector<mesh::Piece> pieces = mesh::find_pieces(session_);
+    const auto piece = std::find_if(pieces.begin(), pieces.end(), [&](const mesh::Piece& candidate) {
         return std::binary_search(candidate.tets.begin(), candidate.tets.end(), touched->face.tet);
     });
     if (piece == pieces.begin())
@@ -427,7 +428,7 @@ KnifeAnswer CuttingDesk::take_out(const Touch& at, double radius_mm)
     CutEntry entry;
     Label kind = at.label;
     if (radius_mm > 0.0) {
-        marked = mark_ball(session_, at.rest, radius_mm, std::array { at.label });
+        marked = mesh::mark_ball(session_, at.rest, radius_mm, std::array { at.label });
         if (marked.empty())
             return { false, "the ball is smaller than the elements here: take a larger one" };
         entry.left_out = leave_out_what_stays(marked);
@@ -435,7 +436,7 @@ KnifeAnswer CuttingDesk::take_out(const Touch& at, double radius_mm)
             return { false, "nothing can be taken out here: " + entry.left_out };
     } else {
         std::string why_not;
-        const std::optional<Piece> piece = free_piece_at(at, why_not);
+        const std::optional<mesh::Piece> piece = free_piece_at(at, why_not);
         if (!piece)
             return { false, why_not };
         marked = piece->tets;
@@ -445,8 +446,8 @@ KnifeAnswer CuttingDesk::take_out(const Touch& at, double radius_mm)
     if (marked.size() == session_.tet_count())
         return { false, "nothing of the wall would be left" };
     const Stopwatch watch;
-    const CutResult result = session_.ablate(marked, job_);
-    if (result.status != CutStatus::done)
+    const mesh::CutResult result = session_.ablate(marked, job_);
+    if (result.status != mesh::CutStatus::done)
         return { false, result.message };
     step_ms_ = 1e3 * watch.seconds();
     follow(result.delta);
@@ -466,7 +467,7 @@ void CuttingDesk::undo()
 
 void CuttingDesk::redo()
 {
-    const MeshDelta delta = session_.redo();
+    const mesh::MeshDelta delta = session_.redo();
     const std::size_t count = session_.cut_count();
     if (cuts_.size() < count) // it was taken back before the journal was opened again
         cuts_.push_back(restored_entry(
@@ -480,13 +481,13 @@ std::shared_ptr<const WallSurface> CuttingDesk::make_surface() const
 {
     auto surface = std::make_shared<WallSurface>();
     surface->rest = rest_;
-    const std::vector<SurfaceFace>& faces = follower_.faces();
+    const std::vector<mesh::SurfaceFace>& faces = follower_.faces();
     surface->triangles.reserve(faces.size());
     surface->labels.reserve(faces.size());
     std::vector<std::uint8_t> lips_of(session_.tet_slots(), 0); // a bit per corner
-    for (const LipFace& lip : session_.lips())
+    for (const mesh::LipFace& lip : session_.lips())
         lips_of[static_cast<std::size_t>(lip.face.tet)] |= static_cast<std::uint8_t>(1U << lip.face.corner);
-    for (const SurfaceFace& face : faces) {
+    for (const mesh::SurfaceFace& face : faces) {
         surface->triangles.push_back(face.vertices);
         surface->labels.push_back(face.label);
         surface->is_lip.push_back(lips_of[static_cast<std::size_t>(face.face.tet)] >> face.face.corner & 1U);
@@ -494,12 +495,12 @@ std::shared_ptr<const WallSurface> CuttingDesk::make_surface() const
     return surface;
 }
 
-CuttingDesk::Returned CuttingDesk::take_in(const MeshDelta& delta)
+CuttingDesk::Returned CuttingDesk::take_in(const mesh::MeshDelta& delta)
 {
     Returned returned;
     surface_.reset();
     picture_.reset();
-    for (const MeshDelta::VertexBorn& born : delta.vertices_born) {
+    for (const mesh::MeshDelta::VertexBorn& born : delta.vertices_born) {
         const auto id = static_cast<std::size_t>(born.id);
         held_.resize(std::max(held_.size(), id + 1), 0);
         bed_.resize(held_.size(), 0.0);
@@ -507,7 +508,7 @@ CuttingDesk::Returned CuttingDesk::take_in(const MeshDelta& delta)
             rest_.conservativeResizeLike(
                 Points::Zero(std::max<Eigen::Index>(born.id + 1, rest_.rows() + rest_.rows() / 8), 3));
         rest_.row(born.id) = born.position.transpose();
-        if (born.origin == MeshDelta::Origin::restored) {
+        if (born.origin == mesh::MeshDelta::Origin::restored) {
             const Ablated kept = ablated_.give_back(born.id).value_or(Ablated {});
             held_[id] = kept.held;
             bed_[id] = kept.bed;
@@ -520,13 +521,13 @@ CuttingDesk::Returned CuttingDesk::take_in(const MeshDelta& delta)
         }
         held_[id] = held_[static_cast<std::size_t>(born.a)] != 0 && held_[static_cast<std::size_t>(born.b)] != 0;
         bed_[id] = 0.0; // as in the hooks' solver
-        if (born.origin == MeshDelta::Origin::copy)
+        if (born.origin == mesh::MeshDelta::Origin::copy)
             parted_.emplace_back(born.a, born.id);
     }
-    for (const MeshDelta::VertexMoved& moved : delta.vertices_moved)
+    for (const mesh::MeshDelta::VertexMoved& moved : delta.vertices_moved)
         rest_.row(moved.id) = moved.to.transpose();
     follower_.follow(delta);
-    for (const MeshDelta::VertexBorn& gone : delta.vertices_gone) {
+    for (const mesh::MeshDelta::VertexBorn& gone : delta.vertices_gone) {
         const auto id = static_cast<std::size_t>(gone.id);
         Ablated lost { .held = held_[id], .bed = bed_[id], .hooks_made = hooks_made_, .parted = {} };
         bed_[id] = 0.0;
@@ -536,13 +537,13 @@ CuttingDesk::Returned CuttingDesk::take_in(const MeshDelta& delta)
                 lost.parted.push_back(pair);
             return ends;
         });
-        if (gone.origin == MeshDelta::Origin::restored)
+        if (gone.origin == mesh::MeshDelta::Origin::restored)
             ablated_.keep(gone.id, std::move(lost));
     }
     return returned;
 }
 
-void CuttingDesk::follow(const MeshDelta& delta)
+void CuttingDesk::follow(const mesh::MeshDelta& delta)
 {
     const Returned returned = take_in(delta);
     if (hooks_ != nullptr) {
@@ -608,8 +609,8 @@ void CuttingDesk::start_moving()
 
 void CuttingDesk::set_tension(double strain)
 {
-    if (!(strain >= 0.0 && strain <= kLargestPreStrain))
-        throw InputError("the tension must lie between 0 and " + std::to_string(kLargestPreStrain), "tension");
+    if (!(strain >= 0.0 && strain <= fem::kLargestPreStrain))
+        throw InputError("the tension must lie between 0 and " + std::to_string(fem::kLargestPreStrain), "tension");
     if (strain == tension_)
         return;
     if (hooks_ != nullptr) { // the same hooks on a wall under another tension
@@ -624,7 +625,7 @@ void CuttingDesk::set_tension(double strain)
         with_hooks([&] { hooks_->frame(); });
         return;
     }
-    std::unique_ptr<SpringNetwork> springs = strain > 0.0 ? make_springs(strain) : nullptr;
+    std::unique_ptr<fem::SpringNetwork> springs = strain > 0.0 ? make_springs(strain) : nullptr;
     std::swap(springs, springs_);
     tension_ = strain;
     picture_.reset();
@@ -636,10 +637,10 @@ void CuttingDesk::set_tension(double strain)
     start_moving();
 }
 
-std::unique_ptr<SpringNetwork> CuttingDesk::make_springs(double strain) const
+std::unique_ptr<fem::SpringNetwork> CuttingDesk::make_springs(double strain) const
 {
     const Stopwatch watch;
-    auto springs = std::make_unique<SpringNetwork>(session_, materials_, tension_stresses(strain));
+    auto springs = std::make_unique<fem::SpringNetwork>(session_, materials_, tension_stresses(strain));
     std::vector<VertexId> held;
     for (VertexId v = 0; v < static_cast<VertexId>(held_.size()); ++v)
         if (held_[static_cast<std::size_t>(v)] != 0 && session_.has_vertex(v))
@@ -652,15 +653,15 @@ std::unique_ptr<SpringNetwork> CuttingDesk::make_springs(double strain) const
 
 std::vector<Mat3> CuttingDesk::tension_stresses(double strain) const
 {
-    std::vector<Material> materials = materials_;
+    std::vector<fem::Material> materials = materials_;
     const double of_case = case_tension();
     for (std::size_t label = 0; label < materials.size(); ++label) {
-        PreStrain& tension = materials[label].pre_strain;
+        fem::PreStrain& tension = materials[label].pre_strain;
         if (of_case > 0.0) {
             tension.strain *= strain / of_case;
             tension.across *= strain / of_case;
         } else if (!is_skeleton_label(static_cast<Label>(label))) {
-            tension = { .kind = PreStrainKind::equibiaxial, .strain = strain };
+            tension = { .kind = fem::PreStrainKind::equibiaxial, .strain = strain };
         }
     }
     return wall_tension(*first_, materials, labels_, cut_off_, outward_).stress_of_element;
@@ -669,8 +670,8 @@ std::vector<Mat3> CuttingDesk::tension_stresses(double strain) const
 double CuttingDesk::case_tension() const
 {
     double largest = 0.0;
-    for (const Material& material : materials_)
-        if (material.pre_strain.kind != PreStrainKind::none)
+    for (const fem::Material& material : materials_)
+        if (material.pre_strain.kind != fem::PreStrainKind::none)
             largest = std::max({ largest, material.pre_strain.strain, material.pre_strain.across });
     return largest;
 }
@@ -680,7 +681,7 @@ double CuttingDesk::case_tension() const
 void CuttingDesk::make_hooks(std::span<const HookSeat> seats)
 {
     const Stopwatch watch;
-    Supports supports;
+    fem::Supports supports;
     for (VertexId v = 0; v < static_cast<VertexId>(held_.size()); ++v)
         if (held_[static_cast<std::size_t>(v)] != 0 && session_.has_vertex(v))
             supports.fixed.push_back(v);
@@ -757,7 +758,7 @@ void CuttingDesk::hooks_taken_off()
 }
 
 KnifeAnswer CuttingDesk::attach(std::vector<HookSeat> seats, const std::vector<std::string>& names,
-    const std::vector<HookDrive>& drives, bool planned, std::string left_out)
+    const std::vector<fem::HookDrive>& drives, bool planned, std::string left_out)
 {
     try {
         if (hooks_ == nullptr)
@@ -833,7 +834,7 @@ KnifeAnswer CuttingDesk::take_planned_hooks()
         return { false, "a stroke is open: finish it first" };
     if (approach_.hooks.empty())
         return { false, "the approach has no hooks" };
-    const std::vector<LipFace> lips = session_.lips();
+    const std::vector<mesh::LipFace> lips = session_.lips();
     if (lips.empty())
         return { false, "there is no wound to open yet: cut first" };
     PlannedSeats planned = planned_seats(session_, approach_, labels_, held_);
@@ -849,7 +850,7 @@ KnifeAnswer CuttingDesk::take_planned_hooks()
     return answer;
 }
 
-void CuttingDesk::pull_hook(HookId hook, const Vec3& asked)
+void CuttingDesk::pull_hook(fem::HookId hook, const Vec3& asked)
 {
     if (hooks_ == nullptr || !hooks_->has(hook))
         return;
@@ -893,7 +894,7 @@ void CuttingDesk::set_nonlinear(bool wanted)
     with_hooks([&] { hooks_->frame(); });
 }
 
-void CuttingDesk::take_off_hook(HookId hook)
+void CuttingDesk::take_off_hook(fem::HookId hook)
 {
     if (hooks_ == nullptr || !hooks_->has(hook))
         return;
@@ -920,14 +921,14 @@ void CuttingDesk::relax(double milliseconds, const Job& job)
         moving_ = moving_ && hooks_unsettled();
         return;
     }
-    RelaxOptions options;
+    fem::RelaxOptions options;
     options.tolerance = kRestTolerance;
     options.max_iterations = std::max(kFewestIterations, static_cast<int>(milliseconds * iterations_per_ms_));
     options.reach_mm = reach_mm_ > kLastReachMm ? 0.0 : reach_mm_;
     const Points before = springs_->displacement();
-    RelaxResult result;
+    fem::RelaxResult result;
     try {
-        result = retractor::relax(*springs_, options);
+        result = retractor::fem::relax(*springs_, options);
     } catch (const std::exception& error) {
         drop_tension(error.what());
         return;
@@ -939,7 +940,7 @@ void CuttingDesk::relax(double milliseconds, const Job& job)
     // eye no longer sees moving.
     const double moved = (springs_->displacement() - before).rowwise().norm().maxCoeff();
     still_frames_ = moved < kStillMm ? still_frames_ + 1 : 0;
-    if (result.status == RelaxStatus::out_of_iterations && still_frames_ < kStillFrames)
+    if (result.status == fem::RelaxStatus::out_of_iterations && still_frames_ < kStillFrames)
         return;
     // What is near the wound has opened; then it carries along what is farther away.
     still_frames_ = 0;
@@ -982,4 +983,4 @@ std::shared_ptr<const WallPicture> CuttingDesk::picture()
     return picture_;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

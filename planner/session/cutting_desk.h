@@ -26,22 +26,22 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// What the knife is laid out for: one approach's wall.
 struct OperatingTable {
-    TetMesh wall; ///< four nodes per element, at rest
+    mesh::TetMesh wall; ///< four nodes per element, at rest
     /// Vertices of the wall that do not move. Springs know no softer support: a bed (Supports::bedded) is left free.
     std::vector<VertexId> held;
     /// Of faces where the wall was cut off (cut_off_vertices() of planner/supports.h), whether they move or not:
     /// tension takes no skin there.
     std::vector<VertexId> cut_off {};
-    std::vector<BeddedVertex> bedded {}; ///< what hooks pull against besides; springs leave it out
+    std::vector<fem::BeddedVertex> bedded {}; ///< what hooks pull against besides; springs leave it out
     Approach approach {}; ///< its hooks are the planned ones
-    LabelTable labels;
+    mesh::LabelTable labels;
     /// By label; what is not of the wall may be left out. Hooks solve four-node elements: as those can have them
     /// (as_solved() of planner/opened_wound.h), or nearly incompressible tissue locks.
-    std::vector<Material> materials;
+    std::vector<fem::Material> materials;
     Vec3 outward = -Vec3::UnitY(); ///< out of the body, for tissue that lies under no skin
     WallRegion region {}; ///< where there is a wall to cut
     std::shared_ptr<const TriMesh> beyond {}; ///< drawn, not cut, and goes along with the wall's rim; null: nothing
@@ -67,7 +67,7 @@ struct CutEntry {
     std::string taken_out {}; ///< the name of the tissue that was taken out (of several, most of it); empty: a cut
     bool several_tissues = false; ///< taken out with it
     double length_mm = 0.0, depth_mm = 0.0;
-    CutReport report {};
+    mesh::CutReport report {};
     bool in_force = true;
     std::string left_out {}; ///< why a part of the line (of the ball) is not cut (taken out); empty: all of it is
     /// From disk, where lengths and reports are not kept: of the report only lip_area_mm2 and removed_volume_mm3 are
@@ -84,7 +84,8 @@ public:
     /// @throws InputError as CutSession does.
     explicit CuttingDesk(OperatingTable table, const Job& job = {});
     /// On a session of the table's wall that has these cuts already: one delta per cut, in order; no stroke is open.
-    CuttingDesk(OperatingTable table, CutSession session, const std::vector<MeshDelta>& cuts, const Job& job = {});
+    CuttingDesk(
+        OperatingTable table, mesh::CutSession session, const std::vector<mesh::MeshDelta>& cuts, const Job& job = {});
     ~CuttingDesk();
     CuttingDesk(CuttingDesk&&) noexcept;
     CuttingDesk& operator=(CuttingDesk&&) noexcept;
@@ -153,7 +154,7 @@ public:
     KnifeAnswer take_planned_hooks();
     std::size_t planned_hooks() const { return approach_.hooks.size(); }
     /// Where the hand draws a hook to, mm from rest; nothing when it is no longer there.
-    void pull_hook(HookId hook, const Vec3& asked);
+    void pull_hook(fem::HookId hook, const Vec3& asked);
     void pull_all_hooks(double mm); ///< each away from the other lip
     void pull_hooks_by_share(double share); ///< of their plan, as WoundHooks::pull_share()
     /// Hooks slip rather than pull harder (N); infinite: only at their own limits. @throws InputError when it is not
@@ -161,7 +162,7 @@ public:
     void set_yield(double force_N);
     /// Whether wounds that hooks open are nonlinear near by (WoundHooks); not at first.
     void set_nonlinear(bool wanted);
-    void take_off_hook(HookId hook); ///< nothing when it is no longer there
+    void take_off_hook(fem::HookId hook); ///< nothing when it is no longer there
     void take_off_hooks();
     /// Empty without hooks.
     HookReport hooks() const { return hooks_ != nullptr ? hooks_->report() : HookReport {}; }
@@ -177,7 +178,7 @@ public:
     const std::vector<CutEntry>& cuts() const { return cuts_; }
     /// The surface as it is now; shared between calls while nothing changes.
     std::shared_ptr<const WallPicture> picture();
-    const CutSession& session() const { return session_; }
+    const mesh::CutSession& session() const { return session_; }
     /// How long the last step of the knife took (ms): the cut itself, without the picture.
     double step_ms() const { return step_ms_; }
 
@@ -185,7 +186,7 @@ public:
 
 private:
     struct Stroke;
-    std::optional<Piece> free_piece_at(const Touch& at, std::string& why_not) const;
+    std::optional<mesh::Piece> free_piece_at(const Touch& at, std::string& why_not) const;
     std::string leave_out_what_stays(std::vector<TetId>& marked) const;
     KnifeAnswer cut_to(std::vector<Vec3> points, std::vector<Vec3> directions);
     bool is_skeleton_label(Label label) const;
@@ -194,10 +195,10 @@ private:
         std::vector<VertexId> held;
         bool unknown_to_hooks = false; ///< they were gone before the hooks' solver was made
     };
-    void follow(const MeshDelta& delta);
-    Returned take_in(const MeshDelta& delta);
+    void follow(const mesh::MeshDelta& delta);
+    Returned take_in(const mesh::MeshDelta& delta);
     CutEntry restored_entry(
-        int number, const MeshDelta& delta, const LipsOfCut& lips, const std::function<void()>& take) const;
+        int number, const mesh::MeshDelta& delta, const LipsOfCut& lips, const std::function<void()>& take) const;
     std::unique_ptr<SpringNetwork> make_springs(double strain) const;
     void renew_springs(const std::string& why);
     void drop_tension(const std::string& why);
@@ -209,20 +210,20 @@ private:
     void drop_hooks(const std::string& why);
     void hooks_taken_off();
     KnifeAnswer attach(std::vector<HookSeat> seats, const std::vector<std::string>& names,
-        const std::vector<HookDrive>& drives, bool planned, std::string left_out);
+        const std::vector<fem::HookDrive>& drives, bool planned, std::string left_out);
     template <class Call> void with_hooks(const Call& call);
     std::shared_ptr<const WallSurface> make_surface() const;
 
-    LabelTable labels_;
-    std::vector<Material> materials_;
+    mesh::LabelTable labels_;
+    std::vector<fem::Material> materials_;
     Vec3 outward_;
-    std::shared_ptr<const TetMesh> first_; ///< the wall before any cut: what the tension is told by
+    std::shared_ptr<const mesh::TetMesh> first_; ///< the wall before any cut: what the tension is told by
     Job job_;
     std::vector<Label> skeleton_;
-    CutSession session_;
+    mesh::CutSession session_;
     std::vector<CutEntry> cuts_;
     std::shared_ptr<Stroke> stroke_; ///< null: none is open
-    SurfaceFollower follower_;
+    mesh::SurfaceFollower follower_;
     Points rest_; ///< of the session's vertices, by id
     std::shared_ptr<const WallSurface> surface_; ///< null: to be made
     std::shared_ptr<const WallPicture> picture_; ///< null: to be made
@@ -236,7 +237,7 @@ private:
         int hooks_made = 0; ///< when it was taken
         std::vector<std::pair<VertexId, VertexId>> parted;
     };
-    AblatedValues<Ablated> ablated_;
+    mesh::AblatedValues<Ablated> ablated_;
     double tension_ = 0.0;
     std::unique_ptr<SpringNetwork> springs_; ///< null: not needed yet, or there are hooks
     std::vector<double> bed_; ///< per vertex of the session, N/mm; 0: it lies on none
@@ -254,4 +255,4 @@ private:
     std::string remark_;
 };
 
-} // namespace retractor
+} // namespace retractor::planner

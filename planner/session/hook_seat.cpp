@@ -13,7 +13,7 @@
 #include <set>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -92,15 +92,15 @@ namespace {
 
 } // namespace
 
-std::vector<LipTriangle> lip_triangles(const CutSession& session)
+std::vector<LipTriangle> lip_triangles(const mesh::CutSession& session)
 {
     std::vector<LipTriangle> triangles;
-    for (const LipFace& lip : session.lips()) {
+    for (const mesh::LipFace& lip : session.lips()) {
         const auto nodes = session.tet(lip.face.tet).nodes;
         LipTriangle triangle { {}, lip.cut, lip.side };
         for (std::size_t i = 0; i < 3; ++i)
             triangle.vertices[i]
-                = nodes[static_cast<std::size_t>(kTetFaces[static_cast<std::size_t>(lip.face.corner)][i])];
+                = nodes[static_cast<std::size_t>(mesh::kTetFaces[static_cast<std::size_t>(lip.face.corner)][i])];
         triangles.push_back(triangle);
     }
     return triangles;
@@ -155,11 +155,11 @@ HookSeat find_hook_seat(const WallSurface& surface, std::span<const LipTriangle>
     if (seat.inward.dot(at.inward) < 0.0)
         seat.inward = -seat.inward;
     seat.centre = place(surface, grip) + (0.5 * seat.height_mm - kAboveEdgeMm) * seat.inward;
-    TetMesh vertices; // as hook_patch_nodes() takes them
+    mesh::TetMesh vertices; // as hook_patch_nodes() takes them
     vertices.vertices = surface.rest;
     try {
-        seat.nodes
-            = hook_patch_nodes(vertices, faces, seat.centre, seat.along, seat.inward, seat.width_mm, seat.height_mm);
+        seat.nodes = fem::hook_patch_nodes(
+            vertices, faces, seat.centre, seat.along, seat.inward, seat.width_mm, seat.height_mm);
     } catch (const InputError& error) {
         return refuse(error.what());
     }
@@ -172,28 +172,28 @@ HookSeat find_hook_seat(const WallSurface& surface, std::span<const LipTriangle>
     return seat;
 }
 
-PlannedSeats planned_seats(
-    const CutSession& session, const Approach& approach, const LabelTable& table, std::span<const char> held)
+PlannedSeats planned_seats(const mesh::CutSession& session, const Approach& approach, const mesh::LabelTable& table,
+    std::span<const char> held)
 {
     PlannedSeats planned;
-    SlotMap map;
-    const TetMesh wall = session.compact_mesh(&map);
-    Supports supports;
+    mesh::SlotMap map;
+    const mesh::TetMesh wall = session.compact_mesh(&map);
+    fem::Supports supports;
     for (std::size_t v = 0; v < map.vertex_slot.size(); ++v)
         if (const auto id = static_cast<std::size_t>(map.vertex_slot[v]); id < held.size() && held[id] != 0)
             supports.fixed.push_back(static_cast<VertexId>(v));
     for (const HookSpec& spec : approach.hooks) {
         // Drawn by hand, the line may run either way: which lip is whose is told by the way that the hook pulls.
-        std::vector<LipFace> lips = session.lips();
-        for (LipFace& lip : lips) {
+        std::vector<mesh::LipFace> lips = session.lips();
+        for (mesh::LipFace& lip : lips) {
             lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
-            const Vec3 area = area_vector(wall.vertices, face_vertices(wall, lip.face));
+            const Vec3 area = area_vector(wall.vertices, mesh::face_vertices(wall, lip.face));
             lip.side = area.dot(spec.direction) < 0.0 ? spec.side : -spec.side;
         }
         Approach one = approach;
         one.hooks = { spec };
         try {
-            const HookPatch patch = hook_patches(wall, lips, one, table, supports).front();
+            const fem::HookPatch patch = hook_patches(wall, lips, one, table, supports).front();
             HookSeat seat { .side = spec.side,
                 .pull = spec.direction,
                 .width_mm = spec.patch_width_mm,
@@ -216,4 +216,4 @@ PlannedSeats planned_seats(
     return planned;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -14,14 +14,14 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// A face of a wound by the vertices of the session; counter-clockwise seen from the gap.
 struct LipTriangle {
     std::array<VertexId, 3> vertices {};
     int cut = 0, side = 0;
 };
-std::vector<LipTriangle> lip_triangles(const CutSession& session);
+std::vector<LipTriangle> lip_triangles(const mesh::CutSession& session);
 
 /// A patch of one lip.
 struct HookSeat {
@@ -42,10 +42,10 @@ HookSeat find_hook_seat(const WallSurface& surface, std::span<const LipTriangle>
 struct PlannedSeats {
     std::vector<HookSeat> seats;
     std::vector<std::string> names; ///< per seat
-    std::vector<HookDrive> drives; ///< per seat: as planned
+    std::vector<fem::HookDrive> drives; ///< per seat: as planned
     std::string left_out; ///< the hooks that find no hold, and why
 };
-PlannedSeats planned_seats(
-    const CutSession& session, const Approach& approach, const LabelTable& table, std::span<const char> held);
+PlannedSeats planned_seats(const mesh::CutSession& session, const Approach& approach, const mesh::LabelTable& table,
+    std::span<const char> held);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -10,7 +10,7 @@
 #include <system_error>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 
 std::filesystem::path cuts_journal(const std::filesystem::path& case_file, std::string_view approach)
 {
@@ -32,14 +32,14 @@ std::filesystem::path cuts_journal(const std::filesystem::path& case_file, std::
     return case_file.parent_path() / cuts / (name + ".jsonl");
 }
 
-KeptCuts read_kept_cuts(const std::filesystem::path& journal, const TetMesh& wall, const Job& job)
+KeptCuts read_kept_cuts(const std::filesystem::path& journal, const mesh::TetMesh& wall, const Job& job)
 {
-    ReplayedJournal replayed = replay_journal(journal, wall, job);
+    mesh::ReplayedJournal replayed = mesh::replay_journal(journal, wall, job);
     KeptCuts kept;
     kept.note = replayed.message;
-    if (replayed.status == CutStatus::cancelled)
+    if (replayed.status == mesh::CutStatus::cancelled)
         throw InputError("reading the kept cuts was cancelled", journal.string());
-    CutSession& session = replayed.session;
+    mesh::CutSession& session = replayed.session;
     if (session.stroke_open()) {
         (void)session.finish_stroke();
         kept.note += "; it is finished where it ended";
@@ -55,8 +55,8 @@ KeptCuts read_kept_cuts(const std::filesystem::path& journal, const TetMesh& wal
 
 CuttingDesk restore_desk(OperatingTable table, const KeptCuts& kept, const Job& job)
 {
-    ReplayedJournal opened = open_journal(table.journal, table.wall, job);
-    if (opened.status == CutStatus::cancelled)
+    mesh::ReplayedJournal opened = mesh::open_journal(table.journal, table.wall, job);
+    if (opened.status == mesh::CutStatus::cancelled)
         throw InputError("reading the kept cuts was cancelled", table.journal.string());
     if (opened.session.stroke_open())
         (void)opened.session.finish_stroke();
@@ -69,7 +69,7 @@ CuttingDesk fresh_desk(OperatingTable table, const Job& job)
     std::filesystem::create_directories(table.journal.parent_path(), error);
     if (error)
         throw IoError("the folder for cuts cannot be made: " + error.message(), table.journal.parent_path().string());
-    CutSession session = start_journal(table.journal, table.wall);
+    mesh::CutSession session = mesh::start_journal(table.journal, table.wall);
     return CuttingDesk(std::move(table), std::move(session), {}, job);
 }
 
@@ -88,4 +88,4 @@ std::filesystem::path set_aside(const std::filesystem::path& journal)
     }
 }
 
-} // namespace retractor
+} // namespace retractor::planner

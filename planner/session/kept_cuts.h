@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// CASE/cuts/APPROACH.jsonl for CASE/case.json, CASE/NAME.cuts/APPROACH.jsonl for CASE/NAME.json; whatever is no
 /// letter, digit, '-' or '_' in the approach's name is written as %XX.
@@ -17,7 +17,7 @@ std::filesystem::path cuts_journal(const std::filesystem::path& case_file, std::
 
 /// What a journal holds.
 struct KeptCuts {
-    std::vector<MeshDelta> deltas; ///< one per cut in force, in order
+    std::vector<mesh::MeshDelta> deltas; ///< one per cut in force, in order
     bool more = false; ///< there are cuts that were taken back and could be made again
     std::string note; ///< what the reader should know, e.g. that an unfinished line was dropped
     bool worth_asking() const { return !deltas.empty() || more; }
@@ -25,7 +25,7 @@ struct KeptCuts {
 
 /// Reads the journal on the uncut wall; a stroke that a crash left open is counted as finished.
 /// @throws IoError; InputError when it is damaged or of another wall.
-KeptCuts read_kept_cuts(const std::filesystem::path& journal, const TetMesh& wall, const Job& job = {});
+KeptCuts read_kept_cuts(const std::filesystem::path& journal, const mesh::TetMesh& wall, const Job& job = {});
 
 /// A desk with the kept cuts, which goes on writing to their journal. @throws as read_kept_cuts().
 CuttingDesk restore_desk(OperatingTable table, const KeptCuts& kept, const Job& job = {});
@@ -36,4 +36,4 @@ CuttingDesk fresh_desk(OperatingTable table, const Job& job = {});
 /// @throws IoError.
 std::filesystem::path set_aside(const std::filesystem::path& journal);
 
-} // namespace retractor
+} // namespace retractor::planner

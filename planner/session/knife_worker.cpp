@@ -1,8 +1,8 @@
 #include "planner/session/knife_worker.h"
 
 #include "mesh/base/error.h"
-#include "mesh/tetrahedra/mesh_io.h"
 #include "mesh/base/text.h"
+#include "mesh/tetrahedra/mesh_io.h"
 
 #include <chrono>
 #include <exception>
@@ -10,7 +10,7 @@
 #include <utility>
 #include <variant>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -103,7 +103,7 @@ struct KnifeWorker::Runner {
     {
         if (desk.stroke_open())
             return { false, "a stroke is open: finish it first" };
-        write_vtu(c.path, desk.session().compact_mesh());
+        mesh::write_vtu(c.path, desk.session().compact_mesh());
         return { true, "Saved " + c.path.string() };
     }
 
@@ -407,4 +407,4 @@ std::optional<std::chrono::steady_clock::time_point> KnifeWorker::step()
     return desk_->hooks_unsettled() ? now + kHandRests : now;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -21,7 +21,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// Everything that a front end shows, as of one moment. A snapshot that was handed out does not change.
 struct SessionSnapshot {
@@ -37,7 +37,7 @@ struct SessionSnapshot {
     std::string failure; ///< failed: why
     std::size_t kept_cuts = 0; ///< asking: how many
 
-    LabelTable labels; ///< ready; and the next two
+    mesh::LabelTable labels; ///< ready; and the next two
     std::shared_ptr<const BeyondSurface> beyond; ///< null: nothing
     std::shared_ptr<const std::vector<EdgePlace>> outline; ///< of where can be cut; see region_outline()
     std::shared_ptr<const WallPicture> picture;
@@ -118,4 +118,4 @@ private:
     SerialExecutor executor_; ///< last: its tasks use all of the above
 };
 
-} // namespace retractor
+} // namespace retractor::planner

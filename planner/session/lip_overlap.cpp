@@ -7,9 +7,9 @@
 #include <cstddef>
 #include <map>
 
-namespace retractor {
+namespace retractor::planner {
 
-std::vector<LipPair> lip_pairs(const CutSession& session, std::span<const LipTriangle> lips)
+std::vector<LipPair> lip_pairs(const mesh::CutSession& session, std::span<const LipTriangle> lips)
 {
     std::map<VertexId, Vec3> normal_of; // out of the tissue, weighted by area
     for (const LipTriangle& lip : lips) {
@@ -46,4 +46,4 @@ double lip_overlap_mm(std::span<const LipPair> pairs, const Eigen::VectorXd& dis
     return deepest;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

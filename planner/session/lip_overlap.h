@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// The two halves of a vertex on facing lips.
 struct LipPair {
@@ -19,9 +19,9 @@ struct LipPair {
 };
 
 /// @param lips lip_triangles() of the session.
-std::vector<LipPair> lip_pairs(const CutSession& session, std::span<const LipTriangle> lips);
+std::vector<LipPair> lip_pairs(const mesh::CutSession& session, std::span<const LipTriangle> lips);
 
 /// The deepest overlap; 0 where none. @param displacement three per vertex id of the session, mm.
 double lip_overlap_mm(std::span<const LipPair> pairs, const Eigen::VectorXd& displacement);
 
-} // namespace retractor
+} // namespace retractor::planner

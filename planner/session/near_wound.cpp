@@ -9,24 +9,24 @@
 #include <limits>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
     /// At equilibrium only: on the way there it would be of where the wound is not.
-    std::optional<double> change_beyond(NearField& field, const NearFrame& frame)
+    std::optional<double> change_beyond(fem::NearField& field, const fem::NearFrame& frame)
     {
-        if (frame.status != NearStatus::settled)
+        if (frame.status != fem::NearStatus::settled)
             return {};
-        return relative_change(field.far_change(), frame);
+        return fem::relative_change(field.far_change(), frame);
     }
 
 } // namespace
 
-NearProblem near_problem(const OnlineOpening& opening, std::span<const Material> materials,
-    std::vector<HookPatch> hooks, std::span<const VertexId> wound)
+NearProblem near_problem(const fem::OnlineOpening& opening, std::span<const fem::Material> materials,
+    std::vector<fem::HookPatch> hooks, std::span<const VertexId> wound)
 {
-    const OnlineStiffness& K = opening.stiffness();
+    const fem::OnlineStiffness& K = opening.stiffness();
     NearProblem problem;
     std::vector<VertexId> compact(K.slot_count(), -1);
     for (VertexId v = 0; v < static_cast<VertexId>(compact.size()); ++v)
@@ -59,7 +59,7 @@ NearProblem near_problem(const OnlineOpening& opening, std::span<const Material>
     for (std::size_t i = 0; i < wound.size(); ++i)
         problem.wound.row(static_cast<Eigen::Index>(i)) = K.position(wound[i]).transpose();
     problem.hooks = std::move(hooks);
-    for (HookPatch& hook : problem.hooks)
+    for (fem::HookPatch& hook : problem.hooks)
         std::transform(hook.nodes.begin(), hook.nodes.end(), hook.nodes.begin(), vertex);
     problem.material_of_label.assign(materials.begin(), materials.end());
     return problem;
@@ -80,14 +80,14 @@ NearWound::Built NearWound::make(const NearProblem& problem, const Job& job)
         .within_mm = 0.0,
         .far_change = {},
         .refusal = {} };
-    const HandZone zone = hand_zone(problem.mesh, problem.wound);
+    const fem::HandZone zone = fem::hand_zone(problem.mesh, problem.wound);
     built.within_mm = zone.within_mm;
-    auto field = std::make_unique<NearField>(problem.mesh, problem.material_of_label, problem.supports, problem.hooks,
-        zone.near, hand_options(problem.load));
+    auto field = std::make_unique<fem::NearField>(problem.mesh, problem.material_of_label, problem.supports,
+        problem.hooks, zone.near, fem::hand_options(problem.load));
     if (!field->prepare(job))
         return built;
     // The model lets hooks pass anything, and settle() makes new factors where they pay.
-    (void)drag_in_steps(*field, std::vector<HookDrive>(built.drives.size()), built.drives,
+    (void)fem::drag_in_steps(*field, std::vector<fem::HookDrive>(built.drives.size()), built.drives,
         { .refresh_above = std::numeric_limits<double>::infinity() }, job);
     built.frame = field->settle(job);
     built.far_change = change_beyond(*field, built.frame);
@@ -156,7 +156,7 @@ bool NearWound::take()
     within_mm_ = built.within_mm;
     far_change_ = built.far_change;
     refusal_ = std::move(built.refusal);
-    settled_ = frame_.status != NearStatus::cancelled;
+    settled_ = frame_.status != fem::NearStatus::cancelled;
     return field_ != nullptr;
 }
 
@@ -180,12 +180,12 @@ template <class Call> void NearWound::guarded(const Call& call)
     }
 }
 
-bool NearWound::drawn_to(std::span<const HookDrive> drives) const
+bool NearWound::drawn_to(std::span<const fem::HookDrive> drives) const
 {
     return std::equal(drives.begin(), drives.end(), drives_.begin(), drives_.end());
 }
 
-void NearWound::drag(std::span<const HookDrive> drives)
+void NearWound::drag(std::span<const fem::HookDrive> drives)
 {
     far_change_.reset();
     guarded([&] { frame_ = field_->drag(drives); });
@@ -199,7 +199,7 @@ void NearWound::settle(const Job& job)
         frame_ = field_->settle(job);
         far_change_ = change_beyond(*field_, frame_);
     });
-    settled_ = frame_.status != NearStatus::cancelled;
+    settled_ = frame_.status != fem::NearStatus::cancelled;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -5,8 +5,8 @@
 // are dragged in it. It is of one mesh and one set of hooks: with another it is begun anew. Used from one thread. Units
 // mm, N; frame patient LPS.
 
-#include "fem/statics/near_field.h"
 #include "fem/interactive/online_opening.h"
+#include "fem/statics/near_field.h"
 
 #include <Eigen/Core>
 
@@ -18,24 +18,24 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// A copy of the wall as it is cut, and of what holds it.
 struct NearProblem {
-    TetMesh mesh; ///< compact
+    mesh::TetMesh mesh; ///< compact
     std::vector<VertexId> id; ///< per vertex of the mesh: the session's
-    std::vector<Material> material_of_label;
-    Supports supports;
-    std::vector<HookPatch> hooks; ///< their displacement is not used
-    std::vector<HookDrive> drives; ///< one per hook
+    std::vector<fem::Material> material_of_label;
+    fem::Supports supports;
+    std::vector<fem::HookPatch> hooks; ///< their displacement is not used
+    std::vector<fem::HookDrive> drives; ///< one per hook
     Points wound; ///< the vertices of its lips, at rest
     Eigen::VectorXd load; ///< N, three per vertex: tension set free; empty: none
 };
 
 /// The wall as the online solver has it, with hooks that hold these vertices (ids of the session).
 /// @param wound ids of the session: the vertices of its lips.
-NearProblem near_problem(const OnlineOpening& opening, std::span<const Material> material_of_label,
-    std::vector<HookPatch> hooks, std::span<const VertexId> wound);
+NearProblem near_problem(const fem::OnlineOpening& opening, std::span<const fem::Material> material_of_label,
+    std::vector<fem::HookPatch> hooks, std::span<const VertexId> wound);
 
 class NearWound {
 public:
@@ -56,7 +56,7 @@ public:
     const std::string& refusal() const { return refusal_; }
 
     /// The frame that was shown last; valid while ready().
-    const NearFrame& frame() const { return frame_; }
+    const fem::NearFrame& frame() const { return frame_; }
     double within_mm() const { return within_mm_; }
     /// relative_change() of the tissue beyond, which is linear, at the equilibrium that was reached last; none on the
     /// way to the next. By the factor at hand, of tissue less stretched: a new one would make the hand wait.
@@ -64,9 +64,9 @@ public:
     /// Three per id of the session, so many entries; zero where no vertex lives. @pre ready()
     Eigen::VectorXd displacement(Eigen::Index size) const;
     /// drag() would change nothing. @pre ready()
-    bool drawn_to(std::span<const HookDrive> drives) const;
+    bool drawn_to(std::span<const fem::HookDrive> drives) const;
     /// @pre ready(). Where it fails it is no longer, and refusal() says why; so does settle().
-    void drag(std::span<const HookDrive> drives);
+    void drag(std::span<const fem::HookDrive> drives);
     /// Until equilibrium, or until the job is cancelled. @pre ready()
     void settle(const Job& job);
     /// Nothing more comes of settle().
@@ -75,10 +75,10 @@ public:
 
 private:
     struct Built {
-        std::unique_ptr<NearField> field; ///< null: refused, or cancelled
-        NearFrame frame;
+        std::unique_ptr<fem::NearField> field; ///< null: refused, or cancelled
+        fem::NearFrame frame;
         std::vector<VertexId> id;
-        std::vector<HookDrive> drives;
+        std::vector<fem::HookDrive> drives;
         double within_mm = 0.0;
         std::optional<double> far_change;
         std::string refusal;
@@ -91,10 +91,10 @@ private:
     void launch(NearProblem problem);
     template <class Call> void guarded(const Call& call);
 
-    std::unique_ptr<NearField> field_;
-    NearFrame frame_;
+    std::unique_ptr<fem::NearField> field_;
+    fem::NearFrame frame_;
     std::vector<VertexId> id_;
-    std::vector<HookDrive> drives_; ///< of the hooks, as they were dragged last
+    std::vector<fem::HookDrive> drives_; ///< of the hooks, as they were dragged last
     double within_mm_ = 0.0;
     std::optional<double> far_change_;
     bool settled_ = false;
@@ -104,4 +104,4 @@ private:
     std::optional<NearProblem> next_; ///< to be solved when that is out of the way
 };
 
-} // namespace retractor
+} // namespace retractor::planner

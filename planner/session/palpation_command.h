@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <variant>
 
-namespace retractor {
+namespace retractor::planner {
 namespace palpation {
 
     /// Makes anew what differs: the tissue for another model, the servo for other devices and gains.
@@ -20,7 +20,7 @@ namespace palpation {
     struct Reset { }; ///< the scene as it was read
     /// Gives the tissue inside a template other values. Refused where nothing lies inside.
     struct EditTissue {
-        ElasticTemplate edit {};
+        haptics::ElasticTemplate edit {};
     };
     struct SetHeartRate {
         double per_min = 60.0;
@@ -41,4 +41,4 @@ namespace palpation {
         = std::variant<ChangeSetup, Reset, EditTissue, SetHeartRate, Grip, Rearm, StartRecording, StopRecording>;
 
 } // namespace palpation
-} // namespace retractor
+} // namespace retractor::planner

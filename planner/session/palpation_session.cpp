@@ -2,8 +2,8 @@
 
 #include "haptics/condensed/condensed_tissue.h"
 #include "haptics/device/hand_path.h"
-#include "haptics/recording/replay.h"
 #include "haptics/device/simulated_hand.h"
+#include "haptics/recording/replay.h"
 #include "haptics/spheres/sphere_tissue.h"
 #include "haptics/springs/spring_tissue.h"
 #include "mesh/base/error.h"
@@ -16,9 +16,9 @@
 #include <thread>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 
-static_assert(kMostFingers <= SphereMotion::kMostFingers && kMostFingers <= kMaxFingers);
+static_assert(kMostFingers <= haptics::SphereMotion::kMostFingers && kMostFingers <= haptics::kMaxFingers);
 
 namespace {
 
@@ -39,21 +39,21 @@ namespace {
         return finger < setup.devices.size() ? setup.devices[finger] : "mouse";
     }
 
-    double diagonal_of(const PalpationScene& scene)
+    double diagonal_of(const datasets::PalpationScene& scene)
     {
         const Points& p = scene.body.mesh.vertices;
         return (p.colwise().maxCoeff() - p.colwise().minCoeff()).norm();
     }
 
     /// A device whose time begins when it is taken: a recording and a hand's path are played from their start.
-    class FromNow : public Device {
+    class FromNow : public haptics::Device {
     public:
-        explicit FromNow(Device& device)
+        explicit FromNow(haptics::Device& device)
             : device_(device)
         {
         }
-        [[nodiscard]] const DeviceInfo& info() const noexcept override { return device_.info(); }
-        DeviceReading read(double time_s, double step_s) noexcept override
+        [[nodiscard]] const haptics::DeviceInfo& info() const noexcept override { return device_.info(); }
+        haptics::DeviceReading read(double time_s, double step_s) noexcept override
         {
             if (began_ < 0.0)
                 began_ = time_s;
@@ -62,33 +62,33 @@ namespace {
         Vec3 write(const Vec3& force) noexcept override { return device_.write(force); }
 
     private:
-        Device& device_;
+        haptics::Device& device_;
         double began_ = -1.0;
     };
 
     /// Where a finger's device works: the first finger at the first site, the second across from it.
-    TouchSite site_of(const PalpationScene& scene, std::size_t finger)
+    datasets::TouchSite site_of(const datasets::PalpationScene& scene, std::size_t finger)
     {
         if (scene.sites.empty())
             throw InputError("has no site where a device could work: take the mouse", scene.name);
         if (finger == 1)
-            for (const TouchSite& site : scene.sites)
+            for (const datasets::TouchSite& site : scene.sites)
                 if (site.name == scene.sites.front().name + "-opposite")
                     return site;
-        std::vector<const TouchSite*> plain;
-        for (const TouchSite& site : scene.sites)
+        std::vector<const datasets::TouchSite*> plain;
+        for (const datasets::TouchSite& site : scene.sites)
             if (!site.name.ends_with("-opposite"))
                 plain.push_back(&site);
         return plain.empty() ? scene.sites[finger % scene.sites.size()] : *plain[finger % plain.size()];
     }
 
     /// Down, two seconds of rest there, up, and again; y is out of the tissue.
-    HandPath pressing_path(double radius, double press_mm)
+    haptics::HandPath pressing_path(double radius, double press_mm)
     {
         constexpr double kDown = 1.0, kHold = 2.0, kUp = 0.5, kRest = 0.5;
         constexpr int kTimes = 1000;
         const Vec3 above(0.0, radius + kAbove, 0.0), pressed(0.0, radius - press_mm, 0.0);
-        std::vector<HandKey> keys { { 0.0, above, 0 } };
+        std::vector<haptics::HandKey> keys { { 0.0, above, 0 } };
         for (int i = 0; i < kTimes; ++i) {
             const double t = keys.back().time_s;
             keys.push_back({ t + kDown, pressed, 0 });
@@ -96,23 +96,23 @@ namespace {
             keys.push_back({ t + kDown + kHold + kUp, above, 0 });
             keys.push_back({ t + kDown + kHold + kUp + kRest, above, 0 });
         }
-        return HandPath(std::move(keys));
+        return haptics::HandPath(std::move(keys));
     }
 
 } // namespace
 
 std::size_t fingers_of(const std::string& model) { return model == "spheres" ? kMostFingers : 2; }
 
-double fingertip_radius(const PalpationScene& scene)
+double fingertip_radius(const datasets::PalpationScene& scene)
 {
     constexpr double kLargeBody = 200.0; // mm: an organ, not a vessel
     return diagonal_of(scene) < kLargeBody ? 4.0 : 8.0;
 }
 
-DeviceInfo mouse_info(std::size_t finger)
+haptics::DeviceInfo mouse_info(std::size_t finger)
 {
     constexpr double kNoLimit = 1e6;
-    DeviceInfo info { .name = "mouse, finger " + std::to_string(finger + 1) };
+    haptics::DeviceInfo info { .name = "mouse, finger " + std::to_string(finger + 1) };
     info.limits = { .max_force = kNoLimit,
         .continuous_force = kNoLimit,
         .max_stiffness = kNoLimit,
@@ -123,10 +123,10 @@ DeviceInfo mouse_info(std::size_t finger)
 
 void WatchedTicks::tick(double time_s, double step_s) noexcept
 {
-    const double began = tick_clock_s();
+    const double began = haptics::tick_clock_s();
     last_ = offset_ + time_s;
     servo_->tick(last_, step_s);
-    const double lasted = tick_clock_s() - began;
+    const double lasted = haptics::tick_clock_s() - began;
     ticks_.fetch_add(1, std::memory_order_relaxed);
     if (const double periods = std::round(step_s / kPeriod); periods > 1.0)
         missed_.fetch_add(static_cast<std::uint64_t>(periods) - 1, std::memory_order_relaxed);
@@ -139,23 +139,23 @@ void WatchedTicks::start_again() noexcept { offset_ = last_ + kPeriod; }
 
 /// The devices, what opened them and what ticks them.
 struct PalpationSession::Hands {
-    std::unique_ptr<DeviceRig> rig; ///< null: there is none of its kinds
-    std::vector<std::unique_ptr<SimulatedHand>> simulated;
+    std::unique_ptr<haptics::DeviceRig> rig; ///< null: there is none of its kinds
+    std::vector<std::unique_ptr<haptics::SimulatedHand>> simulated;
     std::vector<std::unique_ptr<FromNow>> from_now;
-    std::vector<ServoDevice> devices; ///< one per finger
-    TickThread thread;
+    std::vector<haptics::ServoDevice> devices; ///< one per finger
+    haptics::TickThread thread;
     bool pushes = false; ///< somebody may feel it
 
-    Device* begin_now(Device& device)
+    haptics::Device* begin_now(haptics::Device& device)
     {
         from_now.push_back(std::make_unique<FromNow>(device));
         return from_now.back().get();
     }
-    TickSource& source() { return rig != nullptr ? rig->source() : thread; }
+    haptics::TickSource& source() { return rig != nullptr ? rig->source() : thread; }
 };
 
-PalpationSession::PalpationSession(PalpationScene scene, PalpationSetup setup, PalpationBackend backend,
-    std::vector<PointerDevice*> pointers, const Job& job)
+PalpationSession::PalpationSession(datasets::PalpationScene scene, PalpationSetup setup, PalpationBackend backend,
+    std::vector<haptics::PointerDevice*> pointers, const Job& job)
     : scene_(std::move(scene))
     , setup_(std::move(setup))
     , backend_(std::move(backend))
@@ -199,7 +199,7 @@ std::unique_ptr<PalpationSession::Hands> PalpationSession::open_hands(
             fingers_of_names.push_back(f);
         }
     if (!names.empty())
-        hands->rig = std::make_unique<DeviceRig>(names, HdOptions {}, fingers_of_names);
+        hands->rig = std::make_unique<haptics::DeviceRig>(names, haptics::HdOptions {}, fingers_of_names);
     std::size_t rigged = 0;
     const double radius = fingertip_radius(scene_);
     for (std::size_t f = 0; f < fingers; ++f) {
@@ -209,45 +209,45 @@ std::unique_ptr<PalpationSession::Hands> PalpationSession::open_hands(
             continue;
         }
         if (is_simulated(name)) {
-            const TouchSite site = site_of(scene_, f);
-            hands->simulated.push_back(std::make_unique<SimulatedHand>(
-                SimulatedHandOptions { .hand = name == "simulated" ? relaxed_grip() : firm_grip(),
-                    .path = pressing_path(radius, setup.press_mm) }));
+            const datasets::TouchSite site = site_of(scene_, f);
+            hands->simulated.push_back(std::make_unique<haptics::SimulatedHand>(haptics::SimulatedHandOptions {
+                .hand = name == "simulated" ? haptics::relaxed_grip() : haptics::firm_grip(),
+                .path = pressing_path(radius, setup.press_mm) }));
             hands->devices.push_back({ hands->begin_now(*hands->simulated.back()),
                 { .scene_centre = site.point,
                     .scene_from_device
                     = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitY(), site.outward).toRotationMatrix() } });
             continue;
         }
-        Device* device = hands->rig->devices()[rigged++];
-        std::optional<SceneFrame> recorded;
-        if (const auto* replay = dynamic_cast<const ReplayDevice*>(device))
+        haptics::Device* device = hands->rig->devices()[rigged++];
+        std::optional<haptics::SceneFrame> recorded;
+        if (const auto* replay = dynamic_cast<const haptics::ReplayDevice*>(device))
             recorded = replay->frame();
-        hands->pushes = hands->pushes || is_live_device(name);
-        if (!is_live_device(name))
+        hands->pushes = hands->pushes || haptics::is_live_device(name);
+        if (!haptics::is_live_device(name))
             device = hands->begin_now(*device);
         if (recorded) { // it goes on where it was
-            hands->devices.push_back({ device, mapping_of(*recorded, device->info().workspace) });
+            hands->devices.push_back({ device, haptics::mapping_of(*recorded, device->info().workspace) });
             continue;
         }
-        const TouchSite site = site_of(scene_, f);
+        const datasets::TouchSite site = site_of(scene_, f);
         hands->devices.push_back({ device,
             { .scene_centre = site.point + (radius + kAbove) * site.outward,
                 .scene_from_device = setup.towards_viewer,
-                .scale = scale_to_cover(device->info().workspace, kReachShare * diagonal_of(scene_)) } });
+                .scale = haptics::scale_to_cover(device->info().workspace, kReachShare * diagonal_of(scene_)) } });
     }
     return hands;
 }
 
 void PalpationSession::start(std::unique_ptr<Hands> hands)
 {
-    ServoOptions options;
+    haptics::ServoOptions options;
     for (std::size_t f = 0; f < hands->devices.size(); ++f)
         options.fingers.push_back({ .device = f, .radius = fingertip_radius(scene_) });
     options.force_gain = setup_.force_gain;
     if (!hands->pushes)
         options.faults.late_s = kLateWithoutForce;
-    servo_ = std::make_unique<Servo>(hands->devices, *tissue_, options);
+    servo_ = std::make_unique<haptics::Servo>(hands->devices, *tissue_, options);
     hands_ = std::move(hands);
     ticks_.watch(servo_.get());
     ticks_.start_again();
@@ -261,7 +261,7 @@ void PalpationSession::stop()
         return;
     if (hands_->pushes && servo_ != nullptr) {
         servo_->let_go();
-        std::this_thread::sleep_for(std::chrono::duration<double>(1.5 * FaultOptions {}.ramp_down_s));
+        std::this_thread::sleep_for(std::chrono::duration<double>(1.5 * haptics::FaultOptions {}.ramp_down_s));
     }
     hands_->source().stop();
     parked_.clear();
@@ -310,14 +310,14 @@ void PalpationSession::reset(const Job& job)
 TissueAbilities PalpationSession::abilities() const
 {
     TissueAbilities can;
-    const bool fem = dynamic_cast<const CondensedTissue*>(tissue_.get()) != nullptr;
+    const bool fem = dynamic_cast<const haptics::CondensedTissue*>(tissue_.get()) != nullptr;
     can.edits = fem;
     can.pulse = fem && has_inner_wall(scene_.body);
-    if (const auto* springs = dynamic_cast<const SpringTissue*>(tissue_.get())) {
+    if (const auto* springs = dynamic_cast<const haptics::SpringTissue*>(tissue_.get())) {
         can.grips = true;
         can.pulse = springs->has_pulse();
     }
-    if (const auto* spheres = dynamic_cast<const SphereTissue*>(tissue_.get())) {
+    if (const auto* spheres = dynamic_cast<const haptics::SphereTissue*>(tissue_.get())) {
         can.grips = can.spheres = true;
         for (std::size_t i = 0; i < spheres->motion().organ_count(); ++i)
             can.organs.push_back(spheres->motion().organ(i).name);
@@ -325,27 +325,27 @@ TissueAbilities PalpationSession::abilities() const
     return can;
 }
 
-std::size_t PalpationSession::edit(const ElasticTemplate& edit)
+std::size_t PalpationSession::edit(const haptics::ElasticTemplate& edit)
 {
-    auto* const condensed = dynamic_cast<CondensedTissue*>(tissue_.get());
+    auto* const condensed = dynamic_cast<haptics::CondensedTissue*>(tissue_.get());
     if (condensed == nullptr)
         throw InputError("only finite elements have an elasticity to edit", std::string(tissue_->name()));
     return condensed->edit(edit);
 }
 
-std::vector<ElasticTemplate> PalpationSession::edits() const
+std::vector<haptics::ElasticTemplate> PalpationSession::edits() const
 {
-    const auto* const condensed = dynamic_cast<const CondensedTissue*>(tissue_.get());
-    return condensed != nullptr ? condensed->edits() : std::vector<ElasticTemplate>();
+    const auto* const condensed = dynamic_cast<const haptics::CondensedTissue*>(tissue_.get());
+    return condensed != nullptr ? condensed->edits() : std::vector<haptics::ElasticTemplate>();
 }
 
 void PalpationSession::set_heart_rate(double per_min)
 {
     if (!abilities().pulse)
         throw InputError("this tissue has no pulse", scene_.name);
-    if (auto* const condensed = dynamic_cast<CondensedTissue*>(tissue_.get()))
+    if (auto* const condensed = dynamic_cast<haptics::CondensedTissue*>(tissue_.get()))
         condensed->set_heart_rate(per_min);
-    else if (auto* const springs = dynamic_cast<SpringTissue*>(tissue_.get()))
+    else if (auto* const springs = dynamic_cast<haptics::SpringTissue*>(tissue_.get()))
         springs->set_heart_rate(per_min);
     heart_rate_ = per_min;
 }
@@ -354,9 +354,9 @@ void PalpationSession::grip(std::size_t finger, bool held)
 {
     if (finger >= tissue_->finger_count())
         return;
-    if (auto* const spheres = dynamic_cast<SphereTissue*>(tissue_.get()))
+    if (auto* const spheres = dynamic_cast<haptics::SphereTissue*>(tissue_.get()))
         spheres->want_pinch(finger, held);
-    else if (auto* const springs = dynamic_cast<SpringTissue*>(tissue_.get()))
+    else if (auto* const springs = dynamic_cast<haptics::SpringTissue*>(tissue_.get()))
         springs->grip(finger, held);
 }
 
@@ -364,21 +364,21 @@ void PalpationSession::start_recording()
 {
     if (recorder_ != nullptr)
         return;
-    recorder_ = std::make_unique<MotionRecorder>(servo_->recorded_devices(), 1.0 / kPeriod, kRecordedTicks);
+    recorder_ = std::make_unique<haptics::MotionRecorder>(servo_->recorded_devices(), 1.0 / kPeriod, kRecordedTicks);
     recording_since_ = servo_->latest().time_s;
     servo_->record_to(recorder_.get());
 }
 
-MotionRecording PalpationSession::stop_recording(std::size_t& lost)
+haptics::MotionRecording PalpationSession::stop_recording(std::size_t& lost)
 {
     servo_->record_to(nullptr);
     // The tick that is going on may still write to it.
     const std::uint64_t ticks = ticks_.ticks();
     for (int i = 0; i < 1000 && ticks_.ticks() < ticks + 2; ++i)
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    std::unique_ptr<MotionRecorder> recorder = std::move(recorder_);
+    std::unique_ptr<haptics::MotionRecorder> recorder = std::move(recorder_);
     lost = recorder->lost_ticks();
-    MotionRecording recording = recorder->recording();
+    haptics::MotionRecording recording = recorder->recording();
     if (ticks_.ticks() < ticks + 2)
         parked_.push_back(std::move(recorder)); // nobody knows whether a tick still holds it
     return recording;
@@ -386,15 +386,15 @@ MotionRecording PalpationSession::stop_recording(std::size_t& lost)
 
 double PalpationSession::pressure_mmHg()
 {
-    if (auto* const condensed = dynamic_cast<CondensedTissue*>(tissue_.get());
+    if (auto* const condensed = dynamic_cast<haptics::CondensedTissue*>(tissue_.get());
         condensed != nullptr && has_inner_wall(scene_.body))
-        return (condensed->last_pressure() + condensed->options().rest_pressure) / kMPaPerMmHg;
-    if (const auto* springs = dynamic_cast<const SpringTissue*>(tissue_.get()))
-        return springs->last_pressure() / kMPaPerMmHg;
+        return (condensed->last_pressure() + condensed->options().rest_pressure) / haptics::kMPaPerMmHg;
+    if (const auto* springs = dynamic_cast<const haptics::SpringTissue*>(tissue_.get()))
+        return springs->last_pressure() / haptics::kMPaPerMmHg;
     return 0.0;
 }
 
-void PalpationSession::add_strip(const ServoState& state)
+void PalpationSession::add_strip(const haptics::ServoState& state)
 {
     if (state.ticks == 0 || (!strip_.empty() && strip_.back().time_s >= state.time_s))
         return;
@@ -409,13 +409,13 @@ void PalpationSession::add_strip(const ServoState& state)
 
 void PalpationSession::measure_servo()
 {
-    const double now = tick_clock_s();
+    const double now = haptics::tick_clock_s();
     health_.ticks = ticks_.ticks();
     health_.missed = ticks_.missed();
     health_.note = hands_->rig == nullptr ? hands_->thread.realtime_note() : std::string();
     if (hands_->rig != nullptr)
-        for (const HdProblem& problem : hands_->rig->take_problems())
-            health_.device_problem = describe(problem);
+        for (const haptics::HdProblem& problem : hands_->rig->take_problems())
+            health_.device_problem = haptics::describe(problem);
     if (measured_at_ == 0.0 || now - measured_at_ >= kMeasureEvery) {
         const double busy = ticks_.busy_s();
         const auto fresh = static_cast<double>(health_.ticks - ticks_before_);
@@ -439,10 +439,10 @@ void PalpationSession::frame(PalpationFrame& frame)
         surface_ = std::make_shared<TriMesh>(surface);
     frame.surface = surface_;
     frame.stiffness_pending = false;
-    if (const auto* condensed = dynamic_cast<const CondensedTissue*>(tissue_.get()))
+    if (const auto* condensed = dynamic_cast<const haptics::CondensedTissue*>(tissue_.get()))
         frame.stiffness_pending = condensed->edit_pending();
-    if (const auto* tissue = dynamic_cast<const SphereTissue*>(tissue_.get())) {
-        const SphereMotion& motion = tissue->motion();
+    if (const auto* tissue = dynamic_cast<const haptics::SphereTissue*>(tissue_.get())) {
+        const haptics::SphereMotion& motion = tissue->motion();
         if (spheres_ == nullptr) {
             auto set = std::make_shared<SphereSet>();
             for (std::size_t i = 0; i < motion.sphere_count(); ++i) {
@@ -465,4 +465,4 @@ void PalpationSession::frame(PalpationFrame& frame)
     frame.recorded_s = recorder_ != nullptr ? frame.servo.time_s - recording_since_ : -1.0;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -5,12 +5,12 @@
 // thread. Units mm, s, N, MPa; the frame is the scene's.
 
 #include "datasets/phantoms/elastic_model.h"
-#include "haptics/device/device_rig.h"
 #include "haptics/condensed/elastic_template.h"
-#include "haptics/recording/motion_recording.h"
+#include "haptics/device/device_rig.h"
 #include "haptics/device/pointer_device.h"
-#include "haptics/servo/servo.h"
 #include "haptics/device/tick_thread.h"
+#include "haptics/recording/motion_recording.h"
+#include "haptics/servo/servo.h"
 #include "mesh/base/job.h"
 
 #include <array>
@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 struct TissueWish {
     std::string model = "fem";
@@ -30,7 +30,7 @@ struct TissueWish {
 };
 
 struct MadeTissue {
-    std::unique_ptr<TissueResponse> response;
+    std::unique_ptr<haptics::TissueResponse> response;
     std::vector<std::string> notes; ///< what is to be said of it
 };
 
@@ -38,17 +38,17 @@ struct MadeTissue {
 struct PalpationBackend {
     std::vector<std::string> models;
     /// @throws InputError on a model that cannot serve the scene, saying why.
-    std::function<MadeTissue(const PalpationScene&, const TissueWish&, const Job&)> make;
+    std::function<MadeTissue(const datasets::PalpationScene&, const TissueWish&, const Job&)> make;
 };
 
 /// Fingers that a model is given, at most kMostFingers.
 constexpr std::size_t kMostFingers = 6;
 std::size_t fingers_of(const std::string& model);
 /// For the size of a body.
-double fingertip_radius(const PalpationScene& scene);
+double fingertip_radius(const datasets::PalpationScene& scene);
 
 /// Of a pointer that feels nothing: the force that is shown is the tissue's, whatever a device could render.
-DeviceInfo mouse_info(std::size_t finger);
+haptics::DeviceInfo mouse_info(std::size_t finger);
 
 struct PalpationSetup {
     std::string model = "fem";
@@ -70,7 +70,7 @@ struct ServoHealth {
 /// One moment of the strip chart.
 struct StripSample {
     double time_s = 0.0, pressure_mmHg = 0.0;
-    std::array<double, kMaxFingers> force {}; ///< of the tissue on each finger, N
+    std::array<double, haptics::kMaxFingers> force {}; ///< of the tissue on each finger, N
 };
 
 /// The spheres inside: what does not move of them.
@@ -86,7 +86,7 @@ struct PalpationFrame {
     std::shared_ptr<const SphereSet> spheres; ///< null: there are none
     Points sphere_centres;
     std::vector<int> sphere_layers; ///< how many spheres lie between it and a finger; -1: not moved
-    ServoState servo;
+    haptics::ServoState servo;
     ServoHealth health;
     std::vector<StripSample> strip; ///< the last kStripSeconds, oldest first
     bool stiffness_pending = false; ///< an edit is not felt yet
@@ -102,9 +102,9 @@ struct TissueAbilities {
 };
 
 /// Runs the servo, counts its ticks as they come, and lets time go on where another source starts anew.
-class WatchedTicks : public Ticked {
+class WatchedTicks : public haptics::Ticked {
 public:
-    void watch(Servo* servo) noexcept { servo_ = servo; } ///< @pre no tick runs
+    void watch(haptics::Servo* servo) noexcept { servo_ = servo; } ///< @pre no tick runs
     void tick(double time_s, double step_s) noexcept override;
     void start_again() noexcept; ///< @pre no tick runs: the next time counts from the last
 
@@ -115,7 +115,7 @@ public:
     double take_worst_s() noexcept { return worst_.exchange(0.0, std::memory_order_relaxed); }
 
 private:
-    Servo* servo_ = nullptr;
+    haptics::Servo* servo_ = nullptr;
     double offset_ = 0.0, last_ = 0.0;
     std::atomic<std::uint64_t> ticks_ { 0 }, missed_ { 0 };
     std::atomic<double> busy_ { 0.0 }, worst_ { 0.0 };
@@ -125,15 +125,15 @@ class PalpationSession {
 public:
     /// Makes the tissue, opens the devices and starts the servo. @param pointers one for each finger that a model may
     /// have; they live longer. @throws as the backend and DeviceRig do.
-    PalpationSession(PalpationScene scene, PalpationSetup setup, PalpationBackend backend,
-        std::vector<PointerDevice*> pointers, const Job& job);
+    PalpationSession(datasets::PalpationScene scene, PalpationSetup setup, PalpationBackend backend,
+        std::vector<haptics::PointerDevice*> pointers, const Job& job);
     /// Lets go first.
     ~PalpationSession();
     PalpationSession(const PalpationSession&) = delete;
     PalpationSession& operator=(const PalpationSession&) = delete;
 
     [[nodiscard]] const PalpationSetup& setup() const { return setup_; }
-    [[nodiscard]] const PalpationScene& scene() const { return scene_; }
+    [[nodiscard]] const datasets::PalpationScene& scene() const { return scene_; }
     [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
     [[nodiscard]] TissueAbilities abilities() const;
     [[nodiscard]] std::size_t finger_count() const { return tissue_->finger_count(); }
@@ -148,9 +148,9 @@ public:
     void reset(const Job& job);
     /// Felt some frames later. @return elements changed. @throws InputError as apply(), and where the tissue has no
     /// elasticity to edit.
-    std::size_t edit(const ElasticTemplate& edit);
+    std::size_t edit(const haptics::ElasticTemplate& edit);
     /// In force, in order; those that a frame() refused are gone.
-    [[nodiscard]] std::vector<ElasticTemplate> edits() const;
+    [[nodiscard]] std::vector<haptics::ElasticTemplate> edits() const;
     /// @throws InputError outside 20 to 300 per minute, and where there is no pulse.
     void set_heart_rate(double per_min);
     void grip(std::size_t finger, bool held); ///< nothing where the tissue knows no grip
@@ -159,7 +159,7 @@ public:
     [[nodiscard]] bool recording() const { return recorder_ != nullptr; }
     void start_recording(); ///< goes on when one is under way
     /// @pre recording(). @return what was recorded; ticks that found no room any more are said in `lost`.
-    MotionRecording stop_recording(std::size_t& lost);
+    haptics::MotionRecording stop_recording(std::size_t& lost);
 
     /// Brings the tissue to the newest tick and writes down what is to be shown. @throws as follow() does.
     void frame(PalpationFrame& frame);
@@ -173,22 +173,22 @@ private:
     void stop();
     void refuse_while_recording() const;
     [[nodiscard]] double pressure_mmHg();
-    void add_strip(const ServoState& state);
+    void add_strip(const haptics::ServoState& state);
     void measure_servo();
 
-    PalpationScene scene_;
+    datasets::PalpationScene scene_;
     PalpationSetup setup_;
     PalpationBackend backend_;
-    std::vector<PointerDevice*> pointers_;
+    std::vector<haptics::PointerDevice*> pointers_;
 
-    std::unique_ptr<TissueResponse> tissue_;
+    std::unique_ptr<haptics::TissueResponse> tissue_;
     std::vector<std::string> notes_;
     double heart_rate_ = 0.0;
     std::unique_ptr<Hands> hands_;
     WatchedTicks ticks_;
-    std::unique_ptr<Servo> servo_;
-    std::unique_ptr<MotionRecorder> recorder_;
-    std::vector<std::unique_ptr<MotionRecorder>> parked_; ///< done with, until no tick runs
+    std::unique_ptr<haptics::Servo> servo_;
+    std::unique_ptr<haptics::MotionRecorder> recorder_;
+    std::vector<std::unique_ptr<haptics::MotionRecorder>> parked_; ///< done with, until no tick runs
     double recording_since_ = 0.0;
 
     std::shared_ptr<const TriMesh> surface_;
@@ -199,4 +199,4 @@ private:
     std::uint64_t ticks_before_ = 0;
 };
 
-} // namespace retractor
+} // namespace retractor::planner

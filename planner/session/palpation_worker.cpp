@@ -8,14 +8,14 @@
 #include <utility>
 #include <variant>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
     constexpr std::chrono::milliseconds kFrame { 16 };
     constexpr double kRoom = 500.0; ///< mm round the body that pointers may go
 
-    Workspace room_of(const PalpationScene& scene)
+    haptics::Workspace room_of(const datasets::PalpationScene& scene)
     {
         const Points& p = scene.body.mesh.vertices;
         return { p.colwise().minCoeff().transpose().array() - kRoom,
@@ -86,7 +86,7 @@ struct PalpationWorker::Runner {
     }
 };
 
-PalpationWorker::PalpationWorker(PalpationScene scene, PalpationSetup setup, PalpationBackend backend)
+PalpationWorker::PalpationWorker(datasets::PalpationScene scene, PalpationSetup setup, PalpationBackend backend)
     : snapshot_(std::make_shared<const PalpationSnapshot>())
     , executor_({ .step = [this] { return step(); },
           .on_progress =
@@ -98,12 +98,13 @@ PalpationWorker::PalpationWorker(PalpationScene scene, PalpationSetup setup, Pal
               },
           .when_destroyed = WaitingTasks::run })
 {
-    Workspace room = room_of(scene);
+    haptics::Workspace room = room_of(scene);
     // Its frame is the scene's: the middle of a workspace is a mapping's zero.
     const Vec3 reach = room.high.cwiseAbs().cwiseMax(room.low.cwiseAbs());
     room = { -reach, reach };
     for (std::size_t f = 0; f < kMostFingers; ++f) {
-        pointers_.push_back(std::make_unique<PointerDevice>(PointerOptions { .workspace = room }, mouse_info(f)));
+        pointers_.push_back(
+            std::make_unique<haptics::PointerDevice>(haptics::PointerOptions { .workspace = room }, mouse_info(f)));
         pointers_.back()->hop_to(reach); // out of the way
     }
     executor_.post(
@@ -166,9 +167,10 @@ void PalpationWorker::draw_frame()
     frames_.publish();
 }
 
-void PalpationWorker::prepare(PalpationScene scene, PalpationSetup setup, PalpationBackend backend, const Job& job)
+void PalpationWorker::prepare(
+    datasets::PalpationScene scene, PalpationSetup setup, PalpationBackend backend, const Job& job)
 {
-    std::vector<PointerDevice*> pointers;
+    std::vector<haptics::PointerDevice*> pointers;
     for (const auto& pointer : pointers_)
         pointers.push_back(pointer.get());
     try {
@@ -221,4 +223,4 @@ std::optional<std::chrono::steady_clock::time_point> PalpationWorker::step()
     return next_frame_;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

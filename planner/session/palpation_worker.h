@@ -22,7 +22,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// How things stand beside the frames, as of one moment. A snapshot that was handed out does not change.
 struct PalpationSnapshot {
@@ -42,20 +42,20 @@ struct PalpationSnapshot {
     std::vector<std::string> notes;
     std::size_t fingers = 0;
     double heart_rate = 0.0; ///< per minute
-    std::vector<ElasticTemplate> edits {}; ///< in force, in order
+    std::vector<haptics::ElasticTemplate> edits {}; ///< in force, in order
     bool unwritten_recording = false; ///< one is kept that could not be written
 };
 
 class PalpationWorker {
 public:
-    PalpationWorker(PalpationScene scene, PalpationSetup setup, PalpationBackend backend);
+    PalpationWorker(datasets::PalpationScene scene, PalpationSetup setup, PalpationBackend backend);
     /// Drops what waits and stops preparing. The session ends on the thread that it ran on.
     ~PalpationWorker();
     PalpationWorker(const PalpationWorker&) = delete;
     PalpationWorker& operator=(const PalpationWorker&) = delete;
 
     /// The owner's thread: what the mouse moves; there is one for every finger that a model may have.
-    PointerDevice& pointer(std::size_t finger) { return *pointers_[finger]; }
+    haptics::PointerDevice& pointer(std::size_t finger) { return *pointers_[finger]; }
 
     /// Any thread. Commands are carried out in the order in which they came.
     void run(palpation::Command command);
@@ -71,19 +71,19 @@ private:
     template <class Change> void change_snapshot(const Change& change);
     void set_status(std::string answer, bool refused);
     void publish();
-    void prepare(PalpationScene scene, PalpationSetup setup, PalpationBackend backend, const Job& job);
+    void prepare(datasets::PalpationScene scene, PalpationSetup setup, PalpationBackend backend, const Job& job);
     void carry_out(const palpation::Command& command, const Job& job);
     std::optional<std::chrono::steady_clock::time_point> step();
     void draw_frame();
 
-    std::vector<std::unique_ptr<PointerDevice>> pointers_;
+    std::vector<std::unique_ptr<haptics::PointerDevice>> pointers_;
     TripleBuffer<PalpationFrame> frames_;
     mutable std::mutex mutex_; ///< of the snapshot
     std::shared_ptr<const PalpationSnapshot> snapshot_;
 
     // The executor's thread only:
     struct Unwritten {
-        MotionRecording recording;
+        haptics::MotionRecording recording;
         std::size_t lost = 0;
     };
     std::optional<Unwritten> unwritten_;
@@ -93,4 +93,4 @@ private:
     SerialExecutor executor_; ///< last: its tasks use all of the above
 };
 
-} // namespace retractor
+} // namespace retractor::planner

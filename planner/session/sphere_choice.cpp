@@ -4,14 +4,14 @@
 #include "mesh/surface/wall_shell.h"
 #include "planner/session/tissue_choice.h"
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
     /// The boundary of the elements of one label (0: all).
-    TriMesh surface_of(const TetMesh& body, Label label)
+    TriMesh surface_of(const mesh::TetMesh& body, Label label)
     {
-        TetMesh part;
+        mesh::TetMesh part;
         part.vertices = body.vertices;
         for (std::size_t t = 0; t < body.tet_count(); ++t)
             if (label == 0 || body.labels[t] == label) {
@@ -19,14 +19,14 @@ namespace {
                 part.nodes.insert(part.nodes.end(), nodes.begin(), nodes.begin() + 4);
                 part.labels.push_back(body.labels[t]);
             }
-        return closed_surfaces(part);
+        return mesh::closed_surfaces(part);
     }
 
     struct MeanElasticity {
         double modulus = 0.0, ratio = 0.0;
     };
 
-    MeanElasticity mean_elasticity(const ElasticModel& body, Label label)
+    MeanElasticity mean_elasticity(const datasets::ElasticModel& body, Label label)
     {
         MeanElasticity sum;
         double count = 0.0;
@@ -41,40 +41,40 @@ namespace {
 
 } // namespace
 
-ChosenTissue make_spheres(const PalpationScene& scene, const TissueChoice& choice, const Job& job)
+ChosenTissue make_spheres(const datasets::PalpationScene& scene, const TissueChoice& choice, const Job& job)
 {
-    if (has_inner_wall(scene.body))
+    if (datasets::has_inner_wall(scene.body))
         throw InputError(
             "spheres fill solid organs, and this is a vessel with blood pressing in it: use the model fem or "
             "springs",
             scene.name + ", model spheres", { "model" });
-    if (choice.fingers > SphereMotion::kMostFingers)
-        throw InputError("spheres take at most " + std::to_string(SphereMotion::kMostFingers) + " fingers",
+    if (choice.fingers > haptics::SphereMotion::kMostFingers)
+        throw InputError("spheres take at most " + std::to_string(haptics::SphereMotion::kMostFingers) + " fingers",
             "model spheres", { "model" });
     constexpr double kThinner = 0.75; // of the first organ's radius: walls are thin
     constexpr double kNearest = 0.2; // a lattice gives whole layers at once
-    SphereLaw law;
+    haptics::SphereLaw law;
     law.fingers = choice.fingers;
     ChosenTissue chosen;
-    std::vector<SphereOrgan> organs;
-    const std::vector<TouchedOrgan> parts
-        = scene.organs.empty() ? std::vector<TouchedOrgan> { { 0, scene.name } } : scene.organs;
-    for (const TouchedOrgan& part : parts) {
+    std::vector<haptics::SphereOrgan> organs;
+    const std::vector<datasets::TouchedOrgan> parts
+        = scene.organs.empty() ? std::vector<datasets::TouchedOrgan> { { 0, scene.name } } : scene.organs;
+    for (const datasets::TouchedOrgan& part : parts) {
         job.report("fill with spheres", static_cast<double>(organs.size()) / static_cast<double>(parts.size()));
         const TriMesh surface = surface_of(scene.body.mesh, part.label);
-        SphereOrgan organ { part.name, surface,
-            organs.empty() ? fill_with_count(surface, choice.spheres, kNearest)
-                           : fill_with_spheres(surface, kThinner * organs.front().filling.radius),
+        haptics::SphereOrgan organ { part.name, surface,
+            organs.empty() ? haptics::fill_with_count(surface, choice.spheres, kNearest)
+                           : haptics::fill_with_spheres(surface, kThinner * organs.front().filling.radius),
             1.0 };
         const MeanElasticity mean = mean_elasticity(scene.body, part.label);
-        organ.stiffness = calibrate_sphere_force(
+        organ.stiffness = haptics::calibrate_sphere_force(
             organ.filling.radius, law, mean.modulus, mean.ratio, choice.radius_mm, 0.5 * choice.radius_mm);
         chosen.notes.push_back(formatted("%s: %zu spheres of %.2f mm, as stiff as a half-space of %.4g MPa",
             part.name.c_str(), organ.filling.count(), organ.filling.radius, mean.modulus));
         organs.push_back(std::move(organ));
     }
-    chosen.response = std::make_unique<SphereTissue>(std::move(organs), law);
+    chosen.response = std::make_unique<haptics::SphereTissue>(std::move(organs), law);
     return chosen;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

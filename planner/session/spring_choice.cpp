@@ -1,6 +1,6 @@
+#include "haptics/spheres/surface_locator.h"
 #include "haptics/springs/spring_motion.h"
 #include "haptics/springs/spring_tissue.h"
-#include "haptics/spheres/surface_locator.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text.h"
 #include "mesh/base/triangle.h"
@@ -14,7 +14,7 @@
 #include <map>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -24,23 +24,24 @@ namespace {
     constexpr std::size_t kMostSprings = 400'000;
 
     /// The longest edge of the surface near a site: within two fingertips, and of the triangle it lies on.
-    double coarsest_near(const PalpationScene& scene, double radius)
+    double coarsest_near(const datasets::PalpationScene& scene, double radius)
     {
-        const TetMesh& mesh = scene.body.mesh;
+        const mesh::TetMesh& mesh = scene.body.mesh;
         double longest = 0.0;
         std::vector<double> nearest(scene.sites.size(), std::numeric_limits<double>::infinity()), under(nearest.size());
-        for (const TetFace& face : boundary_faces(mesh)) {
-            const std::array<Vec3, 3> at = triangle_corners(mesh.vertices, face_vertices(mesh, face));
+        for (const mesh::TetFace& face : mesh::boundary_faces(mesh)) {
+            const std::array<Vec3, 3> at = triangle_corners(mesh.vertices, mesh::face_vertices(mesh, face));
             double edge = 0.0;
             for (std::size_t i = 0; i < 3; ++i) {
                 const Vec3 &a = at[i], &b = at[(i + 1) % 3];
                 edge = std::max(edge, (a - b).norm());
-                for (const TouchSite& site : scene.sites)
+                for (const datasets::TouchSite& site : scene.sites)
                     if ((0.5 * (a + b) - site.point).norm() < 2.0 * radius)
                         longest = std::max(longest, (a - b).norm());
             }
             for (std::size_t s = 0; s < nearest.size(); ++s) {
-                const double distance = nearest_on_triangle(scene.sites[s].point, at[0], at[1], at[2]).distance;
+                const double distance
+                    = haptics::nearest_on_triangle(scene.sites[s].point, at[0], at[1], at[2]).distance;
                 if (distance < nearest[s]) {
                     nearest[s] = distance;
                     under[s] = edge;
@@ -51,15 +52,15 @@ namespace {
     }
 
     /// Every element in eight: its corners, and the middle octahedron along the diagonal that its edges 0 and 5 end.
-    ElasticModel split_in_eight(const ElasticModel& coarse)
+    datasets::ElasticModel split_in_eight(const datasets::ElasticModel& coarse)
     {
         constexpr std::array<std::array<int, 4>, 8> kParts { { { 0, 4, 6, 7 }, { 4, 1, 5, 8 }, { 6, 5, 2, 9 },
             { 7, 8, 9, 3 }, { 4, 9, 6, 7 }, { 4, 9, 7, 8 }, { 4, 9, 8, 5 }, { 4, 9, 5, 6 } } };
-        const TetMesh quadratic = with_midpoints(coarse.mesh);
-        ElasticModel fine;
+        const mesh::TetMesh quadratic = mesh::with_midpoints(coarse.mesh);
+        datasets::ElasticModel fine;
         fine.mesh.vertices = quadratic.vertices;
         fine.roles = coarse.roles;
-        fine.roles.resize(quadratic.vertex_count(), VertexRole::free);
+        fine.roles.resize(quadratic.vertex_count(), datasets::VertexRole::free);
         for (std::size_t t = 0; t < quadratic.tet_count(); ++t) {
             const auto nodes = quadratic.tet(static_cast<TetId>(t));
             for (const auto& part : kParts) {
@@ -70,19 +71,19 @@ namespace {
                 fine.poissons_ratio.push_back(coarse.poissons_ratio[t]);
             }
             // A midpoint has the role that both its corners share.
-            for (std::size_t e = 0; e < kTetEdges.size(); ++e) {
+            for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e) {
                 const auto role = [&](int corner) {
                     return coarse.roles[static_cast<std::size_t>(nodes[static_cast<std::size_t>(corner)])];
                 };
-                if (role(kTetEdges[e][0]) == role(kTetEdges[e][1]))
-                    fine.roles[static_cast<std::size_t>(nodes[4 + e])] = role(kTetEdges[e][0]);
+                if (role(mesh::kTetEdges[e][0]) == role(mesh::kTetEdges[e][1]))
+                    fine.roles[static_cast<std::size_t>(nodes[4 + e])] = role(mesh::kTetEdges[e][0]);
             }
         }
         return fine;
     }
 
     /// @return how often it was split
-    int refine_for_fingertips(PalpationScene& scene, double radius)
+    int refine_for_fingertips(datasets::PalpationScene& scene, double radius)
     {
         const double wanted = 2.0 * radius; // no fingertip goes through between two particles
         constexpr std::size_t kEdgesOfTet = 8; // about: each is shared, and splitting makes eight
@@ -101,18 +102,18 @@ namespace {
         return splits;
     }
 
-    SpringPulse pulse_on(const PalpationScene& scene, const PulsePressure& pressure)
+    haptics::SpringPulse pulse_on(const datasets::PalpationScene& scene, const haptics::PulsePressure& pressure)
     {
-        SpringPulse pulse { pressure, scene.rest_mmHg * kMPaPerMmHg, {}, {} };
-        const TetMesh& mesh = scene.body.mesh;
+        haptics::SpringPulse pulse { pressure, scene.rest_mmHg * haptics::kMPaPerMmHg, {}, {} };
+        const mesh::TetMesh& mesh = scene.body.mesh;
         std::vector<std::uint8_t> inner(mesh.vertex_count()), fixed(mesh.vertex_count());
         for (std::size_t v = 0; v < inner.size(); ++v) {
-            inner[v] = scene.body.roles[v] == VertexRole::inner_wall;
-            fixed[v] = scene.body.roles[v] == VertexRole::fixed;
+            inner[v] = scene.body.roles[v] == datasets::VertexRole::inner_wall;
+            fixed[v] = scene.body.roles[v] == datasets::VertexRole::fixed;
         }
         std::map<VertexId, Vec3> areas;
-        for (const TetFace& face : wall_faces(mesh, inner, fixed).inner) {
-            const auto c = face_vertices(mesh, face);
+        for (const mesh::TetFace& face : haptics::wall_faces(mesh, inner, fixed).inner) {
+            const auto c = mesh::face_vertices(mesh, face);
             const Vec3 third = -area_vector(mesh.vertices, c) / 3.0; // against the wall's own outward normal
             for (const VertexId v : c)
                 areas.try_emplace(v, Vec3::Zero()).first->second += third;
@@ -125,29 +126,32 @@ namespace {
     }
 
     struct Organ {
-        SpringBody body;
+        haptics::SpringBody body;
         double heavier = 1.0;
     };
 
-    Organ organ_of(const PalpationScene& scene, double calibration)
+    Organ organ_of(const datasets::PalpationScene& scene, double calibration)
     {
         std::vector<VertexId> held;
         for (std::size_t v = 0; v < scene.body.roles.size(); ++v)
-            if (scene.body.roles[v] == VertexRole::fixed)
+            if (scene.body.roles[v] == datasets::VertexRole::fixed)
                 held.push_back(static_cast<VertexId>(v));
-        Organ organ { make_spring_organ(scene.body.mesh, scene.body.youngs_modulus, kDensity, held, calibration), 1.0 };
-        organ.heavier = slow_down_to(organ.body, kStep);
+        Organ organ {
+            haptics::make_spring_organ(scene.body.mesh, scene.body.youngs_modulus, kDensity, held, calibration), 1.0
+        };
+        organ.heavier = haptics::slow_down_to(organ.body, kStep);
         return organ;
     }
 
     /// Comes down on the first site, stays until all is at rest, and tells the force.
-    double force_at_first_site(TissueResponse& tissue, const TouchSite& site, double radius, double depth)
+    double force_at_first_site(
+        haptics::TissueResponse& tissue, const datasets::TouchSite& site, double radius, double depth)
     {
         constexpr int kDown = 200, kTicks = 800, kMeasured = 100;
         constexpr double kTick = 1e-3; // s
-        Fingertip finger;
+        haptics::Fingertip finger;
         finger.radius = radius;
-        FingerContact contact;
+        haptics::FingerContact contact;
         double sum = 0.0;
         for (int i = 0; i < kTicks; ++i) {
             const double above = std::max(0.0, 1.0 - static_cast<double>(i) / kDown);
@@ -159,36 +163,39 @@ namespace {
         return sum;
     }
 
-    ChosenTissue sheet_tissue(const PalpationScene& scene, const TissueChoice& choice)
+    ChosenTissue sheet_tissue(const datasets::PalpationScene& scene, const TissueChoice& choice)
     {
-        const DeviceVoigt voigt = device_voigt({});
-        SheetOptions options;
+        const haptics::DeviceVoigt voigt = haptics::device_voigt({});
+        haptics::SheetOptions options;
         options.columns = options.rows = scene.sheet_particles;
         options.stiffness = voigt.stiffness * (choice.calibration > 0.0 ? choice.calibration : 1.0);
         ChosenTissue chosen;
-        chosen.notes.push_back("a sheet of " + std::to_string(sheet_springs(options.columns, options.rows).total())
+        chosen.notes.push_back("a sheet of "
+            + std::to_string(haptics::sheet_springs(options.columns, options.rows).total())
             + " springs, K and D as shares of the device's range");
-        chosen.response = std::make_unique<SpringTissue>(make_spring_sheet(options),
-            ElementLaw { .voigt_time = voigt.voigt_time }, SpringTissueOptions { .fingers = choice.fingers });
+        chosen.response = std::make_unique<haptics::SpringTissue>(haptics::make_spring_sheet(options),
+            haptics::ElementLaw { .voigt_time = voigt.voigt_time },
+            haptics::SpringTissueOptions { .fingers = choice.fingers });
         return chosen;
     }
 
-    double calibrate(
-        const PalpationScene& coarse, const PalpationScene& fine, double radius, double wanted_depth, const Job& job)
+    double calibrate(const datasets::PalpationScene& coarse, const datasets::PalpationScene& fine, double radius,
+        double wanted_depth, const Job& job)
     {
         if (coarse.sites.empty())
             return 1.0;
         const double depth = std::min(wanted_depth, 0.75 * radius);
-        CondensedOptions options;
-        options.fingertip = FingertipShape::sphere;
+        haptics::CondensedOptions options;
+        options.fingertip = haptics::FingertipShape::sphere;
         options.fetch_all_below = 0;
-        options.rest_pressure = coarse.rest_mmHg * kMPaPerMmHg;
-        CondensedTissue elements(coarse.body, PulsePressure::constant(coarse.rest_mmHg), options, job);
-        Fingertip there;
+        options.rest_pressure = coarse.rest_mmHg * haptics::kMPaPerMmHg;
+        haptics::CondensedTissue elements(
+            coarse.body, haptics::PulsePressure::constant(coarse.rest_mmHg), options, job);
+        haptics::Fingertip there;
         there.radius = radius;
         there.position = coarse.sites[0].point + (radius - depth) * coarse.sites[0].outward;
         elements.prepare({ &there, 1 });
-        SpringTissue springs(organ_of(fine, 1.0).body, ElementLaw { .drag = kDrag });
+        haptics::SpringTissue springs(organ_of(fine, 1.0).body, haptics::ElementLaw { .drag = kDrag });
         const double expected = force_at_first_site(elements, coarse.sites[0], radius, depth),
                      got = force_at_first_site(springs, coarse.sites[0], radius, depth);
         if (!(expected > 0.0) || !(got > 0.0))
@@ -200,18 +207,18 @@ namespace {
 
 } // namespace
 
-double measured_calibration(const PalpationScene& scene, double radius_mm, double depth_mm, const Job& job)
+double measured_calibration(const datasets::PalpationScene& scene, double radius_mm, double depth_mm, const Job& job)
 {
-    PalpationScene fine = scene;
+    datasets::PalpationScene fine = scene;
     refine_for_fingertips(fine, radius_mm);
     return calibrate(scene, fine, radius_mm, depth_mm, job);
 }
 
-ChosenTissue make_springs(const PalpationScene& scene, const TissueChoice& choice, const Job& job)
+ChosenTissue make_springs(const datasets::PalpationScene& scene, const TissueChoice& choice, const Job& job)
 {
     if (scene.sheet_particles > 0)
         return sheet_tissue(scene, choice);
-    PalpationScene fine = scene;
+    datasets::PalpationScene fine = scene;
     const int splits = refine_for_fingertips(fine, choice.radius_mm);
     const bool measured = choice.calibration <= 0.0;
     const double calibration
@@ -223,18 +230,19 @@ ChosenTissue make_springs(const PalpationScene& scene, const TissueChoice& choic
         "%.3g times as heavy as tissue",
         organ.body.mass.size(), organ.body.springs.size(), splits, calibration,
         measured ? ", measured against ten-node elements" : "", organ.heavier));
-    SpringTissueOptions options { .fingers = choice.fingers };
-    if (has_inner_wall(scene.body))
+    haptics::SpringTissueOptions options { .fingers = choice.fingers };
+    if (datasets::has_inner_wall(scene.body))
         options.pulse = pulse_on(fine, pulse_of(scene, choice));
     const auto [softest, stiffest]
         = std::minmax_element(scene.body.youngs_modulus.begin(), scene.body.youngs_modulus.end());
-    if (has_inner_wall(scene.body)
+    if (datasets::has_inner_wall(scene.body)
         && *softest < *stiffest) // the aorta phantom: 0.34 N against 0.30; elements: 0.14, 0.22
         chosen.notes.push_back("springs do not tell stiffer regions by their pulse: theirs comes out larger than the "
                                "normal wall's, with elements smaller (use the model fem to compare pulses)");
     options.tells_stiffness = organ.heavier <= 1.0;
-    chosen.response = std::make_unique<SpringTissue>(std::move(organ.body), ElementLaw { .drag = kDrag }, options);
+    chosen.response = std::make_unique<haptics::SpringTissue>(
+        std::move(organ.body), haptics::ElementLaw { .drag = kDrag }, options);
     return chosen;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

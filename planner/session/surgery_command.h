@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <variant>
 
-namespace retractor {
+namespace retractor::planner {
 namespace surgery {
 
     /// Sets the knife on the skin. A former stroke whose end was refused is finished first.
@@ -48,7 +48,7 @@ namespace surgery {
     /// Draws one hook to a place, mm from rest. Of the commands that wait for the session only the newest of each hook
     /// counts, so that the wound follows the hand.
     struct PullHook {
-        HookId hook = 0;
+        fem::HookId hook = 0;
         Vec3 asked = Vec3::Zero();
     };
     /// Draws each hook away from the other lip. Of this command and the next only the newest that waits counts.
@@ -68,7 +68,7 @@ namespace surgery {
         bool wanted = false;
     };
     struct TakeOffHook {
-        HookId hook = 0;
+        fem::HookId hook = 0;
     };
     struct TakeOffHooks { };
 
@@ -82,4 +82,4 @@ namespace surgery {
         TakeOffHook, TakeOffHooks, ExportWall>;
 
 } // namespace surgery
-} // namespace retractor
+} // namespace retractor::planner

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace retractor {
+namespace retractor::planner {
 
 const std::vector<std::string>& tissue_models()
 {
@@ -12,38 +12,39 @@ const std::vector<std::string>& tissue_models()
     return models;
 }
 
-Label surface_label(const PalpationScene& scene, std::size_t organ, const TissueResponse& tissue)
+Label surface_label(const datasets::PalpationScene& scene, std::size_t organ, const haptics::TissueResponse& tissue)
 {
     return tissue.name() == "spheres" ? static_cast<Label>(organ + 1) : scene.organs[organ].label;
 }
 
-PulsePressure pulse_of(const PalpationScene& scene, const TissueChoice& choice)
+haptics::PulsePressure pulse_of(const datasets::PalpationScene& scene, const TissueChoice& choice)
 {
     if (!choice.pressure_csv.empty())
-        return PulsePressure::read_csv(choice.pressure_csv, choice.heart_rate_per_min);
-    return PulsePressure::aortic(choice.heart_rate_per_min > 0.0 ? choice.heart_rate_per_min : scene.heart_rate_per_min,
-        scene.diastolic_mmHg, scene.systolic_mmHg);
+        return haptics::PulsePressure::read_csv(choice.pressure_csv, choice.heart_rate_per_min);
+    return haptics::PulsePressure::aortic(
+        choice.heart_rate_per_min > 0.0 ? choice.heart_rate_per_min : scene.heart_rate_per_min, scene.diastolic_mmHg,
+        scene.systolic_mmHg);
 }
 
-CondensedOptions condensed_options(const PalpationScene& scene, const TissueChoice& choice)
+haptics::CondensedOptions condensed_options(const datasets::PalpationScene& scene, const TissueChoice& choice)
 {
-    CondensedOptions options;
-    options.element = choice.element == "p1" ? TouchElement::p1
-        : choice.element == "locking-free"   ? TouchElement::locking_free
-                                             : TouchElement::p2;
-    options.fingertip = choice.fingertip == "sphere" ? FingertipShape::sphere
-        : choice.fingertip == "held"                 ? FingertipShape::held
-                                                     : FingertipShape::pad;
+    haptics::CondensedOptions options;
+    options.element = choice.element == "p1" ? haptics::TouchElement::p1
+        : choice.element == "locking-free"   ? haptics::TouchElement::locking_free
+                                             : haptics::TouchElement::p2;
+    options.fingertip = choice.fingertip == "sphere" ? haptics::FingertipShape::sphere
+        : choice.fingertip == "held"                 ? haptics::FingertipShape::held
+                                                     : haptics::FingertipShape::pad;
     options.fingers = choice.fingers;
     options.force_gain = choice.force_gain;
-    options.rest_pressure = scene.rest_mmHg * kMPaPerMmHg;
+    options.rest_pressure = scene.rest_mmHg * haptics::kMPaPerMmHg;
     return options;
 }
 
-ChosenTissue make_tissue(const PalpationScene& scene, const TissueChoice& choice, const Job& job)
+ChosenTissue make_tissue(const datasets::PalpationScene& scene, const TissueChoice& choice, const Job& job)
 {
     if (choice.model == "fem")
-        return { std::make_unique<CondensedTissue>(
+        return { std::make_unique<haptics::CondensedTissue>(
                      scene.body, pulse_of(scene, choice), condensed_options(scene, choice), job),
             {} };
     if (choice.model == "springs")
@@ -53,4 +54,4 @@ ChosenTissue make_tissue(const PalpationScene& scene, const TissueChoice& choice
     throw InputError("there is no model \"" + choice.model + '"', "model", { "model" });
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 struct TissueChoice {
     std::string model = "fem";
@@ -28,7 +28,7 @@ struct TissueChoice {
 
 /// A tissue, and what is to be said of it beside its forces.
 struct ChosenTissue {
-    std::unique_ptr<TissueResponse> response;
+    std::unique_ptr<haptics::TissueResponse> response;
     std::vector<std::string> notes;
 };
 
@@ -37,25 +37,25 @@ const std::vector<std::string>& tissue_models();
 
 /// Of an organ's triangles in the tissue's surface: spheres number their organs from 1, elements keep the scene's
 /// labels.
-Label surface_label(const PalpationScene& scene, std::size_t organ, const TissueResponse& tissue);
+Label surface_label(const datasets::PalpationScene& scene, std::size_t organ, const haptics::TissueResponse& tissue);
 
-PulsePressure pulse_of(const PalpationScene& scene, const TissueChoice& choice);
-CondensedOptions condensed_options(const PalpationScene& scene, const TissueChoice& choice);
+haptics::PulsePressure pulse_of(const datasets::PalpationScene& scene, const TissueChoice& choice);
+haptics::CondensedOptions condensed_options(const datasets::PalpationScene& scene, const TissueChoice& choice);
 
 /// @throws InputError on a model that is not among tissue_models(), or that cannot serve the scene, saying why; and as
 /// the tissues do.
-ChosenTissue make_tissue(const PalpationScene& scene, const TissueChoice& choice, const Job& job);
+ChosenTissue make_tissue(const datasets::PalpationScene& scene, const TissueChoice& choice, const Job& job);
 
 /// The body's edges as springs, refined until fingertips cannot fall through between particles near the scene's sites;
 /// a scene that stands for a sheet of springs is that sheet. Particles are made heavier where a tick would need more
 /// than four steps: what is pressed slowly is answered alike.
-ChosenTissue make_springs(const PalpationScene& scene, const TissueChoice& choice, const Job& job);
+ChosenTissue make_springs(const datasets::PalpationScene& scene, const TissueChoice& choice, const Job& job);
 /// Force of ten-node elements over that of springs (calibration 1) when a rigid fingertip presses the scene's first
 /// site, at most by three quarters of its radius.
-double measured_calibration(const PalpationScene& scene, double radius_mm, double depth_mm, const Job& job);
+double measured_calibration(const datasets::PalpationScene& scene, double radius_mm, double depth_mm, const Job& job);
 
 /// The body's organs filled with spheres: `choice.spheres` in the first, three quarters of that radius in the others.
 /// Each has the force of a half-space of its mean elasticity. @throws InputError on a vessel that blood presses on.
-ChosenTissue make_spheres(const PalpationScene& scene, const TissueChoice& choice, const Job& job);
+ChosenTissue make_spheres(const datasets::PalpationScene& scene, const TissueChoice& choice, const Job& job);
 
-} // namespace retractor
+} // namespace retractor::planner

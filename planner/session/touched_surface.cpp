@@ -10,7 +10,7 @@
 #include <limits>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -43,7 +43,7 @@ namespace {
         constexpr double kSame = 1e-9; // mm
         double least = std::numeric_limits<double>::infinity(), squarest = 0.0;
         for (const auto& p : faces) {
-            const NearestOnSurface nearest = nearest_on_triangle(from, p[0], p[1], p[2]);
+            const haptics::NearestOnSurface nearest = haptics::nearest_on_triangle(from, p[0], p[1], p[2]);
             if (nearest.distance > least + kSame)
                 continue;
             const double height = (p[1] - p[0]).cross(p[2] - p[0]).normalized().dot(from - nearest.point);
@@ -54,7 +54,7 @@ namespace {
         return squarest < 0.0 ? -least : least;
     }
 
-    void add_circle(std::vector<std::array<Vec3, 2>>& pieces, const ElasticTemplate& s, int a, int b)
+    void add_circle(std::vector<std::array<Vec3, 2>>& pieces, const haptics::ElasticTemplate& s, int a, int b)
     {
         constexpr int kPieces = 48;
         const auto at = [&](int i) -> Vec3 {
@@ -110,10 +110,10 @@ Vec3 seated_on(const Points& shown, const std::vector<std::array<VertexId, 3>>& 
     return at;
 }
 
-std::vector<std::array<Vec3, 2>> outline_of(const ElasticTemplate& shape)
+std::vector<std::array<Vec3, 2>> outline_of(const haptics::ElasticTemplate& shape)
 {
     std::vector<std::array<Vec3, 2>> pieces;
-    if (shape.shape == ElasticTemplate::Shape::sphere) {
+    if (shape.shape == haptics::ElasticTemplate::Shape::sphere) {
         add_circle(pieces, shape, 0, 1);
         add_circle(pieces, shape, 1, 2);
         add_circle(pieces, shape, 2, 0);
@@ -130,4 +130,4 @@ std::vector<std::array<Vec3, 2>> outline_of(const ElasticTemplate& shape)
     return pieces;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

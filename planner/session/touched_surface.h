@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 struct SurfacePlace {
     Vec3 point = Vec3::Zero();
@@ -24,6 +24,6 @@ Vec3 seated_on(const Points& shown, const std::vector<std::array<VertexId, 3>>& 
     double radius, const Vec3& outward);
 
 /// The template's outline, as pieces of line.
-std::vector<std::array<Vec3, 2>> outline_of(const ElasticTemplate& shape);
+std::vector<std::array<Vec3, 2>> outline_of(const haptics::ElasticTemplate& shape);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -9,7 +9,7 @@
 #include <limits>
 #include <map>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -176,4 +176,4 @@ std::vector<std::array<VertexId, 2>> wound_rims(const WallSurface& surface)
     return rims;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// What changes only when something is cut. Vertices are numbered as in the cutting session; rows of vertices that no
 /// triangle uses say nothing.
@@ -59,4 +59,4 @@ std::optional<double> thickness_near(
 /// Edges between lips and the rest of the surface: the borders of the wounds.
 std::vector<std::array<VertexId, 2>> wound_rims(const WallSurface& surface);
 
-} // namespace retractor
+} // namespace retractor::planner

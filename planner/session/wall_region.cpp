@@ -12,7 +12,7 @@
 #include <limits>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -26,10 +26,10 @@ namespace {
     /// Of an edge of the outline: a cut moves its ends less far onto the blade.
     constexpr double kMovedShare = 0.5;
 
-    std::vector<char> skin_flags(const LabelTable& labels)
+    std::vector<char> skin_flags(const mesh::LabelTable& labels)
     {
         std::vector<char> skin(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, 0);
-        for (const LabelInfo& info : labels)
+        for (const mesh::LabelInfo& info : labels)
             skin[info.id] = info.material == "skin" ? 1 : 0;
         return skin;
     }
@@ -42,11 +42,11 @@ namespace {
     }
 
     /// Vertices of the wall's surface on its rim, and of what is meshed beyond it (bones kept whole).
-    std::vector<VertexId> rim_vertices(const TetMesh& wall, const WallRegion& region)
+    std::vector<VertexId> rim_vertices(const mesh::TetMesh& wall, const WallRegion& region)
     {
         if (!region.has_limit())
             return {};
-        const TetSurface boundary = boundary_surface(wall, {});
+        const mesh::TetSurface boundary = mesh::boundary_surface(wall, {});
         std::vector<VertexId> rim;
         for (std::size_t v = 0; v < boundary.vertex_of.size(); ++v)
             if (region.rim_distance(boundary.surface.vertices.row(static_cast<Eigen::Index>(v)).transpose())
@@ -88,11 +88,11 @@ double WallRegion::rim_distance(const Vec3& rest) const
 bool WallRegion::can_cut(const Vec3& rest) const { return rim_distance(rest) >= kRimMarginMm; }
 
 std::vector<EdgePlace> region_outline(
-    const TetMesh& wall, const WallRegion& region, const LabelTable& labels, const Vec3& outward)
+    const mesh::TetMesh& wall, const WallRegion& region, const mesh::LabelTable& labels, const Vec3& outward)
 {
     if (!region.has_limit())
         return {};
-    const TetSurface boundary = boundary_surface(wall, {});
+    const mesh::TetSurface boundary = mesh::boundary_surface(wall, {});
     const TriMesh& mesh = boundary.surface;
     const std::vector<char> is_skin = skin_flags(labels);
     const bool any_skin = std::any_of(mesh.labels.begin(), mesh.labels.end(), [&](Label l) { return is_skin[l] != 0; });
@@ -137,7 +137,8 @@ std::vector<Vec3> shown_places(const std::vector<EdgePlace>& places, const WallP
     return shown;
 }
 
-BeyondSurface::BeyondSurface(std::shared_ptr<const TriMesh> surface, const TetMesh& wall, const WallRegion& region)
+BeyondSurface::BeyondSurface(
+    std::shared_ptr<const TriMesh> surface, const mesh::TetMesh& wall, const WallRegion& region)
     : surface_(std::move(surface))
 {
     for (const VertexId v : rim_vertices(wall, region))
@@ -192,4 +193,4 @@ Points BeyondSurface::shown(const WallPicture& picture) const
     return shown;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -4,8 +4,8 @@
 // Units mm; frame patient LPS.
 
 #include "mesh/base/geometry.h"
-#include "mesh/tetrahedra/tet_mesh.h"
 #include "mesh/image/volume.h"
+#include "mesh/tetrahedra/tet_mesh.h"
 #include "planner/session/wall_picture.h"
 
 #include <memory>
@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// The knife keeps this far from the rim of the mesh: the surface drawn beyond it reaches some millimetres under the
 /// rim, and a wound there would gape over it.
@@ -43,7 +43,7 @@ struct EdgePlace {
 /// The border of where the knife may cut, on the skin (on what looks `outward` where the wall has none): the ends of
 /// its pieces, two by two. Empty without a limit.
 std::vector<EdgePlace> region_outline(
-    const TetMesh& wall, const WallRegion& region, const LabelTable& labels, const Vec3& outward);
+    const mesh::TetMesh& wall, const WallRegion& region, const mesh::LabelTable& labels, const Vec3& outward);
 /// Where they are shown; pieces on tissue that was taken out are left out.
 std::vector<Vec3> shown_places(const std::vector<EdgePlace>& places, const WallPicture& picture);
 
@@ -52,7 +52,7 @@ std::vector<Vec3> shown_places(const std::vector<EdgePlace>& places, const WallP
 class BeyondSurface {
 public:
     /// @param surface at rest, with labels. @param wall uncut.
-    BeyondSurface(std::shared_ptr<const TriMesh> surface, const TetMesh& wall, const WallRegion& region);
+    BeyondSurface(std::shared_ptr<const TriMesh> surface, const mesh::TetMesh& wall, const WallRegion& region);
 
     const std::shared_ptr<const TriMesh>& rest() const { return surface_; }
     /// Its vertices, as many rows as at rest.
@@ -73,4 +73,4 @@ private:
     std::vector<Anchor> anchors_;
 };
 
-} // namespace retractor
+} // namespace retractor::planner

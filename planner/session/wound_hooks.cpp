@@ -7,7 +7,7 @@
 #include <cmath>
 #include <set>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -32,9 +32,9 @@ namespace {
             + " %: a plan solves all of it";
     }
 
-    OnlineOptions options_of(std::vector<Mat3> stress_of_element)
+    fem::OnlineOptions options_of(std::vector<Mat3> stress_of_element)
     {
-        OnlineOptions options;
+        fem::OnlineOptions options;
         options.added_vertices = 400; // a new one is made in the background before it comes to that
         options.stress_of_element = std::move(stress_of_element);
         return options;
@@ -49,23 +49,23 @@ namespace {
     }
 
     /// Where there is no answer, new vertices go with those that they come from.
-    void carry_along(Eigen::VectorXd& field, const MeshDelta& delta)
+    void carry_along(Eigen::VectorXd& field, const mesh::MeshDelta& delta)
     {
-        for (const MeshDelta::VertexBorn& born : delta.vertices_born) {
+        for (const mesh::MeshDelta::VertexBorn& born : delta.vertices_born) {
             const auto at = 3 * static_cast<Eigen::Index>(born.id);
             if (field.size() < at + 3)
                 field.conservativeResizeLike(Eigen::VectorXd::Zero(at + 3));
             const Vec3 a = field.segment<3>(3 * born.a), b = field.segment<3>(3 * born.b);
             field.segment<3>(at) = (1.0 - born.t) * a + born.t * b;
         }
-        for (const MeshDelta::VertexBorn& gone : delta.vertices_gone)
+        for (const mesh::MeshDelta::VertexBorn& gone : delta.vertices_gone)
             field.segment<3>(3 * gone.id).setZero();
     }
 
 } // namespace
 
-WoundHooks::WoundHooks(const CutSession& session, std::span<const Material> material_of_label, const Supports& supports,
-    std::span<const VertexId> corridor, std::vector<Mat3> stress_of_element)
+WoundHooks::WoundHooks(const mesh::CutSession& session, std::span<const fem::Material> material_of_label,
+    const fem::Supports& supports, std::span<const VertexId> corridor, std::vector<Mat3> stress_of_element)
     : opening_(session, material_of_label, supports, corridor, options_of(std::move(stress_of_element)))
     , materials_(material_of_label.begin(), material_of_label.end())
     , displacement_(Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(session.vertex_slots())))
@@ -75,20 +75,20 @@ WoundHooks::WoundHooks(const CutSession& session, std::span<const Material> mate
     see_wound(session);
 }
 
-void WoundHooks::see_wound(const CutSession& session)
+void WoundHooks::see_wound(const mesh::CutSession& session)
 {
     const std::vector<LipTriangle> lips = lip_triangles(session);
     wound_ = wound_vertices(lips);
     lip_pairs_ = lip_pairs(session, lips);
 }
 
-bool WoundHooks::has(HookId hook) const
+bool WoundHooks::has(fem::HookId hook) const
 {
     return std::any_of(
         report_.hooks.begin(), report_.hooks.end(), [&](const HookState& state) { return state.id == hook; });
 }
 
-HookState& WoundHooks::state(HookId hook)
+HookState& WoundHooks::state(fem::HookId hook)
 {
     const auto found = std::find_if(
         report_.hooks.begin(), report_.hooks.end(), [&](const HookState& state) { return state.id == hook; });
@@ -106,20 +106,21 @@ std::optional<double> share_of_plan(std::span<const HookState> hooks)
 }
 
 /// By the force at which all hooks slip.
-HookDrive WoundHooks::limited(const HookDrive& drive) const
+fem::HookDrive WoundHooks::limited(const fem::HookDrive& drive) const
 {
-    HookDrive limited = drive;
+    fem::HookDrive limited = drive;
     limited.force_limit_N = std::min(limited.force_limit_N, yield_N_);
     if (limited.force_N && limited.force_N->norm() > yield_N_)
         limited.force_N = yield_N_ * limited.force_N->normalized();
     return limited;
 }
 
-HookId WoundHooks::attach(HookSeat seat, std::string name, const HookDrive& drive, std::optional<HookDrive> planned)
+fem::HookId WoundHooks::attach(
+    HookSeat seat, std::string name, const fem::HookDrive& drive, std::optional<fem::HookDrive> planned)
 {
     HookState hook { .name = std::move(name), .seat = std::move(seat), .drive = drive, .planned = std::move(planned) };
     hook.id = opening_.attach({ hook.name, hook.seat.side, hook.seat.nodes, limited(drive) });
-    const HookId id = hook.id;
+    const fem::HookId id = hook.id;
     report_.hooks.push_back(std::move(hook));
     forget_since(); // the linear answer takes the tissue to where the hook is: with that it would go there twice
     outdate_near();
@@ -127,7 +128,7 @@ HookId WoundHooks::attach(HookSeat seat, std::string name, const HookDrive& driv
     return id;
 }
 
-void WoundHooks::take_off(HookId hook)
+void WoundHooks::take_off(fem::HookId hook)
 {
     (void)state(hook);
     opening_.detach(hook);
@@ -137,10 +138,10 @@ void WoundHooks::take_off(HookId hook)
     outdate_near();
 }
 
-void WoundHooks::drive(const std::map<HookId, HookDrive>& asked)
+void WoundHooks::drive(const std::map<fem::HookId, fem::HookDrive>& asked)
 {
     for (const auto& [hook, drive] : asked)
-        check_drive(drive, state(hook).name);
+        fem::check_drive(drive, state(hook).name);
     std::vector<Vec3> where;
     std::vector<double> gives_way;
     for (const HookState& hook : report_.hooks) {
@@ -150,13 +151,13 @@ void WoundHooks::drive(const std::map<HookId, HookDrive>& asked)
         where.push_back(drawn ? found->second.displacement : follows ? hook.drive.displacement : hook.displacement);
         gives_way.push_back(drawn ? 1.0 : 0.0);
     }
-    const std::string met = names_of(draw_back(opening_.facing_hooks(), gives_way, where));
+    const std::string met = names_of(fem::draw_back(opening_.facing_hooks(), gives_way, where));
     for (std::size_t i = 0; i < report_.hooks.size(); ++i) {
         HookState& hook = report_.hooks[i];
         const auto found = asked.find(hook.id);
         if (found == asked.end())
             continue;
-        HookDrive drive = found->second;
+        fem::HookDrive drive = found->second;
         if (!drive.force_N)
             drive.displacement = where[i];
         opening_.drive(hook.id, limited(drive));
@@ -166,25 +167,25 @@ void WoundHooks::drive(const std::map<HookId, HookDrive>& asked)
     report_.settled = linear_settled_ = false;
 }
 
-void WoundHooks::drive_one(HookId hook, const HookDrive& asked)
+void WoundHooks::drive_one(fem::HookId hook, const fem::HookDrive& asked)
 {
-    std::map<HookId, HookDrive> one;
+    std::map<fem::HookId, fem::HookDrive> one;
     one.emplace(hook, asked);
     drive(one);
 }
 
 /// "hook 1 and hook 2; hook 3 and hook 2"
-std::string WoundHooks::names_of(std::span<const FacingHooks> meeting) const
+std::string WoundHooks::names_of(std::span<const fem::FacingHooks> meeting) const
 {
     std::string names;
-    for (const FacingHooks& pair : meeting)
+    for (const fem::FacingHooks& pair : meeting)
         names += (names.empty() ? "" : "; ") + report_.hooks[pair.a].name + " and " + report_.hooks[pair.b].name;
     return names;
 }
 
-void WoundHooks::pull(HookId hook, const Vec3& asked)
+void WoundHooks::pull(fem::HookId hook, const Vec3& asked)
 {
-    HookDrive drawn = state(hook).drive;
+    fem::HookDrive drawn = state(hook).drive;
     if (drawn.force_N)
         forget_since(); // where a force has taken it is nowhere that the hand has
     drawn.force_N.reset();
@@ -195,9 +196,9 @@ void WoundHooks::pull(HookId hook, const Vec3& asked)
 
 void WoundHooks::pull_all(double mm)
 {
-    std::map<HookId, HookDrive> drawn;
+    std::map<fem::HookId, fem::HookDrive> drawn;
     for (const HookState& hook : report_.hooks) {
-        HookDrive& drive = drawn.emplace(hook.id, hook.drive).first->second;
+        fem::HookDrive& drive = drawn.emplace(hook.id, hook.drive).first->second;
         if (drive.force_N)
             forget_since();
         drive.force_N.reset();
@@ -212,10 +213,10 @@ void WoundHooks::pull_share(double share)
 {
     if (!std::isfinite(share))
         throw InputError("the share of their plan that hooks are driven by must be finite", "hooks");
-    std::map<HookId, HookDrive> driven;
+    std::map<fem::HookId, fem::HookDrive> driven;
     for (const HookState& hook : report_.hooks)
         if (hook.planned)
-            driven.emplace(hook.id, between({}, *hook.planned, share));
+            driven.emplace(hook.id, fem::between({}, *hook.planned, share));
     drive(driven);
 }
 
@@ -230,7 +231,7 @@ void WoundHooks::set_yield(double force_N)
     report_.settled = linear_settled_ = false;
 }
 
-void WoundHooks::follow(const MeshDelta& delta, const CutSession& session)
+void WoundHooks::follow(const mesh::MeshDelta& delta, const mesh::CutSession& session)
 {
     const Stopwatch watch;
     swap_factor();
@@ -258,12 +259,12 @@ void WoundHooks::swap_factor()
     ++report_.factors_swapped;
 }
 
-void WoundHooks::renew_factor(const MeshDelta& delta)
+void WoundHooks::renew_factor(const mesh::MeshDelta& delta)
 {
     if (opening_.rebuilding() || opening_.corridor_vertices() <= corridor_ + std::max(kGrown, corridor_ / kGrownShare))
         return;
     std::vector<VertexId> near;
-    const OnlineStiffness& K = opening_.stiffness();
+    const fem::OnlineStiffness& K = opening_.stiffness();
     for (VertexId v = 0; v < static_cast<VertexId>(K.slot_count()); ++v)
         if (K.alive(v) && std::any_of(delta.vertices_born.begin(), delta.vertices_born.end(), [&](const auto& born) {
                 return (born.position - K.position(v)).norm() < kNextStepMm;
@@ -292,7 +293,7 @@ void WoundHooks::lost(const std::string& name)
 /// The exact answer; @return false when there is none that could be shown: it is said why.
 bool WoundHooks::solve()
 {
-    OnlineAnswer answer = opening_.answer();
+    fem::OnlineAnswer answer = opening_.answer();
     while (answer.lost_hook) {
         lost(state(*answer.lost_hook).name);
         take_off(*answer.lost_hook);
@@ -302,10 +303,10 @@ bool WoundHooks::solve()
     return take(answer);
 }
 
-bool WoundHooks::take(const OnlineAnswer& answer)
+bool WoundHooks::take(const fem::OnlineAnswer& answer)
 {
-    report_.refusal = answer.status == OnlineStatus::solved ? std::string {} : answer.message;
-    held_ = answer.status != OnlineStatus::unsupported;
+    report_.refusal = answer.status == fem::OnlineStatus::solved ? std::string {} : answer.message;
+    held_ = answer.status != fem::OnlineStatus::unsupported;
     answered_ = held_ && answer.hooks_at_rest && answer.residual <= kShowable;
     if (!answered_)
         return false;
@@ -349,7 +350,7 @@ void WoundHooks::settle(bool cutting, const Job& job)
     if (near_usable() && !near_.settled())
         near_.settle(job);
     if (show())
-        report_.strain = strain_peak(opening_.stiffness(), displacement_, opening_.held_vertices());
+        report_.strain = fem::strain_peak(opening_.stiffness(), displacement_, opening_.held_vertices());
     report_.settled = true;
 }
 
@@ -374,9 +375,9 @@ void WoundHooks::forget_since()
     since_hooks_.clear();
 }
 
-std::vector<HookDrive> WoundHooks::drives() const
+std::vector<fem::HookDrive> WoundHooks::drives() const
 {
-    std::vector<HookDrive> drives;
+    std::vector<fem::HookDrive> drives;
     for (const HookState& hook : report_.hooks)
         drives.push_back(limited(hook.drive));
     return drives;
@@ -409,7 +410,7 @@ void WoundHooks::begin_near()
 {
     std::vector<VertexId> held = opening_.held_vertices();
     std::sort(held.begin(), held.end());
-    std::vector<HookPatch> hooks;
+    std::vector<fem::HookPatch> hooks;
     for (const HookState& hook : report_.hooks) {
         hooks.push_back({ hook.name, hook.seat.side, hook.seat.nodes, Vec3::Zero() });
         std::erase_if(hooks.back().nodes, [&](VertexId v) { return !std::binary_search(held.begin(), held.end(), v); });
@@ -448,7 +449,7 @@ bool WoundHooks::show()
         const bool near = report_.shown == ShownAnswer::nonlinear;
         const std::string met = near ? names_of(near_.frame().meeting) : linear_meeting_;
         report_.meeting = stopped_.empty() ? met : stopped_;
-        report_.lip_overlap_mm = retractor::lip_overlap_mm(lip_pairs_, displacement_);
+        report_.lip_overlap_mm = retractor::planner::lip_overlap_mm(lip_pairs_, displacement_);
     }
     report_.shown_text = shown_in_words();
     return !as_before_;
@@ -474,7 +475,7 @@ void WoundHooks::show_linear()
 
 void WoundHooks::show_near()
 {
-    const NearFrame& frame = near_.frame();
+    const fem::NearFrame& frame = near_.frame();
     displacement_ = near_.displacement(linear_.size());
     forget_since();
     if (answered_)
@@ -499,7 +500,7 @@ std::string WoundHooks::shown_in_words() const
         std::string within = "nonlinear within " + std::to_string(std::lround(near_.within_mm())) + " mm";
         if (near_.far_change() && *near_.far_change() > kFarTolerance)
             within += far_in_words(*near_.far_change());
-        return near_.frame().status == NearStatus::not_settled ? within + ", not at rest" : within;
+        return near_.frame().status == fem::NearStatus::not_settled ? within + ", not at rest" : within;
     }
     const std::string shown = as_before_       ? "as before"
         : report_.shown == ShownAnswer::linear ? "linear"
@@ -513,4 +514,4 @@ std::string WoundHooks::shown_in_words() const
     return near_usable() ? shown + ": nonlinear finds no rest" : shown;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -26,15 +26,15 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// Hooks that are drawn so far (drive.displacement), or that pull so hard (drive.force_N).
 struct HookState {
-    HookId id = 0;
+    fem::HookId id = 0;
     std::string name;
     HookSeat seat; ///< its side: +1 or -1
-    HookDrive drive; ///< as the hand has it now; the hook slips at WoundHooks::set_yield(), too
-    std::optional<HookDrive> planned; ///< as the plan has it; none: it was set or drawn by hand
+    fem::HookDrive drive; ///< as the hand has it now; the hook slips at WoundHooks::set_yield(), too
+    std::optional<fem::HookDrive> planned; ///< as the plan has it; none: it was set or drawn by hand
     Vec3 displacement = Vec3::Zero(); ///< where the tissue under it is
     Vec3 force_N = Vec3::Zero(); ///< what the hand must apply
     bool yielded = false;
@@ -56,7 +56,7 @@ struct HookReport {
     ShownAnswer shown = ShownAnswer::linear;
     std::string shown_text; ///< the same in words, with why it is not nonlinear, or how far from the wound it is
     std::array<double, 2> side_N {}; ///< sums of the forces' sizes, of side +1 and of -1
-    StrainPeak strain; ///< of the last settled frame
+    fem::StrainPeak strain; ///< of the last settled frame
     double residual = 0.0; ///< relative; nonlinear: of the largest force, else: of the linear answer's whole field.
     /// Of linear_since it says nothing: that sum is no equilibrium
     bool settled = true; ///< the strain is of what is shown, and the residual, where there is one
@@ -73,17 +73,18 @@ public:
     /// Factors the wall as the session has it now: seconds.
     /// @param stress_of_element tension per element of the session's first mesh, or none.
     /// @throws as OnlineOpening.
-    WoundHooks(const CutSession& session, std::span<const Material> material_of_label, const Supports& supports,
-        std::span<const VertexId> corridor, std::vector<Mat3> stress_of_element);
+    WoundHooks(const mesh::CutSession& session, std::span<const fem::Material> material_of_label,
+        const fem::Supports& supports, std::span<const VertexId> corridor, std::vector<Mat3> stress_of_element);
 
     /// Driven so at once. A hook that is drawn, here and below, stops where its lip meets that of a hook that is in its
     /// way, which stays where it is; hooks that are drawn at once give way alike. @throws InputError as
     /// OnlineOpening::attach().
-    HookId attach(HookSeat seat, std::string name, const HookDrive& drive, std::optional<HookDrive> planned = {});
-    void take_off(HookId hook); ///< @throws InputError when there is none
+    fem::HookId attach(
+        HookSeat seat, std::string name, const fem::HookDrive& drive, std::optional<fem::HookDrive> planned = {});
+    void take_off(fem::HookId hook); ///< @throws InputError when there is none
     /// The hand draws it there, mm from rest: it keeps its limit and its grip, and forgets its plan.
     /// @throws InputError when there is none, or on NaN
-    void pull(HookId hook, const Vec3& asked);
+    void pull(fem::HookId hook, const Vec3& asked);
     void pull_all(double mm); ///< each along its own pull
     /// Hooks as planned are driven so much of that: force and way. Those in the hand stay. @throws InputError on NaN
     void pull_share(double share);
@@ -92,12 +93,12 @@ public:
     void set_yield(double force_N);
     double yield_N() const { return yield_N_; }
     bool empty() const { return report_.hooks.empty(); }
-    bool has(HookId hook) const;
+    bool has(fem::HookId hook) const;
 
     /// Takes a change of the session in and opens the wound again. Hooks that no longer lie on a lip are taken off.
     /// When cuts have left what was factored for them, that is done anew in the background, round the knife's last
     /// step.
-    void follow(const MeshDelta& delta, const CutSession& session);
+    void follow(const mesh::MeshDelta& delta, const mesh::CutSession& session);
     /// The hooks where the hand is now: a product with columns that are made when they are needed.
     void frame();
     /// The exact answer with its residual, and the strain; then the nonlinear one, as far as it is there, until it is
@@ -120,15 +121,15 @@ public:
     std::size_t bytes() const { return opening_.bytes() + near_.bytes(); }
 
 private:
-    HookState& state(HookId hook);
-    HookDrive limited(const HookDrive& drive) const;
-    void drive(const std::map<HookId, HookDrive>& asked);
-    void drive_one(HookId hook, const HookDrive& asked);
-    void see_wound(const CutSession& session);
-    std::string names_of(std::span<const FacingHooks> meeting) const;
+    HookState& state(fem::HookId hook);
+    fem::HookDrive limited(const fem::HookDrive& drive) const;
+    void drive(const std::map<fem::HookId, fem::HookDrive>& asked);
+    void drive_one(fem::HookId hook, const fem::HookDrive& asked);
+    void see_wound(const mesh::CutSession& session);
+    std::string names_of(std::span<const fem::FacingHooks> meeting) const;
     bool solve();
-    bool take(const OnlineAnswer& answer);
-    std::vector<HookDrive> drives() const;
+    bool take(const fem::OnlineAnswer& answer);
+    std::vector<fem::HookDrive> drives() const;
     void outdate_near();
     bool near_usable() const;
     bool near_missing() const;
@@ -142,11 +143,11 @@ private:
     std::string shown_in_words() const;
     void lost(const std::string& name);
     void take_off_lost();
-    void renew_factor(const MeshDelta& delta);
+    void renew_factor(const mesh::MeshDelta& delta);
     void swap_factor();
 
-    OnlineOpening opening_;
-    std::vector<Material> materials_;
+    fem::OnlineOpening opening_;
+    std::vector<fem::Material> materials_;
     HookReport report_;
     Eigen::VectorXd displacement_; ///< as shown
     Eigen::VectorXd linear_;
@@ -155,7 +156,7 @@ private:
         Vec3 displacement = Vec3::Zero(), force_N = Vec3::Zero();
         bool yielded = false;
     };
-    std::map<HookId, HookNumbers> linear_hooks_;
+    std::map<fem::HookId, HookNumbers> linear_hooks_;
     std::string stopped_; ///< hooks that met when they were drawn last
     std::string linear_meeting_; ///< hooks that hold each other back in the linear answer
     bool linear_settled_ = true;
@@ -168,11 +169,11 @@ private:
     NearWound near_;
     bool near_begun_ = false; ///< for this mesh and these hooks
     Eigen::VectorXd since_; ///< the last nonlinear field less the linear one; empty: none
-    std::map<HookId, HookNumbers> since_hooks_; ///< likewise
+    std::map<fem::HookId, HookNumbers> since_hooks_; ///< likewise
     double yield_N_ = std::numeric_limits<double>::infinity();
     bool columns_ = false; ///< made, and right
     std::size_t corridor_ = 0; ///< its size when the body was factored last
     std::string remark_;
 };
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -14,7 +14,7 @@
 #include <set>
 #include <string>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -33,23 +33,23 @@ namespace {
     Edge edge_of(VertexId a, VertexId b) { return a < b ? Edge { a, b } : Edge { b, a }; }
 
     using FaceKey = std::array<VertexId, 3>;
-    FaceKey face_key(const TetMesh& mesh, const TetFace& face)
+    FaceKey face_key(const mesh::TetMesh& mesh, const mesh::TetFace& face)
     {
-        FaceKey key = face_vertices(mesh, face);
+        FaceKey key = mesh::face_vertices(mesh, face);
         std::sort(key.begin(), key.end());
         return key;
     }
 
-    std::vector<Edge> face_edges(const TetMesh& mesh, const TetFace& face)
+    std::vector<Edge> face_edges(const mesh::TetMesh& mesh, const mesh::TetFace& face)
     {
-        const auto v = face_vertices(mesh, face);
+        const auto v = mesh::face_vertices(mesh, face);
         return { edge_of(v[0], v[1]), edge_of(v[1], v[2]), edge_of(v[2], v[0]) };
     }
 
     /// How fast the depth below the blade's line falls along a face's outward normal: 1 for skin square to the blade.
-    double rise(const TetMesh& mesh, const TetFace& face, const SweptBlade& blade)
+    double rise(const mesh::TetMesh& mesh, const mesh::TetFace& face, const mesh::SweptBlade& blade)
     {
-        const auto v = face_vertices(mesh, face);
+        const auto v = mesh::face_vertices(mesh, face);
         const auto [a, b, c] = triangle_corners(mesh.vertices, v);
         const Vec3 normal = unit_normal(a, b, c), middle = (a + b + c) / 3.0;
         return (blade.coordinates(middle - kDepthStep * normal).depth
@@ -58,16 +58,16 @@ namespace {
     }
 
     /// The edges of one side's lip with skin beside them.
-    std::set<Edge> skin_rim(const TetMesh& mesh, std::span<const LipFace> lips, int side,
-        const std::set<FaceKey>& lip_keys, const std::vector<TetFace>& boundary, const SweptBlade& blade)
+    std::set<Edge> skin_rim(const mesh::TetMesh& mesh, std::span<const mesh::LipFace> lips, int side,
+        const std::set<FaceKey>& lip_keys, const std::vector<mesh::TetFace>& boundary, const mesh::SweptBlade& blade)
     {
         std::set<Edge> lip_edges;
-        for (const LipFace& lip : lips)
+        for (const mesh::LipFace& lip : lips)
             if (lip.side == side)
                 for (const Edge& edge : face_edges(mesh, lip.face))
                     lip_edges.insert(edge);
         std::set<Edge> rim;
-        for (const TetFace& face : boundary) {
+        for (const mesh::TetFace& face : boundary) {
             std::vector<Edge> shared;
             for (const Edge& edge : face_edges(mesh, face))
                 if (lip_edges.contains(edge))
@@ -108,7 +108,7 @@ namespace {
         return chain;
     }
 
-    std::vector<Chain> rim_chains(const std::set<Edge>& rim, const TetMesh& mesh, const SweptBlade& blade)
+    std::vector<Chain> rim_chains(const std::set<Edge>& rim, const mesh::TetMesh& mesh, const mesh::SweptBlade& blade)
     {
         std::map<VertexId, std::vector<VertexId>> next;
         std::map<VertexId, RimPoint> at;
@@ -116,7 +116,7 @@ namespace {
             for (std::size_t end = 0; end < 2; ++end) {
                 next[edge[end]].push_back(edge[1 - end]);
                 if (!at.contains(edge[end])) {
-                    const BladeCoordinates c = blade.coordinates(point_at(mesh.vertices, edge[end]));
+                    const mesh::BladeCoordinates c = blade.coordinates(point_at(mesh.vertices, edge[end]));
                     at[edge[end]] = { edge[end], c.along, c.depth };
                 }
             }
@@ -169,7 +169,7 @@ namespace {
         return edge;
     }
 
-    Vec3 blade_outward(const TetMesh& mesh, const std::set<Edge>& rim, const SweptBlade& blade)
+    Vec3 blade_outward(const mesh::TetMesh& mesh, const std::set<Edge>& rim, const mesh::SweptBlade& blade)
     {
         Vec3 sum = Vec3::Zero();
         for (const Edge& edge : rim) {
@@ -285,7 +285,7 @@ namespace {
         opening.centre = weight > 0.0 ? Vec3(sum / weight) : ladder[ladder.size() / 2].middle;
     }
 
-    LipLine line_of(const WoundEdge& edge, const TetMesh& mesh, const Points& displacement)
+    LipLine line_of(const WoundEdge& edge, const mesh::TetMesh& mesh, const Points& displacement)
     {
         LipLine line { {}, edge.along_mm };
         for (const VertexId v : edge.vertices) {
@@ -310,21 +310,21 @@ namespace {
 
 } // namespace
 
-bool faces_blade(const TetMesh& mesh, const TetFace& face, const SweptBlade& blade)
+bool faces_blade(const mesh::TetMesh& mesh, const mesh::TetFace& face, const mesh::SweptBlade& blade)
 {
     return rise(mesh, face, blade) > kFacesBlade;
 }
 
-WoundEdges wound_edges(const TetMesh& mesh, std::span<const LipFace> lips, const SweptBlade& blade)
+WoundEdges wound_edges(const mesh::TetMesh& mesh, std::span<const mesh::LipFace> lips, const mesh::SweptBlade& blade)
 {
     std::set<FaceKey> lip_keys;
-    for (const LipFace& lip : lips) {
+    for (const mesh::LipFace& lip : lips) {
         if (lip.face.tet < 0 || static_cast<std::size_t>(lip.face.tet) >= mesh.tet_count() || lip.face.corner < 0
             || lip.face.corner > 3)
             throw InputError("a lip face is not a face of the mesh", "element " + std::to_string(lip.face.tet));
         lip_keys.insert(face_key(mesh, lip.face));
     }
-    const std::vector<TetFace> boundary = boundary_faces(mesh);
+    const std::vector<mesh::TetFace> boundary = mesh::boundary_faces(mesh);
     WoundEdges edges;
     std::set<Edge> both;
     for (const int side : { +1, -1 }) {
@@ -368,7 +368,7 @@ OpeningGeometry opening_geometry(const LipLine& left, const LipLine& right, cons
     return opening;
 }
 
-OpeningGeometry opening_geometry(const WoundEdges& edges, const TetMesh& mesh, const Points& displacement)
+OpeningGeometry opening_geometry(const WoundEdges& edges, const mesh::TetMesh& mesh, const Points& displacement)
 {
     if (displacement.rows() > 0 && displacement.rows() != mesh.vertices.rows())
         throw InputError("the displacement has " + std::to_string(displacement.rows()) + " rows, the mesh "
@@ -449,4 +449,4 @@ ViewCone cone_through_opening(
         .eyes = eyes };
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -2,16 +2,16 @@
 // The shape of the opened field: its edge on the skin, and the measures taken on it.
 // Units mm, degrees, steradian; frame patient LPS.
 
+#include "mesh/base/geometry.h"
 #include "mesh/cutting/store/blade.h"
 #include "mesh/cutting/store/cut_types.h"
-#include "mesh/base/geometry.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
 #include <optional>
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// One lip's edge on the skin, ordered from the start of the blade's line to its end.
 struct WoundEdge {
@@ -27,14 +27,14 @@ struct WoundEdges {
 
 /// Whether a face of the mesh lies towards where the blade came from, as skin does; the far side of the wall and the
 /// end faces of a piece of tissue do not.
-bool faces_blade(const TetMesh& mesh, const TetFace& face, const SweptBlade& blade);
+bool faces_blade(const mesh::TetMesh& mesh, const mesh::TetFace& face, const mesh::SweptBlade& blade);
 
 /// Finds the edges between the lips and the surface that the blade entered by. An edge qualifies when one of its
 /// two boundary faces is a lip and the other is not, and that other one faces the blade; where several lie above
 /// each other (a blade through two walls) the one nearest the top of the blade is taken.
 /// @param lips faces of `mesh` (compact ids, as of CutMesh), of one cut.
 /// @throws InputError when a side has no such edge (the blade went in below the skin), or ids are out of range.
-WoundEdges wound_edges(const TetMesh& mesh, std::span<const LipFace> lips, const SweptBlade& blade);
+WoundEdges wound_edges(const mesh::TetMesh& mesh, std::span<const mesh::LipFace> lips, const mesh::SweptBlade& blade);
 
 /// A lip's edge as points, with a parameter that matches points that lay together before the cut opened.
 struct LipLine {
@@ -63,7 +63,7 @@ OpeningGeometry opening_geometry(const LipLine& left, const LipLine& right, cons
 
 /// The same on a mesh; incision_length_mm is measured at rest.
 /// @param displacement n x 3 (mm), or without rows for none.
-OpeningGeometry opening_geometry(const WoundEdges& edges, const TetMesh& mesh, const Points& displacement);
+OpeningGeometry opening_geometry(const WoundEdges& edges, const mesh::TetMesh& mesh, const Points& displacement);
 
 /// From the skin plane to the target along the optical axis through `aim`: to the first point of the target met
 /// from outside, or to the aim itself when the axis misses the target (a hollow one).
@@ -100,4 +100,4 @@ struct ViewCone {
 ViewCone cone_through_opening(
     const OpeningGeometry& opening, const Vec3& aim, double eye_distance_mm, double half_angle_deg, int eyes);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// Tissue taken out of the wall.
 struct RemovedTissue {
@@ -12,4 +12,4 @@ struct RemovedTissue {
     double volume_mm3 = 0.0;
 };
 
-} // namespace retractor
+} // namespace retractor::planner

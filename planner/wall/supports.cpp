@@ -1,6 +1,6 @@
 #include "planner/wall/supports.h"
-#include "mesh/image/skeleton.h"
 #include "mesh/base/triangle.h"
+#include "mesh/image/skeleton.h"
 
 #include <Eigen/Geometry>
 
@@ -11,7 +11,7 @@
 #include <limits>
 #include <string_view>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -19,7 +19,7 @@ namespace {
     /// smooth mesh surface may stand off the voxel one, and well short of the next organ.
     constexpr double kProbeVoxels = 2.0;
 
-    bool leaves_image(const ImageGrid& grid, const Vec3& point)
+    bool leaves_image(const mesh::ImageGrid& grid, const Vec3& point)
     {
         const Vec3 index = grid.index(point);
         for (int axis = 0; axis < 3; ++axis)
@@ -28,20 +28,20 @@ namespace {
         return false;
     }
 
-    std::vector<bool> wall_flags(const LabelTable& table)
+    std::vector<bool> wall_flags(const mesh::LabelTable& table)
     {
         std::vector<bool> is_wall(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
-        for (const LabelInfo& info : table)
-            is_wall[info.id] = info.role == Role::wall;
+        for (const mesh::LabelInfo& info : table)
+            is_wall[info.id] = info.role == mesh::Role::wall;
         return is_wall;
     }
 
     /// Area-weighted outward normals at boundary vertices; zero inside.
-    Points outward_normals(const TetMesh& mesh)
+    Points outward_normals(const mesh::TetMesh& mesh)
     {
         Points normals = Points::Zero(mesh.vertices.rows(), 3);
-        for (const TetFace& face : boundary_faces(mesh)) {
-            const auto v = face_vertices(mesh, face);
+        for (const mesh::TetFace& face : mesh::boundary_faces(mesh)) {
+            const auto v = mesh::face_vertices(mesh, face);
             const Vec3 area = area_vector(mesh.vertices, v);
             for (const VertexId corner : v)
                 normals.row(corner) += area.transpose();
@@ -49,12 +49,12 @@ namespace {
         return normals;
     }
 
-    void hold_border(const TetMesh& mesh, const LabelVolume& labels, const Points& normals,
+    void hold_border(const mesh::TetMesh& mesh, const mesh::LabelVolume& labels, const Points& normals,
         std::span<const Label> whole_labels, bool hold_soft_tissue, std::vector<bool>& fixed)
     {
         std::vector<bool> is_bone(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
-        for (const LabelInfo& info : labels.table)
-            is_bone[info.id] = info.role == Role::wall && is_skeleton(info);
+        for (const mesh::LabelInfo& info : labels.table)
+            is_bone[info.id] = info.role == mesh::Role::wall && is_skeleton(info);
         std::vector<bool> is_cut_bone = is_bone;
         for (const Label label : whole_labels)
             is_cut_bone[label] = false;
@@ -77,8 +77,8 @@ namespace {
             const Vec3 probe = (mesh.vertices.row(v) + probe_mm / length * normals.row(v)).transpose();
             const Vec3 near_probe = (mesh.vertices.row(v) + 0.5 * probe_mm / length * normals.row(v)).transpose();
             const bool is_held = touches_bone[static_cast<std::size_t>(v)]
-                ? is_cut_bone[label_at(labels, near_probe)]
-                : hold_soft_tissue && is_wall[label_at(labels, probe)];
+                ? is_cut_bone[mesh::label_at(labels, near_probe)]
+                : hold_soft_tissue && is_wall[mesh::label_at(labels, probe)];
             // A bone that leaves the image hangs on its joint, or, as the shoulder girdle does, in its muscles.
             const bool ends_with_image = (hold_soft_tissue || !touches_whole_bone[static_cast<std::size_t>(v)])
                 && leaves_image(labels.grid, probe);
@@ -93,7 +93,7 @@ namespace {
     }
 
     /// Whether a voxel with one of the labels has its centre within `radius` of a point.
-    bool is_near(const LabelVolume& labels, const std::vector<bool>& wanted, const Vec3& point, double radius)
+    bool is_near(const mesh::LabelVolume& labels, const std::vector<bool>& wanted, const Vec3& point, double radius)
     {
         const Vec3 centre = labels.grid.index(point);
         std::array<int, 3> low {};
@@ -113,7 +113,7 @@ namespace {
         return false;
     }
 
-    void hold_spine_side(const TetMesh& mesh, const LabelVolume& labels, const Points& normals,
+    void hold_spine_side(const mesh::TetMesh& mesh, const mesh::LabelVolume& labels, const Points& normals,
         std::span<const Label> fixed_labels, std::vector<bool>& fixed)
     {
         std::vector<bool> wanted(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
@@ -131,8 +131,8 @@ namespace {
 
 } // namespace
 
-std::vector<VertexId> wall_supports(const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> fixed_labels,
-    std::span<const Label> whole_labels, bool region_border)
+std::vector<VertexId> wall_supports(const mesh::TetMesh& mesh, const mesh::LabelVolume& labels,
+    std::span<const Label> fixed_labels, std::span<const Label> whole_labels, bool region_border)
 {
     std::vector<bool> fixed(mesh.vertex_count(), false);
     const Points normals = outward_normals(mesh);
@@ -148,15 +148,15 @@ std::vector<VertexId> wall_supports(const TetMesh& mesh, const LabelVolume& labe
     return supports;
 }
 
-std::vector<VertexId> cut_off_vertices(const TetMesh& mesh, const LabelVolume& labels)
+std::vector<VertexId> cut_off_vertices(const mesh::TetMesh& mesh, const mesh::LabelVolume& labels)
 {
     const double probe_mm = kProbeVoxels * labels.grid.spacing.maxCoeff();
     const std::vector<bool> is_wall = wall_flags(labels.table);
     const auto goes_on
-        = [&](const Vec3& probe) { return leaves_image(labels.grid, probe) || is_wall[label_at(labels, probe)]; };
+        = [&](const Vec3& probe) { return leaves_image(labels.grid, probe) || is_wall[mesh::label_at(labels, probe)]; };
     std::vector<VertexId> vertices;
-    for (const TetFace& face : boundary_faces(mesh)) {
-        const auto corners = face_vertices(mesh, face);
+    for (const mesh::TetFace& face : mesh::boundary_faces(mesh)) {
+        const auto corners = mesh::face_vertices(mesh, face);
         const Vec3 out = unit_normal(mesh.vertices, corners);
         Vec3 middle = Vec3::Zero();
         for (const VertexId v : corners)
@@ -169,16 +169,16 @@ std::vector<VertexId> cut_off_vertices(const TetMesh& mesh, const LabelVolume& l
     return vertices;
 }
 
-std::vector<BeddedVertex> girdle_beds(
-    const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> whole_labels)
+std::vector<fem::BeddedVertex> girdle_beds(
+    const mesh::TetMesh& mesh, const mesh::LabelVolume& labels, std::span<const Label> whole_labels)
 {
     std::vector<bool> is_whole_bone(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
     std::vector<bool> is_soft = wall_flags(labels.table);
-    for (const LabelInfo& info : labels.table)
-        if (is_skeleton(info))
+    for (const mesh::LabelInfo& info : labels.table)
+        if (mesh::is_skeleton(info))
             is_soft[info.id] = false;
     for (const Label label : whole_labels)
-        if (const LabelInfo* info = find_label(labels.table, label))
+        if (const mesh::LabelInfo* info = mesh::find_label(labels.table, label))
             is_whole_bone[label] = !belongs_to_rib_cage(info->name);
     std::vector<bool> only_bone(mesh.vertex_count(), true);
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
@@ -187,20 +187,21 @@ std::vector<BeddedVertex> girdle_beds(
                 only_bone[static_cast<std::size_t>(v)] = false;
     const Points normals = outward_normals(mesh);
     const double probe_mm = kProbeVoxels * labels.grid.spacing.maxCoeff();
-    std::vector<BeddedVertex> beds;
+    std::vector<fem::BeddedVertex> beds;
     for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
         const double length = normals.row(v).norm();
         if (length == 0.0 || !only_bone[static_cast<std::size_t>(v)])
             continue;
         const Vec3 probe = (mesh.vertices.row(v) + probe_mm / length * normals.row(v)).transpose();
         constexpr double kShare = 1.0 / 3.0; // of the area, at each corner
-        if (is_soft[label_at(labels, probe)])
+        if (is_soft[mesh::label_at(labels, probe)])
             beds.push_back({ static_cast<VertexId>(v), kBedModulus * kShare * length });
     }
     return beds;
 }
 
-std::vector<bool> joint_elements(const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> fixed_labels)
+std::vector<bool> joint_elements(
+    const mesh::TetMesh& mesh, const mesh::LabelVolume& labels, std::span<const Label> fixed_labels)
 {
     std::vector<bool> wanted(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
     for (const Label label : fixed_labels)
@@ -208,7 +209,7 @@ std::vector<bool> joint_elements(const TetMesh& mesh, const LabelVolume& labels,
     std::vector<std::int8_t> near_spine(mesh.vertex_count(), -1); // -1: not asked yet
     std::vector<bool> joint(mesh.tet_count(), false);
     for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
-        const LabelInfo* info = find_label(labels.table, mesh.labels[t]);
+        const mesh::LabelInfo* info = mesh::find_label(labels.table, mesh.labels[t]);
         const bool is_bone = info != nullptr && is_skeleton(*info);
         if (!is_bone || wanted[mesh.labels[t]])
             continue;
@@ -223,4 +224,4 @@ std::vector<bool> joint_elements(const TetMesh& mesh, const LabelVolume& labels,
     return joint;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -1,10 +1,10 @@
 #include "planner/wall/wall_beyond.h"
 
-#include "mesh/base/spatial_hash.h"
 #include "mesh/base/corridor.h"
+#include "mesh/base/spatial_hash.h"
+#include "mesh/base/triangle.h"
 #include "mesh/image/skeleton.h"
 #include "mesh/surface/surface_normals.h"
-#include "mesh/base/triangle.h"
 #include "mesh/surface/wound_surface.h"
 
 #include <Eigen/Geometry>
@@ -16,7 +16,7 @@
 #include <map>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -52,10 +52,10 @@ namespace {
         return nearest;
     }
 
-    MovedPoints moved_points(const TetMesh& wall, const Points& displacement, const std::vector<Vec3>& corridor,
+    MovedPoints moved_points(const mesh::TetMesh& wall, const Points& displacement, const std::vector<Vec3>& corridor,
         double from_mm, const std::vector<Label>& bones)
     {
-        const TetSurface rest = boundary_surface(wall, {});
+        const mesh::TetSurface rest = mesh::boundary_surface(wall, {});
         const bool moves = displacement.rows() > 0;
         MovedPoints points(kReachMm);
         for (std::size_t f = 0; f < rest.surface.triangles.size(); ++f) {
@@ -217,16 +217,16 @@ namespace {
 
     /// Gives each triangle the label of the wall voxel a little way inside it. Bone lies bare only where the image
     /// ends: elsewhere it is one voxel of skin or pleura that the labels lack.
-    void label_triangles(TriMesh& surface, const LabelVolume& labels)
+    void label_triangles(TriMesh& surface, const mesh::LabelVolume& labels)
     {
         std::vector<char> is_wall(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, 0);
         std::vector<char> is_bare(is_wall.size(), 0);
         Label skin = 0, muscle = 0;
-        for (const LabelInfo& info : labels.table) {
-            if (info.role != Role::wall)
+        for (const mesh::LabelInfo& info : labels.table) {
+            if (info.role != mesh::Role::wall)
                 continue;
             is_wall[info.id] = 1;
-            is_bare[info.id] = is_skeleton(info) ? 1 : 0;
+            is_bare[info.id] = mesh::is_skeleton(info) ? 1 : 0;
             skin = info.material == "skin" || skin == 0 ? info.id : skin;
             muscle = info.material == "muscle" || muscle == 0 ? info.id : muscle;
         }
@@ -242,7 +242,7 @@ namespace {
             const Vec3 inward = -unit_normal(a, b, c), middle = (a + b + c) / 3.0;
             Label label = 0;
             for (const double voxels : { 0.7, 1.4, 0.0 }) {
-                label = label_at(labels, middle + voxels * voxel * inward);
+                label = mesh::label_at(labels, middle + voxels * voxel * inward);
                 if (is_wall[label] != 0)
                     break;
             }
@@ -250,15 +250,15 @@ namespace {
             if (is_wall[label] == 0)
                 label = skin;
             else if (is_bare[label] != 0 && !ends_here(beyond))
-                label = label_at(labels, beyond) == 0 ? skin : muscle;
+                label = mesh::label_at(labels, beyond) == 0 ? skin : muscle;
             surface.labels.push_back(label);
         }
     }
 
 } // namespace
 
-TriMesh wall_beyond_region(const TriMesh& body, const LabelVolume& labels, const MeshSizing& sizing,
-    const TetMesh& wall, const Points& displacement, const Job& job)
+TriMesh wall_beyond_region(const TriMesh& body, const mesh::LabelVolume& labels, const mesh::MeshSizing& sizing,
+    const mesh::TetMesh& wall, const Points& displacement, const Job& job)
 {
     if (sizing.region_mm <= 0.0 || body.triangles.empty())
         return {};
@@ -276,7 +276,7 @@ TriMesh wall_beyond_region(const TriMesh& body, const LabelVolume& labels, const
     const MovedPoints moved
         = moved_points(wall, displacement, sizing.corridor, sizing.region_mm - kRimBandMm, sizing.whole_labels);
     const FadingField field(moved, corridor, sizing.region_mm + kFadeMm);
-    const Points normals = vertex_normals(rest);
+    const Points normals = mesh::vertex_normals(rest);
     for (std::size_t v = 0; v < static_cast<std::size_t>(rest.vertices.rows()); ++v) {
         const auto row = static_cast<Eigen::Index>(v);
         const Vec3 p = at(rest, v), normal = normals.row(row);
@@ -300,4 +300,4 @@ TriMesh wall_beyond_region(const TriMesh& body, const LabelVolume& labels, const
     return rest;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

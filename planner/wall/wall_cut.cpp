@@ -3,10 +3,10 @@
 #include "fem/model/held_pieces.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text.h"
-#include "mesh/cutting/pieces.h"
 #include "mesh/base/triangle.h"
-#include "planner/wall/field_geometry.h"
+#include "mesh/cutting/pieces.h"
 #include "planner/approach/hook_patches.h"
+#include "planner/wall/field_geometry.h"
 #include "planner/wall/supports.h"
 
 #include <Eigen/SVD>
@@ -16,15 +16,15 @@
 #include <map>
 #include <set>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
     constexpr double kCrumbMm3 = 1.0; ///< less tissue than a knife leaves on purpose
 
-    std::string label_name(const LabelTable& table, Label label)
+    std::string label_name(const mesh::LabelTable& table, Label label)
     {
-        const LabelInfo* info = find_label(table, label);
+        const mesh::LabelInfo* info = mesh::find_label(table, label);
         return info != nullptr ? info->name : "label " + std::to_string(label);
     }
 
@@ -38,7 +38,7 @@ namespace {
             , blade_(blade_of(approach))
         {
         }
-        const SweptBlade& blade() const { return blade_; }
+        const mesh::SweptBlade& blade() const { return blade_; }
         Vec3 direction(double along) const
         {
             return (blade_.at(along, blade_.depth()) - blade_.at(along, 0.0)).normalized();
@@ -50,7 +50,7 @@ namespace {
             return blade_.at(along, 0.0) + aside * (-direction(along)).cross(tangent).normalized();
         }
         /// Along the incision at a distance from it, with its bends.
-        Blade beside(double aside, double from, double to) const
+        mesh::Blade beside(double aside, double from, double to) const
         {
             std::vector<double> places { from };
             double along = 0.0;
@@ -60,7 +60,7 @@ namespace {
                     places.push_back(along);
             }
             places.push_back(to);
-            Blade saw { .line = {}, .directions = {}, .depth_mm = approach_.depth_mm };
+            mesh::Blade saw { .line = {}, .directions = {}, .depth_mm = approach_.depth_mm };
             for (const double place : places) {
                 saw.line.push_back(point(place, aside));
                 saw.directions.push_back(direction(place));
@@ -68,7 +68,7 @@ namespace {
             return saw;
         }
         /// Across the incision.
-        Blade across(double along, double from, double to) const
+        mesh::Blade across(double along, double from, double to) const
         {
             return { .line = { point(along, from), point(along, to) },
                 .directions = { direction(along) },
@@ -78,31 +78,31 @@ namespace {
     private:
         static constexpr double kShortestMm = 0.5; ///< of a saw's line
         const Approach& approach_;
-        SweptBlade blade_;
+        mesh::SweptBlade blade_;
     };
 
     /// How much of the surface that the blade enters by lies on these elements, mm^2. No wound counts as such.
-    double skin_area(const CutSession& session, const std::vector<TetId>& marked, const SweptBlade& blade)
+    double skin_area(const mesh::CutSession& session, const std::vector<TetId>& marked, const mesh::SweptBlade& blade)
     {
         std::set<std::pair<TetId, int>> wound;
-        for (const LipFace& lip : session.lips())
+        for (const mesh::LipFace& lip : session.lips())
             wound.emplace(lip.face.tet, lip.face.corner);
         const std::set<TetId> taken(marked.begin(), marked.end());
-        SlotMap map;
-        const TetMesh mesh = session.compact_mesh(&map);
+        mesh::SlotMap map;
+        const mesh::TetMesh mesh = session.compact_mesh(&map);
         double area = 0.0;
-        for (const TetFace& face : boundary_faces(mesh)) {
+        for (const mesh::TetFace& face : mesh::boundary_faces(mesh)) {
             const TetId slot = map.tet_slot[static_cast<std::size_t>(face.tet)];
             if (!taken.contains(slot) || wound.contains({ slot, face.corner }) || !faces_blade(mesh, face, blade))
                 continue;
-            area += triangle_area(mesh.vertices, face_vertices(mesh, face));
+            area += triangle_area(mesh.vertices, mesh::face_vertices(mesh, face));
         }
         return area;
     }
 
     class Knife {
     public:
-        Knife(CutSession& session, const LabelTable& table, const Job& job, PlannedCut& planned)
+        Knife(mesh::CutSession& session, const mesh::LabelTable& table, const Job& job, PlannedCut& planned)
             : session_(session)
             , table_(table)
             , job_(job)
@@ -115,33 +115,33 @@ namespace {
             const BesideBlade places(approach);
             const std::string text = ablation_text(ablation, places.blade().length());
             const std::vector<TetId> marked = ablation.is_ball()
-                ? mark_ball(session_, ablation.centre, ablation.radius_mm, labels(ablation))
+                ? mesh::mark_ball(session_, ablation.centre, ablation.radius_mm, labels(ablation))
                 : sawn_segment(places, ablation, text);
-            if (planned_.status == CutStatus::cancelled)
+            if (planned_.status == mesh::CutStatus::cancelled)
                 return;
             if (marked.empty())
                 throw InputError("there is no " + text + " in the meshed wall");
             std::map<Label, double> volume;
             for (const TetId t : marked) {
-                const MeshDelta::Tet tet = session_.tet(t);
-                volume[tet.label] += tet_volume(session_.position(tet.nodes[0]), session_.position(tet.nodes[1]),
+                const mesh::MeshDelta::Tet tet = session_.tet(t);
+                volume[tet.label] += mesh::tet_volume(session_.position(tet.nodes[0]), session_.position(tet.nodes[1]),
                     session_.position(tet.nodes[2]), session_.position(tet.nodes[3]));
             }
             const double skin_mm2 = skin_area(session_, marked, places.blade());
             keep(session_.ablate(marked, job_));
-            if (planned_.status == CutStatus::cancelled)
+            if (planned_.status == mesh::CutStatus::cancelled)
                 return;
             planned_.removed_skin_mm2 += skin_mm2;
             for (const auto& [label, mm3] : volume)
                 planned_.removed.push_back({ text, label_name(table_, label), mm3 });
         }
 
-        void keep(CutResult result)
+        void keep(mesh::CutResult result)
         {
-            if (result.status == CutStatus::done)
+            if (result.status == mesh::CutStatus::done)
                 planned_.deltas.push_back(std::move(result.delta));
-            else if (result.status == CutStatus::cancelled) {
-                planned_.status = CutStatus::cancelled;
+            else if (result.status == mesh::CutStatus::cancelled) {
+                planned_.status = mesh::CutStatus::cancelled;
                 planned_.message = result.message;
             }
         }
@@ -151,7 +151,7 @@ namespace {
         {
             if (ablation.label.empty())
                 return {};
-            const LabelInfo* info = find_label(table_, ablation.label);
+            const mesh::LabelInfo* info = mesh::find_label(table_, ablation.label);
             if (info == nullptr)
                 throw InputError("there is no label of this name", ablation.label);
             return { info->id };
@@ -171,16 +171,16 @@ namespace {
             const std::vector<Label> label = labels(ablation);
             const double from = ablation.along_from_mm.value_or(0.0),
                          to = ablation.along_to_mm.value_or(places.blade().length());
-            CutOptions options;
-            for (const LabelInfo& info : table_)
+            mesh::CutOptions options;
+            for (const mesh::LabelInfo& info : table_)
                 if (info.id != label.front())
                     options.uncut_labels.push_back(info.id);
-            for (const Blade& saw : { places.beside(ablation.from_mm, from, to),
+            for (const mesh::Blade& saw : { places.beside(ablation.from_mm, from, to),
                      places.beside(ablation.to_mm, from, to), places.across(from, ablation.from_mm, ablation.to_mm),
                      places.across(to, ablation.from_mm, ablation.to_mm) })
                 try {
                     keep(session_.cut(saw, options, job_));
-                    if (planned_.status == CutStatus::cancelled)
+                    if (planned_.status == mesh::CutStatus::cancelled)
                         return {};
                 } catch (const InputError& error) { // an IoError is none of the saw's: it goes up
                     remark_unsawn(text, error);
@@ -194,7 +194,7 @@ namespace {
                 Vec3 centroid = Vec3::Zero();
                 for (const VertexId v : session_.tet(t).nodes)
                     centroid += 0.25 * session_.position(v);
-                const BladeCoordinates c = places.blade().coordinates(centroid);
+                const mesh::BladeCoordinates c = places.blade().coordinates(centroid);
                 if (c.along > from && c.along < to && c.side > ablation.from_mm && c.side < ablation.to_mm
                     && c.depth < places.blade().depth())
                     marked.push_back(t);
@@ -202,8 +202,8 @@ namespace {
             return marked;
         }
 
-        CutSession& session_;
-        const LabelTable& table_;
+        mesh::CutSession& session_;
+        const mesh::LabelTable& table_;
         const Job& job_;
         PlannedCut& planned_;
     };
@@ -216,18 +216,19 @@ namespace {
     /// an undone ablation brings back has nothing.
     class CarriedSupports {
     public:
-        explicit CarriedSupports(const Supports& uncut)
+        explicit CarriedSupports(const fem::Supports& uncut)
         {
             fixed_.insert(uncut.fixed.begin(), uncut.fixed.end());
-            for (const BeddedVertex& bedded : uncut.bedded)
+            for (const fem::BeddedVertex& bedded : uncut.bedded)
                 bed_[bedded.vertex] = bedded.stiffness;
         }
-        void follow(const MeshDelta& delta)
+        void follow(const mesh::MeshDelta& delta)
         {
             for (const auto& born : delta.vertices_born) {
                 if (fixed_.contains(born.a) && fixed_.contains(born.b))
                     fixed_.insert(born.id);
-                if (const auto bed = bed_.find(born.a); bed != bed_.end() && born.origin == MeshDelta::Origin::copy) {
+                if (const auto bed = bed_.find(born.a);
+                    bed != bed_.end() && born.origin == mesh::MeshDelta::Origin::copy) {
                     bed->second *= 0.5;
                     const double half = bed->second;
                     bed_[born.id] = half;
@@ -238,9 +239,9 @@ namespace {
                 bed_.erase(gone.id);
             }
         }
-        Supports compact(const SlotMap& map) const
+        fem::Supports compact(const mesh::SlotMap& map) const
         {
-            Supports supports;
+            fem::Supports supports;
             for (const VertexId v : fixed_)
                 supports.fixed.push_back(map.compact_vertex[static_cast<std::size_t>(v)]);
             for (const auto& [v, stiffness] : bed_)
@@ -256,7 +257,7 @@ namespace {
     // ---- loose pieces
     // --------------------------------------------------------------------------------------------------
 
-    std::vector<VertexId> vertices_of(const TetMesh& mesh, std::span<const TetId> tets)
+    std::vector<VertexId> vertices_of(const mesh::TetMesh& mesh, std::span<const TetId> tets)
     {
         std::set<VertexId> vertices;
         for (const TetId t : tets)
@@ -266,14 +267,14 @@ namespace {
     }
 
     /// The compact state of the session: mesh, lips, supports, hooks and pieces.
-    SlotMap take(CutWall& cut, const CutSession& session, const CarriedSupports& supports, const Approach& approach,
-        const LabelTable& table)
+    mesh::SlotMap take(CutWall& cut, const mesh::CutSession& session, const CarriedSupports& supports,
+        const Approach& approach, const mesh::LabelTable& table)
     {
-        SlotMap map;
+        mesh::SlotMap map;
         cut.wall = session.compact_mesh(&map);
         cut.lips.clear();
         cut.wound.clear();
-        for (LipFace lip : session.lips()) {
+        for (mesh::LipFace lip : session.lips()) {
             lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
             cut.wound.push_back(lip.face);
             if (lip.cut == 0 && lip.side != 0) // saws and bared faces hold no hook
@@ -293,17 +294,17 @@ namespace {
     {
         std::set<TetId> own(piece.tets.begin(), piece.tets.end());
         std::map<VertexId, double> stiffness;
-        for (const TetFace& face : boundary_faces(cut.wall)) {
+        for (const mesh::TetFace& face : mesh::boundary_faces(cut.wall)) {
             if (!own.contains(face.tet))
                 continue;
-            const auto v = face_vertices(cut.wall, face);
+            const auto v = mesh::face_vertices(cut.wall, face);
             const double share = triangle_area(cut.wall.vertices, v) / 3.0;
             for (const VertexId corner : v)
                 stiffness[corner] += kBedModulus * share;
         }
         for (const VertexId v : cut.supports.fixed)
             stiffness.erase(v);
-        for (const BeddedVertex& bedded : cut.supports.bedded)
+        for (const fem::BeddedVertex& bedded : cut.supports.bedded)
             stiffness.erase(bedded.vertex);
         for (const auto& [v, k] : stiffness)
             cut.supports.bedded.push_back({ v, k });
@@ -320,7 +321,7 @@ namespace {
             if (!own[static_cast<std::size_t>(t)])
                 for (const VertexId v : cut.wall.tet(t))
                     shared[static_cast<std::size_t>(v)] = true;
-        for (const HookPatch& hook : cut.hooks)
+        for (const fem::HookPatch& hook : cut.hooks)
             for (const VertexId v : hook.nodes)
                 shared[static_cast<std::size_t>(v)] = true;
         std::erase_if(vertices, [&](VertexId v) { return shared[static_cast<std::size_t>(v)]; });
@@ -328,7 +329,7 @@ namespace {
         std::sort(cut.supports.fixed.begin(), cut.supports.fixed.end());
         cut.supports.fixed.erase(
             std::unique(cut.supports.fixed.begin(), cut.supports.fixed.end()), cut.supports.fixed.end());
-        std::erase_if(cut.supports.bedded, [&](const BeddedVertex& bedded) {
+        std::erase_if(cut.supports.bedded, [&](const fem::BeddedVertex& bedded) {
             return std::binary_search(vertices.begin(), vertices.end(), bedded.vertex);
         });
         cut.rigid.push_back(std::move(vertices));
@@ -339,7 +340,7 @@ namespace {
     {
         for (const WallPiece& piece : removed) {
             std::array<bool, 2> bears {};
-            for (const LipFace& lip : cut.lips)
+            for (const mesh::LipFace& lip : cut.lips)
                 if (std::binary_search(piece.tets.begin(), piece.tets.end(), lip.face.tet))
                     bears[lip.side > 0 ? 0 : 1] = true;
             for (std::size_t side = 0; side < 2; ++side)
@@ -348,8 +349,8 @@ namespace {
         }
     }
 
-    void deal_with_loose(CutWall& cut, CutSession& session, CarriedSupports& supports, const Approach& approach,
-        const LabelTable& table, const SlotMap& map, const Job& job)
+    void deal_with_loose(CutWall& cut, mesh::CutSession& session, CarriedSupports& supports, const Approach& approach,
+        const mesh::LabelTable& table, const mesh::SlotMap& map, const Job& job)
     {
         std::vector<WallPiece> loose;
         for (const WallPiece& piece : cut.pieces)
@@ -378,8 +379,8 @@ namespace {
                     cut.removed.push_back({ "a loose piece", label, mm3 });
             }
             note_lost_lips(cut, loose);
-            cut.removed_skin_mm2 += skin_area(session, marked, SweptBlade(blade_of(approach)));
-            const CutResult result = session.ablate(marked, job);
+            cut.removed_skin_mm2 += skin_area(session, marked, mesh::SweptBlade(blade_of(approach)));
+            const mesh::CutResult result = session.ablate(marked, job);
             cut.status = result.status;
             supports.follow(result.delta);
             take(cut, session, supports, approach, table);
@@ -421,26 +422,26 @@ namespace {
 
 } // namespace
 
-PlannedCut cut_as_planned(
-    CutSession& session, const Approach& approach, const LabelTable& table, const CutOptions& options, const Job& job)
+PlannedCut cut_as_planned(mesh::CutSession& session, const Approach& approach, const mesh::LabelTable& table,
+    const mesh::CutOptions& options, const Job& job)
 {
     PlannedCut planned;
     const std::size_t cuts_before = session.cut_count();
-    CutResult cut = session.cut(blade_of(approach), options, job);
+    mesh::CutResult cut = session.cut(blade_of(approach), options, job);
     planned.status = cut.status;
     planned.message = cut.message;
     planned.report = cut.report;
-    if (cut.status != CutStatus::done)
+    if (cut.status != mesh::CutStatus::done)
         return planned;
     planned.deltas.push_back(std::move(cut.delta));
     Knife knife(session, table, job, planned);
-    for (std::size_t n = 0; n < approach.ablations.size() && planned.status == CutStatus::done; ++n)
+    for (std::size_t n = 0; n < approach.ablations.size() && planned.status == mesh::CutStatus::done; ++n)
         try {
             knife.ablate(approach, approach.ablations[n]);
         } catch (const InputError& error) {
             throw InputError(error.what(), "ablations/" + std::to_string(n));
         }
-    if (planned.status == CutStatus::cancelled) {
+    if (planned.status == mesh::CutStatus::cancelled) {
         while (session.cut_count() > cuts_before)
             static_cast<void>(session.undo());
         planned.deltas.clear();
@@ -450,11 +451,12 @@ PlannedCut cut_as_planned(
     return planned;
 }
 
-Supports supports_of(const TetMesh& wall, const LabelVolume& labels, const Case& planned_case, const MeshSizing& sizing)
+fem::Supports supports_of(const mesh::TetMesh& wall, const mesh::LabelVolume& labels, const Case& planned_case,
+    const mesh::MeshSizing& sizing)
 {
     std::vector<Label> fixed_labels;
     for (const std::string& name : planned_case.supports.labels) {
-        const LabelInfo* info = find_label(planned_case.label_table, name);
+        const mesh::LabelInfo* info = mesh::find_label(planned_case.label_table, name);
         if (info == nullptr)
             throw InputError("there is no label of this name", name);
         fixed_labels.push_back(info->id);
@@ -464,30 +466,31 @@ Supports supports_of(const TetMesh& wall, const LabelVolume& labels, const Case&
         .bedded = girdle_beds(wall, labels, sizing.whole_labels) };
 }
 
-Supports carried_supports(const Supports& uncut, std::span<const MeshDelta> deltas, const SlotMap& map)
+fem::Supports carried_supports(
+    const fem::Supports& uncut, std::span<const mesh::MeshDelta> deltas, const mesh::SlotMap& map)
 {
     CarriedSupports carried(uncut);
-    for (const MeshDelta& delta : deltas)
+    for (const mesh::MeshDelta& delta : deltas)
         carried.follow(delta);
     return carried.compact(map);
 }
 
-std::vector<WallPiece> find_wall_pieces(
-    const TetMesh& wall, const LabelTable& table, const Supports& supports, std::span<const HookPatch> hooks)
+std::vector<WallPiece> find_wall_pieces(const mesh::TetMesh& wall, const mesh::LabelTable& table,
+    const fem::Supports& supports, std::span<const fem::HookPatch> hooks)
 {
-    const std::vector<int> number = connected_pieces(wall);
+    const std::vector<int> number = mesh::connected_pieces(wall);
     std::vector<VertexId> held = supports.fixed;
-    for (const BeddedVertex& bedded : supports.bedded)
+    for (const fem::BeddedVertex& bedded : supports.bedded)
         held.push_back(bedded.vertex);
-    for (const HookPatch& hook : hooks)
+    for (const fem::HookPatch& hook : hooks)
         held.insert(held.end(), hook.nodes.begin(), hook.nodes.end());
-    const std::vector<std::uint8_t> is_held = held_pieces(wall, number, held);
+    const std::vector<std::uint8_t> is_held = fem::held_pieces(wall, number, held);
     std::vector<WallPiece> pieces(is_held.size());
     std::vector<std::map<Label, double>> volumes(pieces.size());
     std::vector<int> piece_of_vertex(wall.vertex_count(), -1);
     for (TetId t = 0; t < static_cast<TetId>(wall.tet_count()); ++t) {
         const auto p = static_cast<std::size_t>(number[static_cast<std::size_t>(t)]);
-        const double volume = tet_volume(wall, t);
+        const double volume = mesh::tet_volume(wall, t);
         pieces[p].tets.push_back(t);
         pieces[p].volume_mm3 += volume;
         volumes[p][wall.labels[static_cast<std::size_t>(t)]] += volume;
@@ -501,9 +504,9 @@ std::vector<WallPiece> find_wall_pieces(
     };
     for (const VertexId v : supports.fixed)
         ++piece_with(v).fixed;
-    for (const BeddedVertex& bedded : supports.bedded)
+    for (const fem::BeddedVertex& bedded : supports.bedded)
         ++piece_with(bedded.vertex).bedded;
-    for (const HookPatch& hook : hooks) {
+    for (const fem::HookPatch& hook : hooks) {
         std::set<int> of_hook;
         for (const VertexId v : hook.nodes)
             of_hook.insert(piece_of_vertex[static_cast<std::size_t>(v)]);
@@ -539,27 +542,28 @@ std::string crumbs_text(std::size_t count)
     return std::to_string(count) + (count == 1 ? " crumb" : " crumbs") + " below " + formatted("%.0f mm3", kCrumbMm3);
 }
 
-CutWall cut_wall(TetMesh uncut, const Approach& approach, const LabelTable& table, Supports supports, const Job& job)
+CutWall cut_wall(mesh::TetMesh uncut, const Approach& approach, const mesh::LabelTable& table, fem::Supports supports,
+    const Job& job)
 {
     CutWall cut;
     CarriedSupports carried(supports);
-    CutSession session(std::move(uncut));
+    mesh::CutSession session(std::move(uncut));
     PlannedCut planned = cut_as_planned(session, approach, table, cut_options_of(approach, table), job);
     cut.status = planned.status;
     cut.message = std::move(planned.message);
     cut.report = planned.report;
     cut.removed = std::move(planned.removed);
     cut.removed_skin_mm2 = planned.removed_skin_mm2;
-    if (cut.status != CutStatus::done)
+    if (cut.status != mesh::CutStatus::done)
         return cut;
-    for (const MeshDelta& delta : planned.deltas)
+    for (const mesh::MeshDelta& delta : planned.deltas)
         carried.follow(delta);
-    const SlotMap map = take(cut, session, carried, approach, table);
+    const mesh::SlotMap map = take(cut, session, carried, approach, table);
     deal_with_loose(cut, session, carried, approach, table, map, job);
     return cut;
 }
 
-void move_rigid_pieces(const TetMesh& wall, std::span<const std::vector<VertexId>> rigid, Points& displacement)
+void move_rigid_pieces(const mesh::TetMesh& wall, std::span<const std::vector<VertexId>> rigid, Points& displacement)
 {
     if (rigid.empty())
         return;
@@ -591,4 +595,4 @@ void move_rigid_pieces(const TetMesh& wall, std::span<const std::vector<VertexId
     }
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -2,8 +2,8 @@
 // The wall of an approach after the knife: the incision, what is removed after it, and the pieces this leaves. Units
 // mm; frame patient LPS (rest configuration).
 
-#include "fem/statics/boundary_conditions.h"
 #include "fem/model/loads.h"
+#include "fem/statics/boundary_conditions.h"
 #include "mesh/cutting/cut_session.h"
 #include "mesh/generation/mesh_sizing.h"
 #include "mesh/image/volume.h"
@@ -17,33 +17,35 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// The approach's cut and ablations on a session.
 struct [[nodiscard]] PlannedCut {
-    CutStatus status = CutStatus::done; ///< with another one the session is as it was, but for what can be redone
+    mesh::CutStatus status
+        = mesh::CutStatus::done; ///< with another one the session is as it was, but for what can be redone
     std::string message; ///< why not, or remarks
-    CutReport report; ///< of the incision
-    std::vector<MeshDelta> deltas; ///< one after the other
+    mesh::CutReport report; ///< of the incision
+    std::vector<mesh::MeshDelta> deltas; ///< one after the other
     std::vector<RemovedTissue> removed; ///< by the ablations
     double removed_skin_mm2 = 0.0; ///< what they took of the surface that the blade enters by, at rest
 };
 /// @param options usually cut_options_of(approach, table).
 /// @throws InputError on a malformed blade; where() "ablations/0" when an ablation finds nothing to remove; and what
 /// the session's witness throws (IoError of a journal). What was cut before an ablation failed then stays.
-PlannedCut cut_as_planned(CutSession& session, const Approach& approach, const LabelTable& table,
-    const CutOptions& options, const Job& job = {});
+PlannedCut cut_as_planned(mesh::CutSession& session, const Approach& approach, const mesh::LabelTable& table,
+    const mesh::CutOptions& options, const Job& job = {});
 
 /// What holds the wall before it is cut.
-Supports supports_of(
-    const TetMesh& wall, const LabelVolume& labels, const Case& planned_case, const MeshSizing& sizing);
+fem::Supports supports_of(const mesh::TetMesh& wall, const mesh::LabelVolume& labels, const Case& planned_case,
+    const mesh::MeshSizing& sizing);
 
 /// The same after cuts: copies of a fixed vertex are fixed, and so are new vertices on an edge between two fixed ones;
 /// a vertex on a bed shares it with its copies.
 /// @param uncut by the ids of the session's first mesh.
 /// @param deltas of all cuts in force, one after the other.
 /// @param map of the session's compact mesh, whose vertices the result names.
-Supports carried_supports(const Supports& uncut, std::span<const MeshDelta> deltas, const SlotMap& map);
+fem::Supports carried_supports(
+    const fem::Supports& uncut, std::span<const mesh::MeshDelta> deltas, const mesh::SlotMap& map);
 
 /// A part of the wall joined by faces, and what holds it.
 struct WallPiece {
@@ -56,8 +58,8 @@ struct WallPiece {
     std::vector<std::string> hooks;
     bool held = true; ///< by supports, beds, hooks or pieces that are: three places not on one line
 };
-std::vector<WallPiece> find_wall_pieces(
-    const TetMesh& wall, const LabelTable& table, const Supports& supports, std::span<const HookPatch> hooks);
+std::vector<WallPiece> find_wall_pieces(const mesh::TetMesh& wall, const mesh::LabelTable& table,
+    const fem::Supports& supports, std::span<const fem::HookPatch> hooks);
 /// "piece 2: 3.4 cm3 of rib_left_5 at (12, -80, 1045) mm".
 std::string piece_text(const WallPiece& piece);
 /// A piece too small to be one by one spoken of.
@@ -67,16 +69,16 @@ std::string crumbs_text(std::size_t count);
 
 /// All of it, as the elastic solution needs it.
 struct [[nodiscard]] CutWall {
-    CutStatus status = CutStatus::done;
+    mesh::CutStatus status = mesh::CutStatus::done;
     std::string message; ///< why not, or remarks
-    CutReport report;
-    TetMesh wall;
-    std::vector<LipFace> lips; ///< faces of `wall` on the incision's two sides
-    std::vector<TetFace> wound; ///< faces of `wall` that any cut or ablation bared, the lips among them
+    mesh::CutReport report;
+    mesh::TetMesh wall;
+    std::vector<mesh::LipFace> lips; ///< faces of `wall` on the incision's two sides
+    std::vector<mesh::TetFace> wound; ///< faces of `wall` that any cut or ablation bared, the lips among them
     std::vector<TetId> origin; ///< per element of `wall`: the element of the uncut wall that it is a part of
-    std::vector<FaceTraction> released {}; ///< tension set free at the wound; filled in by plan_approach()
-    Supports supports; ///< with what loose pieces got
-    std::vector<HookPatch> hooks;
+    std::vector<fem::FaceTraction> released {}; ///< tension set free at the wound; filled in by plan_approach()
+    fem::Supports supports; ///< with what loose pieces got
+    std::vector<fem::HookPatch> hooks;
     std::vector<WallPiece> pieces; ///< of `wall`, with what held them before loose ones were dealt with
     std::vector<std::vector<VertexId>> rigid; ///< vertices of pieces that are left rigid: see move_rigid_pieces()
     std::vector<RemovedTissue> removed;
@@ -85,11 +87,12 @@ struct [[nodiscard]] CutWall {
     std::array<std::string, 2> took_lip; ///< sides +1 and -1: the removed loose pieces that bore faces of that lip
 };
 /// @throws InputError as cut_as_planned() and hook_patches() do.
-CutWall cut_wall(TetMesh uncut, const Approach& approach, const LabelTable& table, Supports supports, const Job& job);
+CutWall cut_wall(mesh::TetMesh uncut, const Approach& approach, const mesh::LabelTable& table, fem::Supports supports,
+    const Job& job);
 
 /// Moves the pieces that were left out of the elastic solution as LoosePieces::rigid says.
 /// @param rigid from CutWall, of `wall`.
 /// @param displacement n x 3 (mm), as solved; rows of the pieces' vertices are replaced.
-void move_rigid_pieces(const TetMesh& wall, std::span<const std::vector<VertexId>> rigid, Points& displacement);
+void move_rigid_pieces(const mesh::TetMesh& wall, std::span<const std::vector<VertexId>> rigid, Points& displacement);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -3,8 +3,8 @@
 #include "fem/model/loads.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text.h"
-#include "mesh/tetrahedra/tet_mesh.h"
 #include "mesh/base/triangle.h"
+#include "mesh/tetrahedra/tet_mesh.h"
 
 #include <Eigen/Geometry>
 
@@ -17,7 +17,7 @@
 #include <set>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
@@ -27,11 +27,11 @@ namespace {
             { (corners[1] - corners[0]).norm(), (corners[2] - corners[1]).norm(), (corners[0] - corners[2]).norm() });
     }
 
-    double area_of(const TetMesh& mesh, const std::vector<TetFace>& faces)
+    double area_of(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& faces)
     {
         double area = 0.0;
-        for (const TetFace& face : faces)
-            area += triangle_area(mesh.vertices, face_vertices(mesh, face));
+        for (const mesh::TetFace& face : faces)
+            area += triangle_area(mesh.vertices, mesh::face_vertices(mesh, face));
         return area;
     }
 
@@ -53,29 +53,29 @@ PressureSpec pressure_from_text(const std::string& text)
 }
 
 BorderingFaces faces_bordering(
-    const TetMesh& wall, const LabelVolume& labels, Label label, std::span<const TetFace> cut)
+    const mesh::TetMesh& wall, const mesh::LabelVolume& labels, Label label, std::span<const mesh::TetFace> cut)
 {
     // The smooth surface stands off the voxels' by up to one, and faces off it by as much as the mesh's size field lets
     // them, 0.12 of an edge.
     constexpr double kVoxels = 2.0, kVoxelsOff = 1.0, kEdgesOff = 0.12, kStepVoxels = 0.25;
     std::vector<bool> is_wall(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
-    for (const LabelInfo& info : labels.table)
-        is_wall[info.id] = info.role == Role::wall;
+    for (const mesh::LabelInfo& info : labels.table)
+        is_wall[info.id] = info.role == mesh::Role::wall;
     std::set<std::pair<TetId, int>> bared;
-    for (const TetFace& face : cut)
+    for (const mesh::TetFace& face : cut)
         bared.insert({ face.tet, face.corner });
     BorderingFaces bordering;
-    for (const TetFace& face : boundary_faces(wall)) {
+    for (const mesh::TetFace& face : mesh::boundary_faces(wall)) {
         if (bared.contains({ face.tet, face.corner }))
             continue;
-        const auto corners = triangle_corners(wall.vertices, face_vertices(wall, face));
+        const auto corners = triangle_corners(wall.vertices, mesh::face_vertices(wall, face));
         const Vec3 outward = unit_normal(corners), middle = (corners[0] + corners[1] + corners[2]) / 3.0;
         const double voxel
             = 1.0 / (labels.grid.direction.transpose() * outward).cwiseQuotient(labels.grid.spacing).norm();
         const double farthest = std::max(kVoxels * voxel, kVoxelsOff * voxel + kEdgesOff * longest_edge(corners));
         bool gap = false;
         for (double reach = 0.0; reach <= farthest; reach += kStepVoxels * voxel) {
-            const Label there = label_at(labels, middle + reach * outward);
+            const Label there = mesh::label_at(labels, middle + reach * outward);
             if (there == label)
                 (gap ? bordering.behind_gap : bordering.faces).push_back(face);
             if (there != 0 && (gap || !is_wall[there]))
@@ -86,36 +86,36 @@ BorderingFaces faces_bordering(
     return bordering;
 }
 
-std::vector<WallPressure> wall_pressures(
-    const TetMesh& wall, const LabelVolume& labels, const Case& planned_case, std::span<const TetFace> cut)
+std::vector<WallPressure> wall_pressures(const mesh::TetMesh& wall, const mesh::LabelVolume& labels,
+    const Case& planned_case, std::span<const mesh::TetFace> cut)
 {
     std::vector<WallPressure> pressures;
     for (const PressureSpec& spec : planned_case.pressures) {
         if (spec.pressure_kPa == 0.0)
             continue;
         BorderingFaces bordering
-            = faces_bordering(wall, labels, find_label(planned_case.label_table, spec.label)->id, cut);
+            = faces_bordering(wall, labels, mesh::find_label(planned_case.label_table, spec.label)->id, cut);
         if (bordering.faces.empty())
             throw InputError("the wall that is modelled, within the region round the incision, does not border on \""
                     + spec.label + "\": there is nothing that it could press on"
                     + (bordering.behind_gap.empty() ? "" : "; voxels without a label lie between the two"),
                 "pressures");
-        pressures.push_back({ { spec.label, std::move(bordering.faces), kKiloPascal * spec.pressure_kPa },
+        pressures.push_back({ { spec.label, std::move(bordering.faces), fem::kKiloPascal * spec.pressure_kPa },
             std::move(bordering.behind_gap) });
     }
     return pressures;
 }
 
-PressureMetrics pressure_metrics(const TetMesh& wall, const WallPressure& pressure, bool follows)
+PressureMetrics pressure_metrics(const mesh::TetMesh& wall, const WallPressure& pressure, bool follows)
 {
-    const SurfacePressure& acts = pressure.acts;
+    const fem::SurfacePressure& acts = pressure.acts;
     PressureMetrics metrics { .label = acts.name,
-        .pressure_kPa = acts.pressure / kKiloPascal,
+        .pressure_kPa = acts.pressure / fem::kKiloPascal,
         .area_mm2 = area_of(wall, acts.faces),
         .behind_gap_mm2 = area_of(wall, pressure.behind_gap),
         .follows = follows };
-    for (const TetFace& face : acts.faces)
-        metrics.force_N -= acts.pressure * area_vector(wall.vertices, face_vertices(wall, face));
+    for (const mesh::TetFace& face : acts.faces)
+        metrics.force_N -= acts.pressure * area_vector(wall.vertices, mesh::face_vertices(wall, face));
     return metrics;
 }
 
@@ -134,4 +134,4 @@ std::string pressure_text(const PressureMetrics& pressure)
     return said;
 }
 
-} // namespace retractor
+} // namespace retractor::planner

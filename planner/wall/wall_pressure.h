@@ -7,15 +7,15 @@
 
 #include "fem/model/loads.h"
 #include "mesh/base/geometry.h"
-#include "mesh/tetrahedra/tet_mesh.h"
 #include "mesh/image/volume.h"
+#include "mesh/tetrahedra/tet_mesh.h"
 #include "planner/case/case.h"
 
 #include <span>
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// How it acts.
 struct PressureMetrics {
@@ -34,26 +34,26 @@ PressureSpec pressure_from_text(const std::string& text);
 /// What borders on a label: boundary faces from which along the normal, within reach, it is the first label that is no
 /// wall. The reach is two voxels, as they lie along the normal, or what a face of that size may stand off them.
 struct BorderingFaces {
-    std::vector<TetFace> faces;
-    std::vector<TetFace> behind_gap; ///< it is the first but for voxels without a label
+    std::vector<mesh::TetFace> faces;
+    std::vector<mesh::TetFace> behind_gap; ///< it is the first but for voxels without a label
 };
 
 /// @param cut faces that are left out: what cuts have bared borders on air.
 BorderingFaces faces_bordering(
-    const TetMesh& wall, const LabelVolume& labels, Label label, std::span<const TetFace> cut);
+    const mesh::TetMesh& wall, const mesh::LabelVolume& labels, Label label, std::span<const mesh::TetFace> cut);
 
 struct WallPressure {
-    SurfacePressure acts;
-    std::vector<TetFace> behind_gap; ///< faces_bordering()
+    fem::SurfacePressure acts;
+    std::vector<mesh::TetFace> behind_gap; ///< faces_bordering()
 };
 
 /// The case's pressures on the cut wall. @throws InputError naming the label that the wall does not border on.
-std::vector<WallPressure> wall_pressures(
-    const TetMesh& wall, const LabelVolume& labels, const Case& planned_case, std::span<const TetFace> cut);
+std::vector<WallPressure> wall_pressures(const mesh::TetMesh& wall, const mesh::LabelVolume& labels,
+    const Case& planned_case, std::span<const mesh::TetFace> cut);
 
-PressureMetrics pressure_metrics(const TetMesh& wall, const WallPressure& pressure, bool follows);
+PressureMetrics pressure_metrics(const mesh::TetMesh& wall, const WallPressure& pressure, bool follows);
 
 /// "pressure of cavity: 1.60 kPa on 52.1 cm2, which it follows; 8.1 N in sum at rest, along (0.0, -1.0, 0.0)".
 std::string pressure_text(const PressureMetrics& pressure);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -8,25 +8,25 @@
 #include <cmath>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
-    std::vector<Label> skin_labels(const LabelTable& table)
+    std::vector<Label> skin_labels(const mesh::LabelTable& table)
     {
         std::vector<Label> labels;
-        for (const LabelInfo& info : table)
+        for (const mesh::LabelInfo& info : table)
             if (info.material == "skin")
                 labels.push_back(info.id);
         return labels;
     }
 
     std::vector<Vec3> tissue_normals(
-        const TetMesh& uncut, const LabelTable& table, std::span<const VertexId> held, const Vec3& outward)
+        const mesh::TetMesh& uncut, const mesh::LabelTable& table, std::span<const VertexId> held, const Vec3& outward)
     {
         const std::vector<Label> skin = skin_labels(table);
-        std::vector<Vec3> normals
-            = skin.empty() ? std::vector<Vec3>(uncut.tet_count(), Vec3::Zero()) : surface_normals(uncut, skin, held);
+        std::vector<Vec3> normals = skin.empty() ? std::vector<Vec3>(uncut.tet_count(), Vec3::Zero())
+                                                 : fem::surface_normals(uncut, skin, held);
         for (Vec3& normal : normals)
             if (normal.isZero())
                 normal = outward;
@@ -34,19 +34,20 @@ namespace {
     }
 
     /// An isotropic one pulls through the tissue as along it.
-    bool lies_in_a_plane(const PreStrain& tension) { return tension.kind != PreStrainKind::isotropic; }
+    bool lies_in_a_plane(const fem::PreStrain& tension) { return tension.kind != fem::PreStrainKind::isotropic; }
 
-    bool points_through(const PreStrain& tension, const Vec3& normal)
+    bool points_through(const fem::PreStrain& tension, const Vec3& normal)
     {
         const double sine = std::sin(kThroughTissueDeg * std::numbers::pi / 180.0);
-        return needs_pull(tension) && tension.pull.cross(normal).norm() < sine * tension.pull.norm() * normal.norm();
+        return fem::needs_pull(tension)
+            && tension.pull.cross(normal).norm() < sine * tension.pull.norm() * normal.norm();
     }
 
     /// The mean of the stresses along any pull in the plane and across it.
-    Mat3 mean_stress(PreStrain tension, const Material& material, const Vec3& normal)
+    Mat3 mean_stress(fem::PreStrain tension, const fem::Material& material, const Vec3& normal)
     {
         tension.pull = normal.unitOrthogonal();
-        const Mat3 stress = pre_stress(tension, material, normal);
+        const Mat3 stress = fem::pre_stress(tension, material, normal);
         const Vec3 n = normal.normalized();
         return 0.5 * stress.trace() * (Mat3::Identity() - n * n.transpose());
     }
@@ -58,20 +59,20 @@ namespace {
 
 } // namespace
 
-bool under_tension(const Material& material)
+bool under_tension(const fem::Material& material)
 {
-    const PreStrain& tension = material.pre_strain;
-    return tension.kind != PreStrainKind::none && (tension.strain != 0.0 || tension.across != 0.0);
+    const fem::PreStrain& tension = material.pre_strain;
+    return tension.kind != fem::PreStrainKind::none && (tension.strain != 0.0 || tension.across != 0.0);
 }
 
-bool under_tension(std::span<const Material> materials)
+bool under_tension(std::span<const fem::Material> materials)
 {
     return std::any_of(
-        materials.begin(), materials.end(), [](const Material& material) { return under_tension(material); });
+        materials.begin(), materials.end(), [](const fem::Material& material) { return under_tension(material); });
 }
 
-WallTension wall_tension(const TetMesh& uncut, std::span<const Material> material_of_label, const LabelTable& table,
-    std::span<const VertexId> held, const Vec3& outward)
+WallTension wall_tension(const mesh::TetMesh& uncut, std::span<const fem::Material> material_of_label,
+    const mesh::LabelTable& table, std::span<const VertexId> held, const Vec3& outward)
 {
     WallTension tension;
     if (!under_tension(material_of_label))
@@ -83,21 +84,21 @@ WallTension wall_tension(const TetMesh& uncut, std::span<const Material> materia
     for (std::size_t t = 0; t < uncut.tet_count(); ++t) {
         if (uncut.labels[t] >= material_of_label.size())
             throw InputError("there is no material for it", "label " + std::to_string(uncut.labels[t]));
-        const Material& material = material_of_label[uncut.labels[t]];
-        const PreStrain& strain = material.pre_strain;
+        const fem::Material& material = material_of_label[uncut.labels[t]];
+        const fem::PreStrain& strain = material.pre_strain;
         const bool own_normal = !strain.normal.isZero(0.0);
         const Vec3& normal = own_normal ? strain.normal : normals[t];
         const bool through = points_through(strain, normal);
         tension.without_direction[t] = through ? 1 : 0;
         tension.without_skin |= no_skin && under_tension(material) && !own_normal && lies_in_a_plane(strain);
         tension.stress_of_element.push_back(
-            through ? mean_stress(strain, material, normal) : pre_stress(strain, material, normal));
+            through ? mean_stress(strain, material, normal) : fem::pre_stress(strain, material, normal));
     }
     return tension;
 }
 
-ReleasedTension released_tension(
-    const TetMesh& wall, std::span<const TetId> origin, std::span<const TetFace> wound, const WallTension& tension)
+ReleasedTension released_tension(const mesh::TetMesh& wall, std::span<const TetId> origin,
+    std::span<const mesh::TetFace> wound, const WallTension& tension)
 {
     ReleasedTension released;
     if (tension.stress_of_element.empty())
@@ -106,34 +107,34 @@ ReleasedTension released_tension(
     stresses.reserve(origin.size());
     for (const TetId t : origin)
         stresses.push_back(tension.stress_of_element.at(static_cast<std::size_t>(t)));
-    released.tractions = released_tractions(wall, wound, stresses);
-    for (const TetFace& face : wound)
+    released.tractions = fem::released_tractions(wall, wound, stresses);
+    for (const mesh::TetFace& face : wound)
         released.without_direction
             += tension.without_direction[static_cast<std::size_t>(origin[static_cast<std::size_t>(face.tet)])];
     return released;
 }
 
-std::string pre_strain_text(const PreStrain& tension)
+std::string pre_strain_text(const fem::PreStrain& tension)
 {
     const auto percent = [](double strain) { return in_words(100.0 * strain, 1) + " %"; };
     const std::string along = percent(tension.strain);
     switch (tension.kind) {
-    case PreStrainKind::none:
+    case fem::PreStrainKind::none:
         return "none";
-    case PreStrainKind::uniaxial_stress:
+    case fem::PreStrainKind::uniaxial_stress:
         return along + " along " + vector_text(tension.pull) + ", free to narrow";
-    case PreStrainKind::held_width:
+    case fem::PreStrainKind::held_width:
         return along + " along " + vector_text(tension.pull) + ", 0 % across";
-    case PreStrainKind::biaxial:
+    case fem::PreStrainKind::biaxial:
         if (tension.strain == tension.across)
             return along + " both ways";
         return along + " along " + vector_text(tension.pull) + ", " + percent(tension.across) + " across";
-    case PreStrainKind::equibiaxial:
+    case fem::PreStrainKind::equibiaxial:
         return along + " both ways";
-    case PreStrainKind::isotropic:
+    case fem::PreStrainKind::isotropic:
         return along + " every way";
     }
     return {};
 }
 
-} // namespace retractor
+} // namespace retractor::planner

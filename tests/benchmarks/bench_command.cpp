@@ -12,11 +12,11 @@
 
 #include <memory>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
-    void add_palpate_bench(Commands& commands)
+    void add_palpate_bench(ui::cli::Commands& commands)
     {
         auto options = std::make_shared<PalpateBenchOptions>();
         CLI::App* command = commands.app.add_subcommand(
@@ -27,7 +27,7 @@ namespace {
             ->check(CLI::Range(1000, 10000000))
             ->capture_default_str();
         command->add_option("--seconds", options->seconds, "Of each run at 1 kHz; 0: none")
-            ->check(in_range(0.0, 3600.0))
+            ->check(ui::cli::in_range(0.0, 3600.0))
             ->capture_default_str();
         command->add_flag("!--small", options->largest, "Without the body of 20,000 surface vertices");
         command->callback([&commands, options] {
@@ -35,7 +35,7 @@ namespace {
         });
     }
 
-    void add_open_benches(Commands& commands)
+    void add_open_benches(ui::cli::Commands& commands)
     {
         const auto add = [&](const char* name, const char* help, auto run) {
             auto options = std::make_shared<OpenBenchOptions>();
@@ -59,7 +59,7 @@ namespace {
         add("drag", "Wounds that follow the hooks: attaching and dragging", bench_drag);
     }
 
-    void add_springs_bench(Commands& commands)
+    void add_springs_bench(ui::cli::Commands& commands)
     {
         auto options = std::make_shared<SpringBenchOptions>();
         CLI::App* command = commands.app.add_subcommand("springs",
@@ -67,7 +67,7 @@ namespace {
         command->footer("Example: retractor-bench springs --out springs    (curves and pictures of the sheet)");
         command->add_flag("--curves", options->curves, "Instead: frames per second over time of three sheets");
         command->add_option("--seconds", options->seconds, "Of each sheet's curve")
-            ->check(in_range(2.0, 3600.0))
+            ->check(ui::cli::in_range(2.0, 3600.0))
             ->capture_default_str();
         command->add_option("--out", options->out, "Folder for bench_springs.json, curves and pictures");
         command->callback([&commands, options] {
@@ -75,7 +75,7 @@ namespace {
         });
     }
 
-    void add_servo_bench(Commands& commands)
+    void add_servo_bench(ui::cli::Commands& commands)
     {
         auto options = std::make_shared<ServoBenchOptions>();
         CLI::App* servo = commands.app.add_subcommand("servo",
@@ -85,7 +85,7 @@ namespace {
             ->check(CLI::IsMember({ "fem", "springs" }))
             ->capture_default_str();
         servo->add_option("--seconds", options->seconds, "Of the servo, and of the empty loop")
-            ->check(in_range(0.5, 80.0))
+            ->check(ui::cli::in_range(0.5, 80.0))
             ->capture_default_str();
         servo->add_option("--soak", options->soak, "Instead: so many ticks at 1 kHz, without other work")
             ->check(CLI::Range(1000, 100000000));
@@ -95,7 +95,7 @@ namespace {
             [&commands, options] { commands.run = [options](const Job& job) { return bench_servo(*options, job); }; });
     }
 
-    void add_spheres_bench(Commands& commands)
+    void add_spheres_bench(ui::cli::Commands& commands)
     {
         auto options = std::make_shared<SphereBenchOptions>();
         CLI::App* command = commands.app.add_subcommand("spheres",
@@ -114,7 +114,7 @@ namespace {
 
 } // namespace
 
-void add_benchmarks(Commands& commands)
+void add_benchmarks(ui::cli::Commands& commands)
 {
     commands.app.require_subcommand(1);
     auto options = std::make_shared<CutBenchOptions>();
@@ -155,4 +155,4 @@ void add_benchmarks(Commands& commands)
     add_spheres_bench(commands);
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -3,8 +3,8 @@
 
 #include "ui/cli/framework/command.h"
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
-void add_benchmarks(Commands& commands);
+void add_benchmarks(ui::cli::Commands& commands);
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

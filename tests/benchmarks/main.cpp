@@ -2,7 +2,7 @@
 
 int main(int argc, char** argv)
 {
-    return retractor::cli::run_command_line(
-        { "retractor-bench", "Measure speed and quality; times are medians", retractor::cli::add_benchmarks }, argc,
+    return retractor::ui::cli::run_command_line(
+        { "retractor-bench", "Measure speed and quality; times are medians", retractor::ui::cli::add_benchmarks }, argc,
         argv);
 }

@@ -11,7 +11,7 @@
 
 // CMakeLists.txt runs each of these tests in a process of its own, with and without OPENBLAS_NUM_THREADS.
 
-namespace retractor {
+namespace retractor::fem {
 namespace {
 
     constexpr const char* kVariable = "OPENBLAS_NUM_THREADS";
@@ -61,4 +61,4 @@ namespace {
     }
 
 } // namespace
-} // namespace retractor
+} // namespace retractor::fem

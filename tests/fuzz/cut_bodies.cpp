@@ -18,9 +18,9 @@ namespace {
 
     constexpr double kDiagonal = 100.0; // mm: meshes in other units are brought to the size of an organ
 
-    TetMesh layered_box(int nx, int ny, int nz, double spacing)
+    mesh::TetMesh layered_box(int nx, int ny, int nz, double spacing)
     {
-        TetMesh box = kuhn_box(nx, ny, nz, spacing);
+        mesh::TetMesh box = mesh::kuhn_box(nx, ny, nz, spacing);
         for (TetId t = 0; t < static_cast<TetId>(box.tet_count()); ++t) {
             double z = 0.0;
             for (const VertexId v : box.tet(t))
@@ -31,28 +31,31 @@ namespace {
     }
 
     /// A ball with a core of another tissue.
-    TetMesh sphere()
+    mesh::TetMesh sphere()
     {
-        const LabelTable table { { 1, "core", "muscle", Role::wall }, { 2, "shell", "skin", Role::wall } };
+        const mesh::LabelTable table { { 1, "core", "muscle", mesh::Role::wall },
+            { 2, "shell", "skin", mesh::Role::wall } };
         const Vec3 centre(25.3, 24.8, 25.1);
-        const LabelVolume labels = sampled_labels({ 50, 50, 50 }, Vec3::Ones(), table, [=](const Vec3& p) {
-            const double r = (p - centre).norm();
-            return static_cast<Label>(r < 12.0 ? 1 : r < 20.0 ? 2 : 0);
-        });
-        MeshSizing sizing;
+        const mesh::LabelVolume labels
+            = test_support::sampled_labels({ 50, 50, 50 }, Vec3::Ones(), table, [=](const Vec3& p) {
+                  const double r = (p - centre).norm();
+                  return static_cast<Label>(r < 12.0 ? 1 : r < 20.0 ? 2 : 0);
+              });
+        mesh::MeshSizing sizing;
         sizing.corridor_edge_mm = sizing.coarse_edge_mm = 7.0;
-        return build_hybrid_model(labels, sizing).wall;
+        return mesh::build_hybrid_model(labels, sizing).wall;
     }
 
-    TetMesh thorax()
+    mesh::TetMesh thorax()
     {
-        const Phantom phantom = make_thorax_phantom({ .spacing_mm = { 3.0, 3.0, 3.0 }, .noise_hu = 0.0 });
-        MeshSizing sizing;
+        const datasets::Phantom phantom
+            = datasets::make_thorax_phantom({ .spacing_mm = { 3.0, 3.0, 3.0 }, .noise_hu = 0.0 });
+        mesh::MeshSizing sizing;
         sizing.corridor = { { 0.0, -100.0, -40.0 }, { 0.0, -100.0, 40.0 } };
         sizing.corridor_edge_mm = 5.0;
         sizing.coarse_edge_mm = 15.0;
         sizing.region_mm = 60.0;
-        return build_hybrid_model(phantom.labels, sizing).wall;
+        return mesh::build_hybrid_model(phantom.labels, sizing).wall;
     }
 
     // Readers of what SOFA ships: gmsh 1 and the ASCII kinds of VTK. Not for files of unknown origin.
@@ -122,11 +125,11 @@ namespace {
     }
 
     /// Only vertices in use, one size, positive volumes, two tissues.
-    TetMesh as_mesh(const Soup& soup)
+    mesh::TetMesh as_mesh(const Soup& soup)
     {
         std::vector<VertexId> id(soup.points.size(), -1);
         std::vector<Vec3> points;
-        TetMesh mesh;
+        mesh::TetMesh mesh;
         for (const auto& tet : soup.tets)
             for (const VertexId v : tet) {
                 VertexId& mine = id[static_cast<std::size_t>(v)];
@@ -145,7 +148,7 @@ namespace {
         mesh.labels.resize(soup.tets.size());
         for (TetId t = 0; t < static_cast<TetId>(soup.tets.size()); ++t) {
             const auto first = static_cast<std::size_t>(t) * 4;
-            if (tet_volume(mesh, t) < 0.0)
+            if (mesh::tet_volume(mesh, t) < 0.0)
                 std::swap(mesh.nodes[first], mesh.nodes[first + 1]);
             double x = 0.0;
             for (const VertexId v : mesh.tet(t))
@@ -168,11 +171,11 @@ namespace {
             .missing = {} };
     }
 
-    double mean_edge(const TetMesh& mesh)
+    double mean_edge(const mesh::TetMesh& mesh)
     {
         double sum = 0.0;
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            for (const auto& e : kTetEdges)
+            for (const auto& e : mesh::kTetEdges)
                 sum += (mesh.vertices.row(mesh.tet(t)[static_cast<std::size_t>(e[0])])
                     - mesh.vertices.row(mesh.tet(t)[static_cast<std::size_t>(e[1])]))
                            .norm();

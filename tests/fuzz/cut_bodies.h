@@ -10,7 +10,7 @@ namespace retractor::fuzz {
 
 struct Body {
     std::string name;
-    TetMesh mesh; ///< empty when the body is not to be had
+    mesh::TetMesh mesh; ///< empty when the body is not to be had
     std::string missing; ///< why
     double edge = 0.0; ///< mean edge (mm)
 };

@@ -86,7 +86,7 @@ namespace {
                 std::ostringstream text;
                 text << name_ << ", snap " << options_.snap << ": " << finding.invariant << ": " << finding.detail;
                 if (!last_blade_.line.empty()) {
-                    const SweptBlade swept(last_blade_);
+                    const mesh::SweptBlade swept(last_blade_);
                     text << " (blade " << swept.length() / body_.edge << " long, " << swept.depth() / body_.edge
                          << " deep, in edges, from " << last_blade_.line.front().transpose() << " to "
                          << last_blade_.line.back().transpose() << ", above " << last_blade_.above_mm << ")";
@@ -96,7 +96,7 @@ namespace {
         }
 
         /// A cut, or a step of one, refused or not, with the clock running.
-        template <class Cut> CutResult timed(Cut&& cut)
+        template <class Cut> mesh::CutResult timed(Cut&& cut)
         {
             const std::clock_t start = std::clock(); // whatever else the machine does
             const auto note = [&](const std::string& how, bool late) {
@@ -110,8 +110,8 @@ namespace {
                 result_.slow.push_back(text.str());
             };
             try {
-                CutResult result = cut();
-                const CutReport& r = result.report;
+                mesh::CutResult result = cut();
+                const mesh::CutReport& r = result.report;
                 note(std::to_string(r.attempts) + " attempts, " + std::to_string(r.tets_crossed) + " crossed, "
                         + std::to_string(r.tets_created) + " made",
                     r.attempts >= kLate);
@@ -130,7 +130,7 @@ namespace {
             ++result_.tally.refused[reason];
             result_.refusals.push_back(name_ + ": " + error.what() + " (" + error.where() + ")");
             if (session_.stroke_open()) { // a stroke that cannot be finished
-                const MeshDelta back = session_.abandon_stroke();
+                const mesh::MeshDelta back = session_.abandon_stroke();
                 Findings findings;
                 follow_back_to(before, back, "abandoned stroke", findings);
                 report(findings);
@@ -142,14 +142,14 @@ namespace {
         }
 
         /// The state after a change that came with this delta; the delta and the state are checked.
-        void follow(const MeshDelta& delta, Findings& findings)
+        void follow(const mesh::MeshDelta& delta, Findings& findings)
         {
             now_ = std::make_unique<State>(session_);
             mirror_.follow(delta, findings);
             mirror_.compare(*now_, findings);
             topology_ = check_sound(*now_, findings);
             for (const auto& born : delta.vertices_born)
-                if (born.origin == MeshDelta::Origin::copy)
+                if (born.origin == mesh::MeshDelta::Origin::copy)
                     copies_[born.id] = born.a;
         }
 
@@ -161,7 +161,7 @@ namespace {
         }
 
         /// The same where the state must be one that has been checked.
-        void follow_back_to(const State& there, const MeshDelta& delta, const char* what, Findings& findings)
+        void follow_back_to(const State& there, const mesh::MeshDelta& delta, const char* what, Findings& findings)
         {
             now_ = std::make_unique<State>(session_);
             mirror_.follow(delta, findings);
@@ -170,10 +170,10 @@ namespace {
                 findings.push_back({ "undo is exact", what });
         }
 
-        void finish(const CutResult& result, const Blade& blade, const State& before, Findings& findings)
+        void finish(const mesh::CutResult& result, const mesh::Blade& blade, const State& before, Findings& findings)
         {
             Tally& tally = result_.tally;
-            if (result.status != CutStatus::done) {
+            if (result.status != mesh::CutStatus::done) {
                 ++tally.missed;
                 if (!same_bits(*now_, before))
                     findings.push_back({ "refusal leaves no trace", result.message });
@@ -187,7 +187,7 @@ namespace {
             if (findings.empty())
                 check_account(before, *now_, copies_, topology_before_, topology_, findings);
             report(findings);
-            const CutReport& r = result.report;
+            const mesh::CutReport& r = result.report;
             tally.crossed += static_cast<double>(r.tets_crossed);
             tally.increase += static_cast<double>(r.tets_created) - static_cast<double>(r.tets_removed);
             tally.seconds += r.seconds;
@@ -196,23 +196,23 @@ namespace {
             count_flat(before);
         }
 
-        void single(const Blade& blade, const State& before)
+        void single(const mesh::Blade& blade, const State& before)
         {
-            const CutResult result = timed([&] { return session_.cut(blade, options_); });
+            const mesh::CutResult result = timed([&] { return session_.cut(blade, options_); });
             Findings findings;
             follow(result.delta, findings);
             finish(result, blade, before, findings);
         }
 
-        void freehand(const Blade& blade, const State& before)
+        void freehand(const mesh::Blade& blade, const State& before)
         {
             Findings findings;
-            Blade drawn; // as far as it was accepted
+            mesh::Blade drawn; // as far as it was accepted
             for (std::size_t points = 2; points <= blade.line.size(); ++points) {
-                Blade so_far = blade;
+                mesh::Blade so_far = blade;
                 so_far.line.resize(points);
                 try {
-                    const CutResult step = timed([&] { return session_.extend_stroke(so_far, options_); });
+                    const mesh::CutResult step = timed([&] { return session_.extend_stroke(so_far, options_); });
                     follow(step.delta, findings);
                     drawn = so_far;
                 } catch (const SolverError&) { // the next step tries again
@@ -224,7 +224,7 @@ namespace {
             }
             if (!session_.stroke_open())
                 throw SolverError("no step of a freehand stroke could be made");
-            const CutResult result = timed([&] { return session_.finish_stroke(); });
+            const mesh::CutResult result = timed([&] { return session_.finish_stroke(); });
             follow(result.delta, findings);
             finish(result, drawn, before, findings);
         }
@@ -232,7 +232,7 @@ namespace {
         /// Elements with their middle in a ball, or in a half space that takes off a corner of the body.
         std::vector<TetId> marked()
         {
-            const TetMesh& mesh = now_->mesh;
+            const mesh::TetMesh& mesh = now_->mesh;
             const auto uniform = [&] { return std::generate_canonical<double, 53>(random_); };
             const auto middle = [&](std::size_t t) {
                 Vec3 sum = Vec3::Zero();
@@ -263,10 +263,10 @@ namespace {
             last_blade_ = {};
             const State before = *now_;
             try {
-                const CutResult result = session_.ablate(tets);
+                const mesh::CutResult result = session_.ablate(tets);
                 Findings findings;
                 follow(result.delta, findings);
-                if (result.status != CutStatus::done)
+                if (result.status != mesh::CutStatus::done)
                     findings.push_back({ "ablation", result.message });
                 if (now_->cuts != before.cuts + 1)
                     findings.push_back({ "ablation", "is no cut" });
@@ -314,13 +314,13 @@ namespace {
         /// New elements, and the flat ones among them by what holds them.
         void count_flat(const State& before)
         {
-            const TetMesh& mesh = now_->mesh;
+            const mesh::TetMesh& mesh = now_->mesh;
             std::vector<char> old_wound(mesh.vertex_count(), 0), held(mesh.vertex_count(), 0);
-            for (const LipFace& lip : now_->lips)
-                for (const VertexId v : face_vertices(mesh, lip.face))
+            for (const mesh::LipFace& lip : now_->lips)
+                for (const VertexId v : mesh::face_vertices(mesh, lip.face))
                     (lip.cut < static_cast<int>(before.cuts) ? old_wound : held)[static_cast<std::size_t>(v)] = 1;
-            for (const TetFace& face : now_->boundary)
-                for (const VertexId v : face_vertices(mesh, face))
+            for (const mesh::TetFace& face : now_->boundary)
+                for (const VertexId v : mesh::face_vertices(mesh, face))
                     held[static_cast<std::size_t>(v)] = 1;
             std::vector<Label> label(mesh.vertex_count(), 0);
             for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
@@ -340,7 +340,7 @@ namespace {
                 ++result_.tally.born;
                 const auto n = mesh.tet(t);
                 const auto p = [&](std::size_t i) { return Vec3(mesh.vertices.row(n[i])); };
-                const auto angles = dihedral_angles_deg(p(0), p(1), p(2), p(3));
+                const auto angles = mesh::dihedral_angles_deg(p(0), p(1), p(2), p(3));
                 if (*std::min_element(angles.begin(), angles.end()) >= kFlat)
                     continue;
                 const auto count
@@ -367,14 +367,14 @@ namespace {
 
         const Body& body_;
         std::mt19937_64 random_;
-        CutSession session_;
+        mesh::CutSession session_;
         std::unique_ptr<State> now_;
         Mirror mirror_;
         Topology topology_, topology_before_; ///< now, and before the stroke
         std::map<VertexId, VertexId> copies_; ///< vertices that the stroke copied onto other lips, by the copy
-        CutOptions options_;
+        mesh::CutOptions options_;
         RandomStroke last_;
-        Blade last_blade_; ///< of the stroke that was done last, for the message
+        mesh::Blade last_blade_; ///< of the stroke that was done last, for the message
         std::string name_;
         bool ablates_ = false;
         SeedResult result_;

@@ -21,6 +21,7 @@ namespace {
 
 using namespace retractor;
 using namespace retractor::fuzz;
+using namespace retractor::fuzz;
 
 constexpr const char* kUsage
     = "usage: cut_fuzzer [--from SEED] [--to SEED] [--body NAME] [--twice-every N] [--minutes M] [--quiet]\n"
@@ -116,7 +117,7 @@ bool usable(const Body& body)
         return false;
     }
     Findings findings;
-    check_sound(State(CutSession(body.mesh)), findings);
+    check_sound(State(mesh::CutSession(body.mesh)), findings);
     if (!findings.empty()) {
         std::printf("SKIPPED %s: not a body: %s: %s\n", body.name.c_str(), findings.front().invariant.c_str(),
             findings.front().detail.c_str());

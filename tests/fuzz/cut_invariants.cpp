@@ -25,7 +25,7 @@ namespace {
 
     using FaceKey = std::array<VertexId, 3>;
 
-    Vec3 at(const TetMesh& mesh, VertexId v) { return mesh.vertices.row(v).transpose(); }
+    Vec3 at(const mesh::TetMesh& mesh, VertexId v) { return mesh.vertices.row(v).transpose(); }
 
     template <class... Parts> void add(Findings& findings, const char* invariant, const Parts&... parts)
     {
@@ -81,18 +81,19 @@ namespace {
 
     struct FaceRecord {
         std::uint64_t others = 0; ///< the two larger corners
-        TetFace face;
+        mesh::TetFace face;
         bool odd = false;
     };
 
     /// Matches the faces of a mesh.
-    void match_faces(const TetMesh& mesh, std::vector<TetFace>& boundary, std::size_t& different, Findings& findings)
+    void match_faces(
+        const mesh::TetMesh& mesh, std::vector<mesh::TetFace>& boundary, std::size_t& different, Findings& findings)
     {
         ByVertex<FaceRecord> faces(mesh.vertex_count());
         const auto for_all = [&](auto&& visit) {
             for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
                 for (int corner = 0; corner < 4; ++corner) {
-                    FaceKey v = face_vertices(mesh, { t, corner });
+                    FaceKey v = mesh::face_vertices(mesh, { t, corner });
                     const bool odd = sort_corners(v);
                     visit(v, FaceRecord { packed(v[1], v[2]), { t, corner }, odd });
                 }
@@ -121,12 +122,12 @@ namespace {
         }
     }
 
-    std::size_t count_edges(const TetMesh& mesh)
+    std::size_t count_edges(const mesh::TetMesh& mesh)
     {
         ByVertex<VertexId> edges(mesh.vertex_count());
         const auto for_all = [&](auto&& visit) {
             for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-                for (const auto& e : kTetEdges) {
+                for (const auto& e : mesh::kTetEdges) {
                     const auto n = mesh.tet(t);
                     const auto [a, b]
                         = std::minmax(n[static_cast<std::size_t>(e[0])], n[static_cast<std::size_t>(e[1])]);
@@ -184,19 +185,19 @@ namespace {
         bool closed = true; ///< two faces at each edge
     };
 
-    Surface look_at_surface(const TetMesh& mesh, const std::vector<TetFace>& boundary, Findings& findings)
+    Surface look_at_surface(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& boundary, Findings& findings)
     {
         struct Wing {
             VertexId to = 0, from = 0; ///< the other corners
             std::size_t face = 0;
         };
         ByVertex<Wing> wings(mesh.vertex_count());
-        for (const TetFace& face : boundary)
-            for (const VertexId v : face_vertices(mesh, face))
+        for (const mesh::TetFace& face : boundary)
+            for (const VertexId v : mesh::face_vertices(mesh, face))
                 wings.count(v);
         wings.lay_out();
         for (std::size_t f = 0; f < boundary.size(); ++f) {
-            const auto v = face_vertices(mesh, boundary[f]);
+            const auto v = mesh::face_vertices(mesh, boundary[f]);
             for (std::size_t i = 0; i < 3; ++i)
                 wings.put(v[i], { v[(i + 1) % 3], v[(i + 2) % 3], f });
         }
@@ -255,9 +256,9 @@ namespace {
     /// Triangles with their boxes, asked for the distance of a point when it is at most `reach`.
     class Triangles {
     public:
-        void insert(const TetMesh& mesh, const TetFace& face)
+        void insert(const mesh::TetMesh& mesh, const mesh::TetFace& face)
         {
-            const auto v = face_vertices(mesh, face);
+            const auto v = mesh::face_vertices(mesh, face);
             corners_.push_back({ at(mesh, v[0]), at(mesh, v[1]), at(mesh, v[2]) });
             Eigen::AlignedBox3d box;
             for (const Vec3& p : corners_.back())
@@ -279,7 +280,7 @@ namespace {
     };
 
     /// Parts of a mesh that are joined by faces, as tissue holds together.
-    long pieces(const TetMesh& mesh)
+    long pieces(const mesh::TetMesh& mesh)
     {
         struct Own {
             std::uint64_t others = 0;
@@ -289,7 +290,7 @@ namespace {
         const auto for_all = [&](auto&& visit) {
             for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
                 for (int corner = 0; corner < 4; ++corner) {
-                    FaceKey v = face_vertices(mesh, { t, corner });
+                    FaceKey v = mesh::face_vertices(mesh, { t, corner });
                     static_cast<void>(sort_corners(v));
                     visit(v[0], Own { packed(v[1], v[2]), t });
                 }
@@ -311,42 +312,42 @@ namespace {
     std::set<std::pair<TetId, int>> lip_faces(const State& state)
     {
         std::set<std::pair<TetId, int>> lips;
-        for (const LipFace& lip : state.lips)
+        for (const mesh::LipFace& lip : state.lips)
             lips.emplace(lip.face.tet, lip.face.corner);
         return lips;
     }
 
-    std::vector<TetFace> outer_faces(const State& state)
+    std::vector<mesh::TetFace> outer_faces(const State& state)
     {
         const auto lips = lip_faces(state);
-        std::vector<TetFace> outer;
-        for (const TetFace& face : state.boundary)
+        std::vector<mesh::TetFace> outer;
+        for (const mesh::TetFace& face : state.boundary)
             if (!lips.contains({ face.tet, face.corner }))
                 outer.push_back(face);
         return outer;
     }
 
-    double mean_edge(const TetMesh& mesh, TetId t)
+    double mean_edge(const mesh::TetMesh& mesh, TetId t)
     {
         double sum = 0.0;
-        for (const auto& e : kTetEdges)
+        for (const auto& e : mesh::kTetEdges)
             sum += (at(mesh, mesh.tet(t)[static_cast<std::size_t>(e[0])])
                 - at(mesh, mesh.tet(t)[static_cast<std::size_t>(e[1])]))
                        .norm();
         return sum / 6.0;
     }
 
-    double diagonal(const TetMesh& mesh)
+    double diagonal(const mesh::TetMesh& mesh)
     {
         return (mesh.vertices.colwise().maxCoeff() - mesh.vertices.colwise().minCoeff()).norm();
     }
 
     void check_volumes(const State& before, const State& after, double snap, Findings& findings)
     {
-        const auto by_label = [](const TetMesh& mesh) {
+        const auto by_label = [](const mesh::TetMesh& mesh) {
             std::map<Label, long double> volume;
             for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-                volume[mesh.labels[static_cast<std::size_t>(t)]] += static_cast<long double>(tet_volume(mesh, t));
+                volume[mesh.labels[static_cast<std::size_t>(t)]] += static_cast<long double>(mesh::tet_volume(mesh, t));
             return volume;
         };
         auto was = by_label(before.mesh), is = by_label(after.mesh);
@@ -361,13 +362,13 @@ namespace {
 
     /// The new outer surface lies on the old one: also where elements of different sizes meet without matching.
     void check_outer_surface(
-        const State& before, const State& after, const TetMesh& first, double snap, Findings& findings)
+        const State& before, const State& after, const mesh::TetMesh& first, double snap, Findings& findings)
     {
         std::unordered_map<VertexId, Vec3> known; // by session id: vertices of the old outer surface
         Triangles old;
-        for (const TetFace& face : outer_faces(before)) {
+        for (const mesh::TetFace& face : outer_faces(before)) {
             old.insert(before.mesh, face);
-            for (const VertexId v : face_vertices(before.mesh, face))
+            for (const VertexId v : mesh::face_vertices(before.mesh, face))
                 known.emplace(before.map.vertex_slot[static_cast<std::size_t>(v)], at(before.mesh, v));
         }
         const double round_off = kRoundOff * diagonal(first);
@@ -375,13 +376,13 @@ namespace {
         Vec3 where = Vec3::Zero();
         bool stray = false;
         std::unordered_map<VertexId, double> local; // largest edge length of the first mesh round a vertex
-        for (const TetFace& face : outer_faces(after))
-            for (const VertexId v : face_vertices(after.mesh, face)) {
+        for (const mesh::TetFace& face : outer_faces(after))
+            for (const VertexId v : mesh::face_vertices(after.mesh, face)) {
                 double& edge = local[v];
                 edge = std::max(edge, mean_edge(first, after.origins[static_cast<std::size_t>(face.tet)]));
             }
-        for (const TetFace& face : outer_faces(after)) {
-            const auto v = face_vertices(after.mesh, face);
+        for (const mesh::TetFace& face : outer_faces(after)) {
+            const auto v = mesh::face_vertices(after.mesh, face);
             const double unit = mean_edge(first, after.origins[static_cast<std::size_t>(face.tet)]);
             const double most = snap == 0.0 ? round_off : kSurface * unit;
             bool changed = false;
@@ -418,18 +419,18 @@ namespace {
         std::array<std::vector<Corners>, 2> mine;
         const auto area = [](const State& s) {
             std::map<std::pair<int, int>, double> sum;
-            for (const LipFace& lip : s.lips) {
-                const auto v = face_vertices(s.mesh, lip.face);
+            for (const mesh::LipFace& lip : s.lips) {
+                const auto v = mesh::face_vertices(s.mesh, lip.face);
                 sum[{ lip.cut, lip.side }]
                     += 0.5 * (at(s.mesh, v[1]) - at(s.mesh, v[0])).cross(at(s.mesh, v[2]) - at(s.mesh, v[0])).norm();
             }
             return sum;
         };
-        for (const LipFace& lip : after.lips) {
+        for (const mesh::LipFace& lip : after.lips) {
             if (lip.cut != number)
                 continue;
             Corners corners;
-            const auto v = face_vertices(after.mesh, lip.face);
+            const auto v = mesh::face_vertices(after.mesh, lip.face);
             for (std::size_t i = 0; i < 3; ++i)
                 corners[i]
                     = { after.mesh.vertices(v[i], 0), after.mesh.vertices(v[i], 1), after.mesh.vertices(v[i], 2) };
@@ -448,7 +449,7 @@ namespace {
     }
 
     /// Elements whose boxes meet a box.
-    std::vector<TetId> tets_near(const TetMesh& mesh, const Eigen::AlignedBox3d& box)
+    std::vector<TetId> tets_near(const mesh::TetMesh& mesh, const Eigen::AlignedBox3d& box)
     {
         std::vector<TetId> near;
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
@@ -461,7 +462,7 @@ namespace {
         return near;
     }
 
-    TetId tet_at(const TetMesh& mesh, const std::vector<TetId>& among, const Vec3& p)
+    TetId tet_at(const mesh::TetMesh& mesh, const std::vector<TetId>& among, const Vec3& p)
     {
         for (const TetId t : among) {
             const auto n = mesh.tet(t);
@@ -478,7 +479,7 @@ namespace {
             for (std::size_t i = 0; i < 4 && inside; ++i) {
                 auto q = c;
                 q[i] = p;
-                inside = tet_volume(q[0], q[1], q[2], q[3]) > 0.0;
+                inside = mesh::tet_volume(q[0], q[1], q[2], q[3]) > 0.0;
             }
             if (inside)
                 return t;
@@ -492,27 +493,27 @@ namespace {
     /// 0.05 local edges between the blade and the surface need not be cut off: the surface may be carried so far, and
     /// the vertices on it are then on the blade. (Of 1000 strokes some 1.3, all in the plane of a face of the skin,
     /// leave such a flake where they are.) Whatever is deeper than that must be cut, however thin the tissue is.
-    void check_extent(const State& before, const State& after, const TetMesh& first, const Blade& blade,
-        const CutOptions& options, Findings& findings)
+    void check_extent(const State& before, const State& after, const mesh::TetMesh& first, const mesh::Blade& blade,
+        const mesh::CutOptions& options, Findings& findings)
     {
-        const SweptBlade swept(blade);
+        const mesh::SweptBlade swept(blade);
         const double size = std::max(swept.length(), swept.depth());
         // A gentle bend is spanned by chords; where they lie on a surface, their points stay there.
         const bool flat = swept.creases(0.0).empty();
         double off = 0.0, beyond = 0.0, uncut = 0.0;
         std::size_t mine = 0;
         Triangles wound, surface;
-        for (const TetFace& face : outer_faces(before))
+        for (const mesh::TetFace& face : outer_faces(before))
             surface.insert(before.mesh, face);
         const std::vector<TetId> near = tets_near(before.mesh, swept.box(0.0, swept.length()));
-        for (const LipFace& lip : after.lips) {
+        for (const mesh::LipFace& lip : after.lips) {
             wound.insert(after.mesh, lip.face);
             if (lip.cut != static_cast<int>(before.cuts))
                 continue;
             ++mine;
             const double unit = mean_edge(first, after.origins[static_cast<std::size_t>(lip.face.tet)]);
-            for (const VertexId v : face_vertices(after.mesh, lip.face)) {
-                const BladeCoordinates c = swept.coordinates(at(after.mesh, v));
+            for (const VertexId v : mesh::face_vertices(after.mesh, lip.face)) {
+                const mesh::BladeCoordinates c = swept.coordinates(at(after.mesh, v));
                 off = std::max(off, std::abs(c.side) / (flat ? size : unit));
                 beyond = std::max(
                     beyond, std::max({ -c.along, c.along - swept.length(), c.depth - swept.depth() }) / unit);
@@ -570,7 +571,7 @@ bool is_named_refusal(const Error& error)
                                                               : std::any_of(kWounds.begin(), kWounds.end(), begins);
 }
 
-State::State(const CutSession& session)
+State::State(const mesh::CutSession& session)
     : mesh(session.compact_mesh(&map))
     , lips(session.lips())
     , pinched(session.pinched_vertices())
@@ -580,7 +581,7 @@ State::State(const CutSession& session)
 {
     for (const TetId t : map.tet_slot)
         origins.push_back(session.origin(t));
-    for (LipFace& lip : lips)
+    for (mesh::LipFace& lip : lips)
         lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
     for (VertexId& v : pinched)
         v = map.compact_vertex[static_cast<std::size_t>(v)];
@@ -594,15 +595,15 @@ bool same_bits(const State& a, const State& b)
         && a.mesh.labels == b.mesh.labels && a.origins == b.origins && a.pinched == b.pinched && a.cuts == b.cuts
         && a.map.vertex_slot == b.map.vertex_slot && a.map.tet_slot == b.map.tet_slot
         && a.map.compact_vertex == b.map.compact_vertex && a.map.compact_tet == b.map.compact_tet
-        && std::equal(
-            a.lips.begin(), a.lips.end(), b.lips.begin(), b.lips.end(), [](const LipFace& x, const LipFace& y) {
+        && std::equal(a.lips.begin(), a.lips.end(), b.lips.begin(), b.lips.end(),
+            [](const mesh::LipFace& x, const mesh::LipFace& y) {
                 return x.face.tet == y.face.tet && x.face.corner == y.face.corner && x.side == y.side && x.cut == y.cut;
             });
 }
 
 Topology check_sound(const State& state, Findings& findings)
 {
-    const TetMesh& mesh = state.mesh;
+    const mesh::TetMesh& mesh = state.mesh;
     if (mesh.tet_count() != state.tets || mesh.vertex_count() != state.vertices)
         add(findings, "counts", "the session counts ", state.tets, " elements, its mesh has ", mesh.tet_count());
     if (!mesh.vertices.allFinite())
@@ -613,16 +614,16 @@ Topology check_sound(const State& state, Findings& findings)
     if (std::find(used.begin(), used.end(), false) != used.end())
         add(findings, "counts", "a vertex belongs to no element");
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-        if (!(tet_volume(mesh, t) > 0.0)) {
-            add(findings, "volumes positive", "element ", t, ": ", tet_volume(mesh, t));
+        if (!(mesh::tet_volume(mesh, t) > 0.0)) {
+            add(findings, "volumes positive", "element ", t, ": ", mesh::tet_volume(mesh, t));
             break;
         }
     findings.insert(findings.end(), state.face_findings.begin(), state.face_findings.end());
     const Surface surface = look_at_surface(mesh, state.boundary, findings);
     std::set<std::pair<TetId, int>> on_surface;
-    for (const TetFace& face : state.boundary)
+    for (const mesh::TetFace& face : state.boundary)
         on_surface.emplace(face.tet, face.corner);
-    for (const LipFace& lip : state.lips)
+    for (const mesh::LipFace& lip : state.lips)
         if (!on_surface.contains({ lip.face.tet, lip.face.corner })) {
             add(findings, "lips on surface", "lip of element ", lip.face.tet, " is inside");
             break;
@@ -670,11 +671,11 @@ void check_account(const State& before, const State& after, const std::map<Verte
             id = it->second;
         return id;
     };
-    for (const LipFace& lip : after.lips) {
+    for (const mesh::LipFace& lip : after.lips) {
         if (lip.cut != number)
             continue;
         ++faces;
-        const auto v = face_vertices(after.mesh, lip.face);
+        const auto v = mesh::face_vertices(after.mesh, lip.face);
         for (std::size_t i = 0; i < 3; ++i) {
             const VertexId a = v[i], b = v[(i + 1) % 3];
             apart.insert(a);
@@ -692,8 +693,8 @@ void check_account(const State& before, const State& after, const std::map<Verte
             " -> ", is.handles, ", pinches ", was.pinches, " -> ", is.pinches, ")");
 }
 
-void check_cut(const State& before, const State& after, const TetMesh& first, const Blade& blade,
-    const CutOptions& options, const CutReport& report, Findings& findings)
+void check_cut(const State& before, const State& after, const mesh::TetMesh& first, const mesh::Blade& blade,
+    const mesh::CutOptions& options, const mesh::CutReport& report, Findings& findings)
 {
     check_volumes(before, after, options.snap, findings);
     check_outer_surface(before, after, first, options.snap, findings);
@@ -706,21 +707,21 @@ void check_cut(const State& before, const State& after, const TetMesh& first, co
             " removed");
 }
 
-void check_ablation(const State& before, const State& after, const std::vector<TetId>& marked, const CutReport& report,
-    Findings& findings)
+void check_ablation(const State& before, const State& after, const std::vector<TetId>& marked,
+    const mesh::CutReport& report, Findings& findings)
 {
     double marked_volume = 0.0, was = 0.0, is = 0.0;
     for (const TetId t : marked)
-        marked_volume += tet_volume(before.mesh, before.map.compact_tet[static_cast<std::size_t>(t)]);
+        marked_volume += mesh::tet_volume(before.mesh, before.map.compact_tet[static_cast<std::size_t>(t)]);
     for (TetId t = 0; t < static_cast<TetId>(before.mesh.tet_count()); ++t)
-        was += tet_volume(before.mesh, t);
+        was += mesh::tet_volume(before.mesh, t);
     for (TetId t = 0; t < static_cast<TetId>(after.mesh.tet_count()); ++t)
-        is += tet_volume(after.mesh, t);
+        is += mesh::tet_volume(after.mesh, t);
     if (!(std::abs(was - marked_volume - is) <= kVolume * was))
         add(findings, "volume kept", "of ", was, " mm^3 ", marked_volume, " are ablated, ", is, " are left");
     if (!(std::abs(report.removed_volume_mm3 - marked_volume) <= kVolume * was))
         add(findings, "ablation", "reports ", report.removed_volume_mm3, " mm^3, ", marked_volume, " were marked");
-    for (const LipFace& lip : after.lips)
+    for (const mesh::LipFace& lip : after.lips)
         if (lip.cut == static_cast<int>(before.cuts) && lip.side != 0) {
             add(findings, "ablation", "bares a face with side ", lip.side);
             break;
@@ -760,14 +761,14 @@ Mirror::Tet* Mirror::tet(TetId t)
     return &tets_[i];
 }
 
-void Mirror::follow(const MeshDelta& delta, Findings& findings)
+void Mirror::follow(const mesh::MeshDelta& delta, Findings& findings)
 {
     bool good = true;
     for (const auto& born : delta.vertices_born) {
         const bool restored = born.a == born.id && born.b == born.id;
         good = good && (restored || (vertex(born.a)->alive && vertex(born.b)->alive)) && !vertex(born.id)->alive;
-        good = good && restored == (born.origin == MeshDelta::Origin::restored);
-        good = good && (born.origin != MeshDelta::Origin::copy || born.a == born.b);
+        good = good && restored == (born.origin == mesh::MeshDelta::Origin::restored);
+        good = good && (born.origin != mesh::MeshDelta::Origin::copy || born.a == born.b);
         *vertex(born.id) = { born.position, true };
         ++vertex_count_;
     }

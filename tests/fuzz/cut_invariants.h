@@ -25,16 +25,16 @@ bool is_named_refusal(const Error& error);
 
 /// Everything a session shows of itself.
 struct State {
-    explicit State(const CutSession& session);
-    SlotMap map;
-    TetMesh mesh;
+    explicit State(const mesh::CutSession& session);
+    mesh::SlotMap map;
+    mesh::TetMesh mesh;
     std::vector<TetId> origins; ///< per compact element
-    std::vector<LipFace> lips; ///< ids of `mesh`
+    std::vector<mesh::LipFace> lips; ///< ids of `mesh`
     std::vector<VertexId> pinched; ///< ids of `mesh`
     std::size_t cuts = 0, tets = 0, vertices = 0;
 
     // Worked out from the mesh, once.
-    std::vector<TetFace> boundary; ///< faces of one element only
+    std::vector<mesh::TetFace> boundary; ///< faces of one element only
     std::size_t faces = 0; ///< different ones
     Findings face_findings; ///< faces of more than two elements, or with both on one side
 };
@@ -62,18 +62,18 @@ void check_account(const State& before, const State& after, const std::map<Verte
 
 /// What one cut may have changed: volumes, surface, lips, extent.
 /// @param first the body before any cut, for local edge lengths.
-void check_cut(const State& before, const State& after, const TetMesh& first, const Blade& blade,
-    const CutOptions& options, const CutReport& report, Findings& findings);
+void check_cut(const State& before, const State& after, const mesh::TetMesh& first, const mesh::Blade& blade,
+    const mesh::CutOptions& options, const mesh::CutReport& report, Findings& findings);
 
 /// What an ablation may have changed: what is marked is gone and nothing else.
-void check_ablation(const State& before, const State& after, const std::vector<TetId>& marked, const CutReport& report,
-    Findings& findings);
+void check_ablation(const State& before, const State& after, const std::vector<TetId>& marked,
+    const mesh::CutReport& report, Findings& findings);
 
 /// A mesh kept by deltas alone.
 class Mirror {
 public:
     explicit Mirror(const State& state);
-    void follow(const MeshDelta& delta, Findings& findings);
+    void follow(const mesh::MeshDelta& delta, Findings& findings);
     void compare(const State& state, Findings& findings);
 
 private:

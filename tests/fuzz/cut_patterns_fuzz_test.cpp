@@ -16,17 +16,17 @@ namespace cut_patterns_fuzz_test {
     /// refusal.
     constexpr double kMostRefused = 0.2;
 
-    class PatternStrokes : public testing::TestWithParam<std::tuple<Subdivision, const char*>> { };
+    class PatternStrokes : public testing::TestWithParam<std::tuple<mesh::Subdivision, const char*>> { };
 
     TEST_P(PatternStrokes, KeepEveryPromise)
     {
         const auto [subdivision, name] = GetParam();
         const Body body = make_body(name);
-        const CutOptions options { .subdivision = subdivision, .snap = 0.0 };
+        const mesh::CutOptions options { .subdivision = subdivision, .snap = 0.0 };
         int strokes = 0, done = 0, refused = 0;
         for (std::uint64_t seed = 0; seed < 12; ++seed) {
             std::mt19937_64 random(seed);
-            CutSession session(body.mesh);
+            mesh::CutSession session(body.mesh);
             const State first(session);
             RandomStroke last;
             for (int i = 0; i < 2; ++i) {
@@ -35,10 +35,10 @@ namespace cut_patterns_fuzz_test {
                 ++strokes;
                 Findings findings;
                 try {
-                    const CutResult result = session.cut(stroke.blade, options);
+                    const mesh::CutResult result = session.cut(stroke.blade, options);
                     const State after(session);
                     check_sound(after, findings);
-                    if (result.status == CutStatus::done) {
+                    if (result.status == mesh::CutStatus::done) {
                         ++done;
                         check_cut(before, after, body.mesh, stroke.blade, options, result.report, findings);
                     } else {
@@ -63,29 +63,31 @@ namespace cut_patterns_fuzz_test {
     }
 
     INSTANTIATE_TEST_SUITE_P(All, PatternStrokes,
-        testing::Combine(
-            testing::Values(Subdivision::general, Subdivision::intermediate_5, Subdivision::intermediate_11),
+        testing::Combine(testing::Values(mesh::Subdivision::general, mesh::Subdivision::intermediate_5,
+                             mesh::Subdivision::intermediate_11),
             testing::Values("box", "sphere")));
 
     TEST(PatternStrokesFreehand, GrowAndAreOneCutToUndo)
     {
-        const TetMesh box = kuhn_box(12, 8, 4, 3.0);
-        for (const Subdivision subdivision : { Subdivision::general, Subdivision::intermediate_5 }) {
-            const CutOptions options { .subdivision = subdivision, .snap = 0.0 };
-            CutSession session(box);
+        const mesh::TetMesh box = mesh::kuhn_box(12, 8, 4, 3.0);
+        for (const mesh::Subdivision subdivision : { mesh::Subdivision::general, mesh::Subdivision::intermediate_5 }) {
+            const mesh::CutOptions options { .subdivision = subdivision, .snap = 0.0 };
+            mesh::CutSession session(box);
             const State before(session);
-            Blade drawn { .line = { { 5.2, 10.3, 12.0 } }, .directions = { { 0.05, 0.1, -1.0 } }, .depth_mm = 6.1 };
+            mesh::Blade drawn {
+                .line = { { 5.2, 10.3, 12.0 } }, .directions = { { 0.05, 0.1, -1.0 } }, .depth_mm = 6.1
+            };
             Mirror mirror(before);
             Findings findings;
             for (int i = 0; i < 5; ++i) {
                 drawn.line.push_back(drawn.line.back() + Vec3(4.7, 0.55, 0.0));
-                const CutResult step = session.extend_stroke(drawn, options);
-                ASSERT_EQ(step.status, CutStatus::done) << step.message;
+                const mesh::CutResult step = session.extend_stroke(drawn, options);
+                ASSERT_EQ(step.status, mesh::CutStatus::done) << step.message;
                 mirror.follow(step.delta, findings);
                 check_sound(State(session), findings);
             }
-            const CutResult last = session.finish_stroke();
-            ASSERT_EQ(last.status, CutStatus::done) << last.message;
+            const mesh::CutResult last = session.finish_stroke();
+            ASSERT_EQ(last.status, mesh::CutStatus::done) << last.message;
             mirror.follow(last.delta, findings);
             const State after(session);
             check_sound(after, findings);

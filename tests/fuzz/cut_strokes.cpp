@@ -16,7 +16,7 @@ namespace {
 
     class Maker {
     public:
-        Maker(const Body& body, const CutSession& session, const State& now, std::mt19937_64& random)
+        Maker(const Body& body, const mesh::CutSession& session, const State& now, std::mt19937_64& random)
             : body_(body)
             , session_(session)
             , random_(random)
@@ -52,7 +52,7 @@ namespace {
         };
         Place on_surface()
         {
-            const auto v = face_vertices(mesh_, faces_[index(faces_.size())]);
+            const auto v = mesh::face_vertices(mesh_, faces_[index(faces_.size())]);
             const Vec3 a = at(v[0]), b = at(v[1]), c = at(v[2]);
             double s = uniform(0, 1), t = uniform(0, 1);
             if (s + t > 1.0) {
@@ -63,13 +63,13 @@ namespace {
         }
 
         /// A blade that goes in at a place of the surface.
-        Blade from_surface(double length, double depth, int points, double turn)
+        mesh::Blade from_surface(double length, double depth, int points, double turn)
         {
             const Place place = on_surface();
             const double lean = uniform(0, 0.6);
             const Vec3 in = (-place.normal + lean * unit_vector()).normalized();
             Vec3 along = unit_vector().cross(in).normalized();
-            Blade blade;
+            mesh::Blade blade;
             std::vector<Vec3> line { Vec3::Zero() };
             for (int i = 1; i < points; ++i) {
                 line.push_back(line.back() + length / (points - 1) * along);
@@ -86,7 +86,7 @@ namespace {
         }
 
         /// A blade in the plane of three points, within round-off or a little off.
-        Blade in_plane(const std::array<Vec3, 3>& p, double length, double depth)
+        mesh::Blade in_plane(const std::array<Vec3, 3>& p, double length, double depth)
         {
             const Vec3 along = (p[1] - p[0]).normalized();
             const Vec3 normal = along.cross(p[2] - p[0]).normalized();
@@ -96,7 +96,7 @@ namespace {
             if (chance(0.5))
                 in = (in + uniform(-0.7, 0.7) * along).normalized();
             const double before = uniform(-0.2, 1.0) * length;
-            Blade blade;
+            mesh::Blade blade;
             blade.line = { p[0] - before * along + shift, p[0] + (length - before) * along + shift };
             blade.directions = { in };
             if (chance(0.5)) { // the line above the plane's points, and the front through them now and then
@@ -116,10 +116,10 @@ namespace {
                 const auto t = static_cast<TetId>(index(mesh_.tet_count()));
                 if (interface && !on_interface(t))
                     continue;
-                const auto v = face_vertices(mesh_, { t, static_cast<int>(index(4)) });
+                const auto v = mesh::face_vertices(mesh_, { t, static_cast<int>(index(4)) });
                 return { at(v[0]), at(v[1]), at(v[2]) };
             }
-            const auto v = face_vertices(mesh_, faces_[index(faces_.size())]);
+            const auto v = mesh::face_vertices(mesh_, faces_[index(faces_.size())]);
             return { at(v[0]), at(v[1]), at(v[2]) };
         }
 
@@ -137,17 +137,17 @@ namespace {
         }
 
         /// From a face of an earlier wound; across it, or starting or ending at it.
-        Blade at_wound(bool across)
+        mesh::Blade at_wound(bool across)
         {
-            const std::vector<LipFace> lips = session_.lips();
+            const std::vector<mesh::LipFace> lips = session_.lips();
             if (lips.empty()) {
                 const double length = uniform(0.2, 0.8) * size();
                 const double depth = uniform(0.5, 4.0) * edge();
                 return from_surface(length, depth, 2, 0.0);
             }
-            const LipFace& lip = lips[index(lips.size())];
-            const auto v
-                = face_vertices(mesh_, { map_.compact_tet[static_cast<std::size_t>(lip.face.tet)], lip.face.corner });
+            const mesh::LipFace& lip = lips[index(lips.size())];
+            const auto v = mesh::face_vertices(
+                mesh_, { map_.compact_tet[static_cast<std::size_t>(lip.face.tet)], lip.face.corner });
             const Vec3 normal = (at(v[1]) - at(v[0])).cross(at(v[2]) - at(v[0])).normalized();
             const Vec3 point = chance(0.5) ? at(v[index(3)]) : Vec3((at(v[0]) + at(v[1]) + at(v[2])) / 3.0);
             const double lean = uniform(0.0, 0.8);
@@ -156,7 +156,7 @@ namespace {
             const double length = uniform(0.5, 6.0) * edge();
             const double up = uniform(0.0, 3.0) * edge();
             const double before = across ? uniform(0.1, 0.9) * length : 0.0;
-            Blade blade;
+            mesh::Blade blade;
             blade.line = { point - before * along - up * in, point + (length - before) * along - up * in };
             if (chance(0.5))
                 std::swap(blade.line[0], blade.line[1]);
@@ -168,18 +168,18 @@ namespace {
 
     private:
         const Body& body_;
-        const CutSession& session_;
+        const mesh::CutSession& session_;
         std::mt19937_64& random_;
-        const SlotMap& map_;
-        const TetMesh& mesh_;
-        const std::vector<TetFace>& faces_;
+        const mesh::SlotMap& map_;
+        const mesh::TetMesh& mesh_;
+        const std::vector<mesh::TetFace>& faces_;
         double size_ = 0.0;
     };
 
 } // namespace
 
-RandomStroke random_stroke(
-    const Body& body, const CutSession& session, const State& now, const RandomStroke& last, std::mt19937_64& random)
+RandomStroke random_stroke(const Body& body, const mesh::CutSession& session, const State& now,
+    const RandomStroke& last, std::mt19937_64& random)
 {
     Maker make(body, session, now, random);
     const double edge = make.edge(), size = make.size();
@@ -198,7 +198,7 @@ RandomStroke random_stroke(
         return { "curved", make.from_surface(1.5 * length, depth, 8 + static_cast<int>(more % 10), 0.2 * bend), false };
     case 4: {
         RandomStroke stroke { "directions", make.from_surface(length, depth, 4, 0.3 * bend), false };
-        Blade& blade = stroke.blade;
+        mesh::Blade& blade = stroke.blade;
         const double share = make.uniform(0.0, 0.4);
         const Vec3 lean = share * make.unit_vector(), in = blade.directions.front();
         blade.directions.clear();

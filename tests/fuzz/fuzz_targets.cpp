@@ -2,8 +2,8 @@
 
 #include "datasets/io/label_table.h"
 #include "mesh/base/error.h"
-#include "planner/case/case_io.h"
 #include "planner/approach/hooks.h"
+#include "planner/case/case_io.h"
 
 #include <stdexcept>
 
@@ -24,9 +24,9 @@ namespace {
         return Answer::accepted;
     }
 
-    Approach sample_approach(const std::string& name)
+    planner::Approach sample_approach(const std::string& name)
     {
-        Approach approach;
+        planner::Approach approach;
         approach.name = name;
         approach.template_name = "points";
         approach.incision = { { 0.1, 2.0, -3e-17 }, { 4.0, 1.0 / 3.0, 60.0 }, { 5.0, 0.0, 150.0 } };
@@ -41,30 +41,30 @@ namespace {
         return approach;
     }
 
-    LabelTable sample_labels()
+    mesh::LabelTable sample_labels()
     {
-        return { { 1, "spine", "bone", Role::wall }, { 2, "rib", "bone", Role::wall },
-            { 3, "lung", "lung", Role::voxel }, { 700, "aneurysm", "vessel", Role::target },
-            { 65535, "heart", "heart", Role::at_risk } };
+        return { { 1, "spine", "bone", mesh::Role::wall }, { 2, "rib", "bone", mesh::Role::wall },
+            { 3, "lung", "lung", mesh::Role::voxel }, { 700, "aneurysm", "vessel", mesh::Role::target },
+            { 65535, "heart", "heart", mesh::Role::at_risk } };
     }
 
-    Case smallest_case()
+    planner::Case smallest_case()
     {
-        Case sample;
+        planner::Case sample;
         sample.labels = { .path = "labels.nrrd", .sha256 = std::string(64, 'a') };
         sample.label_table = sample_labels();
         return sample;
     }
 
-    Case whole_case()
+    planner::Case whole_case()
     {
-        Case sample = smallest_case();
-        sample.ct = FileReference { .path = "ct/series", .sha256 = std::string(64, '0') };
-        add_approach(sample, sample_approach("first"));
-        set_hooks(sample, "first", "4", 40.0);
-        Approach second = sample_approach("second");
+        planner::Case sample = smallest_case();
+        sample.ct = planner::FileReference { .path = "ct/series", .sha256 = std::string(64, '0') };
+        planner::add_approach(sample, sample_approach("first"));
+        planner::set_hooks(sample, "first", "4", 40.0);
+        planner::Approach second = sample_approach("second");
         second.target = { .label = {}, .centre = Vec3(0.1, -1e-17, 1e3 / 7.0), .radius_mm = 0.3 };
-        add_approach(sample, second);
+        planner::add_approach(sample, second);
         return sample;
     }
 
@@ -73,8 +73,8 @@ namespace {
 Answer feed_case(const std::string& text)
 {
     return answer_of([&] {
-        const std::string written = case_to_json(case_from_json(text, "folder"));
-        if (case_to_json(case_from_json(written, "folder")) != written)
+        const std::string written = planner::case_to_json(planner::case_from_json(text, "folder"));
+        if (planner::case_to_json(planner::case_from_json(written, "folder")) != written)
             throw std::logic_error("a case changes when it is written and read again");
     });
 }
@@ -82,18 +82,21 @@ Answer feed_case(const std::string& text)
 Answer feed_label_table(const std::string& text)
 {
     return answer_of([&] {
-        const LabelTable table = label_table_from_json(text, "table");
-        const std::string written = label_table_to_json(table);
-        if (label_table_to_json(label_table_from_json(written, "table")) != written)
+        const mesh::LabelTable table = datasets::label_table_from_json(text, "table");
+        const std::string written = datasets::label_table_to_json(table);
+        if (datasets::label_table_to_json(datasets::label_table_from_json(written, "table")) != written)
             throw std::logic_error("a label table changes when it is written and read again");
     });
 }
 
-std::vector<std::string> case_seeds() { return { case_to_json(smallest_case()), case_to_json(whole_case()) }; }
+std::vector<std::string> case_seeds()
+{
+    return { planner::case_to_json(smallest_case()), planner::case_to_json(whole_case()) };
+}
 
 std::vector<std::string> label_table_seeds()
 {
-    return { label_table_to_json({}), label_table_to_json(sample_labels()) };
+    return { datasets::label_table_to_json({}), datasets::label_table_to_json(sample_labels()) };
 }
 
 } // namespace retractor::fuzz

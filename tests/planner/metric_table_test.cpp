@@ -6,7 +6,7 @@
 #include <set>
 #include <string>
 
-namespace retractor {
+namespace retractor::planner {
 namespace metric_table_test {
 
     TEST(MetricTable, EveryRowIsANumberOfItsOwnInTheDocument)
@@ -51,4 +51,4 @@ namespace metric_table_test {
     }
 
 } // namespace metric_table_test
-} // namespace retractor
+} // namespace retractor::planner

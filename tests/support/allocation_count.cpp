@@ -4,8 +4,8 @@
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 
-bool retractor::fixtures::allocations_are_counted() noexcept { return false; }
-std::size_t retractor::fixtures::allocation_count() noexcept { return 0; }
+bool retractor::test_support::allocations_are_counted() noexcept { return false; }
+std::size_t retractor::test_support::allocation_count() noexcept { return 0; }
 
 #else
 
@@ -15,8 +15,8 @@ thread_local constinit std::size_t count = 0;
 
 } // namespace
 
-bool retractor::fixtures::allocations_are_counted() noexcept { return true; }
-std::size_t retractor::fixtures::allocation_count() noexcept { return count; }
+bool retractor::test_support::allocations_are_counted() noexcept { return true; }
+std::size_t retractor::test_support::allocation_count() noexcept { return count; }
 
 // glibc's own functions under ours: operator new and Eigen end here too.
 extern "C" {

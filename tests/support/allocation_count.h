@@ -4,11 +4,11 @@
 
 #include <cstddef>
 
-namespace retractor::fixtures {
+namespace retractor::test_support {
 
 /// False under sanitizers, which bring their own malloc.
 bool allocations_are_counted() noexcept;
 /// By this thread, since it started; 0 when they are not counted.
 std::size_t allocation_count() noexcept;
 
-} // namespace retractor::fixtures
+} // namespace retractor::test_support

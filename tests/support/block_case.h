@@ -10,14 +10,14 @@
 
 #include <string>
 
-namespace retractor {
+namespace retractor::test_support {
 
-BlockParameters small_block();
+datasets::BlockParameters small_block();
 
 /// The block as a case on disk, without a CT, in a folder of its own under the test's temporary folder.
-Case block_case(const std::string& name, const Phantom& phantom);
+planner::Case block_case(const std::string& name, const datasets::Phantom& phantom);
 
 /// A 50 mm cut over the target, off the grid, opened by `opening_mm`; the patient moved by X.
-Approach block_approach(const LabelVolume& labels, const Eigen::Isometry3d& X, double opening_mm);
+planner::Approach block_approach(const mesh::LabelVolume& labels, const Eigen::Isometry3d& X, double opening_mm);
 
-} // namespace retractor
+} // namespace retractor::test_support

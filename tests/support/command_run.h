@@ -9,7 +9,7 @@
 
 #include <sys/wait.h>
 
-namespace retractor {
+namespace retractor::test_support {
 
 struct CommandRun {
     int exit_code = -1; ///< -1: it was killed
@@ -31,4 +31,4 @@ inline CommandRun run_line(const std::string& line)
     return result;
 }
 
-} // namespace retractor
+} // namespace retractor::test_support

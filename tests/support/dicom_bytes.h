@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::test_support {
 
 /// A data set: elements by tag, written in the order of tags. Setting again replaces.
 class DicomBytes {
@@ -223,4 +223,4 @@ inline DicomBytes enhanced_ct(
     return d.raw(0x7FE00010, "OW", pixels);
 }
 
-} // namespace retractor
+} // namespace retractor::test_support

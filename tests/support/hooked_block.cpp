@@ -4,14 +4,14 @@
 
 #include <cmath>
 
-namespace retractor::fixtures {
+namespace retractor::test_support {
 
 namespace {
 
     constexpr double kLength = 60.0, kWidth = 40.0, kHeight = 20.0;
     constexpr double kRoundOff = 1e-6; // mm, of grid planes
 
-    Material tissue(double youngs_modulus_MPa, double poissons_ratio)
+    fem::Material tissue(double youngs_modulus_MPa, double poissons_ratio)
     {
         return { "tissue", youngs_modulus_MPa, poissons_ratio, 1e-9, "test" };
     }
@@ -24,11 +24,11 @@ namespace {
 
 } // namespace
 
-ElasticProblem hooked_block(int fineness, int nodes_per_tet)
+fem::ElasticProblem hooked_block(int fineness, int nodes_per_tet)
 {
     const double spacing = 20.0 / fineness;
-    ElasticProblem problem;
-    problem.mesh = kuhn_box(3 * fineness, 2 * fineness, fineness, spacing);
+    fem::ElasticProblem problem;
+    problem.mesh = mesh::kuhn_box(3 * fineness, 2 * fineness, fineness, spacing);
     for (std::size_t t = 0; t < problem.mesh.tet_count(); ++t) {
         double middle = 0.0;
         for (const VertexId v : problem.mesh.tet(static_cast<TetId>(t)))
@@ -36,7 +36,7 @@ ElasticProblem hooked_block(int fineness, int nodes_per_tet)
         problem.mesh.labels[t] = middle < 0.5 * kHeight ? 1 : 2;
     }
     if (nodes_per_tet == 10)
-        problem.mesh = with_midpoints(problem.mesh);
+        problem.mesh = mesh::with_midpoints(problem.mesh);
     problem.material_of_label = { {}, tissue(0.04, 0.45), tissue(0.2, 0.30) };
     problem.hooks.resize(2);
     problem.hooks[0]
@@ -58,15 +58,15 @@ ElasticProblem hooked_block(int fineness, int nodes_per_tet)
     return problem;
 }
 
-std::vector<std::uint8_t> near_hooks(const ElasticProblem& problem)
+std::vector<std::uint8_t> near_hooks(const fem::ElasticProblem& problem)
 {
     Points points(0, 3);
-    for (const HookPatch& hook : problem.hooks)
+    for (const fem::HookPatch& hook : problem.hooks)
         for (const VertexId v : hook.nodes) {
             points.conservativeResize(points.rows() + 1, 3);
             points.row(points.rows() - 1) = problem.mesh.vertices.row(v);
         }
-    return elements_near(problem.mesh, points, 9.0);
+    return fem::elements_near(problem.mesh, points, 9.0);
 }
 
-} // namespace retractor::fixtures
+} // namespace retractor::test_support

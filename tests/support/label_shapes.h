@@ -5,13 +5,13 @@
 
 #include <functional>
 
-namespace retractor {
+namespace retractor::test_support {
 
 /// Labels sampled at voxel centres; `label` is given local coordinates (index times spacing).
-inline LabelVolume sampled_labels(
-    std::array<int, 3> size, const Vec3& spacing, LabelTable table, const std::function<Label(const Vec3&)>& label)
+inline mesh::LabelVolume sampled_labels(std::array<int, 3> size, const Vec3& spacing, mesh::LabelTable table,
+    const std::function<Label(const Vec3&)>& label)
 {
-    LabelVolume volume;
+    mesh::LabelVolume volume;
     volume.grid.size = size;
     volume.grid.spacing = spacing;
     volume.table = std::move(table);
@@ -23,16 +23,16 @@ inline LabelVolume sampled_labels(
     return volume;
 }
 
-inline LabelTable chest_table()
+inline mesh::LabelTable chest_table()
 {
-    return { { 1, "skin", "skin", Role::wall }, { 2, "fat", "fat", Role::wall }, { 3, "muscle", "muscle", Role::wall },
-        { 4, "rib_left_5", "bone", Role::wall }, { 5, "rib_left_6", "bone", Role::wall },
-        { 6, "lung", "lung", Role::voxel } };
+    return { { 1, "skin", "skin", mesh::Role::wall }, { 2, "fat", "fat", mesh::Role::wall },
+        { 3, "muscle", "muscle", mesh::Role::wall }, { 4, "rib_left_5", "bone", mesh::Role::wall },
+        { 5, "rib_left_6", "bone", mesh::Role::wall }, { 6, "lung", "lung", mesh::Role::voxel } };
 }
 
 /// Quarter of a cylindrical chest wall about the axis x = y = 0, along z: skin 3, fat 9, muscle 14 mm with two ribs of
 /// 8 x 12 mm in it, lung inside. Spacing 1.8 mm; the wall is cut off flat at both ends and sides.
-inline LabelVolume curved_wall(double length_mm = 90.0, double spacing = 1.8)
+inline mesh::LabelVolume curved_wall(double length_mm = 90.0, double spacing = 1.8)
 {
     const int across = static_cast<int>(120.0 / spacing), along = static_cast<int>(length_mm / spacing);
     return sampled_labels(
@@ -55,4 +55,4 @@ inline LabelVolume curved_wall(double length_mm = 90.0, double spacing = 1.8)
         });
 }
 
-} // namespace retractor
+} // namespace retractor::test_support

@@ -9,7 +9,7 @@
 #include <string>
 #include <system_error>
 
-namespace retractor::own_temporary_folder {
+namespace retractor::test_support::own_temporary_folder {
 namespace {
 
     class OwnTemporaryFolder : public testing::Environment {
@@ -40,4 +40,4 @@ namespace {
         = testing::AddGlobalTestEnvironment(new OwnTemporaryFolder);
 
 } // namespace
-} // namespace retractor::own_temporary_folder
+} // namespace retractor::test_support::own_temporary_folder

@@ -5,7 +5,7 @@
 
 #include <random>
 
-namespace retractor {
+namespace retractor::test_support {
 
 inline Eigen::MatrixXd random_entries(Eigen::Index rows, Eigen::Index columns, unsigned seed)
 {
@@ -14,4 +14,4 @@ inline Eigen::MatrixXd random_entries(Eigen::Index rows, Eigen::Index columns, u
     return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return entry(random); });
 }
 
-} // namespace retractor
+} // namespace retractor::test_support

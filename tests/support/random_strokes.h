@@ -7,10 +7,10 @@
 #include <functional>
 #include <random>
 
-namespace retractor::fixtures {
+namespace retractor::test_support {
 
 /// A straight blade through the top of a box that stands on the origin.
-inline Blade random_blade(std::mt19937& random, const Vec3& box)
+inline mesh::Blade random_blade(std::mt19937& random, const Vec3& box)
 {
     std::uniform_real_distribution<double> unit(0.0, 1.0);
     const auto between = [&](double low, double high) { return low + (high - low) * unit(random); };
@@ -24,33 +24,33 @@ inline Blade random_blade(std::mt19937& random, const Vec3& box)
 }
 
 /// One random change of the session: a cut, a freehand stroke in steps, an undo or a redo; each delta goes to `follow`.
-inline void random_change(
-    CutSession& session, std::mt19937& random, const Vec3& box, const std::function<void(const MeshDelta&)>& follow)
+inline void random_change(mesh::CutSession& session, std::mt19937& random, const Vec3& box,
+    const std::function<void(const mesh::MeshDelta&)>& follow)
 {
     const unsigned choice = random() % 8;
     if (choice < 2 && session.can_undo())
         return follow(session.undo());
     if (choice == 2 && session.can_redo())
         return follow(session.redo());
-    const Blade blade = random_blade(random, box);
+    const mesh::Blade blade = random_blade(random, box);
     if (choice < 6) {
-        const CutResult result = session.cut(blade);
-        if (result.status == CutStatus::done)
+        const mesh::CutResult result = session.cut(blade);
+        if (result.status == mesh::CutStatus::done)
             follow(result.delta);
         return;
     }
-    Blade drawn = blade;
+    mesh::Blade drawn = blade;
     drawn.line = { blade.line[0] };
     constexpr int kSteps = 3;
     for (int i = 1; i <= kSteps; ++i) {
         drawn.line.push_back(blade.line[0] + (blade.line[1] - blade.line[0]) * (i / static_cast<double>(kSteps)));
-        const CutResult result = session.extend_stroke(drawn);
-        if (result.status == CutStatus::done)
+        const mesh::CutResult result = session.extend_stroke(drawn);
+        if (result.status == mesh::CutStatus::done)
             follow(result.delta);
     }
-    const CutResult result = session.finish_stroke();
-    if (result.status == CutStatus::done)
+    const mesh::CutResult result = session.finish_stroke();
+    if (result.status == mesh::CutStatus::done)
         follow(result.delta);
 }
 
-} // namespace retractor::fixtures
+} // namespace retractor::test_support

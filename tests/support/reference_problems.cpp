@@ -3,28 +3,28 @@
 #include "fem/linear_algebra/constrained_solver.h"
 #include "mesh/base/error.h"
 
-namespace retractor::fixtures {
+namespace retractor::test_support {
 
-Material material(double youngs_modulus_MPa, double poissons_ratio)
+fem::Material material(double youngs_modulus_MPa, double poissons_ratio)
 {
     return { "test", youngs_modulus_MPa, poissons_ratio, 1e-9, "test" };
 }
 
-std::vector<Lame> uniform(const TetMesh& mesh, const Material& m)
+std::vector<fem::Lame> uniform(const mesh::TetMesh& mesh, const fem::Material& m)
 {
-    return std::vector<Lame>(mesh.tet_count(), lame(m));
+    return std::vector<fem::Lame>(mesh.tet_count(), fem::lame(m));
 }
 
-std::vector<std::uint8_t> boundary_unknowns(const TetMesh& mesh)
+std::vector<std::uint8_t> boundary_unknowns(const mesh::TetMesh& mesh)
 {
-    return hold_boundary(mesh, [](const Vec3&) { return Vec3(Vec3::Zero()); }).prescribed;
+    return verification::hold_boundary(mesh, [](const Vec3&) { return Vec3(Vec3::Zero()); }).prescribed;
 }
 
-Eigen::VectorXd solve_linear(ElasticBody& body, const std::vector<std::uint8_t>& prescribed,
+Eigen::VectorXd solve_linear(fem::ElasticBody& body, const std::vector<std::uint8_t>& prescribed,
     const Eigen::VectorXd& values, const Eigen::VectorXd& loads)
 {
-    const BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(values.size()), false);
-    ConstrainedSolver solver(K.pattern, prescribed);
+    const fem::BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(values.size()), false);
+    fem::ConstrainedSolver solver(K.pattern, prescribed);
     Eigen::VectorXd u = Eigen::VectorXd::Zero(values.size());
     for (std::size_t i = 0; i < prescribed.size(); ++i)
         if (prescribed[i] != 0)
@@ -43,4 +43,4 @@ std::string message_of(const std::function<void()>& f)
     return "nothing was thrown";
 }
 
-} // namespace retractor::fixtures
+} // namespace retractor::test_support

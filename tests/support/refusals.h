@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor::fixtures {
+namespace retractor::test_support {
 
 /// Calls that are each spoilt by one bad value, and the same calls with good values: a call that is refused with good
 /// values too would prove nothing.
@@ -33,4 +33,4 @@ inline void expect_all_refused(const SpoiltCalls& calls)
         }
 }
 
-} // namespace retractor::fixtures
+} // namespace retractor::test_support

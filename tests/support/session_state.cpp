@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-namespace retractor {
+namespace retractor::test_support {
 
-SessionState::SessionState(const CutSession& session)
+SessionState::SessionState(const mesh::CutSession& session)
     : mesh(session.compact_mesh(&map))
     , lips(session.lips())
     , cuts(session.cut_count())
@@ -17,7 +17,7 @@ SessionState::SessionState(const CutSession& session)
 
 bool SessionState::operator==(const SessionState& other) const
 {
-    const auto same_lip = [](const LipFace& a, const LipFace& b) {
+    const auto same_lip = [](const mesh::LipFace& a, const mesh::LipFace& b) {
         return a.face.tet == b.face.tet && a.face.corner == b.face.corner && a.side == b.side && a.cut == b.cut;
     };
     return mesh.vertices.rows() == other.mesh.vertices.rows()
@@ -29,9 +29,9 @@ bool SessionState::operator==(const SessionState& other) const
         && redo == other.redo && stroke == other.stroke;
 }
 
-TetMesh three_layers(int nx, int ny, int nz, double spacing)
+mesh::TetMesh three_layers(int nx, int ny, int nz, double spacing)
 {
-    TetMesh box = kuhn_box(nx, ny, nz, spacing);
+    mesh::TetMesh box = mesh::kuhn_box(nx, ny, nz, spacing);
     for (TetId t = 0; t < static_cast<TetId>(box.tet_count()); ++t) {
         double height = 0.0;
         for (const VertexId v : box.tet(t))
@@ -41,14 +41,14 @@ TetMesh three_layers(int nx, int ny, int nz, double spacing)
     return box;
 }
 
-Blade random_stroke(std::mt19937& random, const Vec3& extent)
+mesh::Blade random_stroke(std::mt19937& random, const Vec3& extent)
 {
     std::uniform_real_distribution<double> unit(0.0, 1.0), lean(-0.5, 0.5);
     const auto on_top = [&] {
         return Vec3((1.2 * unit(random) - 0.1) * extent.x(), (1.2 * unit(random) - 0.1) * extent.y(), extent.z());
     };
     const Vec3 a = on_top(), b = on_top();
-    Blade blade;
+    mesh::Blade blade;
     const int points = 2 + static_cast<int>(3.0 * unit(random));
     const Vec3 bow = Vec3(lean(random), lean(random), 0.0) * 0.3 * (b - a).norm();
     for (int i = 0; i < points; ++i) {
@@ -60,7 +60,8 @@ Blade random_stroke(std::mt19937& random, const Vec3& extent)
     return blade;
 }
 
-std::vector<TetId> random_marks(std::mt19937& random, const CutSession& session, const Vec3& extent, double radius)
+std::vector<TetId> random_marks(
+    std::mt19937& random, const mesh::CutSession& session, const Vec3& extent, double radius)
 {
     std::uniform_real_distribution<double> unit(0.0, 1.0);
     const Vec3 centre(unit(random) * extent.x(), unit(random) * extent.y(), unit(random) * extent.z());
@@ -77,4 +78,4 @@ std::vector<TetId> random_marks(std::mt19937& random, const CutSession& session,
     return marked;
 }
 
-} // namespace retractor
+} // namespace retractor::test_support

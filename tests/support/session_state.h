@@ -6,27 +6,28 @@
 #include <random>
 #include <vector>
 
-namespace retractor {
+namespace retractor::test_support {
 
 struct SessionState {
-    explicit SessionState(const CutSession& session);
+    explicit SessionState(const mesh::CutSession& session);
     bool operator==(const SessionState& other) const;
 
-    SlotMap map; // before the mesh, which fills it
-    TetMesh mesh;
+    mesh::SlotMap map; // before the mesh, which fills it
+    mesh::TetMesh mesh;
     std::vector<TetId> origins;
-    std::vector<LipFace> lips; ///< ids of the session
+    std::vector<mesh::LipFace> lips; ///< ids of the session
     std::size_t cuts = 0;
     bool redo = false, stroke = false;
 };
 
 /// A box of elements in three layers along z, labels 1 to 3 from below.
-TetMesh three_layers(int nx, int ny, int nz, double spacing);
+mesh::TetMesh three_layers(int nx, int ny, int nz, double spacing);
 
 /// A blade from above through a box of this extent, or past it.
-Blade random_stroke(std::mt19937& random, const Vec3& extent);
+mesh::Blade random_stroke(std::mt19937& random, const Vec3& extent);
 
 /// Elements round a random place: a ball of this radius.
-std::vector<TetId> random_marks(std::mt19937& random, const CutSession& session, const Vec3& extent, double radius);
+std::vector<TetId> random_marks(
+    std::mt19937& random, const mesh::CutSession& session, const Vec3& extent, double radius);
 
-} // namespace retractor
+} // namespace retractor::test_support

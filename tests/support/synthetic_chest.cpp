@@ -4,30 +4,32 @@
 #include <numbers>
 #include <string>
 
-namespace retractor::fixtures {
+namespace retractor::test_support {
 
 namespace {
 
     constexpr Label kSkin = 1, kMuscle = 2, kSternum = 3, kSpine = 4, kLungLeft = 5, kLungRight = 6, kFat = 7,
                     kHeart = 8, kCoronary = 9, kAneurysm = 10, kRibLeft = 20, kRibRight = 40;
 
-    LabelTable table(const ChestShape& shape)
+    mesh::LabelTable table(const ChestShape& shape)
     {
-        LabelTable t {
-            { kSkin, "skin", "skin", Role::wall },
-            { kMuscle, "muscle", "muscle", Role::wall },
-            { kSternum, "sternum", "bone", Role::wall },
-            { kSpine, "spine", "bone", Role::wall },
-            { kLungLeft, "lung_left", "lung", Role::voxel },
-            { kLungRight, "lung_right", "lung", Role::voxel },
-            { kFat, "mediastinal_fat", "fat", Role::voxel },
-            { kHeart, "heart", "heart", Role::at_risk },
-            { kCoronary, "coronary_target", "vessel", Role::target },
-            { kAneurysm, "aneurysm", "vessel", Role::target },
+        mesh::LabelTable t {
+            { kSkin, "skin", "skin", mesh::Role::wall },
+            { kMuscle, "muscle", "muscle", mesh::Role::wall },
+            { kSternum, "sternum", "bone", mesh::Role::wall },
+            { kSpine, "spine", "bone", mesh::Role::wall },
+            { kLungLeft, "lung_left", "lung", mesh::Role::voxel },
+            { kLungRight, "lung_right", "lung", mesh::Role::voxel },
+            { kFat, "mediastinal_fat", "fat", mesh::Role::voxel },
+            { kHeart, "heart", "heart", mesh::Role::at_risk },
+            { kCoronary, "coronary_target", "vessel", mesh::Role::target },
+            { kAneurysm, "aneurysm", "vessel", mesh::Role::target },
         };
         for (int n = 1; n <= shape.ribs; ++n) {
-            t.push_back({ static_cast<Label>(kRibLeft + n), "rib_left_" + std::to_string(n), "bone", Role::wall });
-            t.push_back({ static_cast<Label>(kRibRight + n), "rib_right_" + std::to_string(n), "bone", Role::wall });
+            t.push_back(
+                { static_cast<Label>(kRibLeft + n), "rib_left_" + std::to_string(n), "bone", mesh::Role::wall });
+            t.push_back(
+                { static_cast<Label>(kRibRight + n), "rib_right_" + std::to_string(n), "bone", mesh::Role::wall });
         }
         return t;
     }
@@ -80,9 +82,9 @@ double rib_height_at(const ChestShape& shape, int number, double angle_deg)
     return shape.first_rib - shape.rib_pitch * (number - 1) - shape.rib_slope * angle_deg;
 }
 
-LabelVolume synthetic_chest(const ChestShape& shape)
+mesh::LabelVolume synthetic_chest(const ChestShape& shape)
 {
-    LabelVolume labels;
+    mesh::LabelVolume labels;
     const double half = shape.radius + 3.0 * shape.spacing;
     const int across = static_cast<int>(std::ceil(2.0 * half / shape.spacing));
     labels.grid.size = { across, across + 1, static_cast<int>(260.0 / shape.spacing) };
@@ -98,17 +100,17 @@ LabelVolume synthetic_chest(const ChestShape& shape)
     return labels;
 }
 
-LabelVolume moved(const LabelVolume& labels, const Mat3& rotation, const Vec3& translation)
+mesh::LabelVolume moved(const mesh::LabelVolume& labels, const Mat3& rotation, const Vec3& translation)
 {
-    LabelVolume result = labels;
+    mesh::LabelVolume result = labels;
     result.grid.direction = rotation * labels.grid.direction;
     result.grid.origin = rotation * labels.grid.origin + translation;
     return result;
 }
 
-LabelVolume stored_backwards(const LabelVolume& labels, int axis)
+mesh::LabelVolume stored_backwards(const mesh::LabelVolume& labels, int axis)
 {
-    LabelVolume result = labels;
+    mesh::LabelVolume result = labels;
     const auto a = static_cast<std::size_t>(axis);
     Vec3 last = Vec3::Zero();
     last[axis] = labels.grid.size[a] - 1;
@@ -126,4 +128,4 @@ LabelVolume stored_backwards(const LabelVolume& labels, int axis)
     return result;
 }
 
-} // namespace retractor::fixtures
+} // namespace retractor::test_support

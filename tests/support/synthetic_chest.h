@@ -3,7 +3,7 @@
 
 #include "mesh/image/volume.h"
 
-namespace retractor::fixtures {
+namespace retractor::test_support {
 
 struct ChestShape {
     double radius = 120.0; ///< of the skin, axis x = y = 0
@@ -24,12 +24,12 @@ double rib_height_at(const ChestShape& shape, int number, double angle_deg);
 
 /// Labels: skin, muscle, rib_left_n, rib_right_n, sternum, spine (wall), lung_left, lung_right, mediastinal_fat
 /// (voxel), heart (at risk), coronary_target and aneurysm (target).
-LabelVolume synthetic_chest(const ChestShape& shape = {});
+mesh::LabelVolume synthetic_chest(const ChestShape& shape = {});
 
 /// x -> rotation * x + translation.
-LabelVolume moved(const LabelVolume& labels, const Mat3& rotation, const Vec3& translation);
+mesh::LabelVolume moved(const mesh::LabelVolume& labels, const Mat3& rotation, const Vec3& translation);
 
 /// The same patient, the voxels stored backwards along one grid axis.
-LabelVolume stored_backwards(const LabelVolume& labels, int axis);
+mesh::LabelVolume stored_backwards(const mesh::LabelVolume& labels, int axis);
 
-} // namespace retractor::fixtures
+} // namespace retractor::test_support

@@ -10,7 +10,7 @@
 #include <chrono>
 #include <thread>
 
-namespace retractor {
+namespace retractor::test_support {
 
 namespace {
 
@@ -32,9 +32,9 @@ namespace {
         return mesh;
     }
 
-    std::shared_ptr<const Volume> ct()
+    std::shared_ptr<const mesh::Volume> ct()
     {
-        auto image = std::make_shared<Volume>();
+        auto image = std::make_shared<mesh::Volume>();
         image->grid.size = { 32, 32, 32 };
         image->grid.spacing = Vec3(4.0, 3.0, 4.0);
         image->grid.origin = Vec3(-62.0, 0.0, -62.0);
@@ -46,35 +46,36 @@ namespace {
         return image;
     }
 
-    Scene patient_scene(const Approach& approach, bool opened)
+    ui::Scene patient_scene(const planner::Approach& approach, bool opened)
     {
-        Scene scene;
+        ui::Scene scene;
         scene.title = approach.name;
-        SurfaceItem skin;
+        ui::SurfaceItem skin;
         skin.name = "skin";
         skin.mesh = box(opened);
-        skin.look = tissue_look("skin");
+        skin.look = ui::tissue_look("skin");
         skin.smooth = false;
-        SurfaceItem target;
+        ui::SurfaceItem target;
         target.name = "target";
-        target.mesh = std::make_shared<const TriMesh>(sphere_surface({ 0.0, kTargetDepthMm, 0.0 }, 20.0));
-        target.look.color = target_color();
+        target.mesh = std::make_shared<const TriMesh>(planner::sphere_surface({ 0.0, kTargetDepthMm, 0.0 }, 20.0));
+        target.look.color = ui::target_color();
         target.target = true;
         scene.surfaces = { skin, target };
-        LineItem line;
+        ui::LineItem line;
         line.name = "incision";
         line.points = approach.incision;
-        line.color = incision_color();
+        line.color = ui::incision_color();
         line.on_top = true;
         scene.lines.push_back(line);
-        scene.camera = camera_for_box({ { -kHalfWidthMm, 0.0, -kHalfWidthMm }, { kHalfWidthMm, 90.0, kHalfWidthMm } },
-            { 0.4, 1.0, -0.3 }, Vec3::UnitZ());
+        scene.camera
+            = ui::camera_for_box({ { -kHalfWidthMm, 0.0, -kHalfWidthMm }, { kHalfWidthMm, 90.0, kHalfWidthMm } },
+                { 0.4, 1.0, -0.3 }, Vec3::UnitZ());
         return scene;
     }
 
-    FieldPictures opened_field(const Approach& approach)
+    ui::FieldPictures opened_field(const planner::Approach& approach)
     {
-        FieldPictures field;
+        ui::FieldPictures field;
         field.metrics.name = approach.name;
         field.metrics.target = "target";
         field.metrics.visible_fraction = 0.456;
@@ -82,20 +83,21 @@ namespace {
         field.metrics.hook_force_N = 38.0;
         field.metrics.mechanics_status = "converged";
         field.surgeon = patient_scene(approach, true);
-        field.surgeon.camera = surgeon_camera(approach, Vec3::UnitZ());
+        field.surgeon.camera = ui::surgeon_camera(approach, Vec3::UnitZ());
         field.overview = patient_scene(approach, true);
-        VolumeItem volume;
+        ui::VolumeItem volume;
         volume.name = "CT";
         volume.image = ct();
         field.overview.volumes.push_back(volume);
-        for (const SlicePlane plane : { SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal }) {
-            Scene scene;
-            SliceItem slice;
+        for (const ui::SlicePlane plane :
+            { ui::SlicePlane::axial, ui::SlicePlane::coronal, ui::SlicePlane::sagittal }) {
+            ui::Scene scene;
+            ui::SliceItem slice;
             slice.image = volume.image;
             slice.plane = plane;
             slice.point = { 0.0, kTargetDepthMm, 0.0 };
             scene.slices.push_back(slice);
-            scene.camera = camera_for_slice(slice, 1.0);
+            scene.camera = ui::camera_for_slice(slice, 1.0);
             field.slices.push_back(scene);
         }
         return field;
@@ -103,12 +105,12 @@ namespace {
 
 } // namespace
 
-Case synthetic_case()
+planner::Case synthetic_case()
 {
-    Case planned_case;
+    planner::Case planned_case;
     planned_case.folder = "synthetic";
     for (const char* name : { "median", "lateral", "broken" }) {
-        Approach approach;
+        planner::Approach approach;
         approach.name = name;
         approach.template_name = "points";
         const double x = approach.name == "lateral" ? 30.0 : 0.0;
@@ -121,37 +123,38 @@ Case synthetic_case()
     return planned_case;
 }
 
-PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& control)
+ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& control)
 {
-    PlanningBackend backend;
-    backend.closed_scene = [control](const Approach& approach, const Job&) {
+    ui::PlanningBackend backend;
+    backend.closed_scene = [control](const planner::Approach& approach, const Job&) {
         ++control->closed_made;
         return patient_scene(approach, false);
     };
-    backend.operating_table = [control](const Approach& approach, const Job& job) -> KnifeTable {
+    backend.operating_table = [control](const planner::Approach& approach, const Job& job) -> KnifeTable {
         job.report("mesh", 0.5);
         ++control->tables_laid;
         if (approach.name == "broken")
             throw InputError("there is no wall to cut", "approach broken");
-        KnifeTable laid { .table = layered_wall({ -kHalfWidthMm, 0.0, -kHalfWidthMm }), .surroundings = {} };
+        ui::KnifeTable laid { .table = planner::layered_wall({ -kHalfWidthMm, 0.0, -kHalfWidthMm }),
+            .surroundings = {} };
         if (!control->cuts_folder.empty())
-            laid.table.journal = cuts_journal(control->cuts_folder / "case.json", approach.name);
+            laid.table.journal = planner::cuts_journal(control->cuts_folder / "case.json", approach.name);
         laid.surroundings.title = approach.name + ": by hand";
         laid.surroundings.camera = { .eye = { 60.0, -400.0, 60.0 }, .aim = { 60.0, 0.0, 60.0 }, .up = Vec3::UnitZ() };
         return laid;
     };
-    backend.plan = [control](const Approach& approach, const Job& job) -> PlanOutcome {
+    backend.plan = [control](const planner::Approach& approach, const Job& job) -> PlanOutcome {
         job.report("cut", 0.5);
         while (control->hold && !job.cancelled())
             std::this_thread::sleep_for(std::chrono::milliseconds(5));
         if (job.cancelled())
-            return { .status = PlanOutcome::Status::cancelled, .message = {}, .field = {} };
+            return { .status = ui::PlanOutcome::Status::cancelled, .message = {}, .field = {} };
         ++control->plans_made;
         if (approach.name == "broken")
             throw InputError("the depth is negative", "/approaches/2/depth_mm");
-        return { .status = PlanOutcome::Status::planned, .message = {}, .field = opened_field(approach) };
+        return { .status = ui::PlanOutcome::Status::planned, .message = {}, .field = opened_field(approach) };
     };
     return backend;
 }
 
-} // namespace retractor
+} // namespace retractor::test_support

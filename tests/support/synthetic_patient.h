@@ -8,10 +8,10 @@
 #include <filesystem>
 #include <memory>
 
-namespace retractor {
+namespace retractor::test_support {
 
 /// Approaches "median" and "lateral" on the front of the box, and "broken", which cannot be planned.
-Case synthetic_case();
+planner::Case synthetic_case();
 
 /// What the test holds in its hand while the window works.
 struct SyntheticControl {
@@ -20,6 +20,6 @@ struct SyntheticControl {
     std::atomic<int> closed_made { 0 }, plans_made { 0 }, tables_laid { 0 };
 };
 
-PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& control);
+ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& control);
 
-} // namespace retractor
+} // namespace retractor::test_support

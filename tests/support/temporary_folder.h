@@ -10,7 +10,7 @@
 #include <random>
 #include <string>
 
-namespace retractor {
+namespace retractor::test_support {
 
 class TemporaryFolder {
 public:
@@ -55,9 +55,9 @@ inline Mat3 mirrored(int axis)
 }
 
 /// Anisotropic, odd sizes, all values different from their neighbours.
-inline Volume random_volume(const Mat3& direction)
+inline mesh::Volume random_volume(const Mat3& direction)
 {
-    Volume volume;
+    mesh::Volume volume;
     volume.grid.size = { 9, 7, 5 };
     volume.grid.spacing = { 0.7, 1.3, 2.5 };
     volume.grid.origin = { -101.25, 37.5, 812.125 };
@@ -71,7 +71,7 @@ inline Volume random_volume(const Mat3& direction)
 }
 
 /// Every voxel of `a` is in `b` at the same place of the world, with the same value, whatever the order of axes.
-inline void expect_same_in_world(const Volume& a, const Volume& b, double tolerance_mm)
+inline void expect_same_in_world(const mesh::Volume& a, const mesh::Volume& b, double tolerance_mm)
 {
     ASSERT_EQ(a.voxels.size(), b.voxels.size());
     for (int k = 0; k < a.grid.size[2]; ++k)
@@ -97,4 +97,4 @@ template <typename Exception, typename Call> void expect_refused(const Call& cal
     }
 }
 
-} // namespace retractor
+} // namespace retractor::test_support

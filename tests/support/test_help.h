@@ -9,7 +9,7 @@
 
 #include <unistd.h>
 
-namespace retractor {
+namespace retractor::test_support {
 
 /// "what [where]" of the error that `f` throws; empty when it throws none.
 inline std::string message_of(const std::function<void()>& f)
@@ -35,4 +35,4 @@ private:
     static inline int count = 0;
 };
 
-} // namespace retractor
+} // namespace retractor::test_support

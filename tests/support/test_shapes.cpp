@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace retractor::fixtures {
+namespace retractor::test_support {
 
 TriMesh box_surface(const Vec3& low, const Vec3& high)
 {
@@ -44,4 +44,4 @@ TriMesh ball_surface(const Vec3& centre, double radius, int rings)
     return ball;
 }
 
-} // namespace retractor::fixtures
+} // namespace retractor::test_support

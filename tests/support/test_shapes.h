@@ -3,11 +3,11 @@
 
 #include "mesh/base/geometry.h"
 
-namespace retractor::fixtures {
+namespace retractor::test_support {
 
 /// A box, corner to corner, two triangles a side.
 TriMesh box_surface(const Vec3& low, const Vec3& high);
 /// A ball of about 2 * rings^2 triangles. @pre rings >= 2
 TriMesh ball_surface(const Vec3& centre, double radius, int rings);
 
-} // namespace retractor::fixtures
+} // namespace retractor::test_support

@@ -7,10 +7,10 @@
 #include <limits>
 #include <vector>
 
-namespace retractor {
+namespace retractor::test_support {
 
 /// The half space y < height answers with `stiffness` per mm, for any number of fingers (points, not spheres).
-class Wall : public TissueResponse {
+class Wall : public haptics::TissueResponse {
 public:
     explicit Wall(double stiffness, std::size_t fingers = 1)
         : stiffness_(stiffness)
@@ -20,12 +20,13 @@ public:
 
     std::string_view name() const noexcept override { return "wall"; }
     std::size_t finger_count() const noexcept override { return fingers_; }
-    void tick(double, double, std::span<const Fingertip> fingers, std::span<FingerContact> contacts) noexcept override
+    void tick(double, double, std::span<const haptics::Fingertip> fingers,
+        std::span<haptics::FingerContact> contacts) noexcept override
     {
         ++ticks;
         for (std::size_t f = 0; f < fingers.size(); ++f) {
             const Vec3& at = fingers[f].position;
-            FingerContact& c = contacts[f];
+            haptics::FingerContact& c = contacts[f];
             c = { .proxy = at };
             c.touching = at.y() < height;
             if (c.touching) {
@@ -53,4 +54,4 @@ private:
     TriMesh surface_;
 };
 
-} // namespace retractor
+} // namespace retractor::test_support

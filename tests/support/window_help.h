@@ -8,7 +8,7 @@
 #include <QApplication>
 #include <QTest>
 
-namespace retractor {
+namespace retractor::test_support {
 
 inline constexpr int kPatienceMs = 120000; // a busy machine
 
@@ -30,4 +30,4 @@ template <class Window> void wait_until_idle(Window& window)
     ASSERT_TRUE(QTest::qWaitFor(idle, kPatienceMs));
 }
 
-} // namespace retractor
+} // namespace retractor::test_support

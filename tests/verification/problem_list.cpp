@@ -6,7 +6,7 @@
 #include "tests/verification/reference/given_files.h"
 #include "tests/verification/stability/stability_families.h"
 
-namespace retractor {
+namespace retractor::verification {
 
 std::vector<VerificationProblem> verification_problems()
 {
@@ -26,4 +26,4 @@ std::vector<StabilityCase> stability_cases()
         strange_case() };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

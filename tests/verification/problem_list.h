@@ -6,7 +6,7 @@
 
 #include <vector>
 
-namespace retractor {
+namespace retractor::verification {
 
 /// Problems with known answers, in the order of the list of reference problems.
 std::vector<VerificationProblem> verification_problems();
@@ -17,4 +17,4 @@ std::vector<VerificationProblem> ladder_problems();
 /// Extreme cases, in the order of the list of extreme cases.
 std::vector<StabilityCase> stability_cases();
 
-} // namespace retractor
+} // namespace retractor::verification

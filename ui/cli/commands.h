@@ -3,7 +3,7 @@
 
 #include "ui/cli/framework/command.h"
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 void add_phantom_command(Commands& commands);
 void add_import_command(Commands& commands);
@@ -19,4 +19,4 @@ void add_doctor_command(Commands& commands);
 /// Commands that have become programs of their own, `verify` and `bench`: each answers with the new program's name.
 void add_moved_commands(Commands& commands);
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -1,19 +1,19 @@
 #include "mesh/base/text.h"
 #include "ui/cli/case/case_files.h"
-#include "ui/cli/commands.h"
-#include "ui/cli/plan/field_files.h"
-#include "ui/cli/framework/out_folder.h"
 #include "ui/cli/case/phantom_files.h"
+#include "ui/cli/commands.h"
+#include "ui/cli/framework/out_folder.h"
+#include "ui/cli/plan/field_files.h"
 
 #include "planner/approach/approach_templates.h"
-#include "planner/case/case_io.h"
 #include "planner/approach/hooks.h"
+#include "planner/case/case_io.h"
 #include "planner/plan/plan.h"
 
 #include <array>
 #include <memory>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -33,11 +33,11 @@ namespace {
     /// Stages outside the approaches, for the time table.
     using StageTimes = std::vector<std::pair<std::string, double>>;
 
-    Case prepare_case(const fs::path& folder, StageTimes& times, const Job& job)
+    planner::Case prepare_case(const fs::path& folder, StageTimes& times, const Job& job)
     {
         Stopwatch watch;
         const PhantomFiles files = [&] {
-            const Phantom phantom = make_thorax_phantom({}, job);
+            const datasets::Phantom phantom = datasets::make_thorax_phantom({}, job);
             times.emplace_back("phantom", watch.seconds());
             watch = {};
             PhantomFiles written = write_phantom(folder / "patient", phantom, false, job);
@@ -45,26 +45,27 @@ namespace {
             return written;
         }();
         watch = {};
-        Case planned_case = make_case(files.ct, files.labels, folder / "patient" / "case.json", job);
+        planner::Case planned_case = make_case(files.ct, files.labels, folder / "patient" / "case.json", job);
         times.emplace_back("read DICOM, import", watch.seconds());
         return planned_case;
     }
 
-    void add_demo_approaches(Case& planned_case, Patient& patient)
+    void add_demo_approaches(planner::Case& planned_case, planner::Patient& patient)
     {
         for (const DemoApproach& demo : kDemoApproaches) {
-            ApproachRequest request;
+            planner::ApproachRequest request;
             request.template_name = demo.template_name;
             request.target.label = "aneurysm";
             request.sizing = planned_case.sizing;
-            Approach approach = approach_from_template(*patient.labels(), *patient.anatomy(), request);
+            planner::Approach approach
+                = planner::approach_from_template(*patient.labels(), *patient.anatomy(), request);
             const std::string name = approach.name;
-            add_approach(planned_case, std::move(approach));
-            set_hooks(planned_case, name, demo.hooks, demo.opening_mm);
+            planner::add_approach(planned_case, std::move(approach));
+            planner::set_hooks(planned_case, name, demo.hooks, demo.opening_mm);
         }
     }
 
-    std::string time_table(const StageTimes& times, const std::vector<PlannedField>& fields, double total)
+    std::string time_table(const StageTimes& times, const std::vector<planner::PlannedField>& fields, double total)
     {
         std::string text = "\nseconds per stage\n";
         const auto add = [&](const std::string& name, double seconds) {
@@ -72,7 +73,7 @@ namespace {
         };
         for (const auto& [stage, seconds] : times)
             add(stage, seconds);
-        for (const PlannedField& field : fields)
+        for (const planner::PlannedField& field : fields)
             for (const auto& [stage, seconds] : field.metrics.seconds)
                 add(field.approach.name + ": " + stage, seconds);
         add("whole demo (approaches run side by side)", total);
@@ -85,17 +86,17 @@ namespace {
         const fs::path folder = out;
         make_folder(folder);
         StageTimes times;
-        Case planned_case = prepare_case(folder, times, job);
+        planner::Case planned_case = prepare_case(folder, times, job);
         Stopwatch watch;
         {
-            Patient patient(planned_case, job);
+            planner::Patient patient(planned_case, job);
             add_demo_approaches(planned_case, patient);
         }
-        write_case(planned_case);
+        planner::write_case(planned_case);
         times.emplace_back("templates", watch.seconds());
         watch = {};
-        Patient patient(planned_case, job);
-        std::vector<PlannedField> fields = plan_all(patient, job);
+        planner::Patient patient(planned_case, job);
+        std::vector<planner::PlannedField> fields = plan_all(patient, job);
         refuse_if_cancelled(job);
         times.emplace_back("plan", watch.seconds());
         watch = {};
@@ -103,10 +104,10 @@ namespace {
         times.emplace_back("write meshes", watch.seconds());
         watch = {};
         const PictureRequest request { .views = planned_case.views };
-        const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
+        const std::vector<planner::ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
         refuse_if_cancelled(job);
         times.emplace_back("render", watch.seconds());
-        const Computation computed = computation_now(patient.planned_case());
+        const planner::Computation computed = computation_now(patient.planned_case());
         write_field_report(folder, patient, computed, fields, pictures);
 
         Outcome outcome;
@@ -135,4 +136,4 @@ void add_demo_command(Commands& commands)
     command->callback([&commands, out] { commands.run = [out](const Job& job) { return demo(*out, job); }; });
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -31,4 +31,4 @@ void add_moved_commands(Commands& commands)
     add_moved_command(commands, "bench", "retractor-bench");
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -11,19 +11,19 @@
 #include <cmath>
 #include <set>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
     constexpr double kLegendShare = 0.19;
 
-    std::string target_name(const TargetSpec& target)
+    std::string target_name(const planner::TargetSpec& target)
     {
         return target.is_sphere() ? "target sphere" : "target: " + readable(target.label);
     }
 
     /// The labels that the three planes meet.
-    std::set<Label> labels_on(const LabelVolume& labels, const Vec3& point)
+    std::set<Label> labels_on(const mesh::LabelVolume& labels, const Vec3& point)
     {
         std::set<Label> met;
         const Vec3 at = labels.grid.index(point).array().round();
@@ -43,7 +43,7 @@ namespace {
     }
 
     /// The centroid of all labelled voxels.
-    Vec3 middle_of(const LabelVolume& labels)
+    Vec3 middle_of(const mesh::LabelVolume& labels)
     {
         Vec3 sum = Vec3::Zero();
         std::size_t count = 0, at = 0;
@@ -67,11 +67,12 @@ namespace {
         return scene;
     }
 
-    Picture slices_picture(Patient& patient, const std::optional<TargetSpec>& target, int width, int height)
+    Picture slices_picture(
+        planner::Patient& patient, const std::optional<planner::TargetSpec>& target, int width, int height)
     {
         std::map<Label, Color> colors = label_colors(patient.planned_case().label_table);
         const std::string target_label = target ? target->label : "";
-        if (const LabelInfo* info = find_label(patient.planned_case().label_table, target_label))
+        if (const mesh::LabelInfo* info = mesh::find_label(patient.planned_case().label_table, target_label))
             colors[info->id] = target_color();
         std::vector<LegendLine> lines;
         if (target)
@@ -79,7 +80,7 @@ namespace {
         std::vector<Scene> scenes = target ? slice_scenes(patient, *target, colors)
                                            : slice_scenes(patient, middle_of(*patient.labels()), colors);
         const std::set<Label> met = labels_on(*patient.labels(), scenes.front().slices.front().point);
-        for (const LabelInfo& info : patient.planned_case().label_table)
+        for (const mesh::LabelInfo& info : patient.planned_case().label_table)
             if (met.contains(info.id) && info.name != target_label && level_of(info.name).empty())
                 lines.push_back({ readable(info.name), " ", colors.at(info.id) });
 
@@ -95,7 +96,8 @@ namespace {
         return picture;
     }
 
-    Picture overview_picture(Patient& patient, const std::optional<TargetSpec>& target, int width, int height)
+    Picture overview_picture(
+        planner::Patient& patient, const std::optional<planner::TargetSpec>& target, int width, int height)
     {
         Scene scene;
         scene.title = "overview";
@@ -117,7 +119,7 @@ namespace {
                 && scene.legend.size() < kMostNamed)
                 scene.legend.push_back({ readable(surface.name), " ", surface.look.color });
         // From the front, a little from the patient's left and from above, as one stands beside a patient.
-        const AnatomicalFrame frame = patient.frame();
+        const planner::AnatomicalFrame frame = patient.frame();
         const Vec3 sight = -(frame.anterior + 0.45 * frame.left + 0.30 * frame.superior);
         scene.camera = camera_for_box(*scene_bounds(scene), sight, frame.superior);
         Picture picture { .width = width, .height = height, .viewports = {} };
@@ -127,17 +129,17 @@ namespace {
 
 } // namespace
 
-std::optional<TargetSpec> default_target(Patient& patient)
+std::optional<planner::TargetSpec> default_target(planner::Patient& patient)
 {
-    for (const Role role : { Role::target, Role::at_risk })
-        for (const LabelInfo& info : patient.planned_case().label_table)
+    for (const mesh::Role role : { mesh::Role::target, mesh::Role::at_risk })
+        for (const mesh::LabelInfo& info : patient.planned_case().label_table)
             if (info.role == role && patient.has_voxels(info.name))
-                return TargetSpec { .label = info.name, .centre = Vec3::Zero() };
+                return planner::TargetSpec { .label = info.name, .centre = Vec3::Zero() };
     return std::nullopt;
 }
 
-Picture case_picture(
-    Patient& patient, const std::optional<TargetSpec>& target, std::string_view view, int width, int height)
+Picture case_picture(planner::Patient& patient, const std::optional<planner::TargetSpec>& target, std::string_view view,
+    int width, int height)
 {
     if (view == "slices")
         return slices_picture(patient, target, width, height);
@@ -148,4 +150,4 @@ Picture case_picture(
           "overview");
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -11,7 +11,7 @@
 #include <limits>
 #include <map>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -36,7 +36,7 @@ namespace {
         std::array<int, 3> low, high; ///< inclusive
     };
 
-    Box world_box(const ImageGrid& grid, const IndexBox& box)
+    Box world_box(const mesh::ImageGrid& grid, const IndexBox& box)
     {
         Box world { Vec3::Constant(std::numeric_limits<double>::max()),
             Vec3::Constant(std::numeric_limits<double>::lowest()) };
@@ -53,7 +53,7 @@ namespace {
     }
 
     template <typename Voxel, typename Keep>
-    std::optional<Box> box_of(const ImageGrid& grid, const std::vector<Voxel>& voxels, Keep&& keep)
+    std::optional<Box> box_of(const mesh::ImageGrid& grid, const std::vector<Voxel>& voxels, Keep&& keep)
     {
         std::array<int, 3> low { grid.size[0], grid.size[1], grid.size[2] }, high { -1, -1, -1 };
         std::size_t at = 0;
@@ -76,8 +76,8 @@ namespace {
 
     /// What the sheet is made from.
     struct Content {
-        std::shared_ptr<const Volume> image; ///< never null: black where there is no CT
-        std::shared_ptr<const LabelVolume> labels;
+        std::shared_ptr<const mesh::Volume> image; ///< never null: black where there is no CT
+        std::shared_ptr<const mesh::LabelVolume> labels;
         std::map<Label, LabelCount> counts; ///< labels that have voxels
         std::map<Label, Color> colors;
         Box shown; ///< what the slices cover
@@ -85,7 +85,7 @@ namespace {
         bool has_ct = true;
     };
 
-    std::map<Label, LabelCount> count_labels(const LabelVolume& labels)
+    std::map<Label, LabelCount> count_labels(const mesh::LabelVolume& labels)
     {
         std::vector<LabelCount> counts(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1);
         std::size_t at = 0;
@@ -103,16 +103,16 @@ namespace {
         return found;
     }
 
-    std::shared_ptr<const Volume> black_image(const ImageGrid& grid)
+    std::shared_ptr<const mesh::Volume> black_image(const mesh::ImageGrid& grid)
     {
         constexpr std::int16_t kAir = -1024;
-        auto image = std::make_shared<Volume>();
+        auto image = std::make_shared<mesh::Volume>();
         image->grid = grid;
         image->voxels.assign(grid.voxel_count(), kAir);
         return image;
     }
 
-    Content gather(std::shared_ptr<const Volume> ct, std::shared_ptr<const LabelVolume> labels)
+    Content gather(std::shared_ptr<const mesh::Volume> ct, std::shared_ptr<const mesh::LabelVolume> labels)
     {
         if (ct == nullptr && labels == nullptr)
             throw InputError("a contact sheet needs a CT or labels");
@@ -120,13 +120,13 @@ namespace {
         content.has_ct = ct != nullptr;
         content.labels = std::move(labels);
         content.image = ct != nullptr ? std::move(ct) : black_image(content.labels->grid);
-        const Volume& image = *content.image;
-        check_grid(image.grid);
+        const mesh::Volume& image = *content.image;
+        mesh::check_grid(image.grid);
         if (image.voxels.size() != image.grid.voxel_count())
             throw InputError("the image's voxel count does not match its size");
         std::optional<Box> labelled;
         if (content.labels != nullptr) {
-            check_grid(content.labels->grid);
+            mesh::check_grid(content.labels->grid);
             if (content.labels->voxels.size() != content.labels->grid.voxel_count())
                 throw InputError("the labels' voxel count does not match their size");
             content.counts = count_labels(*content.labels);
@@ -154,7 +154,7 @@ namespace {
         if (content.labels == nullptr)
             return std::nullopt;
         for (const std::string_view name : { "aneurysm", "target", "heart", "aorta" })
-            if (const LabelInfo* info = find_label(content.labels->table, name))
+            if (const mesh::LabelInfo* info = mesh::find_label(content.labels->table, name))
                 if (const auto count = content.counts.find(info->id); count != content.counts.end())
                     return content.labels->grid.world(
                         count->second.index_sum / static_cast<double>(count->second.voxels));
@@ -181,7 +181,7 @@ namespace {
     /// "rib left" of "rib_left_5".
     std::string row_of(const std::string& name) { return name.substr(0, name.size() - level_of(name).size()); }
 
-    LegendLine legend_line(const Content& content, const LabelInfo& info, const LabelCount& count, bool rough)
+    LegendLine legend_line(const Content& content, const mesh::LabelInfo& info, const LabelCount& count, bool rough)
     {
         const double ml = static_cast<double>(count.voxels) * content.labels->grid.voxel_volume() / 1000.0;
         return { readable(info.name), (rough ? "rough, " : "") + millilitres_text(ml), content.colors.at(info.id) };
@@ -195,7 +195,7 @@ namespace {
             return lines;
         const bool grouped = content.counts.size() > fits;
         std::map<std::string, std::size_t> line_of_row;
-        for (const LabelInfo& info : content.labels->table) {
+        for (const mesh::LabelInfo& info : content.labels->table) {
             const auto count = content.counts.find(info.id);
             if (count == content.counts.end())
                 continue;
@@ -231,7 +231,7 @@ namespace {
         return lines;
     }
 
-    std::string grid_text(const char* what, const ImageGrid& grid)
+    std::string grid_text(const char* what, const mesh::ImageGrid& grid)
     {
         return formatted("%s %d x %d x %d at %.3g x %.3g x %.3g mm", what, grid.size[0], grid.size[1], grid.size[2],
             grid.spacing.x(), grid.spacing.y(), grid.spacing.z());
@@ -256,7 +256,7 @@ namespace {
     std::vector<TextItem> level_words(const Content& content, const Plane& plane, double at)
     {
         std::map<Label, std::string> levels;
-        for (const LabelInfo& info : content.labels->table)
+        for (const mesh::LabelInfo& info : content.labels->table)
             if (const auto level = level_of(info.name); !level.empty())
                 levels.emplace(info.id, level);
         if (levels.empty())
@@ -270,7 +270,7 @@ namespace {
                 p[plane.normal] = at;
                 p[plane.across] = u;
                 p[plane.upward] = v;
-                if (const Label label = label_at(*content.labels, p); levels.contains(label))
+                if (const Label label = mesh::label_at(*content.labels, p); levels.contains(label))
                     sections[label].push_back(p);
             }
         std::vector<TextItem> words;
@@ -437,7 +437,7 @@ namespace {
 
 } // namespace
 
-Picture contact_sheet(std::shared_ptr<const Volume> ct, std::shared_ptr<const LabelVolume> labels,
+Picture contact_sheet(std::shared_ptr<const mesh::Volume> ct, std::shared_ptr<const mesh::LabelVolume> labels,
     const ContactSheetOptions& options, const Job& job)
 {
     if (options.columns < 1 || options.columns > 12)
@@ -479,4 +479,4 @@ Picture contact_sheet(std::shared_ptr<const Volume> ct, std::shared_ptr<const La
     return picture;
 }
 
-} // namespace retractor
+} // namespace retractor::ui

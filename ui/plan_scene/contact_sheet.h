@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::ui {
 
 struct ContactSheetOptions {
     std::string title = "Contact sheet";
@@ -28,7 +28,7 @@ struct ContactSheetOptions {
 
 /// @param ct may be null (labels on black), `labels` too, but not both; their grids may differ.
 /// @throws InputError when both are null, on bad grids, or options out of range.
-Picture contact_sheet(std::shared_ptr<const Volume> ct, std::shared_ptr<const LabelVolume> labels,
+Picture contact_sheet(std::shared_ptr<const mesh::Volume> ct, std::shared_ptr<const mesh::LabelVolume> labels,
     const ContactSheetOptions& options = {}, const Job& job = {});
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -1,7 +1,7 @@
 #include "ui/plan_scene/label_surfaces.h"
 
-#include "mesh/surface/label_surface.h"
 #include "mesh/image/skeleton.h"
+#include "mesh/surface/label_surface.h"
 #include "ui/scene/label_colors.h"
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -18,10 +18,10 @@ namespace {
     constexpr Color kBodyColor { 0.95, 0.78, 0.68 };
 
     /// Every n-th voxel: enough to draw small.
-    LabelVolume thinned(const LabelVolume& labels, double spacing_mm)
+    mesh::LabelVolume thinned(const mesh::LabelVolume& labels, double spacing_mm)
     {
         std::array<int, 3> step {};
-        LabelVolume coarse;
+        mesh::LabelVolume coarse;
         coarse.table = labels.table;
         coarse.grid = labels.grid;
         for (std::size_t a = 0; a < 3; ++a) {
@@ -38,14 +38,14 @@ namespace {
         return coarse;
     }
 
-    bool is_solid(const LabelInfo& info, bool has_wall)
+    bool is_solid(const mesh::LabelInfo& info, bool has_wall)
     {
-        if (is_skeleton(info) || info.role == Role::target || info.role == Role::at_risk)
+        if (mesh::is_skeleton(info) || info.role == mesh::Role::target || info.role == mesh::Role::at_risk)
             return true;
-        return !has_wall && info.role != Role::wall && info.material != "lung";
+        return !has_wall && info.role != mesh::Role::wall && info.material != "lung";
     }
 
-    std::vector<bool> labels_met(const LabelVolume& labels)
+    std::vector<bool> labels_met(const mesh::LabelVolume& labels)
     {
         std::vector<bool> met(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
         for (const Label label : labels.voxels)
@@ -53,24 +53,24 @@ namespace {
         return met;
     }
 
-    SurfaceItem organ_item(const LabelVolume& labels, const LabelInfo& info)
+    SurfaceItem organ_item(const mesh::LabelVolume& labels, const mesh::LabelInfo& info)
     {
         SurfaceItem item;
         item.name = info.name;
-        item.mesh = std::make_shared<const TriMesh>(label_surface(labels, std::array { info.id }));
+        item.mesh = std::make_shared<const TriMesh>(mesh::label_surface(labels, std::array { info.id }));
         item.look = { label_color(info.name), Finish::matte, 0.0 };
         return item;
     }
 
-    SurfaceItem body_item(const LabelVolume& labels)
+    SurfaceItem body_item(const mesh::LabelVolume& labels)
     {
         std::vector<Label> all;
-        for (const LabelInfo& info : labels.table)
+        for (const mesh::LabelInfo& info : labels.table)
             all.push_back(info.id);
         SurfaceItem body;
         body.name = "body";
-        body.mesh
-            = std::make_shared<const TriMesh>(label_surface(thinned(labels, kBodySpacing_mm), all, kBodySmoothing_mm));
+        body.mesh = std::make_shared<const TriMesh>(
+            mesh::label_surface(thinned(labels, kBodySpacing_mm), all, kBodySmoothing_mm));
         body.look = { kBodyColor, Finish::matte, 0.0 };
         body.opacity = kBodyOpacity;
         return body;
@@ -78,18 +78,19 @@ namespace {
 
 } // namespace
 
-std::vector<SurfaceItem> label_surfaces(const LabelVolume& labels, const Job& job)
+std::vector<SurfaceItem> label_surfaces(const mesh::LabelVolume& labels, const Job& job)
 {
     std::vector<SurfaceItem> items;
-    const LabelVolume coarse = thinned(labels, kSurfaceSpacing_mm);
+    const mesh::LabelVolume coarse = thinned(labels, kSurfaceSpacing_mm);
     const std::vector<bool> met = labels_met(coarse);
-    const bool has_wall = std::any_of(coarse.table.begin(), coarse.table.end(),
-        [&](const LabelInfo& info) { return info.role == Role::wall && !is_skeleton(info) && met[info.id]; });
-    for (const LabelInfo& info : coarse.table)
+    const bool has_wall = std::any_of(coarse.table.begin(), coarse.table.end(), [&](const mesh::LabelInfo& info) {
+        return info.role == mesh::Role::wall && !mesh::is_skeleton(info) && met[info.id];
+    });
+    for (const mesh::LabelInfo& info : coarse.table)
         if (met[info.id] && is_solid(info, has_wall) && !job.cancelled())
             items.push_back(organ_item(coarse, info));
     if (items.empty() && !has_wall)
-        for (const LabelInfo& info : coarse.table)
+        for (const mesh::LabelInfo& info : coarse.table)
             if (met[info.id] && !job.cancelled())
                 items.push_back(organ_item(coarse, info));
     if (has_wall && !job.cancelled())
@@ -97,4 +98,4 @@ std::vector<SurfaceItem> label_surfaces(const LabelVolume& labels, const Job& jo
     return items;
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -6,12 +6,12 @@
 
 #include <vector>
 
-namespace retractor {
+namespace retractor::ui {
 
 /// One opaque surface per bone and per label of role target or at-risk, in label_color(), named as the label; then the
 /// body round them, translucent. Where no soft tissue of role wall is labelled (a crop of the mediastinum), every
 /// label (the lungs only where there is nothing else), and no body. Drawn from voxels of about 2 mm. Empty when nothing
 /// of that is labelled.
-std::vector<SurfaceItem> label_surfaces(const LabelVolume& labels, const Job& job = {});
+std::vector<SurfaceItem> label_surfaces(const mesh::LabelVolume& labels, const Job& job = {});
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -17,7 +17,7 @@
 #include <limits>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -39,17 +39,17 @@ namespace {
         return formatted("%.*f %s", digits, value, unit.c_str());
     }
 
-    std::vector<bool> wall_flags(const LabelTable& table)
+    std::vector<bool> wall_flags(const mesh::LabelTable& table)
     {
         std::vector<bool> flags(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
-        for (const LabelInfo& info : table)
-            flags[info.id] = info.role == Role::wall;
+        for (const mesh::LabelInfo& info : table)
+            flags[info.id] = info.role == mesh::Role::wall;
         return flags;
     }
 
     /// One byte per voxel: unlabelled and joined to the slice's border, so outside the body - air, table, leads. Slice
     /// by slice across the body: its unlabelled inside, where there is any, is open at the image's ends.
-    std::vector<std::uint8_t> outside_body(const LabelVolume& labels)
+    std::vector<std::uint8_t> outside_body(const mesh::LabelVolume& labels)
     {
         const auto& size = labels.grid.size;
         std::size_t along = 0;
@@ -95,11 +95,12 @@ namespace {
 
     /// Hides the whole wall (tetrahedra and surfaces stand for it), what the approach holds aside, and what lies beside
     /// the body.
-    std::shared_ptr<const VoxelMask> hidden_voxels(const LabelVolume& labels, const std::vector<std::string>& retracted)
+    std::shared_ptr<const VoxelMask> hidden_voxels(
+        const mesh::LabelVolume& labels, const std::vector<std::string>& retracted)
     {
         std::vector<bool> hide = wall_flags(labels.table);
         for (const std::string& name : retracted)
-            if (const LabelInfo* info = find_label(labels.table, name))
+            if (const mesh::LabelInfo* info = mesh::find_label(labels.table, name))
                 hide[info->id] = true;
         auto mask = std::make_shared<VoxelMask>();
         mask->grid = labels.grid;
@@ -110,7 +111,7 @@ namespace {
         return mask;
     }
 
-    SurfaceItem target_item(Patient& patient, const TargetSpec& target)
+    SurfaceItem target_item(planner::Patient& patient, const planner::TargetSpec& target)
     {
         SurfaceItem item;
         item.name = target.is_sphere() ? "target" : target.label;
@@ -120,17 +121,17 @@ namespace {
         return item;
     }
 
-    SurfaceItem wall_item(Patient& patient, const PlannedField& field)
+    SurfaceItem wall_item(planner::Patient& patient, const planner::PlannedField& field)
     {
         SurfaceItem item;
         item.name = "chest wall";
-        item.mesh = std::make_shared<const TriMesh>(deformed_boundary(field.wall, field.opening.displacement));
+        item.mesh = std::make_shared<const TriMesh>(mesh::deformed_boundary(field.wall, field.opening.displacement));
         item.look_of_label = tissue_looks(patient.planned_case().label_table);
         return item;
     }
 
     /// What stays: the CT as a volume, or the organs' surfaces where the case has no CT.
-    void add_remaining_anatomy(Scene& scene, Patient& patient, const PlannedField& field)
+    void add_remaining_anatomy(Scene& scene, planner::Patient& patient, const planner::PlannedField& field)
     {
         if (!field.remaining_wall.triangles.empty()) {
             SurfaceItem rest;
@@ -147,9 +148,9 @@ namespace {
             scene.volumes.push_back(std::move(volume));
             return;
         }
-        for (const LabelInfo& info : patient.planned_case().label_table) {
+        for (const mesh::LabelInfo& info : patient.planned_case().label_table) {
             const auto& retracted = field.approach.retracted;
-            if (info.role == Role::wall || info.name == field.approach.target.label
+            if (info.role == mesh::Role::wall || info.name == field.approach.target.label
                 || std::find(retracted.begin(), retracted.end(), info.name) != retracted.end()
                 || !patient.has_voxels(info.name))
                 continue;
@@ -161,14 +162,14 @@ namespace {
         }
     }
 
-    void add_hooks(Scene& scene, const PlannedField& field)
+    void add_hooks(Scene& scene, const planner::PlannedField& field)
     {
         for (std::size_t i = 0; i < field.hooks.size(); ++i) {
-            const HookPatch& patch = field.hooks[i];
+            const fem::HookPatch& patch = field.hooks[i];
             Vec3 centre = Vec3::Zero();
             for (const VertexId v : patch.nodes)
                 centre += (field.wall.vertices.row(v) + field.opening.displacement.row(v)).transpose();
-            const HookSpec& spec = field.approach.hooks[i];
+            const planner::HookSpec& spec = field.approach.hooks[i];
             scene.hooks.push_back({ .name = patch.name,
                 .position = centre / static_cast<double>(patch.nodes.size()),
                 .pull = spec.direction,
@@ -180,7 +181,7 @@ namespace {
         }
     }
 
-    std::vector<LegendLine> legend_of(const FieldMetrics& m)
+    std::vector<LegendLine> legend_of(const planner::FieldMetrics& m)
     {
         const bool bars = m.error && m.error->message.empty();
         const auto bar = [&](double value) { // of two digits: a bar is no more exact than that
@@ -197,7 +198,8 @@ namespace {
         lines.push_back({ "working distance", number(m.working_distance_mm, 0, "mm"), std::nullopt });
         lines.push_back({ "incision", number(m.incision_length_mm, 0, "mm"), std::nullopt });
         lines.push_back({ "hook force, one side",
-            number(m.hook_force_N, 0, forces_are_known(m) ? "N" : bar(bars ? m.error->hook_force_N : 0.0) + "N"),
+            number(
+                m.hook_force_N, 0, planner::forces_are_known(m) ? "N" : bar(bars ? m.error->hook_force_N : 0.0) + "N"),
             std::nullopt });
         const auto yielded = std::count_if(m.hooks.begin(), m.hooks.end(), [](const auto& h) { return h.yielded; });
         if (yielded > 0)
@@ -221,12 +223,12 @@ namespace {
     }
 
     /// The patient's head up, or the patient's left when looking along the body.
-    Vec3 up_for(const AnatomicalFrame& frame, const Vec3& sight)
+    Vec3 up_for(const planner::AnatomicalFrame& frame, const Vec3& sight)
     {
         return std::abs(frame.superior.dot(sight.normalized())) > 0.9 ? frame.anterior : frame.superior;
     }
 
-    Scene field_scene(Patient& patient, const PlannedField& field)
+    Scene field_scene(planner::Patient& patient, const planner::PlannedField& field)
     {
         Scene scene;
         scene.surfaces.push_back(wall_item(patient, field));
@@ -237,7 +239,7 @@ namespace {
         return scene;
     }
 
-    LineItem incision_line(const Approach& approach, bool on_top)
+    LineItem incision_line(const planner::Approach& approach, bool on_top)
     {
         LineItem line;
         line.name = "incision";
@@ -251,7 +253,7 @@ namespace {
     }
 
     /// The whole incision as a shadow on a slice: most of it lies before or behind the plane.
-    LineItem projected_incision(const Approach& approach, SlicePlane plane, const Vec3& point)
+    LineItem projected_incision(const planner::Approach& approach, SlicePlane plane, const Vec3& point)
     {
         const int across = plane == SlicePlane::axial ? 2 : plane == SlicePlane::coronal ? 1 : 0;
         LineItem line = incision_line(approach, true);
@@ -263,7 +265,7 @@ namespace {
     }
 
     /// The circle in which a slice through its centre meets a spherical target.
-    LineItem sphere_outline(const TargetSpec& target, SlicePlane plane)
+    LineItem sphere_outline(const planner::TargetSpec& target, SlicePlane plane)
     {
         constexpr int kCorners = 96;
         const Vec3 u = plane == SlicePlane::sagittal ? Vec3::UnitY() : Vec3::UnitX();
@@ -284,7 +286,7 @@ namespace {
         return { mesh.vertices.colwise().minCoeff().transpose(), mesh.vertices.colwise().maxCoeff().transpose() };
     }
 
-    Vec3 mean_direction(const Approach& approach)
+    Vec3 mean_direction(const planner::Approach& approach)
     {
         Vec3 sum = Vec3::Zero();
         for (const Vec3& direction : approach.directions)
@@ -293,9 +295,9 @@ namespace {
     }
 
     /// From outside onto the incision, tilted towards the feet so that the relief shows.
-    Camera outside_camera(Patient& patient, const Approach& approach)
+    Camera outside_camera(planner::Patient& patient, const planner::Approach& approach)
     {
-        const AnatomicalFrame frame = patient.frame();
+        const planner::AnatomicalFrame frame = patient.frame();
         const Vec3 inward = mean_direction(approach);
         const Vec3 axis = inward.cross(frame.superior);
         const double tilt = axis.norm() > 0.1 ? kOverviewTiltDeg * std::numbers::pi / 180.0 : 0.0;
@@ -305,11 +307,11 @@ namespace {
 
 } // namespace
 
-Scene surgeon_scene(Patient& patient, const PlannedField& field)
+Scene surgeon_scene(planner::Patient& patient, const planner::PlannedField& field)
 {
     Scene scene = field_scene(patient, field);
     scene.title = field.approach.name + ": through the incision";
-    const ViewCone& cone = field.exposure.cone;
+    const planner::ViewCone& cone = field.exposure.cone;
     scene.camera.aim = cone.aim;
     scene.camera.eye = cone.aim + cone.eye_distance_mm * cone.axis.normalized();
     scene.camera.up = up_for(patient.frame(), cone.axis);
@@ -319,7 +321,7 @@ Scene surgeon_scene(Patient& patient, const PlannedField& field)
     return scene;
 }
 
-Scene overview_scene(Patient& patient, const PlannedField& field)
+Scene overview_scene(planner::Patient& patient, const planner::PlannedField& field)
 {
     Scene scene = field_scene(patient, field);
     scene.title = field.approach.name + ": overview";
@@ -327,7 +329,7 @@ Scene overview_scene(Patient& patient, const PlannedField& field)
     return scene;
 }
 
-std::vector<Scene> slice_scenes(Patient& patient, const Vec3& point, const std::map<Label, Color>& colors)
+std::vector<Scene> slice_scenes(planner::Patient& patient, const Vec3& point, const std::map<Label, Color>& colors)
 {
     std::vector<Scene> scenes;
     for (const auto& [plane, title] : { std::pair { SlicePlane::axial, "axial" },
@@ -346,20 +348,21 @@ std::vector<Scene> slice_scenes(Patient& patient, const Vec3& point, const std::
     return scenes;
 }
 
-std::vector<Scene> slice_scenes(Patient& patient, const TargetSpec& target, const std::map<Label, Color>& colors)
+std::vector<Scene> slice_scenes(
+    planner::Patient& patient, const planner::TargetSpec& target, const std::map<Label, Color>& colors)
 {
     if (!target.is_sphere())
-        return slice_scenes(patient, surface_centre(*patient.target(target)), colors);
+        return slice_scenes(patient, planner::surface_centre(*patient.target(target)), colors);
     std::vector<Scene> scenes = slice_scenes(patient, target.centre, colors);
     for (Scene& scene : scenes)
         scene.lines.push_back(sphere_outline(target, scene.slices.front().plane));
     return scenes;
 }
 
-std::vector<Scene> slice_scenes(Patient& patient, const Approach& approach)
+std::vector<Scene> slice_scenes(planner::Patient& patient, const planner::Approach& approach)
 {
     std::map<Label, Color> outlines;
-    for (const LabelInfo& info : patient.planned_case().label_table)
+    for (const mesh::LabelInfo& info : patient.planned_case().label_table)
         outlines[info.id] = info.name == approach.target.label ? target_color() : tissue_look(info.material).color;
     std::vector<Scene> scenes = slice_scenes(patient, approach.target, outlines);
     for (Scene& scene : scenes)
@@ -367,7 +370,7 @@ std::vector<Scene> slice_scenes(Patient& patient, const Approach& approach)
     return scenes;
 }
 
-Picture slices_picture(Patient& patient, const Approach& approach, int width, int height)
+Picture slices_picture(planner::Patient& patient, const planner::Approach& approach, int width, int height)
 {
     Picture picture { .width = width, .height = height, .viewports = {} };
     std::vector<Scene> scenes = slice_scenes(patient, approach);
@@ -381,7 +384,7 @@ Picture slices_picture(Patient& patient, const Approach& approach, int width, in
     return picture;
 }
 
-Scene planning_scene(Patient& patient, const Approach& approach)
+Scene planning_scene(planner::Patient& patient, const planner::Approach& approach)
 {
     Scene scene;
     scene.title = approach.name + ": planned incision";
@@ -397,7 +400,7 @@ Scene planning_scene(Patient& patient, const Approach& approach)
     return scene;
 }
 
-Scene knife_surroundings(Patient& patient, const Approach& approach)
+Scene knife_surroundings(planner::Patient& patient, const planner::Approach& approach)
 {
     Scene scene;
     scene.title = approach.name + ": by hand";
@@ -414,17 +417,20 @@ Scene knife_surroundings(Patient& patient, const Approach& approach)
     return scene;
 }
 
-TriMesh body_beyond(Patient& patient, const Approach& approach, const TetMesh& wall, const Job& job)
+TriMesh body_beyond(
+    planner::Patient& patient, const planner::Approach& approach, const mesh::TetMesh& wall, const Job& job)
 {
     job.report("surroundings", 0.0);
     // Where the body is flat few triangles are left of it: one of them could span the whole region.
     const TriMesh body = with_edges_at_most(simplified(*patient.body(), kSurroundingsShare), kLongestSurroundingMm);
     job.report("surroundings", 0.5);
-    const LabelTable& table = patient.planned_case().label_table;
-    return wall_beyond_region(body, *patient.labels(), mesh_sizing_of(approach, table), wall, Points(), job);
+    const mesh::LabelTable& table = patient.planned_case().label_table;
+    return planner::wall_beyond_region(
+        body, *patient.labels(), planner::mesh_sizing_of(approach, table), wall, Points(), job);
 }
 
-Picture view_picture(Patient& patient, const PlannedField& field, std::string_view view, int width, int height)
+Picture view_picture(
+    planner::Patient& patient, const planner::PlannedField& field, std::string_view view, int width, int height)
 {
     Picture picture;
     picture.width = width;
@@ -441,4 +447,4 @@ Picture view_picture(Patient& patient, const PlannedField& field, std::string_vi
     return picture;
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -95,4 +95,4 @@ TriMesh hook_mesh(const HookItem& hook)
     return mesh;
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <utility>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -98,12 +98,12 @@ Color label_color(std::string_view name)
     return color_of_hue(hash % 360U, 0.45 + 0.15 * ((hash >> 9) % 4U), 0.80 + 0.20 * ((hash >> 16) % 2U));
 }
 
-std::map<Label, Color> label_colors(const LabelTable& table)
+std::map<Label, Color> label_colors(const mesh::LabelTable& table)
 {
     std::map<Label, Color> colors;
-    for (const LabelInfo& info : table)
+    for (const mesh::LabelInfo& info : table)
         colors[info.id] = label_color(info.name);
     return colors;
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -71,12 +71,12 @@ namespace {
     {
         const std::string where = "volume " + item.name;
         refuse(item.image == nullptr, "a volume has no image", where);
-        check_grid(item.image->grid);
+        mesh::check_grid(item.image->grid);
         refuse(item.image->voxels.size() != item.image->grid.voxel_count(),
             "the image's voxel count does not match its size", where);
         check_share(item.opacity, "opacity", where);
         if (item.mask != nullptr) {
-            check_grid(item.mask->grid);
+            mesh::check_grid(item.mask->grid);
             refuse(item.mask->hidden.size() != item.mask->grid.voxel_count(),
                 "the mask's voxel count does not match its size", where);
         }
@@ -112,7 +112,7 @@ namespace {
     {
         const std::string where = "slice";
         refuse(item.image == nullptr, "a slice has no image", where);
-        check_grid(item.image->grid);
+        mesh::check_grid(item.image->grid);
         refuse(item.image->voxels.size() != item.image->grid.voxel_count(),
             "the image's voxel count does not match its size", where);
         refuse(!item.point.allFinite(), "the slice's point is not finite", where);
@@ -121,7 +121,7 @@ namespace {
         refuse(
             !(item.pixel_mm >= 0.0 && std::isfinite(item.pixel_mm)), "the slice's pixels must not be negative", where);
         if (item.labels != nullptr) {
-            check_grid(item.labels->grid);
+            mesh::check_grid(item.labels->grid);
             refuse(item.labels->voxels.size() != item.labels->grid.voxel_count(),
                 "the labels' voxel count does not match their size", where);
         }
@@ -153,7 +153,7 @@ namespace {
             box.high = any ? Vec3(box.high.cwiseMax(p)) : p;
             any = true;
         }
-        void add(const ImageGrid& grid)
+        void add(const mesh::ImageGrid& grid)
         {
             for (int corner = 0; corner < 8; ++corner)
                 add(grid.world(Vec3((corner & 1) != 0 ? grid.size[0] - 1 : 0, (corner & 2) != 0 ? grid.size[1] - 1 : 0,
@@ -287,4 +287,4 @@ Camera camera_for_slice(const SliceItem& slice, const Box& box, double aspect)
     return camera;
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::ui {
 
 /// sRGB, each 0 to 1.
 struct Color {
@@ -56,7 +56,7 @@ struct SurfaceItem {
 
 /// One byte per voxel of `grid`, non-zero = hidden. The grid may differ from the image's.
 struct VoxelMask {
-    ImageGrid grid {};
+    mesh::ImageGrid grid {};
     std::vector<std::uint8_t> hidden {};
 };
 
@@ -76,7 +76,7 @@ enum class VolumePreset {
 /// A volume rendering. The same shared image and mask are uploaded once, however many pictures show them.
 struct VolumeItem {
     std::string name {};
-    std::shared_ptr<const Volume> image {}; ///< CT, Hounsfield units
+    std::shared_ptr<const mesh::Volume> image {}; ///< CT, Hounsfield units
     /// What tetrahedra stand for, or an approach removes. Half-filled voxels at its border are hidden too.
     std::shared_ptr<const VoxelMask> mask = nullptr;
     std::optional<Box> crop = std::nullopt; ///< only what is inside is drawn
@@ -111,11 +111,11 @@ enum class SlicePlane { axial, coronal, sagittal };
 
 /// A grey image on an anatomical plane, with label outlines.
 struct SliceItem {
-    std::shared_ptr<const Volume> image {};
+    std::shared_ptr<const mesh::Volume> image {};
     SlicePlane plane = SlicePlane::axial;
     Vec3 point = Vec3::Zero(); ///< the plane passes through it
     double window_hu = 500.0, level_hu = 40.0;
-    std::shared_ptr<const LabelVolume> labels = nullptr; ///< may be null
+    std::shared_ptr<const mesh::LabelVolume> labels = nullptr; ///< may be null
     std::map<Label, Color> outline_of_label {}; ///< labels to outline, in these colours
     double fill = 0.15; ///< how strongly outlined labels are tinted, 0 to 1
     double pixel_mm = 0.0; ///< sampled this finely, so that outlines are one pixel of a small view; 0: half a voxel
@@ -191,4 +191,4 @@ Camera camera_for_slice(const SliceItem& slice, double aspect);
 /// The same with only `box` in the picture.
 Camera camera_for_slice(const SliceItem& slice, const Box& box, double aspect);
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -3,7 +3,7 @@
 #include <array>
 #include <utility>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -73,10 +73,10 @@ Look tissue_look(std::string_view material)
     return { { 0.75, 0.62, 0.58 }, Finish::matte, 0.3 };
 }
 
-std::map<Label, Look> tissue_looks(const LabelTable& table)
+std::map<Label, Look> tissue_looks(const mesh::LabelTable& table)
 {
     std::map<Label, Look> looks;
-    for (const LabelInfo& info : table)
+    for (const mesh::LabelInfo& info : table)
         looks[info.id] = tissue_look(info.material);
     return looks;
 }
@@ -84,4 +84,4 @@ std::map<Label, Look> tissue_looks(const LabelTable& table)
 Color target_color() { return { 0.10, 0.95, 0.30 }; }
 Color incision_color() { return { 0.20, 0.10, 0.75 }; }
 
-} // namespace retractor
+} // namespace retractor::ui

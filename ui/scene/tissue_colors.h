@@ -6,7 +6,7 @@
 #include <map>
 #include <string_view>
 
-namespace retractor {
+namespace retractor::ui {
 
 /// By material name (skin, fat, muscle, intercostal, bone, cartilage, vessel, heart, lung, liver); a material that
 /// is not known gets a neutral tissue colour.
@@ -16,11 +16,11 @@ Look tissue_look(std::string_view material);
 Look organ_look(std::string_view organ);
 
 /// One look per entry of the table, for SurfaceItem::look_of_label.
-std::map<Label, Look> tissue_looks(const LabelTable& table);
+std::map<Label, Look> tissue_looks(const mesh::LabelTable& table);
 
 /// The colour of what the surgeon wants to see: no tissue has it.
 Color target_color();
 /// Incision lines: the surgeon's skin marker.
 Color incision_color();
 
-} // namespace retractor
+} // namespace retractor::ui

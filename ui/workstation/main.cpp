@@ -4,8 +4,8 @@
 #include "haptics/hand/hand_file.h"
 #include "mesh/base/error.h"
 #include "planner/case/case_io.h"
-#include "planner/palpation/palpable.h"
 #include "planner/case/patient.h"
+#include "planner/palpation/palpable.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/palpation/palpation_backend.h"
 #include "ui/workstation/palpation/palpation_window.h"
@@ -28,6 +28,7 @@
 namespace {
 
 using namespace retractor;
+using namespace retractor::ui;
 
 struct Options {
     std::string case_file;
@@ -83,8 +84,9 @@ std::optional<int> parse(int argc, char** argv, Options& options)
         app.parse(argc, argv);
         if (options.case_file.empty() && !(options.approach.empty() && options.screenshot.empty() && !options.plan))
             throw CLI::RequiredError("CASE.json with --approach, --plan or --screenshot");
-        options.palpate = is_palpation_scene(options.case_file) || !options.structure.empty();
-        if (!options.structure.empty() && (options.case_file.empty() || is_palpation_scene(options.case_file)))
+        options.palpate = datasets::is_palpation_scene(options.case_file) || !options.structure.empty();
+        if (!options.structure.empty()
+            && (options.case_file.empty() || datasets::is_palpation_scene(options.case_file)))
             throw CLI::ValidationError("--palpate", "is for cases");
         for (const CLI::Option* option : { approach, view, plan, before })
             if (options.palpate && option->count() > 0)
@@ -150,7 +152,7 @@ void take_screenshot(PalpationWindow& window, QTimer& timer, const std::string& 
     constexpr int kPollMs = 50;
     constexpr double kFelt = 2.0; // s: some beats
     QObject::connect(&timer, &QTimer::timeout, &window, [&window, &timer, file] {
-        const bool failed = window.snapshot().phase == PalpationSnapshot::Phase::failed;
+        const bool failed = window.snapshot().phase == planner::PalpationSnapshot::Phase::failed;
         if (!failed && (!window.idle() || window.frame().servo.time_s < kFelt))
             return;
         timer.stop();
@@ -175,7 +177,7 @@ PalpationWindow& new_palpation()
     return *window;
 }
 
-int run_palpation(Palpable palpable, const std::optional<ShownHands>& hands, const Options& options)
+int run_palpation(planner::Palpable palpable, const std::optional<ShownHands>& hands, const Options& options)
 {
     PalpationWindow window(palpation_backend());
     if (hands)
@@ -188,11 +190,12 @@ int run_palpation(Palpable palpable, const std::optional<ShownHands>& hands, con
     return QApplication::exec();
 }
 
-int run_planning(std::optional<Case> planned_case, const Options& options)
+int run_planning(std::optional<planner::Case> planned_case, const Options& options)
 {
     MainWindow window(make_planning_backend);
     window.on_palpation_scene = [](const std::filesystem::path& file) { new_palpation().open_file(file); };
-    window.on_palpable = [](Palpable made) { new_palpation().open(std::move(made.scene), {}, std::move(made.notes)); };
+    window.on_palpable
+        = [](planner::Palpable made) { new_palpation().open(std::move(made.scene), {}, std::move(made.notes)); };
     window.show();
     if (planned_case) {
         window.open(std::move(*planned_case));
@@ -210,8 +213,8 @@ int run_planning(std::optional<Case> planned_case, const Options& options)
 
 /// What is to be shown.
 struct Given {
-    std::optional<Case> planned_case;
-    std::optional<Palpable> palpable;
+    std::optional<planner::Case> planned_case;
+    std::optional<planner::Palpable> palpable;
     std::optional<ShownHands> hands;
 };
 
@@ -221,20 +224,21 @@ Given read(const Options& options)
     Given given;
     if (options.palpate) {
         if (options.structure.empty())
-            given.palpable = Palpable { read_palpation_scene(options.case_file), {} };
+            given.palpable = planner::Palpable { datasets::read_palpation_scene(options.case_file), {} };
         else {
-            Patient patient(read_case(options.case_file));
-            given.palpable = make_palpable(
+            planner::Patient patient(read_case(options.case_file));
+            given.palpable = planner::make_palpable(
                 *patient.labels(), patient.planned_case().materials, { .structure = { options.structure } });
         }
         if (!options.hand.empty())
-            given.hands = ShownHands { read_hand(options.hand, false), read_hand(options.hand, true) };
+            given.hands
+                = ShownHands { haptics::read_hand(options.hand, false), haptics::read_hand(options.hand, true) };
         return given;
     }
     if (!options.case_file.empty())
         given.planned_case = read_case(options.case_file);
     if (!options.approach.empty())
-        find_approach(*given.planned_case, options.approach);
+        planner::find_approach(*given.planned_case, options.approach);
     if (!options.screenshot.empty() && given.planned_case->approaches.empty())
         throw InputError("the case has no approach to plan", options.case_file);
     return given;

@@ -3,8 +3,8 @@
 #include "datasets/phantoms/elastic_model.h"
 #include "mesh/base/error.h"
 #include "planner/case/case_io.h"
-#include "planner/palpation/palpable.h"
 #include "planner/case/patient.h"
+#include "planner/palpation/palpable.h"
 #include "ui/workstation/planning/approach_list.h"
 #include "ui/workstation/planning/metrics_panel.h"
 #include "ui/workstation/view/picture_view.h"
@@ -28,7 +28,7 @@
 #include <new>
 #include <utility>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -143,7 +143,7 @@ void MainWindow::show_knife()
     } else {
         knife_->leave();
     }
-    const SessionSnapshot* snapshot = knife_->snapshot();
+    const planner::SessionSnapshot* snapshot = knife_->snapshot();
     knife_action_->setEnabled(model_ && model_->selected());
     line_action_->setEnabled(knife_action_->isEnabled());
     knife_action_->setChecked(knife_->mode() == KnifeMode::freehand);
@@ -272,7 +272,7 @@ void MainWindow::make_status_line()
     statusBar()->addPermanentWidget(notice);
 }
 
-void MainWindow::open(Case planned_case)
+void MainWindow::open(planner::Case planned_case)
 {
     cancel();
     knife_->clear();
@@ -283,9 +283,10 @@ void MainWindow::open(Case planned_case)
     backend_ = factory_(planned_case);
     model_ = std::make_unique<SessionModel>(std::move(planned_case));
     model_->set_view(view);
-    const Case& shown = model_->planned_case();
-    const std::filesystem::path name
-        = shown.file_name == kCaseFileName ? shown.folder.filename() : shown.folder.filename() / shown.file_name;
+    const planner::Case& shown = model_->planned_case();
+    const std::filesystem::path name = shown.file_name == planner::kCaseFileName
+        ? shown.folder.filename()
+        : shown.folder.filename() / shown.file_name;
     setWindowTitle("Retractor - " + QString::fromStdString(name.string()));
     clear_error();
     hand_out_work();
@@ -310,7 +311,7 @@ void MainWindow::open_file(const std::filesystem::path& path)
     view_->show_note("Reading " + QString::fromStdString(path.string()) + " …");
     reading_executor_.post([this, path](const Job&) {
         try {
-            auto planned_case = std::make_shared<Case>(read_case(path));
+            auto planned_case = std::make_shared<planner::Case>(read_case(path));
             post_back([this, planned_case] {
                 --reading_;
                 open(std::move(*planned_case));
@@ -330,10 +331,11 @@ void MainWindow::palpate(const std::string& structure)
     show_message(QString("Making %1 palpable …").arg(QString::fromStdString(structure)));
     reading_executor_.post([this, structure, patient_case = model_->planned_case()](const Job&) {
         try {
-            Patient patient(patient_case);
-            PalpableRequest request;
+            planner::Patient patient(patient_case);
+            planner::PalpableRequest request;
             request.structure = { structure };
-            auto made = std::make_shared<Palpable>(make_palpable(*patient.labels(), patient_case.materials, request));
+            auto made = std::make_shared<planner::Palpable>(
+                planner::make_palpable(*patient.labels(), patient_case.materials, request));
             post_back([this, made] {
                 --reading_;
                 clear_error();
@@ -611,7 +613,7 @@ void MainWindow::ask_for_structure()
         return;
     QStringList names;
     int vessel = 0;
-    for (const LabelInfo& info : model_->planned_case().label_table) {
+    for (const mesh::LabelInfo& info : model_->planned_case().label_table) {
         if (info.material == "vessel" && vessel == 0)
             vessel = static_cast<int>(names.size());
         names += QString::fromStdString(info.name);
@@ -660,4 +662,4 @@ void MainWindow::show_about()
         "<p>Free software under the GPL, version 3 or later.</p>");
 }
 
-} // namespace retractor
+} // namespace retractor::ui

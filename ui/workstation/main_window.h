@@ -23,7 +23,7 @@ class QProgressBar;
 class QPushButton;
 class QTabWidget;
 
-namespace retractor {
+namespace retractor::ui {
 
 class ApproachList;
 class MetricsPanel;
@@ -32,14 +32,14 @@ struct Palpable;
 
 class MainWindow : public QMainWindow {
 public:
-    using BackendFactory = std::function<PlanningBackend(const Case&)>;
+    using BackendFactory = std::function<PlanningBackend(const planner::Case&)>;
 
     explicit MainWindow(BackendFactory factory, QWidget* parent = nullptr);
     /// Cancels what is being planned and waits for it to stop.
     ~MainWindow() override;
 
     /// Shows a case that was read already.
-    void open(Case planned_case);
+    void open(planner::Case planned_case);
     /// Reads a case in the background; what is shown stays when it cannot be read.
     void open_file(const std::filesystem::path& path);
 
@@ -141,4 +141,4 @@ private:
     std::unique_ptr<KnifeTool> knife_;
 };
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <sstream>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
@@ -15,7 +15,7 @@ namespace {
 
     /// All labels there may be; those without voxels are dropped at the end.
     struct Names {
-        LabelTable table;
+        mesh::LabelTable table;
         std::array<std::array<Label, kMostRibs>, 2> rib {};
         Label cartilage = 0, sternum = 0, spine = 0;
         GirdleIds girdle;
@@ -23,7 +23,7 @@ namespace {
         Label add(const std::string& name, const char* material = "bone")
         {
             const auto id = static_cast<Label>(table.size() + 1);
-            table.push_back({ id, name, material, Role::wall });
+            table.push_back({ id, name, material, mesh::Role::wall });
             return id;
         }
     };
@@ -88,7 +88,7 @@ namespace {
 
         const BonesInput& input_;
         const Job& job_;
-        const ImageGrid& grid_;
+        const mesh::ImageGrid& grid_;
         Names names_;
         CoarseImage coarse_;
         Cage cage_;
@@ -107,7 +107,8 @@ namespace {
     {
         coarse_ = coarsened(input_);
         const auto given_path = [this](const char* name) {
-            const LabelInfo* info = input_.given != nullptr ? find_label(input_.given->table, name) : nullptr;
+            const mesh::LabelInfo* info
+                = input_.given != nullptr ? mesh::find_label(input_.given->table, name) : nullptr;
             return info != nullptr ? path_of_label(coarse_, *input_.given, info->id) : MidlinePath {};
         };
         MidlinePath spine = given_path("spine");
@@ -308,10 +309,10 @@ namespace {
     {
         if (input_.given == nullptr)
             return;
-        const LabelVolume& given = *input_.given;
+        const mesh::LabelVolume& given = *input_.given;
         std::vector<Label> id_of(std::size_t { 1 } << 16, 0);
-        for (const LabelInfo& info : names_.table)
-            if (const LabelInfo* known = find_label(given.table, info.name)) {
+        for (const mesh::LabelInfo& info : names_.table)
+            if (const mesh::LabelInfo* known = mesh::find_label(given.table, info.name)) {
                 id_of[known->id] = info.id;
                 given_.push_back(info.id);
             }
@@ -364,7 +365,7 @@ namespace {
         for (const Label l : labels_)
             ++count[l];
         Bones bones;
-        for (const LabelInfo& info : names_.table) {
+        for (const mesh::LabelInfo& info : names_.table) {
             const std::size_t n = count[info.id];
             if (n == 0)
                 continue;
@@ -429,4 +430,4 @@ namespace {
 
 Bones segment_bones(const BonesInput& input, const Job& job) { return BoneFinder(input, job).find(); }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 struct Bones {
-    LabelTable table; ///< the bones found, cartilages included; ids as autosegment() hands them out
+    mesh::LabelTable table; ///< the bones found, cartilages included; ids as autosegment() hands them out
     std::vector<Label> labels; ///< per voxel of the working grid, 0 where there is no bone or cartilage
     std::vector<FoundStructure> structures;
     std::vector<std::string> warnings;
@@ -23,4 +23,4 @@ struct Bones {
 /// vertebra they meet (or, where the first rib is out of view, from the lowest, and the warning says so).
 Bones segment_bones(const BonesInput& input, const Job& job = {});
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -10,7 +10,7 @@
 #include <limits>
 #include <numbers>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
@@ -41,7 +41,7 @@ namespace {
     }
 
     /// Fills a convex polygon in slice k.
-    void fill(const ImageGrid& grid, const std::vector<Point>& hull, int k, Mask& mask)
+    void fill(const mesh::ImageGrid& grid, const std::vector<Point>& hull, int k, Mask& mask)
     {
         for (int j = 0; j < grid.size[1]; ++j) {
             double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -66,7 +66,7 @@ namespace {
     std::vector<std::vector<Point>> lung_outlines(const CoarseImage& image, int& widest)
     {
         constexpr double kLeastSection = 600.0; // mm2: less is the windpipe alone
-        const ImageGrid& grid = image.grid;
+        const mesh::ImageGrid& grid = image.grid;
         std::vector<std::vector<Point>> outlines(static_cast<std::size_t>(grid.size[2]));
         std::size_t most = 0;
         for (int k = 0; k < grid.size[2]; ++k) {
@@ -106,7 +106,7 @@ namespace {
                          kUnderClavicles = 25.0; // mm
         constexpr double kFromSpine = 24.0; // degrees: nearer to the back the vertebrae are hit
         constexpr double kNothing = 1e9;
-        const ImageGrid& grid = image.grid;
+        const mesh::ImageGrid& grid = image.grid;
         const auto slices = static_cast<std::size_t>(grid.size[2]);
         std::vector<std::array<double, kRays>> hit(slices), hull_radius(slices);
         Mask hull(grid.voxel_count(), 0);
@@ -188,7 +188,7 @@ namespace {
     {
         constexpr double kWidest = 30.0, kStep = 0.75, kLikely = 24.0; // mm
         constexpr int kBoneHu = 140;
-        const ImageGrid& grid = image.grid;
+        const mesh::ImageGrid& grid = image.grid;
         std::vector<double> shifts, widths;
         for (const double y : { -9.0, -6.0, -3.0, 0.0 }) {
             std::array<double, 2> side {};
@@ -215,7 +215,7 @@ namespace {
     std::vector<double> centre_on_vertebrae(const CoarseImage& image, MidlinePath& spine)
     {
         constexpr double kNarrowest = 11.0, kWindow = 18.0, kMostShift = 10.0; // mm
-        const ImageGrid& grid = image.grid;
+        const mesh::ImageGrid& grid = image.grid;
         const int half = static_cast<int>(std::lround(kWindow / grid.spacing.z()));
         const auto smooth = [&](const std::vector<double>& raw, std::size_t tenths) {
             std::vector<double> out;
@@ -342,4 +342,4 @@ bool in_sternum_reach(const Cage& cage, const Vec3& p)
     return std::abs(p.x() - c.x()) < half && std::abs(p.y() - c.y()) < 16.0;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

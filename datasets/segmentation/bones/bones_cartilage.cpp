@@ -9,7 +9,7 @@
 #include <limits>
 #include <queue>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
@@ -68,7 +68,7 @@ namespace {
         /// From a point to the cheapest of the targets (voxel -> extra cost); empty when there is no way.
         std::vector<Vec3> path(const Vec3& from, const std::vector<std::pair<std::size_t, double>>& targets) const
         {
-            const ImageGrid& grid = image_.grid;
+            const mesh::ImageGrid& grid = image_.grid;
             const auto nx = static_cast<std::ptrdiff_t>(grid.size[0]), nxy = nx * grid.size[1];
             std::vector<float> best(step_cost_.size(), std::numeric_limits<float>::infinity());
             std::vector<float> extra(step_cost_.size(), -1.0F);
@@ -142,7 +142,7 @@ namespace {
 
         template <typename Visit> void for_near(const Vec3& p, double radius, const Visit& visit) const
         {
-            const ImageGrid& grid = image_.grid;
+            const mesh::ImageGrid& grid = image_.grid;
             const Vec3 low = grid.index(p.array() - radius), high = grid.index(p.array() + radius);
             for (int k = static_cast<int>(std::ceil(low[2])); k <= high[2]; ++k)
                 for (int j = static_cast<int>(std::ceil(low[1])); j <= high[1]; ++j)
@@ -165,7 +165,7 @@ namespace {
     }
 
     std::vector<std::pair<std::size_t, double>> sternum_targets(const CoarseImage& image, const Cage& cage,
-        const ImageGrid& grid, const std::vector<Label>& labels, Label sternum, bool left, double z)
+        const mesh::ImageGrid& grid, const std::vector<Label>& labels, Label sternum, bool left, double z)
     {
         constexpr double kPerMm = 0.6; // cost of meeting the sternum too high or too low
         std::vector<std::pair<std::size_t, double>> targets;
@@ -190,7 +190,7 @@ namespace {
         std::vector<Label>& labels)
     {
         constexpr double kRod = 4.0, kReach = 7.5; // mm; cartilages are 8 to 12 thick
-        const ImageGrid& grid = image.grid;
+        const mesh::ImageGrid& grid = image.grid;
         const auto mean_hu = [&](int i, int j, int k) {
             int sum = 0;
             for (int n = 0; n < 27; ++n)
@@ -300,4 +300,4 @@ std::vector<CartilagePath> add_cartilages(const WorkingImage& image, const Coars
     return paths;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

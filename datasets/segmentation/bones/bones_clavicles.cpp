@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
@@ -17,7 +17,7 @@ namespace {
 
     class RodTracker {
     public:
-        RodTracker(const ImageGrid& grid, const Mask& bone, const std::vector<Label>& labels, Label may_take)
+        RodTracker(const mesh::ImageGrid& grid, const Mask& bone, const std::vector<Label>& labels, Label may_take)
             : grid_(grid)
             , bone_(bone)
             , labels_(labels)
@@ -58,7 +58,7 @@ namespace {
         }
 
     private:
-        const ImageGrid& grid_;
+        const mesh::ImageGrid& grid_;
         const Mask& bone_;
         const std::vector<Label>& labels_;
         Label may_take_;
@@ -66,7 +66,7 @@ namespace {
 
     /// The rod beside the notch, some way out where nothing else is near.
     std::optional<std::pair<int, Vec3>> start(
-        const RodTracker& tracker, const ImageGrid& grid, const Cage& cage, double side)
+        const RodTracker& tracker, const mesh::ImageGrid& grid, const Cage& cage, double side)
     {
         constexpr double kFrom = 32.0, kTo = 56.0, kWindow = 30.0; // mm
         constexpr double kLeastArea = 50.0, kMostArea = 500.0; // mm2
@@ -90,7 +90,7 @@ namespace {
 
 } // namespace
 
-std::vector<Vec3> seed_clavicle(const ImageGrid& grid, const Mask& bone, const Cage& cage, bool left, Label other,
+std::vector<Vec3> seed_clavicle(const mesh::ImageGrid& grid, const Mask& bone, const Cage& cage, bool left, Label other,
     Label clavicle, const Mask& not_rib, std::vector<Label>& labels)
 {
     constexpr double kFewest = 25.0; // mm2
@@ -158,4 +158,4 @@ std::vector<Vec3> seed_clavicle(const ImageGrid& grid, const Mask& bone, const C
     return line;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

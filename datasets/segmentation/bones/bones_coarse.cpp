@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 CoarseImage coarsened(const BonesInput& input)
 {
     constexpr double kCoarse = 3.0; // mm
-    const ImageGrid& fine = input.image.grid;
+    const mesh::ImageGrid& fine = input.image.grid;
     CoarseImage coarse;
     coarse.factor = std::max(1, static_cast<int>(std::lround(kCoarse / fine.spacing.x())));
     const int f = coarse.factor;
@@ -60,9 +60,9 @@ Eigen::Vector2d MidlinePath::operator()(double z) const
     return point(n) + (s - n) * (point(n + 1) - point(n));
 }
 
-MidlinePath path_of_label(const CoarseImage& image, const LabelVolume& labels, Label label)
+MidlinePath path_of_label(const CoarseImage& image, const mesh::LabelVolume& labels, Label label)
 {
-    const ImageGrid& grid = image.grid;
+    const mesh::ImageGrid& grid = image.grid;
     MidlinePath path;
     path.z0 = grid.origin.z();
     path.dz = grid.spacing.z();
@@ -88,4 +88,4 @@ MidlinePath path_of_label(const CoarseImage& image, const LabelVolume& labels, L
     return path;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

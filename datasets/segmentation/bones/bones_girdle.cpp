@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 void label_girdle(const WorkingImage& image, const Mask& bone, const Cage& cage, const GirdleIds& ids, Label cartilage,
     std::vector<Label>& labels)
 {
     constexpr double kLeastMl = 0.3, kFrontDeg = 95.0,
                      kMargin = 80.0; // degrees; mm from the sternum's tip to the lowest cartilage
-    const ImageGrid& grid = image.grid;
+    const mesh::ImageGrid& grid = image.grid;
     Mask rest(bone.size());
     for (Voxel v = 0; v < bone.size(); ++v)
         rest[v] = (bone[v] && labels[v] == 0) || labels[v] == ids.other;
@@ -55,4 +55,4 @@ void label_girdle(const WorkingImage& image, const Mask& bone, const Cage& cage,
             labels[v] = label_of[static_cast<std::size_t>(pieces.piece_of[v])];
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

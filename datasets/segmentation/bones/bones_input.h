@@ -4,13 +4,13 @@
 #include "datasets/segmentation/image/working_image.h"
 #include "mesh/image/volume.h"
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 struct BonesInput {
     const WorkingImage& image;
     const Mask& body; ///< without table, blankets and leads
     const Mask& lungs; ///< both, airways included
-    const LabelVolume* given = nullptr; ///< on the working grid; bones named in it are taken as they are
+    const mesh::LabelVolume* given = nullptr; ///< on the working grid; bones named in it are taken as they are
 };
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
@@ -90,4 +90,4 @@ Mask bone_mask(const BonesInput& input, const Cage& cage, const std::vector<std:
     return bone;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

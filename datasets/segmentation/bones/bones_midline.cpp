@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
@@ -59,7 +59,7 @@ namespace {
         }
 
     private:
-        ImageGrid grid_;
+        mesh::ImageGrid grid_;
         std::vector<double> sums_;
     };
 
@@ -67,7 +67,7 @@ namespace {
 
     /// The path of best total score with at most one voxel of shift per slice; `score(i, j, k)`.
     template <typename Score>
-    std::vector<std::array<int, 2>> best_path(const ImageGrid& grid, double shift_cost, const Score& score)
+    std::vector<std::array<int, 2>> best_path(const mesh::ImageGrid& grid, double shift_cost, const Score& score)
     {
         const int nx = grid.size[0], ny = grid.size[1], nz = grid.size[2];
         const auto slice = static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny);
@@ -128,7 +128,7 @@ namespace {
     }
 
     MidlinePath smooth_path(
-        const ImageGrid& grid, const std::vector<std::array<int, 2>>& voxels, std::pair<int, int> run)
+        const mesh::ImageGrid& grid, const std::vector<std::array<int, 2>>& voxels, std::pair<int, int> run)
     {
         constexpr int kHalf = 4;
         MidlinePath path;
@@ -150,7 +150,7 @@ namespace {
     }
 
     template <typename Score>
-    MidlinePath find_path(const ImageGrid& grid, double shift_cost, double least, const Score& score)
+    MidlinePath find_path(const mesh::ImageGrid& grid, double shift_cost, double least, const Score& score)
     {
         const auto voxels = best_path(grid, shift_cost, score);
         std::vector<double> scores;
@@ -203,7 +203,7 @@ MidlinePath find_spine(const CoarseImage& image)
     constexpr double kShift = 0.06, kLeast = 0.35;
     const BoneMap bone(image, 9.0); // half a vertebra, discs included
     const LungBox lungs = lung_box(image);
-    const ImageGrid& grid = image.grid;
+    const mesh::ImageGrid& grid = image.grid;
     return find_path(grid, kShift, kLeast, [&](int i, int j, int k) {
         const double x = grid.origin.x() + grid.spacing.x() * i, y = grid.origin.y() + grid.spacing.y() * j;
         if (std::abs(x - lungs.middle_x) > kReachX || y < lungs.middle_y - kReachY || !image.body[grid.offset(i, j, k)])
@@ -223,7 +223,7 @@ MidlinePath find_sternum(const CoarseImage& image, const MidlinePath& spine)
     constexpr double kDeepest = 55.0; // mm under the skin
     constexpr double kShift = 0.05, kLeast = 0.22;
     const BoneMap bone(image, 6.0);
-    const ImageGrid& grid = image.grid;
+    const mesh::ImageGrid& grid = image.grid;
     // First body voxel from the front, per column of each slice.
     std::vector<int> skin(
         static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[2]), grid.size[1]);
@@ -271,4 +271,4 @@ MidlinePath find_sternum(const CoarseImage& image, const MidlinePath& spine)
     return path;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
@@ -100,7 +100,7 @@ namespace {
 } // namespace
 
 void number_ribs(
-    std::vector<RibTrack>& ribs, const Cage& cage, const ImageGrid& grid, std::vector<std::string>& warnings)
+    std::vector<RibTrack>& ribs, const Cage& cage, const mesh::ImageGrid& grid, std::vector<std::string>& warnings)
 {
     std::array<std::vector<RibTrack*>, 2> sides;
     for (RibTrack& rib : ribs) {
@@ -173,4 +173,4 @@ void number_ribs(
                 rib->number = number[n];
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -12,7 +12,7 @@
 #include <map>
 #include <optional>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
@@ -65,7 +65,7 @@ namespace {
     Pieces3 cut(const WorkingImage& image, const std::vector<std::int8_t>& sector)
     {
         constexpr std::size_t kFewest = 4;
-        const ImageGrid& grid = image.grid;
+        const mesh::ImageGrid& grid = image.grid;
         const auto nx = static_cast<Voxel>(grid.size[0]), ny = static_cast<Voxel>(grid.size[1]);
         const Voxel slice = nx * ny;
         Pieces3 result;
@@ -122,7 +122,7 @@ namespace {
         std::vector<std::int8_t>& sector)
     {
         constexpr double kTall = 30.0, kFrontDeg = 100.0; // mm; in front ribs are cut at a slant and are taller
-        const ImageGrid& grid = image.grid;
+        const mesh::ImageGrid& grid = image.grid;
         const auto nx = static_cast<Voxel>(grid.size[0]), ny = static_cast<Voxel>(grid.size[1]);
         const Voxel slice = nx * ny;
         int peeled = 0;
@@ -350,4 +350,4 @@ std::vector<RibTrack> track_ribs(const WorkingImage& image, const Mask& bone, co
     return ribs;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

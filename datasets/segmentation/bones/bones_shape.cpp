@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
@@ -22,7 +22,7 @@ namespace {
         }
     };
 
-    LocalBox local_box(const ImageGrid& grid, const std::vector<Voxel>& voxels, const std::vector<Vec3>& line)
+    LocalBox local_box(const mesh::ImageGrid& grid, const std::vector<Voxel>& voxels, const std::vector<Vec3>& line)
     {
         constexpr int kBorder = 4;
         const auto nx = static_cast<Voxel>(grid.size[0]), ny = static_cast<Voxel>(grid.size[1]);
@@ -87,7 +87,7 @@ namespace {
             box.mask[v] = box.mask[v] | before[v];
     }
 
-    void draw_tube(LocalBox& box, const ImageGrid& grid, const Vec3& a, const Vec3& b, double radius)
+    void draw_tube(LocalBox& box, const mesh::ImageGrid& grid, const Vec3& a, const Vec3& b, double radius)
     {
         const Vec3 low = a.cwiseMin(b).array() - radius, high = a.cwiseMax(b).array() + radius;
         const Vec3 first = grid.index(low), last = grid.index(high);
@@ -108,7 +108,7 @@ namespace {
 
 } // namespace
 
-void make_solid(const ImageGrid& grid, std::vector<Label>& labels, Label label, const std::vector<Vec3>& line,
+void make_solid(const mesh::ImageGrid& grid, std::vector<Label>& labels, Label label, const std::vector<Vec3>& line,
     const std::vector<Label>& yielding)
 {
     constexpr double kTubeRadius = 2.6; // mm: keeps a rib in one piece where the image or a neighbour breaks it
@@ -152,7 +152,8 @@ void make_solid(const ImageGrid& grid, std::vector<Label>& labels, Label label, 
                     labels[grid.offset(i + box.low[0], j + box.low[1], k + box.low[2])] = label;
 }
 
-void keep_largest_pieces(const ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& which, Label rest)
+void keep_largest_pieces(
+    const mesh::ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& which, Label rest)
 {
     const auto nx = static_cast<Voxel>(grid.size[0]), ny = static_cast<Voxel>(grid.size[1]);
     const auto nz = static_cast<Voxel>(grid.size[2]);
@@ -192,8 +193,8 @@ void keep_largest_pieces(const ImageGrid& grid, std::vector<Label>& labels, cons
     }
 }
 
-void part_bones(const ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& giving_way, bool corners,
-    const std::function<bool(Label, Label)>& must_part)
+void part_bones(const mesh::ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& giving_way,
+    bool corners, const std::function<bool(Label, Label)>& must_part)
 {
     Label largest = 0;
     for (const Label l : giving_way)
@@ -224,4 +225,4 @@ void part_bones(const ImageGrid& grid, std::vector<Label>& labels, const std::ve
         labels[v] = 0;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

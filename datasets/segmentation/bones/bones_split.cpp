@@ -6,7 +6,7 @@
 #include <array>
 #include <queue>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 void grow_seeds(const WorkingImage& image, const Mask& bone, const std::vector<std::int16_t>& smooth_hu,
     std::vector<Label>& labels, const std::function<bool(Label, Voxel)>& may_enter)
@@ -49,4 +49,4 @@ void grow_seeds(const WorkingImage& image, const Mask& bone, const std::vector<s
     }
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -14,13 +14,13 @@
 #include <utility>
 #include <vector>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 using Voxel = std::size_t; ///< offset into the working grid
 
 /// The image averaged over blocks of about 3 mm: enough for landmarks, and quick.
 struct CoarseImage {
-    ImageGrid grid;
+    mesh::ImageGrid grid;
     int factor = 1; ///< working voxels per coarse voxel, along each axis
     std::vector<std::int16_t> hu;
     Mask body, lungs;
@@ -45,11 +45,11 @@ MidlinePath find_spine(const CoarseImage& image);
 /// The middle of the breastbone, in front of the spine.
 MidlinePath find_sternum(const CoarseImage& image, const MidlinePath& spine);
 /// The paths of bones that are labelled already.
-MidlinePath path_of_label(const CoarseImage& image, const LabelVolume& labels, Label label);
+MidlinePath path_of_label(const CoarseImage& image, const mesh::LabelVolume& labels, Label label);
 
 /// Where the rib cage is: round the convex hulls of the lungs, slice by slice.
 struct Cage {
-    ImageGrid grid; ///< coarse
+    mesh::ImageGrid grid; ///< coarse
     std::vector<float> outside; ///< mm from the hull, negative inside
     MidlinePath spine, sternum;
     std::vector<double> vertebra_half_width; ///< mm, per coarse slice
@@ -91,7 +91,7 @@ struct RibTrack {
 std::vector<RibTrack> track_ribs(const WorkingImage& image, const Mask& bone, const Cage& cage);
 /// Sorts from top to bottom per side and sets the numbers; explains itself in `warnings`.
 void number_ribs(
-    std::vector<RibTrack>& ribs, const Cage& cage, const ImageGrid& grid, std::vector<std::string>& warnings);
+    std::vector<RibTrack>& ribs, const Cage& cage, const mesh::ImageGrid& grid, std::vector<std::string>& warnings);
 
 /// Seeds grow over the bone, brightest voxels first, so that they meet in the dark seams (joints) between bones.
 /// @param labels in: seeds; out: every voxel of `bone` that was reached. @param may_enter label, voxel -> allowed
@@ -100,15 +100,15 @@ void grow_seeds(const WorkingImage& image, const Mask& bone, const std::vector<s
 
 /// Fills a bone (closing of 2 mm, then holes of the sections), runs a thin tube along its line, keeps the largest
 /// piece. Voxels of other bones are left alone, but the tube takes those of `yielding` ones.
-void make_solid(const ImageGrid& grid, std::vector<Label>& labels, Label label, const std::vector<Vec3>& line = {},
-    const std::vector<Label>& yielding = {});
+void make_solid(const mesh::ImageGrid& grid, std::vector<Label>& labels, Label label,
+    const std::vector<Vec3>& line = {}, const std::vector<Label>& yielding = {});
 /// All but the largest piece of each of these becomes `rest`.
 void keep_largest_pieces(
-    const ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& which, Label rest);
+    const mesh::ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& which, Label rest);
 
 /// Takes from the bones that give way every voxel next to (over corners too, if asked) a bone they must be parted from.
-void part_bones(const ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& giving_way, bool corners,
-    const std::function<bool(Label, Label)>& must_part);
+void part_bones(const mesh::ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& giving_way,
+    bool corners, const std::function<bool(Label, Label)>& must_part);
 
 /// Ids of the shoulder girdle while it is built.
 struct GirdleIds {
@@ -118,7 +118,7 @@ struct GirdleIds {
 /// @param not_rib the bone that is no rib: where it spreads, the clavicle has ended.
 /// Labels a clavicle's core, of voxels that have no label or `other`. Returns points of its middle line, none when
 /// there is no clavicle to be seen.
-std::vector<Vec3> seed_clavicle(const ImageGrid& grid, const Mask& bone, const Cage& cage, bool left, Label other,
+std::vector<Vec3> seed_clavicle(const mesh::ImageGrid& grid, const Mask& bone, const Cage& cage, bool left, Label other,
     Label clavicle, const Mask& not_rib, std::vector<Label>& labels);
 /// Labels what bone is left: shoulder blades, clavicles, the rest.
 void label_girdle(const WorkingImage& image, const Mask& bone, const Cage& cage, const GirdleIds& ids, Label cartilage,
@@ -136,4 +136,4 @@ std::vector<CartilagePath> add_cartilages(const WorkingImage& image, const Coars
     const Mask& bone, const std::vector<std::int16_t>& smooth_hu, const std::vector<RibTrack>& ribs, Label sternum,
     Label cartilage, std::vector<Label>& labels);
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace retractor {
+namespace retractor::datasets {
 
 /// How a structure was found, for the report and the contact sheet.
 struct FoundStructure {
@@ -14,4 +14,4 @@ struct FoundStructure {
     std::string how; ///< one line: "threshold 200 HU, connected to the spine"
 };
 
-} // namespace retractor
+} // namespace retractor::datasets

@@ -16,7 +16,7 @@
 #include <cmath>
 #include <string>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
@@ -390,4 +390,4 @@ std::vector<std::int16_t> median(const Extent& extent, std::span<const std::int1
     return values_of(*filter->GetOutput());
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

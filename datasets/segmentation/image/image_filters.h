@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 /// A grid without its place in the world.
 struct Extent {
@@ -63,4 +63,4 @@ std::vector<std::int16_t> smoothed(const Extent& extent, std::span<const std::in
 /// Median over a box of (2 radius_voxels + 1)^3.
 std::vector<std::int16_t> median(const Extent& extent, std::span<const std::int16_t> values, int radius_voxels);
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

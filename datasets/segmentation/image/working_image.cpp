@@ -9,14 +9,14 @@
 #include <numeric>
 #include <thread>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 namespace {
 
     /// Means of boxes of `factor` voxels; a last box that is not full takes what there is.
-    Volume averaged(const Volume& ct, const std::array<int, 3>& factor, int threads)
+    mesh::Volume averaged(const mesh::Volume& ct, const std::array<int, 3>& factor, int threads)
     {
-        Volume out;
+        mesh::Volume out;
         out.grid = ct.grid;
         for (std::size_t axis = 0; axis < 3; ++axis)
             out.grid.size[axis] = (ct.grid.size[axis] + factor[axis] - 1) / factor[axis];
@@ -49,7 +49,7 @@ namespace {
     }
 
     /// The box of the image in the world, faces of the outer voxels included: its low and its high corner.
-    std::array<Vec3, 2> world_box(const ImageGrid& ct)
+    std::array<Vec3, 2> world_box(const mesh::ImageGrid& ct)
     {
         Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
         Vec3 high = -low;
@@ -66,10 +66,10 @@ namespace {
     /// Voxels along an axis; a double, since a caller may ask for more than an int can count.
     double voxels_along(double length, double spacing_mm) { return std::max(1.0, std::round(length / spacing_mm)); }
 
-    ImageGrid world_grid(const ImageGrid& ct, double spacing_mm)
+    mesh::ImageGrid world_grid(const mesh::ImageGrid& ct, double spacing_mm)
     {
         const auto [low, high] = world_box(ct);
-        ImageGrid grid;
+        mesh::ImageGrid grid;
         grid.spacing = Vec3::Constant(spacing_mm);
         for (int axis = 0; axis < 3; ++axis) {
             const double length = high[axis] - low[axis];
@@ -81,7 +81,7 @@ namespace {
     }
 
     /// Trilinear; the outer half voxel takes the border's value.
-    std::int16_t sample(const Volume& ct, const Vec3& at)
+    std::int16_t sample(const mesh::Volume& ct, const Vec3& at)
     {
         constexpr double kRound = 1e-6; // of a voxel: a grid's own faces are inside
         std::array<int, 3> cell {};
@@ -197,7 +197,7 @@ void for_planes(int count, int threads, const std::function<void(int)>& work)
         std::rethrow_exception(failure);
 }
 
-double working_voxels(const ImageGrid& ct, double spacing_mm)
+double working_voxels(const mesh::ImageGrid& ct, double spacing_mm)
 {
     const auto [low, high] = world_box(ct);
     double count = 1.0;
@@ -206,7 +206,7 @@ double working_voxels(const ImageGrid& ct, double spacing_mm)
     return count;
 }
 
-WorkingImage working_image(const Volume& ct, double spacing_mm, int threads)
+WorkingImage working_image(const mesh::Volume& ct, double spacing_mm, int threads)
 {
     std::array<int, 3> factor { 1, 1, 1 };
     for (int axis = 0; axis < 3; ++axis)
@@ -214,8 +214,8 @@ WorkingImage working_image(const Volume& ct, double spacing_mm, int threads)
         factor[static_cast<std::size_t>(axis)]
             = std::max(1, static_cast<int>(std::floor(spacing_mm / ct.grid.spacing[axis] + 0.3)));
     const bool finer = factor != std::array<int, 3> { 1, 1, 1 };
-    const Volume coarse = finer ? averaged(ct, factor, threads) : Volume {};
-    const Volume& source = finer ? coarse : ct;
+    const mesh::Volume coarse = finer ? averaged(ct, factor, threads) : mesh::Volume {};
+    const mesh::Volume& source = finer ? coarse : ct;
     WorkingImage image;
     image.grid = world_grid(ct.grid, spacing_mm);
     image.hu.resize(image.grid.voxel_count());
@@ -363,4 +363,4 @@ Mask small_holes_filled(const Extent& extent, const Mask& mask, double most_mm2)
     return out;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -10,13 +10,13 @@
 #include <functional>
 #include <vector>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 
 inline constexpr std::int16_t kOutsideHu = -1024; ///< what the scanner did not see
 
 /// What the steps share: the CT on the working grid, whose axes are patient LPS (direction is the identity).
 struct WorkingImage {
-    ImageGrid grid;
+    mesh::ImageGrid grid;
     std::vector<std::int16_t> hu;
 
     Extent extent() const { return { grid.size, { grid.spacing.x(), grid.spacing.y(), grid.spacing.z() } }; }
@@ -24,11 +24,11 @@ struct WorkingImage {
 
 /// The CT on an even grid over its box in the world. Voxels finer than the grid are averaged first, so that noise and
 /// thin layers are not lost between samples; outside the CT is kOutsideHu.
-WorkingImage working_image(const Volume& ct, double spacing_mm, int threads);
+WorkingImage working_image(const mesh::Volume& ct, double spacing_mm, int threads);
 
 /// How many voxels working_image() would have: those of the box along the world's axes round the CT, which for a turned
 /// CT is larger than the CT's own.
-double working_voxels(const ImageGrid& ct, double spacing_mm);
+double working_voxels(const mesh::ImageGrid& ct, double spacing_mm);
 
 /// Calls work(k) for k in [0, count), from several threads. When a call throws, no further ones begin, and the first
 /// exception comes out here.
@@ -79,4 +79,4 @@ std::vector<Value> fine_values(const Extent& extent, const std::vector<Value>& c
     return out;
 }
 
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <string>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -520,4 +520,4 @@ double SweptBlade::length() const { return along_[along_.size() - 2]; }
 double SweptBlade::depth() const { return blade_.depth_mm; }
 const TriMesh& SweptBlade::surface() const { return surface_; }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -9,7 +9,7 @@
 #include <array>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// A cutting line on the skin and how the blade goes in from it.
 struct Blade {
@@ -108,4 +108,4 @@ private:
     double reach_squared_ = 0.0; ///< of the extended surface's diagonal, mm^2
 };
 
-} // namespace retractor
+} // namespace retractor::mesh

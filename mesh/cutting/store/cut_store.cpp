@@ -4,7 +4,7 @@
 #include <map>
 #include <span>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
     template <class Slot> bool by_id(const SlotChange<Slot>& a, const SlotChange<Slot>& b) { return a.id < b.id; }
@@ -577,4 +577,4 @@ void CutStore::apply(const CutRecord& record, bool forward)
     put(free_tets_, record.free_tets);
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// Which wound a face of an element belongs to; cut < 0: none.
 struct LipTag {
@@ -220,4 +220,4 @@ private:
     SlotCounts before_;
 };
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -1,6 +1,6 @@
 #include "mesh/cutting/store/cut_types.h"
 
-namespace retractor {
+namespace retractor::mesh {
 
 double CutReport::mean_increase() const
 {
@@ -21,4 +21,4 @@ MeshDelta inverse(const MeshDelta& delta)
     return back;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

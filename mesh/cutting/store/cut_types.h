@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// Everything that one cut changed, in the order: vertices born, vertices moved, tets gone, tets born, vertices
 /// gone. A vertex may be born and then moved (onto the curve where the blade ends).
@@ -126,4 +126,4 @@ struct [[nodiscard]] CutResult {
     CutReport report;
 };
 
-} // namespace retractor
+} // namespace retractor::mesh

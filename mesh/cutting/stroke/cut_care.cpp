@@ -6,7 +6,7 @@
 #include <sstream>
 #include <utility>
 
-namespace retractor {
+namespace retractor::mesh {
 
 BrokenPromise::BrokenPromise(Kind kind, const std::string& what, std::string where)
     : SolverError(what, std::move(where))
@@ -58,4 +58,4 @@ BrokenPromise given_up(const BrokenPromise& broken, int attempts)
     return { broken.kind(), broken.what() + tried + "; try another blade", broken.where() };
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

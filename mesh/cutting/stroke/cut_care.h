@@ -8,7 +8,7 @@
 
 #include <string>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// What makes a stroke more conservative than its options.
 struct StrokeCare {
@@ -58,4 +58,4 @@ std::string promise_broken(const std::string& would, double most, const std::str
 /// is as it is: it says already what to change, and no further attempt was made.
 BrokenPromise given_up(const BrokenPromise& broken, int attempts);
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -14,7 +14,7 @@
 #include <sstream>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -208,4 +208,4 @@ void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left,
     }
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -9,7 +9,7 @@
 #include <functional>
 #include <span>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// An element that the blade is seen to cross though the stroke is done.
 struct CrossedStill {
@@ -33,4 +33,4 @@ double wound_edge(const StrokeState& stroke);
 void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, const StrokeCare& care, double from,
     double to, const std::function<void()>& poll);
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
     /// Sorts three corners; -1 when that takes an odd permutation, else 1.
@@ -93,4 +93,4 @@ void CutFaces::bisect(const EdgeKey& edge, VertexId m)
     }
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -9,7 +9,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 class CutFaces {
 public:
@@ -39,4 +39,4 @@ private:
     std::unordered_map<VertexId, std::vector<FaceKey>> around_; // looked up only, never walked
 };
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -1,7 +1,7 @@
 #include "mesh/cutting/stroke/cut_flips.h"
 
-#include "mesh/cutting/stroke/cut_moves.h"
 #include "mesh/base/triangle.h"
+#include "mesh/cutting/stroke/cut_moves.h"
 
 #include <Eigen/Geometry>
 
@@ -10,7 +10,7 @@
 #include <cmath>
 #include <map>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -332,4 +332,4 @@ std::vector<TetId> make_flip(CutStore& store, const Flip& flip)
     return tets;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -6,13 +6,13 @@
 // Ollivier-Gooch 1997] and [Klincsek 1980, in Shewchuk 2002, "Two discrete optimization algorithms for the topological
 // improvement of tetrahedral meshes"]. Units mm.
 
-#include "mesh/cutting/stroke/cut_marks.h"
 #include "mesh/cutting/store/cut_store.h"
+#include "mesh/cutting/stroke/cut_marks.h"
 
 #include <optional>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// Longer rings have too many triangulations to be worth it, and hardly ever give better elements.
 inline constexpr std::size_t kMostRing = 7;
@@ -42,4 +42,4 @@ std::vector<TetId> make_flip(CutStore& store, const Flip& flip);
 /// Volume (mm^3) that two elements share.
 double shared_volume(const std::array<Vec3, 4>& a, const std::array<Vec3, 4>& b);
 
-} // namespace retractor
+} // namespace retractor::mesh

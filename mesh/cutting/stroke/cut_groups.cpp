@@ -8,7 +8,7 @@
 #include <span>
 #include <utility>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -86,4 +86,4 @@ Groups groups_round(const EdgeKey& edge, const CutStore& store, const CutFaces& 
     return groups_of_star(core, store.star(edge.first, edge.second), store, cut);
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -1,12 +1,12 @@
 #pragma once
 // What hangs together round a vertex or an edge, once some faces are cut.
 
-#include "mesh/cutting/stroke/cut_faces.h"
 #include "mesh/cutting/store/cut_store.h"
+#include "mesh/cutting/stroke/cut_faces.h"
 
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// Elements by id; groups by their first element.
 using Groups = std::vector<std::vector<TetId>>;
@@ -15,4 +15,4 @@ using Groups = std::vector<std::vector<TetId>>;
 Groups groups_round(VertexId v, const CutStore& store, const CutFaces& cut);
 Groups groups_round(const EdgeKey& edge, const CutStore& store, const CutFaces& cut);
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -1,8 +1,8 @@
 #include "mesh/cutting/stroke/cut_improve.h"
 
 #include "mesh/base/disjoint_sets.h"
-#include "mesh/cutting/stroke/cut_flips.h"
 #include "mesh/base/triangle.h"
+#include "mesh/cutting/stroke/cut_flips.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -14,7 +14,7 @@
 #include <optional>
 #include <unordered_map>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -697,4 +697,4 @@ namespace {
 
 void improve_near_blade(StrokeState& stroke) { Improver(stroke).run(); }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -7,9 +7,9 @@
 
 #include "mesh/cutting/stroke/cut_moves.h"
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// Works on the elements round the blade whose smallest dihedral angle is below CutOptions::improve_below_deg.
 void improve_near_blade(StrokeState& stroke);
 
-} // namespace retractor
+} // namespace retractor::mesh

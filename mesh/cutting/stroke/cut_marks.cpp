@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
     /// Root finding stops here, as a share of the blade's size: above the round-off of coordinates of some hundred mm.
@@ -191,4 +191,4 @@ void BladeMarks::forget(VertexId v, std::span<const VertexId> neighbours)
 
 void BladeMarks::forget(const EdgeKey& edge) { crossings_.erase(key_of(edge)); }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -6,9 +6,9 @@
 // of the distance; blade_predicates_test.cpp compares both with CGAL's exact predicate on straight, kinked, twisted and
 // round blades, at creases, ends and front). Units mm.
 
+#include "mesh/base/keyed_slots.h"
 #include "mesh/cutting/store/blade.h"
 #include "mesh/cutting/store/cut_store.h"
-#include "mesh/base/keyed_slots.h"
 
 #include <array>
 #include <cstdint>
@@ -18,7 +18,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 using FaceKey = std::array<VertexId, 3>; ///< sorted
 using EdgeKey = std::pair<VertexId, VertexId>; ///< sorted
@@ -170,4 +170,4 @@ template <class F> double find_root(F&& f, double f0, double f1, double toleranc
     return best;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

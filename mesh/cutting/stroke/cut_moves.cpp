@@ -1,7 +1,7 @@
 #include "mesh/cutting/stroke/cut_moves.h"
 
-#include "mesh/cutting/stroke/cut_care.h"
 #include "mesh/base/triangle.h"
+#include "mesh/cutting/stroke/cut_care.h"
 
 #include <Eigen/Geometry>
 
@@ -12,7 +12,7 @@
 #include <numbers>
 #include <string>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
     /// A moved vertex leaves each element round it at least this share of its volume.
@@ -411,4 +411,4 @@ bool move_to_best(StrokeState& stroke, VertexId v, std::span<const Vec3> candida
     return false;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

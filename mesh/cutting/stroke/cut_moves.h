@@ -2,9 +2,9 @@
 // Moving vertices near a blade without doing harm: what holds a vertex (surfaces, interfaces, earlier wounds, the blade
 // itself) and what a move does to the elements round it. Units mm.
 
+#include "mesh/cutting/store/cut_types.h"
 #include "mesh/cutting/stroke/cut_faces.h"
 #include "mesh/cutting/stroke/cut_groups.h"
-#include "mesh/cutting/store/cut_types.h"
 
 #include <array>
 #include <cstdint>
@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// A face on the blade with elements on both its sides.
 struct BladeFace {
@@ -153,4 +153,4 @@ void carry_surface(StrokeState& stroke, VertexId v, double deviation);
 /// Moves v and forgets what was known of it. For callers that have checked.
 void move_checked(StrokeState& stroke, VertexId v, const Vec3& to, std::span<const TetId> star, double deviation);
 
-} // namespace retractor
+} // namespace retractor::mesh

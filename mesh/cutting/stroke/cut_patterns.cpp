@@ -7,7 +7,7 @@
 #include <set>
 #include <tuple>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -552,4 +552,4 @@ std::vector<TetId> crossed_elements(const TetMesh& mesh, const SweptBlade& blade
     return crossed;
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -43,13 +43,13 @@
 // section on faces: such elements are closed like neighbours, and what the blade still crosses is bisected. The same
 // holds of 1:17 where a blade twists so much within an element that parts of it would be turned over.
 
-#include "mesh/cutting/stroke/cut_moves.h"
 #include "mesh/cutting/store/cut_types.h"
+#include "mesh/cutting/stroke/cut_moves.h"
 
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// Is there more to it than bisecting crossed edges?
 constexpr bool has_own_patterns(Subdivision subdivision)
@@ -64,4 +64,4 @@ void divide_by_pattern(StrokeState& stroke, std::span<const TetId> crossed);
 /// The elements that a blade crosses before anything is moved, by id: what increases are counted against.
 std::vector<TetId> crossed_elements(const TetMesh& mesh, const SweptBlade& blade);
 
-} // namespace retractor
+} // namespace retractor::mesh

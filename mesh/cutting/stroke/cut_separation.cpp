@@ -1,8 +1,8 @@
 #include "mesh/cutting/stroke/cut_separation.h"
 
+#include "mesh/base/triangle.h"
 #include "mesh/cutting/stroke/cut_care.h"
 #include "mesh/cutting/stroke/cut_groups.h"
-#include "mesh/base/triangle.h"
 
 #include <Eigen/Geometry>
 
@@ -13,7 +13,7 @@
 #include <optional>
 #include <utility>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -522,4 +522,4 @@ void separate(StrokeState& stroke, int cut_number)
     check_lips(stroke.store, parted, cut_number);
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

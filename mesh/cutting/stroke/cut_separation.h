@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// All faces with every corner on the blade and elements on different sides of it, but those that their corners show
 /// to be beyond a border.
@@ -29,4 +29,4 @@ bool keeps_volume(const CutStore& store, const EdgeKey& edge, const Vec3& p, dou
 /// @throws SolverError when the lips would hang together along an edge.
 void separate(StrokeState& stroke, int cut_number);
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -1,13 +1,13 @@
 #include "mesh/cutting/stroke/cut_stroke.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/triangle.h"
 #include "mesh/cutting/stroke/cut_care.h"
 #include "mesh/cutting/stroke/cut_extent.h"
 #include "mesh/cutting/stroke/cut_improve.h"
 #include "mesh/cutting/stroke/cut_moves.h"
 #include "mesh/cutting/stroke/cut_patterns.h"
 #include "mesh/cutting/stroke/cut_separation.h"
-#include "mesh/base/triangle.h"
 
 #include <Eigen/Geometry>
 
@@ -16,7 +16,7 @@
 #include <limits>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::mesh {
 
 namespace {
 
@@ -733,4 +733,4 @@ CutResult cut_stroke(CutStore& store, const SweptBlade& blade, const CutOptions&
     }
 }
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -3,13 +3,13 @@
 
 #include "mesh/base/job.h"
 #include "mesh/cutting/store/blade.h"
-#include "mesh/cutting/stroke/cut_care.h"
 #include "mesh/cutting/store/cut_store.h"
 #include "mesh/cutting/store/cut_types.h"
+#include "mesh/cutting/stroke/cut_care.h"
 
 #include <map>
 
-namespace retractor {
+namespace retractor::mesh {
 
 /// How far (mm) the moves of a vertex carried its surfaces away so far.
 using SurfaceDrift = std::map<VertexId, double>;
@@ -36,4 +36,4 @@ struct StrokeRest {
 CutResult cut_stroke(CutStore& store, const SweptBlade& blade, const CutOptions& options, int cut_number,
     const Job& job, const StrokeStep& step = {}, StrokeRest* rest = nullptr);
 
-} // namespace retractor
+} // namespace retractor::mesh

@@ -21,7 +21,7 @@
 #include <optional>
 #include <set>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
@@ -37,13 +37,14 @@ namespace {
 
     struct CutModel {
         const char* name;
-        Subdivision subdivision;
+        mesh::Subdivision subdivision;
         int patterns;
         double source; ///< mean increase in the source's Table 1
     };
-    constexpr std::array<CutModel, 4> kModels { { { "adaptive", Subdivision::adaptive, 2, 4.8 },
-        { "intermediate", Subdivision::intermediate_11, 11, 5.6 },
-        { "intermediate", Subdivision::intermediate_5, 5, 8.6 }, { "general", Subdivision::general, 1, 16.0 } } };
+    constexpr std::array<CutModel, 4> kModels { { { "adaptive", mesh::Subdivision::adaptive, 2, 4.8 },
+        { "intermediate", mesh::Subdivision::intermediate_11, 11, 5.6 },
+        { "intermediate", mesh::Subdivision::intermediate_5, 5, 8.6 },
+        { "general", mesh::Subdivision::general, 1, 16.0 } } };
 
     /// Which of the values is their percentile.
     std::size_t percentile_at(const std::vector<double>& values, double share)
@@ -59,9 +60,9 @@ namespace {
         return 1e3 * watch.seconds();
     }
 
-    void must_be_done(const CutResult& result)
+    void must_be_done(const mesh::CutResult& result)
     {
-        if (result.status != CutStatus::done)
+        if (result.status != mesh::CutStatus::done)
             throw SolverError("the bench's cut was not made: " + result.message);
     }
 
@@ -74,10 +75,10 @@ namespace {
     };
 
     /// @pre the first cut of its session: every element is its own origin before it.
-    Increase increase_of(const MeshDelta& delta, const std::vector<TetId>& crossed)
+    Increase increase_of(const mesh::MeshDelta& delta, const std::vector<TetId>& crossed)
     {
         std::map<TetId, std::size_t> parts;
-        for (const MeshDelta::Tet& tet : delta.tets_born)
+        for (const mesh::MeshDelta::Tet& tet : delta.tets_born)
             ++parts[tet.origin];
         const auto n = static_cast<double>(std::max<std::size_t>(1, crossed.size()));
         Increase sum;
@@ -98,9 +99,9 @@ namespace {
     struct Row {
         const CutModel* model = nullptr;
         std::string mesh;
-        CutReport report;
-        CutReport freehand; ///< of the same stroke in steps, as a whole
-        CutReport hand, hand_at_once; ///< of the stroke drawn by hand: in steps, and in one cut
+        mesh::CutReport report;
+        mesh::CutReport freehand; ///< of the same stroke in steps, as a whole
+        mesh::CutReport hand, hand_at_once; ///< of the stroke drawn by hand: in steps, and in one cut
         std::vector<double> hand_step_cpu_ms;
         Increase increase;
         std::size_t surface_faces = 0; ///< shown anew by the stroke
@@ -110,10 +111,10 @@ namespace {
     };
 
     /// In one stroke.
-    void measure_stroke(Row& row, CutSession& session, SurfaceFollower& surface, const BenchBody& body,
-        const CutOptions& options, const std::vector<TetId>& crossed)
+    void measure_stroke(Row& row, mesh::CutSession& session, mesh::SurfaceFollower& surface, const BenchBody& body,
+        const mesh::CutOptions& options, const std::vector<TetId>& crossed)
     {
-        CutResult result;
+        mesh::CutResult result;
         const CpuWatch cpu;
         row.stroke_ms.push_back(milliseconds([&] { result = session.cut(body.blade, options); }));
         row.stroke_cpu_ms.push_back(cpu.milliseconds());
@@ -122,22 +123,22 @@ namespace {
         row.increase = increase_of(result.delta, crossed);
         row.surface_stroke_ms.push_back(milliseconds([&] { surface.follow(result.delta); }));
         row.surface_faces = surface.changed().size();
-        MeshDelta back;
+        mesh::MeshDelta back;
         row.undo_ms.push_back(milliseconds([&] { back = session.undo(); }));
         surface.follow(back);
     }
 
     /// As the hand moves.
-    void measure_freehand(
-        Row& row, CutSession& session, SurfaceFollower& surface, const BenchBody& body, const CutOptions& options)
+    void measure_freehand(Row& row, mesh::CutSession& session, mesh::SurfaceFollower& surface, const BenchBody& body,
+        const mesh::CutOptions& options)
     {
-        CutResult result;
+        mesh::CutResult result;
         const auto follow = [&] {
             must_be_done(result);
             return milliseconds([&] { surface.follow(result.delta); });
         };
         for (std::size_t points = 2; points <= body.blade.line.size(); ++points) {
-            const Blade drawn = beginning(body.blade, points);
+            const mesh::Blade drawn = beginning(body.blade, points);
             const CpuWatch cpu;
             row.step_ms.push_back(milliseconds([&] { result = session.extend_stroke(drawn, options); }));
             row.step_cpu_ms.push_back(cpu.milliseconds());
@@ -151,10 +152,10 @@ namespace {
     }
 
     /// As the hand draws: the line bends and the directions turn.
-    void measure_drawn(Row& row, CutSession& session, const BenchBody& body, const CutOptions& options)
+    void measure_drawn(Row& row, mesh::CutSession& session, const BenchBody& body, const mesh::CutOptions& options)
     {
-        const Blade hand = drawn_by_hand(body.blade);
-        CutResult result = session.cut(hand, options);
+        const mesh::Blade hand = drawn_by_hand(body.blade);
+        mesh::CutResult result = session.cut(hand, options);
         must_be_done(result);
         row.hand_at_once = result.report;
         (void)session.undo();
@@ -169,21 +170,22 @@ namespace {
         (void)session.undo();
     }
 
-    Row run_row(CutSession& session, SurfaceFollower& surface, const BenchBody& body, const CutModel& model,
+    Row run_row(mesh::CutSession& session, mesh::SurfaceFollower& surface, const BenchBody& body, const CutModel& model,
         const std::vector<TetId>& crossed, int repeats, const Job& job)
     {
         Row row;
         row.model = &model;
         row.mesh = body.name;
-        CutOptions options;
+        mesh::CutOptions options;
         options.subdivision = model.subdivision;
         options.uncut_labels = body.uncut_labels;
         for (int i = 0; i < repeats && !job.cancelled(); ++i) {
             measure_stroke(row, session, surface, body, options, crossed);
-            if (model.subdivision == Subdivision::adaptive || i == 0) // the others are for the comparison of strokes
+            if (model.subdivision == mesh::Subdivision::adaptive
+                || i == 0) // the others are for the comparison of strokes
                 measure_freehand(row, session, surface, body, options);
         }
-        if (model.subdivision == Subdivision::adaptive && !job.cancelled())
+        if (model.subdivision == mesh::Subdivision::adaptive && !job.cancelled())
             measure_drawn(row, session, body, options);
         return row;
     }
@@ -194,17 +196,17 @@ namespace {
         return row.step_crossed.empty() ? 0 : row.step_crossed[percentile_at(row.step_cpu_ms, 0.95)];
     }
 
-    Json as_json(const CutReport& r)
+    ui::cli::Json as_json(const mesh::CutReport& r)
     {
         return { { "cut_elements", r.tets_crossed }, { "mean_increase", r.mean_increase() },
             { "min_dihedral_deg", r.worst_dihedral_deg }, { "p01_dihedral_deg", r.p01_dihedral_deg },
             { "lip_to_blade_max", r.lip_to_blade } };
     }
 
-    Json as_json(const Row& row)
+    ui::cli::Json as_json(const Row& row)
     {
-        const CutReport& r = row.report;
-        Json json { { "model", row.model->name }, { "patterns", row.model->patterns }, { "mesh", row.mesh },
+        const mesh::CutReport& r = row.report;
+        ui::cli::Json json { { "model", row.model->name }, { "patterns", row.model->patterns }, { "mesh", row.mesh },
             { "tets", r.tets_before }, { "cut_elements", r.tets_crossed }, { "mean_increase", r.mean_increase() },
             { "made_per_cut_element", row.increase.all_made },
             { "mean_increase_of_cut_elements", row.increase.crossed_after_minus_before },
@@ -244,9 +246,9 @@ namespace {
     std::vector<Row> severing_rows()
     {
         const BenchBody body = bench_box_severed();
-        const std::vector<TetId> crossed = crossed_elements(body.mesh, SweptBlade(body.blade));
-        SurfaceFollower surface(body.mesh);
-        CutSession session(body.mesh);
+        const std::vector<TetId> crossed = mesh::crossed_elements(body.mesh, mesh::SweptBlade(body.blade));
+        mesh::SurfaceFollower surface(body.mesh);
+        mesh::CutSession session(body.mesh);
         std::vector<Row> rows;
         for (const CutModel& model : kModels) {
             Row row;
@@ -267,7 +269,7 @@ namespace {
 
     std::string subdivision_line(const Row& row)
     {
-        const CutReport& r = row.report;
+        const mesh::CutReport& r = row.report;
         return line("%-16s %-7s %8zu %6zu %8.2f %8.2f %9.2f %8.2f %10.1f %8.1f %6.1f %6.1f %9.3f %9.2f\n",
             model_name(*row.model).c_str(), row.mesh.c_str(), r.tets_before, r.tets_crossed, r.mean_increase(),
             row.increase.crossed_after_minus_before, row.increase.all_made, row.increase.crossed_made,
@@ -307,7 +309,7 @@ namespace {
 
     std::string freehand_line(const Row& row)
     {
-        const CutReport &r = row.report, &f = row.freehand, &o = row.hand_at_once, &h = row.hand;
+        const mesh::CutReport &r = row.report, &f = row.freehand, &o = row.hand_at_once, &h = row.hand;
         return line("%-7s %6.2f %6.2f %7.2f %6.2f %6.1f %6.1f %7.1f %6.1f %8.3f %6.3f %6.2f %6.2f\n", row.mesh.c_str(),
             r.mean_increase(), f.mean_increase(), o.mean_increase(), h.mean_increase(), r.worst_dihedral_deg,
             f.worst_dihedral_deg, o.worst_dihedral_deg, h.worst_dihedral_deg, r.lip_to_blade, h.lip_to_blade,
@@ -318,7 +320,7 @@ namespace {
     const Row* adaptive(const std::vector<Row>& rows, const std::string& mesh)
     {
         for (const Row& row : rows)
-            if (row.mesh == mesh && row.model->subdivision == Subdivision::adaptive)
+            if (row.mesh == mesh && row.model->subdivision == mesh::Subdivision::adaptive)
                 return &row;
         return nullptr;
     }
@@ -371,7 +373,7 @@ namespace {
     {
         std::vector<const Row*> boxes;
         for (const Row& row : rows)
-            if (row.model->subdivision == Subdivision::adaptive && row.mesh != "thorax")
+            if (row.model->subdivision == mesh::Subdivision::adaptive && row.mesh != "thorax")
                 boxes.push_back(&row);
         std::vector<Target> all {
             worst_of(
@@ -408,9 +410,9 @@ namespace {
         return text;
     }
 
-    Json as_json(const std::vector<Target>& all)
+    ui::cli::Json as_json(const std::vector<Target>& all)
     {
-        Json json = Json::array();
+        ui::cli::Json json = ui::cli::Json::array();
         for (const Target& t : all)
             json.push_back({ { "target", t.name }, { "value", t.value }, { "asked", t.bound },
                 { "sense", t.at_least ? ">=" : "<=" }, { "mesh", t.where }, { "met", t.met() } });
@@ -433,10 +435,10 @@ namespace {
         const BenchBody body = bench_box("12k");
         std::vector<PicturedCut> pictured;
         for (const CutModel& model : kModels) {
-            CutOptions options;
+            mesh::CutOptions options;
             options.subdivision = model.subdivision;
-            CutMesh made = cut(body.mesh, body.blade, options);
-            const CutReport& r = made.report;
+            mesh::CutMesh made = cut(body.mesh, body.blade, options);
+            const mesh::CutReport& r = made.report;
             pictured.push_back({ std::string(model.name) + ": " + std::to_string(model.patterns)
                     + (model.patterns == 1 ? " pattern" : " patterns"),
                 { line("mean increase %.2f, worst angle %.1f deg", r.mean_increase(), r.worst_dihedral_deg) },
@@ -447,9 +449,9 @@ namespace {
 
     void measure_body(std::vector<Row>& rows, const BenchBody& body, int repeats, const Job& job)
     {
-        const std::vector<TetId> crossed = crossed_elements(body.mesh, SweptBlade(body.blade));
-        SurfaceFollower surface(body.mesh);
-        CutSession session(body.mesh);
+        const std::vector<TetId> crossed = mesh::crossed_elements(body.mesh, mesh::SweptBlade(body.blade));
+        mesh::SurfaceFollower surface(body.mesh);
+        mesh::CutSession session(body.mesh);
         for (const CutModel& model : kModels)
             if (!job.cancelled())
                 rows.push_back(run_row(session, surface, body, model, crossed, repeats, job));
@@ -457,10 +459,10 @@ namespace {
 
 } // namespace
 
-Outcome bench_cut(const CutBenchOptions& options, const Job& job)
+ui::cli::Outcome bench_cut(const CutBenchOptions& options, const Job& job)
 {
     const Stopwatch watch;
-    Outcome outcome;
+    ui::cli::Outcome outcome;
     std::vector<Row> rows;
     const std::vector<std::string> names = body_names(options);
     for (std::size_t i = 0; i < names.size() && !job.cancelled(); ++i) {
@@ -470,7 +472,7 @@ Outcome bench_cut(const CutBenchOptions& options, const Job& job)
         else
             measure_body(rows, bench_box(names[i]), options.repeats, job);
     }
-    Json results = Json::array(), severing = Json::array();
+    ui::cli::Json results = ui::cli::Json::array(), severing = ui::cli::Json::array();
     std::string times = kTimeHeading, freehand = kFreehandHeading;
     outcome.text = kSubdivisionHeading;
     for (const Row& row : severing_rows()) {
@@ -480,7 +482,7 @@ Outcome bench_cut(const CutBenchOptions& options, const Job& job)
     for (const Row& row : rows) {
         results.push_back(as_json(row));
         outcome.text += subdivision_line(row);
-        if (row.model->subdivision == Subdivision::adaptive) {
+        if (row.model->subdivision == mesh::Subdivision::adaptive) {
             times += time_line(row);
             freehand += freehand_line(row);
         }
@@ -495,7 +497,7 @@ Outcome bench_cut(const CutBenchOptions& options, const Job& job)
     }
     const std::vector<Target> judged = targets(rows);
     outcome.document["targets"] = as_json(judged);
-    const Outcome gape = bench_gape({ .quick = true, .out = {} }, job);
+    const ui::cli::Outcome gape = bench_gape({ .quick = true, .out = {} }, job);
     outcome.document["gape"] = gape.document["results"];
     outcome.document["seconds"] = watch.seconds();
     outcome.document["wall_over_processor_time"] = busy(rows);
@@ -504,7 +506,7 @@ Outcome bench_cut(const CutBenchOptions& options, const Job& job)
         outcome.text
             += line("The machine did other things too: wall time was %.2f times processor time.\n", busy(rows));
     if (!options.out.empty()) {
-        make_folder(options.out);
+        ui::cli::make_folder(options.out);
         const std::filesystem::path folder = options.out;
         write_picture(folder / "bench_cut.png");
         write_file_atomically(folder / "bench_cut.json", outcome.document.dump(2) + "\n");
@@ -513,4 +515,4 @@ Outcome bench_cut(const CutBenchOptions& options, const Job& job)
     return outcome;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -4,7 +4,7 @@
 
 #include "ui/cli/framework/command.h"
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 struct CutBenchOptions {
     int repeats = 5; ///< strokes per row, each undone again; times are medians over them
@@ -14,6 +14,6 @@ struct CutBenchOptions {
 };
 
 /// Every body once in one stroke and once freehand in steps of 5 mm; every subdivision.
-Outcome bench_cut(const CutBenchOptions& options, const Job& job);
+ui::cli::Outcome bench_cut(const CutBenchOptions& options, const Job& job);
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -11,7 +11,7 @@
 #include <set>
 #include <utility>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
@@ -20,12 +20,12 @@ namespace {
     constexpr double kMargin = 1.12; ///< of the lip's length, left and right together
     constexpr double kLookDownDeg = 30.0; ///< the camera sees some of the skin
 
-    Vec3 at(const TetMesh& mesh, VertexId v) { return mesh.vertices.row(v).transpose(); }
+    Vec3 at(const mesh::TetMesh& mesh, VertexId v) { return mesh.vertices.row(v).transpose(); }
 
     /// The elements on the blade's positive side, with their boundary.
-    TriMesh lip_and_elements(const CutMesh& cut, const TetMesh& before, const SweptBlade& blade)
+    TriMesh lip_and_elements(const mesh::CutMesh& cut, const mesh::TetMesh& before, const mesh::SweptBlade& blade)
     {
-        TetMesh part;
+        mesh::TetMesh part;
         part.vertices = cut.mesh.vertices;
         std::vector<TetId> kept;
         for (TetId t = 0; t < static_cast<TetId>(cut.mesh.tet_count()); ++t) {
@@ -44,19 +44,19 @@ namespace {
             kept.push_back(t);
         }
         std::set<std::pair<TetId, int>> lips;
-        for (const LipFace& lip : cut.lips)
+        for (const mesh::LipFace& lip : cut.lips)
             lips.emplace(lip.face.tet, lip.face.corner);
         TriMesh shown;
         shown.vertices = part.vertices;
-        for (const TetFace& face : boundary_faces(part)) {
-            shown.triangles.push_back(face_vertices(part, face));
+        for (const mesh::TetFace& face : mesh::boundary_faces(part)) {
+            shown.triangles.push_back(mesh::face_vertices(part, face));
             const bool lip = lips.contains({ kept[static_cast<std::size_t>(face.tet)], face.corner });
             shown.labels.push_back(lip ? kLip : part.labels[static_cast<std::size_t>(face.tet)]);
         }
         return shown;
     }
 
-    Camera camera_on(const SweptBlade& blade)
+    ui::Camera camera_on(const mesh::SweptBlade& blade)
     {
         const double length = blade.length(), depth = blade.depth();
         const Vec3 middle = blade.at(0.5 * length, 0.5 * depth);
@@ -66,7 +66,7 @@ namespace {
         if (blade.coordinates(middle + to_minus).side > 0.0)
             to_minus = -to_minus;
         const double tilt = kLookDownDeg * std::numbers::pi / 180.0;
-        Camera camera;
+        ui::Camera camera;
         camera.aim = middle;
         camera.eye = middle + 4.0 * length * (std::cos(tilt) * to_minus + std::sin(tilt) * up);
         camera.up = up;
@@ -75,9 +75,9 @@ namespace {
         return camera;
     }
 
-    Scene scene_of(const PicturedCut& pictured, const BenchBody& body, const SweptBlade& blade)
+    ui::Scene scene_of(const PicturedCut& pictured, const BenchBody& body, const mesh::SweptBlade& blade)
     {
-        Scene scene;
+        ui::Scene scene;
         scene.title = pictured.title;
         scene.notes = pictured.notes;
         scene.surfaces.push_back({ .name = pictured.title,
@@ -95,10 +95,10 @@ namespace {
 
 void write_cut_picture(const std::filesystem::path& file, const BenchBody& body, const std::vector<PicturedCut>& cuts)
 {
-    const SweptBlade blade(body.blade);
+    const mesh::SweptBlade blade(body.blade);
     const int columns = cuts.size() > 4 ? 4 : cuts.size() > 1 ? 2 : 1;
     const int rows = (static_cast<int>(cuts.size()) + columns - 1) / columns;
-    Picture picture { .width = columns * kTileWidth, .height = rows * kTileHeight, .viewports = {} };
+    ui::Picture picture { .width = columns * kTileWidth, .height = rows * kTileHeight, .viewports = {} };
     for (int i = 0; i < static_cast<int>(cuts.size()); ++i) {
         const int column = i % columns, row = rows - 1 - i / columns;
         picture.viewports.push_back({ .left = static_cast<double>(column) / columns,
@@ -107,8 +107,8 @@ void write_cut_picture(const std::filesystem::path& file, const BenchBody& body,
             .top = static_cast<double>(row + 1) / rows,
             .scene = scene_of(cuts[static_cast<std::size_t>(i)], body, blade) });
     }
-    OffscreenRenderer renderer(make_offscreen_context());
-    write_png(file, renderer.render(picture));
+    ui::OffscreenRenderer renderer(ui::make_offscreen_context());
+    ui::write_png(file, renderer.render(picture));
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 struct PicturedCut {
     std::string title;
     std::vector<std::string> notes;
-    CutMesh cut;
+    mesh::CutMesh cut;
 };
 
 /// One lip of each cut and the elements behind it, four to a row at most: lips red, elements that the cut made or
@@ -21,4 +21,4 @@ struct PicturedCut {
 /// @param body as it was before. @throws IoError.
 void write_cut_picture(const std::filesystem::path& file, const BenchBody& body, const std::vector<PicturedCut>& cuts);
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -21,7 +21,7 @@
 #include <numbers>
 #include <random>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
@@ -46,7 +46,7 @@ namespace {
 
     /// Everything that can be seen of a session, to be compared bit for bit.
     struct Seen {
-        explicit Seen(const CutSession& session)
+        explicit Seen(const mesh::CutSession& session)
             : mesh(session.compact_mesh(&map))
             , lips(session.lips())
         {
@@ -55,7 +55,7 @@ namespace {
         }
         bool operator==(const Seen& other) const
         {
-            const auto same_lip = [](const LipFace& a, const LipFace& b) {
+            const auto same_lip = [](const mesh::LipFace& a, const mesh::LipFace& b) {
                 return a.face.tet == b.face.tet && a.face.corner == b.face.corner && a.side == b.side && a.cut == b.cut;
             };
             return mesh.nodes == other.mesh.nodes && mesh.labels == other.mesh.labels
@@ -64,9 +64,9 @@ namespace {
                 && map.vertex_slot == other.map.vertex_slot && map.tet_slot == other.map.tet_slot
                 && std::equal(lips.begin(), lips.end(), other.lips.begin(), other.lips.end(), same_lip);
         }
-        SlotMap map;
-        TetMesh mesh;
-        std::vector<LipFace> lips;
+        mesh::SlotMap map;
+        mesh::TetMesh mesh;
+        std::vector<mesh::LipFace> lips;
         std::vector<TetId> origins;
     };
 
@@ -74,10 +74,10 @@ namespace {
     /// that a cut late in the row has as much to do as an early one.
     class Places {
     public:
-        Places(const BenchBody& body, const SurfaceFollower& surface, std::uint64_t seed)
+        Places(const BenchBody& body, const mesh::SurfaceFollower& surface, std::uint64_t seed)
             : random_(seed)
         {
-            for (const SurfaceFace& face : surface.faces()) {
+            for (const mesh::SurfaceFace& face : surface.faces()) {
                 Place place { Vec3::Zero(), Vec3::Zero(), 0.0 };
                 std::array<Vec3, 3> p;
                 for (std::size_t i = 0; i < 3; ++i)
@@ -108,9 +108,9 @@ namespace {
         }
 
         /// At a place that no other cut comes near.
-        const Blade& probe() const { return probe_; }
+        const mesh::Blade& probe() const { return probe_; }
 
-        Blade next()
+        mesh::Blade next()
         {
             const Place& place = farthest();
             used_.push_back(place.centre);
@@ -123,7 +123,7 @@ namespace {
             double edge;
         };
 
-        Blade blade_at(const Place& place)
+        mesh::Blade blade_at(const Place& place)
         {
             const double turn = in(0.0, 2.0 * std::numbers::pi);
             const Vec3 u = place.out.unitOrthogonal(), w = place.out.cross(u);
@@ -158,7 +158,7 @@ namespace {
 
         std::vector<Place> places_;
         std::vector<Vec3> used_;
-        Blade probe_;
+        mesh::Blade probe_;
         std::mt19937_64 random_;
     };
 
@@ -219,13 +219,13 @@ namespace {
             cut_options_.uncut_labels = body.uncut_labels;
         }
 
-        Outcome run()
+        ui::cli::Outcome run()
         {
             const Seen first(session_);
             for (int b = 1; b <= kBlocks && !job_.cancelled(); ++b)
                 block(options_.cuts * b / kBlocks);
             if (job_.cancelled()) {
-                Outcome outcome;
+                ui::cli::Outcome outcome;
                 outcome.text = "cancelled\n";
                 outcome.exit_code = 1;
                 return outcome;
@@ -247,12 +247,12 @@ namespace {
         bool try_cut(
             Block& block, std::vector<double>& cut_ms, std::vector<double>& rate, std::vector<double>& surface_ms)
         {
-            const Blade blade = places_.next();
+            const mesh::Blade blade = places_.next();
             try {
                 CpuWatch watch;
-                const CutResult result = session_.cut(blade, cut_options_);
+                const mesh::CutResult result = session_.cut(blade, cut_options_);
                 const double ms = watch.milliseconds();
-                if (result.status != CutStatus::done) {
+                if (result.status != mesh::CutStatus::done) {
                     ++missed_;
                     return false;
                 }
@@ -276,9 +276,9 @@ namespace {
             std::vector<double> ms;
             for (int i = 0; i < kProbes; ++i) {
                 const CpuWatch watch;
-                const CutResult result = session_.cut(places_.probe(), cut_options_);
+                const mesh::CutResult result = session_.cut(places_.probe(), cut_options_);
                 ms.push_back(watch.milliseconds());
-                if (result.status != CutStatus::done)
+                if (result.status != mesh::CutStatus::done)
                     throw SolverError("the soak's probe was not cut: " + result.message);
                 session_.undo();
             }
@@ -301,7 +301,7 @@ namespace {
             block.cut_ms = median(cut_ms);
             block.per_thousand_ms = median(rate);
             block.surface_ms = median(surface_ms);
-            const SessionBytes bytes = session_.bytes();
+            const mesh::SessionBytes bytes = session_.bytes();
             block.mesh_mib = static_cast<double>(bytes.mesh) / kMiB;
             block.journal_mib = static_cast<double>(bytes.journal) / kMiB;
             block.resident_mib = resident_mib();
@@ -315,15 +315,15 @@ namespace {
             blocks_.push_back(block);
         }
 
-        Outcome report(bool undone, bool redone, double undo_ms, double redo_ms) const
+        ui::cli::Outcome report(bool undone, bool redone, double undo_ms, double redo_ms) const
         {
-            Outcome outcome;
+            ui::cli::Outcome outcome;
             std::array<char, 256> text {};
             const auto add = [&](const char* format, auto... values) {
                 std::snprintf(text.data(), text.size(), format, values...);
                 outcome.text += text.data();
             };
-            Json rows = Json::array();
+            ui::cli::Json rows = ui::cli::Json::array();
             add("%d cuts in a row on %s\n", done_, options_.body.c_str());
             add("   cuts elements  crossed   ms per cut  per 1,000   surface  same cut   resident  session: mesh   "
                 "journal   resident  journal\n                             (median)    crossed        ms   elsewhere   "
@@ -343,7 +343,7 @@ namespace {
             const Line time = fit_of(blocks_, [](const Block& b) { return b.cut_ms; });
             const Line rate = fit_of(blocks_, [](const Block& b) { return b.per_thousand_ms; });
             std::size_t refused = 0;
-            Json reasons = Json::object();
+            ui::cli::Json reasons = ui::cli::Json::object();
             for (const auto& [reason, count] : refused_) {
                 refused += count;
                 reasons[reason] = count;
@@ -351,7 +351,7 @@ namespace {
             }
             add("missed or too small for the elements there: %zu\n", missed_);
             bool flat = true;
-            Json flatness = Json::array();
+            ui::cli::Json flatness = ui::cli::Json::array();
             for (const auto& [what, unit, line] : {
                      Judged { "time of the same cut at a place left free", "ms",
                          fit_of(blocks_, [](const Block& b) { return b.probe_ms; }) },
@@ -391,10 +391,10 @@ namespace {
 
         const SoakOptions& options_;
         const Job& job_;
-        CutSession session_;
-        SurfaceFollower surface_;
+        mesh::CutSession session_;
+        mesh::SurfaceFollower surface_;
         Places places_;
-        CutOptions cut_options_;
+        mesh::CutOptions cut_options_;
         int done_ = 0;
         std::size_t missed_ = 0;
         std::map<std::string, std::size_t> refused_;
@@ -403,11 +403,11 @@ namespace {
 
 } // namespace
 
-Outcome soak_cut(const SoakOptions& options, const Job& job)
+ui::cli::Outcome soak_cut(const SoakOptions& options, const Job& job)
 {
     const BenchBody body = options.body == "thorax" ? bench_thorax(job) : bench_box(options.body);
     Soak soak(body, options, job);
     return soak.run();
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

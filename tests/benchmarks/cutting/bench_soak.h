@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 struct SoakOptions {
     int cuts = 1000;
@@ -16,6 +16,6 @@ struct SoakOptions {
 /// Cuts all over the skin, some two edges long and more than one deep, later ones across earlier ones where no room is
 /// left; time and memory every tenth of the way. Exit code 1 when undo or redo is not exact, or when the time of the
 /// same cut, resident memory per living element or the journal per cut or per element crossed does not stay flat.
-Outcome soak_cut(const SoakOptions& options, const Job& job);
+ui::cli::Outcome soak_cut(const SoakOptions& options, const Job& job);
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

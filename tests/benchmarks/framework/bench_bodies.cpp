@@ -14,7 +14,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
@@ -33,7 +33,7 @@ namespace {
     constexpr std::array<BoxCells, 3> kBoxes { { { "12k", { 20, 20, 5 } }, { "96k", { 40, 40, 10 } },
         { "1M", { 100, 100, 17 } } } };
 
-    Blade box_blade(const std::array<int, 3>& cells, double length, double depth)
+    mesh::Blade box_blade(const std::array<int, 3>& cells, double length, double depth)
     {
         const double heading = kHeadingDeg * std::numbers::pi / 180.0, tilt = kTiltDeg * std::numbers::pi / 180.0;
         const Vec3 along(std::cos(heading), std::sin(heading), 0.0), across(-std::sin(heading), std::cos(heading), 0.0);
@@ -45,12 +45,12 @@ namespace {
 
 } // namespace
 
-Blade resampled(const Blade& blade, double step)
+mesh::Blade resampled(const mesh::Blade& blade, double step)
 {
     std::vector<double> at { 0.0 };
     for (std::size_t i = 1; i < blade.line.size(); ++i)
         at.push_back(at.back() + (blade.line[i] - blade.line[i - 1]).norm());
-    Blade out { .line = {}, .directions = {}, .depth_mm = blade.depth_mm, .above_mm = blade.above_mm };
+    mesh::Blade out { .line = {}, .directions = {}, .depth_mm = blade.depth_mm, .above_mm = blade.above_mm };
     if (blade.directions.size() == 1)
         out.directions = blade.directions;
     const int count = std::max(1, static_cast<int>(std::lround(at.back() / step)));
@@ -67,9 +67,9 @@ Blade resampled(const Blade& blade, double step)
     return out;
 }
 
-Blade drawn_by_hand(const Blade& blade)
+mesh::Blade drawn_by_hand(const mesh::Blade& blade)
 {
-    Blade hand = blade;
+    mesh::Blade hand = blade;
     const std::size_t count = blade.line.size();
     if (hand.directions.size() == 1)
         hand.directions.assign(count, Vec3(blade.directions.front()));
@@ -84,9 +84,9 @@ Blade drawn_by_hand(const Blade& blade)
     return hand;
 }
 
-Blade beginning(const Blade& blade, std::size_t points)
+mesh::Blade beginning(const mesh::Blade& blade, std::size_t points)
 {
-    Blade part = blade;
+    mesh::Blade part = blade;
     part.line.resize(points);
     if (part.directions.size() > 1)
         part.directions.resize(points);
@@ -100,7 +100,7 @@ BenchBody bench_box(const std::string& name)
     if (box == kBoxes.end())
         throw InputError("there is no bench box of this name", name);
     const auto& n = box->cells;
-    return { name, kuhn_box(n[0], n[1], n[2], kSpacing),
+    return { name, mesh::kuhn_box(n[0], n[1], n[2], kSpacing),
         resampled(box_blade(n, kBlockLength, kBlockDepth), kFreehandStep), {}, {} };
 }
 
@@ -112,38 +112,38 @@ BenchBody bench_box_severed()
     return body;
 }
 
-BenchWall bench_wall(const Phantom& phantom, const Approach& approach, const Job& job)
+BenchWall bench_wall(const datasets::Phantom& phantom, const planner::Approach& approach, const Job& job)
 {
-    const MeshSizing sizing = mesh_sizing_of(approach, phantom.labels.table);
-    HybridModel model = build_hybrid_model(phantom.labels, sizing, job);
-    if (model.status != MeshStatus::done)
+    const mesh::MeshSizing sizing = planner::mesh_sizing_of(approach, phantom.labels.table);
+    mesh::HybridModel model = mesh::build_hybrid_model(phantom.labels, sizing, job);
+    if (model.status != mesh::MeshStatus::done)
         throw SolverError("the thorax of the bench was not meshed: " + model.message);
-    Case planned_case;
+    planner::Case planned_case;
     planned_case.label_table = phantom.labels.table;
-    Supports supports = supports_of(model.wall, phantom.labels, planned_case, sizing);
+    fem::Supports supports = planner::supports_of(model.wall, phantom.labels, planned_case, sizing);
     BenchWall wall { std::move(model.wall), std::move(supports), {} };
-    for (const LabelInfo& info : phantom.labels.table) {
+    for (const mesh::LabelInfo& info : phantom.labels.table) {
         if (wall.materials.size() <= info.id)
             wall.materials.resize(static_cast<std::size_t>(info.id) + 1);
-        if (info.role == Role::wall)
-            wall.materials[info.id] = find_material(planned_case.materials, info.material);
+        if (info.role == mesh::Role::wall)
+            wall.materials[info.id] = fem::find_material(planned_case.materials, info.material);
     }
     return wall;
 }
 
 BenchBody bench_thorax(const Job& job)
 {
-    const Phantom phantom = make_thorax_phantom({ .noise_hu = 0.0 }, job);
-    ApproachRequest request;
+    const datasets::Phantom phantom = datasets::make_thorax_phantom({ .noise_hu = 0.0 }, job);
+    planner::ApproachRequest request;
     request.template_name = "median";
     request.target.label = "aneurysm";
     request.sizing.corridor_edge_mm = kThoraxEdge;
     request.sizing.coarse_edge_mm = kThoraxCoarse;
-    const Approach approach = approach_from_template(phantom.labels, request);
+    const planner::Approach approach = planner::approach_from_template(phantom.labels, request);
     BenchWall wall = bench_wall(phantom, approach, job);
-    BenchBody body { "thorax", std::move(wall.mesh), resampled(blade_of(approach), kFreehandStep), {}, {},
+    BenchBody body { "thorax", std::move(wall.mesh), resampled(planner::blade_of(approach), kFreehandStep), {}, {},
         std::move(wall.supports), std::move(wall.materials) };
-    for (const LabelInfo& info : phantom.labels.table) {
+    for (const mesh::LabelInfo& info : phantom.labels.table) {
         if (info.name == "skin")
             body.skin.push_back(info.id);
         if (std::find(approach.uncut_labels.begin(), approach.uncut_labels.end(), info.name)
@@ -153,4 +153,4 @@ BenchBody bench_thorax(const Job& job)
     return body;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 double percentile(std::vector<double> values, double share)
 {
@@ -27,4 +27,4 @@ double relative_difference(const Eigen::VectorXd& field, const Eigen::VectorXd& 
     return (field.head(both) - reference.head(both)).lpNorm<Eigen::Infinity>() / reference.lpNorm<Eigen::Infinity>();
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

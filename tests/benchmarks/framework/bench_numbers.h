@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 /// The value of nearest rank at this share (0 to 1) of all; 0 without values.
 double percentile(std::vector<double> values, double share);
@@ -15,4 +15,4 @@ double median(std::vector<double> values);
 /// has met, what the other lacks must be zero. @throws SolverError when it is not.
 double relative_difference(const Eigen::VectorXd& field, const Eigen::VectorXd& reference);
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

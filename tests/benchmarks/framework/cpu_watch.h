@@ -3,7 +3,7 @@
 
 #include <ctime>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 template <clockid_t Clock> class ProcessorWatch {
 public:
@@ -24,4 +24,4 @@ using CpuWatch = ProcessorWatch<CLOCK_THREAD_CPUTIME_ID>;
 /// Of all threads.
 using ProcessCpuWatch = ProcessorWatch<CLOCK_PROCESS_CPUTIME_ID>;
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -2,7 +2,7 @@
 
 #include <fstream>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 double status_mb(const std::string& key)
 {
@@ -13,4 +13,4 @@ double status_mb(const std::string& key)
     return 0.0;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

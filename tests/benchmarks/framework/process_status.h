@@ -3,9 +3,9 @@
 
 #include <string>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 /// An entry in kB of /proc/self/status ("VmRSS", "VmHWM"), MiB; 0 when there is none.
 double status_mb(const std::string& key);
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

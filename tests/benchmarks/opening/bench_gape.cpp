@@ -1,7 +1,7 @@
 #include "tests/benchmarks/opening/bench_gape.h"
 
-#include "fem/springs/edge_springs.h"
 #include "fem/model/pre_strain.h"
+#include "fem/springs/edge_springs.h"
 #include "fem/springs/spring_relaxation.h"
 #include "fem/statics/tension.h"
 #include "mesh/base/atomic_file.h"
@@ -17,7 +17,7 @@
 #include <cstdio>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
@@ -37,54 +37,58 @@ namespace {
         double error_percent() const { return 100.0 * (gape_mm / closed_form_mm - 1.0); }
     };
 
-    Material skin() { return { "skin", kModulus, kRatio, 1.1e-9, "bench" }; }
+    fem::Material skin() { return { "skin", kModulus, kRatio, 1.1e-9, "bench" }; }
 
     /// A sheet under tension, cut.
     struct Sheet {
-        SheetProblem problem;
+        fem::SheetProblem problem;
         double strain = 0.0;
-        std::vector<Material> materials = std::vector<Material>(2, skin());
-        TetMesh uncut = sheet_mesh(problem);
-        std::vector<Mat3> stresses = pre_stress(uncut, materials,
-            std::vector<PreStrain>(2, { PreStrainKind::uniaxial_stress, strain, Vec3::UnitY(), Vec3::UnitZ() }));
-        CutSession session { uncut };
-        MeshDelta delta {};
+        std::vector<fem::Material> materials = std::vector<fem::Material>(2, skin());
+        mesh::TetMesh uncut = fem::sheet_mesh(problem);
+        std::vector<Mat3> stresses = fem::pre_stress(uncut, materials,
+            std::vector<fem::PreStrain>(
+                2, { fem::PreStrainKind::uniaxial_stress, strain, Vec3::UnitY(), Vec3::UnitZ() }));
+        mesh::CutSession session { uncut };
+        mesh::MeshDelta delta {};
 
-        double right() const { return sheet_gape(PreStrainKind::uniaxial_stress, strain, problem.cut_length, kRatio); }
+        double right() const
+        {
+            return fem::sheet_gape(fem::PreStrainKind::uniaxial_stress, strain, problem.cut_length, kRatio);
+        }
         void cut()
         {
-            CutResult result = session.cut(sheet_blade(problem));
-            if (result.status != CutStatus::done)
+            mesh::CutResult result = session.cut(fem::sheet_blade(problem));
+            if (result.status != mesh::CutStatus::done)
                 throw SolverError("the bench's cut was not made: " + result.message);
             delta = std::move(result.delta);
         }
         /// An infinite sheet's displacement of the rim.
-        Points rim_displacement(const TetMesh& mesh) const
+        Points rim_displacement(const mesh::TetMesh& mesh) const
         {
             Points u = Points::Zero(mesh.vertices.rows(), 3);
-            for (const VertexId v : sheet_rim(problem, mesh))
-                u.row(v) = sheet_displacement(
+            for (const VertexId v : fem::sheet_rim(problem, mesh))
+                u.row(v) = fem::sheet_displacement(
                     problem.cut_length, kModulus * strain, kModulus, kRatio, mesh.vertices.row(v).transpose())
                                .transpose();
             return u;
         }
-        SpringNetwork network(double calibration) const
+        fem::SpringNetwork network(double calibration) const
         {
-            SpringNetwork springs(uncut, materials, stresses, { calibration });
+            fem::SpringNetwork springs(uncut, materials, stresses, { calibration });
             springs.set_displacement(rim_displacement(uncut));
-            springs.fix(sheet_rim(problem, uncut));
-            springs.fix(sheet_middle_plane(uncut), 4);
+            springs.fix(fem::sheet_rim(problem, uncut));
+            springs.fix(fem::sheet_middle_plane(uncut), 4);
             return springs;
         }
         double calibration(const Job& job) const
         {
-            return spring_calibration(
-                uncut, materials, sheet_rim(problem, uncut), Vec3::UnitY(), sheet_middle_plane(uncut), job);
+            return fem::spring_calibration(
+                uncut, materials, fem::sheet_rim(problem, uncut), Vec3::UnitY(), fem::sheet_middle_plane(uncut), job);
         }
     };
 
     /// Distance between the lips at the middle of the cut, mean over the thickness.
-    double gape_at_middle(const SpringNetwork& springs)
+    double gape_at_middle(const fem::SpringNetwork& springs)
     {
         double sum = 0.0;
         int count = 0;
@@ -97,11 +101,11 @@ namespace {
         return count > 0 ? sum / count : 0.0;
     }
 
-    std::string status_note(const RelaxResult& result)
+    std::string status_note(const fem::RelaxResult& result)
     {
         std::array<char, 96> text {};
         std::snprintf(text.data(), text.size(), "%d iterations, residual %.0e%s", result.iterations, result.residual,
-            result.status == RelaxStatus::converged ? "" : ", not converged");
+            result.status == fem::RelaxStatus::converged ? "" : ", not converged");
         return text.data();
     }
 
@@ -119,12 +123,12 @@ namespace {
     {
         GapeRow row = row_of(sheet, reach == 0.0 ? "springs" : "springs_local");
         Stopwatch watch;
-        SpringNetwork springs = sheet.network(calibration);
+        fem::SpringNetwork springs = sheet.network(calibration);
         springs.apply(sheet.delta);
         springs.set_wound(sheet.session.lips());
         row.setup_ms = calibration_ms + 1e3 * watch.seconds();
         watch = {};
-        const RelaxResult result = relax(springs, { .tolerance = kTolerance, .reach_mm = reach }, job);
+        const fem::RelaxResult result = fem::relax(springs, { .tolerance = kTolerance, .reach_mm = reach }, job);
         row.ms = 1e3 * watch.seconds();
         row.gape_mm = gape_at_middle(springs);
         row.note = status_note(result);
@@ -143,24 +147,24 @@ namespace {
     {
         GapeRow row = row_of(sheet, quadratic ? "fem_linear_p2" : "fem_linear");
         Stopwatch watch;
-        SlotMap map;
-        const TetMesh cut = sheet.session.compact_mesh(&map);
-        const TetMesh mesh = quadratic ? with_midpoints(cut) : cut;
-        std::vector<TetFace> faces;
-        for (const LipFace& lip : sheet.session.lips())
+        mesh::SlotMap map;
+        const mesh::TetMesh cut = sheet.session.compact_mesh(&map);
+        const mesh::TetMesh mesh = quadratic ? mesh::with_midpoints(cut) : cut;
+        std::vector<mesh::TetFace> faces;
+        for (const mesh::LipFace& lip : sheet.session.lips())
             faces.push_back({ map.compact_tet[static_cast<std::size_t>(lip.face.tet)], lip.face.corner });
         std::vector<Mat3> stresses;
         for (const TetId slot : map.tet_slot)
             stresses.push_back(sheet.stresses[static_cast<std::size_t>(sheet.session.origin(slot))]);
         row.setup_ms = 1e3 * watch.seconds();
         watch = {};
-        const ReleasedWound wound = release_wound(mesh, faces, stresses, sheet.materials,
-            { .fixed = sheet_rim(sheet.problem, mesh) }, sheet.rim_displacement(mesh), job);
+        const fem::ReleasedWound wound = fem::release_wound(mesh, faces, stresses, sheet.materials,
+            { .fixed = fem::sheet_rim(sheet.problem, mesh) }, sheet.rim_displacement(mesh), job);
         row.ms = 1e3 * watch.seconds();
         double sum = 0.0;
         int count = 0;
         for (const auto& born : sheet.delta.vertices_born)
-            if (born.origin == MeshDelta::Origin::copy && std::abs(born.position.x()) < 1e-6) {
+            if (born.origin == mesh::MeshDelta::Origin::copy && std::abs(born.position.x()) < 1e-6) {
                 sum += std::abs(wound.displacement(map.compact_vertex[static_cast<std::size_t>(born.id)], 1)
                     - wound.displacement(map.compact_vertex[static_cast<std::size_t>(born.a)], 1));
                 ++count;
@@ -176,23 +180,24 @@ namespace {
     GapeRow freehand_row(Sheet& sheet, double calibration, const Job& job)
     {
         GapeRow row = row_of(sheet, "springs_freehand");
-        CutSession session(sheet.uncut);
-        SpringNetwork springs = sheet.network(calibration);
-        const Blade whole = sheet_blade(sheet.problem);
+        mesh::CutSession session(sheet.uncut);
+        fem::SpringNetwork springs = sheet.network(calibration);
+        const mesh::Blade whole = fem::sheet_blade(sheet.problem);
         const Vec3 along = (whole.line[1] - whole.line[0]).normalized();
         std::vector<double> follow, frame;
-        const auto step = [&](const CutResult& cut) {
-            if (cut.status != CutStatus::done)
+        const auto step = [&](const mesh::CutResult& cut) {
+            if (cut.status != mesh::CutStatus::done)
                 throw SolverError("the bench's stroke was not made: " + cut.message);
             Stopwatch watch;
             springs.apply(cut.delta);
             springs.set_wound(session.lips());
             follow.push_back(1e3 * watch.seconds());
             watch = {};
-            static_cast<void>(relax(springs, { .tolerance = kTolerance, .max_iterations = kFrameIterations }, job));
+            static_cast<void>(
+                fem::relax(springs, { .tolerance = kTolerance, .max_iterations = kFrameIterations }, job));
             frame.push_back(1e3 * watch.seconds());
         };
-        Blade drawn = whole;
+        mesh::Blade drawn = whole;
         drawn.line = { whole.line[0] };
         for (double at = kStep; at <= sheet.problem.cut_length + 1e-9; at += kStep) {
             drawn.line.push_back(whole.line[0] + at * along);
@@ -238,7 +243,7 @@ namespace {
         return rows;
     }
 
-    Json as_json(const GapeRow& row)
+    ui::cli::Json as_json(const GapeRow& row)
     {
         return { { "model", row.model }, { "strain", row.strain }, { "gape_mm", row.gape_mm },
             { "closed_form_mm", row.closed_form_mm }, { "error_percent", row.error_percent() }, { "ms", row.ms },
@@ -256,10 +261,10 @@ namespace {
 
 } // namespace
 
-Outcome bench_gape(const GapeBenchOptions& options, const Job& job)
+ui::cli::Outcome bench_gape(const GapeBenchOptions& options, const Job& job)
 {
-    Outcome outcome;
-    Json results = Json::array();
+    ui::cli::Outcome outcome;
+    ui::cli::Json results = ui::cli::Json::array();
     outcome.text = "An 80 mm cut through a large sheet under uniaxial tension: gape at the middle, closed form 2 e L\n"
                    "model            strain    tets  gape mm right mm error %       ms\n";
     for (const GapeRow& row : gape_rows(options, job)) {
@@ -269,8 +274,8 @@ Outcome bench_gape(const GapeBenchOptions& options, const Job& job)
     outcome.document["results"] = results;
     if (!options.out.empty() && !job.cancelled()) {
         const std::filesystem::path folder = options.out;
-        make_folder(folder);
-        Json pictures = Json::array();
+        ui::cli::make_folder(folder);
+        ui::cli::Json pictures = ui::cli::Json::array();
         for (const GapePicture& picture : draw_gapes(folder, job)) {
             pictures.push_back(
                 { { "strain", picture.strain }, { "gape_mm", picture.gape_mm }, { "spring_seconds", picture.seconds },
@@ -287,4 +292,4 @@ Outcome bench_gape(const GapeBenchOptions& options, const Job& job)
     return outcome;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

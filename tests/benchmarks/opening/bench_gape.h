@@ -4,7 +4,7 @@
 
 #include "ui/cli/framework/command.h"
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 struct GapeBenchOptions {
     bool quick = false; ///< one resolution, no freehand stroke: a second or two
@@ -13,6 +13,6 @@ struct GapeBenchOptions {
 
 /// A cut of 80 mm through a large sheet (closed form 5), under 2, 4 and 6 % uniaxial stress, on three meshes; the
 /// springs also locally and while the blade moves in steps of 5 mm.
-Outcome bench_gape(const GapeBenchOptions& options, const Job& job);
+ui::cli::Outcome bench_gape(const GapeBenchOptions& options, const Job& job);
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

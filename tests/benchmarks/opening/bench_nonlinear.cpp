@@ -24,7 +24,7 @@
 #include <tuple>
 #include <utility>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
@@ -33,19 +33,19 @@ namespace {
     constexpr double kFinal = 1e-6; // residual of an answer that counts as converged
 
     struct CutScene {
-        TetMesh mesh;
-        Supports supports;
-        std::vector<HookPatch> hooks;
+        mesh::TetMesh mesh;
+        fem::Supports supports;
+        std::vector<fem::HookPatch> hooks;
         Points wound; ///< the vertices of the lips
         std::vector<std::pair<VertexId, VertexId>> gaps; ///< one vertex on each lip; of boxes on the skin
     };
 
     /// @param lips faces of the scene's mesh. @param skin only places from this height on are gaps.
-    void put_lips(CutScene& cut, const std::vector<LipFace>& lips, double skin)
+    void put_lips(CutScene& cut, const std::vector<mesh::LipFace>& lips, double skin)
     {
         std::map<std::tuple<double, double, double>, std::array<VertexId, 2>> places;
-        for (const LipFace& lip : lips)
-            for (const VertexId v : face_vertices(cut.mesh, lip.face)) {
+        for (const mesh::LipFace& lip : lips)
+            for (const VertexId v : mesh::face_vertices(cut.mesh, lip.face)) {
                 const Vec3 p = cut.mesh.vertices.row(v);
                 auto& pair
                     = places.try_emplace({ p.x(), p.y(), p.z() }, std::array<VertexId, 2> { -1, -1 }).first->second;
@@ -64,21 +64,21 @@ namespace {
 
     CutScene cut_scene(const OpenScene& scene)
     {
-        CutSession session(scene.mesh);
-        if (session.cut(scene.blade).status != CutStatus::done)
+        mesh::CutSession session(scene.mesh);
+        if (session.cut(scene.blade).status != mesh::CutStatus::done)
             throw SolverError("the bench's cut was not made");
-        SlotMap map;
+        mesh::SlotMap map;
         CutScene cut { session.compact_mesh(&map), {}, {}, {}, {} };
         const auto compact = [&](VertexId v) { return map.compact_vertex[static_cast<std::size_t>(v)]; };
         for (const VertexId v : scene.supports.fixed)
             cut.supports.fixed.push_back(compact(v));
-        for (const OnlineHook& hook : scene.hooks) {
+        for (const fem::OnlineHook& hook : scene.hooks) {
             cut.hooks.push_back({ hook.name, hook.side, {}, hook.drive.displacement });
             for (const VertexId v : hook.nodes)
                 cut.hooks.back().nodes.push_back(compact(v));
         }
-        std::vector<LipFace> lips = session.lips();
-        for (LipFace& lip : lips)
+        std::vector<mesh::LipFace> lips = session.lips();
+        for (mesh::LipFace& lip : lips)
             lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
         const double highest = cut.mesh.vertices.col(2).maxCoeff();
         put_lips(cut, lips, highest - 1e-9 * std::abs(highest)); // there to round-off where a cut puts a vertex
@@ -101,19 +101,19 @@ namespace {
     /// The slow, exact path: Newton with the true stiffness on the whole body, from rest, at half and at full
     /// displacement. @return the fields; `seconds` for both.
     std::array<Eigen::VectorXd, 2> exact(
-        const CutScene& scene, std::span<const Material> materials, const Job& job, double& seconds)
+        const CutScene& scene, std::span<const fem::Material> materials, const Job& job, double& seconds)
     {
         const Stopwatch watch;
-        const Lame all = lame(materials[scene.mesh.labels.front()]);
-        ElasticBody body(scene.mesh, uniform_tissue(scene.mesh, NeoHookean { all.mu, all.lambda }));
-        EquilibriumSolver solver;
+        const fem::Lame all = fem::lame(materials[scene.mesh.labels.front()]);
+        fem::ElasticBody body(scene.mesh, fem::uniform_tissue(scene.mesh, fem::NeoHookean { all.mu, all.lambda }));
+        fem::EquilibriumSolver solver;
         std::array<Eigen::VectorXd, 2> fields;
         Eigen::VectorXd start = Eigen::VectorXd::Zero(3 * scene.mesh.vertices.rows());
         for (int half = 0; half < 2; ++half) {
-            const Prescribed prescribed = prescribe(scene.mesh, scene.supports, scene.hooks);
-            const Equilibrium equilibrium = solver.solve(body, prescribed.flag, 0.5 * (half + 1) * prescribed.value,
-                start, { .load_steps = 2, .tolerance = 1e-2 * kFinal }, job);
-            if (equilibrium.status != EquilibriumStatus::converged)
+            const fem::Prescribed prescribed = fem::prescribe(scene.mesh, scene.supports, scene.hooks);
+            const fem::Equilibrium equilibrium = solver.solve(body, prescribed.flag,
+                0.5 * (half + 1) * prescribed.value, start, { .load_steps = 2, .tolerance = 1e-2 * kFinal }, job);
+            if (equilibrium.status != fem::EquilibriumStatus::converged)
                 throw SolverError("the exact path of the nonlinear bench did not converge");
             start = equilibrium.displacement;
             fields[static_cast<std::size_t>(half)] = start;
@@ -125,19 +125,19 @@ namespace {
     struct Drag {
         std::vector<double> ms, processor_ms; ///< per frame
         double residual = 0.0; ///< the largest
-        std::array<NearFrame, 2> frame; ///< at half and at full displacement, while moving
+        std::array<fem::NearFrame, 2> frame; ///< at half and at full displacement, while moving
     };
 
-    Drag drag(NearField& field, const std::vector<HookPatch>& hooks, int frames)
+    Drag drag(fem::NearField& field, const std::vector<fem::HookPatch>& hooks, int frames)
     {
         Drag drag;
         for (int f = 1; f <= frames; ++f) {
             std::vector<Vec3> at;
-            for (const HookPatch& hook : hooks)
+            for (const fem::HookPatch& hook : hooks)
                 at.push_back(hook.displacement * f / frames);
             const Stopwatch watch;
             const ProcessCpuWatch processor;
-            NearFrame frame = field.drag(at);
+            fem::NearFrame frame = field.drag(at);
             drag.processor_ms.push_back(processor.milliseconds());
             drag.ms.push_back(1e3 * watch.seconds());
             drag.residual = std::max(drag.residual, frame.residual);
@@ -150,21 +150,22 @@ namespace {
     }
 
     /// As the window lays it out.
-    CutScene cut_thorax(const Job& job, std::vector<Material>& materials)
+    CutScene cut_thorax(const Job& job, std::vector<fem::Material>& materials)
     {
-        const Phantom phantom = make_thorax_phantom({ .noise_hu = 0.0 }, job);
-        ApproachRequest request;
+        const datasets::Phantom phantom = datasets::make_thorax_phantom({ .noise_hu = 0.0 }, job);
+        planner::ApproachRequest request;
         request.template_name = "median";
         request.target.label = "aneurysm";
-        Approach approach = approach_from_template(phantom.labels, request);
-        approach.hooks = make_hooks(approach, "4", 60.0);
+        planner::Approach approach = planner::approach_from_template(phantom.labels, request);
+        approach.hooks = planner::make_hooks(approach, "4", 60.0);
         BenchWall wall = bench_wall(phantom, approach, job);
-        CutWall cut = cut_wall(std::move(wall.mesh), approach, phantom.labels.table, std::move(wall.supports), job);
-        if (cut.status != CutStatus::done)
+        planner::CutWall cut
+            = planner::cut_wall(std::move(wall.mesh), approach, phantom.labels.table, std::move(wall.supports), job);
+        if (cut.status != mesh::CutStatus::done)
             throw SolverError("the thorax of the bench was not cut: " + cut.message);
         materials = std::move(wall.materials);
-        for (Material& material : materials)
-            material = as_solved(std::move(material), ElementKind::p1);
+        for (fem::Material& material : materials)
+            material = planner::as_solved(std::move(material), planner::ElementKind::p1);
         CutScene scene { std::move(cut.wall), std::move(cut.supports), std::move(cut.hooks), {}, {} };
         put_lips(scene, cut.lips, -std::numeric_limits<double>::infinity());
         return scene;
@@ -172,13 +173,13 @@ namespace {
 
 } // namespace
 
-Json measure_nonlinear(const OpenScene& scene, const Job& job)
+ui::cli::Json measure_nonlinear(const OpenScene& scene, const Job& job)
 {
     const CutScene cut = cut_scene(scene);
-    const std::vector<std::uint8_t> near = elements_near(cut.mesh, cut.wound, kNear);
-    Json row;
+    const std::vector<std::uint8_t> near = fem::elements_near(cut.mesh, cut.wound, kNear);
+    ui::cli::Json row;
     const Stopwatch planning;
-    NearField field(cut.mesh, scene.materials, cut.supports, cut.hooks, near);
+    fem::NearField field(cut.mesh, scene.materials, cut.supports, cut.hooks, near);
     (void)field.prepare();
     row["nonlinear_plan_ms"] = 1e3 * planning.seconds();
     row["nonlinear_tets"] = field.near_elements();
@@ -186,13 +187,13 @@ Json measure_nonlinear(const OpenScene& scene, const Job& job)
     row["nonlinear_mb"] = static_cast<double>(field.bytes()) / 1e6;
     const Drag dragged = drag(field, cut.hooks, kFrames);
     const Stopwatch finishing;
-    NearField whole(cut.mesh, scene.materials, cut.supports, cut.hooks,
+    fem::NearField whole(cut.mesh, scene.materials, cut.supports, cut.hooks,
         std::vector<std::uint8_t>(cut.mesh.tet_count(), 1), { .tolerance = kFinal });
     whole.start_from(dragged.frame[1]);
-    const NearFrame final = whole.settle(job);
+    const fem::NearFrame final = whole.settle(job);
     row["final_ms"] = 1e3 * finishing.seconds();
     row["final_residual"] = final.residual;
-    row["final_settled"] = final.status == NearStatus::settled;
+    row["final_settled"] = final.status == fem::NearStatus::settled;
     double seconds = 0.0;
     const std::array<Eigen::VectorXd, 2> reference = exact(cut, scene.materials, job, seconds);
     row["nonlinear_frame_ms_median"] = percentile(dragged.ms, 0.5);
@@ -212,7 +213,7 @@ Json measure_nonlinear(const OpenScene& scene, const Job& job)
     return row;
 }
 
-std::string nonlinear_text(const Json& row)
+std::string nonlinear_text(const ui::cli::Json& row)
 {
     const auto number = [&](const char* key) { return row.at(key).get<double>(); };
     std::array<char, 512> text {};
@@ -227,16 +228,16 @@ std::string nonlinear_text(const Json& row)
     return text.data();
 }
 
-Json measure_under_hand(const Job& job)
+ui::cli::Json measure_under_hand(const Job& job)
 {
     constexpr int kHandFrames = 60; // 0.5 mm each: at 15 frames a second the hooks take four seconds
-    std::vector<Material> materials;
+    std::vector<fem::Material> materials;
     const CutScene cut = cut_thorax(job, materials);
-    const HandZone zone = hand_zone(cut.mesh, cut.wound);
-    Json row { { "mesh", "thorax" }, { "tets", cut.mesh.tet_count() }, { "nodes", cut.mesh.vertex_count() },
+    const fem::HandZone zone = fem::hand_zone(cut.mesh, cut.wound);
+    ui::cli::Json row { { "mesh", "thorax" }, { "tets", cut.mesh.tet_count() }, { "nodes", cut.mesh.vertex_count() },
         { "nonlinear_within_mm", zone.within_mm }, { "hooks", cut.hooks.size() } };
     const Stopwatch planning;
-    NearField field(cut.mesh, materials, cut.supports, cut.hooks, zone.near, hand_options());
+    fem::NearField field(cut.mesh, materials, cut.supports, cut.hooks, zone.near, fem::hand_options());
     (void)field.prepare();
     row["nonlinear_plan_ms"] = 1e3 * planning.seconds();
     row["nonlinear_tets"] = field.near_elements();
@@ -249,16 +250,16 @@ Json measure_under_hand(const Job& job)
     row["nonlinear_fps"] = 1e3 / percentile(dragged.ms, 0.5);
     row["nonlinear_residual"] = dragged.residual;
     // The same way in large steps, each converged.
-    NearFieldOptions tight = hand_options();
+    fem::NearFieldOptions tight = fem::hand_options();
     tight.tolerance = kFinal;
     const auto converged = [&](const std::vector<std::uint8_t>& near, double& seconds) {
-        NearField slow(cut.mesh, materials, cut.supports, cut.hooks, near, tight);
-        std::array<NearFrame, 2> frames;
+        fem::NearField slow(cut.mesh, materials, cut.supports, cut.hooks, near, tight);
+        std::array<fem::NearFrame, 2> frames;
         for (int half = 0; half < 2; ++half) {
             std::vector<Vec3> at;
             for (int step = 1; step <= kHandFrames / 10; ++step) {
                 at.clear();
-                for (const HookPatch& hook : cut.hooks)
+                for (const fem::HookPatch& hook : cut.hooks)
                     at.push_back(hook.displacement * (0.5 * half + 5.0 * step / kHandFrames));
                 (void)slow.drag(at);
             }
@@ -269,13 +270,13 @@ Json measure_under_hand(const Job& job)
         return frames;
     };
     double settling = 0.0, ignored = 0.0;
-    const std::array<NearFrame, 2> rest = converged(zone.near, settling),
-                                   whole = converged(std::vector<std::uint8_t>(cut.mesh.tet_count(), 1), ignored);
+    const std::array<fem::NearFrame, 2> rest = converged(zone.near, settling),
+                                        whole = converged(std::vector<std::uint8_t>(cut.mesh.tet_count(), 1), ignored);
     row["final_ms"] = 1e3 * settling;
     row["final_residual"] = std::max(rest[1].residual, whole[1].residual);
     double moving = 0.0, opening = 0.0, force = 0.0, zone_opening = 0.0;
     for (std::size_t half = 0; half < 2; ++half) {
-        const NearFrame& frame = dragged.frame[half];
+        const fem::NearFrame& frame = dragged.frame[half];
         moving = std::max(moving, relative_difference(frame.displacement, rest[half].displacement));
         opening = std::max(opening, opening_difference(cut, frame.displacement, rest[half].displacement));
         zone_opening
@@ -293,7 +294,7 @@ Json measure_under_hand(const Job& job)
     return row;
 }
 
-std::string under_hand_text(const Json& row)
+std::string under_hand_text(const ui::cli::Json& row)
 {
     const auto number = [&](const char* key) { return row.at(key).get<double>(); };
     std::array<char, 900> text {};
@@ -314,4 +315,4 @@ std::string under_hand_text(const Json& row)
     return text.data();
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -22,7 +22,7 @@
 #include <iterator>
 #include <sstream>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
@@ -39,16 +39,16 @@ namespace {
         return 1e3 * watch.seconds();
     }
 
-    MeshDelta done(CutResult result)
+    mesh::MeshDelta done(mesh::CutResult result)
     {
-        if (result.status != CutStatus::done)
+        if (result.status != mesh::CutStatus::done)
             throw SolverError("the bench's cut was not made: " + result.message);
         return std::move(result.delta);
     }
 
-    void must_be_solved(const OnlineAnswer& answer)
+    void must_be_solved(const fem::OnlineAnswer& answer)
     {
-        if (answer.status != OnlineStatus::solved)
+        if (answer.status != fem::OnlineStatus::solved)
             throw SolverError("the bench's wound was not opened: " + answer.message);
     }
 
@@ -83,21 +83,21 @@ namespace {
     constexpr double kFactorGflop96k = 22.5;
 
     /// Vertices that cuts add have none.
-    std::vector<double> beds(const OpenScene& scene, const OnlineStiffness& K)
+    std::vector<double> beds(const OpenScene& scene, const fem::OnlineStiffness& K)
     {
         std::vector<double> stiffness(K.slot_count(), 0.0);
-        for (const BeddedVertex& bed : scene.supports.bedded)
+        for (const fem::BeddedVertex& bed : scene.supports.bedded)
             stiffness[static_cast<std::size_t>(bed.vertex)] = bed.stiffness;
         return stiffness;
     }
 
     /// The child: the same strokes, each state of interest assembled and factored from nothing.
-    Outcome baseline(const OpenBenchOptions& options, const Job& job)
+    ui::cli::Outcome baseline(const OpenBenchOptions& options, const Job& job)
     {
         const OpenScene scene = open_scene(options.sizes.at(0), job);
         std::vector<double> total, assemble, analyse, factor, solve;
-        const auto rebuild = [&](const CutSession& session, std::size_t step, int repeats) {
-            OnlineStiffness K(session, scene.materials);
+        const auto rebuild = [&](const mesh::CutSession& session, std::size_t step, int repeats) {
+            fem::OnlineStiffness K(session, scene.materials);
             K.set_bed(beds(scene, K));
             FullRebuild full(K, scene.supports.fixed, scene.hooks, std::min(job.threads, 2)); // as all else
             for (int i = 0; i < repeats && !job.cancelled(); ++i) {
@@ -111,7 +111,7 @@ namespace {
             write_field(field_file(options.baseline_to, step), full.solution());
         };
         double gemm = full_rebuild_gemm_gflops();
-        CutSession session(scene.mesh);
+        mesh::CutSession session(scene.mesh);
         done(session.cut(scene.blade, scene.cut));
         rebuild(session, 0, options.repeats);
         session.undo();
@@ -122,7 +122,7 @@ namespace {
         }
         // Other programs on the machine may have slowed the first: both are compared at their fastest.
         gemm = std::max(gemm, full_rebuild_gemm_gflops());
-        Outcome outcome;
+        ui::cli::Outcome outcome;
         outcome.document = { { "full_rebuild_ms_median", median(total) },
             { "full_rebuild_ms_p95", percentile(total, 0.95) }, { "baseline_assemble_ms", median(assemble) },
             { "baseline_analyse_ms", median(analyse) }, { "baseline_factor_ms", median(factor) },
@@ -132,34 +132,35 @@ namespace {
     }
 
     /// Runs the child and reads what it printed.
-    Json run_baseline(const std::string& size, const fs::path& folder, const OpenBenchOptions& options, const Job& job)
+    ui::cli::Json run_baseline(
+        const std::string& size, const fs::path& folder, const OpenBenchOptions& options, const Job& job)
     {
         const std::string self = fs::read_symlink("/proc/self/exe").string();
-        const ProgramRun run = run_program(
+        const ui::cli::ProgramRun run = ui::cli::run_program(
             { self, "--json", "--threads", std::to_string(job.threads), "open", "--sizes", size, "--repeats",
                 std::to_string(std::min(options.repeats, 5)), "--baseline-to", folder.string() },
             std::chrono::minutes(5));
         if (run.exit_code != 0)
             throw SolverError("the baseline's process failed", run.out);
-        return Json::parse(run.out);
+        return ui::cli::Json::parse(run.out);
     }
 
     /// Vertices that the planned cut touches, made at once or freehand: rehearsed on the session and undone.
-    std::vector<VertexId> rehearsed_corridor(CutSession& session, const OpenScene& scene)
+    std::vector<VertexId> rehearsed_corridor(mesh::CutSession& session, const OpenScene& scene)
     {
-        OnlineStiffness K(session, scene.materials);
+        fem::OnlineStiffness K(session, scene.materials);
         std::vector<VertexId> corridor = K.touched_by(done(session.cut(scene.blade, scene.cut)));
         session.undo();
         const std::size_t planned = K.slot_count();
         for (std::size_t step = 1; step < scene.blade.line.size(); ++step) {
-            const MeshDelta delta = done(session.extend_stroke(beginning(scene.blade, step + 1), scene.cut));
+            const mesh::MeshDelta delta = done(session.extend_stroke(beginning(scene.blade, step + 1), scene.cut));
             const std::vector<VertexId> touched = K.touched_by(delta);
             corridor.insert(corridor.end(), touched.begin(), touched.end());
             K.apply(delta);
         }
         done(session.finish_stroke());
         session.undo();
-        for (const OnlineHook& hook : scene.hooks)
+        for (const fem::OnlineHook& hook : scene.hooks)
             corridor.insert(corridor.end(), hook.nodes.begin(), hook.nodes.end());
         std::sort(corridor.begin(), corridor.end());
         corridor.erase(std::unique(corridor.begin(), corridor.end()), corridor.end());
@@ -172,13 +173,14 @@ namespace {
     };
 
     /// From blade to deformed frame, whole field and residual included.
-    OnlineAnswer timed_change(OnlineOpening& opening, Times& times, const std::function<MeshDelta()>& cut)
+    fem::OnlineAnswer timed_change(
+        fem::OnlineOpening& opening, Times& times, const std::function<mesh::MeshDelta()>& cut)
     {
         const Stopwatch watch;
-        const MeshDelta delta = cut();
+        const mesh::MeshDelta delta = cut();
         times.cut.push_back(1e3 * watch.seconds());
         opening.follow(delta);
-        OnlineAnswer answer = opening.answer();
+        fem::OnlineAnswer answer = opening.answer();
         times.corridor.push_back(1e3 * watch.seconds());
         opening.complete(answer);
         times.total.push_back(1e3 * watch.seconds());
@@ -187,7 +189,7 @@ namespace {
         return answer;
     }
 
-    std::vector<double> drag_frames(OnlineOpening& opening, std::size_t hooks)
+    std::vector<double> drag_frames(fem::OnlineOpening& opening, std::size_t hooks)
     {
         constexpr int kFrames = 200;
         std::vector<double> ms;
@@ -204,7 +206,8 @@ namespace {
     }
 
     /// Attaching one more hook until it can be dragged, and dragging with 8 and 4.
-    void measure_hooks(OnlineOpening& opening, const OpenScene& scene, std::vector<HookId> ids, int repeats, Json& row)
+    void measure_hooks(fem::OnlineOpening& opening, const OpenScene& scene, std::vector<fem::HookId> ids, int repeats,
+        ui::cli::Json& row)
     {
         std::vector<double> attach, first;
         double worst = 0.0;
@@ -214,7 +217,7 @@ namespace {
             ids.pop_back();
             const Stopwatch watch;
             ids.push_back(opening.attach(scene.hooks.back()));
-            OnlineAnswer answer = opening.answer();
+            fem::OnlineAnswer answer = opening.answer();
             opening.complete(answer);
             first.push_back(1e3 * watch.seconds());
             must_be_solved(answer);
@@ -236,22 +239,23 @@ namespace {
     }
 
     struct OpenedScene {
-        CutSession session;
-        std::unique_ptr<OnlineOpening> opening;
-        std::vector<HookId> ids;
+        mesh::CutSession session;
+        std::unique_ptr<fem::OnlineOpening> opening;
+        std::vector<fem::HookId> ids;
     };
 
-    OpenedScene lay_out(const OpenScene& scene, Json& row)
+    OpenedScene lay_out(const OpenScene& scene, ui::cli::Json& row)
     {
-        OpenedScene opened { CutSession(scene.mesh), nullptr, {} };
+        OpenedScene opened { mesh::CutSession(scene.mesh), nullptr, {} };
         std::vector<VertexId> corridor;
         row["rehearse_ms"] = milliseconds([&] { corridor = rehearsed_corridor(opened.session, scene); });
         row["plan_ms"] = milliseconds([&] {
-            opened.opening = std::make_unique<OnlineOpening>(opened.session, scene.materials, scene.supports, corridor);
+            opened.opening
+                = std::make_unique<fem::OnlineOpening>(opened.session, scene.materials, scene.supports, corridor);
         });
-        for (const OnlineHook& hook : scene.hooks)
+        for (const fem::OnlineHook& hook : scene.hooks)
             opened.ids.push_back(opened.opening->attach(hook));
-        OnlineAnswer answer = opened.opening->answer();
+        fem::OnlineAnswer answer = opened.opening->answer();
         opened.opening->complete(answer);
         must_be_solved(answer);
         return opened;
@@ -259,7 +263,7 @@ namespace {
 
     double assembly_ms(const OpenScene& scene)
     {
-        OnlineStiffness K(CutSession(scene.mesh), scene.materials);
+        fem::OnlineStiffness K(mesh::CutSession(scene.mesh), scene.materials);
         std::vector<double> ms;
         constexpr int kTimes = 5;
         for (int i = 0; i < kTimes; ++i)
@@ -267,20 +271,22 @@ namespace {
         return median(ms);
     }
 
-    Json measure_open(const OpenScene& scene, const fs::path& folder, const OpenBenchOptions& options, const Job& job)
+    ui::cli::Json measure_open(
+        const OpenScene& scene, const fs::path& folder, const OpenBenchOptions& options, const Job& job)
     {
-        Json row { { "mesh", scene.name }, { "tets", scene.mesh.tet_count() }, { "nodes", scene.mesh.vertex_count() } };
-        const Json rebuilt = run_baseline(scene.name, folder, options, job);
+        ui::cli::Json row { { "mesh", scene.name }, { "tets", scene.mesh.tet_count() },
+            { "nodes", scene.mesh.vertex_count() } };
+        const ui::cli::Json rebuilt = run_baseline(scene.name, folder, options, job);
         row["assemble_ms"] = assembly_ms(scene);
         OpenedScene opened = lay_out(scene, row);
-        OnlineOpening& opening = *opened.opening;
-        CutSession& session = opened.session;
+        fem::OnlineOpening& opening = *opened.opening;
+        mesh::CutSession& session = opened.session;
         Times step, stroke;
         double residual = 0.0, step_diff = 0.0, stroke_diff = 0.0;
         int refinements = 0;
         for (int i = 0; i < options.repeats && !job.cancelled(); ++i) {
             for (std::size_t s = 1; s < scene.blade.line.size(); ++s) {
-                const OnlineAnswer answer = timed_change(opening, step,
+                const fem::OnlineAnswer answer = timed_change(opening, step,
                     [&] { return done(session.extend_stroke(beginning(scene.blade, s + 1), scene.cut)); });
                 residual = std::max(residual, answer.residual);
                 refinements = std::max(refinements, answer.refinements);
@@ -290,7 +296,7 @@ namespace {
             }
             opening.follow(done(session.finish_stroke()));
             opening.follow(session.undo());
-            const OnlineAnswer answer
+            const fem::OnlineAnswer answer
                 = timed_change(opening, stroke, [&] { return done(session.cut(scene.blade, scene.cut)); });
             residual = std::max(residual, answer.residual);
             refinements = std::max(refinements, answer.refinements);
@@ -335,7 +341,7 @@ namespace {
         text += line.data();
     }
 
-    std::string as_text(const Json& row)
+    std::string as_text(const ui::cli::Json& row)
     {
         const auto number = [&](const char* key) { return row.at(key).get<double>(); };
         std::string text;
@@ -373,7 +379,7 @@ namespace {
         return text;
     }
 
-    void save(const OpenBenchOptions& options, const char* name, const Outcome& outcome)
+    void save(const OpenBenchOptions& options, const char* name, const ui::cli::Outcome& outcome)
     {
         if (options.out.empty())
             return;
@@ -383,24 +389,24 @@ namespace {
 
 } // namespace
 
-Outcome bench_open(const OpenBenchOptions& options, const Job& job)
+ui::cli::Outcome bench_open(const OpenBenchOptions& options, const Job& job)
 {
-    keep_freed_memory(); // the baseline as well
+    fem::keep_freed_memory(); // the baseline as well
     if (!options.baseline_to.empty())
         return baseline(options, job);
-    const TemporaryFolder folder;
-    Outcome outcome;
-    outcome.document["results"] = Json::array();
+    const ui::cli::TemporaryFolder folder;
+    ui::cli::Outcome outcome;
+    outcome.document["results"] = ui::cli::Json::array();
     for (std::size_t i = 0; i < options.sizes.size() && !job.cancelled(); ++i) {
         job.report("bench open", static_cast<double>(i) / static_cast<double>(options.sizes.size()));
         const OpenScene scene = open_scene(options.sizes[i], job);
         OpenBenchOptions of_scene = options;
         if (scene.name == "thorax") // its strokes take seconds each
             of_scene.repeats = std::min(options.repeats, kThoraxStrokes);
-        Json row = measure_open(scene, folder.path, of_scene, job);
+        ui::cli::Json row = measure_open(scene, folder.path, of_scene, job);
         outcome.text += as_text(row);
         if (scene.name != "thorax") { // the issue asks for it in the boxes
-            const Json nonlinear = measure_nonlinear(scene, job);
+            const ui::cli::Json nonlinear = measure_nonlinear(scene, job);
             row.update(nonlinear);
             outcome.text += nonlinear_text(row);
         }
@@ -414,11 +420,11 @@ Outcome bench_open(const OpenBenchOptions& options, const Job& job)
     return outcome;
 }
 
-Outcome bench_drag(const OpenBenchOptions& options, const Job& job)
+ui::cli::Outcome bench_drag(const OpenBenchOptions& options, const Job& job)
 {
-    keep_freed_memory();
-    Outcome outcome;
-    outcome.document["results"] = Json::array();
+    fem::keep_freed_memory();
+    ui::cli::Outcome outcome;
+    outcome.document["results"] = ui::cli::Json::array();
     for (std::size_t i = 0; i < options.sizes.size() && !job.cancelled(); ++i) {
         job.report("bench drag", static_cast<double>(i) / static_cast<double>(options.sizes.size()));
         if (options.sizes[i] == "thorax") {
@@ -427,7 +433,8 @@ Outcome bench_drag(const OpenBenchOptions& options, const Job& job)
             continue;
         }
         const OpenScene scene = open_scene_of_box(options.sizes[i]);
-        Json row { { "mesh", scene.name }, { "tets", scene.mesh.tet_count() }, { "nodes", scene.mesh.vertex_count() } };
+        ui::cli::Json row { { "mesh", scene.name }, { "tets", scene.mesh.tet_count() },
+            { "nodes", scene.mesh.vertex_count() } };
         OpenedScene opened = lay_out(scene, row);
         opened.opening->follow(done(opened.session.cut(scene.blade, scene.cut)));
         measure_hooks(*opened.opening, scene, opened.ids, options.repeats, row);
@@ -447,4 +454,4 @@ Outcome bench_drag(const OpenBenchOptions& options, const Job& job)
     return outcome;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 struct OpenBenchOptions {
     std::vector<std::string> sizes { "67k", "96k", "175k", "thorax" };
@@ -18,9 +18,9 @@ struct OpenBenchOptions {
 };
 
 /// Freehand steps and whole strokes: `retractor-bench open`.
-Outcome bench_open(const OpenBenchOptions& options, const Job& job);
+ui::cli::Outcome bench_open(const OpenBenchOptions& options, const Job& job);
 
 /// Dragging with 4 and 8 hooks alone, and in the thorax as a window does: `retractor-bench drag`.
-Outcome bench_drag(const OpenBenchOptions& options, const Job& job);
+ui::cli::Outcome bench_drag(const OpenBenchOptions& options, const Job& job);
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -6,10 +6,10 @@
 
 #include <algorithm>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
-FullRebuild::FullRebuild(
-    OnlineStiffness stiffness, std::span<const VertexId> fixed, std::span<const OnlineHook> hooks, int blas_threads)
+FullRebuild::FullRebuild(fem::OnlineStiffness stiffness, std::span<const VertexId> fixed,
+    std::span<const fem::OnlineHook> hooks, int blas_threads)
     : stiffness_(std::move(stiffness))
     , blas_threads_(blas_threads)
     , prescribed_(Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(stiffness_.slot_count())))
@@ -17,7 +17,7 @@ FullRebuild::FullRebuild(
 {
     for (const VertexId v : fixed)
         number_[static_cast<std::size_t>(v)] = -1;
-    for (const OnlineHook& hook : hooks)
+    for (const fem::OnlineHook& hook : hooks)
         for (const VertexId v : hook.nodes) {
             number_[static_cast<std::size_t>(v)] = -1;
             prescribed_.segment<3>(3 * v) = hook.drive.displacement;
@@ -52,7 +52,7 @@ void FullRebuild::run()
     stiffness_.assemble();
     std::size_t entry = 0;
     for (const VertexId v : free_) {
-        const OnlineStiffness::Row& row = stiffness_.row(v);
+        const fem::OnlineStiffness::Row& row = stiffness_.row(v);
         for (std::int32_t axis = 0; axis < 3; ++axis)
             for (std::size_t k = 0; k < row.column.size() && row.column[k] <= v; ++k)
                 if (number_[static_cast<std::size_t>(row.column[k])] >= 0)
@@ -60,12 +60,12 @@ void FullRebuild::run()
                         values_[entry++] = row.value[9 * k + static_cast<std::size_t>(3 * axis + a)];
     }
     assemble_ms = lap();
-    SparseCholesky cholesky;
+    fem::SparseCholesky cholesky;
     cholesky.analyse(pattern_);
     analyse_ms = lap();
     {
         // The supernodes come one after the other: only BLAS can use a second core there.
-        const ScopedBlasThreads while_factoring(blas_threads_);
+        const fem::ScopedBlasThreads while_factoring(blas_threads_);
         cholesky.factorise(values_);
     }
     factor_ms = lap();
@@ -85,9 +85,9 @@ double full_rebuild_gemm_gflops()
     constexpr Eigen::Index kSize = 4096;
     const Eigen::MatrixXd a = Eigen::MatrixXd::Constant(kSize, kSize, 1.0);
     const Stopwatch watch;
-    const Eigen::MatrixXd c = product(a, a);
+    const Eigen::MatrixXd c = fem::product(a, a);
     const double seconds = watch.seconds();
     return 2.0 * static_cast<double>(kSize * kSize * kSize) / seconds * (c(0, 0) > 0.0 ? 1e-9 : 0.0);
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

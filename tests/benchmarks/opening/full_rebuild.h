@@ -8,13 +8,13 @@
 #include <span>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 class FullRebuild {
 public:
     /// Makes the pattern, outside all times. @param stiffness of the mesh; hooks hold their nodes at their
     /// displacement. @param blas_threads for the factor alone.
-    FullRebuild(OnlineStiffness stiffness, std::span<const VertexId> fixed, std::span<const OnlineHook> hooks,
+    FullRebuild(fem::OnlineStiffness stiffness, std::span<const VertexId> fixed, std::span<const fem::OnlineHook> hooks,
         int blas_threads);
 
     void run();
@@ -25,12 +25,12 @@ public:
     const Eigen::VectorXd& solution() const { return solution_; }
 
 private:
-    OnlineStiffness stiffness_;
+    fem::OnlineStiffness stiffness_;
     int blas_threads_; ///< for the factor; all else uses one
     Eigen::VectorXd prescribed_; ///< by vertex id
     std::vector<VertexId> free_;
     std::vector<std::int32_t> number_;
-    SymmetricPattern pattern_;
+    fem::SymmetricPattern pattern_;
     std::vector<double> values_;
     Eigen::VectorXd solution_;
 };
@@ -38,4 +38,4 @@ private:
 /// Speed of a matrix product of 4096 x 4096, GFlop/s: what the factor's speed is to be judged by.
 double full_rebuild_gemm_gflops();
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

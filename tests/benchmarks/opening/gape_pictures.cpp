@@ -1,14 +1,14 @@
 #include "tests/benchmarks/opening/gape_pictures.h"
 
 #include "datasets/phantoms/phantom.h"
-#include "fem/springs/edge_springs.h"
 #include "fem/model/pre_strain.h"
+#include "fem/springs/edge_springs.h"
 #include "fem/springs/spring_relaxation.h"
 #include "mesh/base/error.h"
 #include "mesh/cutting/cut_session.h"
 #include "mesh/generation/hybrid_model.h"
-#include "mesh/surface/label_surface.h"
 #include "mesh/image/skeleton.h"
+#include "mesh/surface/label_surface.h"
 #include "mesh/surface/wound_surface.h"
 #include "planner/approach/approach_templates.h"
 #include "planner/wall/supports.h"
@@ -25,7 +25,7 @@
 #include <cstdio>
 #include <memory>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
@@ -37,20 +37,20 @@ namespace {
 
     /// The phantom, its incision and its wall, cut.
     struct CutChest {
-        Phantom phantom;
-        Approach approach;
-        MeshSizing sizing;
-        TetMesh wall;
-        std::vector<Material> materials; ///< by label
+        datasets::Phantom phantom;
+        planner::Approach approach;
+        mesh::MeshSizing sizing;
+        mesh::TetMesh wall;
+        std::vector<fem::Material> materials; ///< by label
         std::vector<VertexId> held; ///< skeleton and the region's border
         Vec3 inward, across; ///< unit; the blade's, and from lip to lip
-        std::unique_ptr<CutSession> session;
-        CutResult cut;
+        std::unique_ptr<mesh::CutSession> session;
+        mesh::CutResult cut;
     };
 
     CutChest cut_chest(const Job& job)
     {
-        CutChest chest { .phantom = make_thorax_phantom({}, job),
+        CutChest chest { .phantom = datasets::make_thorax_phantom({}, job),
             .approach = {},
             .sizing = {},
             .wall = {},
@@ -60,17 +60,17 @@ namespace {
             .across = Vec3::Zero(),
             .session = {},
             .cut = {} };
-        const LabelVolume& labels = chest.phantom.labels;
-        ApproachRequest request;
+        const mesh::LabelVolume& labels = chest.phantom.labels;
+        planner::ApproachRequest request;
         request.template_name = kTemplate;
         request.target.label = "aneurysm";
         request.length_mm = kChestCutLength;
         request.sizing.region_mm = kRegion;
         request.sizing.corridor_edge_mm = kRegionEdge;
-        chest.approach = approach_from_template(labels, find_anatomy(labels), request);
-        chest.sizing = mesh_sizing_of(chest.approach, labels.table);
-        HybridModel model = build_hybrid_model(labels, chest.sizing, job);
-        if (model.status != MeshStatus::done)
+        chest.approach = planner::approach_from_template(labels, planner::find_anatomy(labels), request);
+        chest.sizing = planner::mesh_sizing_of(chest.approach, labels.table);
+        mesh::HybridModel model = mesh::build_hybrid_model(labels, chest.sizing, job);
+        if (model.status != mesh::MeshStatus::done)
             throw SolverError("the phantom's wall was not meshed: " + model.message);
         chest.wall = std::move(model.wall);
         for (const Vec3& direction : chest.approach.directions)
@@ -79,27 +79,27 @@ namespace {
         const auto& line = chest.approach.incision;
         chest.across = (line.back() - line.front()).cross(chest.inward).normalized();
 
-        CutOptions options;
+        mesh::CutOptions options;
         std::vector<bool> hard;
-        for (const LabelInfo& info : labels.table) {
+        for (const mesh::LabelInfo& info : labels.table) {
             if (chest.materials.size() <= info.id) {
                 chest.materials.resize(static_cast<std::size_t>(info.id) + 1);
                 hard.resize(chest.materials.size());
             }
-            if (info.role != Role::wall)
+            if (info.role != mesh::Role::wall)
                 continue;
-            chest.materials[info.id] = find_material(default_materials(), info.material);
-            hard[info.id] = is_skeleton(info);
+            chest.materials[info.id] = fem::find_material(fem::default_materials(), info.material);
+            hard[info.id] = mesh::is_skeleton(info);
             if (hard[info.id])
                 options.uncut_labels.push_back(info.id);
         }
-        chest.held = wall_supports(chest.wall, labels, {}, {}, true);
+        chest.held = planner::wall_supports(chest.wall, labels, {}, {}, true);
         for (TetId t = 0; t < static_cast<TetId>(chest.wall.tet_count()); ++t)
             if (hard[chest.wall.labels[static_cast<std::size_t>(t)]])
                 chest.held.insert(chest.held.end(), chest.wall.tet(t).begin(), chest.wall.tet(t).end());
-        chest.session = std::make_unique<CutSession>(chest.wall);
-        chest.cut = chest.session->cut(blade_of(chest.approach), options, job);
-        if (chest.cut.status != CutStatus::done)
+        chest.session = std::make_unique<mesh::CutSession>(chest.wall);
+        chest.cut = chest.session->cut(planner::blade_of(chest.approach), options, job);
+        if (chest.cut.status != mesh::CutStatus::done)
             throw SolverError("the phantom's wall was not cut: " + chest.cut.message);
         return chest;
     }
@@ -107,23 +107,23 @@ namespace {
     /// All soft tissue pulled across the cut, in the plane of the wall; skin in its own plane.
     std::vector<Mat3> tension(const CutChest& chest, double strain)
     {
-        std::vector<PreStrain> of_label(chest.materials.size());
-        for (const LabelInfo& info : chest.phantom.labels.table)
-            if (info.role == Role::wall && !is_skeleton(info))
-                of_label[info.id] = { PreStrainKind::uniaxial_stress, strain, chest.across,
+        std::vector<fem::PreStrain> of_label(chest.materials.size());
+        for (const mesh::LabelInfo& info : chest.phantom.labels.table)
+            if (info.role == mesh::Role::wall && !mesh::is_skeleton(info))
+                of_label[info.id] = { fem::PreStrainKind::uniaxial_stress, strain, chest.across,
                     info.material == "skin" ? Vec3(Vec3::Zero()) : Vec3(-chest.inward) };
-        return pre_stress(chest.wall, chest.materials, of_label);
+        return fem::pre_stress(chest.wall, chest.materials, of_label);
     }
 
-    bool in_skin(const CutChest& chest, const SpringNetwork& springs, VertexId v)
+    bool in_skin(const CutChest& chest, const fem::SpringNetwork& springs, VertexId v)
     {
-        const LabelInfo* skin = find_label(chest.phantom.labels.table, "skin");
+        const mesh::LabelInfo* skin = mesh::find_label(chest.phantom.labels.table, "skin");
         const auto around = springs.elements(v);
         return skin != nullptr
             && std::any_of(around.begin(), around.end(), [&](TetId t) { return springs.label(t) == skin->id; });
     }
 
-    double skin_gape(const CutChest& chest, const SpringNetwork& springs)
+    double skin_gape(const CutChest& chest, const fem::SpringNetwork& springs)
     {
         const Points now = springs.positions();
         double widest = 0.0;
@@ -141,29 +141,29 @@ namespace {
         return sum / static_cast<double>(line.size());
     }
 
-    Scene wound_scene(
-        const CutChest& chest, const SpringNetwork& springs, const TriMesh& body, const GapePicture& picture)
+    ui::Scene wound_scene(
+        const CutChest& chest, const fem::SpringNetwork& springs, const TriMesh& body, const GapePicture& picture)
     {
-        SlotMap map;
-        const TetMesh cut = chest.session->compact_mesh(&map);
+        mesh::SlotMap map;
+        const mesh::TetMesh cut = chest.session->compact_mesh(&map);
         Points displacement(cut.vertices.rows(), 3);
         for (std::size_t v = 0; v < map.vertex_slot.size(); ++v)
             displacement.row(static_cast<Eigen::Index>(v)) = springs.displacement().row(map.vertex_slot[v]);
-        const auto looks = tissue_looks(chest.phantom.labels.table);
-        Scene scene;
+        const auto looks = ui::tissue_looks(chest.phantom.labels.table);
+        ui::Scene scene;
         std::array<char, 96> text {};
         std::snprintf(
             text.data(), text.size(), "%.0f %% tension: gape %.1f mm", 100.0 * picture.strain, picture.gape_mm);
         scene.title = text.data();
-        SurfaceItem wall;
+        ui::SurfaceItem wall;
         wall.name = "chest wall";
-        wall.mesh = std::make_shared<const TriMesh>(deformed_boundary(cut, displacement));
+        wall.mesh = std::make_shared<const TriMesh>(mesh::deformed_boundary(cut, displacement));
         wall.look_of_label = looks;
         scene.surfaces.push_back(std::move(wall));
-        SurfaceItem rest;
+        ui::SurfaceItem rest;
         rest.name = "chest wall beyond the model";
         rest.mesh = std::make_shared<const TriMesh>(
-            wall_beyond_region(body, chest.phantom.labels, chest.sizing, cut, displacement));
+            planner::wall_beyond_region(body, chest.phantom.labels, chest.sizing, cut, displacement));
         rest.look_of_label = looks;
         if (!rest.mesh->triangles.empty())
             scene.surfaces.push_back(std::move(rest));
@@ -179,16 +179,16 @@ namespace {
         return scene;
     }
 
-    Scene opened_scene(
+    ui::Scene opened_scene(
         const CutChest& chest, const TriMesh& body, GapePicture& picture, Points& start, double scale, const Job& job)
     {
-        SpringNetwork springs(chest.wall, chest.materials, tension(chest, picture.strain));
+        fem::SpringNetwork springs(chest.wall, chest.materials, tension(chest, picture.strain));
         springs.fix(chest.held);
         springs.apply(chest.cut.delta);
         springs.set_wound(chest.session->lips());
         if (start.rows() > 0)
             springs.set_displacement((scale * start).eval()); // of the smaller strain
-        const RelaxResult result = relax(springs, { .tolerance = 1e-2, .max_iterations = 4000 }, job);
+        const fem::RelaxResult result = fem::relax(springs, { .tolerance = 1e-2, .max_iterations = 4000 }, job);
         if (job.cancelled())
             throw SolverError("cancelled");
         start = springs.displacement();
@@ -198,18 +198,18 @@ namespace {
         std::snprintf(text.data(), text.size(),
             "skin gapes %.1f mm; %d iterations in %.1f s, residual %.0e%s, %d elements turned over", picture.gape_mm,
             result.iterations, result.seconds, result.residual,
-            result.status == RelaxStatus::converged ? "" : " (not converged)", result.inverted);
+            result.status == fem::RelaxStatus::converged ? "" : " (not converged)", result.inverted);
         picture.status = text.data();
         return wound_scene(chest, springs, body, picture);
     }
 
-    TriMesh body_surface(const LabelVolume& labels, const Job& job)
+    TriMesh body_surface(const mesh::LabelVolume& labels, const Job& job)
     {
         std::vector<Label> wall;
-        for (const LabelInfo& info : labels.table)
-            if (info.role == Role::wall)
+        for (const mesh::LabelInfo& info : labels.table)
+            if (info.role == mesh::Role::wall)
                 wall.push_back(info.id);
-        return viewing_surface(labels, wall, kBodySmoothing, job);
+        return mesh::viewing_surface(labels, wall, kBodySmoothing, job);
     }
 
 } // namespace
@@ -218,25 +218,25 @@ std::vector<GapePicture> draw_gapes(const std::filesystem::path& folder, const J
 {
     const CutChest chest = cut_chest(job);
     const TriMesh body = body_surface(chest.phantom.labels, job);
-    OffscreenRenderer renderer(make_offscreen_context(), job);
+    ui::OffscreenRenderer renderer(ui::make_offscreen_context(), job);
     std::vector<GapePicture> pictures;
-    Picture together {
+    ui::Picture together {
         .width = static_cast<int>(kStrains.size()) * kWidth * 2 / 3, .height = kHeight * 2 / 3, .viewports = {}
     };
     Points displacement;
     for (std::size_t i = 0; i < kStrains.size(); ++i) {
         GapePicture picture { .strain = kStrains[i], .status = {}, .file = {} };
-        const Scene scene
+        const ui::Scene scene
             = opened_scene(chest, body, picture, displacement, i == 0 ? 1.0 : kStrains[i] / kStrains[i - 1], job);
         picture.file = folder / ("gape-" + std::to_string(std::lround(100.0 * picture.strain)) + ".png");
-        write_png(
+        ui::write_png(
             picture.file, renderer.render({ .width = kWidth, .height = kHeight, .viewports = { { .scene = scene } } }));
         const double share = 1.0 / static_cast<double>(kStrains.size()), left = share * static_cast<double>(i);
         together.viewports.push_back({ .left = left, .right = left + share, .scene = scene });
         pictures.push_back(std::move(picture));
     }
-    write_png(folder / "gape.png", renderer.render(together));
+    ui::write_png(folder / "gape.png", renderer.render(together));
     return pictures;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 struct GapePicture {
     double strain = 0.0;
@@ -21,4 +21,4 @@ struct GapePicture {
 /// @throws SolverError when cancelled.
 std::vector<GapePicture> draw_gapes(const std::filesystem::path& folder, const Job& job);
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

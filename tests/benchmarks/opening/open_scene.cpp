@@ -10,7 +10,7 @@
 #include <set>
 #include <utility>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
@@ -36,7 +36,7 @@ namespace {
         for (int h = 0; h < kOpenSceneHooks; ++h) {
             const int side = h % 2 == 0 ? 1 : -1, place = h / 2;
             const double at = apart * (place + 0.5 - kOpenSceneHooks / 4.0);
-            OnlineHook hook;
+            fem::OnlineHook hook;
             hook.name = (side > 0 ? "left " : "right ") + std::to_string(place + 1);
             hook.side = side;
             hook.drive.displacement = side * kOpeningEachSide * across;
@@ -63,8 +63,8 @@ OpenScene open_scene_of_thorax(const Job& job)
     OpenScene scene { body.name, std::move(body.mesh), std::move(body.blade), std::move(body.materials),
         std::move(body.supports), {} };
     scene.cut.uncut_labels = body.uncut_labels;
-    for (Material& material : scene.materials)
-        material = as_solved(std::move(material), ElementKind::p1);
+    for (fem::Material& material : scene.materials)
+        material = planner::as_solved(std::move(material), planner::ElementKind::p1);
     const auto steps = static_cast<std::size_t>(kCutLength / kFreehandStep);
     if (scene.blade.line.size() < steps + 1)
         throw SolverError("the incision of the bench's thorax is too short", "open bench");
@@ -80,10 +80,10 @@ OpenScene open_scene_of_thorax(const Job& job)
     const Vec3 across = along.cross(inward).normalized();
     std::set<VertexId> skin;
     constexpr double kFront = 25.0; // mm from the line's plane: not the back of the chest
-    for (const TetFace& face : boundary_faces(scene.mesh))
+    for (const mesh::TetFace& face : mesh::boundary_faces(scene.mesh))
         if (std::binary_search(
                 body.skin.begin(), body.skin.end(), scene.mesh.labels[static_cast<std::size_t>(face.tet)]))
-            for (const VertexId v : face_vertices(scene.mesh, face))
+            for (const VertexId v : mesh::face_vertices(scene.mesh, face))
                 if (std::abs((scene.mesh.vertices.row(v).transpose() - centre).dot(inward)) < kFront)
                     skin.insert(v);
     add_hooks(scene, { skin.begin(), skin.end() }, centre, along, across, kCutLength);
@@ -97,16 +97,16 @@ OpenScene open_scene_of_box(const std::string& name)
     if (box == kBoxes.end())
         throw InputError("there is no such box: 12k, 67k, 96k or 175k", name);
     const auto& n = box->cells;
-    OpenScene scene { name, kuhn_box(n[0], n[1], n[2], kSpacing), {}, {}, {}, {} };
+    OpenScene scene { name, mesh::kuhn_box(n[0], n[1], n[2], kSpacing), {}, {}, {}, {} };
     const double heading = kHeadingDeg * std::numbers::pi / 180.0, tilt = kTiltDeg * std::numbers::pi / 180.0;
     const Vec3 along(std::cos(heading), std::sin(heading), 0.0), across(-std::sin(heading), std::cos(heading), 0.0);
     const Vec3 centre(0.5 * n[0] * kSpacing + 1.3, 0.5 * n[1] * kSpacing + 0.9, n[2] * kSpacing);
     const double length = std::min(kCutLength, 0.6 * n[0] * kSpacing); // 100 mm in the boxes of the issue
-    const Blade straight { .line = { centre - 0.5 * length * along, centre + 0.5 * length * along },
+    const mesh::Blade straight { .line = { centre - 0.5 * length * along, centre + 0.5 * length * along },
         .directions = { -std::cos(tilt) * Vec3::UnitZ() + std::sin(tilt) * across },
         .depth_mm = kDepthShare * n[2] * kSpacing };
     scene.blade = resampled(straight, kFreehandStep);
-    const Material tissue { "tissue", 0.02, 0.45, 1e-9, "bench.json" };
+    const fem::Material tissue { "tissue", 0.02, 0.45, 1e-9, "bench.json" };
     scene.materials = { tissue, tissue };
     for (VertexId v = 0; v < static_cast<VertexId>(scene.mesh.vertex_count()); ++v)
         if (scene.mesh.vertices(v, 2) == 0.0)
@@ -119,4 +119,4 @@ OpenScene open_scene_of_box(const std::string& name)
     return scene;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

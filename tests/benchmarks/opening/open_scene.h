@@ -9,18 +9,18 @@
 #include <string>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 inline constexpr int kOpenSceneHooks = 8;
 
 struct OpenScene {
     std::string name;
-    TetMesh mesh; ///< not cut
-    Blade blade; ///< its line has a point at each freehand step
-    std::vector<Material> materials; ///< by label
-    Supports supports;
-    std::vector<OnlineHook> hooks; ///< driven to their full displacement, both sides in turn
-    CutOptions cut {};
+    mesh::TetMesh mesh; ///< not cut
+    mesh::Blade blade; ///< its line has a point at each freehand step
+    std::vector<fem::Material> materials; ///< by label
+    fem::Supports supports;
+    std::vector<fem::OnlineHook> hooks; ///< driven to their full displacement, both sides in turn
+    mesh::CutOptions cut {};
 };
 
 /// @throws InputError on a name other than 12k, 67k, 96k, 175k.
@@ -31,4 +31,4 @@ OpenScene open_scene_of_thorax(const Job& job);
 /// "thorax" or a box.
 OpenScene open_scene(const std::string& name, const Job& job);
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

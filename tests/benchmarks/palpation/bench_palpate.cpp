@@ -3,9 +3,9 @@
 #include "datasets/phantoms/aorta_phantom.h"
 #include "haptics/condensed/condensed_tissue.h"
 #include "haptics/condensed/half_space.h"
-#include "haptics/servo/servo.h"
 #include "haptics/device/simulated_hand.h"
 #include "haptics/device/tick_thread.h"
+#include "haptics/servo/servo.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "tests/benchmarks/framework/bench_numbers.h"
@@ -24,7 +24,7 @@
 #include <numeric>
 #include <thread>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
@@ -41,51 +41,51 @@ namespace {
 
     struct Variant {
         const char* name;
-        TouchElement element;
+        haptics::TouchElement element;
         int around, along;
         std::size_t fingers;
         bool servo; ///< run at 1 kHz too
         double radius = 4.0; ///< of a fingertip, mm
     };
 
-    const char* element_name(TouchElement element)
+    const char* element_name(haptics::TouchElement element)
     {
         switch (element) {
-        case TouchElement::p1:
+        case haptics::TouchElement::p1:
             return "p1";
-        case TouchElement::locking_free:
+        case haptics::TouchElement::locking_free:
             return "locking-free";
-        case TouchElement::p2:
+        case haptics::TouchElement::p2:
             return "p2";
         }
         return "";
     }
 
-    PalpationScene arch(int around, int along, int nodes_per_tet = 4)
+    datasets::PalpationScene arch(int around, int along, int nodes_per_tet = 4)
     {
-        AortaParameters p;
+        datasets::AortaParameters p;
         p.around = around;
         p.along = along;
         p.nodes_per_tet = nodes_per_tet;
-        return make_aorta_phantom(p);
+        return datasets::make_aorta_phantom(p);
     }
 
-    Fingertip finger_at(const TouchSite& site, double depth, double radius = 4.0)
+    haptics::Fingertip finger_at(const datasets::TouchSite& site, double depth, double radius = 4.0)
     {
-        Fingertip finger;
+        haptics::Fingertip finger;
         finger.radius = radius;
         finger.position = site.point + (finger.radius - depth) * site.outward;
         return finger;
     }
 
     /// A fingertip that comes down on a site at the start and strokes to and fro on it, rocking.
-    Fingertip stroking(const TouchSite& site, double time, double radius)
+    haptics::Fingertip stroking(const datasets::TouchSite& site, double time, double radius)
     {
         constexpr double kStroke = 1.5, kRock = 0.3; // mm
         Vec3 along = site.outward.cross(Vec3::UnitX());
         along = (along.norm() > 0.1 ? along : site.outward.cross(Vec3::UnitY())).normalized();
         const double down = std::min(1.0, time / 0.1);
-        Fingertip finger
+        haptics::Fingertip finger
             = finger_at(site, kStrokeDepth * down - 6.0 * (1.0 - down) + kRock * std::sin(9.0 * time), radius);
         finger.position += kStroke * std::sin(5.0 * time) * along;
         finger.velocity = 5.0 * kStroke * std::cos(5.0 * time) * along;
@@ -93,35 +93,35 @@ namespace {
     }
 
     /// Sites under the fingers: the second pinches from the other side.
-    std::vector<TouchSite> sites_of(const PalpationScene& scene, std::size_t fingers)
+    std::vector<datasets::TouchSite> sites_of(const datasets::PalpationScene& scene, std::size_t fingers)
     {
-        std::vector<TouchSite> sites { scene.site("normal") };
+        std::vector<datasets::TouchSite> sites { scene.site("normal") };
         if (fingers > 1)
             sites.push_back(scene.site("normal-opposite"));
         return sites;
     }
 
-    std::vector<Fingertip> still(const std::vector<TouchSite>& sites, double radius = 4.0)
+    std::vector<haptics::Fingertip> still(const std::vector<datasets::TouchSite>& sites, double radius = 4.0)
     {
-        std::vector<Fingertip> fingers;
-        for (const TouchSite& site : sites)
+        std::vector<haptics::Fingertip> fingers;
+        for (const datasets::TouchSite& site : sites)
             fingers.push_back(finger_at(site, kStrokeDepth, radius));
         return fingers;
     }
 
     /// Comes from outside and stays, at the start of a beat and after it.
     struct Palpation {
-        CondensedTissue& tissue;
-        std::vector<TouchSite> sites;
-        std::vector<FingerContact> contacts;
+        haptics::CondensedTissue& tissue;
+        std::vector<datasets::TouchSite> sites;
+        std::vector<haptics::FingerContact> contacts;
         double radius = 4.0, time = 0.0;
 
         void press()
         {
             constexpr int kSteps = 40;
             for (int i = 0; i <= kSteps; ++i) {
-                std::vector<Fingertip> fingers;
-                for (const TouchSite& site : sites)
+                std::vector<haptics::Fingertip> fingers;
+                for (const datasets::TouchSite& site : sites)
                     fingers.push_back(finger_at(site, kStrokeDepth - 6.0 * (kSteps - i) / kSteps, radius));
                 tissue.tick(time, kStep, fingers, contacts);
                 time += kStep;
@@ -130,7 +130,7 @@ namespace {
         /// Force on the first finger through one beat: lowest and highest.
         std::pair<double, double> beat()
         {
-            const std::vector<Fingertip> fingers = still(sites, radius);
+            const std::vector<haptics::Fingertip> fingers = still(sites, radius);
             double low = std::numeric_limits<double>::infinity(), high = 0.0;
             for (double t = 0.0; t < tissue.pulse().period_s(); t += 4.0 * kStep) {
                 tissue.tick(time, kStep, fingers, contacts);
@@ -148,8 +148,8 @@ namespace {
     };
 
     /// Ticks one after the other, each timed; a loop that does nothing beside it.
-    StrokeTimes time_strokes(
-        CondensedTissue& tissue, const std::vector<TouchSite>& sites, double radius, int ticks, const Job& job)
+    StrokeTimes time_strokes(haptics::CondensedTissue& tissue, const std::vector<datasets::TouchSite>& sites,
+        double radius, int ticks, const Job& job)
     {
         using Clock = std::chrono::steady_clock;
         const auto microseconds
@@ -157,8 +157,8 @@ namespace {
         StrokeTimes times;
         times.tick_us.reserve(static_cast<std::size_t>(ticks));
         times.empty_us.reserve(static_cast<std::size_t>(ticks));
-        std::vector<Fingertip> fingers(sites.size());
-        std::vector<FingerContact> contacts(sites.size());
+        std::vector<haptics::Fingertip> fingers(sites.size());
+        std::vector<haptics::FingerContact> contacts(sites.size());
         for (int i = 0; i < ticks && !job.cancelled(); ++i) {
             const double time = i * kStep;
             for (std::size_t f = 0; f < sites.size(); ++f)
@@ -176,7 +176,7 @@ namespace {
         return times;
     }
 
-    double deform_ms(CondensedTissue& tissue, Palpation& palpation)
+    double deform_ms(haptics::CondensedTissue& tissue, Palpation& palpation)
     {
         palpation.press();
         Points deformed;
@@ -194,9 +194,9 @@ namespace {
 
     /// The forces found, put on the whole body and solved for at once: do its stations and its surface stand where the
     /// condensed answer has them?
-    double difference_on_same_mesh(CondensedTissue& tissue)
+    double difference_on_same_mesh(haptics::CondensedTissue& tissue)
     {
-        const PressedCheck check = check_pressed(tissue);
+        const haptics::PressedCheck check = haptics::check_pressed(tissue);
         const Eigen::VectorXd& u = check.displacement;
         double worst = check.off_mm;
         Points deformed;
@@ -214,12 +214,12 @@ namespace {
     /// Ticks at 1 kHz with frames in real time beside them: a frame's work is waited for as long as it takes here.
     class TicksAndFrames {
     public:
-        explicit TicksAndFrames(CondensedTissue& tissue)
+        explicit TicksAndFrames(haptics::CondensedTissue& tissue)
             : fingers(tissue.finger_count())
             , contacts(tissue.finger_count())
             , tissue_(tissue)
         {
-            for (Fingertip& finger : fingers)
+            for (haptics::Fingertip& finger : fingers)
                 finger.position.setConstant(1e6);
         }
         /// @return whether it rested on what stands in
@@ -238,17 +238,17 @@ namespace {
             return tissue_.late_ticks() > late;
         }
         /// As far as no frame sees where it was.
-        void hop_to(const Fingertip& finger)
+        void hop_to(const haptics::Fingertip& finger)
         {
             fingers[0] = finger;
             tissue_.tick(0.0, 0.0, fingers, contacts);
         }
         double last_work_s() const { return work_; } ///< of the last frame
-        std::vector<Fingertip> fingers;
-        std::vector<FingerContact> contacts;
+        std::vector<haptics::Fingertip> fingers;
+        std::vector<haptics::FingerContact> contacts;
 
     private:
-        CondensedTissue& tissue_;
+        haptics::CondensedTissue& tissue_;
         Points deformed_;
         double time_ = 0.0, next_frame_ = 0.5 * kFrame, work_ = 0.0;
         double behind_ = 0.0; ///< s of the simulation thread's work that ticks have not caught up with
@@ -260,10 +260,10 @@ namespace {
         double felt_ms = 0.0; ///< until the force is handed over to within a hundredth
     };
 
-    SetDown set_down(CondensedTissue& tissue, const Station& station)
+    SetDown set_down(haptics::CondensedTissue& tissue, const haptics::Station& station)
     {
         constexpr int kLimit = 5000, kSettled = 200; // ticks
-        const TouchSite site { "", station.point, station.normal };
+        const datasets::TouchSite site { "", station.point, station.normal };
         TicksAndFrames run(tissue);
         run.hop_to(finger_at(site, -6.0)); // a fingertip touches only from outside
         run.fingers[0] = finger_at(site, kStrokeDepth);
@@ -286,10 +286,10 @@ namespace {
     }
 
     /// Fingers set down suddenly where nothing is ready: what stands in, against what comes.
-    void measure_set_downs(CondensedTissue& tissue, Json& row)
+    void measure_set_downs(haptics::CondensedTissue& tissue, ui::cli::Json& row)
     {
         constexpr std::size_t kPlaces = 25;
-        const std::vector<Station>& stations = tissue.touch_surface().stations();
+        const std::vector<haptics::Station>& stations = tissue.touch_surface().stations();
         std::vector<double> error, exact, felt;
         for (std::size_t i = 0; i < kPlaces; ++i) {
             const std::size_t s = (2 * i + 1) * stations.size() / (2 * kPlaces);
@@ -314,7 +314,8 @@ namespace {
 
     /// A finger that comes from 40 mm away, frames in real time beside it: how long it rests on what stands in, and how
     /// far off that is at most (of the force at full depth).
-    void measure_approach(CondensedTissue& tissue, const TouchSite& site, double speed, Json& row)
+    void measure_approach(
+        haptics::CondensedTissue& tissue, const datasets::TouchSite& site, double speed, ui::cli::Json& row)
     {
         constexpr double kFrom = 40.0, kStay = 0.5; // mm, s
         TicksAndFrames run(tissue);
@@ -329,8 +330,8 @@ namespace {
             forces.push_back(run.contacts[0].force.norm());
             depths.push_back(depth);
         }
-        std::vector<Fingertip> fingers = run.fingers;
-        std::vector<FingerContact> contacts(fingers.size());
+        std::vector<haptics::Fingertip> fingers = run.fingers;
+        std::vector<haptics::FingerContact> contacts(fingers.size());
         double worst = 0.0;
         for (int i = 0; i < ticks; ++i) { // the same way again, now that all stations are ready
             fingers[0] = finger_at(site, depths[static_cast<std::size_t>(i)]);
@@ -343,36 +344,37 @@ namespace {
     }
 
     /// Each at a place that no finger has come near.
-    void measure_lateness(CondensedTissue& tissue, const PalpationScene& scene, Json& row)
+    void measure_lateness(haptics::CondensedTissue& tissue, const datasets::PalpationScene& scene, ui::cli::Json& row)
     {
         measure_set_downs(tissue, row);
-        row["approaches"] = Json::array();
+        row["approaches"] = ui::cli::Json::array();
         for (const auto& [site, speed] : { std::pair { "sclerotic-opposite", 100.0 }, { "normal-opposite", 300.0 } }) {
-            row["approaches"].push_back(Json::object());
+            row["approaches"].push_back(ui::cli::Json::object());
             measure_approach(tissue, scene.site(site), speed, row["approaches"].back());
         }
     }
 
     /// At 1 kHz on its own thread, two hands or one, an edit going on, frames drawn up beside it.
-    void run_servo(
-        CondensedTissue& tissue, const std::vector<TouchSite>& sites, double seconds, Json& row, const Job& job)
+    void run_servo(haptics::CondensedTissue& tissue, const std::vector<datasets::TouchSite>& sites, double seconds,
+        ui::cli::Json& row, const Job& job)
     {
         const auto path = [](double seconds_down) {
             const auto up = [](double y) { return Vec3(0.0, y, 0.0); };
-            return HandPath({ { 0.0, up(12.0), 0 }, { 0.5, up(4.0 - kStrokeDepth), 0 },
+            return haptics::HandPath({ { 0.0, up(12.0), 0 }, { 0.5, up(4.0 - kStrokeDepth), 0 },
                 { seconds_down, up(4.0 - kStrokeDepth), 0 } });
         };
-        std::vector<std::unique_ptr<SimulatedHand>> hands;
-        std::vector<ServoDevice> devices;
-        for (const TouchSite& site : sites) {
-            hands.push_back(std::make_unique<SimulatedHand>(SimulatedHandOptions { .path = path(seconds) }));
+        std::vector<std::unique_ptr<haptics::SimulatedHand>> hands;
+        std::vector<haptics::ServoDevice> devices;
+        for (const datasets::TouchSite& site : sites) {
+            hands.push_back(
+                std::make_unique<haptics::SimulatedHand>(haptics::SimulatedHandOptions { .path = path(seconds) }));
             devices.push_back({ hands.back().get(),
                 { .scene_centre = site.point,
                     .scene_from_device
                     = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitY(), site.outward).toRotationMatrix() } });
         }
-        Servo servo(devices, tissue);
-        TickThread thread;
+        haptics::Servo servo(devices, tissue);
+        haptics::TickThread thread;
         thread.start(servo);
         const Stopwatch watch;
         Points deformed;
@@ -381,8 +383,8 @@ namespace {
         while (watch.seconds() < seconds && !job.cancelled()) {
             const Stopwatch frame;
             if (!edited && watch.seconds() > 0.4 * seconds) {
-                ElasticTemplate sphere;
-                sphere.shape = ElasticTemplate::Shape::sphere;
+                haptics::ElasticTemplate sphere;
+                sphere.shape = haptics::ElasticTemplate::Shape::sphere;
                 sphere.centre = sites[0].point;
                 sphere.half_size.x() = 15.0;
                 sphere.youngs_modulus = 2.0;
@@ -400,8 +402,8 @@ namespace {
         row["servo_tick_us_p999"] = thread.times().compute.percentile_s(0.999) * 1e6;
         row["realtime"] = thread.is_realtime();
         row["edit_swapped_in"] = !tissue.edit_pending();
-        if (const Fault fault = servo.latest().fault; fault.kind != FaultKind::none)
-            row["fault"] = describe(fault);
+        if (const haptics::Fault fault = servo.latest().fault; fault.kind != haptics::FaultKind::none)
+            row["fault"] = haptics::describe(fault);
     }
 
     struct Reference {
@@ -412,31 +414,32 @@ namespace {
     /// Ten-node elements, finer than any row's, their midpoints on the curved wall.
     Reference refined_reference(const Job& job)
     {
-        const PalpationScene scene = arch(32, 64, 10);
-        CondensedOptions options;
+        const datasets::PalpationScene scene = arch(32, 64, 10);
+        haptics::CondensedOptions options;
         options.fetch_all_below = 0;
-        CondensedTissue tissue(scene.body, PulsePressure::aortic(), options, job);
-        Palpation palpation { tissue, sites_of(scene, 1), std::vector<FingerContact>(1) };
+        haptics::CondensedTissue tissue(scene.body, haptics::PulsePressure::aortic(), options, job);
+        Palpation palpation { tissue, sites_of(scene, 1), std::vector<haptics::FingerContact>(1) };
         tissue.prepare(still(palpation.sites));
         palpation.press();
         const auto [low, high] = palpation.beat();
         return { low, high, scene.body.mesh.vertex_count() };
     }
 
-    Json measure(const Variant& variant, const Reference& reference, const PalpateBenchOptions& bench, const Job& job)
+    ui::cli::Json measure(
+        const Variant& variant, const Reference& reference, const PalpateBenchOptions& bench, const Job& job)
     {
-        const PalpationScene scene = arch(variant.around, variant.along);
-        CondensedOptions options;
+        const datasets::PalpationScene scene = arch(variant.around, variant.along);
+        haptics::CondensedOptions options;
         options.element = variant.element;
         options.fingers = variant.fingers;
         const Stopwatch watch;
-        CondensedTissue tissue(scene.body, PulsePressure::aortic(), options, job);
-        Json row { { "model", "fem" }, { "element", element_name(variant.element) }, { "scene", "vessel" },
+        haptics::CondensedTissue tissue(scene.body, haptics::PulsePressure::aortic(), options, job);
+        ui::cli::Json row { { "model", "fem" }, { "element", element_name(variant.element) }, { "scene", "vessel" },
             { "vertices", tissue.surface().vertices.rows() }, { "fingers", variant.fingers },
             { "radius_mm", variant.radius } };
         row["unknowns"] = tissue.compliance().unknowns();
         row["build_ms"] = watch.seconds() * 1e3;
-        const std::vector<TouchSite> sites = sites_of(scene, variant.fingers);
+        const std::vector<datasets::TouchSite> sites = sites_of(scene, variant.fingers);
         const Stopwatch fetch;
         tissue.prepare(still(sites, variant.radius));
         row["first_columns_ms"] = fetch.seconds() * 1e3;
@@ -448,7 +451,7 @@ namespace {
         row["empty_us_p999"] = percentile(times.empty_us, 0.999);
         row["stations_pressed"] = times.most_pressing;
 
-        Palpation palpation { tissue, sites, std::vector<FingerContact>(sites.size()), variant.radius };
+        Palpation palpation { tissue, sites, std::vector<haptics::FingerContact>(sites.size()), variant.radius };
         row["deform_ms_median"] = deform_ms(tissue, palpation);
         const auto [low, high] = palpation.beat();
         row["force_N"] = high;
@@ -468,32 +471,32 @@ namespace {
         return row;
     }
 
-    Json check_row(const char* name, double value, double expected)
+    ui::cli::Json check_row(const char* name, double value, double expected)
     {
         return { { "check", name }, { "value", value }, { "expected", expected },
             { "rel_error", std::abs(value / expected - 1.0) } };
     }
 
     /// Outward motion of the middle of a long vessel by 40 mmHg, against Lame's.
-    Json tube_check()
+    ui::cli::Json tube_check()
     {
-        AortaParameters p;
-        p.shape = AortaParameters::Shape::tube;
+        datasets::AortaParameters p;
+        p.shape = datasets::AortaParameters::Shape::tube;
         p.length_mm = 600.0;
         p.around = 16;
         p.region.length_mm = 0.0;
-        CondensedOptions options;
+        haptics::CondensedOptions options;
         options.fetch_all_below = 0;
-        const PalpationScene scene = make_aorta_phantom(p);
-        CondensedTissue tissue(scene.body, PulsePressure::constant(120.0), options);
-        std::vector<Fingertip> finger(1);
+        const datasets::PalpationScene scene = datasets::make_aorta_phantom(p);
+        haptics::CondensedTissue tissue(scene.body, haptics::PulsePressure::constant(120.0), options);
+        std::vector<haptics::Fingertip> finger(1);
         finger[0].position.setConstant(1e6);
-        std::vector<FingerContact> contact(1);
+        std::vector<haptics::FingerContact> contact(1);
         tissue.tick(0.0, kStep, finger, contact);
         Points deformed;
         tissue.follow(deformed);
         const double r = p.inner_radius_mm, ro = p.outer_radius_mm, nu = p.poissons_ratio;
-        const double exact = (1.0 + nu) / p.normal_MPa * 40.0 * kMPaPerMmHg * r * r / (ro * ro - r * r)
+        const double exact = (1.0 + nu) / p.normal_MPa * 40.0 * haptics::kMPaPerMmHg * r * r / (ro * ro - r * r)
             * ((1.0 - 2.0 * nu) * r + ro * ro / r);
         double sum = 0.0;
         int count = 0;
@@ -507,24 +510,24 @@ namespace {
         return check_row("Lame tube, inner wall, mm", sum / count, exact);
     }
 
-    Json closed_form_checks()
+    ui::cli::Json closed_form_checks()
     {
         constexpr double E = 0.020, nu = 0.49, R = 8.0, contact = 5.663;
-        Json checks = Json::array();
+        ui::cli::Json checks = ui::cli::Json::array();
         checks.push_back(tube_check());
         constexpr double kAway = -1e9;
-        const HalfSpace block(contact, E, nu);
+        const haptics::HalfSpace block(contact, E, nu);
         checks.push_back(check_row("flat punch, N",
             block.press([&](double r) { return r <= contact * (1.0 + 1e-9) ? kStrokeDepth : kAway; }).force,
-            flat_punch_force(contact, kStrokeDepth, E, nu)));
-        const double depth = sneddon_depth(R, contact), exact = sneddon_force(depth, R, E, nu);
+            haptics::flat_punch_force(contact, kStrokeDepth, E, nu)));
+        const double depth = haptics::sneddon_depth(R, contact), exact = haptics::sneddon_force(depth, R, E, nu);
         checks.push_back(check_row("Sneddon's sphere, N",
             block.press([&](double r) { return r < R ? depth - (R - std::sqrt(R * R - r * r)) : kAway; }).force,
             exact));
         return checks;
     }
 
-    std::string line_of(const Json& row)
+    std::string line_of(const ui::cli::Json& row)
     {
         const auto part = [&](const char* format, const char* key, double scale = 1.0) -> std::string {
             if (!row.contains(key) || !row.at(key).is_number())
@@ -550,9 +553,9 @@ namespace {
 
 } // namespace
 
-void write_palpation_plot(const fs::path& file, const Json& rows, const Job& job)
+void write_palpation_plot(const fs::path& file, const ui::cli::Json& rows, const Job& job)
 {
-    ChartPicture picture { .x_title = "",
+    ui::ChartPicture picture { .x_title = "",
         .y_title = "error of the force against refined P2",
         .panels = {},
         .columns = 2,
@@ -561,11 +564,11 @@ void write_palpation_plot(const fs::path& file, const Json& rows, const Job& job
     for (const auto& [key, title, axis] :
         { std::array { "force_us_mean", "at every tick", "time per tick, microseconds" },
             std::array { "build_ms", "once", "until the first tick, ms" } }) {
-        ChartPanel panel;
+        ui::ChartPanel panel;
         panel.title = title;
         panel.x_title = axis;
         std::map<std::string, std::size_t> series_of;
-        for (const Json& row : rows) {
+        for (const ui::cli::Json& row : rows) {
             if (!row.contains(key) || !row.contains("rel_error_vs_reference")
                 || !row.at("rel_error_vs_reference").is_number())
                 continue;
@@ -579,38 +582,40 @@ void write_palpation_plot(const fs::path& file, const Json& rows, const Job& job
             panel.series[at->second].x.push_back(row.at(key).get<double>());
             panel.series[at->second].y.push_back(std::abs(row.at("rel_error_vs_reference").get<double>()));
         }
-        for (ChartSeries& series : panel.series) // a line needs two points
+        for (ui::ChartSeries& series : panel.series) // a line needs two points
             if (series.x.size() == 1) {
                 series.x.push_back(series.x.front());
                 series.y.push_back(series.y.front());
             }
         picture.panels.push_back(panel);
     }
-    OffscreenRenderer renderer(make_offscreen_context(), job);
-    write_png(file, renderer.render(picture));
+    ui::OffscreenRenderer renderer(ui::make_offscreen_context(), job);
+    ui::write_png(file, renderer.render(picture));
 }
 
-Outcome bench_palpate(const PalpateBenchOptions& options, const Job& job)
+ui::cli::Outcome bench_palpate(const PalpateBenchOptions& options, const Job& job)
 {
-    std::vector<Variant> variants { { "source", TouchElement::p1, 20, 40, 1, true },
-        { "source", TouchElement::p1, 20, 40, 2, true }, { "source, 12", TouchElement::p1, 20, 40, 1, false, 9.0 },
-        { "source, 12", TouchElement::p1, 20, 40, 2, false, 9.0 },
-        { "locking-free", TouchElement::locking_free, 20, 40, 1, false },
-        { "quadratic", TouchElement::p2, 20, 40, 1, true }, { "quadratic", TouchElement::p2, 20, 40, 2, false },
-        { "5,000", TouchElement::p1, 34, 73, 1, false } };
+    std::vector<Variant> variants { { "source", haptics::TouchElement::p1, 20, 40, 1, true },
+        { "source", haptics::TouchElement::p1, 20, 40, 2, true },
+        { "source, 12", haptics::TouchElement::p1, 20, 40, 1, false, 9.0 },
+        { "source, 12", haptics::TouchElement::p1, 20, 40, 2, false, 9.0 },
+        { "locking-free", haptics::TouchElement::locking_free, 20, 40, 1, false },
+        { "quadratic", haptics::TouchElement::p2, 20, 40, 1, true },
+        { "quadratic", haptics::TouchElement::p2, 20, 40, 2, false },
+        { "5,000", haptics::TouchElement::p1, 34, 73, 1, false } };
     if (options.largest)
-        variants.push_back({ "20,000", TouchElement::p1, 68, 146, 1, false });
-    Outcome outcome;
+        variants.push_back({ "20,000", haptics::TouchElement::p1, 68, 146, 1, false });
+    ui::cli::Outcome outcome;
     job.report("bench palpate: reference", 0.0);
     const Reference reference = refined_reference(job);
-    Json rows = Json::array();
+    ui::cli::Json rows = ui::cli::Json::array();
     for (std::size_t i = 0; i < variants.size() && !job.cancelled(); ++i) {
         job.report("bench palpate", static_cast<double>(i) / static_cast<double>(variants.size()));
         rows.push_back(measure(variants[i], reference, options, job));
         outcome.text += line_of(rows.back());
     }
     if (!job.cancelled())
-        for (Json& row : palpation_error_rows(kErrorTicks, job)) {
+        for (ui::cli::Json& row : palpation_error_rows(kErrorTicks, job)) {
             outcome.text += line_of(row);
             rows.push_back(std::move(row));
         }
@@ -619,7 +624,7 @@ Outcome bench_palpate(const PalpateBenchOptions& options, const Job& job)
         { "pulse_N", reference.high - reference.low } };
     if (!job.cancelled()) {
         outcome.document["checks"] = closed_form_checks();
-        for (const Json& check : outcome.document["checks"]) {
+        for (const ui::cli::Json& check : outcome.document["checks"]) {
             std::array<char, 160> line {};
             std::snprintf(line.data(), line.size(), "%-28s %.5f, closed form %.5f: %.2f %% off\n",
                 check.at("check").get<std::string>().c_str(), check.at("value").get<double>(),
@@ -640,4 +645,4 @@ Outcome bench_palpate(const PalpateBenchOptions& options, const Job& job)
     return outcome;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 struct PalpateBenchOptions {
     std::string out; ///< folder for bench_palpate.json and the plot; empty: none
@@ -15,10 +15,10 @@ struct PalpateBenchOptions {
     bool largest = true; ///< 20,000 surface vertices too
 };
 
-Outcome bench_palpate(const PalpateBenchOptions& options, const Job& job);
+ui::cli::Outcome bench_palpate(const PalpateBenchOptions& options, const Job& job);
 
 /// A model's point in the plot: rows with "force_us_mean", "build_ms" and "rel_error_vs_reference" are drawn, one curve
 /// per "model" and "element".
-void write_palpation_plot(const std::filesystem::path& file, const Json& rows, const Job& job);
+void write_palpation_plot(const std::filesystem::path& file, const ui::cli::Json& rows, const Job& job);
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -2,10 +2,10 @@
 
 #include "datasets/phantoms/aorta_phantom.h"
 #include "haptics/condensed/condensed_tissue.h"
-#include "haptics/servo/servo.h"
 #include "haptics/device/simulated_hand.h"
-#include "haptics/springs/spring_tissue.h"
 #include "haptics/device/tick_thread.h"
+#include "haptics/servo/servo.h"
+#include "haptics/springs/spring_tissue.h"
 #include "mesh/base/atomic_file.h"
 #include "tests/benchmarks/framework/process_status.h"
 #include "tests/benchmarks/palpation/servo_load.h"
@@ -23,7 +23,7 @@
 #include <optional>
 #include <thread>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
@@ -35,71 +35,72 @@ namespace {
     constexpr double kSheetSpacing = 4.0; // mm: 96 mm across
 
     /// The tissue's part of a tick, measured.
-    class Timed : public TissueResponse {
+    class Timed : public haptics::TissueResponse {
     public:
-        explicit Timed(TissueResponse& inner)
+        explicit Timed(haptics::TissueResponse& inner)
             : inner_(inner)
         {
         }
         std::string_view name() const noexcept override { return inner_.name(); }
         std::size_t finger_count() const noexcept override { return inner_.finger_count(); }
-        void tick(double time_s, double step_s, std::span<const Fingertip> fingers,
-            std::span<FingerContact> contacts) noexcept override
+        void tick(double time_s, double step_s, std::span<const haptics::Fingertip> fingers,
+            std::span<haptics::FingerContact> contacts) noexcept override
         {
-            const double begun = tick_clock_s();
+            const double begun = haptics::tick_clock_s();
             inner_.tick(time_s, step_s, fingers, contacts);
-            times.add(tick_clock_s() - begun);
-            for (const FingerContact& contact : contacts)
+            times.add(haptics::tick_clock_s() - begun);
+            for (const haptics::FingerContact& contact : contacts)
                 touches += contact.touching ? 1 : 0;
         }
         const TriMesh& surface() const noexcept override { return inner_.surface(); }
         void follow(Points& deformed) override { inner_.follow(deformed); }
 
-        TickHistogram times;
+        haptics::TickHistogram times;
         std::uint64_t touches = 0;
 
     private:
-        TissueResponse& inner_;
+        haptics::TissueResponse& inner_;
     };
 
     /// Two hands that press once a second each, in turn, for so long: along their devices' y.
-    std::vector<std::unique_ptr<SimulatedHand>> make_hands(double seconds)
+    std::vector<std::unique_ptr<haptics::SimulatedHand>> make_hands(double seconds)
     {
-        std::vector<std::unique_ptr<SimulatedHand>> hands;
+        std::vector<std::unique_ptr<haptics::SimulatedHand>> hands;
         for (std::size_t h = 0; h < kHands; ++h) {
             const double shift = 0.5 * kPressEvery * static_cast<double>(h);
-            std::vector<HandKey> keys { { 0.0, Vec3(0.0, kAbove, 0.0) } };
+            std::vector<haptics::HandKey> keys { { 0.0, Vec3(0.0, kAbove, 0.0) } };
             for (double t = 0.1 + shift; t < seconds; t += kPressEvery) {
                 keys.push_back({ t, Vec3(0.0, kAbove, 0.0) });
                 keys.push_back({ t + 0.5 * kPressEvery, Vec3(0.0, kBelow, 0.0) });
             }
-            SimulatedHandOptions options { .hand = h == 0 ? relaxed_grip() : firm_grip(), .path = HandPath(keys) };
-            hands.push_back(std::make_unique<SimulatedHand>(
-                options, DeviceInfo { .name = h == 0 ? "relaxed" : "firm", .model = "simulated" }));
+            haptics::SimulatedHandOptions options { .hand = h == 0 ? haptics::relaxed_grip() : haptics::firm_grip(),
+                .path = haptics::HandPath(keys) };
+            hands.push_back(std::make_unique<haptics::SimulatedHand>(
+                options, haptics::DeviceInfo { .name = h == 0 ? "relaxed" : "firm", .model = "simulated" }));
         }
         return hands;
     }
 
     /// A tissue, where each hand stands on it, and an edit to be made again and again.
     struct Bench {
-        std::unique_ptr<TissueResponse> tissue;
-        std::vector<MappingOptions> mappings;
+        std::unique_ptr<haptics::TissueResponse> tissue;
+        std::vector<haptics::MappingOptions> mappings;
         std::function<void()> edit;
-        double active_power = PassivityOptions {}.active_power;
+        double active_power = haptics::PassivityOptions {}.active_power;
     };
 
     /// The device's y along `outward`, its middle where a fingertip just touches.
-    MappingOptions standing_on(const Vec3& point, const Vec3& outward)
+    haptics::MappingOptions standing_on(const Vec3& point, const Vec3& outward)
     {
         const Mat3 turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitY(), outward).toRotationMatrix();
-        return { .scene_centre = point + FingerMount {}.radius * outward, .scene_from_device = turn };
+        return { .scene_centre = point + haptics::FingerMount {}.radius * outward, .scene_from_device = turn };
     }
 
     Bench make_springs()
     {
         Bench bench;
-        bench.tissue = std::make_unique<SpringTissue>(
-            make_spring_sheet({ .spacing = kSheetSpacing }), ElementLaw {}, SpringTissueOptions { .fingers = kHands });
+        bench.tissue = std::make_unique<haptics::SpringTissue>(haptics::make_spring_sheet({ .spacing = kSheetSpacing }),
+            haptics::ElementLaw {}, haptics::SpringTissueOptions { .fingers = kHands });
         for (const double x : { -0.5 * kApart, 0.5 * kApart })
             bench.mappings.push_back(standing_on(Vec3(x, 0.0, 0.0), Vec3::UnitZ()));
         return bench;
@@ -107,16 +108,16 @@ namespace {
 
     Bench make_aorta(const Job& job)
     {
-        const PalpationScene scene = make_aorta_phantom({});
+        const datasets::PalpationScene scene = datasets::make_aorta_phantom({});
         Bench bench;
-        auto tissue = std::make_unique<CondensedTissue>(
-            scene.body, PulsePressure::aortic(), CondensedOptions { .fingers = kHands }, job);
+        auto tissue = std::make_unique<haptics::CondensedTissue>(
+            scene.body, haptics::PulsePressure::aortic(), haptics::CondensedOptions { .fingers = kHands }, job);
         for (const char* site : { "normal", "sclerotic" })
             bench.mappings.push_back(standing_on(scene.site(site).point, scene.site(site).outward));
         bench.edit = [&edited = *tissue, at = scene.site("sclerotic").point, soft = false]() mutable {
             soft = !soft;
-            ElasticTemplate around_it;
-            around_it.shape = ElasticTemplate::Shape::sphere;
+            haptics::ElasticTemplate around_it;
+            around_it.shape = haptics::ElasticTemplate::Shape::sphere;
             around_it.centre = at;
             around_it.half_size.setConstant(20.0); // mm
             around_it.youngs_modulus = soft ? 1.0 : 3.0;
@@ -128,8 +129,8 @@ namespace {
     }
 
     struct ServoRun {
-        TickTimes times;
-        TickHistogram tissue;
+        haptics::TickTimes times;
+        haptics::TickHistogram tissue;
         std::uint64_t touches = 0, late_faults = 0;
         long edits = 0;
         std::string fault, realtime_note; ///< another fault than lateness
@@ -143,13 +144,13 @@ namespace {
         Bench bench = model == "fem" ? make_aorta(job) : make_springs();
         Timed tissue(*bench.tissue);
         auto hands = make_hands(seconds);
-        std::vector<ServoDevice> devices;
+        std::vector<haptics::ServoDevice> devices;
         for (std::size_t h = 0; h < kHands; ++h)
             devices.push_back({ .device = hands[h].get(), .mapping = bench.mappings[h] });
-        ServoOptions options;
+        haptics::ServoOptions options;
         options.passivity.active_power = bench.active_power;
-        Servo servo(std::move(devices), tissue, options);
-        TickThread thread;
+        haptics::Servo servo(std::move(devices), tissue, options);
+        haptics::TickThread thread;
         ServoRun run;
         run.vertices = static_cast<std::size_t>(tissue.surface().vertices.rows());
         Points deformed = tissue.surface().vertices;
@@ -166,13 +167,13 @@ namespace {
                 ++run.edits;
                 next_edit = watch.seconds() + kEditEvery;
             }
-            const ServoState& state = servo.latest();
+            const haptics::ServoState& state = servo.latest();
             for (std::size_t f = 0; f < state.finger_count; ++f)
                 run.strongest = std::max(run.strongest, state.forces[f].norm());
-            if (state.fault.kind == FaultKind::none)
+            if (state.fault.kind == haptics::FaultKind::none)
                 rearmed = false;
-            else if (state.fault.kind != FaultKind::late)
-                run.fault = describe(state.fault);
+            else if (state.fault.kind != haptics::FaultKind::late)
+                run.fault = haptics::describe(state.fault);
             else if (!rearmed) {
                 ++run.late_faults;
                 servo.rearm();
@@ -191,10 +192,10 @@ namespace {
         return run;
     }
 
-    TickTimes run_nothing(double seconds, const Job& job)
+    haptics::TickTimes run_nothing(double seconds, const Job& job)
     {
-        TickTimes times;
-        std::thread background([&] { times = empty_loop(seconds); });
+        haptics::TickTimes times;
+        std::thread background([&] { times = haptics::empty_loop(seconds); });
         const Stopwatch watch;
         while (watch.seconds() < seconds) {
             std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -204,7 +205,7 @@ namespace {
         return times;
     }
 
-    void put(Json& row, const std::string& name, const TickHistogram& h)
+    void put(ui::cli::Json& row, const std::string& name, const haptics::TickHistogram& h)
     {
         row[name + "_us_mean"] = 1e6 * h.mean_s();
         row[name + "_us_median"] = 1e6 * h.percentile_s(0.5);
@@ -213,9 +214,9 @@ namespace {
         row[name + "_us_max"] = 1e6 * h.max_s();
     }
 
-    Json row_of(const std::string& model, const ServoRun& run, bool load)
+    ui::cli::Json row_of(const std::string& model, const ServoRun& run, bool load)
     {
-        Json row { { "model", model }, { "vertices", run.vertices }, { "fingers", kHands }, { "load", load },
+        ui::cli::Json row { { "model", model }, { "vertices", run.vertices }, { "fingers", kHands }, { "load", load },
             { "ticks", run.times.ticks }, { "missed", run.times.missed }, { "late_faults", run.late_faults },
             { "touching_ticks", run.touches }, { "strongest_N", run.strongest }, { "damped_ticks", run.damped_ticks },
             { "realtime", run.realtime_note.empty() } };
@@ -228,9 +229,9 @@ namespace {
         return row;
     }
 
-    Json row_of(const TickTimes& times, bool load)
+    ui::cli::Json row_of(const haptics::TickTimes& times, bool load)
     {
-        Json row { { "model", "empty loop" }, { "fingers", 0 }, { "load", load }, { "ticks", times.ticks },
+        ui::cli::Json row { { "model", "empty loop" }, { "fingers", 0 }, { "load", load }, { "ticks", times.ticks },
             { "missed", times.missed } };
         put(row, "tick", times.compute);
         put(row, "period", times.periods);
@@ -238,19 +239,19 @@ namespace {
         return row;
     }
 
-    ChartSeries series_of(const std::string& name, const TickHistogram& histogram)
+    ui::ChartSeries series_of(const std::string& name, const haptics::TickHistogram& histogram)
     {
-        ChartSeries series { .name = name, .x = {}, .y = {} };
-        for (const TickHistogram::Bin& bin : histogram.bins()) {
+        ui::ChartSeries series { .name = name, .x = {}, .y = {} };
+        for (const haptics::TickHistogram::Bin& bin : histogram.bins()) {
             series.x.push_back(1e6 * 0.5 * (bin.low_s + bin.high_s));
             series.y.push_back(static_cast<double>(bin.count));
         }
         return series;
     }
 
-    ChartPicture chart_of(const ServoRun& run, const std::optional<TickTimes>& empty)
+    ui::ChartPicture chart_of(const ServoRun& run, const std::optional<haptics::TickTimes>& empty)
     {
-        ChartPicture picture { .x_title = "microseconds", .y_title = "ticks", .panels = {}, .columns = 2 };
+        ui::ChartPicture picture { .x_title = "microseconds", .y_title = "ticks", .panels = {}, .columns = 2 };
         picture.panels.push_back({ .title = "period's distance from 1 ms",
             .series = { series_of("servo, two devices", run.times.jitter) } });
         picture.panels.push_back({ .title = "in the tick",
@@ -263,7 +264,7 @@ namespace {
         return picture;
     }
 
-    std::string text_of(const Json& row)
+    std::string text_of(const ui::cli::Json& row)
     {
         std::array<char, 512> line {};
         std::snprintf(line.data(), line.size(),
@@ -280,7 +281,7 @@ namespace {
 
 } // namespace
 
-Outcome bench_servo(const ServoBenchOptions& options, const Job& job)
+ui::cli::Outcome bench_servo(const ServoBenchOptions& options, const Job& job)
 {
     const bool soaks = options.soak > 0;
     const bool load = options.load && !soaks;
@@ -288,14 +289,14 @@ Outcome bench_servo(const ServoBenchOptions& options, const Job& job)
     std::optional<ServoLoad> work;
     if (load)
         work.emplace(options.model != "fem"); // the aorta has edits of its own
-    std::optional<TickTimes> empty;
+    std::optional<haptics::TickTimes> empty;
     if (!soaks)
         empty = run_nothing(seconds, job);
     const double before_mb = status_mb("VmRSS");
     const ServoRun run = run_servo(options.model, seconds, load, job, soaks ? "soak" : "servo");
     const double grown_mb = status_mb("VmRSS") - before_mb;
-    Outcome outcome;
-    Json results = Json::array();
+    ui::cli::Outcome outcome;
+    ui::cli::Json results = ui::cli::Json::array();
     results.push_back(row_of(options.model, run, load));
     if (empty)
         results.push_back(row_of(*empty, load));
@@ -307,7 +308,7 @@ Outcome bench_servo(const ServoBenchOptions& options, const Job& job)
     if (soaks)
         results[0]["rss_growth_mb"] = grown_mb;
     outcome.document["results"] = results;
-    for (const Json& row : results)
+    for (const ui::cli::Json& row : results)
         outcome.text += text_of(row);
     if (!run.realtime_note.empty())
         outcome.text += run.realtime_note + "\n";
@@ -320,11 +321,11 @@ Outcome bench_servo(const ServoBenchOptions& options, const Job& job)
     if (!options.out.empty()) {
         fs::create_directories(options.out);
         write_file_atomically(fs::path(options.out) / "bench_servo.json", outcome.document.dump(2) + "\n");
-        OffscreenRenderer renderer(make_offscreen_context());
-        write_png(fs::path(options.out) / "servo.png", renderer.render(chart_of(run, empty)));
+        ui::OffscreenRenderer renderer(ui::make_offscreen_context());
+        ui::write_png(fs::path(options.out) / "servo.png", renderer.render(chart_of(run, empty)));
         outcome.text += (fs::path(options.out) / "servo.png").string() + "\n";
     }
     return outcome;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

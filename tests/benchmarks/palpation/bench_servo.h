@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 struct ServoBenchOptions {
     std::string model = "fem"; ///< the beating aorta, whose elasticity is edited; or "springs", the sheet
@@ -19,6 +19,6 @@ struct ServoBenchOptions {
 
 /// Exit code 1 when a force was not finite, a tick asked for memory it did not give back, or the fault latch let go for
 /// another reason than a late tick.
-Outcome bench_servo(const ServoBenchOptions& options, const Job& job);
+ui::cli::Outcome bench_servo(const ServoBenchOptions& options, const Job& job);
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

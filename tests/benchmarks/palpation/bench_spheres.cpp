@@ -10,8 +10,8 @@
 #include "tests/benchmarks/palpation/palpation_bench.h"
 #include "tests/benchmarks/palpation/punch_reference.h"
 #include "tests/benchmarks/palpation/sphere_scenes.h"
-#include "ui/cli/plan/field_files.h"
 #include "ui/cli/framework/out_folder.h"
+#include "ui/cli/plan/field_files.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/render.h"
 
@@ -21,7 +21,7 @@
 #include <cstdio>
 #include <memory>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
@@ -46,16 +46,16 @@ namespace {
                 = fingers == 1 ? 0.0 : -0.28 + 0.56 * static_cast<double>(f) / static_cast<double>(fingers - 1);
             const Vec3 from
                 = middle + Vec3(across * extent.x(), -extent.y(), ((f % 2 == 0) ? 0.08 : -0.08) * extent.z());
-            const NearestOnSurface at = nearest_on_surface(from, surface.vertices, surface.triangles);
+            const haptics::NearestOnSurface at = haptics::nearest_on_surface(from, surface.vertices, surface.triangles);
             grip.point.push_back(at.point);
             grip.inward.push_back((at.point - from).normalized());
         }
         return grip;
     }
 
-    std::vector<Fingertip> tips_at(const Grip& grip, double depth)
+    std::vector<haptics::Fingertip> tips_at(const Grip& grip, double depth)
     {
-        std::vector<Fingertip> tips;
+        std::vector<haptics::Fingertip> tips;
         for (std::size_t f = 0; f < grip.point.size(); ++f)
             tips.push_back({ grip.point[f] + (depth - kTip) * grip.inward[f], Vec3::Zero(), kTip });
         return tips;
@@ -69,23 +69,23 @@ namespace {
     };
 
     /// Two presses, as the source's fig. 6; processor time, medians over the frames.
-    Frames press_twice(SphereMotion& motion, const Grip& grip, std::string* csv = nullptr)
+    Frames press_twice(haptics::SphereMotion& motion, const Grip& grip, std::string* csv = nullptr)
     {
         constexpr int kFrames = 120;
         std::vector<double> advance, deform;
-        std::vector<SphereContact> contacts(grip.point.size());
+        std::vector<haptics::SphereContact> contacts(grip.point.size());
         Points deformed;
         Frames result;
         for (int i = 0; i < kFrames; ++i) {
             const double phase = std::sin(2.0 * 3.14159265358979323846 * i / 60.0);
-            const std::vector<Fingertip> tips = tips_at(grip, kDeep * phase);
+            const std::vector<haptics::Fingertip> tips = tips_at(grip, kDeep * phase);
             CpuWatch watch;
             motion.advance(kDisplayFrame, tips, contacts);
             advance.push_back(watch.milliseconds());
             watch = {};
             motion.deform(deformed);
             deform.push_back(watch.milliseconds());
-            for (const SphereContact& contact : contacts)
+            for (const haptics::SphereContact& contact : contacts)
                 result.displaced += static_cast<double>(contact.spheres) / kFrames;
             result.force = std::max(result.force, contacts[0].force.norm());
             if (i % 5 == 0)
@@ -108,18 +108,19 @@ namespace {
     }
 
     /// Frames that are moved and drawn, off-screen: a window's work on a machine without a graphics card.
-    double frames_drawn_per_second(SphereMotion& motion, const Grip& grip, const Job& job)
+    double frames_drawn_per_second(haptics::SphereMotion& motion, const Grip& grip, const Job& job)
     {
         constexpr int kFrames = 20, kWarm = 2; // the first pictures compile shaders
         constexpr int kWidth = 940, kHeight = 540; // the picture in the window
-        OffscreenRenderer renderer(make_offscreen_context(), job);
-        Picture picture { .width = kWidth, .height = kHeight, .viewports = {} };
-        Scene scene;
-        scene.surfaces.push_back(
-            { .name = "tissue", .mesh = std::make_shared<TriMesh>(motion.surface()), .look = tissue_look("liver") });
-        scene.camera = camera_for_box(*scene_bounds(scene), Vec3::UnitY(), Vec3::UnitZ());
+        ui::OffscreenRenderer renderer(ui::make_offscreen_context(), job);
+        ui::Picture picture { .width = kWidth, .height = kHeight, .viewports = {} };
+        ui::Scene scene;
+        scene.surfaces.push_back({ .name = "tissue",
+            .mesh = std::make_shared<TriMesh>(motion.surface()),
+            .look = ui::tissue_look("liver") });
+        scene.camera = ui::camera_for_box(*ui::scene_bounds(scene), Vec3::UnitY(), Vec3::UnitZ());
         picture.viewports.push_back({ .scene = scene });
-        std::vector<SphereContact> contacts(grip.point.size());
+        std::vector<haptics::SphereContact> contacts(grip.point.size());
         TriMesh moved = motion.surface();
         std::vector<double> seconds;
         for (int i = 0; i < kFrames + kWarm; ++i) {
@@ -134,7 +135,7 @@ namespace {
         return 1.0 / median(seconds);
     }
 
-    PalpationRow row_of(const std::string& scene, SphereMotion& motion, const Grip& grip, const Job& job)
+    PalpationRow row_of(const std::string& scene, haptics::SphereMotion& motion, const Grip& grip, const Job& job)
     {
         const Frames frames = press_twice(motion, grip);
         PalpationRow row {
@@ -142,23 +143,24 @@ namespace {
         };
         row.deform_ms_median = frames.advance_ms + frames.deform_ms;
         row.fps = 1e3 / *row.deform_ms_median;
-        row.note = std::to_string(motion.law().depth_limit) + " layers, " + number("%.0f", frames.displaced)
-            + " spheres moved, volume " + number("%+.2f", 100.0 * frames.volume_error) + " %, "
-            + number("%.3f N", frames.force);
+        row.note = std::to_string(motion.law().depth_limit) + " layers, " + ui::cli::number("%.0f", frames.displaced)
+            + " spheres moved, volume " + ui::cli::number("%+.2f", 100.0 * frames.volume_error) + " %, "
+            + ui::cli::number("%.3f N", frames.force);
         row.fps_drawn = frames_drawn_per_second(motion, grip, job);
-        row.note += ", drawn " + number("%.0f", *row.fps_drawn) + " frames/s";
+        row.note += ", drawn " + ui::cli::number("%.0f", *row.fps_drawn) + " frames/s";
         return row;
     }
 
-    void time_servo(PalpationRow& row, std::vector<SphereOrgan> organs, const SphereLaw& law, const Grip& grip)
+    void time_servo(
+        PalpationRow& row, std::vector<haptics::SphereOrgan> organs, const haptics::SphereLaw& law, const Grip& grip)
     {
-        SphereTissue tissue(std::move(organs), law);
+        haptics::SphereTissue tissue(std::move(organs), law);
         Points deformed;
         std::size_t tick = 0;
         const TickCost cost = time_ticks(
             tissue,
-            [&](double time, std::span<Fingertip> fingers) {
-                const std::vector<Fingertip> tips = tips_at(grip, kDeep * std::sin(6.0 * time));
+            [&](double time, std::span<haptics::Fingertip> fingers) {
+                const std::vector<haptics::Fingertip> tips = tips_at(grip, kDeep * std::sin(6.0 * time));
                 std::copy(tips.begin(), tips.end(), fingers.begin());
                 if (++tick % 16 == 0)
                     tissue.follow(deformed); // not in the tick's time
@@ -174,7 +176,7 @@ namespace {
     PalpationRow error_row(const Job& job)
     {
         constexpr double kDepth = 3.0, kModulus = 0.0054, kRatio = 0.49, kRadius = 3.0;
-        const SphereLaw law;
+        const haptics::SphereLaw law;
         // The sphere of the finger meets a half-space by Sneddon; a block 96 x 96 x 48 on its bottom by elements.
         PunchProblem problem = punched_block(24, 12, 4.0, kDepth, { "liver", kModulus, 0.45, 1.0e-9, "bench" });
         problem.radius = kTip;
@@ -187,48 +189,51 @@ namespace {
                 ((v & 4) != 0 ? height : 0.0);
         box.triangles = { { 0, 2, 1 }, { 1, 2, 3 }, { 4, 5, 6 }, { 5, 7, 6 }, { 0, 1, 4 }, { 1, 5, 4 }, { 2, 6, 3 },
             { 3, 6, 7 }, { 0, 4, 2 }, { 2, 4, 6 }, { 1, 3, 5 }, { 3, 7, 5 } };
-        SphereOrgan block { "block", box, fill_with_spheres(box, kRadius),
-            calibrate_sphere_force(kRadius, law, kModulus, kRatio) };
-        SphereMotion motion({ block }, law);
+        haptics::SphereOrgan block { "block", box, haptics::fill_with_spheres(box, kRadius),
+            haptics::calibrate_sphere_force(kRadius, law, kModulus, kRatio) };
+        haptics::SphereMotion motion({ block }, law);
         PalpationRow row { .model = "spheres", .scene = "block 96 x 96 x 48", .vertices = motion.sphere_count() };
         std::string forces;
-        SphereContact contact;
+        haptics::SphereContact contact;
         for (const double depth : { 1.0, 2.0, 4.0, 6.0 }) {
             for (int i = 0; i < 60; ++i) {
-                const Fingertip tip { Vec3(0.5 * width, 0.5 * width, height + kTip - depth), Vec3::Zero(), kTip };
+                const haptics::Fingertip tip { Vec3(0.5 * width, 0.5 * width, height + kTip - depth), Vec3::Zero(),
+                    kTip };
                 motion.advance(kDisplayFrame, { &tip, 1 }, { &contact, 1 });
             }
-            const double right = sneddon_force(depth, kTip, kModulus, kRatio);
-            forces += number(" %.0f mm", depth) + number(": %.4f", contact.force.z())
-                + number(" N (half-space %.4f)", right);
+            const double right = haptics::sneddon_force(depth, kTip, kModulus, kRatio);
+            forces += ui::cli::number(" %.0f mm", depth) + ui::cli::number(": %.4f", contact.force.z())
+                + ui::cli::number(" N (half-space %.4f)", right);
             if (depth == 6.0)
                 row.rel_error_vs_reference = contact.force.z() / right - 1.0;
         }
         // How far from its place the surface moves beside the finger, against the elements' answer, is no number a
         // sphere filling aims at; the force is.
-        row.note = "calibrated at 4 mm;" + forces + number("; P2 flat punch of 8 mm at 3 mm %.4f N", reference.force);
+        row.note = "calibrated at 4 mm;" + forces
+            + ui::cli::number("; P2 flat punch of 8 mm at 3 mm %.4f N", reference.force);
         return row;
     }
 
     void write_pictures(const std::filesystem::path& folder, const TriMesh& liver, const Job& job)
     {
-        OffscreenRenderer renderer(make_offscreen_context(), job);
-        SphereLaw law;
+        ui::OffscreenRenderer renderer(ui::make_offscreen_context(), job);
+        haptics::SphereLaw law;
         law.fingers = 3;
         // Fig. 3: three fingers grasp the liver, its surface on the left, the spheres inside on the right.
-        SphereMotion motion({ filled_organ("liver", liver, 1880, law, 0.0054, 0.49) }, law);
+        haptics::SphereMotion motion({ filled_organ("liver", liver, 1880, law, 0.0054, 0.49) }, law);
         const Grip grip = grip_on(liver, 3);
-        Picture picture { .width = 1280, .height = 1440, .viewports = {} };
-        std::vector<SphereContact> contacts(3);
+        ui::Picture picture { .width = 1280, .height = 1440, .viewports = {} };
+        std::vector<haptics::SphereContact> contacts(3);
         for (int row = 0; row < 3; ++row) {
             const double depth = -4.0 + 9.0 * row;
-            const std::vector<Fingertip> tips = tips_at(grip, depth);
+            const std::vector<haptics::Fingertip> tips = tips_at(grip, depth);
             for (int i = 0; i < 10; ++i)
                 motion.advance(kDisplayFrame, tips, contacts);
             for (const bool spheres : { false, true }) {
-                Scene scene = sphere_scene(motion, spheres ? SphereView::spheres : SphereView::textured, tips);
-                scene.title = spheres ? number("%.0f spheres", static_cast<double>(motion.sphere_count()))
-                                      : number("%.0f mm deep", depth) + number(", %.2f N", contacts[0].force.norm());
+                ui::Scene scene = sphere_scene(motion, spheres ? SphereView::spheres : SphereView::textured, tips);
+                scene.title = spheres
+                    ? ui::cli::number("%.0f spheres", static_cast<double>(motion.sphere_count()))
+                    : ui::cli::number("%.0f mm deep", depth) + ui::cli::number(", %.2f N", contacts[0].force.norm());
                 picture.viewports.push_back({ .left = spheres ? 0.5 : 0.0,
                     .bottom = (2.0 - row) / 3.0,
                     .right = spheres ? 1.0 : 0.5,
@@ -236,38 +241,38 @@ namespace {
                     .scene = scene });
             }
         }
-        write_png(folder / "liver_fingers.png", renderer.render(picture));
+        ui::write_png(folder / "liver_fingers.png", renderer.render(picture));
 
         // Six fingers: three of each hand, on the wall over liver and stomach.
         law.fingers = 6;
-        SphereMotion abdomen(abdomen_organs(law, job), law);
+        haptics::SphereMotion abdomen(abdomen_organs(law, job), law);
         const Grip both = grip_on(abdomen.organ(2).surface, 6);
         contacts.resize(6);
-        const std::vector<Fingertip> tips = tips_at(both, 18.0);
+        const std::vector<haptics::Fingertip> tips = tips_at(both, 18.0);
         for (int i = 0; i < 30; ++i)
             abdomen.advance(kDisplayFrame, tips_at(both, -5.0 + 23.0 * std::min(1.0, i / 20.0)), contacts);
-        Picture six { .width = 1600, .height = 600, .viewports = {} };
+        ui::Picture six { .width = 1600, .height = 600, .viewports = {} };
         const std::array<std::size_t, 1> wall { 2 };
-        const std::array<std::pair<Scene, const char*>, 3> views {
+        const std::array<std::pair<ui::Scene, const char*>, 3> views {
             { { sphere_scene(abdomen, SphereView::textured, tips), "skin pressed with six fingers" },
                 { sphere_scene(abdomen, SphereView::colored, tips, wall), "liver and stomach beneath it" },
                 { sphere_scene(abdomen, SphereView::spheres, tips, wall), "their spheres (bright: displaced)" } }
         };
         for (std::size_t i = 0; i < views.size(); ++i) {
-            Scene scene = views[i].first;
+            ui::Scene scene = views[i].first;
             scene.title = views[i].second;
             six.viewports.push_back(
                 { .left = static_cast<double>(i) / 3.0, .right = static_cast<double>(i + 1) / 3.0, .scene = scene });
         }
-        write_png(folder / "abdomen_six_fingers.png", renderer.render(six));
+        ui::write_png(folder / "abdomen_six_fingers.png", renderer.render(six));
 
         // Fig. 6: force over time, two presses.
         law.fingers = 1;
-        SphereMotion again({ filled_organ("liver", liver, 1880, law, 0.0054, 0.49) }, law);
+        haptics::SphereMotion again({ filled_organ("liver", liver, 1880, law, 0.0054, 0.49) }, law);
         std::string csv = "time_s,finger,force_N\n";
         press_twice(again, grip_on(liver, 1), &csv);
         write_file_atomically(folder / "two_presses.csv", csv);
-        ChartPicture chart { .x_title = "time, s",
+        ui::ChartPicture chart { .x_title = "time, s",
             .y_title = "force on the forefinger, N",
             .panels = { {} },
             .columns = 1,
@@ -276,7 +281,7 @@ namespace {
             .logarithmic_x = false,
             .logarithmic_y = false };
         chart.panels[0].title = "Two presses on the liver of 1,880 spheres";
-        ChartSeries series { .name = "force", .x = {}, .y = {}, .marks = false };
+        ui::ChartSeries series { .name = "force", .x = {}, .y = {}, .marks = false };
         std::size_t at = csv.find('\n') + 1;
         while (at < csv.size()) {
             double time = 0.0, force = 0.0;
@@ -287,30 +292,30 @@ namespace {
             at = csv.find('\n', at) + 1;
         }
         chart.panels[0].series.push_back(series);
-        write_png(folder / "two_presses.png", renderer.render(chart));
+        ui::write_png(folder / "two_presses.png", renderer.render(chart));
     }
 
 } // namespace
 
-Outcome bench_spheres(const SphereBenchOptions& options, const Job& job)
+ui::cli::Outcome bench_spheres(const SphereBenchOptions& options, const Job& job)
 {
-    const TriMesh liver
-        = options.surface.empty() ? phantom_liver_surface(job) : read_obj_surface(options.surface, options.unit_mm);
+    const TriMesh liver = options.surface.empty() ? phantom_liver_surface(job)
+                                                  : haptics::read_obj_surface(options.surface, options.unit_mm);
     std::vector<PalpationRow> rows;
     const auto one = [&](std::size_t count, int depth, std::size_t fingers, bool servo) {
         job.report("liver", 0.1 * static_cast<double>(rows.size()));
-        SphereLaw law;
+        haptics::SphereLaw law;
         law.depth_limit = depth;
         law.fingers = fingers;
-        SphereOrgan organ = filled_organ("liver", liver, count, law, 0.0054, 0.49);
+        haptics::SphereOrgan organ = filled_organ("liver", liver, count, law, 0.0054, 0.49);
         const std::string name = "liver of " + std::to_string(organ.filling.count()) + " spheres";
         const Grip grip = grip_on(liver, fingers);
-        SphereMotion motion({ organ }, law);
+        haptics::SphereMotion motion({ organ }, law);
         PalpationRow row = row_of(name, motion, grip, job);
         if (servo)
             time_servo(row, { organ }, law, grip);
         rows.push_back(std::move(row));
-        refuse_if_cancelled(job);
+        ui::cli::refuse_if_cancelled(job);
     };
     one(1880, 8, 1, true);
     one(1880, 8, 3, false);
@@ -321,18 +326,18 @@ Outcome bench_spheres(const SphereBenchOptions& options, const Job& job)
     one(20000, 8, 6, true);
     one(20000, 60, 6, false); // as deep as it goes
     {
-        SphereLaw law;
+        haptics::SphereLaw law;
         law.fingers = 6;
-        std::vector<SphereOrgan> organs = abdomen_organs(law, job);
+        std::vector<haptics::SphereOrgan> organs = abdomen_organs(law, job);
         const Grip grip = grip_on(organs[2].surface, 6);
-        SphereMotion motion(organs, law);
+        haptics::SphereMotion motion(organs, law);
         PalpationRow row = row_of("abdomen: skin, liver, stomach", motion, grip, job);
         time_servo(row, organs, law, grip);
         rows.push_back(std::move(row));
     }
     rows.push_back(error_row(job));
-    Outcome outcome;
-    Json results = Json::array();
+    ui::cli::Outcome outcome;
+    ui::cli::Json results = ui::cli::Json::array();
     for (const PalpationRow& row : rows)
         results.push_back(row_document(row));
     outcome.document = { { "results", results },
@@ -343,7 +348,7 @@ Outcome bench_spheres(const SphereBenchOptions& options, const Job& job)
             "rel_error_vs_reference: against an elastic half-space" } };
     outcome.text = row_table(rows);
     if (!options.out.empty()) {
-        make_folder(options.out);
+        ui::cli::make_folder(options.out);
         const std::filesystem::path folder = options.out;
         write_file_atomically(folder / "bench_spheres.json", outcome.document.dump(2) + "\n");
         write_pictures(folder, liver, job);
@@ -353,4 +358,4 @@ Outcome bench_spheres(const SphereBenchOptions& options, const Job& job)
     return outcome;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -4,7 +4,7 @@
 
 #include "ui/cli/framework/command.h"
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 struct SphereBenchOptions {
     std::string surface; ///< a liver as an OBJ file instead of the phantom's; its unit is `unit_mm`
@@ -12,6 +12,6 @@ struct SphereBenchOptions {
     std::string out; ///< folder for bench_spheres.json and the pictures; empty: none
 };
 
-Outcome bench_spheres(const SphereBenchOptions& options, const Job& job);
+ui::cli::Outcome bench_spheres(const SphereBenchOptions& options, const Job& job);
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -8,8 +8,8 @@
 #include "tests/benchmarks/palpation/palpation_bench.h"
 #include "tests/benchmarks/palpation/punch_reference.h"
 #include "tests/benchmarks/palpation/spring_pictures.h"
-#include "ui/cli/plan/field_files.h"
 #include "ui/cli/framework/out_folder.h"
+#include "ui/cli/plan/field_files.h"
 #include "ui/scene/vtk/render.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 #include <memory>
 #include <numbers>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
@@ -29,30 +29,30 @@ namespace {
     constexpr int kFrameWidth = 640, kFrameHeight = 480;
 
     /// Pressed 3 mm deep and let go once a second, in the middle.
-    void press_and_release(double time, std::span<Fingertip> fingers)
+    void press_and_release(double time, std::span<haptics::Fingertip> fingers)
     {
         const double depth = 1.5 - 4.5 * std::cos(2.0 * std::numbers::pi * time); // -3 above to 6 ... clipped below
-        for (Fingertip& finger : fingers) {
+        for (haptics::Fingertip& finger : fingers) {
             finger.position = Vec3(0.0, 0.0, kRadius - std::min(3.0, depth));
             finger.radius = kRadius;
         }
     }
 
-    std::unique_ptr<SpringTissue> sheet_of(int side)
+    std::unique_ptr<haptics::SpringTissue> sheet_of(int side)
     {
-        const DeviceVoigt voigt = device_voigt({});
-        SheetOptions options;
+        const haptics::DeviceVoigt voigt = haptics::device_voigt({});
+        haptics::SheetOptions options;
         options.columns = options.rows = side;
         options.stiffness = voigt.stiffness;
-        return std::make_unique<SpringTissue>(
-            make_spring_sheet(options), ElementLaw { .voigt_time = voigt.voigt_time });
+        return std::make_unique<haptics::SpringTissue>(
+            haptics::make_spring_sheet(options), haptics::ElementLaw { .voigt_time = voigt.voigt_time });
     }
 
     std::string sheet_name(int side)
     {
         std::array<char, 64> text {};
-        std::snprintf(
-            text.data(), text.size(), "sheet %d x %d, %d springs", side, side, sheet_springs(side, side).total());
+        std::snprintf(text.data(), text.size(), "sheet %d x %d, %d springs", side, side,
+            haptics::sheet_springs(side, side).total());
         return text.data();
     }
 
@@ -60,7 +60,7 @@ namespace {
     class SheetView {
     public:
         explicit SheetView(const TriMesh& surface, const Job& job)
-            : renderer_(make_offscreen_context(), job)
+            : renderer_(ui::make_offscreen_context(), job)
             , mesh_(std::make_shared<TriMesh>(surface))
         {
             picture_.width = kFrameWidth;
@@ -75,9 +75,9 @@ namespace {
         }
 
     private:
-        OffscreenRenderer renderer_;
+        ui::OffscreenRenderer renderer_;
         std::shared_ptr<TriMesh> mesh_;
-        Picture picture_;
+        ui::Picture picture_;
     };
 
     PalpationRow sheet_row(int side, const Job& job)
@@ -114,10 +114,10 @@ namespace {
     /// Force of the springs on a patch that is pressed in and held until the rest has settled.
     double settled_press(const PunchProblem& problem, double calibration)
     {
-        const std::vector<Material> materials(2, problem.material);
+        const std::vector<fem::Material> materials(2, problem.material);
         // Near the critical drag of the slowest motion, sqrt(E / density) times pi / 2 over the height of the block.
         constexpr double kDrag = 300.0, kSettled = 0.15; // per second, s
-        SpringMotion motion(make_spring_organ(problem.mesh, materials, problem.fixed, calibration),
+        haptics::SpringMotion motion(haptics::make_spring_organ(problem.mesh, materials, problem.fixed, calibration),
             { .voigt_time = 0.0, .drag = kDrag });
         const std::vector<VertexId> patch = punch_patch(problem);
         for (const VertexId v : patch) {
@@ -139,7 +139,7 @@ namespace {
         std::vector<PalpationRow> rows;
         constexpr double kDepth = 0.5; // mm: linear
         for (const double ratio : { 0.25, 0.45 }) {
-            const Material tissue { "soft tissue", 0.02, ratio, 1.0e-9, "bench" };
+            const fem::Material tissue { "soft tissue", 0.02, ratio, 1.0e-9, "bench" };
             const PunchProblem problem = punched_block(12, 6, 4.0, kDepth, tissue);
             const PunchAnswer reference = punch_by_elements(punched_block(24, 12, 2.0, kDepth, tissue), true, job);
             const PunchAnswer same = punch_by_elements(problem, false, job);
@@ -164,7 +164,7 @@ namespace {
     PalpationRow sheet_error_row(const Job& job)
     {
         constexpr double kDepth = 2.0, kThickness = 8.0;
-        const DeviceVoigt voigt = device_voigt({});
+        const haptics::DeviceVoigt voigt = haptics::device_voigt({});
         // In the plane of the sheet: structural k, bend 4 k and shear k along an axis; k across: E t = 6 k - k / 6.
         const double modulus = voigt.stiffness * (6.0 - 1.0 / 6.0) / kThickness;
         PunchProblem problem = punched_block(12, 4, 2.0, kDepth, { "sheet", modulus, 0.45, 1.0e-9, "bench" });
@@ -176,8 +176,8 @@ namespace {
         problem.radius = 2.0;
         const PunchAnswer reference = punch_by_elements(problem, true, job);
         const auto tissue = sheet_of(25);
-        Fingertip finger { Vec3(0.0, 0.0, kRadius + 0.5), Vec3::Zero(), kRadius };
-        FingerContact contact;
+        haptics::Fingertip finger { Vec3(0.0, 0.0, kRadius + 0.5), Vec3::Zero(), kRadius };
+        haptics::FingerContact contact;
         for (int i = 0; i < 3000; ++i) {
             finger.position.z() = std::max(kRadius - kDepth, finger.position.z() - 0.01);
             tissue->tick(i * 1e-3, 1e-3, { &finger, 1 }, { &contact, 1 });
@@ -192,11 +192,11 @@ namespace {
         return row;
     }
 
-    Outcome frame_curves(const SpringBenchOptions& options, const Job& job)
+    ui::cli::Outcome frame_curves(const SpringBenchOptions& options, const Job& job)
     {
-        Outcome outcome;
-        Json results = Json::array();
-        ChartPicture chart { .x_title = "time, s",
+        ui::cli::Outcome outcome;
+        ui::cli::Json results = ui::cli::Json::array();
+        ui::ChartPicture chart { .x_title = "time, s",
             .y_title = "frames per second",
             .panels = { {} },
             .columns = 1,
@@ -212,7 +212,9 @@ namespace {
             SheetView view(tissue->surface(), job);
             const LiveRun live = run_live(
                 *tissue, press_and_release, options.seconds, [&](const Points& now) { view.draw(now); }, job);
-            ChartSeries series { .name = std::to_string(side * side) + " particles", .x = {}, .y = {}, .marks = false };
+            ui::ChartSeries series {
+                .name = std::to_string(side * side) + " particles", .x = {}, .y = {}, .marks = false
+            };
             for (std::size_t i = 0; i < live.fps.size(); ++i) {
                 series.x.push_back(static_cast<double>(i + 1));
                 series.y.push_back(live.fps[i]);
@@ -233,11 +235,11 @@ namespace {
         outcome.document = { { "results", results }, { "seconds", options.seconds } };
         outcome.text = row_table(rows);
         if (!options.out.empty()) {
-            make_folder(options.out);
+            ui::cli::make_folder(options.out);
             const std::filesystem::path folder = options.out;
             write_file_atomically(folder / "frame_rate.csv", csv);
-            OffscreenRenderer renderer(make_offscreen_context(), job);
-            write_png(folder / "frame_rate.png", renderer.render(chart));
+            ui::OffscreenRenderer renderer(ui::make_offscreen_context(), job);
+            ui::write_png(folder / "frame_rate.png", renderer.render(chart));
             write_file_atomically(folder / "bench_springs_curves.json", outcome.document.dump(2) + "\n");
             outcome.text
                 += "Written: " + (folder / "frame_rate.png").string() + ", frame_rate.csv, bench_springs_curves.json\n";
@@ -247,7 +249,7 @@ namespace {
 
 } // namespace
 
-Outcome bench_springs(const SpringBenchOptions& options, const Job& job)
+ui::cli::Outcome bench_springs(const SpringBenchOptions& options, const Job& job)
 {
     if (options.curves)
         return frame_curves(options, job);
@@ -256,20 +258,20 @@ Outcome bench_springs(const SpringBenchOptions& options, const Job& job)
     for (std::size_t i = 0; i < sides.size(); ++i) {
         job.report("sheets", static_cast<double>(i) / sides.size());
         rows.push_back(sheet_row(sides[i], job));
-        refuse_if_cancelled(job);
+        ui::cli::refuse_if_cancelled(job);
     }
     job.report("finite elements", 0.0);
     for (PalpationRow& row : organ_rows(job))
         rows.push_back(std::move(row));
     rows.push_back(sheet_error_row(job));
-    Outcome outcome;
-    Json results = Json::array();
+    ui::cli::Outcome outcome;
+    ui::cli::Json results = ui::cli::Json::array();
     for (const PalpationRow& row : rows)
         results.push_back(row_document(row));
     outcome.document = { { "results", results } };
     outcome.text = row_table(rows);
     if (!options.out.empty()) {
-        make_folder(options.out);
+        ui::cli::make_folder(options.out);
         const std::filesystem::path folder = options.out;
         write_file_atomically(folder / "bench_springs.json", outcome.document.dump(2) + "\n");
         write_spring_pictures(folder, job);
@@ -279,4 +281,4 @@ Outcome bench_springs(const SpringBenchOptions& options, const Job& job)
     return outcome;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -4,7 +4,7 @@
 
 #include "ui/cli/framework/command.h"
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 struct SpringBenchOptions {
     bool curves = false; ///< frames per second over `seconds` of 20 x 20, 25 x 25 and 30 x 30 particles
@@ -12,6 +12,6 @@ struct SpringBenchOptions {
     std::string out; ///< folder for bench_springs.json, curves and pictures; empty: none
 };
 
-Outcome bench_springs(const SpringBenchOptions& options, const Job& job);
+ui::cli::Outcome bench_springs(const SpringBenchOptions& options, const Job& job);
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

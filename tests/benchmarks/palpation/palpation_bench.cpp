@@ -13,13 +13,16 @@
 #include <pthread.h>
 #include <sched.h>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
     constexpr double kTick = 1e-3; // s
 
-    Json number(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+    ui::cli::Json number(const std::optional<double>& value)
+    {
+        return value ? ui::cli::Json(*value) : ui::cli::Json(nullptr);
+    }
 
     std::string cell(const std::optional<double>& value, const char* format)
     {
@@ -47,7 +50,7 @@ namespace {
 
 } // namespace
 
-Json row_document(const PalpationRow& row)
+ui::cli::Json row_document(const PalpationRow& row)
 {
     return { { "model", row.model }, { "scene", row.scene }, { "vertices", row.vertices }, { "fingers", row.fingers },
         { "force_us_mean", number(row.force_us_mean) }, { "force_us_p999", number(row.force_us_p999) },
@@ -73,10 +76,10 @@ std::string row_table(const std::vector<PalpationRow>& rows)
     return text;
 }
 
-TickCost time_ticks(TissueResponse& tissue, const FingerScript& script, std::size_t ticks)
+TickCost time_ticks(haptics::TissueResponse& tissue, const FingerScript& script, std::size_t ticks)
 {
-    std::vector<Fingertip> fingers(tissue.finger_count());
-    std::vector<FingerContact> contacts(tissue.finger_count());
+    std::vector<haptics::Fingertip> fingers(tissue.finger_count());
+    std::vector<haptics::FingerContact> contacts(tissue.finger_count());
     std::vector<double> times(ticks);
     std::size_t missed = 0;
     for (std::size_t i = 0; i < ticks; ++i) {
@@ -92,7 +95,7 @@ TickCost time_ticks(TissueResponse& tissue, const FingerScript& script, std::siz
     return summary(times, missed);
 }
 
-LiveRun run_live(TissueResponse& tissue, const FingerScript& script, double seconds,
+LiveRun run_live(haptics::TissueResponse& tissue, const FingerScript& script, double seconds,
     const std::function<void(const Points& deformed)>& frame, const Job& job)
 {
     using Clock = std::chrono::steady_clock;
@@ -105,8 +108,8 @@ LiveRun run_live(TissueResponse& tissue, const FingerScript& script, double seco
     std::thread servo([&] {
         const sched_param priority { .sched_priority = 50 };
         pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority); // where it is allowed; else as it is
-        std::vector<Fingertip> fingers(tissue.finger_count());
-        std::vector<FingerContact> contacts(tissue.finger_count());
+        std::vector<haptics::Fingertip> fingers(tissue.finger_count());
+        std::vector<haptics::FingerContact> contacts(tissue.finger_count());
         auto due = start;
         double last = since();
         while (!stop.load(std::memory_order_relaxed)) {
@@ -148,4 +151,4 @@ LiveRun run_live(TissueResponse& tissue, const FingerScript& script, double seco
     return run;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 /// One row; what was not measured is null in the document.
 struct PalpationRow {
@@ -20,11 +20,11 @@ struct PalpationRow {
     std::size_t ticks = 0, missed = 0;
     std::string note {};
 };
-Json row_document(const PalpationRow& row);
+ui::cli::Json row_document(const PalpationRow& row);
 std::string row_table(const std::vector<PalpationRow>& rows);
 
 /// The fingers' places at a time.
-using FingerScript = std::function<void(double time_s, std::span<Fingertip> fingers)>;
+using FingerScript = std::function<void(double time_s, std::span<haptics::Fingertip> fingers)>;
 
 struct TickCost {
     double mean_us = 0.0, p999_us = 0.0, worst_us = 0.0;
@@ -34,7 +34,7 @@ struct TickCost {
 
 /// So many ticks of a millisecond as fast as they go; processor time per tick, so that what else the machine does is
 /// left out of the mean, but not out of `missed`.
-TickCost time_ticks(TissueResponse& tissue, const FingerScript& script, std::size_t ticks);
+TickCost time_ticks(haptics::TissueResponse& tissue, const FingerScript& script, std::size_t ticks);
 
 /// Ticks on a thread of their own every millisecond of the wall clock, while `frame` is called on this one as often as
 /// it goes, for so long. @returns frames per second, one value per second.
@@ -42,7 +42,7 @@ struct LiveRun {
     std::vector<double> fps; ///< per second
     TickCost ticks;
 };
-LiveRun run_live(TissueResponse& tissue, const FingerScript& script, double seconds,
+LiveRun run_live(haptics::TissueResponse& tissue, const FingerScript& script, double seconds,
     const std::function<void(const Points& deformed)>& frame, const Job& job);
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
@@ -20,16 +20,17 @@ namespace {
     constexpr int kLookEvery = 16; // ticks
 
     /// On its bottom; sites in the middle of its top and aside, where springs were not calibrated.
-    PalpationScene block(double spacing)
+    datasets::PalpationScene block(double spacing)
     {
         const int across = static_cast<int>(std::lround(kSide / spacing)),
                   high = static_cast<int>(std::lround(kHeight / spacing));
-        PalpationScene scene;
+        datasets::PalpationScene scene;
         scene.name = "block";
-        scene.body.mesh = kuhn_box(across, across, high, spacing);
-        const TetMesh& mesh = scene.body.mesh;
+        scene.body.mesh = mesh::kuhn_box(across, across, high, spacing);
+        const mesh::TetMesh& mesh = scene.body.mesh;
         for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
-            scene.body.roles.push_back(mesh.vertices(v, 2) == 0.0 ? VertexRole::fixed : VertexRole::free);
+            scene.body.roles.push_back(
+                mesh.vertices(v, 2) == 0.0 ? datasets::VertexRole::fixed : datasets::VertexRole::free);
         scene.body.youngs_modulus.assign(mesh.tet_count(), kModulus);
         scene.body.poissons_ratio.assign(mesh.tet_count(), kRatio);
         scene.sites = { { "centre", Vec3(0.5 * kSide, 0.5 * kSide, kHeight), Vec3::UnitZ() },
@@ -37,20 +38,20 @@ namespace {
         return scene;
     }
 
-    Fingertip tip_at(const TouchSite& site, double depth)
+    haptics::Fingertip tip_at(const datasets::TouchSite& site, double depth)
     {
         return { site.point + (kFingerRadius - depth) * site.outward, Vec3::Zero(), kFingerRadius };
     }
 
     /// Comes down, stays until it has settled: the force along the site's normal; then goes away again.
-    double settled_force(TissueResponse& tissue, const TouchSite& site, double& time)
+    double settled_force(haptics::TissueResponse& tissue, const datasets::TouchSite& site, double& time)
     {
         constexpr int kDown = 300, kStay = 700, kMeasured = 100;
         Points deformed;
-        FingerContact contact;
+        haptics::FingerContact contact;
         double sum = 0.0;
         const auto tick = [&](int i, double depth) {
-            const Fingertip tip = tip_at(site, depth);
+            const haptics::Fingertip tip = tip_at(site, depth);
             tissue.tick(time, kPressTick, { &tip, 1 }, { &contact, 1 });
             time += kPressTick;
             if (i % kLookEvery == 0)
@@ -70,7 +71,7 @@ namespace {
         double centre = 0.0, aside = 0.0;
     };
 
-    Forces forces_of(TissueResponse& tissue, const PalpationScene& scene)
+    Forces forces_of(haptics::TissueResponse& tissue, const datasets::PalpationScene& scene)
     {
         double time = 0.0;
         Forces forces;
@@ -79,15 +80,15 @@ namespace {
         return forces;
     }
 
-    double deform_ms(TissueResponse& tissue)
+    double deform_ms(haptics::TissueResponse& tissue)
     {
         constexpr int kFrames = 60;
         std::vector<double> ms;
         Points deformed;
-        FingerContact contact;
-        const PalpationScene scene = block(kHeight); // its sites alone
+        haptics::FingerContact contact;
+        const datasets::PalpationScene scene = block(kHeight); // its sites alone
         for (int i = 0; i < kFrames; ++i) {
-            const Fingertip tip = tip_at(scene.sites[0], kPressDepth * i / kFrames);
+            const haptics::Fingertip tip = tip_at(scene.sites[0], kPressDepth * i / kFrames);
             tissue.tick(i * kPressTick, kPressTick, { &tip, 1 }, { &contact, 1 });
             const Stopwatch watch;
             tissue.follow(deformed);
@@ -96,13 +97,13 @@ namespace {
         return median(ms);
     }
 
-    Json row_of(TissueResponse& tissue, const PalpationScene& scene, const Forces& reference, double build_ms,
-        std::size_t ticks)
+    ui::cli::Json row_of(haptics::TissueResponse& tissue, const datasets::PalpationScene& scene,
+        const Forces& reference, double build_ms, std::size_t ticks)
     {
-        Json row { { "model", std::string(tissue.name()) }, { "scene", "block" },
+        ui::cli::Json row { { "model", std::string(tissue.name()) }, { "scene", "block" },
             { "vertices", tissue.surface().vertices.rows() }, { "fingers", 1 } };
         const Forces forces = forces_of(tissue, scene);
-        const auto press = [&](double time, std::span<Fingertip> fingers) {
+        const auto press = [&](double time, std::span<haptics::Fingertip> fingers) {
             fingers[0] = tip_at(scene.sites[0], kPressDepth * (1.0 - std::cos(2.0 * std::numbers::pi * time)) - 1.0);
         };
         const TickCost cost = time_ticks(tissue, press, ticks);
@@ -120,11 +121,11 @@ namespace {
         return row;
     }
 
-    CondensedOptions elements(TouchElement element)
+    haptics::CondensedOptions elements(haptics::TouchElement element)
     {
-        CondensedOptions options;
+        haptics::CondensedOptions options;
         options.element = element;
-        options.fingertip = FingertipShape::sphere;
+        options.fingertip = haptics::FingertipShape::sphere;
         options.rest_pressure = 0.0;
         return options;
     }
@@ -133,14 +134,14 @@ namespace {
     Forces refined(const Job& job)
     {
         constexpr double kFine = 2.0, kStations = 0.9; // mm
-        const PalpationScene scene = block(kFine);
-        CondensedOptions options = elements(TouchElement::p2);
+        const datasets::PalpationScene scene = block(kFine);
+        haptics::CondensedOptions options = elements(haptics::TouchElement::p2);
         options.station_spacing = kStations;
         options.patch_limit = 128;
         options.fetch_all_below = 0;
-        CondensedTissue tissue(scene.body, PulsePressure::constant(0.0), options, job);
-        for (const TouchSite& site : scene.sites) {
-            const Fingertip tip = tip_at(site, kPressDepth);
+        haptics::CondensedTissue tissue(scene.body, haptics::PulsePressure::constant(0.0), options, job);
+        for (const datasets::TouchSite& site : scene.sites) {
+            const haptics::Fingertip tip = tip_at(site, kPressDepth);
             tissue.prepare({ &tip, 1 });
         }
         return forces_of(tissue, scene);
@@ -148,48 +149,48 @@ namespace {
 
 } // namespace
 
-Json palpation_error_rows(std::size_t ticks, const Job& job)
+ui::cli::Json palpation_error_rows(std::size_t ticks, const Job& job)
 {
     job.report("error against time: reference", 0.0);
     const Forces reference = refined(job);
-    Json rows = Json::array();
+    ui::cli::Json rows = ui::cli::Json::array();
     for (const double spacing : { 4.5, 3.0 }) {
-        const PalpationScene scene = block(spacing);
+        const datasets::PalpationScene scene = block(spacing);
         Forces four_node;
-        for (const auto& [element, name] : { std::pair { TouchElement::p1, "p1" },
-                 { TouchElement::locking_free, "locking-free" }, { TouchElement::p2, "p2" } }) {
+        for (const auto& [element, name] : { std::pair { haptics::TouchElement::p1, "p1" },
+                 { haptics::TouchElement::locking_free, "locking-free" }, { haptics::TouchElement::p2, "p2" } }) {
             job.report("error against time: elements", 0.0);
             const Stopwatch watch;
-            CondensedTissue tissue(scene.body, PulsePressure::constant(0.0), elements(element), job);
+            haptics::CondensedTissue tissue(scene.body, haptics::PulsePressure::constant(0.0), elements(element), job);
             const double build_ms = 1e3 * watch.seconds();
             rows.push_back(row_of(tissue, scene, reference, build_ms, ticks));
             rows.back()["element"] = name;
-            if (element == TouchElement::p1)
+            if (element == haptics::TouchElement::p1)
                 four_node.aside = rows.back().at("force_N").get<double>();
         }
         for (const bool calibrated : { false, true }) {
             job.report("error against time: springs", 0.0);
-            TissueChoice choice { .model = "springs",
+            planner::TissueChoice choice { .model = "springs",
                 .radius_mm = kFingerRadius,
                 .depth_mm = kPressDepth,
                 .calibration = calibrated ? 0.0 : 1.0 };
             const Stopwatch watch;
-            const ChosenTissue springs = make_tissue(scene, choice, job);
+            const planner::ChosenTissue springs = planner::make_tissue(scene, choice, job);
             const double build_ms = 1e3 * watch.seconds();
             rows.push_back(row_of(*springs.response, scene, reference, build_ms, ticks));
             rows.back()["element"] = calibrated ? "calibrated" : "as edges";
             rows.back()["rel_diff_same_mesh"] = rows.back().at("force_N").get<double>() / four_node.aside - 1.0;
             rows.back()["calibration"]
-                = calibrated ? measured_calibration(scene, kFingerRadius, kPressDepth, job) : 1.0;
+                = calibrated ? planner::measured_calibration(scene, kFingerRadius, kPressDepth, job) : 1.0;
             rows.back()["note"] = springs.notes[0];
         }
     }
     for (const std::size_t spheres : { 600U, 1880U }) {
         job.report("error against time: spheres", 0.0);
-        const PalpationScene scene = block(4.5);
+        const datasets::PalpationScene scene = block(4.5);
         const Stopwatch watch;
-        const ChosenTissue filled
-            = make_tissue(scene, { .model = "spheres", .radius_mm = kFingerRadius, .spheres = spheres }, job);
+        const planner::ChosenTissue filled
+            = planner::make_tissue(scene, { .model = "spheres", .radius_mm = kFingerRadius, .spheres = spheres }, job);
         const double build_ms = 1e3 * watch.seconds();
         rows.push_back(row_of(*filled.response, scene, reference, build_ms, ticks));
         rows.back()["vertices"] = spheres;
@@ -198,4 +199,4 @@ Json palpation_error_rows(std::size_t ticks, const Job& job)
     return rows;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -6,21 +6,21 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
     /// The nodes whose edge has both ends marked become marked too.
-    std::vector<std::uint8_t> with_midpoint_marks(const TetMesh& mesh, std::vector<std::uint8_t> marked)
+    std::vector<std::uint8_t> with_midpoint_marks(const mesh::TetMesh& mesh, std::vector<std::uint8_t> marked)
     {
         marked.resize(mesh.vertex_count(), 0);
         if (mesh.nodes_per_tet != 10)
             return marked;
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
             const auto nodes = mesh.tet(t);
-            for (std::size_t e = 0; e < kTetEdges.size(); ++e)
-                if (marked[static_cast<std::size_t>(nodes[static_cast<std::size_t>(kTetEdges[e][0])])] != 0
-                    && marked[static_cast<std::size_t>(nodes[static_cast<std::size_t>(kTetEdges[e][1])])] != 0)
+            for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e)
+                if (marked[static_cast<std::size_t>(nodes[static_cast<std::size_t>(mesh::kTetEdges[e][0])])] != 0
+                    && marked[static_cast<std::size_t>(nodes[static_cast<std::size_t>(mesh::kTetEdges[e][1])])] != 0)
                     marked[static_cast<std::size_t>(nodes[4 + e])] = 1;
         }
         return marked;
@@ -39,8 +39,8 @@ namespace {
 std::vector<VertexId> punch_patch(const PunchProblem& problem)
 {
     std::vector<VertexId> patch;
-    for (const TetFace& face : boundary_faces(problem.mesh))
-        for (const VertexId v : face_vertices(problem.mesh, face))
+    for (const mesh::TetFace& face : mesh::boundary_faces(problem.mesh))
+        for (const VertexId v : mesh::face_vertices(problem.mesh, face))
             if ((problem.mesh.vertices.row(v).transpose() - problem.centre).norm() <= problem.radius)
                 patch.push_back(v);
     std::sort(patch.begin(), patch.end());
@@ -54,7 +54,7 @@ PunchAnswer punch_by_elements(const PunchProblem& problem, bool quadratic, const
 {
     const Stopwatch watch;
     const std::vector<VertexId> patch = punch_patch(problem);
-    const TetMesh mesh = quadratic ? with_midpoints(problem.mesh) : problem.mesh;
+    const mesh::TetMesh mesh = quadratic ? mesh::with_midpoints(problem.mesh) : problem.mesh;
     const auto pressed = with_midpoint_marks(mesh, marks(problem.mesh.vertex_count(), patch));
     const auto fixed = with_midpoint_marks(mesh, marks(problem.mesh.vertex_count(), problem.fixed));
     const auto unknowns = static_cast<Eigen::Index>(3 * mesh.vertex_count());
@@ -67,10 +67,11 @@ PunchAnswer punch_by_elements(const PunchProblem& problem, bool quadratic, const
                 if (pressed[v] != 0)
                     target(static_cast<Eigen::Index>(3 * v + i)) = problem.press(static_cast<Eigen::Index>(i));
             }
-    ElasticBody body(mesh, Elasticity::linear, std::vector<Lame>(mesh.tet_count(), lame(problem.material)));
-    EquilibriumSolver solver;
-    const Equilibrium answer
-        = solver.solve(body, prescribed, target, Eigen::VectorXd::Zero(unknowns), EquilibriumOptions {}, job);
+    fem::ElasticBody body(
+        mesh, fem::Elasticity::linear, std::vector<fem::Lame>(mesh.tet_count(), fem::lame(problem.material)));
+    fem::EquilibriumSolver solver;
+    const fem::Equilibrium answer
+        = solver.solve(body, prescribed, target, Eigen::VectorXd::Zero(unknowns), fem::EquilibriumOptions {}, job);
     PunchAnswer result { .nodes = mesh.vertex_count(), .patch = patch.size(), .seconds = watch.seconds() };
     Vec3 force = Vec3::Zero();
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
@@ -80,10 +81,10 @@ PunchAnswer punch_by_elements(const PunchProblem& problem, bool quadratic, const
     return result;
 }
 
-PunchProblem punched_block(int across, int high, double spacing, double depth, const Material& material)
+PunchProblem punched_block(int across, int high, double spacing, double depth, const fem::Material& material)
 {
     PunchProblem problem;
-    problem.mesh = kuhn_box(across, across, high, spacing);
+    problem.mesh = mesh::kuhn_box(across, across, high, spacing);
     problem.material = material;
     for (VertexId v = 0; v < problem.mesh.vertices.rows(); ++v)
         if (problem.mesh.vertices(v, 2) == 0.0)
@@ -93,4 +94,4 @@ PunchProblem punched_block(int across, int high, double spacing, double depth, c
     return problem;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

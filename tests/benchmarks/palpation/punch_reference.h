@@ -8,12 +8,12 @@
 #include <span>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 /// A body on its support, pressed in by a bonded patch of its surface.
 struct PunchProblem {
-    TetMesh mesh; ///< four-node elements, one label (1)
-    Material material;
+    mesh::TetMesh mesh; ///< four-node elements, one label (1)
+    fem::Material material;
     std::vector<VertexId> fixed; ///< corners
     Vec3 centre = Vec3::Zero(); ///< of the patch, on the surface
     double radius = 5.0; ///< surface vertices not farther from `centre` are pressed
@@ -34,6 +34,6 @@ std::vector<VertexId> punch_patch(const PunchProblem& problem);
 PunchAnswer punch_by_elements(const PunchProblem& problem, bool quadratic, const Job& job);
 
 /// A block on its bottom, pressed at the middle of its top: cubes of `spacing`, each split into six.
-PunchProblem punched_block(int across, int high, double spacing, double depth, const Material& material);
+PunchProblem punched_block(int across, int high, double spacing, double depth, const fem::Material& material);
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -5,15 +5,15 @@
 #include "mesh/cutting/cut_session.h"
 #include "tests/benchmarks/opening/open_scene.h"
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
     constexpr const char* kBox = "12k";
 
-    MeshDelta done(CutResult result)
+    mesh::MeshDelta done(mesh::CutResult result)
     {
-        if (result.status != CutStatus::done)
+        if (result.status != mesh::CutStatus::done)
             throw SolverError("the load's cut was not made: " + result.message);
         return std::move(result.delta);
     }
@@ -60,15 +60,15 @@ void ServoLoad::stop()
 void ServoLoad::cut_and_open()
 {
     const OpenScene scene = open_scene_of_box(kBox);
-    CutSession session(scene.mesh);
-    OnlineOpening opening(session, scene.materials, scene.supports, {});
-    for (const OnlineHook& hook : scene.hooks)
+    mesh::CutSession session(scene.mesh);
+    fem::OnlineOpening opening(session, scene.materials, scene.supports, {});
+    for (const fem::OnlineHook& hook : scene.hooks)
         opening.attach(hook);
     while (!stopping_) {
         opening.follow(done(session.cut(scene.blade)));
-        OnlineAnswer answer = opening.answer();
+        fem::OnlineAnswer answer = opening.answer();
         opening.complete(answer);
-        if (answer.status != OnlineStatus::solved)
+        if (answer.status != fem::OnlineStatus::solved)
             throw SolverError("the load's wound was not opened: " + answer.message);
         opening.follow(session.undo());
         ++cuts_;
@@ -78,15 +78,15 @@ void ServoLoad::cut_and_open()
 void ServoLoad::edit()
 {
     const OpenScene scene = open_scene_of_box(kBox);
-    const CutSession session(scene.mesh);
-    std::vector<Material> materials = scene.materials;
+    const mesh::CutSession session(scene.mesh);
+    std::vector<fem::Material> materials = scene.materials;
     while (!stopping_) {
-        for (Material& material : materials)
+        for (fem::Material& material : materials)
             material.youngs_modulus_MPa *= edits_ % 2 == 0 ? 3.0 : 1.0 / 3.0;
-        OnlineOpening edited(session, materials, scene.supports, {});
+        fem::OnlineOpening edited(session, materials, scene.supports, {});
         (void)edited.answer();
         ++edits_;
     }
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -6,7 +6,7 @@
 #include <exception>
 #include <thread>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 class ServoLoad {
 public:
@@ -32,4 +32,4 @@ private:
     std::thread cutter_, editor_;
 };
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -9,33 +9,33 @@
 #include <array>
 #include <memory>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
     constexpr double kSmoothing = 2.0; // mm
     constexpr double kLiverModulus = 0.0054, kMuscleModulus = 0.04, kRatio = 0.49; // MPa: fem/material.h's sources
 
-    TriMesh label_mesh(const LabelVolume& labels, const char* name, const Job& job)
+    TriMesh label_mesh(const mesh::LabelVolume& labels, const char* name, const Job& job)
     {
-        const LabelInfo* info = find_label(labels.table, name);
+        const mesh::LabelInfo* info = mesh::find_label(labels.table, name);
         const std::array<Label, 1> which { info->id };
-        TriMesh mesh = viewing_surface(labels, which, kSmoothing, job);
+        TriMesh mesh = mesh::viewing_surface(labels, which, kSmoothing, job);
         mesh.labels.clear();
         return mesh;
     }
 
-    Color plain_color(std::size_t organ)
+    ui::Color plain_color(std::size_t organ)
     {
-        constexpr std::array<Color, 4> kColors { { { 0.62, 0.25, 0.20 }, { 0.87, 0.62, 0.55 }, { 0.90, 0.76, 0.64 },
+        constexpr std::array<ui::Color, 4> kColors { { { 0.62, 0.25, 0.20 }, { 0.87, 0.62, 0.55 }, { 0.90, 0.76, 0.64 },
             { 0.6, 0.6, 0.7 } } };
         return kColors[organ % kColors.size()];
     }
 
     /// By layer: what a finger holds is white, what is far from it keeps the organ's colour.
-    Color layer_color(const SphereMotion& motion, std::size_t i)
+    ui::Color layer_color(const haptics::SphereMotion& motion, std::size_t i)
     {
-        const Color base = plain_color(motion.organ_of(i));
+        const ui::Color base = plain_color(motion.organ_of(i));
         const int layer = motion.layer(i);
         if (layer < 0)
             return base;
@@ -43,7 +43,7 @@ namespace {
         return { base.r + share * (1.0 - base.r), base.g + share * (0.9 - base.g), base.b + share * (0.3 - base.b) };
     }
 
-    SurfaceItem sphere_item(const SphereMotion& motion, std::size_t organ)
+    ui::SurfaceItem sphere_item(const haptics::SphereMotion& motion, std::size_t organ)
     {
         std::vector<std::size_t> own;
         for (std::size_t i = 0; i < motion.sphere_count(); ++i)
@@ -53,9 +53,10 @@ namespace {
         for (std::size_t k = 0; k < own.size(); ++k)
             centres.row(static_cast<Eigen::Index>(k)) = motion.positions().row(static_cast<Eigen::Index>(own[k]));
         const int divisions = own.size() > 4000 ? 1 : 2;
-        SurfaceItem item;
+        ui::SurfaceItem item;
         item.name = motion.organ(organ).name + ", spheres";
-        auto mesh = std::make_shared<TriMesh>(ball_meshes(centres, motion.organ(organ).filling.radius, divisions));
+        auto mesh
+            = std::make_shared<TriMesh>(ui::cli::ball_meshes(centres, motion.organ(organ).filling.radius, divisions));
         const auto vertices_each = static_cast<std::size_t>(mesh->vertices.rows()) / own.size();
         for (const std::size_t i : own)
             item.vertex_colors.insert(item.vertex_colors.end(), vertices_each, layer_color(motion, i));
@@ -67,44 +68,44 @@ namespace {
 
 TriMesh phantom_liver_surface(const Job& job)
 {
-    AbdomenParameters parameters;
+    datasets::AbdomenParameters parameters;
     parameters.spacing_mm = Vec3(3.0, 3.0, 3.0);
-    const Phantom phantom = make_liver_phantom(parameters, job);
+    const datasets::Phantom phantom = datasets::make_liver_phantom(parameters, job);
     return label_mesh(phantom.labels, "liver", job);
 }
 
-SphereOrgan filled_organ(const std::string& name, const TriMesh& surface, std::size_t wanted, const SphereLaw& law,
-    double modulus_MPa, double ratio)
+haptics::SphereOrgan filled_organ(const std::string& name, const TriMesh& surface, std::size_t wanted,
+    const haptics::SphereLaw& law, double modulus_MPa, double ratio)
 {
-    SphereOrgan organ { name, surface, fill_with_count(surface, wanted), 1.0 };
-    organ.stiffness = calibrate_sphere_force(organ.filling.radius, law, modulus_MPa, ratio);
+    haptics::SphereOrgan organ { name, surface, haptics::fill_with_count(surface, wanted), 1.0 };
+    organ.stiffness = haptics::calibrate_sphere_force(organ.filling.radius, law, modulus_MPa, ratio);
     return organ;
 }
 
-std::vector<SphereOrgan> abdomen_organs(const SphereLaw& law, const Job& job)
+std::vector<haptics::SphereOrgan> abdomen_organs(const haptics::SphereLaw& law, const Job& job)
 {
-    AbdomenParameters parameters;
+    datasets::AbdomenParameters parameters;
     parameters.spacing_mm = Vec3(3.0, 3.0, 3.0);
-    const Phantom phantom = make_abdomen_phantom(parameters, job);
+    const datasets::Phantom phantom = datasets::make_abdomen_phantom(parameters, job);
     constexpr std::size_t kLiverSpheres = 1880; // the source's
-    std::vector<SphereOrgan> organs;
+    std::vector<haptics::SphereOrgan> organs;
     organs.push_back(
         filled_organ("liver", label_mesh(phantom.labels, "liver", job), kLiverSpheres, law, kLiverModulus, kRatio));
     const double radius = organs[0].filling.radius;
     for (const auto& [name, label] : { std::pair { "stomach", "stomach" }, { "skin", "abdominal_wall" } }) {
         TriMesh surface = label_mesh(phantom.labels, label, job);
         const double factor = label == std::string("stomach") ? 0.8 : 0.75; // thinner parts take smaller spheres
-        SphereOrgan organ { name, surface, fill_with_spheres(surface, factor * radius), 1.0 };
-        organ.stiffness = calibrate_sphere_force(organ.filling.radius, law, kMuscleModulus, kRatio);
+        haptics::SphereOrgan organ { name, surface, haptics::fill_with_spheres(surface, factor * radius), 1.0 };
+        organ.stiffness = haptics::calibrate_sphere_force(organ.filling.radius, law, kMuscleModulus, kRatio);
         organs.push_back(std::move(organ));
     }
     return organs;
 }
 
-Scene sphere_scene(const SphereMotion& motion, SphereView view, std::span<const Fingertip> tips,
+ui::Scene sphere_scene(const haptics::SphereMotion& motion, SphereView view, std::span<const haptics::Fingertip> tips,
     std::span<const std::size_t> hidden_organs)
 {
-    Scene scene;
+    ui::Scene scene;
     Points deformed;
     motion.deform(deformed);
     for (std::size_t o = 0; o < motion.organ_count(); ++o) {
@@ -119,22 +120,22 @@ Scene sphere_scene(const SphereMotion& motion, SphereView view, std::span<const 
         for (std::size_t t = 0; t < motion.surface().triangles.size(); ++t)
             if (motion.surface().labels[t] == o + 1)
                 mesh->triangles.push_back(motion.surface().triangles[t]);
-        SurfaceItem item;
+        ui::SurfaceItem item;
         item.name = motion.organ(o).name;
         item.mesh = std::move(mesh);
         const std::string material = item.name == "liver" ? "liver" : item.name == "skin" ? "skin" : "muscle";
-        item.look = view == SphereView::textured ? tissue_look(material) : Look { .color = plain_color(o) };
+        item.look = view == SphereView::textured ? ui::tissue_look(material) : ui::Look { .color = plain_color(o) };
         if (view == SphereView::textured)
             item.look.texture = 1.0;
         scene.surfaces.push_back(std::move(item));
     }
-    for (const Fingertip& tip : tips)
+    for (const haptics::Fingertip& tip : tips)
         scene.surfaces.push_back({ .name = "fingertip",
-            .mesh = std::make_shared<TriMesh>(ball_mesh(tip.position, tip.radius, 3)),
+            .mesh = std::make_shared<TriMesh>(ui::cli::ball_mesh(tip.position, tip.radius, 3)),
             .look = { .color = { 0.97, 0.97, 0.97 } } });
-    if (const auto box = scene_bounds(scene))
-        scene.camera = camera_for_box(*box, Vec3(0.25, 1.0, -0.25), Vec3::UnitZ());
+    if (const auto box = ui::scene_bounds(scene))
+        scene.camera = ui::camera_for_box(*box, Vec3(0.25, 1.0, -0.25), Vec3::UnitZ());
     return scene;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace retractor::cli {
+namespace retractor::benchmarks {
 
 namespace {
 
@@ -19,20 +19,20 @@ namespace {
     constexpr double kArmRatio = 1.0, kArmTime = 4.0; // s: relaxes to a half, as kidney and skin do [PMC7595329]
     constexpr double kTaken = 0.4; // s after the press: the sheet's own swings are over
 
-    ElementLaw slow_tissue()
+    haptics::ElementLaw slow_tissue()
     {
         return { .voigt_time = 0.001, .arm_ratio = kArmRatio, .arm_time = kArmTime, .drag = 100.0 };
     }
 
     /// A finger over a sheet.
     struct Press {
-        SpringTissue tissue;
-        Fingertip tip { Vec3(0.0, 0.0, kRadius), Vec3::Zero(), kRadius };
-        FingerContact contact {};
+        haptics::SpringTissue tissue;
+        haptics::Fingertip tip { Vec3(0.0, 0.0, kRadius), Vec3::Zero(), kRadius };
+        haptics::FingerContact contact {};
         double time = 0.0;
 
-        explicit Press(const ElementLaw& law, SheetEdges edges = SheetEdges::fixed)
-            : tissue(make_spring_sheet({ .edges = edges }), law)
+        explicit Press(const haptics::ElementLaw& law, haptics::SheetEdges edges = haptics::SheetEdges::fixed)
+            : tissue(haptics::make_spring_sheet({ .edges = edges }), law)
         {
         }
         void move_to(double z, double seconds)
@@ -59,26 +59,26 @@ namespace {
             * ((radius * radius + a * a) * std::log((radius + a) / (radius - a)) - 2.0 * a * radius);
     }
 
-    ChartSeries line(std::string name) { return { .name = std::move(name), .x = {}, .y = {}, .marks = false }; }
+    ui::ChartSeries line(std::string name) { return { .name = std::move(name), .x = {}, .y = {}, .marks = false }; }
 
-    ChartPanel force_displacement()
+    ui::ChartPanel force_displacement()
     {
-        ChartPanel panel {
+        ui::ChartPanel panel {
             .title = "Force and displacement", .series = {}, .x_title = "depth, mm", .y_title = "force, N"
         };
-        ChartSeries sheet = line("sheet 25 x 25"), stretched = line("sheet, stretched 10 %"),
-                    liver = line("liver 5.4 kPa [PMC6925591]"), muscle = line("muscle 40 kPa [PMC9711973]");
+        ui::ChartSeries sheet = line("sheet 25 x 25"), stretched = line("sheet, stretched 10 %"),
+                        liver = line("liver 5.4 kPa [PMC6925591]"), muscle = line("muscle 40 kPa [PMC9711973]");
         Press slack({ .drag = 30.0 });
-        SpringTissue tight(make_spring_sheet({ .pre_strain = 0.1 }), { .drag = 30.0 });
-        Fingertip tip { Vec3(0.0, 0.0, kRadius), Vec3::Zero(), kRadius };
-        FingerContact contact;
+        haptics::SpringTissue tight(haptics::make_spring_sheet({ .pre_strain = 0.1 }), { .drag = 30.0 });
+        haptics::Fingertip tip { Vec3(0.0, 0.0, kRadius), Vec3::Zero(), kRadius };
+        haptics::FingerContact contact;
         for (int step = 1; step <= 30; ++step) {
             const double depth = 0.1 * step;
             slack.move_to(kRadius - depth, 0.1);
             tip.position.z() = kRadius - depth;
             for (int i = 0; i < 100; ++i)
                 tight.tick(0.0, kSpringTick, { &tip, 1 }, { &contact, 1 });
-            const std::array<std::pair<ChartSeries*, double>, 4> points { { { &sheet, slack.contact.force.z() },
+            const std::array<std::pair<ui::ChartSeries*, double>, 4> points { { { &sheet, slack.contact.force.z() },
                 { &stretched, contact.force.z() }, { &liver, sneddon(depth, kRadius, 0.0054, 0.49) },
                 { &muscle, sneddon(depth, kRadius, 0.04, 0.49) } } };
             for (const auto& [series, force] : points) {
@@ -90,22 +90,22 @@ namespace {
         return panel;
     }
 
-    ChartPanel relaxation()
+    ui::ChartPanel relaxation()
     {
         constexpr double kEvery = 0.15; // s
-        ChartPanel panel { .title = "Relaxation: pressed 2 mm and held",
+        ui::ChartPanel panel { .title = "Relaxation: pressed 2 mm and held",
             .series = {},
             .x_title = "time, s",
             .y_title = "force / first force" };
         for (const bool arms : { true, false }) {
-            ElementLaw law = slow_tissue();
+            haptics::ElementLaw law = slow_tissue();
             if (!arms)
                 law.arm_ratio = 0.0;
             Press press(law);
             press.move_to(kRadius - 2.0, 0.1);
             press.move_to(kRadius - 2.0, kTaken);
             const double first = press.contact.force.z();
-            ChartSeries series = line(arms ? "with Maxwell arms" : "Voigt only");
+            ui::ChartSeries series = line(arms ? "with Maxwell arms" : "Voigt only");
             for (int i = 0; i <= 80; ++i) {
                 series.x.push_back(kEvery * i);
                 series.y.push_back(press.contact.force.z() / first);
@@ -113,8 +113,8 @@ namespace {
             }
             panel.series.push_back(series);
         }
-        ChartSeries closed = line("closed form of one element"),
-                    half = line("1/2: kidney, skin, spleen reach below [PMC7595329]");
+        ui::ChartSeries closed = line("closed form of one element"),
+                        half = line("1/2: kidney, skin, spleen reach below [PMC7595329]");
         for (int i = 0; i <= 80; ++i) {
             const auto left = [](double time) { return 1.0 + kArmRatio * std::exp(-time / kArmTime); };
             closed.x.push_back(kEvery * i);
@@ -128,28 +128,28 @@ namespace {
     }
 
     /// One element along x under a steady force: what the sheet is made of.
-    ChartPanel creep()
+    ui::ChartPanel creep()
     {
         constexpr double kStiffness = 0.075, kForce = 0.05, kStep = 2e-4, kVoigt = 0.4;
-        ChartPanel panel { .title = "Creep of one element under 0.05 N",
+        ui::ChartPanel panel { .title = "Creep of one element under 0.05 N",
             .series = {},
             .x_title = "time, s",
             .y_title = "displacement, mm" };
-        SpringBody body;
+        haptics::SpringBody body;
         body.surface.vertices = Points::Zero(2, 3);
         body.surface.vertices(1, 0) = 1.0;
         body.springs = { { 0, 1, 1.0, kStiffness } };
         body.mass = { 1e-8, 1e-8 };
         body.held = { 1, 0 };
         for (const bool voigt : { true, false }) {
-            SpringMotion motion(body,
+            haptics::SpringMotion motion(body,
                 { .voigt_time = voigt ? kVoigt : 0.001,
                     .arm_ratio = voigt ? 0.0 : kArmRatio,
                     .arm_time = kArmTime,
                     .drag = 0.0 });
             motion.set_load(1, Vec3(kForce, 0.0, 0.0));
-            ChartSeries simulated = line(voigt ? "Voigt" : "standard linear solid");
-            ChartSeries closed = line(voigt ? "Voigt, closed form" : "standard linear solid, closed form");
+            ui::ChartSeries simulated = line(voigt ? "Voigt" : "standard linear solid");
+            ui::ChartSeries closed = line(voigt ? "Voigt, closed form" : "standard linear solid, closed form");
             for (int i = 0; i <= 80; ++i) {
                 const double t = 0.1 * i;
                 simulated.x.push_back(t);
@@ -170,11 +170,11 @@ namespace {
         return panel;
     }
 
-    std::string csv_of(const ChartPicture& chart)
+    std::string csv_of(const ui::ChartPicture& chart)
     {
         std::string csv = "panel,curve,x,y\n";
-        for (const ChartPanel& panel : chart.panels)
-            for (const ChartSeries& series : panel.series)
+        for (const ui::ChartPanel& panel : chart.panels)
+            for (const ui::ChartSeries& series : panel.series)
                 for (std::size_t i = 0; i < series.x.size(); ++i) {
                     std::array<char, 96> numbers {};
                     std::snprintf(numbers.data(), numbers.size(), "%.6g,%.6g\n", series.x[i], series.y[i]);
@@ -183,18 +183,19 @@ namespace {
         return csv;
     }
 
-    Scene state_of(const SpringMotion& motion, const char* title, const std::vector<std::pair<Vec3, double>>& tips)
+    ui::Scene state_of(
+        const haptics::SpringMotion& motion, const char* title, const std::vector<std::pair<Vec3, double>>& tips)
     {
-        Scene scene = sheet_scene(
+        ui::Scene scene = sheet_scene(
             std::make_shared<TriMesh>(TriMesh { motion.positions(), motion.body().surface.triangles, {} }), tips);
         scene.title = title;
         return scene;
     }
 
-    std::vector<Scene> sheet_states()
+    std::vector<ui::Scene> sheet_states()
     {
-        std::vector<Scene> scenes;
-        const ElementLaw law { .drag = 30.0 };
+        std::vector<ui::Scene> scenes;
+        const haptics::ElementLaw law { .drag = 30.0 };
         Press press(law);
         const auto tip = [](const Press& now) {
             return std::vector<std::pair<Vec3, double>> { { now.tip.position, now.tip.radius } };
@@ -210,10 +211,10 @@ namespace {
         press.tissue.grip(0, false);
         press.move_to(kRadius + 8.0, 0.5);
         scenes.push_back(state_of(press.tissue.motion(), "let go: half a second later", tip(press)));
-        const auto settled = [&](SheetEdges edges, const Vec3& gravity, int load, const char* title) {
-            ElementLaw heavy = law;
+        const auto settled = [&](haptics::SheetEdges edges, const Vec3& gravity, int load, const char* title) {
+            haptics::ElementLaw heavy = law;
             heavy.gravity = gravity;
-            SpringMotion motion(make_spring_sheet({ .edges = edges }), heavy);
+            haptics::SpringMotion motion(haptics::make_spring_sheet({ .edges = edges }), heavy);
             if (load == 1)
                 motion.set_load(312, Vec3(0.0, 0.0, 0.4));
             else if (load == 2)
@@ -222,26 +223,26 @@ namespace {
                 motion.step(1e-4);
             scenes.push_back(state_of(motion, title, {}));
         };
-        settled(SheetEdges::fixed, Vec3(0.0, 0.0, -20.0 * kGravity), 0, "20 g, edges fixed");
-        settled(SheetEdges::one_side, Vec3(0.0, 0.0, -kGravity), 0, "1 g, held at one side");
-        settled(SheetEdges::fixed, Vec3::Zero(), 1, "0.4 N on the point alone");
-        settled(SheetEdges::fixed, Vec3::Zero(), 2, "0.4 N on the point and its ring");
+        settled(haptics::SheetEdges::fixed, Vec3(0.0, 0.0, -20.0 * haptics::kGravity), 0, "20 g, edges fixed");
+        settled(haptics::SheetEdges::one_side, Vec3(0.0, 0.0, -haptics::kGravity), 0, "1 g, held at one side");
+        settled(haptics::SheetEdges::fixed, Vec3::Zero(), 1, "0.4 N on the point alone");
+        settled(haptics::SheetEdges::fixed, Vec3::Zero(), 2, "0.4 N on the point and its ring");
         return scenes;
     }
 
 } // namespace
 
-Scene sheet_scene(std::shared_ptr<const TriMesh> sheet, std::span<const std::pair<Vec3, double>> tips)
+ui::Scene sheet_scene(std::shared_ptr<const TriMesh> sheet, std::span<const std::pair<Vec3, double>> tips)
 {
-    Scene scene;
+    ui::Scene scene;
     scene.surfaces.push_back({ .name = "tissue",
         .mesh = std::move(sheet),
-        .look = { .color = { 0.85, 0.45, 0.42 }, .finish = Finish::skin },
+        .look = { .color = { 0.85, 0.45, 0.42 }, .finish = ui::Finish::skin },
         .show_edges = true });
     for (const auto& [centre, radius] : tips)
         scene.surfaces.push_back({ .name = "fingertip",
-            .mesh = std::make_shared<TriMesh>(ball_mesh(centre, radius, 3)),
-            .look = { .color = { 0.95, 0.95, 0.95 }, .finish = Finish::matte } });
+            .mesh = std::make_shared<TriMesh>(ui::cli::ball_mesh(centre, radius, 3)),
+            .look = { .color = { 0.95, 0.95, 0.95 }, .finish = ui::Finish::matte } });
     scene.camera
         = { .eye = Vec3(18.0, -40.0, 26.0), .aim = Vec3(0.0, 0.0, -1.0), .up = Vec3::UnitZ(), .view_angle_deg = 32.0 };
     scene.orientation_marker = false;
@@ -250,8 +251,8 @@ Scene sheet_scene(std::shared_ptr<const TriMesh> sheet, std::span<const std::pai
 
 void write_spring_pictures(const std::filesystem::path& folder, const Job& job)
 {
-    OffscreenRenderer renderer(make_offscreen_context(), job);
-    ChartPicture chart { .x_title = {},
+    ui::OffscreenRenderer renderer(ui::make_offscreen_context(), job);
+    ui::ChartPicture chart { .x_title = {},
         .y_title = {},
         .panels = { force_displacement(), relaxation(), creep() },
         .columns = 3,
@@ -259,12 +260,12 @@ void write_spring_pictures(const std::filesystem::path& folder, const Job& job)
         .panel_height = 480,
         .logarithmic_x = false,
         .logarithmic_y = false };
-    write_png(folder / "tissue_curves.png", renderer.render(chart));
+    ui::write_png(folder / "tissue_curves.png", renderer.render(chart));
     write_file_atomically(folder / "tissue_curves.csv", csv_of(chart));
-    const std::vector<Scene> scenes = sheet_states();
+    const std::vector<ui::Scene> scenes = sheet_states();
     constexpr int kColumns = 4, kWidth = 480, kHeight = 360;
     const int rows = (static_cast<int>(scenes.size()) + kColumns - 1) / kColumns;
-    Picture picture { .width = kColumns * kWidth, .height = rows * kHeight, .viewports = {} };
+    ui::Picture picture { .width = kColumns * kWidth, .height = rows * kHeight, .viewports = {} };
     for (int i = 0; i < static_cast<int>(scenes.size()); ++i) {
         const int column = i % kColumns, row = rows - 1 - i / kColumns;
         picture.viewports.push_back({ .left = static_cast<double>(column) / kColumns,
@@ -273,7 +274,7 @@ void write_spring_pictures(const std::filesystem::path& folder, const Job& job)
             .top = static_cast<double>(row + 1) / rows,
             .scene = scenes[static_cast<std::size_t>(i)] });
     }
-    write_png(folder / "sheet.png", renderer.render(picture));
+    ui::write_png(folder / "sheet.png", renderer.render(picture));
 }
 
-} // namespace retractor::cli
+} // namespace retractor::benchmarks

@@ -1,11 +1,11 @@
 #include "datasets/dicom/dicom_codecs.h"
 
 #include "datasets/dicom/dicom.h"
-#include "tests/support/dicom_bytes.h"
 #include "mesh/base/error.h"
+#include "tests/support/dicom_bytes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace retractor {
+namespace retractor::datasets {
 namespace dicom_codecs_test {
 
     namespace fs = std::filesystem;
@@ -16,10 +16,10 @@ namespace dicom_codecs_test {
     /// Run-length code of DICOM (PS3.5 annex G) with literal runs only: high bytes, then low bytes.
     std::string rle(const std::vector<int>& stored)
     {
-        std::string header = DicomBytes::number(2, 4);
+        std::string header = test_support::DicomBytes::number(2, 4);
         std::string body;
         for (const int shift : { 8, 0 }) {
-            header += DicomBytes::number(static_cast<std::int64_t>(64 + body.size()), 4);
+            header += test_support::DicomBytes::number(static_cast<std::int64_t>(64 + body.size()), 4);
             constexpr std::size_t kRun = 100;
             for (std::size_t p = 0; p < stored.size(); p += kRun) {
                 const std::size_t count = std::min(kRun, stored.size() - p);
@@ -37,37 +37,42 @@ namespace dicom_codecs_test {
     std::vector<int> ramp(int start)
     {
         std::vector<int> stored;
-        for (int p = 0; p < kTestColumns * kTestRows; ++p)
+        for (int p = 0; p < test_support::kTestColumns * test_support::kTestRows; ++p)
             stored.push_back(start + 17 * p);
         return stored;
     }
 
-    void write_rle(const fs::path& path, DicomBytes data, const std::vector<std::string>& fragments)
+    void write_rle(const fs::path& path, test_support::DicomBytes data, const std::vector<std::string>& fragments)
     {
         data.fragments(0x7FE00010, fragments);
-        write_bytes(path, dicom_file(data, kEnhancedCtStorage, kRleSyntax));
+        test_support::write_bytes(path, test_support::dicom_file(data, test_support::kEnhancedCtStorage, kRleSyntax));
     }
 
     TEST(DicomCodecs, FramesAreFoundWithAndWithoutTheTableOfOffsets)
     {
-        const TemporaryFolder folder;
-        const DicomBytes tags = enhanced_ct({ 3, 0 }, { 1, 1 });
+        const test_support::TemporaryFolder folder;
+        const test_support::DicomBytes tags = test_support::enhanced_ct({ 3, 0 }, { 1, 1 });
         const std::string one = rle(ramp(1000));
         const std::string two = rle(ramp(2000));
         const auto expect_frames = [&] {
-            const Volume volume = read_dicom(folder / "ct").volume;
+            const mesh::Volume volume = read_dicom(folder / "ct").volume;
             ASSERT_EQ(volume.grid.size[2], 2);
-            for (int p = 0; p < kTestColumns * kTestRows; ++p) {
+            for (int p = 0; p < test_support::kTestColumns * test_support::kTestRows; ++p) {
                 ASSERT_EQ(
-                    volume.voxels[volume.grid.offset(p % kTestColumns, p / kTestColumns, 0)], 2000 + 17 * p - 1024);
+                    volume
+                        .voxels[volume.grid.offset(p % test_support::kTestColumns, p / test_support::kTestColumns, 0)],
+                    2000 + 17 * p - 1024);
                 ASSERT_EQ(
-                    volume.voxels[volume.grid.offset(p % kTestColumns, p / kTestColumns, 1)], 1000 + 17 * p - 1024);
+                    volume
+                        .voxels[volume.grid.offset(p % test_support::kTestColumns, p / test_support::kTestColumns, 1)],
+                    1000 + 17 * p - 1024);
             }
         };
         write_rle(folder / "ct", tags, { "", one, two });
         expect_frames();
         const auto table = [&](std::size_t second) {
-            return DicomBytes::number(0, 4) + DicomBytes::number(static_cast<std::int64_t>(second), 4);
+            return test_support::DicomBytes::number(0, 4)
+                + test_support::DicomBytes::number(static_cast<std::int64_t>(second), 4);
         };
         write_rle(folder / "ct", tags, { table(8 + one.size()), one, two });
         expect_frames();
@@ -75,8 +80,9 @@ namespace dicom_codecs_test {
         write_rle(folder / "ct", tags, { table(16 + one.size()), one.substr(0, half), one.substr(half), two });
         expect_frames();
 
-        const auto refused
-            = [&](const std::string& why) { expect_refused<InputError>([&] { read_dicom(folder / "ct"); }, why); };
+        const auto refused = [&](const std::string& why) {
+            test_support::expect_refused<InputError>([&] { read_dicom(folder / "ct"); }, why);
+        };
         write_rle(folder / "ct", tags, { "", one.substr(0, half), one.substr(half), two });
         refused("in which of their 3 fragments an image begins");
         write_rle(folder / "ct", tags, { table(14), one.substr(0, half), one.substr(half), two });
@@ -91,12 +97,13 @@ namespace dicom_codecs_test {
 
     TEST(DicomCodecs, AStreamThatContradictsTheTagsIsRefused)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const auto refused = [&](const std::string& stream, const std::string& why) {
-            DicomBytes slice = ct_slice(0.0, 1);
+            test_support::DicomBytes slice = test_support::ct_slice(0.0, 1);
             slice.fragments(0x7FE00010, { "", stream });
-            write_bytes(folder / "ct", dicom_file(slice, kCtStorage, kJpegLosslessSyntax));
-            expect_refused<InputError>([&] { read_dicom(folder / "ct"); }, why);
+            test_support::write_bytes(
+                folder / "ct", test_support::dicom_file(slice, test_support::kCtStorage, kJpegLosslessSyntax));
+            test_support::expect_refused<InputError>([&] { read_dicom(folder / "ct"); }, why);
         };
         const std::string start = "\xFF\xD8";
         const std::string end = "\xFF\xD9";
@@ -121,13 +128,13 @@ namespace dicom_codecs_test {
 
     TEST(DicomCodecs, CompressionMustBeWhatTheTransferSyntaxSays)
     {
-        const TemporaryFolder folder;
-        const auto refused = [&](const DicomBytes& slice, const char* syntax, const std::string& why) {
-            write_bytes(folder / "ct", dicom_file(slice, kCtStorage, syntax));
-            expect_refused<InputError>([&] { read_dicom(folder / "ct"); }, why);
+        const test_support::TemporaryFolder folder;
+        const auto refused = [&](const test_support::DicomBytes& slice, const char* syntax, const std::string& why) {
+            test_support::write_bytes(folder / "ct", test_support::dicom_file(slice, test_support::kCtStorage, syntax));
+            test_support::expect_refused<InputError>([&] { read_dicom(folder / "ct"); }, why);
         };
-        refused(ct_slice(0.0, 1), kRleSyntax, "not in fragments");
-        DicomBytes slice = ct_slice(0.0, 1);
+        refused(test_support::ct_slice(0.0, 1), kRleSyntax, "not in fragments");
+        test_support::DicomBytes slice = test_support::ct_slice(0.0, 1);
         slice.fragments(0x7FE00010, { "", rle(ramp(1000)) });
         refused(slice, "1.2.840.10008.1.2.1", "not plain");
         refused(
@@ -167,10 +174,12 @@ namespace dicom_codecs_test {
             pixels += big(expected.back());
         }
         add(0x7FE0, 0x0010, "OW", pixels);
-        const TemporaryFolder folder;
-        write_bytes(folder / "big", dicom_file(DicomBytes(), kCtStorage, "1.2.840.10008.1.2.2") + data);
+        const test_support::TemporaryFolder folder;
+        test_support::write_bytes(folder / "big",
+            test_support::dicom_file(test_support::DicomBytes(), test_support::kCtStorage, "1.2.840.10008.1.2.2")
+                + data);
         EXPECT_EQ(read_dicom(folder / "big").volume.voxels, expected);
     }
 
 } // namespace dicom_codecs_test
-} // namespace retractor
+} // namespace retractor::datasets

@@ -2,14 +2,14 @@
 
 #include "datasets/dicom/dicom.h"
 
-#include "tests/support/dicom_bytes.h"
 #include "mesh/base/error.h"
+#include "tests/support/dicom_bytes.h"
 #include "tests/support/temporary_folder.h"
 
 #include <iterator>
 #include <random>
 
-namespace retractor {
+namespace retractor::datasets {
 namespace dicom_fuzz_test {
 
     namespace fs = std::filesystem;
@@ -38,9 +38,9 @@ namespace dicom_fuzz_test {
             else
                 for (std::size_t flips = t % 2 == 0 ? 1 : 1 + below(20); flips > 0; --flips)
                     bytes[kPreamble + below(reach)] = static_cast<char>(below(256));
-            write_bytes(damaged, bytes);
+            test_support::write_bytes(damaged, bytes);
             try {
-                const Volume volume = read_dicom(path).volume;
+                const mesh::Volume volume = read_dicom(path).volume;
                 EXPECT_EQ(volume.voxels.size(), volume.grid.voxel_count());
                 ++outcomes.read;
             } catch (const Error&) {
@@ -53,8 +53,8 @@ namespace dicom_fuzz_test {
 
     TEST(DicomFuzz, DamagedSeriesEndsInAVolumeOrAnError)
     {
-        const TemporaryFolder folder;
-        write_stack(folder / "ct", 3);
+        const test_support::TemporaryFolder folder;
+        test_support::write_stack(folder / "ct", 3);
         constexpr int kTries = 600;
         const Outcomes outcomes = damage_and_read(folder / "ct", folder / "ct/02.dcm", kTries, 20);
         EXPECT_GT(outcomes.read, kTries / 20) << "damage to pixels and free text cannot be seen";
@@ -63,8 +63,10 @@ namespace dicom_fuzz_test {
 
     TEST(DicomFuzz, DamagedMultiFrameEndsInAVolumeOrAnError)
     {
-        const TemporaryFolder folder;
-        write_bytes(folder / "enhanced", dicom_file(enhanced_ct({ 0, 3, 6 }, { 1, 1, 1 }), kEnhancedCtStorage));
+        const test_support::TemporaryFolder folder;
+        test_support::write_bytes(folder / "enhanced",
+            test_support::dicom_file(
+                test_support::enhanced_ct({ 0, 3, 6 }, { 1, 1, 1 }), test_support::kEnhancedCtStorage));
         constexpr int kTries = 600;
         const Outcomes outcomes = damage_and_read(folder / "enhanced", folder / "enhanced", kTries, 21);
         EXPECT_GT(outcomes.read, kTries / 20);
@@ -73,10 +75,10 @@ namespace dicom_fuzz_test {
 
     TEST(DicomFuzz, DamagedCompressionEndsInAVolumeOrAnError)
     {
-        const fs::path images = shared_data("bad/wg04_transfer_syntaxes");
+        const fs::path images = test_support::shared_data("bad/wg04_transfer_syntaxes");
         if (!fs::exists(images))
             GTEST_SKIP() << "no shared data at " << images;
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         unsigned seed = 30;
         for (const char* image : { "CT1_RLE", "CT1_JPLL", "CT1_JLSL", "CT1_J2KR" }) {
             fs::copy(images / image, folder / image);
@@ -88,37 +90,38 @@ namespace dicom_fuzz_test {
 
     TEST(DicomFuzz, CutCompressedPixelsAreRefused)
     {
-        const fs::path images = shared_data("bad/wg04_transfer_syntaxes");
+        const fs::path images = test_support::shared_data("bad/wg04_transfer_syntaxes");
         if (!fs::exists(images))
             GTEST_SKIP() << "no shared data at " << images;
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         for (const char* image : { "CT1_RLE", "CT1_JPLL", "CT1_JLSL", "CT1_J2KR" })
             for (const std::uintmax_t bytes : { 9U, 200U, 20000U }) {
                 fs::copy_file(images / image, folder / image, fs::copy_options::overwrite_existing);
                 fs::resize_file(folder / image, fs::file_size(folder / image) - bytes);
-                expect_refused<InputError>([&] { read_dicom(folder / image); }, "truncated");
+                test_support::expect_refused<InputError>([&] { read_dicom(folder / image); }, "truncated");
             }
     }
 
     TEST(DicomFuzz, SequencesNestedWithoutEndAreRefused)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         constexpr int kLevels = 200000; // would need some hundred megabytes of stack
         for (const bool defined : { false, true }) {
-            const std::string good = dicom_file(ct_slice(0.0, 1));
+            const std::string good = test_support::dicom_file(test_support::ct_slice(0.0, 1));
             const std::size_t pixels = good.find("\xE0\x7F\x10");
             std::string nested;
             constexpr int kLevelBytes = 20;
             for (int level = 0; level < kLevels; ++level) {
                 const std::int64_t rest = std::int64_t { kLevelBytes } * (kLevels - level);
-                nested += DicomBytes::number(0x0040, 2) + DicomBytes::number(0xA730, 2) + std::string("SQ\0\0", 4)
-                    + DicomBytes::number(defined ? rest - 12 : 0xFFFFFFFF, 4) + DicomBytes::number(0xE000FFFE, 4)
-                    + DicomBytes::number(defined ? rest - kLevelBytes : 0xFFFFFFFF, 4);
+                nested += test_support::DicomBytes::number(0x0040, 2) + test_support::DicomBytes::number(0xA730, 2)
+                    + std::string("SQ\0\0", 4) + test_support::DicomBytes::number(defined ? rest - 12 : 0xFFFFFFFF, 4)
+                    + test_support::DicomBytes::number(0xE000FFFE, 4)
+                    + test_support::DicomBytes::number(defined ? rest - kLevelBytes : 0xFFFFFFFF, 4);
             }
-            write_bytes(folder / "deep", good.substr(0, pixels) + nested + good.substr(pixels));
-            expect_refused<InputError>([&] { read_dicom(folder / "deep"); }, "damaged DICOM file");
+            test_support::write_bytes(folder / "deep", good.substr(0, pixels) + nested + good.substr(pixels));
+            test_support::expect_refused<InputError>([&] { read_dicom(folder / "deep"); }, "damaged DICOM file");
         }
     }
 
 } // namespace dicom_fuzz_test
-} // namespace retractor
+} // namespace retractor::datasets

@@ -1,24 +1,26 @@
 #include "datasets/dicom/dicom_identity.h"
 
 #include "datasets/dicom/dicom.h"
-#include "tests/support/dicom_bytes.h"
 #include "mesh/base/error.h"
+#include "tests/support/dicom_bytes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace retractor {
+namespace retractor::datasets {
 namespace dicom_identity_test {
 
     TEST(DicomIdentity, AFileNestedTooDeepHasNone)
     {
-        const TemporaryFolder folder;
-        write_stack(folder / "ct", 2);
+        const test_support::TemporaryFolder folder;
+        test_support::write_stack(folder / "ct", 2);
         std::string nested;
         constexpr int kLevels = 200000; // more than any stack holds
         for (int n = 0; n < kLevels; ++n)
-            nested += DicomBytes::number(0x0040, 2) + DicomBytes::number(0xA730, 2) + std::string("SQ\0\0", 4)
-                + DicomBytes::number(0xFFFFFFFF, 4) + DicomBytes::number(0xFFFE, 2) + DicomBytes::number(0xE000, 2)
-                + DicomBytes::number(0xFFFFFFFF, 4);
-        write_bytes(folder / "ct/deep.dcm", dicom_file(DicomBytes()) + nested);
+            nested += test_support::DicomBytes::number(0x0040, 2) + test_support::DicomBytes::number(0xA730, 2)
+                + std::string("SQ\0\0", 4) + test_support::DicomBytes::number(0xFFFFFFFF, 4)
+                + test_support::DicomBytes::number(0xFFFE, 2) + test_support::DicomBytes::number(0xE000, 2)
+                + test_support::DicomBytes::number(0xFFFFFFFF, 4);
+        test_support::write_bytes(
+            folder / "ct/deep.dcm", test_support::dicom_file(test_support::DicomBytes()) + nested);
         const std::vector<PatientIdentity> found = dicom_identities(folder / "ct");
         ASSERT_EQ(found.size(), 1u);
         EXPECT_EQ(found.front().name, "Secret^Person");
@@ -50,13 +52,13 @@ namespace dicom_identity_test {
 
     TEST(DicomIdentity, SeriesDescriptionsOfShortOrAccentedNamesAreDropped)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const auto description = [&](const std::string& name, const std::string& text) {
-            const auto change = [&](DicomBytes& slice, int) {
+            const auto change = [&](test_support::DicomBytes& slice, int) {
                 slice.text(0x00080005, "CS", "ISO_IR 192").text(0x00100010, "PN", name).text(0x0008103E, "LO", text);
             };
             std::filesystem::remove_all(folder / "ct");
-            write_stack(folder / "ct", 2, change);
+            test_support::write_stack(folder / "ct", 2, change);
             return list_dicom_series(folder / "ct").front().description;
         };
         EXPECT_EQ(description("Ng^Li", "Thorax Ng Li"), "");
@@ -66,4 +68,4 @@ namespace dicom_identity_test {
     }
 
 } // namespace dicom_identity_test
-} // namespace retractor
+} // namespace retractor::datasets

@@ -3,7 +3,7 @@
 #include "tests/support/dicom_bytes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace retractor {
+namespace retractor::datasets {
 namespace dicom_nesting_test {
 
     constexpr std::uint32_t kUndefined = 0xFFFFFFFF;
@@ -12,7 +12,7 @@ namespace dicom_nesting_test {
 
     std::string word(std::uint32_t value, int size, bool big)
     {
-        std::string bytes = DicomBytes::number(value, size);
+        std::string bytes = test_support::DicomBytes::number(value, size);
         if (big)
             std::reverse(bytes.begin(), bytes.end());
         return bytes;
@@ -34,7 +34,7 @@ namespace dicom_nesting_test {
     std::string value(const std::string& bytes)
     {
         return tag(0x00420011) + std::string("OB\0\0", 4)
-            + DicomBytes::number(static_cast<std::int64_t>(bytes.size()), 4) + bytes;
+            + test_support::DicomBytes::number(static_cast<std::int64_t>(bytes.size()), 4) + bytes;
     }
     std::string repeated(const std::string& text, int times)
     {
@@ -45,8 +45,9 @@ namespace dicom_nesting_test {
     }
     int nesting(const std::string& data_set, const std::string& syntax = "1.2.840.10008.1.2.1")
     {
-        const TemporaryFolder folder;
-        write_bytes(folder / "file", dicom_file(DicomBytes(), kCtStorage, syntax) + data_set);
+        const test_support::TemporaryFolder folder;
+        test_support::write_bytes(folder / "file",
+            test_support::dicom_file(test_support::DicomBytes(), test_support::kCtStorage, syntax) + data_set);
         return dicom_nesting(folder / "file", kLimit);
     }
 
@@ -57,21 +58,22 @@ namespace dicom_nesting_test {
         EXPECT_EQ(nesting(shallow), 1);
         EXPECT_EQ(nesting(opened() + opened() + closed() + closed() + shallow), 2);
         EXPECT_EQ(nesting(repeated(opened(), kMany)), kLimit);
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const std::vector<double> heights(200, 1.0);
-        write_bytes(
-            folder / "enhanced", dicom_file(enhanced_ct(heights, std::vector<double>(200, 1.0)), kEnhancedCtStorage));
+        test_support::write_bytes(folder / "enhanced",
+            test_support::dicom_file(
+                test_support::enhanced_ct(heights, std::vector<double>(200, 1.0)), test_support::kEnhancedCtStorage));
         EXPECT_EQ(dicom_nesting(folder / "enhanced", kLimit), 2);
     }
 
     TEST(DicomNesting, ImplicitSequencesAreFound)
     {
         const std::string implicit
-            = tag(0x0040A730) + DicomBytes::number(kUndefined, 4) + delimiter(0xFFFEE000, kUndefined);
+            = tag(0x0040A730) + test_support::DicomBytes::number(kUndefined, 4) + delimiter(0xFFFEE000, kUndefined);
         EXPECT_EQ(nesting(repeated(implicit, 3) + repeated(closed(), 3), "1.2.840.10008.1.2"), 3);
         EXPECT_EQ(nesting(repeated(implicit, kMany), "1.2.840.10008.1.2"), kLimit);
-        const std::string unknown = tag(0x0040A730) + std::string("UN\0\0", 4) + DicomBytes::number(kUndefined, 4)
-            + delimiter(0xFFFEE000, kUndefined);
+        const std::string unknown = tag(0x0040A730) + std::string("UN\0\0", 4)
+            + test_support::DicomBytes::number(kUndefined, 4) + delimiter(0xFFFEE000, kUndefined);
         EXPECT_EQ(nesting(unknown + repeated(implicit, kMany)), kLimit);
     }
 
@@ -83,25 +85,26 @@ namespace dicom_nesting_test {
         // Nor do the pixels' tag and a byte too many hide what comes next.
         EXPECT_EQ(nesting(value(tag(0x7FE00010)) + value("odd") + repeated(opened(), kMany)), kLimit);
         // Items that end before what they hold.
-        const std::string sequence = tag(0x0040A730) + std::string("SQ\0\0", 4) + DicomBytes::number(kUndefined, 4);
+        const std::string sequence
+            = tag(0x0040A730) + std::string("SQ\0\0", 4) + test_support::DicomBytes::number(kUndefined, 4);
         EXPECT_EQ(nesting(repeated(sequence + delimiter(0xFFFEE000, 8), kMany)), kLimit);
         // After the pixels, too, the parser goes on, and into items of undefined length in their place.
-        EXPECT_EQ(nesting(tag(0x7FE00010) + std::string("OW\0\0", 4) + DicomBytes::number(2, 4) + "ab"
+        EXPECT_EQ(nesting(tag(0x7FE00010) + std::string("OW\0\0", 4) + test_support::DicomBytes::number(2, 4) + "ab"
                       + repeated(opened(), kMany)),
             kLimit);
-        EXPECT_EQ(nesting(tag(0x7FE00010) + std::string("OB\0\0", 4) + DicomBytes::number(kUndefined, 4)
+        EXPECT_EQ(nesting(tag(0x7FE00010) + std::string("OB\0\0", 4) + test_support::DicomBytes::number(kUndefined, 4)
                       + repeated(delimiter(0xFFFEE000, kUndefined), kMany)),
             kLimit);
     }
 
     TEST(DicomNesting, FragmentsAndDamageAreNoDepth)
     {
-        const std::string pixels = tag(0x7FE00010) + std::string("OB\0\0", 4) + DicomBytes::number(kUndefined, 4)
-            + repeated(delimiter(0xFFFEE000, 2) + "ab", 300);
+        const std::string pixels = tag(0x7FE00010) + std::string("OB\0\0", 4)
+            + test_support::DicomBytes::number(kUndefined, 4) + repeated(delimiter(0xFFFEE000, 2) + "ab", 300);
         EXPECT_EQ(nesting(pixels + delimiter(0xFFFEE0DD, 0)), 0);
         EXPECT_EQ(nesting(pixels + delimiter(0xFFFEE0DD, 0) + std::string(64, '\0')), 0); // padded
         EXPECT_EQ(nesting(pixels), 0); // cut short
     }
 
 } // namespace dicom_nesting_test
-} // namespace retractor
+} // namespace retractor::datasets

@@ -1,47 +1,48 @@
 #include "datasets/dicom/dicom.h"
 
-#include "tests/support/dicom_bytes.h"
 #include "mesh/base/error.h"
+#include "tests/support/dicom_bytes.h"
 #include "tests/support/temporary_folder.h"
 
 #include <atomic>
 
-namespace retractor {
+namespace retractor::datasets {
 namespace dicom_pixels_test {
 
     namespace fs = std::filesystem;
 
-    constexpr int kPixels = kTestColumns * kTestRows;
+    constexpr int kPixels = test_support::kTestColumns * test_support::kTestRows;
 
     std::vector<int> filled(int value) { return std::vector<int>(kPixels, value); }
 
-    DicomBytes with_pixels(const std::vector<int>& stored)
+    test_support::DicomBytes with_pixels(const std::vector<int>& stored)
     {
-        return ct_slice(0.0, 1).raw(0x7FE00010, "OW", pixel_bytes(stored));
+        return test_support::ct_slice(0.0, 1).raw(0x7FE00010, "OW", test_support::pixel_bytes(stored));
     }
 
-    DicomVolume read_one(const TemporaryFolder& folder, const DicomBytes& slice)
+    DicomVolume read_one(const test_support::TemporaryFolder& folder, const test_support::DicomBytes& slice)
     {
-        write_slice(folder / "one", slice);
+        test_support::write_slice(folder / "one", slice);
         DicomVolume read = read_dicom(folder / "one");
         EXPECT_EQ(std::erase(read.notes, "a single slice, 2 mm thick"), 1U);
         return read;
     }
 
-    void refused(const TemporaryFolder& folder, const DicomBytes& slice, const std::string& why)
+    void refused(
+        const test_support::TemporaryFolder& folder, const test_support::DicomBytes& slice, const std::string& why)
     {
-        write_slice(folder / "one", slice);
-        expect_refused<InputError>([&] { read_dicom(folder / "one"); }, why);
-        expect_refused<InputError>([&] { read_dicom(folder / "one"); }, "one"); // the file
+        test_support::write_slice(folder / "one", slice);
+        test_support::expect_refused<InputError>([&] { read_dicom(folder / "one"); }, why);
+        test_support::expect_refused<InputError>([&] { read_dicom(folder / "one"); }, "one"); // the file
     }
 
     TEST(DicomPixels, EachSliceHasItsOwnRescale)
     {
-        const TemporaryFolder folder;
-        write_stack(folder / "ct", 3, [](DicomBytes& slice, int s) {
+        const test_support::TemporaryFolder folder;
+        test_support::write_stack(folder / "ct", 3, [](test_support::DicomBytes& slice, int s) {
             slice.text(0x00281053, "DS", s == 1 ? "0.5" : "2").text(0x00281052, "DS", s == 2 ? "-3000.4" : "-1024");
         });
-        const Volume volume = read_dicom(folder / "ct").volume;
+        const mesh::Volume volume = read_dicom(folder / "ct").volume;
         const auto last = [&](int k) { return volume.voxels[volume.grid.offset(5, 4, k)]; };
         EXPECT_EQ(last(0), 2 * 1045 - 1024);
         EXPECT_EQ(last(1), -402) << "1245 / 2 - 1024 = -401.5";
@@ -50,7 +51,7 @@ namespace dicom_pixels_test {
 
     TEST(DicomPixels, MissingRescaleIsTold)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const DicomVolume read = read_one(folder, with_pixels(filled(77)).erase(0x00281052).erase(0x00281053));
         EXPECT_EQ(read.volume.voxels, std::vector<std::int16_t>(kPixels, 77));
         ASSERT_EQ(read.notes.size(), 1);
@@ -59,10 +60,10 @@ namespace dicom_pixels_test {
 
     TEST(DicomPixels, PaddingBecomesAirAndIsCounted)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         std::vector<int> stored = filled(1024);
         stored[0] = stored[7] = 63536; // -2000 as GE writes it
-        DicomBytes slice = with_pixels(stored).u16(0x00280103, 1);
+        test_support::DicomBytes slice = with_pixels(stored).u16(0x00280103, 1);
         slice.u16(0x00280120, 63536); // the tag unsigned, the pixels signed
         DicomVolume read = read_one(folder, slice);
         EXPECT_EQ(read.volume.voxels[0], -1024);
@@ -82,7 +83,7 @@ namespace dicom_pixels_test {
 
     TEST(DicomPixels, PaddingThatTissueHasIsSaid)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const DicomVolume read = read_one(folder, with_pixels(filled(1024)).u16(0x00280120, 1024));
         EXPECT_EQ(read.volume.voxels, std::vector<std::int16_t>(kPixels, -1024));
         EXPECT_EQ(read.notes.at(0),
@@ -92,26 +93,26 @@ namespace dicom_pixels_test {
 
     TEST(DicomPixels, TwelveBitsAreReadWithTheirSign)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         std::vector<int> stored = filled(100);
         stored[3] = 0x0FFF;
-        DicomBytes slice = with_pixels(stored).u16(0x00280101, 12).u16(0x00280102, 11);
+        test_support::DicomBytes slice = with_pixels(stored).u16(0x00280101, 12).u16(0x00280102, 11);
         EXPECT_EQ(read_one(folder, slice).volume.voxels[3], 4095 - 1024);
         slice.u16(0x00280103, 1).text(0x00281052, "DS", "0");
         EXPECT_EQ(read_one(folder, slice).volume.voxels[3], -1);
         stored[3] = 0xFFFF; // the sign repeated
-        slice.raw(0x7FE00010, "OW", pixel_bytes(stored));
+        slice.raw(0x7FE00010, "OW", test_support::pixel_bytes(stored));
         EXPECT_EQ(read_one(folder, slice).volume.voxels[3], -1);
         stored[3] = 0x1FFF;
-        slice.raw(0x7FE00010, "OW", pixel_bytes(stored));
+        slice.raw(0x7FE00010, "OW", test_support::pixel_bytes(stored));
         refused(folder, slice, "needs more than the 12 bits of BitsStored");
     }
 
     TEST(DicomPixels, WhatIsNoCtImageIsRefused)
     {
-        const TemporaryFolder folder;
-        const DicomBytes good = with_pixels(filled(1024));
-        const auto copy = [&] { return DicomBytes(good); };
+        const test_support::TemporaryFolder folder;
+        const test_support::DicomBytes good = with_pixels(filled(1024));
+        const auto copy = [&] { return test_support::DicomBytes(good); };
         refused(folder, copy().erase(0x7FE00010), "the file has no pixels");
         refused(folder, copy().raw(0x7FE00010, "OW", ""), "the file has no pixels");
         refused(folder, copy().u16(0x00280002, 3), "this is a colour image");
@@ -126,23 +127,24 @@ namespace dicom_pixels_test {
         refused(folder, copy().u16(0x00280010, 65535).u16(0x00280011, 65535), "the pixels are truncated");
         refused(folder, copy().text(0x00281053, "DS", "1000"), "is not a Hounsfield number");
         refused(folder, copy().text(0x00281052, "DS", "1e9"), "column 0 row 0");
-        refused(folder, copy().sequence(0x00283000, { DicomBytes().u16(0x00283002, 1) }), "ModalityLUTSequence");
+        refused(folder, copy().sequence(0x00283000, { test_support::DicomBytes().u16(0x00283002, 1) }),
+            "ModalityLUTSequence");
     }
 
     TEST(DicomPixels, AnImageWithoutPixelsSpoilsItsSeries)
     {
-        const TemporaryFolder folder;
-        write_stack(folder / "ct", 4, [](DicomBytes& slice, int s) {
+        const test_support::TemporaryFolder folder;
+        test_support::write_stack(folder / "ct", 4, [](test_support::DicomBytes& slice, int s) {
             if (s == 3)
                 slice.erase(0x7FE00010);
         });
-        expect_refused<InputError>([&] { read_dicom(folder / "ct"); }, "04.dcm PixelData (7fe0,0010)");
+        test_support::expect_refused<InputError>([&] { read_dicom(folder / "ct"); }, "04.dcm PixelData (7fe0,0010)");
     }
 
     TEST(DicomPixels, ThreadsAgree)
     {
-        const TemporaryFolder folder;
-        write_stack(folder / "ct", 30);
+        const test_support::TemporaryFolder folder;
+        test_support::write_stack(folder / "ct", 30);
         Job one;
         one.threads = 1;
         Job eight;
@@ -160,8 +162,8 @@ namespace dicom_pixels_test {
 
     TEST(DicomPixels, CancelledReadingGivesNothing)
     {
-        const TemporaryFolder folder;
-        write_stack(folder / "ct", 10);
+        const test_support::TemporaryFolder folder;
+        test_support::write_stack(folder / "ct", 10);
         std::atomic<bool> cancel { false };
         Job job;
         job.cancel = &cancel;
@@ -170,4 +172,4 @@ namespace dicom_pixels_test {
     }
 
 } // namespace dicom_pixels_test
-} // namespace retractor
+} // namespace retractor::datasets

@@ -1,18 +1,18 @@
 #include "datasets/dicom/dicom.h"
 
-#include "tests/support/dicom_bytes.h"
 #include "mesh/base/error.h"
+#include "tests/support/dicom_bytes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace retractor {
+namespace retractor::datasets {
 namespace dicom_series_test {
 
     namespace fs = std::filesystem;
 
-    std::function<void(DicomBytes&, int)> of_series(
+    std::function<void(test_support::DicomBytes&, int)> of_series(
         const std::string& uid, const std::string& number, const std::string& description)
     {
-        return [=](DicomBytes& slice, int) {
+        return [=](test_support::DicomBytes& slice, int) {
             slice.text(0x0020000E, "UI", uid).text(0x00200011, "IS", number).text(0x0008103E, "LO", description);
         };
     }
@@ -20,32 +20,33 @@ namespace dicom_series_test {
     /// What a folder from a hospital holds besides the CT.
     void add_clutter(const fs::path& folder)
     {
-        DicomBytes scout = ct_slice(0.0, 1);
+        test_support::DicomBytes scout = test_support::ct_slice(0.0, 1);
         scout.text(0x00080008, "CS", "ORIGINAL\\PRIMARY\\LOCALIZER").text(0x0020000E, "UI", "1.2.9.1");
         scout.text(0x0008103E, "LO", "Topogram").text(0x00200011, "IS", "1");
-        write_slice(folder / "scout", scout);
+        test_support::write_slice(folder / "scout", scout);
 
-        DicomBytes same_series = ct_slice(1.0, 99); // some scanners put the scout into the series
+        test_support::DicomBytes same_series
+            = test_support::ct_slice(1.0, 99); // some scanners put the scout into the series
         same_series.text(0x00080008, "CS", "ORIGINAL\\PRIMARY\\LOCALIZER");
-        write_slice(folder / "scout_inside", same_series);
+        test_support::write_slice(folder / "scout_inside", same_series);
 
-        DicomBytes capture = ct_slice(0.0, 1);
+        test_support::DicomBytes capture = test_support::ct_slice(0.0, 1);
         capture.text(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.7").text(0x0020000E, "UI", "1.2.9.2");
         capture.text(0x0008103E, "LO", "Dose Report").text(0x00200011, "IS", "999");
         for (const std::uint32_t geometry : { 0x00200032U, 0x00200037U, 0x00280030U })
             capture.erase(geometry);
-        write_slice(folder / "dose", capture);
+        test_support::write_slice(folder / "dose", capture);
 
-        DicomBytes report;
+        test_support::DicomBytes report;
         report.text(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.88.22").text(0x00080060, "CS", "SR");
         report.text(0x00100010, "PN", "Secret^Person").text(0x0020000E, "UI", "1.2.9.3");
-        write_bytes(folder / "report", dicom_file(report, "1.2.840.10008.5.1.4.1.1.88.22"));
+        test_support::write_bytes(folder / "report", test_support::dicom_file(report, "1.2.840.10008.5.1.4.1.1.88.22"));
         report.text(0x00080060, "CS", "PR").text(0x0020000E, "UI", "1.2.9.4");
-        write_bytes(folder / "state", dicom_file(report, "1.2.840.10008.5.1.4.1.1.11.1"));
-        write_bytes(folder / "DICOMDIR", dicom_file(report, "1.2.840.10008.1.3.10"));
+        test_support::write_bytes(folder / "state", test_support::dicom_file(report, "1.2.840.10008.5.1.4.1.1.11.1"));
+        test_support::write_bytes(folder / "DICOMDIR", test_support::dicom_file(report, "1.2.840.10008.1.3.10"));
 
-        write_bytes(folder / "readme.txt", "not an image");
-        write_bytes(folder / "empty", "");
+        test_support::write_bytes(folder / "readme.txt", "not an image");
+        test_support::write_bytes(folder / "empty", "");
         fs::create_directories(folder / "subfolder");
     }
 
@@ -53,20 +54,21 @@ namespace dicom_series_test {
     {
         std::vector<std::int16_t> values;
         for (int k = 0; k < slices; ++k)
-            for (int j = 0; j < kTestRows; ++j)
-                for (int i = 0; i < kTestColumns; ++i)
+            for (int j = 0; j < test_support::kTestRows; ++j)
+                for (int i = 0; i < test_support::kTestColumns; ++i)
                     values.push_back(static_cast<std::int16_t>(-24 + i + 10 * j + 200 * k));
         return values;
     }
 
     TEST(DicomSeries, ClutterDoesNotSpoilAFolder)
     {
-        const TemporaryFolder folder;
-        write_stack(folder / "ct", 4);
+        const test_support::TemporaryFolder folder;
+        test_support::write_stack(folder / "ct", 4);
         add_clutter(folder / "ct");
         const DicomVolume read = read_dicom(folder / "ct");
         EXPECT_EQ(read.volume.voxels, slice_values(4));
-        EXPECT_EQ(read.volume.grid.size, (std::array<int, 3> { kTestColumns, kTestRows, 4 }));
+        EXPECT_EQ(
+            read.volume.grid.size, (std::array<int, 3> { test_support::kTestColumns, test_support::kTestRows, 4 }));
         EXPECT_EQ(read.volume.grid.spacing, Vec3(0.5, 0.5, 2.0));
         EXPECT_EQ(read.volume.grid.origin, Vec3(-10.0, 20.0, 0.0));
         ASSERT_EQ(read.notes.size(), 1);
@@ -77,10 +79,10 @@ namespace dicom_series_test {
 
     TEST(DicomSeries, ListsWhatThereIsMostSlicesFirst)
     {
-        const TemporaryFolder folder;
-        write_stack(folder / "ct", 4);
+        const test_support::TemporaryFolder folder;
+        test_support::write_stack(folder / "ct", 4);
         add_clutter(folder / "ct");
-        write_stack(folder / "ct", 6, of_series("1.2.4", "7", "Lung"), "lung");
+        test_support::write_stack(folder / "ct", 6, of_series("1.2.4", "7", "Lung"), "lung");
         const std::vector<DicomSeries> list = list_dicom_series(folder / "ct");
         ASSERT_EQ(list.size(), 5);
         EXPECT_EQ(list[0].uid, "1.2.4");
@@ -90,7 +92,7 @@ namespace dicom_series_test {
         EXPECT_EQ(list[0].kind, "");
         EXPECT_EQ(list[0].files, 6);
         EXPECT_EQ(list[0].frames, 6);
-        EXPECT_EQ(list[0].columns_rows, (std::array<int, 2> { kTestColumns, kTestRows }));
+        EXPECT_EQ(list[0].columns_rows, (std::array<int, 2> { test_support::kTestColumns, test_support::kTestRows }));
         EXPECT_TRUE(list[0].axial);
         EXPECT_EQ(list[1].uid, "1.2.3.8");
         EXPECT_EQ(list[2].kind, "localizer"); // number 1 before 4 and 999
@@ -100,10 +102,10 @@ namespace dicom_series_test {
 
     TEST(DicomSeries, IsChosenByUidNumberOrPlace)
     {
-        const TemporaryFolder folder;
-        write_stack(folder / "ct", 4);
+        const test_support::TemporaryFolder folder;
+        test_support::write_stack(folder / "ct", 4);
         add_clutter(folder / "ct");
-        write_stack(folder / "ct", 6, of_series("1.2.4", "7", "Lung"), "lung");
+        test_support::write_stack(folder / "ct", 6, of_series("1.2.4", "7", "Lung"), "lung");
         for (const char* wish : { "1.2.3.8", "4", "#2" }) {
             const DicomVolume read = read_dicom(folder / "ct", { .series = wish });
             EXPECT_EQ(read.volume.grid.size[2], 4) << wish;
@@ -111,27 +113,29 @@ namespace dicom_series_test {
         }
         EXPECT_EQ(read_dicom(folder / "ct").volume.grid.size[2], 6);
         for (const char* wish : { "8", "#9", "#0", "#x", "#" })
-            expect_refused<InputError>([&] { read_dicom(folder / "ct", { .series = wish }); },
+            test_support::expect_refused<InputError>([&] { read_dicom(folder / "ct", { .series = wish }); },
                 "there is no series \"" + std::string(wish)
                     + "\"; choose by UID, number or #place among:\n  #1: number 7 \"Lung\" 6 slices");
-        expect_refused<InputError>([&] { read_dicom(folder / "ct", { .series = "1" }); }, "a localizer, not slices");
-        expect_refused<InputError>(
+        test_support::expect_refused<InputError>(
+            [&] { read_dicom(folder / "ct", { .series = "1" }); }, "a localizer, not slices");
+        test_support::expect_refused<InputError>(
             [&] { read_dicom(folder / "ct", { .series = "999" }); }, "a secondary capture, not slices");
     }
 
     TEST(DicomSeries, ANumberThatFitsTwoSeriesIsAsked)
     {
-        const TemporaryFolder folder;
-        write_stack(folder / "ct", 3, of_series("1.2.4", "2", "A"), "a");
-        write_stack(folder / "ct", 3, of_series("1.2.5", "2", "B"), "b");
-        expect_refused<InputError>([&] { read_dicom(folder / "ct", { .series = "2" }); }, "\"2\" fits 2 series");
+        const test_support::TemporaryFolder folder;
+        test_support::write_stack(folder / "ct", 3, of_series("1.2.4", "2", "A"), "a");
+        test_support::write_stack(folder / "ct", 3, of_series("1.2.5", "2", "B"), "b");
+        test_support::expect_refused<InputError>(
+            [&] { read_dicom(folder / "ct", { .series = "2" }); }, "\"2\" fits 2 series");
     }
 
     TEST(DicomSeries, TiesGoToTheLowerNumber)
     {
-        const TemporaryFolder folder;
-        write_stack(folder / "ct", 3, of_series("1.2.4", "12", "late"), "a");
-        write_stack(folder / "ct", 3, of_series("1.2.5", "2", "early"), "b");
+        const test_support::TemporaryFolder folder;
+        test_support::write_stack(folder / "ct", 3, of_series("1.2.4", "12", "late"), "a");
+        test_support::write_stack(folder / "ct", 3, of_series("1.2.5", "2", "early"), "b");
         const DicomVolume read = read_dicom(folder / "ct");
         ASSERT_EQ(read.notes.size(), 1);
         EXPECT_NE(read.notes[0].find("series, #1: number 2 \"early\""), std::string::npos) << read.notes[0];
@@ -139,13 +143,14 @@ namespace dicom_series_test {
 
     TEST(DicomSeries, AxialGoesBeforeLargerReformats)
     {
-        const TemporaryFolder folder;
-        write_stack(folder / "ct", 3);
-        const auto coronal = [](DicomBytes& slice, int s) {
+        const test_support::TemporaryFolder folder;
+        test_support::write_stack(folder / "ct", 3);
+        const auto coronal = [](test_support::DicomBytes& slice, int s) {
             of_series("1.2.6", "5", "coronal")(slice, s);
-            slice.text(0x00200037, "DS", "1\\0\\0\\0\\0\\-1").text(0x00200032, "DS", position_text(0, 2.0 * s, 0));
+            slice.text(0x00200037, "DS", "1\\0\\0\\0\\0\\-1")
+                .text(0x00200032, "DS", test_support::position_text(0, 2.0 * s, 0));
         };
-        write_stack(folder / "ct", 5, coronal, "cor");
+        test_support::write_stack(folder / "ct", 5, coronal, "cor");
         EXPECT_EQ(read_dicom(folder / "ct").volume.grid.size[2], 3);
         EXPECT_EQ(read_dicom(folder / "ct", { .series = "5" }).volume.grid.size[2], 5);
         for (int s = 1; s <= 3; ++s)
@@ -155,29 +160,31 @@ namespace dicom_series_test {
 
     TEST(DicomSeries, OtherModalitiesAreRefusedByName)
     {
-        const TemporaryFolder folder;
-        const auto mr
-            = [](DicomBytes& slice, int) { slice.text(0x00080060, "CS", "MR").text(0x0020000E, "UI", "1.2.6"); };
-        write_stack(folder / "mr", 5, mr);
-        expect_refused<InputError>([&] { read_dicom(folder / "mr"); }, "of modality MR, not CT");
-        write_stack(folder / "mr", 3, {}, "ct");
+        const test_support::TemporaryFolder folder;
+        const auto mr = [](test_support::DicomBytes& slice, int) {
+            slice.text(0x00080060, "CS", "MR").text(0x0020000E, "UI", "1.2.6");
+        };
+        test_support::write_stack(folder / "mr", 5, mr);
+        test_support::expect_refused<InputError>([&] { read_dicom(folder / "mr"); }, "of modality MR, not CT");
+        test_support::write_stack(folder / "mr", 3, {}, "ct");
         EXPECT_EQ(read_dicom(folder / "mr").volume.grid.size[2], 3) << "the CT beside it is read";
-        expect_refused<InputError>([&] { read_dicom(folder / "mr", { .series = "1.2.6" }); }, "of modality MR, not CT");
+        test_support::expect_refused<InputError>(
+            [&] { read_dicom(folder / "mr", { .series = "1.2.6" }); }, "of modality MR, not CT");
     }
 
     TEST(DicomSeries, EmptyUidsAreToldApartByNumberAndStudy)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const auto without_uids = [](const char* number) {
-            return [=](DicomBytes& slice, int) {
+            return [=](test_support::DicomBytes& slice, int) {
                 for (const std::uint32_t uid : { 0x00080016U, 0x00080018U, 0x0020000DU, 0x0020000EU })
                     slice.text(uid, "UI", "");
                 slice.text(0x00200011, "IS", number);
             };
         };
-        write_stack(folder / "ct", 3, without_uids("1"), "IM");
+        test_support::write_stack(folder / "ct", 3, without_uids("1"), "IM");
         EXPECT_EQ(read_dicom(folder / "ct").volume.voxels, slice_values(3));
-        write_stack(folder / "ct", 4, without_uids("2"), "other");
+        test_support::write_stack(folder / "ct", 4, without_uids("2"), "other");
         EXPECT_EQ(list_dicom_series(folder / "ct").size(), 2);
         EXPECT_EQ(read_dicom(folder / "ct", { .series = "1" }).volume.voxels, slice_values(3));
         EXPECT_EQ(read_dicom(folder / "ct").volume.voxels, slice_values(4));
@@ -185,57 +192,60 @@ namespace dicom_series_test {
 
     TEST(DicomSeries, OneFileIsASliceWithItsThickness)
     {
-        const TemporaryFolder folder;
-        write_slice(folder / "one", ct_slice(6.0, 1));
+        const test_support::TemporaryFolder folder;
+        test_support::write_slice(folder / "one", test_support::ct_slice(6.0, 1));
         const DicomVolume read = read_dicom(folder / "one");
-        EXPECT_EQ(read.volume.grid.size, (std::array<int, 3> { kTestColumns, kTestRows, 1 }));
+        EXPECT_EQ(
+            read.volume.grid.size, (std::array<int, 3> { test_support::kTestColumns, test_support::kTestRows, 1 }));
         EXPECT_EQ(read.volume.grid.spacing.z(), 2.0);
         EXPECT_EQ(read.volume.voxels[0], 1000 + 600 - 1024);
         ASSERT_EQ(read.notes.size(), 1);
         EXPECT_EQ(read.notes[0], "a single slice, 2 mm thick");
-        write_slice(folder / "thin", ct_slice(6.0, 1).erase(0x00180050));
-        expect_refused<InputError>(
+        test_support::write_slice(folder / "thin", test_support::ct_slice(6.0, 1).erase(0x00180050));
+        test_support::expect_refused<InputError>(
             [&] { read_dicom(folder / "thin"); }, "a single slice needs a positive slice thickness");
-        write_slice(folder / "thin", ct_slice(6.0, 1).text(0x00180050, "DS", "-2"));
-        expect_refused<InputError>([&] { read_dicom(folder / "thin"); }, "SliceThickness (0018,0050)");
-        write_bytes(folder / "text", "hello");
-        expect_refused<InputError>([&] { read_dicom(folder / "text"); }, "this is no DICOM file");
+        test_support::write_slice(folder / "thin", test_support::ct_slice(6.0, 1).text(0x00180050, "DS", "-2"));
+        test_support::expect_refused<InputError>([&] { read_dicom(folder / "thin"); }, "SliceThickness (0018,0050)");
+        test_support::write_bytes(folder / "text", "hello");
+        test_support::expect_refused<InputError>([&] { read_dicom(folder / "text"); }, "this is no DICOM file");
     }
 
     TEST(DicomSeries, FoldersWithoutImagesSaySo)
     {
-        const TemporaryFolder folder;
-        expect_refused<IoError>([&] { list_dicom_series(folder / "absent"); }, "no such file or folder");
+        const test_support::TemporaryFolder folder;
+        test_support::expect_refused<IoError>([&] { list_dicom_series(folder / "absent"); }, "no such file or folder");
         fs::create_directories(folder / "outer/series_b");
         fs::create_directories(folder / "outer/series_a");
-        expect_refused<InputError>([&] { list_dicom_series(folder / "outer"); },
+        test_support::expect_refused<InputError>([&] { list_dicom_series(folder / "outer"); },
             "its subfolders are not searched, give one of them: series_a, series_b");
-        DicomBytes report;
+        test_support::DicomBytes report;
         report.text(0x00080060, "CS", "SR");
-        write_bytes(folder / "reports/1", dicom_file(report));
-        expect_refused<InputError>([&] { read_dicom(folder / "reports"); }, "no DICOM image: 1 object without pixels");
-        expect_refused<InputError>([&] { read_dicom(folder / "reports/1"); }, "no DICOM image");
+        test_support::write_bytes(folder / "reports/1", test_support::dicom_file(report));
+        test_support::expect_refused<InputError>(
+            [&] { read_dicom(folder / "reports"); }, "no DICOM image: 1 object without pixels");
+        test_support::expect_refused<InputError>([&] { read_dicom(folder / "reports/1"); }, "no DICOM image");
     }
 
     TEST(DicomSeries, DamagedFilesAreRefusedInTheirSeriesAndToldOtherwise)
     {
-        const TemporaryFolder folder;
-        write_stack(folder / "ct", 3);
-        const std::string slice = dicom_file(ct_slice(6.0, 4));
-        const std::string other = dicom_file(ct_slice(6.0, 4).text(0x0020000E, "UI", "1.2.99"));
+        const test_support::TemporaryFolder folder;
+        test_support::write_stack(folder / "ct", 3);
+        const std::string slice = test_support::dicom_file(test_support::ct_slice(6.0, 4));
+        const std::string other
+            = test_support::dicom_file(test_support::ct_slice(6.0, 4).text(0x0020000E, "UI", "1.2.99"));
         const std::size_t in_the_tags = slice.find("MONOCHROME2"); // behind the series UID, before the pixels
-        write_bytes(folder / "ct/04.dcm", other.substr(0, in_the_tags + 4));
+        test_support::write_bytes(folder / "ct/04.dcm", other.substr(0, in_the_tags + 4));
         const DicomVolume read = read_dicom(folder / "ct");
         EXPECT_EQ(read.volume.voxels, slice_values(3));
         ASSERT_EQ(read.notes.size(), 1);
         EXPECT_EQ(read.notes[0], "passed over 1 damaged DICOM file, of no known series: 04.dcm");
-        write_bytes(folder / "ct/04.dcm", slice.substr(0, in_the_tags + 4));
-        expect_refused<InputError>([&] { read_dicom(folder / "ct"); }, "04.dcm");
+        test_support::write_bytes(folder / "ct/04.dcm", slice.substr(0, in_the_tags + 4));
+        test_support::expect_refused<InputError>([&] { read_dicom(folder / "ct"); }, "04.dcm");
     }
 
     TEST(DicomSeries, NoPatientInNotesOrErrors)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         std::string said;
         const auto listen = [&](const fs::path& path, const DicomReadOptions& options = {}) {
             try {
@@ -248,8 +258,9 @@ namespace dicom_series_test {
             }
         };
         // A technician's series description that repeats the name.
-        const auto named = [](DicomBytes& slice, int) { slice.text(0x0008103E, "LO", "Thorax of SECRET, pid-4711"); };
-        write_stack(folder / "notes", 3, [&](DicomBytes& slice, int s) {
+        const auto named
+            = [](test_support::DicomBytes& slice, int) { slice.text(0x0008103E, "LO", "Thorax of SECRET, pid-4711"); };
+        test_support::write_stack(folder / "notes", 3, [&](test_support::DicomBytes& slice, int s) {
             named(slice, s);
             slice.erase(0x00281052).u16(0x00280120, 1000);
         });
@@ -257,19 +268,20 @@ namespace dicom_series_test {
         listen(folder / "notes");
         listen(folder / "notes", { .series = "#8" });
         listen(folder / "notes", { .series = "999" });
-        write_stack(folder / "gap", 6, named);
+        test_support::write_stack(folder / "gap", 6, named);
         fs::remove(folder / "gap/03.dcm");
         listen(folder / "gap");
-        write_slice(folder / "gap/again", ct_slice(2.0, 2));
+        test_support::write_slice(folder / "gap/again", test_support::ct_slice(2.0, 2));
         listen(folder / "gap");
-        write_slice(folder / "gap/again", ct_slice(2.0, 2).text(0x00200032, "DS", "Secret\\Person\\PID-4711"));
+        test_support::write_slice(
+            folder / "gap/again", test_support::ct_slice(2.0, 2).text(0x00200032, "DS", "Secret\\Person\\PID-4711"));
         listen(folder / "gap");
-        write_stack(folder / "phases", 2, named, "a");
-        write_stack(folder / "phases", 2, named, "b");
+        test_support::write_stack(folder / "phases", 2, named, "a");
+        test_support::write_stack(folder / "phases", 2, named, "b");
         listen(folder / "phases");
-        write_slice(folder / "mr", ct_slice(0.0, 1).text(0x00080060, "CS", "MR"));
+        test_support::write_slice(folder / "mr", test_support::ct_slice(0.0, 1).text(0x00080060, "CS", "MR"));
         listen(folder / "mr");
-        write_slice(folder / "colour", ct_slice(0.0, 1).u16(0x00280002, 3));
+        test_support::write_slice(folder / "colour", test_support::ct_slice(0.0, 1).u16(0x00280002, 3));
         listen(folder / "colour");
         EXPECT_GE(std::count(said.begin(), said.end(), '\n'), 12) << "the cases did not speak";
         for (const char* secret : { "Secret", "SECRET", "Person", "4711" })
@@ -278,18 +290,19 @@ namespace dicom_series_test {
 
     TEST(DicomSeries, ANumberOfFramesThatIsNoneIsRefused)
     {
-        const TemporaryFolder folder;
-        write_stack(folder / "right", 3, [](DicomBytes& slice, int) { slice.text(0x00280008, "IS", "1"); });
+        const test_support::TemporaryFolder folder;
+        test_support::write_stack(
+            folder / "right", 3, [](test_support::DicomBytes& slice, int) { slice.text(0x00280008, "IS", "1"); });
         EXPECT_NO_THROW(read_dicom(folder / "right"));
         for (const char* frames : { "0", "-2", "1.5", "two", "1\\2", "99999", "1e30" }) {
-            write_stack(folder / "ct", 3, [&](DicomBytes& slice, int s) {
+            test_support::write_stack(folder / "ct", 3, [&](test_support::DicomBytes& slice, int s) {
                 if (s == 1)
                     slice.text(0x00280008, "IS", frames);
             });
             SCOPED_TRACE(frames);
-            expect_refused<InputError>([&] { read_dicom(folder / "ct"); }, "02.dcm");
+            test_support::expect_refused<InputError>([&] { read_dicom(folder / "ct"); }, "02.dcm");
         }
     }
 
 } // namespace dicom_series_test
-} // namespace retractor
+} // namespace retractor::datasets

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::datasets {
 namespace dicom_test {
 
     namespace fs = std::filesystem;
@@ -20,10 +20,10 @@ namespace dicom_test {
 
     TEST(Dicom, ObliqueSeriesComesBackExactly)
     {
-        const TemporaryFolder folder;
-        const Volume written = random_volume(oblique_rotation());
+        const test_support::TemporaryFolder folder;
+        const mesh::Volume written = test_support::random_volume(test_support::oblique_rotation());
         write_dicom_series(folder / "ct", written);
-        const Volume read = read_dicom_series(folder / "ct");
+        const mesh::Volume read = read_dicom_series(folder / "ct");
         EXPECT_EQ(read.voxels, written.voxels);
         EXPECT_EQ(read.grid.size, written.grid.size);
         EXPECT_LT((read.grid.origin - written.grid.origin).norm(), kDecimalString);
@@ -34,19 +34,19 @@ namespace dicom_test {
     TEST(Dicom, MirroredAxesKeepTheirPlaceInTheWorld)
     {
         for (int axis = 0; axis < 3; ++axis) {
-            const TemporaryFolder folder;
-            const Volume written = random_volume(mirrored(axis));
+            const test_support::TemporaryFolder folder;
+            const mesh::Volume written = test_support::random_volume(test_support::mirrored(axis));
             write_dicom_series(folder / "ct", written);
-            const Volume read = read_dicom_series(folder / "ct");
+            const mesh::Volume read = read_dicom_series(folder / "ct");
             EXPECT_GT(read.grid.direction.determinant(), 0.0) << "a series is read right-handed";
-            expect_same_in_world(written, read, kDecimalString);
+            test_support::expect_same_in_world(written, read, kDecimalString);
         }
     }
 
     TEST(Dicom, ValuesBelowAirAreKeptInsideTheImage)
     {
-        const TemporaryFolder folder;
-        Volume written = random_volume(Mat3::Identity());
+        const test_support::TemporaryFolder folder;
+        mesh::Volume written = test_support::random_volume(Mat3::Identity());
         written.voxels[written.grid.offset(4, 3, 2)] = -3024; // beside metal, say
         written.voxels.back() = 32767;
         write_dicom_series(folder / "ct", written);
@@ -55,8 +55,8 @@ namespace dicom_test {
 
     TEST(Dicom, OutsideTheScanCircleIsAir)
     {
-        const TemporaryFolder folder;
-        Volume written = random_volume(Mat3::Identity());
+        const test_support::TemporaryFolder folder;
+        mesh::Volume written = test_support::random_volume(Mat3::Identity());
         const std::size_t fills[] = { written.grid.offset(0, 0, 2), written.grid.offset(8, 0, 2),
             written.grid.offset(0, 6, 2), written.grid.offset(8, 6, 2), written.grid.offset(1, 0, 2) };
         for (const std::size_t v : fills)
@@ -74,8 +74,8 @@ namespace dicom_test {
 
     TEST(Dicom, FileNamesDoNotDecideTheOrder)
     {
-        const TemporaryFolder folder;
-        const Volume written = random_volume(oblique_rotation());
+        const test_support::TemporaryFolder folder;
+        const mesh::Volume written = test_support::random_volume(test_support::oblique_rotation());
         write_dicom_series(folder / "ct", written);
         fs::rename(folder / "ct/IM0001.dcm", folder / "ct/zz");
         fs::rename(folder / "ct/IM0004.dcm", folder / "ct/aa.dcm");
@@ -85,22 +85,22 @@ namespace dicom_test {
 
     TEST(Dicom, WritingAgainReplacesTheSeriesButNothingElse)
     {
-        const TemporaryFolder folder;
-        Volume volume = random_volume(Mat3::Identity());
+        const test_support::TemporaryFolder folder;
+        mesh::Volume volume = test_support::random_volume(Mat3::Identity());
         write_dicom_series(folder / "ct", volume);
         volume.grid.size[2] = 3;
         volume.voxels.resize(volume.grid.voxel_count());
         write_dicom_series(folder / "ct", volume);
         EXPECT_EQ(read_dicom_series(folder / "ct").grid.size[2], 3);
         std::ofstream(folder / "ct/report.txt") << "someone's work";
-        expect_refused<IoError>([&] { write_dicom_series(folder / "ct", volume); }, "report.txt");
+        test_support::expect_refused<IoError>([&] { write_dicom_series(folder / "ct", volume); }, "report.txt");
         EXPECT_EQ(read_dicom_series(folder / "ct").grid.size[2], 3);
     }
 
     TEST(Dicom, RecordsItsPart)
     {
-        const TemporaryFolder folder;
-        write_dicom_series(folder / "ct", random_volume(Mat3::Identity()));
+        const test_support::TemporaryFolder folder;
+        write_dicom_series(folder / "ct", test_support::random_volume(Mat3::Identity()));
         Ledger ledger;
         Job job;
         job.ledger = &ledger;
@@ -110,11 +110,11 @@ namespace dicom_test {
 
     TEST(Dicom, SeriesOfTheChestImagingPlatformEqualsItsNrrd)
     {
-        const fs::path series = shared_data("ct/cip_thorax/ct-64Dicom");
+        const fs::path series = test_support::shared_data("ct/cip_thorax/ct-64Dicom");
         if (!fs::exists(series))
             GTEST_SKIP() << "no shared data at " << series;
-        const Volume dicom = read_dicom_series(series);
-        const Volume nrrd = read_volume(shared_data("ct/cip_thorax/ct-64.nrrd"));
+        const mesh::Volume dicom = read_dicom_series(series);
+        const mesh::Volume nrrd = read_volume(test_support::shared_data("ct/cip_thorax/ct-64.nrrd"));
         ASSERT_EQ(dicom.grid.size, nrrd.grid.size);
         EXPECT_EQ(dicom.voxels, nrrd.voxels);
         constexpr double kSixDigits = 1e-3; // that series gives its positions with six digits
@@ -125,10 +125,10 @@ namespace dicom_test {
 
     TEST(Dicom, EmptyUidsAndNoSuffixesAreRead)
     {
-        const fs::path series = shared_data("ct/ts_abdomen/example_ct_dicom");
+        const fs::path series = test_support::shared_data("ct/ts_abdomen/example_ct_dicom");
         if (!fs::exists(series))
             GTEST_SKIP() << "no shared data at " << series;
-        const Volume volume = read_dicom_series(series);
+        const mesh::Volume volume = read_dicom_series(series);
         EXPECT_EQ(volume.grid.size, (std::array<int, 3> { 512, 512, 20 }));
         EXPECT_NEAR(volume.grid.spacing.x(), 0.977, 1e-3); // as documented, three digits
         EXPECT_NEAR(volume.grid.spacing.z(), 2.0, 1e-9);
@@ -136,16 +136,16 @@ namespace dicom_test {
 
     TEST(Dicom, TransferSyntaxesOfOneImageAgree)
     {
-        const fs::path folder = shared_data("bad/wg04_transfer_syntaxes");
+        const fs::path folder = test_support::shared_data("bad/wg04_transfer_syntaxes");
         if (!fs::exists(folder))
             GTEST_SKIP() << "no shared data at " << folder;
-        const auto farthest = [](const Volume& a, const Volume& b) {
+        const auto farthest = [](const mesh::Volume& a, const mesh::Volume& b) {
             int most = 0;
             for (std::size_t v = 0; v < a.voxels.size(); ++v)
                 most = std::max(most, std::abs(a.voxels[v] - b.voxels[v]));
             return most;
         };
-        const auto mean = [](const Volume& a, const Volume& b) {
+        const auto mean = [](const mesh::Volume& a, const mesh::Volume& b) {
             double sum = 0.0;
             for (std::size_t v = 0; v < a.voxels.size(); ++v)
                 sum += std::abs(a.voxels[v] - b.voxels[v]);
@@ -173,24 +173,24 @@ namespace dicom_test {
 
     TEST(Dicom, RealTiltedGantryIsStraightened)
     {
-        const fs::path series = shared_data("bad/dicom2nifti/failing/gantrytilting/001");
+        const fs::path series = test_support::shared_data("bad/dicom2nifti/failing/gantrytilting/001");
         if (!fs::exists(series))
             GTEST_SKIP() << "no shared data at " << series;
         const DicomVolume read = read_dicom(series);
         EXPECT_EQ(read.volume.grid.size, (std::array<int, 3> { 512, 521, 4 })); // 15 mm * sin 14 deg / 0.418 mm = 8.7
         EXPECT_NEAR(read.volume.grid.spacing.z(), 5.0 * std::cos(14.0 * std::numbers::pi / 180.0), 1e-6);
         EXPECT_EQ(read.notes.at(0).find("gantry tilt of 14 degrees straightened"), 0);
-        expect_refused<InputError>([&] { read_dicom(series, { .rectify_tilt = false }); },
+        test_support::expect_refused<InputError>([&] { read_dicom(series, { .rectify_tilt = false }); },
             "a tilted gantry, 14 degrees: slices shifted aside by 3.629 mm from IM-0001-0001.dcm");
     }
 
     TEST(Dicom, BadGeometryOfRealFilesIsRefused)
     {
-        const fs::path failing = shared_data("bad/dicom2nifti/failing");
+        const fs::path failing = test_support::shared_data("bad/dicom2nifti/failing");
         if (!fs::exists(failing))
             GTEST_SKIP() << "no shared data at " << failing;
         const auto refused = [&](const char* name, const char* why) {
-            expect_refused<InputError>([&] { read_dicom_series(failing / name); }, why);
+            test_support::expect_refused<InputError>([&] { read_dicom_series(failing / name); }, why);
         };
         refused("notavolume/001", "4 images at the same place (61.5 mm along the normal");
         refused("sliceincrement/001",
@@ -205,40 +205,41 @@ namespace dicom_test {
 
     TEST(Dicom, RefusesWhatIsNoEvenStack)
     {
-        const TemporaryFolder folder;
-        expect_refused<IoError>([&] { read_dicom_series(folder / "absent"); }, "no such file or folder");
+        const test_support::TemporaryFolder folder;
+        test_support::expect_refused<IoError>([&] { read_dicom_series(folder / "absent"); }, "no such file or folder");
         fs::create_directory(folder / "empty");
-        expect_refused<InputError>([&] { read_dicom_series(folder / "empty"); }, "no DICOM files");
+        test_support::expect_refused<InputError>([&] { read_dicom_series(folder / "empty"); }, "no DICOM files");
 
-        write_dicom_series(folder / "a", random_volume(oblique_rotation()));
+        write_dicom_series(folder / "a", test_support::random_volume(test_support::oblique_rotation()));
         fs::copy(folder / "a/IM0002.dcm", folder / "a/again.dcm");
-        expect_refused<InputError>([&] { read_dicom_series(folder / "a"); }, "the same image twice");
+        test_support::expect_refused<InputError>([&] { read_dicom_series(folder / "a"); }, "the same image twice");
         fs::remove(folder / "a/again.dcm");
 
         fs::remove(folder / "a/IM0003.dcm");
-        expect_refused<InputError>([&] { read_dicom_series(folder / "a"); }, "probably missing: 1 slice at");
+        test_support::expect_refused<InputError>(
+            [&] { read_dicom_series(folder / "a"); }, "probably missing: 1 slice at");
     }
 
     TEST(Dicom, RefusesTruncatedPixels)
     {
-        const TemporaryFolder folder;
-        write_dicom_series(folder / "ct", random_volume(Mat3::Identity()));
+        const test_support::TemporaryFolder folder;
+        write_dicom_series(folder / "ct", test_support::random_volume(Mat3::Identity()));
         const fs::path slice = folder / "ct/IM0003.dcm";
         fs::resize_file(slice, fs::file_size(slice) - 40);
-        expect_refused<InputError>([&] { read_dicom_series(folder / "ct"); }, "IM0003.dcm");
+        test_support::expect_refused<InputError>([&] { read_dicom_series(folder / "ct"); }, "IM0003.dcm");
     }
 
     TEST(Dicom, RefusesToWriteABadGrid)
     {
-        const TemporaryFolder folder;
-        Volume volume = random_volume(Mat3::Identity());
+        const test_support::TemporaryFolder folder;
+        mesh::Volume volume = test_support::random_volume(Mat3::Identity());
         volume.grid.spacing.z() = 0.0;
-        expect_refused<InputError>([&] { write_dicom_series(folder / "ct", volume); }, "spacing");
-        volume = random_volume(Mat3::Identity());
+        test_support::expect_refused<InputError>([&] { write_dicom_series(folder / "ct", volume); }, "spacing");
+        volume = test_support::random_volume(Mat3::Identity());
         volume.voxels.pop_back();
-        expect_refused<InputError>([&] { write_dicom_series(folder / "ct", volume); }, "voxels");
+        test_support::expect_refused<InputError>([&] { write_dicom_series(folder / "ct", volume); }, "voxels");
         EXPECT_FALSE(fs::exists(folder / "ct"));
     }
 
 } // namespace dicom_test
-} // namespace retractor
+} // namespace retractor::datasets

@@ -16,7 +16,7 @@
 #include <functional>
 #include <map>
 
-namespace retractor {
+namespace retractor::datasets {
 namespace bad_input_test {
 
     namespace fs = std::filesystem;
@@ -29,7 +29,7 @@ namespace bad_input_test {
 
     void write_bytes(const fs::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
 
-    void expect_equal(const Volume& a, const Volume& b)
+    void expect_equal(const mesh::Volume& a, const mesh::Volume& b)
     {
         EXPECT_EQ(a.grid.size, b.grid.size);
         EXPECT_EQ(a.grid.origin, b.grid.origin);
@@ -51,7 +51,7 @@ namespace bad_input_test {
             if (found->second.empty())
                 EXPECT_NO_THROW(import_volume(entry.path()));
             else
-                expect_refused<InputError>([&] { import_volume(entry.path()); }, found->second);
+                test_support::expect_refused<InputError>([&] { import_volume(entry.path()); }, found->second);
         }
         std::cout << "[   INFO   ] tested " << tested << " files of " << folder.filename().string() << '\n';
         EXPECT_EQ(tested, reasons.size());
@@ -59,7 +59,7 @@ namespace bad_input_test {
 
     TEST(BadInput, MalformedVolumes)
     {
-        const fs::path folder = shared_data("bad/malformed_volumes");
+        const fs::path folder = test_support::shared_data("bad/malformed_volumes");
         if (!fs::exists(folder))
             GTEST_SKIP() << "no shared data at " << folder;
         expect_outcomes(folder,
@@ -92,15 +92,15 @@ namespace bad_input_test {
                 { "zero_pixdim.nii", "pixdim[1] must be positive" },
                 { "zero_spacing.mha", "ElementSpacing" },
             });
-        const Volume nifti = read_volume(folder / "ok_small.nii");
+        const mesh::Volume nifti = read_volume(folder / "ok_small.nii");
         expect_equal(read_volume(folder / "ok_small.nii.gz"), nifti);
         EXPECT_EQ(nifti.grid.size, (std::array<int, 3> { 20, 18, 16 }));
         EXPECT_EQ(nifti.grid.spacing, Vec3(1.5, 1.5, 2.0));
         EXPECT_EQ(nifti.grid.direction, Mat3(Vec3(-1, -1, 1).asDiagonal())); // RAS in the file
-        const Volume mirrored = read_volume(folder / "left_handed_negdet.nii");
+        const mesh::Volume mirrored = read_volume(folder / "left_handed_negdet.nii");
         EXPECT_EQ(mirrored.grid.direction, Mat3(Vec3(1, -1, 1).asDiagonal()));
         EXPECT_EQ(mirrored.voxels, nifti.voxels);
-        const Volume nrrd = read_volume(folder / "ok_small.nrrd");
+        const mesh::Volume nrrd = read_volume(folder / "ok_small.nrrd");
         expect_equal(read_volume(folder / "ok_small.mha"), nrrd);
         expect_equal(read_volume(folder / "crlf_header.nrrd"), nrrd);
         EXPECT_EQ(nrrd.grid.spacing, Vec3(1.0, 1.0, 2.0));
@@ -111,7 +111,7 @@ namespace bad_input_test {
     TEST(BadInput, NrrdEncodings)
     {
         constexpr std::int16_t kBall = 257; // 0 outside
-        const fs::path folder = shared_data("bad/nrrd_pynrrd");
+        const fs::path folder = test_support::shared_data("bad/nrrd_pynrrd");
         if (!fs::exists(folder))
             GTEST_SKIP() << "no shared data at " << folder;
         std::map<std::string, std::string> reasons {
@@ -131,7 +131,7 @@ namespace bad_input_test {
         for (const std::string& name : balls)
             reasons[name] = "";
         expect_outcomes(folder, reasons);
-        const Volume ball = read_volume(folder / "BallBinary30x30x30.nrrd");
+        const mesh::Volume ball = read_volume(folder / "BallBinary30x30x30.nrrd");
         EXPECT_EQ(ball.grid.size, (std::array<int, 3> { 30, 30, 30 }));
         const auto inside = std::count(ball.voxels.begin(), ball.voxels.end(), kBall);
         EXPECT_EQ(inside + std::count(ball.voxels.begin(), ball.voxels.end(), 0), 30 * 30 * 30);
@@ -166,10 +166,10 @@ namespace bad_input_test {
 
     TEST(BadInput, OwnNrrdFiles)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const auto refused = [&](const std::string& bytes, const std::string& reason) {
             write_bytes(folder / "x.nrrd", bytes);
-            expect_refused<InputError>([&] { import_volume(folder / "x.nrrd"); }, reason);
+            test_support::expect_refused<InputError>([&] { import_volume(folder / "x.nrrd"); }, reason);
         };
         write_bytes(folder / "x.nrrd", nrrd_with("content", "nothing wrong"));
         EXPECT_EQ(import_volume(folder / "x.nrrd").volume.voxels.size(), 4U);
@@ -221,7 +221,7 @@ namespace bad_input_test {
 
     TEST(BadInput, NrrdEncodingsOfOurOwn)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const auto voxels = [&](const std::string& bytes) {
             write_bytes(folder / "x.nrrd", bytes);
             return import_volume(folder / "x.nrrd").volume.voxels;
@@ -240,7 +240,7 @@ namespace bad_input_test {
 
     TEST(BadInput, NrrdWithoutSpaceIsTakenAsLpsAloud)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         write_bytes(folder / "x.nrrd",
             "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 1\nspacings: 0.5 0.6 2\nencoding: text\n\n0 1 2 3\n");
         const ImportedVolume imported = import_volume(folder / "x.nrrd");
@@ -252,7 +252,7 @@ namespace bad_input_test {
 
     TEST(BadInput, DetachedDataStayInTheirFolder)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         fs::create_directories(folder / "in/sub");
         const std::string half("\x01\x00\xfe\xff", 4);
         const std::string rest("\x2c\x01\x18\xfc", 4);
@@ -282,7 +282,7 @@ namespace bad_input_test {
             EXPECT_EQ(read("LIST\ns01.raw\ns02.raw"), expected);
             EXPECT_EQ(read("s%02d.raw 1 2 1"), expected);
             const auto refused = [&](const std::string& data_file, const std::string& reason) {
-                expect_refused<InputError>([&] { read(data_file); }, reason);
+                test_support::expect_refused<InputError>([&] { read(data_file); }, reason);
             };
             refused("../secret.raw", "outside the folder");
             refused("sub/../../secret.raw", "outside the folder");
@@ -302,7 +302,7 @@ namespace bad_input_test {
     /// ok.nii as write_volume() makes it, with bytes replaced.
     class NiftiBytes {
     public:
-        NiftiBytes(const TemporaryFolder& folder, const Volume& volume)
+        NiftiBytes(const test_support::TemporaryFolder& folder, const mesh::Volume& volume)
         {
             write_volume(folder / "ok.nii", volume);
             bytes_ = bytes_of(folder / "ok.nii");
@@ -318,15 +318,15 @@ namespace bad_input_test {
 
     TEST(BadInput, OwnNiftiFiles)
     {
-        const TemporaryFolder folder;
-        const Volume volume = random_volume(oblique_rotation());
+        const test_support::TemporaryFolder folder;
+        const mesh::Volume volume = test_support::random_volume(test_support::oblique_rotation());
         const NiftiBytes ok(folder, volume);
         const auto import = [&](const std::string& bytes) {
             write_bytes(folder / "x.nii", bytes);
             return import_volume(folder / "x.nii");
         };
         const auto refused = [&](const NiftiBytes& bytes, const std::string& reason) {
-            expect_refused<InputError>([&] { import(bytes.bytes_); }, reason);
+            test_support::expect_refused<InputError>([&] { import(bytes.bytes_); }, reason);
         };
         const auto noted = [](const ImportedVolume& imported, const std::string& part) {
             return std::any_of(imported.notes.begin(), imported.notes.end(),
@@ -361,8 +361,8 @@ namespace bad_input_test {
         const ImportedVolume by_qform = import(ok.with<std::int16_t>(254, 0).bytes_);
         const ImportedVolume by_sform = import(ok.with<std::int16_t>(252, 0).bytes_);
         constexpr double kSinglePrecision = 1e-3; // as in volume_io_test.cpp
-        expect_same_in_world(by_qform.volume, volume, kSinglePrecision);
-        expect_same_in_world(by_sform.volume, volume, kSinglePrecision);
+        test_support::expect_same_in_world(by_qform.volume, volume, kSinglePrecision);
+        test_support::expect_same_in_world(by_sform.volume, volume, kSinglePrecision);
         const ImportedVolume metres = import(ok.with<std::uint8_t>(123, 1).bytes_);
         EXPECT_TRUE(noted(metres, "metre"));
         EXPECT_NEAR(metres.volume.grid.spacing.x(), 1e3 * volume.grid.spacing.x(), kSinglePrecision * 1e3);
@@ -376,8 +376,8 @@ namespace bad_input_test {
 
     TEST(BadInput, BigEndianNifti)
     {
-        const TemporaryFolder folder;
-        const Volume volume = random_volume(oblique_rotation());
+        const test_support::TemporaryFolder folder;
+        const mesh::Volume volume = test_support::random_volume(test_support::oblique_rotation());
         std::string bytes = NiftiBytes(folder, volume).bytes_;
         const auto reverse = [&](std::size_t at, std::size_t size) {
             std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(at),
@@ -398,13 +398,13 @@ namespace bad_input_test {
 
     TEST(BadInput, CompressedNifti)
     {
-        const TemporaryFolder folder;
-        const Volume volume = random_volume(oblique_rotation());
+        const test_support::TemporaryFolder folder;
+        const mesh::Volume volume = test_support::random_volume(test_support::oblique_rotation());
         write_volume(folder / "ok.nii.gz", volume);
         const std::string ok = bytes_of(folder / "ok.nii.gz");
         const auto refused = [&](const char* name, const std::string& bytes, const std::string& reason) {
             write_bytes(folder / name, bytes);
-            expect_refused<InputError>([&] { import_volume(folder / name); }, reason);
+            test_support::expect_refused<InputError>([&] { import_volume(folder / name); }, reason);
         };
         std::string bad_sum = ok;
         bad_sum[ok.size() - 6] ^= 1; // the checksum, before the length
@@ -441,13 +441,13 @@ namespace bad_input_test {
 
     TEST(BadInput, OwnMetaImageFiles)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const auto import = [&](const std::string& bytes) {
             write_bytes(folder / "x.mha", bytes);
             return import_volume(folder / "x.mha");
         };
         const auto refused = [&](const std::string& bytes, const std::string& reason) {
-            expect_refused<InputError>([&] { import(bytes); }, reason);
+            test_support::expect_refused<InputError>([&] { import(bytes); }, reason);
         };
         EXPECT_EQ(
             import(metaimage_with("Comment", "ok")).volume.voxels, (std::vector<std::int16_t> { 1, -2, 300, -1000 }));
@@ -479,7 +479,7 @@ namespace bad_input_test {
 
     TEST(BadInput, MetaImageLettersAgreeWithTheMatrixOrAreTold)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const auto import = [&](std::string bytes, const std::string& letters) {
             bytes.insert(0, letters.empty() ? "" : "AnatomicalOrientation = " + letters + "\n");
             write_bytes(folder / "x.mha", bytes);
@@ -493,7 +493,7 @@ namespace bad_input_test {
             EXPECT_EQ(import(without, letters), notes) << letters;
         }
         EXPECT_EQ(import(with_matrix, "RAS"), notes + 1);
-        expect_refused<InputError>([&] { import(without, "RAS"); }, "two customs");
+        test_support::expect_refused<InputError>([&] { import(without, "RAS"); }, "two customs");
     }
 
     std::string vti_with(const std::string& extent, const std::string& arrays, const std::string& direction = "")
@@ -506,13 +506,13 @@ namespace bad_input_test {
 
     TEST(BadInput, VtiFiles)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const auto import = [&](const std::string& text) {
             write_bytes(folder / "x.vti", text);
             return import_volume(folder / "x.vti");
         };
         const auto refused = [&](const std::string& text, const std::string& reason) {
-            expect_refused<InputError>([&] { import(text); }, reason);
+            test_support::expect_refused<InputError>([&] { import(text); }, reason);
         };
         const auto array = [](const std::string& name, const std::string& more, const std::string& values) {
             return "<DataArray type=\"Int16\" Name=\"" + name + "\" format=\"ascii\"" + more + ">" + values
@@ -556,7 +556,7 @@ namespace bad_input_test {
     }
 
     /// Every way in which VTK writes an image: data mode and compressor.
-    std::vector<std::string> vti_files_of_vtk(const TemporaryFolder& folder, const Volume& volume)
+    std::vector<std::string> vti_files_of_vtk(const test_support::TemporaryFolder& folder, const mesh::Volume& volume)
     {
         const vtkNew<vtkImageData> image;
         image->SetDimensions(volume.grid.size[0], volume.grid.size[1], volume.grid.size[2]);
@@ -588,24 +588,24 @@ namespace bad_input_test {
 
     TEST(BadInput, VtiFilesOfVtkAreReadAsWritten)
     {
-        const TemporaryFolder folder;
-        const Volume volume = random_volume(oblique_rotation());
+        const test_support::TemporaryFolder folder;
+        const mesh::Volume volume = test_support::random_volume(test_support::oblique_rotation());
         constexpr double kText = 1e-9; // numbers as text, relative to hundreds of mm
         for (const std::string& name : vti_files_of_vtk(folder, volume)) {
             SCOPED_TRACE(name);
-            const Volume read = read_volume(folder / name);
+            const mesh::Volume read = read_volume(folder / name);
             EXPECT_EQ(read.voxels, volume.voxels);
-            expect_same_in_world(read, volume, kText);
+            test_support::expect_same_in_world(read, volume, kText);
             write_bytes(folder / "cut.vti", bytes_of(folder / name).substr(0, 900));
-            expect_refused<InputError>([&] { read_volume(folder / "cut.vti"); }, "cut.vti");
+            test_support::expect_refused<InputError>([&] { read_volume(folder / "cut.vti"); }, "cut.vti");
         }
     }
 
     TEST(ImportVolume, DoubtfulValuesHaveANote)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const auto note = [&](std::int16_t least, std::int16_t most) {
-            Volume volume = random_volume(Mat3::Identity());
+            mesh::Volume volume = test_support::random_volume(Mat3::Identity());
             std::fill(volume.voxels.begin(), volume.voxels.end(), least);
             volume.voxels.back() = most;
             write_volume(folder / "x.nrrd", volume);
@@ -635,8 +635,8 @@ namespace bad_input_test {
     TEST(BadInput, RandomDamageEndsInAVolumeOrAnError)
     {
         constexpr int kPerFile = 20;
-        const TemporaryFolder folder;
-        const Volume volume = random_volume(oblique_rotation());
+        const test_support::TemporaryFolder folder;
+        const mesh::Volume volume = test_support::random_volume(test_support::oblique_rotation());
         std::map<std::string, std::string> valid;
         for (const char* name : { "v.nii", "v.nii.gz", "v.nrrd", "v.mha" }) {
             write_volume(folder / name, volume);
@@ -673,4 +673,4 @@ namespace bad_input_test {
     }
 
 } // namespace bad_input_test
-} // namespace retractor
+} // namespace retractor::datasets

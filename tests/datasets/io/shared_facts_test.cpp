@@ -12,7 +12,7 @@
 #include <map>
 #include <set>
 
-namespace retractor {
+namespace retractor::datasets {
 namespace shared_facts_test {
 
     namespace fs = std::filesystem;
@@ -28,7 +28,7 @@ namespace shared_facts_test {
     };
 
     /// Every labelled voxel's centre looked up in the CT by its place in the world.
-    std::map<Label, Region> regions_in(const LabelVolume& labels, const Volume& ct)
+    std::map<Label, Region> regions_in(const mesh::LabelVolume& labels, const mesh::Volume& ct)
     {
         std::map<Label, Region> regions;
         std::size_t v = 0;
@@ -60,10 +60,10 @@ namespace shared_facts_test {
 
     TEST(SharedFacts, ChestHalf)
     {
-        const fs::path path = shared_data("ct/chest_half/ricord_chest_half.nii.gz");
+        const fs::path path = test_support::shared_data("ct/chest_half/ricord_chest_half.nii.gz");
         if (!fs::exists(path))
             GTEST_SKIP() << "no shared data at " << path;
-        const Volume ct = import_volume(path).volume;
+        const mesh::Volume ct = import_volume(path).volume;
         EXPECT_EQ(ct.grid.size, (std::array<int, 3> { 256, 256, 124 }));
         EXPECT_LT((ct.grid.spacing - Vec3(1.40625, 1.40625, 2.5)).norm(), kSinglePrecision_mm);
         EXPECT_LT((ct.grid.direction - Mat3::Identity()).norm(), kSinglePrecision_mm);
@@ -71,7 +71,8 @@ namespace shared_facts_test {
         EXPECT_EQ(*std::min_element(ct.voxels.begin(), ct.voxels.end()), -1024); // outside the circle of the scan
         EXPECT_EQ(ct.voxels.front(), -1024);
 
-        const LabelVolume labels = read_label_voxels(shared_data("labels/ricord_half_hu_labels.nii.gz"));
+        const mesh::LabelVolume labels
+            = read_label_voxels(test_support::shared_data("labels/ricord_half_hu_labels.nii.gz"));
         EXPECT_EQ(labels.grid.size, ct.grid.size);
         EXPECT_LT((labels.grid.origin - ct.grid.origin).norm(), kSinglePrecision_mm);
         const auto regions = regions_in(labels, ct);
@@ -88,13 +89,13 @@ namespace shared_facts_test {
 
     TEST(SharedFacts, ThoraxCta)
     {
-        const fs::path path = shared_data("ct/ts_thorax_cta/ct_aorta_crop.nii.gz");
+        const fs::path path = test_support::shared_data("ct/ts_thorax_cta/ct_aorta_crop.nii.gz");
         if (!fs::exists(path))
             GTEST_SKIP() << "no shared data at " << path;
-        const Volume ct = import_volume(path).volume;
+        const mesh::Volume ct = import_volume(path).volume;
         EXPECT_EQ(ct.grid.size, (std::array<int, 3> { 120, 126, 164 }));
         EXPECT_LT((ct.grid.spacing - Vec3::Constant(1.5)).norm(), kSinglePrecision_mm);
-        const fs::path labels = shared_data("labels/ts_thorax_cta");
+        const fs::path labels = test_support::shared_data("labels/ts_thorax_cta");
         const auto mask = [&](const char* name) { return read_label_voxels(labels / (std::string(name) + ".nii.gz")); };
 
         EXPECT_EQ(count(mask("aorta_true_lumen").voxels, 1), 37595U);
@@ -102,13 +103,13 @@ namespace shared_facts_test {
         constexpr double kMean_HU = 15.0; // the README gives the means as "about"
         EXPECT_NEAR(regions_in(mask("aorta"), ct).at(1).mean_hu, 350.0, kMean_HU);
 
-        const LabelVolume heart = mask("heart");
+        const mesh::LabelVolume heart = mask("heart");
         EXPECT_EQ(heart.grid.size, (std::array<int, 3> { 233, 167, 191 }));
         const Region region = regions_in(heart, ct).at(1);
         EXPECT_EQ(region.voxels, 198176U);
         EXPECT_EQ(region.inside, region.voxels); // the whole heart lies inside the crop, by world coordinates
         EXPECT_NEAR(region.mean_hu, 405.0, kMean_HU);
-        const LabelVolume on_ct = resample_labels_to(heart, ct.grid);
+        const mesh::LabelVolume on_ct = resample_labels_to(heart, ct.grid);
         EXPECT_EQ(count(on_ct.voxels, 1), 198176U); // both grids are one lattice
         // A heart lies before the spine and to the left of it: the frame is LPS.
         const Region spine = regions_in(mask("vertebrae_T12"), ct).at(1);
@@ -119,17 +120,17 @@ namespace shared_facts_test {
 
     TEST(SharedFacts, ThoraxMultilabelEqualsItsMasks)
     {
-        const fs::path path = shared_data("labels/ts_thorax_multilabel.nii.gz");
+        const fs::path path = test_support::shared_data("labels/ts_thorax_multilabel.nii.gz");
         if (!fs::exists(path))
             GTEST_SKIP() << "no shared data at " << path;
-        const LabelVolume all = read_label_voxels(path);
+        const mesh::LabelVolume all = read_label_voxels(path);
         std::vector<bool> marked(all.voxels.size(), false);
-        std::ifstream table(shared_data("labels/ts_thorax_multilabel.txt"));
+        std::ifstream table(test_support::shared_data("labels/ts_thorax_multilabel.txt"));
         int id = 0;
         for (std::string name; table >> id >> name;) {
             SCOPED_TRACE(name);
-            const LabelVolume mask = resample_labels_to(
-                read_label_voxels(shared_data("labels/ts_thorax_cta/" + name + ".nii.gz")), all.grid);
+            const mesh::LabelVolume mask = resample_labels_to(
+                read_label_voxels(test_support::shared_data("labels/ts_thorax_cta/" + name + ".nii.gz")), all.grid);
             std::size_t outside = 0;
             for (std::size_t v = 0; v < all.voxels.size(); ++v) {
                 outside += all.voxels[v] == id && mask.voxels[v] == 0 ? 1 : 0;
@@ -146,15 +147,16 @@ namespace shared_facts_test {
 
     TEST(SharedFacts, AbdomenVolumesAgreeWithTheStatistics)
     {
-        const fs::path path = shared_data("ct/ts_abdomen/example_ct_sm.nii.gz");
+        const fs::path path = test_support::shared_data("ct/ts_abdomen/example_ct_sm.nii.gz");
         if (!fs::exists(path))
             GTEST_SKIP() << "no shared data at " << path;
-        const Volume ct = import_volume(path).volume;
-        const LabelVolume labels = read_label_voxels(shared_data("labels/ts_abdomen/example_seg_fast.nii.gz"));
+        const mesh::Volume ct = import_volume(path).volume;
+        const mesh::LabelVolume labels
+            = read_label_voxels(test_support::shared_data("labels/ts_abdomen/example_seg_fast.nii.gz"));
         EXPECT_EQ(labels.grid.size, ct.grid.size);
         EXPECT_LT((labels.grid.origin - ct.grid.origin).norm(), kSinglePrecision_mm);
-        const auto statistics
-            = nlohmann::json::parse(std::ifstream(shared_data("labels/ts_abdomen/example_seg_fast_statistics.json")));
+        const auto statistics = nlohmann::json::parse(
+            std::ifstream(test_support::shared_data("labels/ts_abdomen/example_seg_fast_statistics.json")));
         // Ids of TotalSegmentator v2.
         const std::map<Label, std::string> names { { 1, "spleen" }, { 2, "kidney_right" }, { 3, "kidney_left" },
             { 5, "liver" }, { 6, "stomach" }, { 7, "pancreas" }, { 52, "aorta" }, { 63, "inferior_vena_cava" } };
@@ -176,33 +178,35 @@ namespace shared_facts_test {
             EXPECT_NEAR(region->second.mean_hu, statistics.at(name).at("intensity").get<double>(), kWindow_HU) << name;
         }
         EXPECT_GE(found, 5);
-        const LabelVolume larger = read_label_voxels(shared_data("labels/ts_abdomen/example_seg.nii.gz"));
+        const mesh::LabelVolume larger
+            = read_label_voxels(test_support::shared_data("labels/ts_abdomen/example_seg.nii.gz"));
         EXPECT_EQ(larger.grid.size, ct.grid.size);
     }
 
     TEST(SharedFacts, ChestImagingPlatform)
     {
-        const fs::path path = shared_data("ct/cip_thorax/ct-64.nrrd");
+        const fs::path path = test_support::shared_data("ct/cip_thorax/ct-64.nrrd");
         if (!fs::exists(path))
             GTEST_SKIP() << "no shared data at " << path;
-        const Volume ct = import_volume(path).volume;
+        const mesh::Volume ct = import_volume(path).volume;
         EXPECT_EQ(ct.grid.size, (std::array<int, 3> { 64, 64, 79 }));
         EXPECT_LT((ct.grid.spacing - Vec3(4.171872, 4.171872, 3.987341772)).norm(), 1e-8);
-        const Volume other = import_volume(shared_data("ct/cip_thorax/TestInput.nrrd")).volume;
+        const mesh::Volume other = import_volume(test_support::shared_data("ct/cip_thorax/TestInput.nrrd")).volume;
         EXPECT_EQ(other.grid.size, (std::array<int, 3> { 64, 64, 50 }));
         // The series was written from the NRRD, in whole numbers of rescaled pixels.
-        const Volume series = import_volume(shared_data("ct/cip_thorax/ct-64Dicom")).volume;
-        expect_same_in_world(ct, series, kSinglePrecision_mm);
+        const mesh::Volume series = import_volume(test_support::shared_data("ct/cip_thorax/ct-64Dicom")).volume;
+        test_support::expect_same_in_world(ct, series, kSinglePrecision_mm);
 
         // Region in the low byte, type in the high one; the lungs are the regions that wholeLung-64 marks.
-        const LabelVolume packed = read_label_voxels(shared_data("labels/cip_thorax/lm-64.nrrd"));
+        const mesh::LabelVolume packed = read_label_voxels(test_support::shared_data("labels/cip_thorax/lm-64.nrrd"));
         EXPECT_EQ(packed.grid.size, ct.grid.size);
         std::set<int> types;
         for (const Label voxel : packed.voxels)
             types.insert(voxel >> 8);
         EXPECT_GT(types.size(), 1U);
-        const LabelVolume lung = read_label_voxels(shared_data("labels/cip_thorax/wholeLung-64.nrrd"));
-        LabelVolume marked = lung;
+        const mesh::LabelVolume lung
+            = read_label_voxels(test_support::shared_data("labels/cip_thorax/wholeLung-64.nrrd"));
+        mesh::LabelVolume marked = lung;
         for (Label& voxel : marked.voxels)
             voxel = (voxel & 0xff) != 0 ? 1 : 0;
         EXPECT_LT(regions_in(marked, ct).at(1).mean_hu, -700.0);
@@ -210,11 +214,12 @@ namespace shared_facts_test {
 
     TEST(SharedFacts, AFileWithoutAnySpacingIsRefused)
     {
-        const fs::path path = shared_data("ct/cip_thorax/simple_ct.nrrd");
+        const fs::path path = test_support::shared_data("ct/cip_thorax/simple_ct.nrrd");
         if (!fs::exists(path))
             GTEST_SKIP() << "no shared data at " << path;
-        expect_refused<InputError>([&] { import_volume(path); }, "neither \"space directions\" nor \"spacings\"");
+        test_support::expect_refused<InputError>(
+            [&] { import_volume(path); }, "neither \"space directions\" nor \"spacings\"");
     }
 
 } // namespace shared_facts_test
-} // namespace retractor
+} // namespace retractor::datasets

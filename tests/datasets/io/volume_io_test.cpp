@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-namespace retractor {
+namespace retractor::datasets {
 namespace volume_io_test {
 
     namespace fs = std::filesystem;
@@ -21,19 +21,20 @@ namespace volume_io_test {
 
     std::vector<Mat3> orientations()
     {
-        return { oblique_rotation(), mirrored(0), mirrored(1), mirrored(2), Mat3::Identity() };
+        return { test_support::oblique_rotation(), test_support::mirrored(0), test_support::mirrored(1),
+            test_support::mirrored(2), Mat3::Identity() };
     }
 
     TEST(VolumeIo, EveryFormatKeepsPlaceAndValue)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         for (const Case& format : { Case { "ct.nrrd", kDoublePrecision }, Case { "ct.mha", kMetaImageText },
                  Case { "ct.nii", kSinglePrecision }, Case { "ct.nii.gz", kSinglePrecision } })
             for (const Mat3& direction : orientations()) {
                 SCOPED_TRACE(format.name);
-                const Volume written = random_volume(direction);
+                const mesh::Volume written = test_support::random_volume(direction);
                 write_volume(folder / format.name, written);
-                const Volume read = read_volume(folder / format.name);
+                const mesh::Volume read = read_volume(folder / format.name);
                 EXPECT_EQ(read.voxels, written.voxels);
                 EXPECT_EQ(read.grid.size, written.grid.size);
                 EXPECT_LT((read.grid.origin - written.grid.origin).norm(), format.tolerance_mm);
@@ -44,8 +45,8 @@ namespace volume_io_test {
 
     TEST(ImportVolume, PaddingBecomesAirAndIsCounted)
     {
-        const TemporaryFolder folder;
-        Volume volume = random_volume(oblique_rotation());
+        const test_support::TemporaryFolder folder;
+        mesh::Volume volume = test_support::random_volume(test_support::oblique_rotation());
         volume.voxels[3] = -2048;
         volume.voxels[8] = -3024;
         write_volume(folder / "ct.nrrd", volume);
@@ -59,12 +60,12 @@ namespace volume_io_test {
 
     TEST(VolumeIo, NrrdInRasIsTurnedToLps)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         std::ofstream(folder / "ras.nrrd", std::ios::binary)
             << "NRRD0004\ntype: int16\ndimension: 3\nspace: right-anterior-superior\nsizes: 2 1 1\n"
                "space directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (10,20,30)\nendian: little\nencoding: "
                "ascii\n\n5 -7\n";
-        const Volume volume = read_volume(folder / "ras.nrrd");
+        const mesh::Volume volume = read_volume(folder / "ras.nrrd");
         EXPECT_TRUE(volume.grid.world(Vec3::Zero()).isApprox(Vec3(-10.0, -20.0, 30.0), 1e-12));
         EXPECT_TRUE(volume.grid.world(Vec3::UnitX()).isApprox(Vec3(-12.0, -20.0, 30.0), 1e-12));
         EXPECT_EQ(volume.voxels, (std::vector<std::int16_t> { 5, -7 }));
@@ -72,53 +73,54 @@ namespace volume_io_test {
 
     TEST(VolumeIo, WrittenNrrdNamesItsFrame)
     {
-        const TemporaryFolder folder;
-        write_volume(folder / "ct.nrrd", random_volume(oblique_rotation()));
+        const test_support::TemporaryFolder folder;
+        write_volume(folder / "ct.nrrd", test_support::random_volume(test_support::oblique_rotation()));
         std::ifstream file(folder / "ct.nrrd", std::ios::binary);
         const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
         EXPECT_NE(text.find("space: left-posterior-superior"), std::string::npos);
         EXPECT_NE(text.find("encoding: gzip"), std::string::npos);
     }
 
-    LabelVolume small_labels()
+    mesh::LabelVolume small_labels()
     {
-        LabelVolume labels;
-        labels.grid = random_volume(oblique_rotation()).grid;
+        mesh::LabelVolume labels;
+        labels.grid = test_support::random_volume(test_support::oblique_rotation()).grid;
         labels.voxels.assign(labels.grid.voxel_count(), 0);
         labels.voxels[3] = 7;
         labels.voxels[10] = 40000;
-        labels.table = { { 7, "sternum", "bone", Role::wall }, { 40000, "aneurysm", "vessel", Role::target } };
+        labels.table
+            = { { 7, "sternum", "bone", mesh::Role::wall }, { 40000, "aneurysm", "vessel", mesh::Role::target } };
         return labels;
     }
 
     TEST(LabelVolumeIo, ImageAndTableComeBack)
     {
-        const TemporaryFolder folder;
-        const LabelVolume written = small_labels();
+        const test_support::TemporaryFolder folder;
+        const mesh::LabelVolume written = small_labels();
         for (const char* name : { "labels.nrrd", "labels.nii.gz", "labels.mha" }) {
             write_label_volume(folder / name, written);
             EXPECT_EQ(label_table_path(folder / name), folder / "labels.labels.json");
             Ledger ledger;
             Job job;
             job.ledger = &ledger;
-            const LabelVolume read = read_label_volume(folder / name, job);
+            const mesh::LabelVolume read = read_label_volume(folder / name, job);
             EXPECT_EQ(read.voxels, written.voxels);
             ASSERT_EQ(read.table.size(), 2U);
             EXPECT_EQ(read.table[1].id, 40000);
             EXPECT_EQ(read.table[1].name, "aneurysm");
             EXPECT_EQ(read.table[1].material, "vessel");
-            EXPECT_EQ(read.table[1].role, Role::target);
+            EXPECT_EQ(read.table[1].role, mesh::Role::target);
             EXPECT_TRUE(ledger.has("labels"));
         }
     }
 
     TEST(LabelVolumeIo, RefusesABadTableWithItsPlace)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         write_label_volume(folder / "l.nrrd", small_labels());
         const auto refused = [&](const std::string& json, const std::string& why) {
             std::ofstream(folder / "l.labels.json") << json;
-            expect_refused<InputError>([&] { read_label_volume(folder / "l.nrrd"); }, why);
+            test_support::expect_refused<InputError>([&] { read_label_volume(folder / "l.nrrd"); }, why);
         };
         refused("{", "not JSON");
         refused(R"({"labels": []})", "missing \"frame\"");
@@ -135,53 +137,53 @@ namespace volume_io_test {
         refused(R"({"frame": "LPS", "labels": [{"id": 7, "name": "a", "material": "bone", "role": "wall"}]})",
             "does not name: 40000");
         fs::remove(folder / "l.labels.json");
-        expect_refused<IoError>([&] { read_label_volume(folder / "l.nrrd"); }, "l.labels.json");
+        test_support::expect_refused<IoError>([&] { read_label_volume(folder / "l.nrrd"); }, "l.labels.json");
     }
 
     TEST(LabelVolumeIo, RefusesToWriteUnnamedLabels)
     {
-        const TemporaryFolder folder;
-        LabelVolume labels = small_labels();
+        const test_support::TemporaryFolder folder;
+        mesh::LabelVolume labels = small_labels();
         labels.table.pop_back();
-        expect_refused<InputError>([&] { write_label_volume(folder / "l.nrrd", labels); }, "40000");
+        test_support::expect_refused<InputError>([&] { write_label_volume(folder / "l.nrrd", labels); }, "40000");
         EXPECT_FALSE(fs::exists(folder / "l.nrrd"));
     }
 
     TEST(ResampleLabels, OntoItselfAndOntoAMirroredGrid)
     {
-        const LabelVolume labels = small_labels();
+        const mesh::LabelVolume labels = small_labels();
         EXPECT_EQ(resample_labels_to(labels, labels.grid).voxels, labels.voxels);
-        ImageGrid flipped = labels.grid; // the same places, i counted from the other end
+        mesh::ImageGrid flipped = labels.grid; // the same places, i counted from the other end
         flipped.origin = labels.grid.world(Vec3(labels.grid.size[0] - 1, 0, 0));
         flipped.direction.col(0) *= -1.0;
-        const LabelVolume resampled = resample_labels_to(labels, flipped);
+        const mesh::LabelVolume resampled = resample_labels_to(labels, flipped);
         EXPECT_EQ(resampled.voxels[flipped.offset(flipped.size[0] - 1 - 3, 0, 0)], 7);
-        const LabelVolume back = resample_labels_to(resampled, labels.grid);
+        const mesh::LabelVolume back = resample_labels_to(resampled, labels.grid);
         EXPECT_EQ(back.voxels, labels.voxels);
     }
 
     TEST(ResampleLabels, FinerGridTakesTheNearestLabel)
     {
-        const LabelVolume labels = small_labels();
-        ImageGrid fine = labels.grid;
+        const mesh::LabelVolume labels = small_labels();
+        mesh::ImageGrid fine = labels.grid;
         fine.size = { 27, 21, 15 };
         fine.spacing /= 3.0;
         fine.origin = labels.grid.world(Vec3::Constant(-1.0 / 3.0));
-        const LabelVolume resampled = resample_labels_to(labels, fine);
+        const mesh::LabelVolume resampled = resample_labels_to(labels, fine);
         EXPECT_EQ(std::count(resampled.voxels.begin(), resampled.voxels.end(), 7), 27);
     }
 
     TEST(ResampleLabels, RefusesGridsThatDoNotMeet)
     {
-        const LabelVolume labels = small_labels();
-        ImageGrid away = labels.grid;
+        const mesh::LabelVolume labels = small_labels();
+        mesh::ImageGrid away = labels.grid;
         away.origin.x() += 1000.0;
-        expect_refused<InputError>([&] { resample_labels_to(labels, away); }, "do not overlap");
+        test_support::expect_refused<InputError>([&] { resample_labels_to(labels, away); }, "do not overlap");
     }
 
     TEST(VolumeIo, RefusesValuesThatAreNoHounsfieldUnits)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const auto ascii = [&](const char* type, const char* value) {
             std::ofstream(folder / "v.nrrd", std::ios::binary)
                 << "NRRD0004\ntype: " << type << "\ndimension: 3\nspace: left-posterior-superior\nsizes: 1 1 1\n"
@@ -191,36 +193,36 @@ namespace volume_io_test {
         ascii("float", "-812.4");
         EXPECT_EQ(read_volume(folder / "v.nrrd").voxels.front(), -812);
         ascii("float", "nan");
-        expect_refused<InputError>([&] { read_volume(folder / "v.nrrd"); }, "not a Hounsfield number");
+        test_support::expect_refused<InputError>([&] { read_volume(folder / "v.nrrd"); }, "not a Hounsfield number");
         ascii("int", "40000");
-        expect_refused<InputError>([&] { read_volume(folder / "v.nrrd"); }, "not a Hounsfield number");
+        test_support::expect_refused<InputError>([&] { read_volume(folder / "v.nrrd"); }, "not a Hounsfield number");
         ascii("float", "1.5");
         std::ofstream(folder / "v.labels.json") << R"({"frame": "LPS", "labels": []})";
-        expect_refused<InputError>([&] { read_label_volume(folder / "v.nrrd"); }, "not a label");
+        test_support::expect_refused<InputError>([&] { read_label_volume(folder / "v.nrrd"); }, "not a label");
     }
 
     TEST(VolumeIo, RefusesTruncatedFiles)
     {
-        const TemporaryFolder folder;
-        const Volume volume = random_volume(Mat3::Identity());
+        const test_support::TemporaryFolder folder;
+        const mesh::Volume volume = test_support::random_volume(Mat3::Identity());
         for (const char* name : { "ct.nrrd", "ct.mha", "ct.nii", "ct.nii.gz" }) {
             SCOPED_TRACE(name);
             write_volume(folder / name, volume);
             fs::resize_file(folder / name, fs::file_size(folder / name) - 100);
-            expect_refused<InputError>([&] { read_volume(folder / name); }, name);
+            test_support::expect_refused<InputError>([&] { read_volume(folder / name); }, name);
         }
     }
 
     TEST(VolumeIo, RefusesWhatItCannotName)
     {
-        const TemporaryFolder folder;
-        expect_refused<IoError>([&] { read_volume(folder / "absent.nrrd"); }, "absent.nrrd");
-        expect_refused<InputError>([&] { read_volume(folder / "scan.png"); }, "unknown image format");
-        expect_refused<InputError>(
-            [&] { write_volume(folder / "ct.mhd", random_volume(Mat3::Identity())); }, "one file");
-        Volume volume = random_volume(Mat3::Identity());
+        const test_support::TemporaryFolder folder;
+        test_support::expect_refused<IoError>([&] { read_volume(folder / "absent.nrrd"); }, "absent.nrrd");
+        test_support::expect_refused<InputError>([&] { read_volume(folder / "scan.png"); }, "unknown image format");
+        test_support::expect_refused<InputError>(
+            [&] { write_volume(folder / "ct.mhd", test_support::random_volume(Mat3::Identity())); }, "one file");
+        mesh::Volume volume = test_support::random_volume(Mat3::Identity());
         volume.grid.spacing.x() = std::nan("");
-        expect_refused<InputError>([&] { write_volume(folder / "ct.nrrd", volume); }, "spacing");
+        test_support::expect_refused<InputError>([&] { write_volume(folder / "ct.nrrd", volume); }, "spacing");
         EXPECT_FALSE(fs::exists(folder / "ct.nrrd"));
     }
 
@@ -231,4 +233,4 @@ namespace volume_io_test {
     }
 
 } // namespace volume_io_test
-} // namespace retractor
+} // namespace retractor::datasets

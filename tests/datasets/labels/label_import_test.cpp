@@ -1,8 +1,8 @@
 #include "datasets/labels/label_import.h"
 
+#include "datasets/io/volume_io.h"
 #include "datasets/labels/label_file_names.h"
 #include "datasets/labels/label_presets.h"
-#include "datasets/io/volume_io.h"
 #include "mesh/base/error.h"
 #include "tests/support/temporary_folder.h"
 
@@ -15,7 +15,7 @@
 #include <iterator>
 #include <set>
 
-namespace retractor {
+namespace retractor::datasets {
 namespace label_import_test {
 
     namespace fs = std::filesystem;
@@ -24,19 +24,22 @@ namespace label_import_test {
 
     using Index = std::array<int, 3>;
 
-    ImageGrid grid_of(Index size, double spacing, const Vec3& origin)
+    mesh::ImageGrid grid_of(Index size, double spacing, const Vec3& origin)
     {
-        ImageGrid grid;
+        mesh::ImageGrid grid;
         grid.size = size;
         grid.spacing = Vec3::Constant(spacing);
         grid.origin = origin;
         return grid;
     }
 
-    LabelVolume empty_labels(const ImageGrid& grid) { return { grid, std::vector<Label>(grid.voxel_count(), 0), {} }; }
+    mesh::LabelVolume empty_labels(const mesh::ImageGrid& grid)
+    {
+        return { grid, std::vector<Label>(grid.voxel_count(), 0), {} };
+    }
 
     /// Sets the voxels from `low` to `high`, both inclusive.
-    void set_box(LabelVolume& labels, Index low, Index high, Label value)
+    void set_box(mesh::LabelVolume& labels, Index low, Index high, Label value)
     {
         for (int k = low[2]; k <= high[2]; ++k)
             for (int j = low[1]; j <= high[1]; ++j)
@@ -44,9 +47,9 @@ namespace label_import_test {
                     labels.voxels[labels.grid.offset(i, j, k)] = value;
     }
 
-    std::size_t count(const LabelVolume& labels, std::string_view name)
+    std::size_t count(const mesh::LabelVolume& labels, std::string_view name)
     {
-        const LabelInfo* info = find_label(labels.table, name);
+        const mesh::LabelInfo* info = mesh::find_label(labels.table, name);
         return info == nullptr
             ? 0
             : static_cast<std::size_t>(std::count(labels.voxels.begin(), labels.voxels.end(), info->id));
@@ -67,19 +70,19 @@ namespace label_import_test {
     }
 
     /// Voxels only: no table beside the image.
-    void write_voxels(const fs::path& path, LabelVolume labels)
+    void write_voxels(const fs::path& path, mesh::LabelVolume labels)
     {
         labels.table.clear();
         for (const Label id : std::set<Label>(labels.voxels.begin(), labels.voxels.end()))
             if (id != 0)
-                labels.table.push_back({ id, "x" + std::to_string(id), "bone", Role::wall });
+                labels.table.push_back({ id, "x" + std::to_string(id), "bone", mesh::Role::wall });
         write_label_volume(path, labels);
         fs::remove(label_table_path(path));
     }
 
-    LabelVolume three_labels()
+    mesh::LabelVolume three_labels()
     {
-        LabelVolume labels = empty_labels(grid_of({ 10, 8, 6 }, 2.0, { -20.0, 5.0, 100.0 }));
+        mesh::LabelVolume labels = empty_labels(grid_of({ 10, 8, 6 }, 2.0, { -20.0, 5.0, 100.0 }));
         set_box(labels, { 1, 1, 1 }, { 3, 3, 3 }, 51);
         set_box(labels, { 5, 1, 1 }, { 6, 2, 2 }, 74);
         set_box(labels, { 8, 5, 4 }, { 8, 5, 5 }, 116);
@@ -88,7 +91,7 @@ namespace label_import_test {
 
     TEST(LabelImport, PresetNamesTheIds)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         write_voxels(folder / "seg.nii.gz", three_labels());
         const ImportedLabels imported = import_labels(folder / "seg.nii.gz", { .preset = "totalsegmentator" });
         EXPECT_EQ(imported.labels.table.size(), 3U); // the other 114 have no voxel
@@ -101,15 +104,15 @@ namespace label_import_test {
 
     TEST(LabelImport, TableBesideTheImageIsTakenAsItIs)
     {
-        const TemporaryFolder folder;
-        LabelVolume labels = three_labels();
-        labels.table = { { 51, "my heart", "heart", Role::target }, { 74, "b", "bone", Role::wall },
-            { 116, "c", "bone", Role::voxel }, { 200, "nothing of it", "fat", Role::voxel } };
+        const test_support::TemporaryFolder folder;
+        mesh::LabelVolume labels = three_labels();
+        labels.table = { { 51, "my heart", "heart", mesh::Role::target }, { 74, "b", "bone", mesh::Role::wall },
+            { 116, "c", "bone", mesh::Role::voxel }, { 200, "nothing of it", "fat", mesh::Role::voxel } };
         write_label_volume(folder / "seg.nrrd", labels);
         const ImportedLabels imported = import_labels(folder / "seg.nrrd");
         ASSERT_EQ(imported.labels.table.size(), 4U);
         EXPECT_EQ(imported.labels.table[0].name, "my heart");
-        EXPECT_EQ(imported.labels.table[0].role, Role::target);
+        EXPECT_EQ(imported.labels.table[0].role, mesh::Role::target);
         EXPECT_EQ(imported.labels.voxels, labels.voxels);
         expect_note(imported, "seg.labels.json");
         expect_note(import_labels(folder / "seg.nrrd", { .preset = "totalsegmentator" }), "is not used");
@@ -117,8 +120,8 @@ namespace label_import_test {
 
     TEST(LabelImport, PackedLabelsKeepTheirRegion)
     {
-        const TemporaryFolder folder;
-        LabelVolume labels = empty_labels(grid_of({ 8, 4, 4 }, 1.0, Vec3::Zero()));
+        const test_support::TemporaryFolder folder;
+        mesh::LabelVolume labels = empty_labels(grid_of({ 8, 4, 4 }, 1.0, Vec3::Zero()));
         set_box(labels, { 0, 0, 0 }, { 2, 3, 3 }, 3); // left lung
         set_box(labels, { 1, 1, 1 }, { 1, 1, 3 }, 3 + (3 << 8)); // vessel in it
         set_box(labels, { 5, 0, 0 }, { 5, 0, 1 }, 2 << 8); // airway of no region
@@ -135,9 +138,9 @@ namespace label_import_test {
 
     TEST(LabelImport, MasksOnOneGrid)
     {
-        const TemporaryFolder folder;
-        const ImageGrid grid = grid_of({ 12, 10, 8 }, 1.5, { 3.0, -4.0, 5.0 });
-        LabelVolume heart = empty_labels(grid), aorta = empty_labels(grid), rib = empty_labels(grid);
+        const test_support::TemporaryFolder folder;
+        const mesh::ImageGrid grid = grid_of({ 12, 10, 8 }, 1.5, { 3.0, -4.0, 5.0 });
+        mesh::LabelVolume heart = empty_labels(grid), aorta = empty_labels(grid), rib = empty_labels(grid);
         set_box(heart, { 2, 2, 2 }, { 7, 7, 5 }, 1); // 144
         set_box(aorta, { 5, 5, 1 }, { 6, 6, 7 }, 255); // 28, of which 16 in the heart
         write_voxels(folder / "heart.nii.gz", heart);
@@ -156,12 +159,12 @@ namespace label_import_test {
 
     TEST(LabelImport, TheFinestGridIsKeptAndExtended)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         // One cube of 12 mm in voxels of 3 mm, and one of 8 mm in voxels of 1 mm whose image ends within the first
         // cube.
-        LabelVolume coarse = empty_labels(grid_of({ 10, 10, 10 }, 3.0, { 1.5, 1.5, 1.5 }));
+        mesh::LabelVolume coarse = empty_labels(grid_of({ 10, 10, 10 }, 3.0, { 1.5, 1.5, 1.5 }));
         set_box(coarse, { 6, 4, 4 }, { 9, 7, 7 }, 1); // x from 18 to 30 mm, y and z from 12 to 24 mm
-        LabelVolume fine = empty_labels(grid_of({ 20, 30, 30 }, 1.0, { 0.5, 0.5, 0.5 }));
+        mesh::LabelVolume fine = empty_labels(grid_of({ 20, 30, 30 }, 1.0, { 0.5, 0.5, 0.5 }));
         set_box(fine, { 2, 2, 2 }, { 9, 9, 9 }, 1);
         write_voxels(folder / "liver.nrrd", coarse);
         write_voxels(folder / "heart.nrrd", fine);
@@ -172,27 +175,28 @@ namespace label_import_test {
         EXPECT_EQ(imported.labels.grid.size, (Index { 29, 30, 30 }));
         EXPECT_EQ(count(imported.labels, "heart"), 512U);
         EXPECT_EQ(count(imported.labels, "liver"), 11U * 12U * 12U);
-        EXPECT_EQ(find_label(imported.labels.table, label_at(imported.labels, { 20.2, 13.1, 13.1 }))->name, "liver");
+        EXPECT_EQ(mesh::find_label(imported.labels.table, mesh::label_at(imported.labels, { 20.2, 13.1, 13.1 }))->name,
+            "liver");
         expect_note(imported, "heart.nrrd is kept, the finest, extended");
     }
 
     TEST(LabelImport, MasksOnTurnedGridsKeepTheirPlace)
     {
-        const TemporaryFolder folder;
-        LabelVolume first = empty_labels(grid_of({ 40, 40, 40 }, 1.0, Vec3::Zero()));
+        const test_support::TemporaryFolder folder;
+        mesh::LabelVolume first = empty_labels(grid_of({ 40, 40, 40 }, 1.0, Vec3::Zero()));
         set_box(first, { 1, 1, 1 }, { 2, 2, 2 }, 1);
-        LabelVolume turned = empty_labels(grid_of({ 12, 12, 12 }, 1.25, { 18.0, 19.0, 20.0 }));
-        turned.grid.direction = oblique_rotation();
+        mesh::LabelVolume turned = empty_labels(grid_of({ 12, 12, 12 }, 1.25, { 18.0, 19.0, 20.0 }));
+        turned.grid.direction = test_support::oblique_rotation();
         set_box(turned, { 2, 2, 2 }, { 7, 7, 7 }, 1);
         write_voxels(folder / "heart.nrrd", first);
         write_voxels(folder / "liver.nrrd", turned);
-        const LabelVolume labels = import_labels(folder.path()).labels;
+        const mesh::LabelVolume labels = import_labels(folder.path()).labels;
         // Every voxel agrees with the mask at its place, and so does the volume but for the cut of voxels.
         std::size_t inside = 0;
         for (int k = 0; k < 40; ++k)
             for (int j = 0; j < 40; ++j)
                 for (int i = 0; i < 40; ++i) {
-                    const bool liver = label_at(turned, labels.grid.world(Vec3(i, j, k))) != 0;
+                    const bool liver = mesh::label_at(turned, labels.grid.world(Vec3(i, j, k))) != 0;
                     const Label label = labels.voxels[labels.grid.offset(i, j, k)];
                     ASSERT_EQ(liver, label != 0 && find_label(labels.table, label)->name == "liver");
                     inside += liver ? 1 : 0;
@@ -203,8 +207,8 @@ namespace label_import_test {
 
     TEST(LabelImport, OneStructureInTwoFilesIsJoined)
     {
-        const TemporaryFolder folder;
-        LabelVolume a = empty_labels(grid_of({ 6, 6, 6 }, 1.0, Vec3::Zero())), b = a;
+        const test_support::TemporaryFolder folder;
+        mesh::LabelVolume a = empty_labels(grid_of({ 6, 6, 6 }, 1.0, Vec3::Zero())), b = a;
         set_box(a, { 0, 0, 0 }, { 1, 1, 1 }, 1);
         set_box(b, { 1, 1, 1 }, { 2, 2, 2 }, 1);
         write_voxels(folder / "clavicula_left.nrrd", a);
@@ -217,7 +221,7 @@ namespace label_import_test {
 
     TEST(LabelImport, CancelledGivesNothing)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         write_voxels(folder / "heart.nrrd", three_labels());
         const std::atomic<bool> cancel { true };
         Job job;
@@ -233,10 +237,11 @@ namespace label_import_test {
             "file");
         EXPECT_EQ(names, (std::map<Label, std::string> { { 5, "liver" }, { 7, "a < b & c" } }));
         EXPECT_TRUE(label_names_from_xml("<NothingOfTheKind/>", "file").empty());
-        expect_refused<InputError>([] { label_names_from_xml("<Label Key=\"5\">liver", "file"); }, "damaged @ file");
-        expect_refused<InputError>(
+        test_support::expect_refused<InputError>(
+            [] { label_names_from_xml("<Label Key=\"5\">liver", "file"); }, "damaged @ file");
+        test_support::expect_refused<InputError>(
             [] { label_names_from_xml("<Label Key=\"70000\">liver</Label>", "file"); }, "no id from 0 to 65535");
-        expect_refused<InputError>(
+        test_support::expect_refused<InputError>(
             [] { label_names_from_xml("<Label Key=\"5\">a</Label><Label Key=\"5\">b</Label>", "file"); }, "id 5 twice");
     }
 
@@ -259,7 +264,7 @@ namespace label_import_test {
 
     TEST(LabelImport, NamesInTheHeaderOfNifti)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const fs::path path = folder / "seg.nii";
         const std::string xml
             = "<LabelTable><Label Key=\"51\"><![CDATA[heart]]></Label><Label Key=\"74\">Left "
@@ -275,41 +280,44 @@ namespace label_import_test {
         expect_note(imported, "3 of its 4 structures have voxels");
         expect_note(imported, "lung_left occurs twice, id 116 becomes lung_left_116");
         expect_note(imported, "renamed: Left lung -> lung_left");
-        expect_refused<InputError>([&] { import_labels(path, { .preset = "totalsegmentator" }); },
+        test_support::expect_refused<InputError>([&] { import_labels(path, { .preset = "totalsegmentator" }); },
             "says that id 74 is clavicle_right, the file itself says Left lung");
 
         write_voxels(path, three_labels());
         add_extension(path, xml, 4000);
-        expect_refused<InputError>([&] { import_labels(path); }, "the extension of the NIfTI header is damaged");
+        test_support::expect_refused<InputError>(
+            [&] { import_labels(path); }, "the extension of the NIfTI header is damaged");
         write_voxels(path, three_labels());
         add_extension(path, xml, -16);
-        expect_refused<InputError>([&] { import_labels(path); }, "the extension of the NIfTI header is damaged");
+        test_support::expect_refused<InputError>(
+            [&] { import_labels(path); }, "the extension of the NIfTI header is damaged");
         write_voxels(path, three_labels());
         add_extension(path, "some other program's notes");
-        expect_refused<InputError>([&] { import_labels(path); }, "the labels have no names");
+        test_support::expect_refused<InputError>([&] { import_labels(path); }, "the labels have no names");
     }
 
     TEST(LabelImport, IdsWithoutNamesAreRefusedWithTheirCounts)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const fs::path path = folder / "seg.nii.gz";
-        LabelVolume labels = three_labels();
+        mesh::LabelVolume labels = three_labels();
         write_voxels(path, labels);
-        expect_refused<InputError>([&] { import_labels(path); },
+        test_support::expect_refused<InputError>([&] { import_labels(path); },
             "the labels have no names: 51 (27 voxels), 74 (8 voxels), 116 (2 voxels); give a preset "
             "(totalsegmentator, ");
-        expect_refused<InputError>([&] { import_labels(path); }, "(seg.labels.json)");
-        expect_refused<InputError>([&] { import_labels(path, { .preset = "totalsegmentator-v1" }); },
+        test_support::expect_refused<InputError>([&] { import_labels(path); }, "(seg.labels.json)");
+        test_support::expect_refused<InputError>([&] { import_labels(path, { .preset = "totalsegmentator-v1" }); },
             "1 label without a name in preset totalsegmentator-v1: 116 (2 voxels)");
-        expect_refused<InputError>(
+        test_support::expect_refused<InputError>(
             [&] { import_labels(path, { .preset = "slicer" }); }, "takes the names from the file");
-        expect_refused<InputError>(
+        test_support::expect_refused<InputError>(
             [&] { import_labels(path, { .preset = "total" }); }, "there is no preset of this name");
         std::ofstream(folder / "seg.labels.json") << R"({"frame": "LPS", "labels": [
             {"id": 51, "name": "heart", "material": "heart", "role": "at-risk"}]})";
-        expect_refused<InputError>([&] { import_labels(path); }, "2 labels without a name in seg.labels.json: 74 (8");
+        test_support::expect_refused<InputError>(
+            [&] { import_labels(path); }, "2 labels without a name in seg.labels.json: 74 (8");
         std::ofstream(folder / "seg.labels.json") << R"({"frame": "LPS", "labels": [{"id": 0}]})";
-        expect_refused<InputError>([&] { import_labels(path); }, "seg.labels.json:/labels/0/id");
+        test_support::expect_refused<InputError>([&] { import_labels(path); }, "seg.labels.json:/labels/0/id");
     }
 
     /// A segmentation as 3D Slicer writes it, one voxel of each value in one layer or two.
@@ -335,7 +343,7 @@ namespace label_import_test {
 
     TEST(LabelImport, SegmentsOfSlicer)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const fs::path path = folder / "Segmentation.seg.nrrd";
         const std::string tissue = "List~SCT^85756007^Tissue~SCT^85756007^Tissue~^^~Codes~^^~^^";
         const std::string sternum = "List~SCT^123037004^Anatomical Structure~SCT^56873002^Sternum~^^~Codes~^^~^^";
@@ -353,14 +361,15 @@ namespace label_import_test {
             expect_note(imported, "segment \"Segment_2\" is Sternum by its terminology");
             expect_note(imported, "1 segment without a voxel, left out: aorta");
         }
-        expect_refused<InputError>([&] { import_labels(path, { .preset = "totalsegmentator" }); },
+        test_support::expect_refused<InputError>([&] { import_labels(path, { .preset = "totalsegmentator" }); },
             "goes by ids, but this file names its segments");
-        expect_refused<InputError>([&] { import_labels(folder.path()); }, "the folder has no image of labels");
+        test_support::expect_refused<InputError>(
+            [&] { import_labels(folder.path()); }, "the folder has no image of labels");
     }
 
     TEST(LabelImport, LayeredSegmentsOfSlicer)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const fs::path path = folder / "Segmentation.seg.nrrd";
         const std::string none = "~~~~~~";
         // Layer fastest: the heart has three voxels, of which one is aorta too.
@@ -374,39 +383,44 @@ namespace label_import_test {
 
     TEST(LabelImport, BadImagesAreRefused)
     {
-        const TemporaryFolder folder;
-        expect_refused<IoError>([&] { import_labels(folder / "none.nii.gz"); }, "no such file");
-        expect_refused<InputError>([&] { import_labels(folder.path()); }, "the folder has no image of labels");
+        const test_support::TemporaryFolder folder;
+        test_support::expect_refused<IoError>([&] { import_labels(folder / "none.nii.gz"); }, "no such file");
+        test_support::expect_refused<InputError>(
+            [&] { import_labels(folder.path()); }, "the folder has no image of labels");
         write_voxels(folder / "heart.nrrd", empty_labels(grid_of({ 4, 4, 4 }, 1.0, Vec3::Zero())));
-        expect_refused<InputError>([&] { import_labels(folder / "heart.nrrd"); }, "no voxel is labelled");
-        expect_refused<InputError>([&] { import_labels(folder.path()); }, "no mask of the folder has a labelled voxel");
+        test_support::expect_refused<InputError>([&] { import_labels(folder / "heart.nrrd"); }, "no voxel is labelled");
+        test_support::expect_refused<InputError>(
+            [&] { import_labels(folder.path()); }, "no mask of the folder has a labelled voxel");
         std::ofstream(folder / "half.nrrd")
             << "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 1 1\nspace: left-posterior-superior\nspace directions: "
                "(1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: ascii\n\n1 0.5\n";
-        expect_refused<InputError>([&] { import_labels(folder / "half.nrrd"); }, "0.500000 is not a label");
-        expect_refused<InputError>([&] { import_labels(folder.path()); }, "half.nrrd");
+        test_support::expect_refused<InputError>(
+            [&] { import_labels(folder / "half.nrrd"); }, "0.500000 is not a label");
+        test_support::expect_refused<InputError>([&] { import_labels(folder.path()); }, "half.nrrd");
     }
 
     TEST(LabelImport, MasksApartOrWithSeveralValuesAreRefused)
     {
-        const TemporaryFolder folder;
-        LabelVolume heart = empty_labels(grid_of({ 4, 4, 4 }, 1.0, Vec3::Zero()));
+        const test_support::TemporaryFolder folder;
+        mesh::LabelVolume heart = empty_labels(grid_of({ 4, 4, 4 }, 1.0, Vec3::Zero()));
         set_box(heart, { 1, 1, 1 }, { 2, 2, 2 }, 1);
-        LabelVolume liver = heart;
+        mesh::LabelVolume liver = heart;
         liver.grid.origin = { 0.0, 0.0, 500.0 };
         write_voxels(folder / "heart.nrrd", heart);
         write_voxels(folder / "liver.nrrd", liver);
-        expect_refused<InputError>([&] { import_labels(folder.path()); }, "the masks do not overlap in space");
-        expect_refused<InputError>([&] { import_labels(folder.path()); }, "liver.nrrd");
+        test_support::expect_refused<InputError>(
+            [&] { import_labels(folder.path()); }, "the masks do not overlap in space");
+        test_support::expect_refused<InputError>([&] { import_labels(folder.path()); }, "liver.nrrd");
         write_voxels(folder / "liver.nrrd", three_labels());
-        expect_refused<InputError>([&] { import_labels(folder.path()); }, "this image has 3: 51 (27 voxels)");
+        test_support::expect_refused<InputError>(
+            [&] { import_labels(folder.path()); }, "this image has 3: 51 (27 voxels)");
     }
 
     // --- Third-party files ---
 
-    fs::path shared_labels(const std::string& name) { return shared_data("labels/" + name); }
+    fs::path shared_labels(const std::string& name) { return test_support::shared_data("labels/" + name); }
 
-    void expect_statistics(const LabelVolume& labels)
+    void expect_statistics(const mesh::LabelVolume& labels)
     {
         std::ifstream file(shared_labels("ts_abdomen/example_seg_fast_statistics.json"));
         const auto statistics = nlohmann::json::parse(file);
@@ -434,7 +448,8 @@ namespace label_import_test {
         const ImportedLabels by_preset = import_labels(path, { .preset = "totalsegmentator" });
         expect_statistics(by_preset.labels);
         EXPECT_EQ(by_preset.labels.voxels, by_header.labels.voxels);
-        expect_refused<InputError>([&] { import_labels(path, { .preset = "totalsegmentator-v1" }); }, "without a name");
+        test_support::expect_refused<InputError>(
+            [&] { import_labels(path, { .preset = "totalsegmentator-v1" }); }, "without a name");
     }
 
     TEST(LabelImport, APresetThatContradictsTheFileIsRefused)
@@ -443,7 +458,7 @@ namespace label_import_test {
         if (!fs::exists(path))
             GTEST_SKIP() << "no shared data: set RETRACTOR_SHARED_DATA";
         EXPECT_EQ(count(import_labels(path).labels, "vertebrae_body"), 11005U);
-        expect_refused<InputError>([&] { import_labels(path, { .preset = "totalsegmentator" }); },
+        test_support::expect_refused<InputError>([&] { import_labels(path, { .preset = "totalsegmentator" }); },
             "says that id 1 is spleen, the file itself says vertebrae_body");
     }
 
@@ -452,14 +467,14 @@ namespace label_import_test {
         const fs::path folder = shared_labels("ts_thorax_cta");
         if (!fs::exists(folder))
             GTEST_SKIP() << "no shared data: set RETRACTOR_SHARED_DATA";
-        const TemporaryFolder copies;
+        const test_support::TemporaryFolder copies;
         for (const std::string name : { "aorta_true_lumen", "aorta_false_lumen", "heart" }) {
             const fs::path to = copies / (name + ".nii.gz");
             fs::copy_file(folder / (name + ".nii.gz"), to);
             fs::permissions(to, fs::perms::owner_write, fs::perm_options::add);
         }
         const ImportedLabels imported = import_labels(copies.path());
-        const LabelVolume& labels = imported.labels;
+        const mesh::LabelVolume& labels = imported.labels;
         EXPECT_EQ(labels.grid.size, (Index { 233, 167, 191 }));
         EXPECT_EQ(count(labels, "aorta_true_lumen"), 37595U);
         EXPECT_EQ(count(labels, "aorta_false_lumen"), 36170U);
@@ -467,8 +482,8 @@ namespace label_import_test {
         EXPECT_EQ(count(labels, "heart") + 10U, 198176U);
         expect_note(imported, "heart: 10 voxels that smaller structures claim too went to aorta_true_lumen (10)");
         expect_note(imported, "heart.nii.gz is kept, the finest (233 x 167 x 191)");
-        EXPECT_EQ(find_label(labels.table, "aorta_true_lumen")->role, Role::target);
-        EXPECT_EQ(find_label(labels.table, "heart")->role, Role::at_risk);
+        EXPECT_EQ(mesh::find_label(labels.table, "aorta_true_lumen")->role, mesh::Role::target);
+        EXPECT_EQ(mesh::find_label(labels.table, "heart")->role, mesh::Role::at_risk);
     }
 
     TEST(LabelImport, TheWholeThoraxFolder)
@@ -477,7 +492,7 @@ namespace label_import_test {
         if (!fs::exists(folder))
             GTEST_SKIP() << "no shared data: set RETRACTOR_SHARED_DATA";
         const ImportedLabels imported = import_labels(folder);
-        const LabelVolume& labels = imported.labels;
+        const mesh::LabelVolume& labels = imported.labels;
         EXPECT_EQ(labels.table.size(), 19U);
         // What each structure kept and what the notes say it lost are together the voxels of its mask.
         EXPECT_EQ(count(labels, "aorta_true_lumen") + 515U, 37595U);
@@ -498,7 +513,7 @@ namespace label_import_test {
         const fs::path path = shared_labels("ts_thorax_multilabel.nii.gz");
         if (!fs::exists(path))
             GTEST_SKIP() << "no shared data: set RETRACTOR_SHARED_DATA";
-        expect_refused<InputError>([&] { import_labels(path); },
+        test_support::expect_refused<InputError>([&] { import_labels(path); },
             "the labels have no names: 1 (37454 voxels), 2 (36160 voxels), 3 (185147 voxels)");
     }
 
@@ -515,8 +530,8 @@ namespace label_import_test {
         EXPECT_EQ(
             count(import_labels(shared_labels("cip_thorax/wholeLung-64.nrrd"), { .preset = "cip" }).labels, "lungs"),
             65624U);
-        expect_refused<InputError>([&] { import_labels(path); }, "the labels have no names");
+        test_support::expect_refused<InputError>([&] { import_labels(path); }, "the labels have no names");
     }
 
 } // namespace label_import_test
-} // namespace retractor
+} // namespace retractor::datasets

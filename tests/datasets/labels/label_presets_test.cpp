@@ -11,10 +11,10 @@
 #include <random>
 #include <set>
 
-namespace retractor {
+namespace retractor::datasets {
 namespace label_presets_test {
 
-    std::string name_of(std::string_view preset, Label id) { return find_label(preset_table(preset), id)->name; }
+    std::string name_of(std::string_view preset, Label id) { return mesh::find_label(preset_table(preset), id)->name; }
 
     std::vector<std::string> presets_with_ids()
     {
@@ -23,9 +23,9 @@ namespace label_presets_test {
         return names;
     }
 
-    void expect_info(std::string_view spelled, std::string_view name, std::string_view material, Role role)
+    void expect_info(std::string_view spelled, std::string_view name, std::string_view material, mesh::Role role)
     {
-        const LabelInfo info = describe_structure(spelled, 7);
+        const mesh::LabelInfo info = describe_structure(spelled, 7);
         EXPECT_EQ(info.id, 7);
         EXPECT_EQ(info.name, name) << spelled;
         EXPECT_EQ(info.material, material) << spelled;
@@ -72,8 +72,8 @@ namespace label_presets_test {
         EXPECT_EQ(name_of(v1, 86), "clavicle_left");
         EXPECT_EQ(name_of(v1, 93), "face");
         EXPECT_EQ(name_of(v1, 104), "urinary_bladder");
-        EXPECT_EQ(find_label(preset_table(v1), "sternum"), nullptr);
-        EXPECT_EQ(find_label(preset_table(v1), "costal_cartilages"), nullptr);
+        EXPECT_EQ(mesh::find_label(preset_table(v1), "sternum"), nullptr);
+        EXPECT_EQ(mesh::find_label(preset_table(v1), "costal_cartilages"), nullptr);
     }
 
     TEST(LabelPresets, ChestImagingPlatformRegions)
@@ -100,11 +100,11 @@ namespace label_presets_test {
         for (const std::string& preset : presets_with_ids()) {
             std::set<std::string> names;
             std::set<Label> ids;
-            for (const LabelInfo& info : preset_table(preset)) {
+            for (const mesh::LabelInfo& info : preset_table(preset)) {
                 EXPECT_TRUE(names.insert(info.name).second) << preset << ": " << info.name;
                 EXPECT_TRUE(ids.insert(info.id).second) << preset << ": " << info.id;
-                EXPECT_TRUE(
-                    materials.contains(info.material) || (info.material == "soft_tissue" && info.role != Role::wall))
+                EXPECT_TRUE(materials.contains(info.material)
+                    || (info.material == "soft_tissue" && info.role != mesh::Role::wall))
                     << preset << ": " << info.name << " is " << info.material;
             }
         }
@@ -113,8 +113,8 @@ namespace label_presets_test {
     TEST(LabelPresets, ThePlannersNamesStayAsTheyAre)
     {
         for (const std::string& preset : presets_with_ids())
-            for (const LabelInfo& info : preset_table(preset)) {
-                const LabelInfo again = describe_structure(info.name, info.id);
+            for (const mesh::LabelInfo& info : preset_table(preset)) {
+                const mesh::LabelInfo again = describe_structure(info.name, info.id);
                 EXPECT_EQ(again.name, info.name);
                 EXPECT_EQ(again.material, info.material) << info.name;
                 EXPECT_EQ(again.role, info.role) << info.name;
@@ -125,88 +125,88 @@ namespace label_presets_test {
     {
         ThoraxParameters coarse;
         coarse.spacing_mm = Vec3::Constant(6.0);
-        for (const LabelInfo& info : make_thorax_phantom(coarse).labels.table)
+        for (const mesh::LabelInfo& info : make_thorax_phantom(coarse).labels.table)
             expect_info(info.name, info.name, info.material, info.role);
     }
 
     TEST(LabelPresets, RolesAndMaterials)
     {
-        expect_info("rib_left_5", "rib_left_5", "bone", Role::wall);
-        expect_info("sternum", "sternum", "bone", Role::wall);
-        expect_info("costal_cartilages", "costal_cartilages", "cartilage", Role::wall);
-        expect_info("clavicula_left", "clavicle_left", "bone", Role::wall);
-        expect_info("subcutaneous_fat", "fat", "fat", Role::wall);
-        expect_info("skeletal_muscle", "muscle", "muscle", Role::wall);
-        expect_info("autochthon_left", "autochthon_left", "muscle", Role::wall);
-        expect_info("skin", "skin", "skin", Role::wall);
-        expect_info("torso_fat", "torso_fat", "fat", Role::voxel);
-        expect_info("body_trunc", "body_trunc", "soft_tissue", Role::voxel);
-        expect_info("heart", "heart", "heart", Role::at_risk);
-        expect_info("aorta", "aorta", "vessel", Role::at_risk);
-        expect_info("coronary_arteries", "coronary_arteries", "vessel", Role::at_risk);
-        expect_info("pulmonary_artery", "pulmonary_artery", "vessel", Role::at_risk);
-        expect_info("liver", "liver", "liver", Role::voxel);
-        expect_info("lung_upper_lobe_left", "lung_upper_lobe_left", "lung", Role::voxel);
-        expect_info("aorta_false_lumen", "aorta_false_lumen", "vessel", Role::target);
-        expect_info("Aneurysm", "aneurysm", "vessel", Role::target);
-        expect_info("lung_nodules", "lung_nodules", "lung", Role::target);
-        expect_info("Tumor", "tumor", "soft_tissue", Role::target);
+        expect_info("rib_left_5", "rib_left_5", "bone", mesh::Role::wall);
+        expect_info("sternum", "sternum", "bone", mesh::Role::wall);
+        expect_info("costal_cartilages", "costal_cartilages", "cartilage", mesh::Role::wall);
+        expect_info("clavicula_left", "clavicle_left", "bone", mesh::Role::wall);
+        expect_info("subcutaneous_fat", "fat", "fat", mesh::Role::wall);
+        expect_info("skeletal_muscle", "muscle", "muscle", mesh::Role::wall);
+        expect_info("autochthon_left", "autochthon_left", "muscle", mesh::Role::wall);
+        expect_info("skin", "skin", "skin", mesh::Role::wall);
+        expect_info("torso_fat", "torso_fat", "fat", mesh::Role::voxel);
+        expect_info("body_trunc", "body_trunc", "soft_tissue", mesh::Role::voxel);
+        expect_info("heart", "heart", "heart", mesh::Role::at_risk);
+        expect_info("aorta", "aorta", "vessel", mesh::Role::at_risk);
+        expect_info("coronary_arteries", "coronary_arteries", "vessel", mesh::Role::at_risk);
+        expect_info("pulmonary_artery", "pulmonary_artery", "vessel", mesh::Role::at_risk);
+        expect_info("liver", "liver", "liver", mesh::Role::voxel);
+        expect_info("lung_upper_lobe_left", "lung_upper_lobe_left", "lung", mesh::Role::voxel);
+        expect_info("aorta_false_lumen", "aorta_false_lumen", "vessel", mesh::Role::target);
+        expect_info("Aneurysm", "aneurysm", "vessel", mesh::Role::target);
+        expect_info("lung_nodules", "lung_nodules", "lung", mesh::Role::target);
+        expect_info("Tumor", "tumor", "soft_tissue", mesh::Role::target);
     }
 
     TEST(LabelPresets, SpellingCaseAndSideAreTolerated)
     {
-        expect_info("Left lung", "lung_left", "lung", Role::voxel);
-        expect_info("RightLung", "lung_right", "lung", Role::voxel);
-        expect_info("superior lobe of left lung", "lung_upper_lobe_left", "lung", Role::voxel);
-        expect_info("right rib 5", "rib_right_5", "bone", Role::wall);
-        expect_info("Rib L5", "rib_left_5", "bone", Role::wall);
-        expect_info("Rib_5L", "rib_left_5", "bone", Role::wall);
-        expect_info("Left fifth rib", "rib_left_5", "bone", Role::wall);
-        expect_info("11th rib (right)", "rib_right_11", "bone", Role::wall);
-        expect_info("T5 vertebra", "vertebrae_T5", "bone", Role::wall);
-        expect_info("Vertebra T12", "vertebrae_T12", "bone", Role::wall);
-        expect_info("L3", "vertebrae_L3", "bone", Role::wall);
-        expect_info("Fifth thoracic vertebra", "vertebrae_T5", "bone", Role::wall);
-        expect_info("Vertebrae", "spine", "bone", Role::wall);
-        expect_info("Sternum", "sternum", "bone", Role::wall);
-        expect_info("Vena cava superior", "superior_vena_cava", "vessel", Role::at_risk);
-        expect_info("Left Atrium", "heart_atrium_left", "heart", Role::at_risk);
-        expect_info("LEFT SCAPULA BONE", "scapula_left", "bone", Role::wall);
-        expect_info("Oesophagus", "oesophagus", "muscle", Role::voxel);
-        expect_info("Costal cartilage", "costal_cartilages", "cartilage", Role::wall);
+        expect_info("Left lung", "lung_left", "lung", mesh::Role::voxel);
+        expect_info("RightLung", "lung_right", "lung", mesh::Role::voxel);
+        expect_info("superior lobe of left lung", "lung_upper_lobe_left", "lung", mesh::Role::voxel);
+        expect_info("right rib 5", "rib_right_5", "bone", mesh::Role::wall);
+        expect_info("Rib L5", "rib_left_5", "bone", mesh::Role::wall);
+        expect_info("Rib_5L", "rib_left_5", "bone", mesh::Role::wall);
+        expect_info("Left fifth rib", "rib_left_5", "bone", mesh::Role::wall);
+        expect_info("11th rib (right)", "rib_right_11", "bone", mesh::Role::wall);
+        expect_info("T5 vertebra", "vertebrae_T5", "bone", mesh::Role::wall);
+        expect_info("Vertebra T12", "vertebrae_T12", "bone", mesh::Role::wall);
+        expect_info("L3", "vertebrae_L3", "bone", mesh::Role::wall);
+        expect_info("Fifth thoracic vertebra", "vertebrae_T5", "bone", mesh::Role::wall);
+        expect_info("Vertebrae", "spine", "bone", mesh::Role::wall);
+        expect_info("Sternum", "sternum", "bone", mesh::Role::wall);
+        expect_info("Vena cava superior", "superior_vena_cava", "vessel", mesh::Role::at_risk);
+        expect_info("Left Atrium", "heart_atrium_left", "heart", mesh::Role::at_risk);
+        expect_info("LEFT SCAPULA BONE", "scapula_left", "bone", mesh::Role::wall);
+        expect_info("Oesophagus", "oesophagus", "muscle", mesh::Role::voxel);
+        expect_info("Costal cartilage", "costal_cartilages", "cartilage", mesh::Role::wall);
     }
 
     TEST(LabelPresets, MeaningsOfCodedTermsAreKnown)
     {
-        expect_info("Fifth rib Left", "rib_left_5", "bone", Role::wall);
-        expect_info("Twelfth rib Right", "rib_right_12", "bone", Role::wall);
-        expect_info("Left ventricle of heart", "heart_ventricle_left", "heart", Role::at_risk);
-        expect_info("Lower lobe of lung Left", "lung_lower_lobe_left", "lung", Role::voxel);
-        expect_info("Middle lobe of right lung", "lung_middle_lobe_right", "lung", Role::voxel);
-        expect_info("Vena cava Superior", "superior_vena_cava", "vessel", Role::at_risk);
-        expect_info("Brachiocephalic artery", "brachiocephalic_trunk", "vessel", Role::at_risk);
-        expect_info("Entire atrial appendage Left", "atrial_appendage_left", "heart", Role::at_risk);
-        expect_info("Deep muscle of back Right", "autochthon_right", "muscle", Role::wall);
-        expect_info("Common iliac vein Left", "iliac_vena_left", "vessel", Role::at_risk);
-        expect_info("Subcutaneous fatty tissue", "fat", "fat", Role::wall);
-        expect_info("Fat Trunk", "torso_fat", "fat", Role::voxel);
-        expect_info("Cyst Kidney Left", "kidney_cyst_left", "soft_tissue", Role::voxel);
-        expect_info("Vertebra Thoracic spine", "vertebrae_thoracic", "bone", Role::wall);
-        expect_info("Coronary artery", "coronary_arteries", "vessel", Role::at_risk);
-        expect_info("Gluteus maximus muscle Left", "gluteus_maximus_left", "muscle", Role::wall);
+        expect_info("Fifth rib Left", "rib_left_5", "bone", mesh::Role::wall);
+        expect_info("Twelfth rib Right", "rib_right_12", "bone", mesh::Role::wall);
+        expect_info("Left ventricle of heart", "heart_ventricle_left", "heart", mesh::Role::at_risk);
+        expect_info("Lower lobe of lung Left", "lung_lower_lobe_left", "lung", mesh::Role::voxel);
+        expect_info("Middle lobe of right lung", "lung_middle_lobe_right", "lung", mesh::Role::voxel);
+        expect_info("Vena cava Superior", "superior_vena_cava", "vessel", mesh::Role::at_risk);
+        expect_info("Brachiocephalic artery", "brachiocephalic_trunk", "vessel", mesh::Role::at_risk);
+        expect_info("Entire atrial appendage Left", "atrial_appendage_left", "heart", mesh::Role::at_risk);
+        expect_info("Deep muscle of back Right", "autochthon_right", "muscle", mesh::Role::wall);
+        expect_info("Common iliac vein Left", "iliac_vena_left", "vessel", mesh::Role::at_risk);
+        expect_info("Subcutaneous fatty tissue", "fat", "fat", mesh::Role::wall);
+        expect_info("Fat Trunk", "torso_fat", "fat", mesh::Role::voxel);
+        expect_info("Cyst Kidney Left", "kidney_cyst_left", "soft_tissue", mesh::Role::voxel);
+        expect_info("Vertebra Thoracic spine", "vertebrae_thoracic", "bone", mesh::Role::wall);
+        expect_info("Coronary artery", "coronary_arteries", "vessel", mesh::Role::at_risk);
+        expect_info("Gluteus maximus muscle Left", "gluteus_maximus_left", "muscle", mesh::Role::wall);
     }
 
     TEST(LabelPresets, OthersKeepTheirName)
     {
-        expect_info("Segment_1", "segment_1", "soft_tissue", Role::voxel);
-        expect_info("Liver segment 4", "liver_segment_4", "liver", Role::voxel);
-        expect_info("left internal mammary artery", "left_internal_mammary_artery", "vessel", Role::at_risk);
-        expect_info("rib plate left 5", "rib_plate_left_5", "bone", Role::wall);
-        expect_info("\xe8\x82\xba", "\xe8\x82\xba", "soft_tissue", Role::voxel); // not a name we know, but one
-        expect_info(" -- ", "label_7", "soft_tissue", Role::voxel);
-        expect_info("", "label_7", "soft_tissue", Role::voxel);
-        expect_info("S1", "s1", "soft_tissue", Role::voxel);
-        expect_info("T99 vertebra", "t99_vertebra", "bone", Role::wall);
+        expect_info("Segment_1", "segment_1", "soft_tissue", mesh::Role::voxel);
+        expect_info("Liver segment 4", "liver_segment_4", "liver", mesh::Role::voxel);
+        expect_info("left internal mammary artery", "left_internal_mammary_artery", "vessel", mesh::Role::at_risk);
+        expect_info("rib plate left 5", "rib_plate_left_5", "bone", mesh::Role::wall);
+        expect_info("\xe8\x82\xba", "\xe8\x82\xba", "soft_tissue", mesh::Role::voxel); // not a name we know, but one
+        expect_info(" -- ", "label_7", "soft_tissue", mesh::Role::voxel);
+        expect_info("", "label_7", "soft_tissue", mesh::Role::voxel);
+        expect_info("S1", "s1", "soft_tissue", mesh::Role::voxel);
+        expect_info("T99 vertebra", "t99_vertebra", "bone", mesh::Role::wall);
     }
 
     TEST(LabelPresets, AnyBytesGiveAName)
@@ -219,10 +219,10 @@ namespace label_presets_test {
             std::string text;
             for (auto length = random() % 9; length > 0; --length)
                 text += pieces[random() % pieces.size()];
-            const LabelInfo info = describe_structure(text, 3);
+            const mesh::LabelInfo info = describe_structure(text, 3);
             ASSERT_FALSE(info.name.empty());
             ASSERT_EQ(info.name.find_first_of(std::string(" ~^|-:\0", 7)), std::string::npos) << info.name;
-            ASSERT_TRUE(info.role != Role::wall || info.material != "soft_tissue") << info.name;
+            ASSERT_TRUE(info.role != mesh::Role::wall || info.material != "soft_tissue") << info.name;
             EXPECT_EQ(describe_structure(info.name, 3).role, info.role) << text << " -> " << info.name;
             structure_from_terminology(text);
         }
@@ -248,11 +248,11 @@ namespace label_presets_test {
 
     TEST(LabelPresets, NamesOfTheStatisticsFileAreThoseOfThePreset)
     {
-        std::ifstream file(shared_data("labels/ts_abdomen/example_seg_fast_statistics.json"));
+        std::ifstream file(test_support::shared_data("labels/ts_abdomen/example_seg_fast_statistics.json"));
         if (!file)
             GTEST_SKIP() << "no shared data: set RETRACTOR_SHARED_DATA";
         const auto statistics = nlohmann::ordered_json::parse(file); // in the order of the ids
-        const LabelTable table = preset_table("totalsegmentator");
+        const mesh::LabelTable table = preset_table("totalsegmentator");
         ASSERT_EQ(statistics.size(), table.size());
         std::size_t n = 0;
         for (const auto& [name, values] : statistics.items())
@@ -261,10 +261,11 @@ namespace label_presets_test {
 
     TEST(LabelPresets, UnknownPresetsAreRefused)
     {
-        expect_refused<InputError>([] { preset_table("totalsegmentor"); }, "known are: totalsegmentator,");
-        expect_refused<InputError>([] { preset_table("totalsegmentor"); }, "preset 'totalsegmentor'");
-        expect_refused<InputError>([] { preset_table("slicer"); }, "takes the names from the file");
+        test_support::expect_refused<InputError>(
+            [] { preset_table("totalsegmentor"); }, "known are: totalsegmentator,");
+        test_support::expect_refused<InputError>([] { preset_table("totalsegmentor"); }, "preset 'totalsegmentor'");
+        test_support::expect_refused<InputError>([] { preset_table("slicer"); }, "takes the names from the file");
     }
 
 } // namespace label_presets_test
-} // namespace retractor
+} // namespace retractor::datasets

@@ -10,14 +10,14 @@
 #include <limits>
 #include <random>
 
-namespace retractor {
+namespace retractor::datasets {
 namespace label_repair_test {
 
     using Index = std::array<int, 3>;
 
-    LabelVolume make_labels(Index size, const std::vector<std::string>& names)
+    mesh::LabelVolume make_labels(Index size, const std::vector<std::string>& names)
     {
-        LabelVolume labels;
+        mesh::LabelVolume labels;
         labels.grid.size = size;
         labels.voxels.assign(labels.grid.voxel_count(), 0);
         for (const std::string& name : names)
@@ -26,7 +26,7 @@ namespace label_repair_test {
     }
 
     /// Sets the voxels from `low` to `high`, both inclusive.
-    void set_box(LabelVolume& labels, Index low, Index high, Label value)
+    void set_box(mesh::LabelVolume& labels, Index low, Index high, Label value)
     {
         for (int k = low[2]; k <= high[2]; ++k)
             for (int j = low[1]; j <= high[1]; ++j)
@@ -34,7 +34,7 @@ namespace label_repair_test {
                     labels.voxels[labels.grid.offset(i, j, k)] = value;
     }
 
-    std::size_t count(const LabelVolume& labels, Label id)
+    std::size_t count(const mesh::LabelVolume& labels, Label id)
     {
         return static_cast<std::size_t>(std::count(labels.voxels.begin(), labels.voxels.end(), id));
     }
@@ -51,7 +51,7 @@ namespace label_repair_test {
 
     TEST(LabelRepair, PiecesTouchOverCorners)
     {
-        LabelVolume labels = make_labels({ 6, 6, 6 }, { "heart" });
+        mesh::LabelVolume labels = make_labels({ 6, 6, 6 }, { "heart" });
         set_box(labels, { 0, 0, 0 }, { 1, 1, 1 }, 1);
         set_box(labels, { 2, 2, 2 }, { 3, 3, 3 }, 1);
         EXPECT_TRUE(find_fragments(labels).empty());
@@ -66,7 +66,7 @@ namespace label_repair_test {
         for (int n = 0; n < 27; ++n) {
             if (n == 13)
                 continue; // the voxel itself
-            LabelVolume labels = make_labels({ 3, 3, 3 }, { "heart" });
+            mesh::LabelVolume labels = make_labels({ 3, 3, 3 }, { "heart" });
             labels.voxels[labels.grid.offset(1, 1, 1)] = 1;
             labels.voxels[static_cast<std::size_t>(n)] = 1;
             EXPECT_TRUE(find_fragments(labels).empty()) << n;
@@ -75,7 +75,7 @@ namespace label_repair_test {
 
     TEST(LabelRepair, HolesAreEnclosedByOneLabelAlone)
     {
-        LabelVolume labels = make_labels({ 20, 10, 10 }, { "heart", "liver", "skin" });
+        mesh::LabelVolume labels = make_labels({ 20, 10, 10 }, { "heart", "liver", "skin" });
         set_box(labels, { 1, 1, 1 }, { 6, 8, 8 }, 1);
         set_box(labels, { 3, 3, 3 }, { 4, 4, 4 }, 0); // a hole of 8
         set_box(labels, { 7, 1, 1 }, { 12, 8, 8 }, 2);
@@ -90,7 +90,7 @@ namespace label_repair_test {
 
     TEST(LabelRepair, ABackgroundPieceThatTouchesOnlyOverAnEdgeIsStillAHole)
     {
-        LabelVolume labels = make_labels({ 5, 5, 5 }, { "heart" });
+        mesh::LabelVolume labels = make_labels({ 5, 5, 5 }, { "heart" });
         set_box(labels, { 0, 0, 0 }, { 4, 4, 4 }, 1);
         labels.voxels[labels.grid.offset(1, 1, 2)] = 0;
         set_box(labels, { 0, 0, 0 }, { 0, 0, 4 }, 0); // outside, one edge away
@@ -101,7 +101,7 @@ namespace label_repair_test {
 
     TEST(LabelRepair, StraysGoAndTheHolesTheyLeaveAreFilled)
     {
-        LabelVolume labels = make_labels({ 24, 12, 12 }, { "lung_left", "heart" });
+        mesh::LabelVolume labels = make_labels({ 24, 12, 12 }, { "lung_left", "heart" });
         set_box(labels, { 1, 1, 1 }, { 10, 10, 10 }, 1);
         set_box(labels, { 4, 4, 4 }, { 5, 5, 5 }, 2); // a piece of heart in the lung
         set_box(labels, { 14, 2, 2 }, { 19, 7, 7 }, 2);
@@ -119,7 +119,7 @@ namespace label_repair_test {
 
     TEST(LabelRepair, WhatComesInPiecesKeepsThem)
     {
-        LabelVolume labels = make_labels({ 40, 12, 12 }, { "costal_cartilages", "rib_left_5" });
+        mesh::LabelVolume labels = make_labels({ 40, 12, 12 }, { "costal_cartilages", "rib_left_5" });
         set_box(labels, { 0, 0, 0 }, { 9, 9, 0 }, 1); // 100
         set_box(labels, { 12, 0, 0 }, { 14, 0, 0 }, 1); // 3 % of it
         set_box(labels, { 18, 0, 0 }, { 18, 0, 0 }, 1); // 1 %
@@ -129,7 +129,7 @@ namespace label_repair_test {
         ASSERT_EQ(found.size(), 2U);
         expect_fragments(found[0], "costal_cartilages", 104, 3, 4, 0);
         expect_fragments(found[1], "rib_left_5", 31, 2, 11, 0);
-        LabelVolume strict = labels;
+        mesh::LabelVolume strict = labels;
         const auto changed = repair_labels(labels);
         ASSERT_EQ(changed.size(), 2U);
         expect_fragments(changed[0], "costal_cartilages", 104, 3, 1, 0);
@@ -141,7 +141,7 @@ namespace label_repair_test {
     }
 
     /// A second way to the same answer: flood fill, voxel by voxel.
-    std::size_t pieces_by_flooding(const LabelVolume& labels, Label label)
+    std::size_t pieces_by_flooding(const mesh::LabelVolume& labels, Label label)
     {
         std::vector<bool> seen(labels.voxels.size(), false);
         std::size_t pieces = 0;
@@ -173,7 +173,7 @@ namespace label_repair_test {
     TEST(LabelRepair, AgreesWithFloodFillOnNoise)
     {
         for (const unsigned seed : { 1U, 2U, 3U }) {
-            LabelVolume labels = make_labels({ 31, 23, 17 }, { "heart", "liver" });
+            mesh::LabelVolume labels = make_labels({ 31, 23, 17 }, { "heart", "liver" });
             std::mt19937 random(seed);
             for (Label& voxel : labels.voxels) {
                 const auto roll = random() % 100;
@@ -193,14 +193,15 @@ namespace label_repair_test {
 
     TEST(LabelRepair, RealRibsAreLookedAt)
     {
-        const auto path = shared_data("labels/ts_abdomen/example_seg_fast.nii.gz");
+        const auto path = test_support::shared_data("labels/ts_abdomen/example_seg_fast.nii.gz");
         if (!std::filesystem::exists(path))
             GTEST_SKIP() << "no shared data: set RETRACTOR_SHARED_DATA";
-        LabelVolume labels = import_labels(path).labels;
+        mesh::LabelVolume labels = import_labels(path).labels;
         for (const LabelFragments& found : find_fragments(labels))
-            EXPECT_EQ(found.pieces, pieces_by_flooding(labels, find_label(labels.table, found.name)->id)) << found.name;
+            EXPECT_EQ(found.pieces, pieces_by_flooding(labels, mesh::find_label(labels.table, found.name)->id))
+                << found.name;
         repair_labels(labels);
-        for (const LabelInfo& info : labels.table)
+        for (const mesh::LabelInfo& info : labels.table)
             if (info.name.starts_with("rib_") || info.name == "liver") {
                 EXPECT_EQ(pieces_by_flooding(labels, info.id), 1U) << info.name;
             }
@@ -208,7 +209,7 @@ namespace label_repair_test {
 
     TEST(LabelRepair, CancelledChangesNothing)
     {
-        LabelVolume labels = make_labels({ 6, 1, 1 }, { "heart" });
+        mesh::LabelVolume labels = make_labels({ 6, 1, 1 }, { "heart" });
         set_box(labels, { 0, 0, 0 }, { 1, 0, 0 }, 1);
         set_box(labels, { 4, 0, 0 }, { 4, 0, 0 }, 1);
         const auto before = labels.voxels;
@@ -221,15 +222,16 @@ namespace label_repair_test {
 
     TEST(LabelRepair, BadInputIsRefused)
     {
-        LabelVolume labels = make_labels({ 4, 4, 4 }, { "heart" });
-        expect_refused<InputError>([&] { repair_labels(labels, -0.1); }, "between 0 and 1, got -0.1");
-        expect_refused<InputError>(
+        mesh::LabelVolume labels = make_labels({ 4, 4, 4 }, { "heart" });
+        test_support::expect_refused<InputError>([&] { repair_labels(labels, -0.1); }, "between 0 and 1, got -0.1");
+        test_support::expect_refused<InputError>(
             [&] { repair_labels(labels, std::numeric_limits<double>::quiet_NaN()); }, "keep_fraction");
         labels.voxels[3] = 9;
-        expect_refused<InputError>([&] { find_fragments(labels); }, "does not name: 9");
+        test_support::expect_refused<InputError>([&] { find_fragments(labels); }, "does not name: 9");
         labels.voxels.pop_back();
-        expect_refused<InputError>([&] { find_fragments(labels); }, "the labels have 63 voxels, their grid 64");
+        test_support::expect_refused<InputError>(
+            [&] { find_fragments(labels); }, "the labels have 63 voxels, their grid 64");
     }
 
 } // namespace label_repair_test
-} // namespace retractor
+} // namespace retractor::datasets

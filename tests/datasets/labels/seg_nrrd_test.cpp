@@ -1,14 +1,14 @@
 #include "datasets/labels/seg_nrrd.h"
 
-#include "datasets/labels/label_presets.h"
 #include "datasets/io/volume_io.h"
+#include "datasets/labels/label_presets.h"
 #include "mesh/base/error.h"
 #include "tests/support/temporary_folder.h"
 
 #include <algorithm>
 #include <fstream>
 
-namespace retractor {
+namespace retractor::datasets {
 namespace seg_nrrd_test {
 
     std::string segment_keys(int n, const std::string& name, int layer, int value)
@@ -46,9 +46,9 @@ namespace seg_nrrd_test {
         void refused(const std::string& text, const std::string& reason) const
         {
             const auto path = write(text);
-            expect_refused<InputError>([&] { read_seg_nrrd(path); }, reason);
+            test_support::expect_refused<InputError>([&] { read_seg_nrrd(path); }, reason);
         }
-        TemporaryFolder folder_;
+        test_support::TemporaryFolder folder_;
     };
 
     TEST_F(SegNrrd, OneLayerKeepsItsValues)
@@ -129,9 +129,9 @@ namespace seg_nrrd_test {
         refused(seg_nrrd(2, aorta, "0 0 0 0 0 0 0"), "cut short");
         // As a CT or as plain labels the layers are more than one number per voxel.
         const auto path = write(seg_nrrd(2, aorta, "1 0 0 0 0 0 0 0"));
-        expect_refused<InputError>([&] { import_volume(path); }, "one number per voxel, it has 2");
-        expect_refused<InputError>([&] { read_label_voxels(path); }, "one number per voxel, it has 2");
+        test_support::expect_refused<InputError>([&] { import_volume(path); }, "one number per voxel, it has 2");
+        test_support::expect_refused<InputError>([&] { read_label_voxels(path); }, "one number per voxel, it has 2");
     }
 
 } // namespace seg_nrrd_test
-} // namespace retractor
+} // namespace retractor::datasets

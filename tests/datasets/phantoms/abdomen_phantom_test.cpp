@@ -8,6 +8,7 @@
 #include <set>
 
 using namespace retractor;
+using namespace retractor::datasets;
 
 namespace abdomen_phantom_test {
 
@@ -27,9 +28,9 @@ double litres(const Phantom& phantom, Label label)
 }
 
 /// How many faces of voxels the two labels share.
-std::size_t contact_faces(const LabelVolume& labels, Label a, Label b)
+std::size_t contact_faces(const mesh::LabelVolume& labels, Label a, Label b)
 {
-    const ImageGrid& grid = labels.grid;
+    const mesh::ImageGrid& grid = labels.grid;
     std::size_t faces = 0;
     for (int k = 0; k + 1 < grid.size[2]; ++k)
         for (int j = 0; j + 1 < grid.size[1]; ++j)
@@ -59,7 +60,7 @@ TEST(AbdomenPhantom, liverAloneIsTheSameLiver)
     EXPECT_GE(alone, 0.99 * whole); // it may go on beyond the imaged length
     EXPECT_LE(alone, 1.1 * whole);
     const Phantom liver = make_liver_phantom(coarse());
-    const ImageGrid& grid = liver.labels.grid;
+    const mesh::ImageGrid& grid = liver.labels.grid;
     for (int k = 0; k < grid.size[2]; ++k)
         for (int j = 0; j < grid.size[1]; ++j)
             for (int i = 0; i < grid.size[0]; ++i)

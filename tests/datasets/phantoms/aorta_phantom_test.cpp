@@ -11,15 +11,15 @@
 #include <fstream>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::datasets {
 namespace aorta_phantom_test {
 
-    double volume(const TetMesh& mesh, Label label)
+    double volume(const mesh::TetMesh& mesh, Label label)
     {
         double sum = 0.0;
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
             if (label == 0 || mesh.labels[static_cast<std::size_t>(t)] == label)
-                sum += tet_volume(mesh, t);
+                sum += mesh::tet_volume(mesh, t);
         return sum;
     }
 
@@ -29,7 +29,7 @@ namespace aorta_phantom_test {
         p.shape = AortaParameters::Shape::tube;
         p.region = { 30.0, 120.0 };
         p.around = 48;
-        const TetMesh mesh = make_aorta_phantom(p).body.mesh;
+        const mesh::TetMesh mesh = make_aorta_phantom(p).body.mesh;
         const double wall = std::numbers::pi * (14.5 * 14.5 - 12.5 * 12.5);
         // 48 flat sides instead of a circle.
         const double polygon = 48 / (2 * std::numbers::pi) * std::sin(2 * std::numbers::pi / 48);
@@ -41,7 +41,7 @@ namespace aorta_phantom_test {
     {
         const PalpationScene scene = make_aorta_phantom({});
         EXPECT_NEAR(static_cast<double>(scene.body.mesh.vertex_count()), 1651.0, 0.01 * 1651);
-        EXPECT_EQ(connected_pieces(scene.body.mesh), std::vector<int>(scene.body.mesh.tet_count(), 0));
+        EXPECT_EQ(mesh::connected_pieces(scene.body.mesh), std::vector<int>(scene.body.mesh.tet_count(), 0));
         const auto count
             = [&](VertexRole role) { return std::count(scene.body.roles.begin(), scene.body.roles.end(), role); };
         EXPECT_EQ(count(VertexRole::fixed) + count(VertexRole::free), 860); // the ends, and what branches hold
@@ -82,7 +82,7 @@ namespace aorta_phantom_test {
 
     TEST(AortaPhantom, SceneIsReadAsItWasWritten)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const PalpationScene scene = make_aorta_phantom({});
         write_palpation_scene(folder / "aorta.json", scene);
         const PalpationScene again = read_palpation_scene(folder / "aorta.json");
@@ -107,7 +107,7 @@ namespace aorta_phantom_test {
 
     TEST(AortaPhantom, OrgansAndSheetsOfASceneAreReadAsTheyWereWritten)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         PalpationScene scene = make_aorta_phantom({});
         const Label label = scene.body.mesh.labels.front();
         scene.organs = { { label, "wall" } };
@@ -130,7 +130,7 @@ namespace aorta_phantom_test {
 
     TEST(AortaPhantom, BadScenesAreRefusedByPointer)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const auto file = folder / "aorta.json";
         write_palpation_scene(file, make_aorta_phantom({}));
         std::ifstream in(file);
@@ -172,4 +172,4 @@ namespace aorta_phantom_test {
     }
 
 } // namespace aorta_phantom_test
-} // namespace retractor
+} // namespace retractor::datasets

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <set>
 
-namespace retractor {
+namespace retractor::datasets {
 namespace phantom_test {
 
     /// The default phantom, made once.
@@ -26,14 +26,14 @@ namespace phantom_test {
         return parameters;
     }
 
-    Label id_of(const LabelVolume& labels, const std::string& name)
+    Label id_of(const mesh::LabelVolume& labels, const std::string& name)
     {
-        const LabelInfo* info = find_label(labels.table, name);
+        const mesh::LabelInfo* info = mesh::find_label(labels.table, name);
         EXPECT_NE(info, nullptr) << name;
         return info == nullptr ? Label { 0 } : info->id;
     }
 
-    template <typename Visit> void for_each_voxel(const ImageGrid& grid, const Visit& visit)
+    template <typename Visit> void for_each_voxel(const mesh::ImageGrid& grid, const Visit& visit)
     {
         std::size_t v = 0;
         for (int k = 0; k < grid.size[2]; ++k)
@@ -70,7 +70,7 @@ namespace phantom_test {
     }
 
     /// Number of pieces of a label, with 26 neighbours.
-    int pieces(const LabelVolume& labels, Label label)
+    int pieces(const mesh::LabelVolume& labels, Label label)
     {
         std::vector<bool> seen(labels.voxels.size(), false);
         std::vector<std::array<int, 3>> stack;
@@ -102,11 +102,11 @@ namespace phantom_test {
     }
 
     /// Calls `bad` for every face between skin or fat and a voxel of the inside (or, for fat, air).
-    template <typename Bad> void scan_wall(const LabelVolume& labels, const Bad& bad)
+    template <typename Bad> void scan_wall(const mesh::LabelVolume& labels, const Bad& bad)
     {
         std::map<Label, int> side; // 1 skin, 2 fat, 3 inside
-        for (const LabelInfo& info : labels.table)
-            side[info.id] = info.name == "skin" ? 1 : info.name == "fat" ? 2 : info.role != Role::wall ? 3 : 0;
+        for (const mesh::LabelInfo& info : labels.table)
+            side[info.id] = info.name == "skin" ? 1 : info.name == "fat" ? 2 : info.role != mesh::Role::wall ? 3 : 0;
         side[0] = 4;
         for_each_voxel(labels.grid, [&](int i, int j, int k, std::size_t v) {
             for (const auto& [di, dj, dk] : { std::array { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } }) {
@@ -138,32 +138,34 @@ namespace phantom_test {
 
     TEST(ThoraxPhantom, HasTheAgreedLabels)
     {
-        const LabelVolume& labels = thorax().labels;
+        const mesh::LabelVolume& labels = thorax().labels;
         const auto present = extents(thorax());
-        const std::map<std::string, std::pair<std::string, Role>> agreed { { "skin", { "skin", Role::wall } },
-            { "fat", { "fat", Role::wall } }, { "muscle", { "muscle", Role::wall } },
-            { "intercostal", { "intercostal", Role::wall } }, { "costal_cartilages", { "cartilage", Role::wall } },
-            { "sternum", { "bone", Role::wall } }, { "spine", { "bone", Role::wall } },
-            { "scapula_left", { "bone", Role::wall } }, { "scapula_right", { "bone", Role::wall } },
-            { "lung_left", { "lung", Role::voxel } }, { "lung_right", { "lung", Role::voxel } },
-            { "heart", { "heart", Role::at_risk } }, { "pericardium", { "heart", Role::voxel } },
-            { "aorta", { "vessel", Role::at_risk } }, { "aneurysm", { "vessel", Role::target } },
-            { "coronary_target", { "vessel", Role::target } }, { "mediastinal_fat", { "fat", Role::voxel } } };
+        const std::map<std::string, std::pair<std::string, mesh::Role>> agreed {
+            { "skin", { "skin", mesh::Role::wall } }, { "fat", { "fat", mesh::Role::wall } },
+            { "muscle", { "muscle", mesh::Role::wall } }, { "intercostal", { "intercostal", mesh::Role::wall } },
+            { "costal_cartilages", { "cartilage", mesh::Role::wall } }, { "sternum", { "bone", mesh::Role::wall } },
+            { "spine", { "bone", mesh::Role::wall } }, { "scapula_left", { "bone", mesh::Role::wall } },
+            { "scapula_right", { "bone", mesh::Role::wall } }, { "lung_left", { "lung", mesh::Role::voxel } },
+            { "lung_right", { "lung", mesh::Role::voxel } }, { "heart", { "heart", mesh::Role::at_risk } },
+            { "pericardium", { "heart", mesh::Role::voxel } }, { "aorta", { "vessel", mesh::Role::at_risk } },
+            { "aneurysm", { "vessel", mesh::Role::target } }, { "coronary_target", { "vessel", mesh::Role::target } },
+            { "mediastinal_fat", { "fat", mesh::Role::voxel } }
+        };
         for (const auto& [name, what] : agreed) {
-            const LabelInfo* info = find_label(labels.table, name);
+            const mesh::LabelInfo* info = mesh::find_label(labels.table, name);
             ASSERT_NE(info, nullptr) << name;
             EXPECT_EQ(info->material, what.first) << name;
             EXPECT_EQ(info->role, what.second) << name;
             EXPECT_TRUE(present.contains(info->id)) << name;
         }
-        for (const LabelInfo& info : labels.table)
+        for (const mesh::LabelInfo& info : labels.table)
             EXPECT_TRUE(present.contains(info.id)) << info.name << " has no voxel";
     }
 
     TEST(ThoraxPhantom, EveryBoneIsOnePiece)
     {
-        const LabelVolume& labels = thorax().labels;
-        for (const LabelInfo& info : labels.table)
+        const mesh::LabelVolume& labels = thorax().labels;
+        for (const mesh::LabelInfo& info : labels.table)
             if (info.material == "bone") {
                 EXPECT_EQ(pieces(labels, info.id), 1) << info.name;
             }
@@ -172,7 +174,7 @@ namespace phantom_test {
     TEST(ThoraxPhantom, RibsStandInOrderAndLeftIsPlusX)
     {
         const auto where = extents(thorax());
-        const LabelVolume& labels = thorax().labels;
+        const mesh::LabelVolume& labels = thorax().labels;
         for (int rib = 1; rib <= 12; ++rib) {
             const Extent& left = where.at(id_of(labels, "rib_left_" + std::to_string(rib)));
             const Extent& right = where.at(id_of(labels, "rib_right_" + std::to_string(rib)));
@@ -226,9 +228,9 @@ namespace phantom_test {
     TEST(ThoraxPhantom, ThePleuraIsSoftTissueEverywhere)
     {
         // A cut down to the pleura never ends on bone: lungs touch intercostal tissue or muscle, never a bone.
-        const LabelVolume& labels = thorax().labels;
+        const mesh::LabelVolume& labels = thorax().labels;
         std::set<Label> bones;
-        for (const LabelInfo& info : labels.table)
+        for (const mesh::LabelInfo& info : labels.table)
             if (info.material == "bone" || info.material == "cartilage")
                 bones.insert(info.id);
         bones.erase(id_of(labels, "trachea"));
@@ -282,7 +284,7 @@ namespace phantom_test {
         EXPECT_NEAR(skin.high.z() - skin.low.z(), 340.0, 4.0);
         // Along the flank at mid height: skin, fat, muscle, counted inwards from the left.
         std::map<Label, double> thickness;
-        const ImageGrid& grid = phantom.labels.grid;
+        const mesh::ImageGrid& grid = phantom.labels.grid;
         const Eigen::Vector3i at = grid.index(Vec3(0.0, 0.0, 0.0)).array().round().cast<int>();
         for (int i = at.x(); i < grid.size[0]; ++i)
             thickness[phantom.labels.voxels[grid.offset(i, at.y(), at.z())]] += grid.spacing.x();
@@ -310,7 +312,7 @@ namespace phantom_test {
     TEST(ThoraxPhantom, HounsfieldUnitsAreThoseOfACt)
     {
         const auto where = extents(thorax());
-        const LabelVolume& labels = thorax().labels;
+        const mesh::LabelVolume& labels = thorax().labels;
         const auto mean = [&](const char* name) { return where.at(id_of(labels, name)).mean_hu; };
         EXPECT_NEAR(mean("muscle"), 50.0, 15.0);
         EXPECT_NEAR(mean("lung_left"), -840.0, 40.0);
@@ -356,7 +358,7 @@ namespace phantom_test {
         const auto refused = [](const auto& change, const std::string& why) {
             ThoraxParameters parameters = coarse();
             change(parameters);
-            expect_refused<InputError>([&] { make_thorax_phantom(parameters); }, why);
+            test_support::expect_refused<InputError>([&] { make_thorax_phantom(parameters); }, why);
         };
         refused([](ThoraxParameters& p) { p.width_mm = 100.0; }, "width_mm must be between 260 and 460, got 100");
         refused([](ThoraxParameters& p) { p.depth_mm = std::nan(""); }, "depth_mm");
@@ -390,7 +392,7 @@ namespace phantom_test {
         const auto refused = [](const auto& change, const std::string& why) {
             BlockParameters parameters;
             change(parameters);
-            expect_refused<InputError>([&] { make_block_phantom(parameters); }, why);
+            test_support::expect_refused<InputError>([&] { make_block_phantom(parameters); }, why);
         };
         refused([](BlockParameters& p) { p.size_mm.x() = -1.0; }, "size_mm");
         refused([](BlockParameters& p) { p.skin_mm = 0.0; }, "skin_mm");
@@ -401,17 +403,17 @@ namespace phantom_test {
     TEST(TransformedPhantom, MovesEveryVoxelAndKeepsItsValue)
     {
         const Phantom block = make_block_phantom({});
-        const Mat3 rotation = oblique_rotation();
+        const Mat3 rotation = test_support::oblique_rotation();
         const Vec3 shift(12.0, -40.0, 305.0);
         const Phantom moved = transformed(block, rotation, shift);
         EXPECT_EQ(moved.labels.voxels, block.labels.voxels);
         EXPECT_EQ(moved.ct.voxels, block.ct.voxels);
         for (const Vec3& p : { Vec3(0.0, 50.0, 0.0), Vec3(20.0, 1.0, -30.0), Vec3(-44.0, 8.0, 44.0) })
-            EXPECT_EQ(label_at(moved.labels, rotation * p + shift), label_at(block.labels, p));
+            EXPECT_EQ(mesh::label_at(moved.labels, rotation * p + shift), mesh::label_at(block.labels, p));
         Mat3 mirror = Mat3::Identity();
         mirror(0, 0) = -1.0;
-        expect_refused<InputError>([&] { transformed(block, mirror, shift); }, "proper rotation");
-        expect_refused<InputError>([&] { transformed(block, 2.0 * rotation, shift); }, "proper rotation");
+        test_support::expect_refused<InputError>([&] { transformed(block, mirror, shift); }, "proper rotation");
+        test_support::expect_refused<InputError>([&] { transformed(block, 2.0 * rotation, shift); }, "proper rotation");
     }
 
     TEST(PhantomShapes, NoiseIsStandardAndEllipsoidsAreSigned)
@@ -432,4 +434,4 @@ namespace phantom_test {
     }
 
 } // namespace phantom_test
-} // namespace retractor
+} // namespace retractor::datasets

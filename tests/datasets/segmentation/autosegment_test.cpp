@@ -1,8 +1,8 @@
 #include "datasets/segmentation/autosegment.h"
 
+#include "datasets/io/volume_io.h"
 #include "datasets/phantoms/phantom.h"
 #include "datasets/segmentation/image/working_image.h"
-#include "datasets/io/volume_io.h"
 #include "mesh/base/error.h"
 #include "tests/support/temporary_folder.h"
 
@@ -14,7 +14,7 @@
 #include <functional>
 #include <limits>
 
-namespace retractor {
+namespace retractor::datasets {
 namespace autosegment_test {
 
     // Finer grids give better numbers; these keep nine patients within some twenty seconds.
@@ -48,38 +48,38 @@ namespace autosegment_test {
         return { slim, average, large };
     }
 
-    using Wanted = std::function<bool(const LabelInfo&)>;
+    using Wanted = std::function<bool(const mesh::LabelInfo&)>;
 
     Wanted named(const std::string& start)
     {
-        return [start](const LabelInfo& info) { return info.name.starts_with(start); };
+        return [start](const mesh::LabelInfo& info) { return info.name.starts_with(start); };
     }
 
     Wanted any_label()
     {
-        return [](const LabelInfo&) { return true; };
+        return [](const mesh::LabelInfo&) { return true; };
     }
 
     Wanted wall()
     {
-        return [](const LabelInfo& info) { return info.role == Role::wall; };
+        return [](const mesh::LabelInfo& info) { return info.role == mesh::Role::wall; };
     }
 
     Wanted bone()
     {
-        return [](const LabelInfo& info) { return info.material == "bone"; };
+        return [](const mesh::LabelInfo& info) { return info.material == "bone"; };
     }
 
-    std::vector<std::uint8_t> wanted_ids(const LabelTable& table, const Wanted& wanted)
+    std::vector<std::uint8_t> wanted_ids(const mesh::LabelTable& table, const Wanted& wanted)
     {
         std::vector<std::uint8_t> ids(65536, 0);
-        for (const LabelInfo& info : table)
+        for (const mesh::LabelInfo& info : table)
             ids[info.id] = wanted(info) ? 1 : 0;
         return ids;
     }
 
     /// 2 |A and B| / (|A| + |B|), both on one grid.
-    double dice(const LabelVolume& truth, const LabelVolume& found, const Wanted& wanted)
+    double dice(const mesh::LabelVolume& truth, const mesh::LabelVolume& found, const Wanted& wanted)
     {
         const auto in_truth = wanted_ids(truth.table, wanted);
         const auto in_found = wanted_ids(found.table, wanted);
@@ -92,7 +92,7 @@ namespace autosegment_test {
         return sum > 0.0 ? 2.0 * both / sum : 0.0;
     }
 
-    double volume_ml(const LabelVolume& labels, const Wanted& wanted)
+    double volume_ml(const mesh::LabelVolume& labels, const Wanted& wanted)
     {
         const auto ids = wanted_ids(labels.table, wanted);
         const auto count
@@ -101,7 +101,7 @@ namespace autosegment_test {
     }
 
     /// Of a label's voxels, mm.
-    double highest_point(const LabelVolume& labels, Label label)
+    double highest_point(const mesh::LabelVolume& labels, Label label)
     {
         const auto slice
             = static_cast<std::size_t>(labels.grid.size[0]) * static_cast<std::size_t>(labels.grid.size[1]);
@@ -147,7 +147,7 @@ namespace autosegment_test {
         parameters.spacing_mm = Vec3::Constant(phantom_spacing);
         const Phantom phantom = make_thorax_phantom(parameters);
         const Segmentation result = autosegment(phantom.ct, options);
-        const LabelVolume found = resample_labels_to(result.labels, phantom.labels.grid);
+        const mesh::LabelVolume found = resample_labels_to(result.labels, phantom.labels.grid);
         const double body = dice(phantom.labels, found, any_label());
         // Each by itself: swapped sides would agree where only both together are looked at.
         const double lungs = std::min(
@@ -155,9 +155,9 @@ namespace autosegment_test {
         const double walls = dice(phantom.labels, found, wall());
         const double bones = dice(phantom.labels, found, bone());
         std::printf("%-8s %8.0f  %6.4f  %6.4f  %6.4f  %6.4f  %6.4f  %6.4f\n", shape.name, noise, body, lungs, walls,
-            bones, dice(phantom.labels, found, named("heart")), dice(phantom.labels, found, [](const LabelInfo& info) {
-                return info.name == "aorta" || info.name == "aneurysm";
-            }));
+            bones, dice(phantom.labels, found, named("heart")),
+            dice(phantom.labels, found,
+                [](const mesh::LabelInfo& info) { return info.name == "aorta" || info.name == "aneurysm"; }));
         EXPECT_GE(body, kBody);
         EXPECT_GE(lungs, kLungs);
         EXPECT_GE(walls, kWall);
@@ -182,7 +182,7 @@ namespace autosegment_test {
     TEST(Autosegment, EveryVoxelOfTheBodyHasALabelOfTheTable)
     {
         const Segmentation& result = average_segmentation();
-        check_grid(result.labels.grid);
+        mesh::check_grid(result.labels.grid);
         EXPECT_TRUE(result.labels.grid.direction.isIdentity());
         const auto known = wanted_ids(result.labels.table, any_label());
         const segmentation::WorkingImage image = segmentation::working_image(average_phantom().ct, kTestSpacing, 2);
@@ -198,9 +198,9 @@ namespace autosegment_test {
 
     TEST(Autosegment, LeftIsLeft)
     {
-        const LabelVolume& labels = average_segmentation().labels;
+        const mesh::LabelVolume& labels = average_segmentation().labels;
         for (const auto& [name, side] : { std::pair { "lung_left", 1.0 }, std::pair { "lung_right", -1.0 } }) {
-            const Label id = find_label(labels.table, name)->id;
+            const Label id = mesh::find_label(labels.table, name)->id;
             double x = 0.0;
             double count = 0.0;
             for (std::size_t v = 0; v < labels.voxels.size(); ++v)
@@ -217,13 +217,13 @@ namespace autosegment_test {
     TEST(Autosegment, TheWallIsClosed)
     {
         constexpr double kLeastWall = 4.0; // mm between what is inside and air
-        const LabelVolume& labels = average_segmentation().labels;
+        const mesh::LabelVolume& labels = average_segmentation().labels;
         const segmentation::Extent extent { labels.grid.size,
             { labels.grid.spacing.x(), labels.grid.spacing.y(), labels.grid.spacing.z() } };
         segmentation::Mask outside(labels.voxels.size());
         segmentation::Mask inside(labels.voxels.size());
         const auto is_wall = wanted_ids(labels.table, wall());
-        const Label trachea = find_label(labels.table, "trachea")->id; // it leaves the chest through the neck
+        const Label trachea = mesh::find_label(labels.table, "trachea")->id; // it leaves the chest through the neck
         for (std::size_t v = 0; v < outside.size(); ++v) {
             const Label label = labels.voxels[v];
             outside[v] = label == 0 ? 1 : 0;
@@ -244,10 +244,10 @@ namespace autosegment_test {
         ASSERT_FALSE(result.structures.empty());
         double sum = 0.0;
         for (const FoundStructure& found : result.structures) {
-            EXPECT_NE(find_label(result.labels.table, found.name), nullptr) << found.name;
+            EXPECT_NE(mesh::find_label(result.labels.table, found.name), nullptr) << found.name;
             EXPECT_FALSE(found.how.empty()) << found.name;
             EXPECT_NEAR(found.volume_ml,
-                volume_ml(result.labels, [&](const LabelInfo& info) { return info.name == found.name; }), 1e-6);
+                volume_ml(result.labels, [&](const mesh::LabelInfo& info) { return info.name == found.name; }), 1e-6);
             sum += found.volume_ml;
         }
         EXPECT_EQ(result.structures.size(), result.labels.table.size());
@@ -263,10 +263,10 @@ namespace autosegment_test {
         const Segmentation& filled = average_segmentation();
         ASSERT_NE(aorta(filled), filled.structures.end());
         EXPECT_FALSE(aorta(filled)->rough);
-        Volume plain = average_phantom().ct;
-        const LabelTable& table = average_phantom().labels.table;
+        mesh::Volume plain = average_phantom().ct;
+        const mesh::LabelTable& table = average_phantom().labels.table;
         for (std::size_t v = 0; v < plain.voxels.size(); ++v)
-            if (const LabelInfo* info = find_label(table, average_phantom().labels.voxels[v]);
+            if (const mesh::LabelInfo* info = mesh::find_label(table, average_phantom().labels.voxels[v]);
                 info != nullptr && info->material != "bone" && plain.voxels[v] > 120)
                 plain.voxels[v] = 45;
         const Segmentation without = autosegment(plain, { .spacing_mm = kTestSpacing });
@@ -280,12 +280,12 @@ namespace autosegment_test {
     {
         const Phantom& phantom = average_phantom();
         // A heart and a tumour from elsewhere, on a grid of their own.
-        LabelVolume given;
+        mesh::LabelVolume given;
         given.grid = phantom.labels.grid;
         given.grid.spacing *= 1.5;
         for (int& size : given.grid.size)
             size = static_cast<int>(size / 1.5);
-        given.table = { { 7, "heart", "heart", Role::at_risk }, { 9, "tumour", "vessel", Role::target } };
+        given.table = { { 7, "heart", "heart", mesh::Role::at_risk }, { 9, "tumour", "vessel", mesh::Role::target } };
         given.voxels.assign(given.grid.voxel_count(), 0);
         std::size_t v = 0;
         for (int k = 0; k < given.grid.size[2]; ++k)
@@ -300,11 +300,11 @@ namespace autosegment_test {
         AutosegmentOptions options { .spacing_mm = kTestSpacing };
         options.given = given;
         const Segmentation result = autosegment(phantom.ct, options);
-        const LabelVolume back = resample_labels_to(given, result.labels.grid);
-        const Label heart = find_label(result.labels.table, "heart")->id;
-        const LabelInfo* tumour = find_label(result.labels.table, "tumour");
+        const mesh::LabelVolume back = resample_labels_to(given, result.labels.grid);
+        const Label heart = mesh::find_label(result.labels.table, "heart")->id;
+        const mesh::LabelInfo* tumour = mesh::find_label(result.labels.table, "tumour");
         ASSERT_NE(tumour, nullptr);
-        EXPECT_EQ(tumour->role, Role::target);
+        EXPECT_EQ(tumour->role, mesh::Role::target);
         for (std::size_t n = 0; n < back.voxels.size(); ++n) {
             ASSERT_EQ(back.voxels[n] == 7, result.labels.voxels[n] == heart);
             ASSERT_EQ(back.voxels[n] == 9, result.labels.voxels[n] == tumour->id);
@@ -319,8 +319,8 @@ namespace autosegment_test {
     TEST(Autosegment, TurnedAndMirroredAxesGiveTheSamePatient)
     {
         // The same voxels stored from the other ends: the world does not change.
-        const Volume& ct = average_phantom().ct;
-        Volume flipped = ct;
+        const mesh::Volume& ct = average_phantom().ct;
+        mesh::Volume flipped = ct;
         flipped.grid.direction.col(0) *= -1.0;
         flipped.grid.direction.col(1) *= -1.0;
         flipped.grid.origin = ct.grid.world(Vec3(ct.grid.size[0] - 1, ct.grid.size[1] - 1, 0));
@@ -330,7 +330,7 @@ namespace autosegment_test {
                     flipped.voxels[ct.grid.offset(ct.grid.size[0] - 1 - i, ct.grid.size[1] - 1 - j, k)]
                         = ct.voxels[ct.grid.offset(i, j, k)];
         const Segmentation result = autosegment(flipped, { .spacing_mm = kTestSpacing });
-        const LabelVolume found = resample_labels_to(result.labels, average_segmentation().labels.grid);
+        const mesh::LabelVolume found = resample_labels_to(result.labels, average_segmentation().labels.grid);
         constexpr double kRoundOff = 0.999; // an interpolated value may round to the other side
         EXPECT_GT(dice(average_segmentation().labels, found, named("lung_left")), kRoundOff);
         EXPECT_GT(dice(average_segmentation().labels, found, wall()), kRoundOff);
@@ -338,7 +338,7 @@ namespace autosegment_test {
 
     TEST(Autosegment, MetalOnTheSkinIsNoBone)
     {
-        Volume ct = average_phantom().ct;
+        mesh::Volume ct = average_phantom().ct;
         const int i = ct.grid.size[0] / 3; // beside the sternum
         const int k = ct.grid.size[2] / 2;
         int skin = 0;
@@ -349,8 +349,8 @@ namespace autosegment_test {
                 for (int j = skin - 1; j <= skin; ++j)
                     ct.voxels[ct.grid.offset(i + di, j, k + dk)] = 2500;
         const Segmentation result = autosegment(ct, { .spacing_mm = kTestSpacing });
-        const LabelVolume found = resample_labels_to(result.labels, ct.grid);
-        const LabelInfo* there = find_label(found.table, found.voxels[ct.grid.offset(i, skin, k)]);
+        const mesh::LabelVolume found = resample_labels_to(result.labels, ct.grid);
+        const mesh::LabelInfo* there = mesh::find_label(found.table, found.voxels[ct.grid.offset(i, skin, k)]);
         ASSERT_NE(there, nullptr);
         EXPECT_NE(there->material, "bone");
         EXPECT_TRUE(std::any_of(result.warnings.begin(), result.warnings.end(),
@@ -373,17 +373,17 @@ namespace autosegment_test {
 
     TEST(Autosegment, RefusesWhatShowsNoChest)
     {
-        Volume air;
+        mesh::Volume air;
         air.grid.size = { 40, 40, 40 };
         air.grid.spacing = Vec3::Constant(5.0);
         air.voxels.assign(air.grid.voxel_count(), -1000);
         EXPECT_NE(message_of([&] { autosegment(air); }).find("no body was found"), std::string::npos);
 
-        Volume tissue = air;
+        mesh::Volume tissue = air;
         tissue.voxels.assign(tissue.grid.voxel_count(), 40);
         EXPECT_NE(message_of([&] { autosegment(tissue); }).find("crop from inside the body"), std::string::npos);
 
-        Volume trunk = air; // no lungs in it
+        mesh::Volume trunk = air; // no lungs in it
         for (int k = 0; k < 40; ++k)
             for (int j = 8; j < 32; ++j)
                 for (int i = 5; i < 35; ++i)
@@ -394,14 +394,14 @@ namespace autosegment_test {
             message_of([&] { autosegment(air, { .spacing_mm = 0.2 }); }).find("0.5 and 4, got 0.2"), std::string::npos);
         EXPECT_NE(message_of([&] { autosegment(air, { .spacing_mm = std::nan("") }); }).find("spacing_mm"),
             std::string::npos);
-        Volume short_of_voxels = air;
+        mesh::Volume short_of_voxels = air;
         short_of_voxels.voxels.pop_back();
         EXPECT_NE(message_of([&] { autosegment(short_of_voxels); }).find("do not agree"), std::string::npos);
     }
 
     TEST(Autosegment, RefusesATurnedPlateWhoseBoxIsTooLarge)
     {
-        Volume plate; // 600 ml, but its box along the world's axes holds half a cubic metre
+        mesh::Volume plate; // 600 ml, but its box along the world's axes holds half a cubic metre
         plate.grid.size = { 100, 100, 1 };
         plate.grid.spacing = { 10.0, 10.0, 0.6 };
         plate.grid.direction
@@ -428,16 +428,16 @@ namespace autosegment_test {
 
     TEST(AutosegmentRealData, ChestWithTableAndLeads)
     {
-        const auto path = shared_data("ct/chest_half/ricord_chest_half.nii.gz");
+        const auto path = test_support::shared_data("ct/chest_half/ricord_chest_half.nii.gz");
         if (!std::filesystem::exists(path))
             GTEST_SKIP() << "no shared data: set RETRACTOR_SHARED_DATA";
-        const Volume ct = read_volume(path);
+        const mesh::Volume ct = read_volume(path);
         const Segmentation result = autosegment(ct, { .spacing_mm = kTestSpacing });
         // Rough thresholds that came with the image: 1 body, 2 lung and air, 3 bone above 180 HU.
-        LabelVolume rough = read_label_voxels(shared_data("labels/ricord_half_hu_labels.nii.gz"));
-        rough.table = { { 1, "body", "muscle", Role::wall }, { 2, "lung", "lung", Role::voxel },
-            { 3, "bone", "bone", Role::wall } };
-        const LabelVolume found = resample_labels_to(result.labels, rough.grid);
+        mesh::LabelVolume rough = read_label_voxels(test_support::shared_data("labels/ricord_half_hu_labels.nii.gz"));
+        rough.table = { { 1, "body", "muscle", mesh::Role::wall }, { 2, "lung", "lung", mesh::Role::voxel },
+            { 3, "bone", "bone", mesh::Role::wall } };
+        const mesh::LabelVolume found = resample_labels_to(result.labels, rough.grid);
         EXPECT_GT(dice(rough, found, any_label()), 0.97);
 
         // Table, blankets and leads: what is no air and has nothing to do with the body that came with the image.
@@ -445,7 +445,7 @@ namespace autosegment_test {
         constexpr int kChin = 3; // the uppermost slices show it, the labels that came with the image do not
         constexpr std::int16_t kNoAir = -500, kMetal = 500; // HU
         ASSERT_EQ(ct.voxels.size(), rough.voxels.size());
-        const ImageGrid& grid = rough.grid;
+        const mesh::ImageGrid& grid = rough.grid;
         segmentation::Mask body(rough.voxels.size());
         std::transform(
             rough.voxels.begin(), rough.voxels.end(), body.begin(), [](Label label) { return label != 0 ? 1 : 0; });
@@ -475,7 +475,7 @@ namespace autosegment_test {
             int count = 0;
             for (int n = 1; n <= 10; ++n) {
                 const std::string name = std::string("rib_") + side + "_" + std::to_string(n);
-                const LabelInfo* info = find_label(result.labels.table, name);
+                const mesh::LabelInfo* info = mesh::find_label(result.labels.table, name);
                 if (info == nullptr) {
                     EXPECT_TRUE(std::any_of(result.warnings.begin(), result.warnings.end(),
                         [&](const std::string& line) { return line.starts_with(name + " not found"); }))
@@ -493,14 +493,14 @@ namespace autosegment_test {
 
     TEST(AutosegmentRealData, CropsAndAbdomensAreRefused)
     {
-        const auto crop = shared_data("ct/ts_thorax_cta/ct_aorta_crop.nii.gz");
+        const auto crop = test_support::shared_data("ct/ts_thorax_cta/ct_aorta_crop.nii.gz");
         if (!std::filesystem::exists(crop))
             GTEST_SKIP() << "no shared data: set RETRACTOR_SHARED_DATA";
         EXPECT_NE(
             message_of([&] { autosegment(read_volume(crop)); }).find("crop from inside the body"), std::string::npos);
-        const Volume abdomen = read_volume(shared_data("ct/ts_abdomen/example_ct.nii.gz"));
+        const mesh::Volume abdomen = read_volume(test_support::shared_data("ct/ts_abdomen/example_ct.nii.gz"));
         EXPECT_NE(message_of([&] { autosegment(abdomen); }).find("no lungs were found"), std::string::npos);
     }
 
 } // namespace autosegment_test
-} // namespace retractor
+} // namespace retractor::datasets

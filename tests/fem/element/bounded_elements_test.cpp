@@ -1,7 +1,7 @@
 #include "fem/element/bounded_elements.h"
 
-#include "fem/model/elastic_body.h"
 #include "fem/linear_algebra/two_halves.h"
+#include "fem/model/elastic_body.h"
 #include "tests/support/reference_problems.h"
 
 #include <gtest/gtest.h>
@@ -10,15 +10,15 @@
 
 #include <random>
 
-namespace retractor {
+namespace retractor::fem {
 namespace bounded_elements_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     constexpr double kRoundOff = 1e-12; // of the largest force or of the energy
 
     struct Bodies {
-        TetMesh mesh = kuhn_box(3, 2, 2, 4.0); // 72 elements; one less: the last pack is not full
+        mesh::TetMesh mesh = mesh::kuhn_box(3, 2, 2, 4.0); // 72 elements; one less: the last pack is not full
         std::vector<Lame> lame;
         Eigen::VectorXd u;
 
@@ -131,7 +131,7 @@ namespace bounded_elements_test {
 
     TEST(BoundedElements, GiveTheSameOnOneThreadAndTwo)
     {
-        const TetMesh mesh = kuhn_box(20, 20, 5, 4.0); // 12,000 elements: two threads where there are two
+        const mesh::TetMesh mesh = mesh::kuhn_box(20, 20, 5, 4.0); // 12,000 elements: two threads where there are two
         const ElasticBody body(mesh, Elasticity::bounded, std::vector<Lame>(mesh.tet_count(), Lame { 0.01, 0.05 }));
         Eigen::VectorXd u(3 * mesh.vertices.rows());
         for (Eigen::Index i = 0; i < u.size(); ++i)
@@ -145,4 +145,4 @@ namespace bounded_elements_test {
     }
 
 } // namespace bounded_elements_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -2,8 +2,8 @@
 
 #include "fem/statics/near_field.h"
 #include "fem/statics/opening.h"
-#include "tests/support/hooked_block.h"
 #include "mesh/base/error.h"
+#include "tests/support/hooked_block.h"
 #include "tests/support/reference_problems.h"
 
 #include <gtest/gtest.h>
@@ -13,10 +13,10 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::fem {
 namespace error_estimate_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     constexpr double kSolved = 1e-10; // relative residual: nothing beside errors of discretisation
 
@@ -45,8 +45,8 @@ namespace error_estimate_test {
         constexpr int kSlenderness = 10;
         constexpr double kHeight = 4.0;
         ElasticProblem problem;
-        problem.mesh = kuhn_box(kSlenderness * across, across, across, kHeight / across);
-        problem.material_of_label = { {}, material(0.5, poissons_ratio) };
+        problem.mesh = mesh::kuhn_box(kSlenderness * across, across, across, kHeight / across);
+        problem.material_of_label = { {}, test_support::material(0.5, poissons_ratio) };
         problem.hooks = { { .name = "end", .side = 1, .nodes = {}, .displacement = displacement } };
         for (VertexId v = 0; v < problem.mesh.vertices.rows(); ++v)
             if (problem.mesh.vertices(v, 0) < 1e-9)
@@ -78,7 +78,7 @@ namespace error_estimate_test {
 
     TEST(ErrorEstimate, EffectiveOnABlockUnderPatches)
     {
-        const ElasticProblem finest = with_midpoints(hooked_block(8, 4));
+        const ElasticProblem finest = with_midpoints(test_support::hooked_block(8, 4));
         const OpeningResult truth = answer_of(finest, Elasticity::linear);
         const auto displacement_at = [](const ElasticProblem& problem, const Points& displacement, const Vec3& at) {
             Eigen::Index node = 0;
@@ -86,7 +86,7 @@ namespace error_estimate_test {
             return Vec3(displacement.row(node));
         };
         for (const int fineness : { 2, 4, 6 }) {
-            const ElasticProblem block = hooked_block(fineness, 4);
+            const ElasticProblem block = test_support::hooked_block(fineness, 4);
             const OpeningResult answer = answer_of(block, Elasticity::linear);
             const ErrorEstimate estimate = estimate_error(block, Elasticity::linear, answer.displacement);
             ASSERT_EQ(estimate.status, EstimateStatus::done) << estimate.message;
@@ -106,7 +106,7 @@ namespace error_estimate_test {
 
     TEST(ErrorEstimate, IsWhatTenNodeElementsGiveOnTheSameMesh)
     {
-        const ElasticProblem block = hooked_block(2, 4);
+        const ElasticProblem block = test_support::hooked_block(2, 4);
         const struct {
             Elasticity elasticity;
             double tolerance; ///< relative to the change
@@ -132,16 +132,17 @@ namespace error_estimate_test {
         // elements: at the rims of patches forces go to their limit like the edge's length.
         for (const double nu : { 0.45, 0.49 }) {
             const auto skin = [nu](ElasticProblem problem) {
-                problem.material_of_label = { {}, material(0.2, nu), material(0.2, nu) };
+                problem.material_of_label = { {}, test_support::material(0.2, nu), test_support::material(0.2, nu) };
                 return problem;
             };
             const auto ten_nodes = [&](int fineness) {
-                return answer_of(with_midpoints(skin(hooked_block(fineness, 4))), Elasticity::linear).hook_forces_N;
+                return answer_of(with_midpoints(skin(test_support::hooked_block(fineness, 4))), Elasticity::linear)
+                    .hook_forces_N;
             };
             const std::vector<Vec3> coarse = ten_nodes(6), fine = ten_nodes(8);
             // At 0.49 elements as large as a patch see up to 3.5 times their error.
             for (const int fineness : nu > 0.46 ? std::vector { 4 } : std::vector { 2, 4 }) {
-                const ElasticProblem block = skin(hooked_block(fineness, 4));
+                const ElasticProblem block = skin(test_support::hooked_block(fineness, 4));
                 Opening opening(block.mesh, block.material_of_label, block.supports,
                     { .elasticity = Elasticity::linear, .locking_free = true, .tolerance = kSolved });
                 const OpeningResult answer = opening.open(block.hooks);
@@ -164,7 +165,7 @@ namespace error_estimate_test {
 
     TEST(ErrorEstimate, KnowsWhatPlainElementsSayOfWhatOthersAnswered)
     {
-        const ElasticProblem block = hooked_block(2, 4);
+        const ElasticProblem block = test_support::hooked_block(2, 4);
         Opening opening(block.mesh, block.material_of_label, block.supports,
             { .elasticity = Elasticity::linear, .locking_free = true, .tolerance = kSolved });
         const ErrorEstimate estimate
@@ -184,8 +185,9 @@ namespace error_estimate_test {
     /// same. With these lifted the plain step would stay short.
     ElasticProblem stretched_block(double poissons_ratio, double times)
     {
-        ElasticProblem block = hooked_block(2, 4);
-        block.material_of_label = { {}, material(0.2, poissons_ratio), material(0.2, poissons_ratio) };
+        ElasticProblem block = test_support::hooked_block(2, 4);
+        block.material_of_label
+            = { {}, test_support::material(0.2, poissons_ratio), test_support::material(0.2, poissons_ratio) };
         for (HookPatch& hook : block.hooks)
             hook.displacement *= times;
         return block;
@@ -228,8 +230,8 @@ namespace error_estimate_test {
         constexpr double kSide = 10.0, kHeight = 5.0, kGap = 0.3, kPress = 1.3, kRoundOff = 1e-9;
         const int across = static_cast<int>(std::lround(kSide / edge_mm));
         ElasticProblem problem;
-        problem.mesh = kuhn_box(across, across, across / 2, edge_mm);
-        const TetMesh upper = problem.mesh;
+        problem.mesh = mesh::kuhn_box(across, across, across / 2, edge_mm);
+        const mesh::TetMesh upper = problem.mesh;
         const auto before = static_cast<VertexId>(upper.vertex_count());
         problem.mesh.vertices.conservativeResize(2 * upper.vertices.rows(), 3);
         problem.mesh.vertices.bottomRows(upper.vertices.rows())
@@ -244,8 +246,8 @@ namespace error_estimate_test {
             if (std::fmod(middle, 0.5 * kSide) < stiff_mm)
                 problem.mesh.labels[static_cast<std::size_t>(t)] = 3;
         }
-        problem.material_of_label
-            = { {}, material(0.05, poissons_ratio), material(0.02, poissons_ratio), material(1000.0, 0.3) };
+        problem.material_of_label = { {}, test_support::material(0.05, poissons_ratio),
+            test_support::material(0.02, poissons_ratio), test_support::material(1000.0, 0.3) };
         problem.hooks = { { "press", 1, {}, Vec3(0.0, 0.0, -kPress) } };
         for (VertexId v = 0; v < problem.mesh.vertices.rows(); ++v)
             if (problem.mesh.vertices(v, 2) < kRoundOff)
@@ -284,9 +286,9 @@ namespace error_estimate_test {
 
     TEST(ErrorEstimate, FlatElementsTakeLongerButHaveOne)
     {
-        ElasticProblem block = hooked_block(2, 4);
+        ElasticProblem block = test_support::hooked_block(2, 4);
         block.mesh.vertices.col(2) *= 0.05; // elements of 10 x 10 x 0.5 mm, stiff upon soft
-        block.material_of_label = { {}, material(0.04, 0.0), material(2000.0, 0.0) };
+        block.material_of_label = { {}, test_support::material(0.04, 0.0), test_support::material(2000.0, 0.0) };
         for (HookPatch& hook : block.hooks)
             hook.displacement *= 0.01; // else they turn over
         const OpeningResult answer = answer_of(block, Elasticity::linear, 1e-6);
@@ -301,7 +303,7 @@ namespace error_estimate_test {
 
     TEST(ErrorEstimate, SeesALinearFarFieldAsWell)
     {
-        const ElasticProblem block = hooked_block(2, 4);
+        const ElasticProblem block = test_support::hooked_block(2, 4);
         Points wound(1, 3);
         wound.row(0) = block.mesh.vertices.row(block.hooks[0].nodes.front());
         std::vector<std::uint8_t> near = elements_near(block.mesh, wound, 1.0);
@@ -327,7 +329,7 @@ namespace error_estimate_test {
 
     TEST(ErrorEstimate, NoneWhereTheAnswerTurnsTissueOver)
     {
-        const ElasticProblem block = hooked_block(2, 4);
+        const ElasticProblem block = test_support::hooked_block(2, 4);
         Points u = answer_of(block, Elasticity::linear).displacement;
         Eigen::Index node = 0;
         (block.mesh.vertices.rowwise() - Eigen::RowVector3d(30.0, 20.0, 10.0)).rowwise().norm().minCoeff(&node);
@@ -362,7 +364,7 @@ namespace error_estimate_test {
 
     TEST(ErrorEstimate, WhatWasLeftUnsolvedIsSeenAndUndone)
     {
-        const ElasticProblem block = hooked_block(2, 4);
+        const ElasticProblem block = test_support::hooked_block(2, 4);
         const OpeningResult answer = answer_of(block, Elasticity::linear);
         const ErrorEstimate solved = estimate_error(block, Elasticity::linear, answer.displacement);
         Points wrong = answer.displacement;
@@ -388,8 +390,8 @@ namespace error_estimate_test {
 
     TEST(ErrorEstimate, MidpointsAreHeldWhereAWholeFaceIs)
     {
-        const ElasticProblem fine = with_midpoints(hooked_block(2, 4));
-        const ElasticProblem direct = hooked_block(2, 10); // every node on the held surfaces
+        const ElasticProblem fine = with_midpoints(test_support::hooked_block(2, 4));
+        const ElasticProblem direct = test_support::hooked_block(2, 10); // every node on the held surfaces
         EXPECT_EQ(fine.supports.fixed.size(), direct.supports.fixed.size());
         for (std::size_t h = 0; h < fine.hooks.size(); ++h)
             EXPECT_EQ(fine.hooks[h].nodes.size(), direct.hooks[h].nodes.size());
@@ -397,7 +399,7 @@ namespace error_estimate_test {
 
     TEST(ErrorEstimate, BadInputIsRefused)
     {
-        const ElasticProblem block = hooked_block(2, 4);
+        const ElasticProblem block = test_support::hooked_block(2, 4);
         const Points answer = answer_of(block, Elasticity::linear).displacement;
         const auto refused = [](const ElasticProblem& problem, Elasticity model, const Points& u, const char* word) {
             try {
@@ -419,7 +421,7 @@ namespace error_estimate_test {
 
     TEST(ErrorEstimate, CancelledIsAStatus)
     {
-        const ElasticProblem block = hooked_block(2, 4);
+        const ElasticProblem block = test_support::hooked_block(2, 4);
         const Points answer = answer_of(block, Elasticity::linear).displacement;
         const std::atomic<bool> cancel { true };
         Job job;
@@ -428,4 +430,4 @@ namespace error_estimate_test {
     }
 
 } // namespace error_estimate_test
-} // namespace retractor
+} // namespace retractor::fem

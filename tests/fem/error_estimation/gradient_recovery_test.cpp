@@ -12,19 +12,19 @@
 #include <random>
 #include <string>
 
-namespace retractor {
+namespace retractor::fem {
 namespace gradient_recovery_test {
 
     constexpr Elasticity kModel = Elasticity::corotational;
     constexpr Lame kTissue { 0.4, 0.7 };
 
-    TetMesh box(int n) { return with_midpoints(distorted_box(n, 1.0 / n, 0.2, 3)); }
-    std::vector<Lame> parameters(const TetMesh& mesh) { return std::vector<Lame>(mesh.tet_count(), kTissue); }
+    mesh::TetMesh box(int n) { return mesh::with_midpoints(verification::distorted_box(n, 1.0 / n, 0.2, 3)); }
+    std::vector<Lame> parameters(const mesh::TetMesh& mesh) { return std::vector<Lame>(mesh.tet_count(), kTissue); }
 
     TEST(GradientRecovery, SeesNoErrorWhereGradientsAreLinear)
     {
-        const TetMesh mesh = box(3);
-        const Eigen::VectorXd u = nodal_values(mesh, [](const Vec3& p) -> Vec3 {
+        const mesh::TetMesh mesh = box(3);
+        const Eigen::VectorXd u = verification::nodal_values(mesh, [](const Vec3& p) -> Vec3 {
             return 1e-3 * Vec3(p.x() * p.x() - p.y() * p.z(), 2.0 * p.x() + p.z() * p.z(), p.y() - p.x() * p.y());
         });
         const double energy = energy_between(mesh, kModel, parameters(mesh), Eigen::VectorXd::Zero(u.size()), u);
@@ -34,10 +34,10 @@ namespace gradient_recovery_test {
 
     TEST(GradientRecovery, EnergyBetweenFieldsIsTheirIntegral)
     {
-        const TetMesh mesh = box(2);
+        const mesh::TetMesh mesh = box(2);
         const Eigen::VectorXd none = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
-        const Eigen::VectorXd u
-            = nodal_values(mesh, [](const Vec3& p) -> Vec3 { return 1e-4 * Vec3(p.x() * p.x(), 0.0, 0.0); });
+        const Eigen::VectorXd u = verification::nodal_values(
+            mesh, [](const Vec3& p) -> Vec3 { return 1e-4 * Vec3(p.x() * p.x(), 0.0, 0.0); });
         // Strain 2e-4 x, a third of it of volume: 2 mu 2/3 4e-8 x^2 over the unit cube.
         EXPECT_NEAR(energy_between(mesh, kModel, parameters(mesh), none, u),
             2.0 * kTissue.mu * (2.0 / 3.0) * 4e-8 / 3.0, 1e-16);
@@ -51,8 +51,8 @@ namespace gradient_recovery_test {
         // The best that ten-node elements can do is about their interpolation; what they miss is seen one mesh down.
         double before = 0.0;
         for (const int n : { 2, 4, 8 }) {
-            const TetMesh mesh = with_midpoints(kuhn_box(n, n, n, 1.0 / n));
-            const Eigen::VectorXd u = nodal_values(mesh, field);
+            const mesh::TetMesh mesh = mesh::with_midpoints(mesh::kuhn_box(n, n, n, 1.0 / n));
+            const Eigen::VectorXd u = verification::nodal_values(mesh, field);
             const double estimate = std::sqrt(recovered_energy(mesh, kModel, parameters(mesh), u));
             if (before > 0.0) {
                 constexpr double kOrder = 2.0, kOff = 0.3;
@@ -64,7 +64,7 @@ namespace gradient_recovery_test {
 
     /// Twice the energy of shape between the field and its values at nodes, by three Gauss points each way.
     template <class Gradient>
-    double true_energy(const TetMesh& mesh, const Eigen::VectorXd& u, const Gradient& gradient_at)
+    double true_energy(const mesh::TetMesh& mesh, const Eigen::VectorXd& u, const Gradient& gradient_at)
     {
         const double off = std::sqrt(0.15);
         const double at[] = { 0.5 - off, 0.5, 0.5 + off }, weight[] = { 5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0 };
@@ -106,21 +106,22 @@ namespace gradient_recovery_test {
             return Mat3(1e-3 * H);
         };
         // Cubes cut alike, vertices moved about, one sliver, and layers of elements a twentieth as thick as wide.
-        TetMesh layers = kuhn_box(4, 4, 4, 0.25);
+        mesh::TetMesh layers = mesh::kuhn_box(4, 4, 4, 0.25);
         for (Eigen::Index v = 0; v < layers.vertices.rows(); ++v)
             layers.vertices(v, 2) *= 0.05;
-        TetMesh sliver = box_with_sliver(1e-3);
+        mesh::TetMesh sliver = verification::box_with_sliver(1e-3);
         sliver.vertices /= 3.0;
         const struct {
-            TetMesh mesh;
+            mesh::TetMesh mesh;
             const char* what;
-        } cases[] = { { kuhn_box(4, 4, 4, 0.25), "structured" }, { distorted_box(4, 0.25, 0.2, 5), "distorted" },
-            { distorted_box(8, 0.125, 0.2, 5), "distorted, finer" }, { sliver, "a sliver" },
+        } cases[] = { { mesh::kuhn_box(4, 4, 4, 0.25), "structured" },
+            { verification::distorted_box(4, 0.25, 0.2, 5), "distorted" },
+            { verification::distorted_box(8, 0.125, 0.2, 5), "distorted, finer" }, { sliver, "a sliver" },
             { layers, "thin layers" } };
         constexpr double kFactor = 2.0; // in energy norm
         for (const auto& c : cases) {
-            const TetMesh mesh = with_midpoints(c.mesh);
-            const Eigen::VectorXd u = nodal_values(mesh, field);
+            const mesh::TetMesh mesh = mesh::with_midpoints(c.mesh);
+            const Eigen::VectorXd u = verification::nodal_values(mesh, field);
             const double ratio = std::sqrt(
                 recovered_energy(mesh, Elasticity::linear, parameters(mesh), u) / true_energy(mesh, u, gradient_at));
             RecordProperty(c.what, std::to_string(ratio));
@@ -135,10 +136,10 @@ namespace gradient_recovery_test {
         constexpr double kMost = 250.0; // of the noise's own energy: (1 + 12 weights)^2 and room
         for (const double flat : { 1.0, 1e-2, 1e-4 })
             for (const int layers : { 1, 2 }) {
-                TetMesh mesh = kuhn_box(3, 3, layers, 1.0);
+                mesh::TetMesh mesh = mesh::kuhn_box(3, 3, layers, 1.0);
                 for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
                     mesh.vertices(v, 2) *= flat;
-                mesh = with_midpoints(mesh);
+                mesh = mesh::with_midpoints(mesh);
                 std::mt19937 random(7);
                 Eigen::VectorXd u(3 * mesh.vertices.rows());
                 for (double& value : u)
@@ -152,14 +153,14 @@ namespace gradient_recovery_test {
 
     TEST(GradientRecovery, ASharePastAllBoundsIsSaidSo)
     {
-        const TetMesh mesh = box(2);
-        const auto corners = static_cast<Eigen::Index>(3 * kuhn_box(2, 2, 2, 0.5).vertex_count());
+        const mesh::TetMesh mesh = box(2);
+        const auto corners = static_cast<Eigen::Index>(3 * mesh::kuhn_box(2, 2, 2, 0.5).vertex_count());
         const auto lame = parameters(mesh);
         const Eigen::VectorXd still = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
         EXPECT_EQ(share_left(mesh, kModel, lame, still, still.head(corners)), 0.0);
-        const TetMesh straight = with_midpoints(kuhn_box(2, 2, 2, 0.5));
+        const mesh::TetMesh straight = mesh::with_midpoints(mesh::kuhn_box(2, 2, 2, 0.5));
         // Bent along edges only: ten-node elements have nothing that plain ones do not, and stresses still jump.
-        const Eigen::VectorXd kinked = nodal_values(straight, [](const Vec3& p) -> Vec3 {
+        const Eigen::VectorXd kinked = verification::nodal_values(straight, [](const Vec3& p) -> Vec3 {
             return { 1e-3 * std::max(0.0, p.x() - 0.5), 0.0, 0.0 };
         });
         EXPECT_EQ(
@@ -181,8 +182,8 @@ namespace gradient_recovery_test {
     {
         // Bent at the border of two tissues, and straight in each: right as it is.
         const auto bent = [](const Vec3& p) -> Vec3 { return { 0.0, 0.0, 1e-3 * std::max(p.x() - 0.5, 0.0) }; };
-        TetMesh straight = with_midpoints(kuhn_box(4, 4, 4, 0.25));
-        const Eigen::VectorXd u = nodal_values(straight, bent);
+        mesh::TetMesh straight = mesh::with_midpoints(mesh::kuhn_box(4, 4, 4, 0.25));
+        const Eigen::VectorXd u = verification::nodal_values(straight, bent);
         const double smoothed = recovered_energy(straight, kModel, parameters(straight), u);
         for (std::size_t t = 0; t < straight.tet_count(); ++t) {
             double x = 0.0;
@@ -195,8 +196,8 @@ namespace gradient_recovery_test {
 
     TEST(GradientRecovery, TurnedFieldsHaveTheSameErrors)
     {
-        const TetMesh mesh = box(3);
-        const Eigen::VectorXd u = nodal_values(
+        const mesh::TetMesh mesh = box(3);
+        const Eigen::VectorXd u = verification::nodal_values(
             mesh, [](const Vec3& p) -> Vec3 { return 0.1 * Vec3(p.x() * p.x() * p.y(), std::sin(p.z()), 0.0); });
         Mat3 turn;
         turn << 0, -1, 0, 1, 0, 0, 0, 0, 1;
@@ -211,11 +212,11 @@ namespace gradient_recovery_test {
 
     TEST(GradientRecovery, RefusesWhatItCannotRead)
     {
-        const TetMesh mesh = box(2), corners = kuhn_box(1, 1, 1, 1.0);
+        const mesh::TetMesh mesh = box(2), corners = mesh::kuhn_box(1, 1, 1, 1.0);
         const Eigen::VectorXd u = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
         Eigen::VectorXd bad = u;
         bad[4] = std::nan("");
-        const auto refused = [](const TetMesh& m, const std::vector<Lame>& lame, const Eigen::VectorXd& values) {
+        const auto refused = [](const mesh::TetMesh& m, const std::vector<Lame>& lame, const Eigen::VectorXd& values) {
             try {
                 (void)recovered_energy(m, kModel, lame, values);
             } catch (const InputError& error) {
@@ -230,4 +231,4 @@ namespace gradient_recovery_test {
     }
 
 } // namespace gradient_recovery_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -8,16 +8,16 @@
 
 #include <cmath>
 
-namespace retractor {
+namespace retractor::fem {
 namespace dissected_body_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     /// A box fixed at the bottom, to be cut along its middle.
     struct Box {
         Box()
-            : session(kuhn_box(12, 8, 4, 4.0))
-            , K(session, std::vector<Material> { material(0.5, 0.3), material(0.5, 0.3) })
+            : session(mesh::kuhn_box(12, 8, 4, 4.0))
+            , K(session, std::vector<Material> { test_support::material(0.5, 0.3), test_support::material(0.5, 0.3) })
             , fixed(K.slot_count(), 0)
         {
             for (VertexId v = 0; v < static_cast<VertexId>(K.slot_count()); ++v) {
@@ -35,7 +35,7 @@ namespace dissected_body_test {
                 active.push_back(f == 0 ? 1 : 0);
             return active;
         }
-        CutSession session;
+        mesh::CutSession session;
         OnlineStiffness K;
         std::vector<std::uint8_t> fixed;
         std::vector<VertexId> open;
@@ -88,7 +88,7 @@ namespace dissected_body_test {
         const std::vector<std::uint8_t> active = box.free();
         const auto expect_solved = [&](const std::set<VertexId>& held) {
             ASSERT_TRUE(body.update(box.K, active, held));
-            Eigen::MatrixXd load = random_entries(rows, kCases, 3);
+            Eigen::MatrixXd load = test_support::random_entries(rows, kCases, 3);
             const auto rest = [&](Eigen::MatrixXd& at) {
                 for (VertexId v = 0; v < static_cast<VertexId>(active.size()); ++v)
                     if (active[static_cast<std::size_t>(v)] == 0 || held.contains(v))
@@ -151,4 +151,4 @@ namespace dissected_body_test {
     }
 
 } // namespace dissected_body_test
-} // namespace retractor
+} // namespace retractor::fem

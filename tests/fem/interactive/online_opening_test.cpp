@@ -1,9 +1,9 @@
 #include "fem/interactive/online_opening.h"
 
 #include "fem/linear_algebra/constrained_solver.h"
+#include "fem/linear_algebra/two_halves.h"
 #include "fem/model/pre_strain.h"
 #include "fem/statics/tension.h"
-#include "fem/linear_algebra/two_halves.h"
 #include "mesh/base/error.h"
 #include "tests/support/random_strokes.h"
 #include "tests/support/reference_problems.h"
@@ -17,27 +17,28 @@
 #include <numbers>
 #include <thread>
 
-namespace retractor {
+namespace retractor::fem {
 namespace online_opening_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     // Two exact solvers on one mesh: what their round-off leaves between them, relative to the largest displacement.
     constexpr double kSameAnswer = 1e-10;
     constexpr double kResidual = 1e-8; // what an answer promises
 
     const Vec3 kBox(32.0, 32.0, 16.0);
-    const std::vector<Material> kTissues { material(1.0, 0.3), material(0.02, 0.45), material(0.2, 0.4) };
+    const std::vector<Material> kTissues { test_support::material(1.0, 0.3), test_support::material(0.02, 0.45),
+        test_support::material(0.2, 0.4) };
 
-    TetMesh layered_box()
+    mesh::TetMesh layered_box()
     {
-        TetMesh box = kuhn_box(8, 8, 4, 4.0);
+        mesh::TetMesh box = mesh::kuhn_box(8, 8, 4, 4.0);
         for (TetId t = 0; t < static_cast<TetId>(box.tet_count()); ++t)
             box.labels[static_cast<std::size_t>(t)] = box.vertices(box.tet(t)[0], 2) >= 8.0 ? 2 : 1;
         return box;
     }
 
-    std::vector<VertexId> vertices_where(const TetMesh& mesh, const std::function<bool(const Vec3&)>& inside)
+    std::vector<VertexId> vertices_where(const mesh::TetMesh& mesh, const std::function<bool(const Vec3&)>& inside)
     {
         std::vector<VertexId> found;
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
@@ -46,10 +47,10 @@ namespace online_opening_test {
         return found;
     }
     bool at_bottom(const Vec3& p) { return p.z() < 1e-9; }
-    Supports bottom_fixed(const TetMesh& mesh) { return { vertices_where(mesh, at_bottom), {} }; }
+    Supports bottom_fixed(const mesh::TetMesh& mesh) { return { vertices_where(mesh, at_bottom), {} }; }
 
     /// Skin vertices of the corner at the origin, or of the opposite one.
-    OnlineHook corner_hook(const TetMesh& mesh, bool far, const Vec3& pull)
+    OnlineHook corner_hook(const mesh::TetMesh& mesh, bool far, const Vec3& pull)
     {
         OnlineHook hook;
         hook.name = far ? "far" : "near";
@@ -63,13 +64,13 @@ namespace online_opening_test {
     }
 
     /// The middle of the box: the planned corridor.
-    std::vector<VertexId> middle(const TetMesh& mesh)
+    std::vector<VertexId> middle(const mesh::TetMesh& mesh)
     {
         return vertices_where(mesh, [](const Vec3& p) { return std::abs(p.y() - 16.0) < 6.5 && p.z() > 3.0; });
     }
 
     /// Along x through the middle of the top.
-    Blade middle_blade(double depth = 9.0, double from = 5.0, double to = 27.0)
+    mesh::Blade middle_blade(double depth = 9.0, double from = 5.0, double to = 27.0)
     {
         return { .line = { Vec3(from, 15.1, 16.0), Vec3(to, 16.7, 16.0) },
             .directions = { Vec3(0.05, 0.1, -1.0) },
@@ -77,11 +78,11 @@ namespace online_opening_test {
     }
 
     /// The same problem assembled and factored from nothing, by session ids.
-    Eigen::VectorXd fresh_solution(const CutSession& session, std::span<const Material> materials,
+    Eigen::VectorXd fresh_solution(const mesh::CutSession& session, std::span<const Material> materials,
         const std::vector<OnlineHook>& hooks, const std::vector<Vec3>& moved, const Eigen::VectorXd& load = {})
     {
-        SlotMap map;
-        const TetMesh mesh = session.compact_mesh(&map);
+        mesh::SlotMap map;
+        const mesh::TetMesh mesh = session.compact_mesh(&map);
         std::vector<Lame> parameters;
         for (const Label label : mesh.labels)
             parameters.push_back(lame(materials[label]));
@@ -103,7 +104,7 @@ namespace online_opening_test {
         if (load.size() > 0)
             for (std::size_t v = 0; v < map.vertex_slot.size(); ++v)
                 loads.segment<3>(3 * static_cast<Eigen::Index>(v)) = load.segment<3>(3 * map.vertex_slot[v]);
-        const Eigen::VectorXd u = solve_linear(body, prescribed, values, loads);
+        const Eigen::VectorXd u = test_support::solve_linear(body, prescribed, values, loads);
         Eigen::VectorXd by_id = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(map.compact_vertex.size()));
         for (std::size_t v = 0; v < map.vertex_slot.size(); ++v)
             by_id.segment<3>(3 * map.vertex_slot[v]) = u.segment<3>(3 * static_cast<Eigen::Index>(v));
@@ -136,7 +137,7 @@ namespace online_opening_test {
     std::vector<OnlineOptions> both_ways() { return { OnlineOptions {}, taken_apart() }; }
 
     struct Wound {
-        explicit Wound(const TetMesh& box = layered_box(), std::vector<Material> tissues = kTissues,
+        explicit Wound(const mesh::TetMesh& box = layered_box(), std::vector<Material> tissues = kTissues,
             OnlineOptions options = {}, const Vec3& pull = Vec3(0.0, 3.0, 1.0), bool wide_corridor = false)
             : materials(std::move(tissues))
             , session(box)
@@ -147,10 +148,10 @@ namespace online_opening_test {
             for (const OnlineHook& hook : hooks)
                 ids.push_back(opening.attach(hook));
         }
-        void cut(const Blade& blade)
+        void cut(const mesh::Blade& blade)
         {
-            const CutResult result = session.cut(blade);
-            ASSERT_EQ(result.status, CutStatus::done) << result.message;
+            const mesh::CutResult result = session.cut(blade);
+            ASSERT_EQ(result.status, mesh::CutStatus::done) << result.message;
             opening.follow(result.delta);
         }
         std::vector<Vec3> pulls() const
@@ -170,7 +171,7 @@ namespace online_opening_test {
         }
 
         std::vector<Material> materials;
-        CutSession session;
+        mesh::CutSession session;
         OnlineOpening opening;
         std::vector<OnlineHook> hooks;
         std::vector<HookId> ids;
@@ -179,9 +180,10 @@ namespace online_opening_test {
     TEST(OnlineOpening, AStretchedBarHasTheClosedFormsForce)
     {
         // Plane cross-sections that may contract freely: only the ends are held, by hooks that grip all of them.
-        const TetMesh bar = kuhn_box(10, 2, 2, 1.0);
-        const Material soft = material(0.5, 0.0); // no lateral contraction: the ends' grip does not matter
-        const CutSession session(bar);
+        const mesh::TetMesh bar = mesh::kuhn_box(10, 2, 2, 1.0);
+        const Material soft
+            = test_support::material(0.5, 0.0); // no lateral contraction: the ends' grip does not matter
+        const mesh::CutSession session(bar);
         OnlineHook end;
         end.name = "end";
         end.nodes = vertices_where(bar, [](const Vec3& p) { return p.x() > 9.9; });
@@ -207,11 +209,11 @@ namespace online_opening_test {
                 Wound wound(layered_box(), kTissues, options);
                 std::mt19937 random(seed);
                 for (int i = 0; i < 8; ++i) {
-                    const auto follow = [&](const MeshDelta& delta) {
+                    const auto follow = [&](const mesh::MeshDelta& delta) {
                         wound.opening.follow(delta);
                         EXPECT_NE(whole_answer(wound.opening).status, OnlineStatus::inaccurate);
                     };
-                    random_change(wound.session, random, kBox, follow);
+                    test_support::random_change(wound.session, random, kBox, follow);
                     if (wound.opening.answer().status == OnlineStatus::unsupported)
                         continue; // strokes that meet can cut a piece out
                     SCOPED_TRACE("seed " + std::to_string(seed) + ", change " + std::to_string(i));
@@ -226,14 +228,14 @@ namespace online_opening_test {
     TEST(OnlineOpening, AFreehandStrokeIsExactAfterEachStepAndFirstInTheCorridor)
     {
         Wound wound(layered_box(), kTissues, { .fold_vertices = 20 });
-        const Blade blade = middle_blade();
-        Blade drawn = blade;
+        const mesh::Blade blade = middle_blade();
+        mesh::Blade drawn = blade;
         drawn.line = { blade.line[0] };
         constexpr int kSteps = 8;
         for (int step = 1; step <= kSteps; ++step) {
             drawn.line.push_back(blade.line[0] + (blade.line[1] - blade.line[0]) * step / kSteps);
-            const CutResult result = wound.session.extend_stroke(drawn);
-            ASSERT_EQ(result.status, CutStatus::done);
+            const mesh::CutResult result = wound.session.extend_stroke(drawn);
+            ASSERT_EQ(result.status, mesh::CutStatus::done);
             wound.opening.follow(result.delta);
             OnlineAnswer answer = wound.opening.answer();
             const Eigen::VectorXd near = answer.displacement;
@@ -257,14 +259,14 @@ namespace online_opening_test {
             Wound wound(layered_box(), kTissues, { .fold_vertices = 10, .fold_deltas = fold_deltas },
                 Vec3(0.0, 3.0, 1.0), true);
             std::vector<Eigen::VectorXd> fields;
-            const Blade blade = middle_blade(9.0, 3.0, 29.0);
-            Blade drawn = blade;
+            const mesh::Blade blade = middle_blade(9.0, 3.0, 29.0);
+            mesh::Blade drawn = blade;
             drawn.line = { blade.line[0] };
             constexpr int kSteps = 10;
             for (int step = 1; step <= kSteps; ++step) {
                 drawn.line.push_back(blade.line[0] + (blade.line[1] - blade.line[0]) * step / kSteps);
-                const CutResult result = wound.session.extend_stroke(drawn);
-                EXPECT_EQ(result.status, CutStatus::done);
+                const mesh::CutResult result = wound.session.extend_stroke(drawn);
+                EXPECT_EQ(result.status, mesh::CutStatus::done);
                 wound.opening.follow(result.delta);
                 const OnlineAnswer answer = whole_answer(wound.opening);
                 EXPECT_EQ(answer.status, OnlineStatus::solved);
@@ -292,7 +294,7 @@ namespace online_opening_test {
     /// a step touches, so that what lies behind the knife leaves the folded state.
     struct LongStroke {
         explicit LongStroke(bool under_tension, int fold_deltas = 0)
-            : bar(kuhn_box(18, 6, 4, 4.0))
+            : bar(mesh::kuhn_box(18, 6, 4, 4.0))
             , session(bar)
         {
             OnlineOptions options { .fold_vertices = 10, .fold_deltas = fold_deltas };
@@ -319,8 +321,8 @@ namespace online_opening_test {
         {
             constexpr double kStep = 4.0;
             drawn.line.push_back(drawn.line.back() + Vec3(kStep, 0.05 * kStep, 0.0));
-            const CutResult result = session.extend_stroke(drawn);
-            ASSERT_EQ(result.status, CutStatus::done);
+            const mesh::CutResult result = session.extend_stroke(drawn);
+            ASSERT_EQ(result.status, mesh::CutStatus::done);
             opening->follow(result.delta, session.lips());
         }
         void expect_exact()
@@ -337,12 +339,14 @@ namespace online_opening_test {
             most_left = std::max(most_left, opening->left_vertices());
         }
 
-        TetMesh bar;
-        CutSession session;
+        mesh::TetMesh bar;
+        mesh::CutSession session;
         std::unique_ptr<OnlineOpening> opening;
         std::vector<OnlineHook> hooks;
         std::vector<HookId> ids;
-        Blade drawn { .line = { Vec3(6.0, 10.7, 16.0) }, .directions = { Vec3(0.05, 0.1, -1.0) }, .depth_mm = 9.0 };
+        mesh::Blade drawn {
+            .line = { Vec3(6.0, 10.7, 16.0) }, .directions = { Vec3(0.05, 0.1, -1.0) }, .depth_mm = 9.0
+        };
         std::size_t most_left = 0;
     };
 
@@ -407,11 +411,11 @@ namespace online_opening_test {
             const auto stroke = stroke_with_left();
             const auto finished = stroke->session.finish_stroke();
             stroke->opening->follow(finished.delta);
-            const Blade across { .line = { Vec3(18.3, 5.0, 16.0), Vec3(17.1, 19.0, 16.0) },
+            const mesh::Blade across { .line = { Vec3(18.3, 5.0, 16.0), Vec3(17.1, 19.0, 16.0) },
                 .directions = { Vec3(0.0, 0.1, -1.0) },
                 .depth_mm = 6.0 };
-            const CutResult cut = stroke->session.cut(across);
-            ASSERT_EQ(cut.status, CutStatus::done) << cut.message;
+            const mesh::CutResult cut = stroke->session.cut(across);
+            ASSERT_EQ(cut.status, mesh::CutStatus::done) << cut.message;
             stroke->opening->follow(cut.delta);
             stroke->expect_exact();
             stroke->opening->follow(stroke->session.undo());
@@ -423,11 +427,11 @@ namespace online_opening_test {
             const auto stroke = stroke_with_left();
             const auto finished = stroke->session.finish_stroke();
             stroke->opening->follow(finished.delta);
-            const Blade beside { .line = { Vec3(30.0, 2.1, 16.0), Vec3(38.0, 3.0, 16.0) },
+            const mesh::Blade beside { .line = { Vec3(30.0, 2.1, 16.0), Vec3(38.0, 3.0, 16.0) },
                 .directions = { Vec3(0.0, 0.0, -1.0) },
                 .depth_mm = 3.0 };
-            const CutResult cut = stroke->session.cut(beside);
-            ASSERT_EQ(cut.status, CutStatus::done) << cut.message;
+            const mesh::CutResult cut = stroke->session.cut(beside);
+            ASSERT_EQ(cut.status, mesh::CutStatus::done) << cut.message;
             stroke->opening->follow(cut.delta);
             stroke->expect_exact();
         }
@@ -435,16 +439,16 @@ namespace online_opening_test {
 
     TEST(OnlineOpening, BothRoutesAndNoCorridorAtAllGiveOneAnswer)
     {
-        const TetMesh box = layered_box();
-        CutSession session(box);
+        const mesh::TetMesh box = layered_box();
+        mesh::CutSession session(box);
         std::vector<OnlineHook> hooks { corner_hook(box, false, Vec3(-1.0, -2.0, 0.0)) };
         OnlineOpening planned(session, kTissues, bottom_fixed(box), middle(box));
         OnlineOpening wide(
             session, kTissues, bottom_fixed(box), vertices_where(box, [](const Vec3& p) { return p.z() > 1.0; }));
         OnlineOpening added(session, kTissues, bottom_fixed(box), {}, { .added_vertices = 10000 });
         OnlineOpening rebuilt(session, kTissues, bottom_fixed(box), {}, { .added_vertices = 0 });
-        const CutResult cut = session.cut(middle_blade());
-        ASSERT_EQ(cut.status, CutStatus::done);
+        const mesh::CutResult cut = session.cut(middle_blade());
+        ASSERT_EQ(cut.status, mesh::CutStatus::done);
         const Eigen::VectorXd fresh = fresh_solution(session, kTissues, hooks, { hooks[0].drive.displacement });
         std::set<std::string> routes;
         for (OnlineOpening* opening : { &planned, &wide, &added, &rebuilt }) {
@@ -460,8 +464,8 @@ namespace online_opening_test {
 
     TEST(OnlineOpening, HooksAttachedToADenseSystemAreExact)
     {
-        const TetMesh box = layered_box();
-        CutSession session(box);
+        const mesh::TetMesh box = layered_box();
+        mesh::CutSession session(box);
         OnlineOpening opening(session, kTissues, bottom_fixed(box), middle(box));
         std::vector<OnlineHook> hooks;
         std::vector<Vec3> moved;
@@ -480,8 +484,8 @@ namespace online_opening_test {
             return opening.attach(hook);
         };
         attach(patch(8.0, 20.0));
-        const CutResult cut = session.cut(middle_blade(12.0));
-        ASSERT_EQ(cut.status, CutStatus::done);
+        const mesh::CutResult cut = session.cut(middle_blade(12.0));
+        ASSERT_EQ(cut.status, mesh::CutStatus::done);
         opening.follow(cut.delta);
         ASSERT_EQ(whole_answer(opening).status, OnlineStatus::solved);
         ASSERT_EQ(opening.route(), "dense");
@@ -511,7 +515,7 @@ namespace online_opening_test {
     {
         for (const OnlineOptions& options : both_ways()) {
             Wound wound(layered_box(), kTissues, options);
-            Blade aside = middle_blade(8.0);
+            mesh::Blade aside = middle_blade(8.0);
             for (Vec3& p : aside.line)
                 p.y() -= 11.0;
             const std::size_t planned = wound.opening.corridor_vertices();
@@ -523,9 +527,10 @@ namespace online_opening_test {
 
     TEST(OnlineOpening, ABodyThatOutgrowsItsCorridorIsTakenApartAndExact)
     {
-        const TetMesh box = kuhn_box(60, 6, 4, 4.0); // long: its parts are far less work than one dense corridor
-        const std::vector<Material> tissues(2, material(0.1, 0.4));
-        const CutSession session(box);
+        const mesh::TetMesh box
+            = mesh::kuhn_box(60, 6, 4, 4.0); // long: its parts are far less work than one dense corridor
+        const std::vector<Material> tissues(2, test_support::material(0.1, 0.4));
+        const mesh::CutSession session(box);
         OnlineOpening opening(session, tissues, bottom_fixed(box),
             vertices_where(box, [](const Vec3& p) { return p.x() < 9.0 && p.z() > 11.0; }));
         OnlineHook slab;
@@ -552,7 +557,7 @@ namespace online_opening_test {
             const OnlineAnswer before = whole_answer(wound.opening);
             OnlineHook third;
             third.name = "third";
-            const TetMesh box = layered_box();
+            const mesh::TetMesh box = layered_box();
             third.nodes = vertices_where(box, [](const Vec3& p) {
                 return p.z() > 15.9 && std::abs(p.x() - 16.0) < 4.5 && p.y() > 21.0 && p.y() < 27.0;
             });
@@ -606,12 +611,12 @@ namespace online_opening_test {
             wound.expect_exact();
             wound.cut(middle_blade(9.0, 14.0, 27.0));
             wound.expect_exact();
-            SlotMap map;
-            const TetMesh mesh = wound.session.compact_mesh(&map);
+            mesh::SlotMap map;
+            const mesh::TetMesh mesh = wound.session.compact_mesh(&map);
             std::set<VertexId> lip; // newborn vertices among them
-            for (const LipFace& face : wound.session.lips())
+            for (const mesh::LipFace& face : wound.session.lips())
                 if (face.side > 0)
-                    for (const VertexId v : face_vertices(
+                    for (const VertexId v : mesh::face_vertices(
                              mesh, { map.compact_tet[static_cast<std::size_t>(face.face.tet)], face.face.corner }))
                         if (const Vec3 p = mesh.vertices.row(v); std::abs(p.x() - 16.0) < 5.0 && p.z() > 9.0)
                             lip.insert(map.vertex_slot[static_cast<std::size_t>(v)]);
@@ -622,7 +627,7 @@ namespace online_opening_test {
             wound.opening.attach(hook);
             wound.hooks.push_back(hook);
             wound.expect_exact();
-            Blade across { .line = { Vec3(16.0, 6.0, 16.0), Vec3(16.5, 26.0, 16.0) },
+            mesh::Blade across { .line = { Vec3(16.0, 6.0, 16.0), Vec3(16.5, 26.0, 16.0) },
                 .directions = { Vec3(0.0, 0.0, -1.0) },
                 .depth_mm = 6.0 };
             wound.cut(across);
@@ -646,7 +651,7 @@ namespace online_opening_test {
         for (const OnlineOptions& options : both_ways()) {
             Wound wound(layered_box(), kTissues, options);
             const auto slice = [](double x0, double y0, double x1, double y1) {
-                return Blade { .line = { Vec3(x0, y0, 16.0), Vec3(x1, y1, 16.0) },
+                return mesh::Blade { .line = { Vec3(x0, y0, 16.0), Vec3(x1, y1, 16.0) },
                     .directions = { Vec3(0.0, 0.0, -1.0) },
                     .depth_mm = 20.0 };
             };
@@ -656,7 +661,7 @@ namespace online_opening_test {
             wound.opening.follow(wound.session.undo());
             // The same corner under-cut by a level blade: now nothing holds it.
             wound.cut(slice(20.0, -3.0, 35.0, 12.0));
-            const Blade level { .line = { Vec3(36.0, -4.0, 7.0), Vec3(15.0, -4.0, 7.0) },
+            const mesh::Blade level { .line = { Vec3(36.0, -4.0, 7.0), Vec3(15.0, -4.0, 7.0) },
                 .directions = { Vec3(0.0, 1.0, 0.0) },
                 .depth_mm = 22.0 };
             wound.cut(level);
@@ -671,14 +676,14 @@ namespace online_opening_test {
     TEST(OnlineOpening, AnAblationTakesSupportsAndUndoingItGivesThemBack)
     {
         Wound wound;
-        const TetMesh box = layered_box();
+        const mesh::TetMesh box = layered_box();
         std::vector<TetId> marked;
         for (const VertexId v : vertices_where(box, at_bottom))
             if ((box.vertices.row(v).transpose() - Vec3(16.0, 12.0, 0.0)).norm() < 4.5)
                 for (const TetId t : wound.session.tets_at(v))
                     marked.push_back(t);
-        const CutResult ablation = wound.session.ablate(marked);
-        ASSERT_EQ(ablation.status, CutStatus::done);
+        const mesh::CutResult ablation = wound.session.ablate(marked);
+        ASSERT_EQ(ablation.status, mesh::CutStatus::done);
         ASSERT_GE(ablation.delta.vertices_gone.size(), 3U);
         wound.opening.follow(ablation.delta);
         wound.expect_exact();
@@ -706,7 +711,7 @@ namespace online_opening_test {
     TEST(OnlineOpening, AHookHoldsItsVerticesNotWhatTheirIdsBecome)
     {
         Wound wound;
-        const TetMesh box = layered_box();
+        const mesh::TetMesh box = layered_box();
         OnlineHook& near = wound.hooks[0];
         // The corner under the near hook is burnt away but for four of its vertices.
         std::vector<TetId> marked;
@@ -716,8 +721,8 @@ namespace online_opening_test {
                     marked.push_back(t);
         std::sort(marked.begin(), marked.end());
         marked.erase(std::unique(marked.begin(), marked.end()), marked.end());
-        const CutResult ablation = wound.session.ablate(marked);
-        ASSERT_EQ(ablation.status, CutStatus::done);
+        const mesh::CutResult ablation = wound.session.ablate(marked);
+        ASSERT_EQ(ablation.status, mesh::CutStatus::done);
         const OnlineHook whole = near;
         std::erase_if(near.nodes, [&](VertexId v) { return !wound.session.has_vertex(v); });
         ASSERT_GE(near.nodes.size(), 3U);
@@ -750,7 +755,7 @@ namespace online_opening_test {
         OnlineHook lip;
         lip.name = "lip";
         lip.drive.displacement = Vec3(0.0, 1.0, 0.0);
-        for (const LipFace& face : wound.session.lips())
+        for (const mesh::LipFace& face : wound.session.lips())
             if (face.side > 0)
                 for (const VertexId v : wound.session.tet(face.face.tet).nodes)
                     if (static_cast<std::size_t>(v) >= box.vertex_count()
@@ -780,7 +785,7 @@ namespace online_opening_test {
             wound.opening.follow(wound.session.undo()); // vertices that the new factor knows are gone
             wound.expect_exact();
             std::mt19937 random(11);
-            wound.cut(random_blade(random, kBox)); // and their ids come back elsewhere
+            wound.cut(test_support::random_blade(random, kBox)); // and their ids come back elsewhere
             wound.expect_exact();
         }
     }
@@ -791,14 +796,14 @@ namespace online_opening_test {
         tension(1, 1) = 0.01;
         for (OnlineOptions options :
             { OnlineOptions { .fold_vertices = 1 }, OnlineOptions { .fold_vertices = 100000 }, taken_apart() }) {
-            const TetMesh box = layered_box();
+            const mesh::TetMesh box = layered_box();
             for (const Label label : box.labels)
                 options.stress_of_element.push_back(label == 2 ? tension : Mat3(Mat3::Zero()));
-            CutSession session(box);
+            mesh::CutSession session(box);
             OnlineOpening opening(session, kTissues, bottom_fixed(box), middle(box), options);
             EXPECT_EQ(whole_answer(opening).displacement.norm(), 0.0);
-            const CutResult cut = session.cut(middle_blade());
-            ASSERT_EQ(cut.status, CutStatus::done);
+            const mesh::CutResult cut = session.cut(middle_blade());
+            ASSERT_EQ(cut.status, mesh::CutStatus::done);
             opening.follow(cut.delta, session.lips());
             const OnlineAnswer answer = whole_answer(opening);
             ASSERT_EQ(answer.status, OnlineStatus::solved) << answer.message;
@@ -806,8 +811,8 @@ namespace online_opening_test {
                 difference(answer.displacement, fresh_solution(session, kTissues, {}, {}, opening.stiffness().load())),
                 kSameAnswer);
             double gape = 0.0; // a vertex and its copy on the other lip part along y
-            for (const MeshDelta::VertexBorn& born : cut.delta.vertices_born)
-                if (born.origin == MeshDelta::Origin::copy)
+            for (const mesh::MeshDelta::VertexBorn& born : cut.delta.vertices_born)
+                if (born.origin == mesh::MeshDelta::Origin::copy)
                     gape = std::max(
                         gape, std::abs(answer.displacement[3 * born.id + 1] - answer.displacement[3 * born.a + 1]));
             EXPECT_GT(gape, 0.1);
@@ -820,8 +825,8 @@ namespace online_opening_test {
                           fresh_solution(session, kTissues, { hook }, moved, opening.stiffness().load())),
                 kSameAnswer);
             for (int more = 0; more < 3; ++more) { // further cuts while the lips of the first are folded away
-                const CutResult next = session.cut(middle_blade(6.0 - more, 10.0 + 2.0 * more, 30.0));
-                ASSERT_NE(next.status, CutStatus::cancelled);
+                const mesh::CutResult next = session.cut(middle_blade(6.0 - more, 10.0 + 2.0 * more, 30.0));
+                ASSERT_NE(next.status, mesh::CutStatus::cancelled);
                 opening.follow(next.delta, session.lips());
                 const OnlineAnswer again = whole_answer(opening);
                 ASSERT_EQ(again.status, OnlineStatus::solved) << again.message;
@@ -831,7 +836,7 @@ namespace online_opening_test {
                     kSameAnswer);
             }
             while (session.can_undo()) {
-                const MeshDelta undone = session.undo();
+                const mesh::MeshDelta undone = session.undo();
                 opening.follow(undone, session.lips());
             }
             opening.detach(opening.answer().hooks[0]);
@@ -844,23 +849,23 @@ namespace online_opening_test {
         constexpr double kModulus = 0.2, kRatio = 0.25, kStrain = 0.02;
         // The rim is held where it is, at 15 half lengths of the cut: its pull is of order (1/15)^2.
         const SheetProblem problem { .radius = 600.0, .around = 96 };
-        const TetMesh sheet = sheet_mesh(problem);
-        const std::vector<Material> skin(2, material(kModulus, kRatio));
+        const mesh::TetMesh sheet = sheet_mesh(problem);
+        const std::vector<Material> skin(2, test_support::material(kModulus, kRatio));
         for (const PreStrainKind kind : { PreStrainKind::uniaxial_stress, PreStrainKind::equibiaxial }) {
-            CutSession session(sheet);
+            mesh::CutSession session(sheet);
             OnlineOptions options;
             options.stress_of_element
                 = pre_stress(sheet, skin, std::vector<PreStrain>(2, { kind, kStrain, Vec3::UnitY(), Vec3::UnitZ() }));
             OnlineOpening opening(session, skin, { .fixed = sheet_rim(problem, sheet) }, {}, options);
-            const CutResult cut = session.cut(sheet_blade(problem));
-            ASSERT_EQ(cut.status, CutStatus::done);
+            const mesh::CutResult cut = session.cut(sheet_blade(problem));
+            ASSERT_EQ(cut.status, mesh::CutStatus::done);
             opening.follow(cut.delta, session.lips());
             const OnlineAnswer answer = whole_answer(opening);
             ASSERT_EQ(answer.status, OnlineStatus::solved) << answer.message;
             double gape = 0.0;
             int count = 0;
             for (const auto& born : cut.delta.vertices_born)
-                if (born.origin == MeshDelta::Origin::copy && std::abs(born.position.x()) < 1e-9) {
+                if (born.origin == mesh::MeshDelta::Origin::copy && std::abs(born.position.x()) < 1e-9) {
                     gape += std::abs(answer.displacement[3 * born.id + 1] - answer.displacement[3 * born.a + 1]);
                     ++count;
                 }
@@ -917,14 +922,17 @@ namespace online_opening_test {
     TEST(OnlineOpening, NearlyIncompressibleAndBoneBesideFat)
     {
         {
-            Wound wound(layered_box(), { material(1.0, 0.3), material(0.02, 0.49), material(0.2, 0.49) });
+            Wound wound(layered_box(),
+                { test_support::material(1.0, 0.3), test_support::material(0.02, 0.49),
+                    test_support::material(0.2, 0.49) });
             wound.cut(middle_blade());
             wound.expect_exact(1e-9);
         }
-        TetMesh box = layered_box(); // bone 1e6 times as stiff as the fat round it
+        mesh::TetMesh box = layered_box(); // bone 1e6 times as stiff as the fat round it
         for (TetId t = 0; t < static_cast<TetId>(box.tet_count()); ++t)
             box.labels[static_cast<std::size_t>(t)] = box.vertices(box.tet(t)[0], 0) >= 20.0 ? 2 : 1;
-        Wound wound(box, { material(1.0, 0.3), material(0.01, 0.45), material(1e4, 0.3) });
+        Wound wound(box,
+            { test_support::material(1.0, 0.3), test_support::material(0.01, 0.45), test_support::material(1e4, 0.3) });
         wound.cut(middle_blade());
         const OnlineAnswer answer = whole_answer(wound.opening);
         ASSERT_EQ(answer.status, OnlineStatus::solved) << answer.message;
@@ -950,7 +958,7 @@ namespace online_opening_test {
     TEST(OnlineOpening, RefusesBadHooksAndBodiesThatFloat)
     {
         Wound wound;
-        const TetMesh box = layered_box();
+        const mesh::TetMesh box = layered_box();
         const double nan = std::numeric_limits<double>::quiet_NaN();
         OnlineHook hook = corner_hook(box, false, Vec3::Zero());
         const auto attach = [&] { wound.opening.attach(hook); };
@@ -968,17 +976,18 @@ namespace online_opening_test {
             [&] { wound.opening.drive(wound.ids[0], { .force_limit_N = -1.0 }); }, "positive", "hook 'near'");
         expect_refused([&] { wound.opening.drive(77, {}); }, "no such hook", "hook 77");
         expect_refused([&] { wound.opening.detach(77); }, "no such hook", "hook 77");
-        expect_refused([&] { OnlineOpening(CutSession(box), kTissues, {}, {}); }, "neither a support nor a hook", "");
+        expect_refused(
+            [&] { OnlineOpening(mesh::CutSession(box), kTissues, {}, {}); }, "neither a support nor a hook", "");
         expect_refused(
             [&] {
-                OnlineOpening(CutSession(box), kTissues, { { -4 }, {} }, {});
+                OnlineOpening(mesh::CutSession(box), kTissues, { { -4 }, {} }, {});
             },
             "no such vertex", "vertex -4");
-        MeshDelta wrong;
+        mesh::MeshDelta wrong;
         wrong.tets_gone.push_back({ 3, { 0, 1, 2, 3 }, 1, 3 });
         EXPECT_THROW(wound.opening.follow(wrong), InputError);
         wound.expect_exact(); // all of this has changed nothing
     }
 
 } // namespace online_opening_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -12,16 +12,17 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::fem {
 namespace online_stiffness_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
-    const std::vector<Material> kTissues { material(1.0, 0.3), material(0.02, 0.45), material(2.0, 0.3) };
+    const std::vector<Material> kTissues { test_support::material(1.0, 0.3), test_support::material(0.02, 0.45),
+        test_support::material(2.0, 0.3) };
 
-    TetMesh layered_box()
+    mesh::TetMesh layered_box()
     {
-        TetMesh box = kuhn_box(8, 8, 4, 4.0);
+        mesh::TetMesh box = mesh::kuhn_box(8, 8, 4, 4.0);
         for (TetId t = 0; t < static_cast<TetId>(box.tet_count()); ++t)
             box.labels[static_cast<std::size_t>(t)] = box.vertices(box.tet(t)[0], 2) >= 8.0 ? 2 : 1;
         return box;
@@ -58,12 +59,12 @@ namespace online_stiffness_test {
 
     TEST(OnlineStiffness, EqualsTheStiffnessOfTheBody)
     {
-        const TetMesh box = distorted_box(4, 2.0, 0.2, 7);
-        const Material tissue = material(0.02, 0.45);
-        const OnlineStiffness online(CutSession(box), std::vector<Material> { tissue, tissue });
-        ElasticBody body(box, Elasticity::linear, uniform(box, tissue));
-        const Eigen::VectorXd x
-            = nodal_values(box, [](const Vec3& p) { return Vec3(std::sin(p.x()), p.y() * p.z(), std::cos(p.y())); });
+        const mesh::TetMesh box = verification::distorted_box(4, 2.0, 0.2, 7);
+        const Material tissue = test_support::material(0.02, 0.45);
+        const OnlineStiffness online(mesh::CutSession(box), std::vector<Material> { tissue, tissue });
+        ElasticBody body(box, Elasticity::linear, test_support::uniform(box, tissue));
+        const Eigen::VectorXd x = verification::nodal_values(
+            box, [](const Vec3& p) { return Vec3(std::sin(p.x()), p.y() * p.z(), std::cos(p.y())); });
         const Eigen::VectorXd expected = body.stiffness(Eigen::VectorXd::Zero(x.size()), 0.0).multiply(x);
         constexpr double kRoundOff = 1e-13;
         EXPECT_LT((online.multiply(x) - expected).norm(), kRoundOff * expected.norm());
@@ -75,11 +76,11 @@ namespace online_stiffness_test {
     TEST(OnlineStiffness, HasTheBitsOfAFreshAssemblyAfterCutsUndosAndRedos)
     {
         for (unsigned seed = 1; seed <= 4; ++seed) {
-            CutSession session(layered_box());
+            mesh::CutSession session(layered_box());
             OnlineStiffness followed(session, kTissues, tension());
             std::mt19937 random(seed);
             for (int i = 0; i < 10; ++i) {
-                random_change(session, random, kBoxSize, [&](const MeshDelta& delta) {
+                test_support::random_change(session, random, kBoxSize, [&](const mesh::MeshDelta& delta) {
                     followed.apply(delta);
                     followed.set_wound(session.lips());
                 });
@@ -91,8 +92,8 @@ namespace online_stiffness_test {
 
     TEST(OnlineStiffness, ABedGoesAndComesBackWithItsVertexAndNotWithItsId)
     {
-        const TetMesh box = layered_box();
-        CutSession session(box);
+        const mesh::TetMesh box = layered_box();
+        mesh::CutSession session(box);
         const auto is_first = [&](VertexId v) { // in its place, and not another under its id
             return session.has_vertex(v) && session.position(v) == Vec3(box.vertices.row(v).transpose());
         };
@@ -115,15 +116,15 @@ namespace online_stiffness_test {
             if (box.vertices(v, 2) == 0.0 && box.vertices(v, 0) < 6.0 && box.vertices(v, 1) < 6.0)
                 for (const TetId t : session.tets_at(v))
                     marked.push_back(t);
-        const CutResult ablation = session.ablate(marked);
-        ASSERT_EQ(ablation.status, CutStatus::done);
+        const mesh::CutResult ablation = session.ablate(marked);
+        ASSERT_EQ(ablation.status, mesh::CutStatus::done);
         ASSERT_GE(ablation.delta.vertices_gone.size(), 4U);
         followed.apply(ablation.delta);
         expect_right();
-        const CutResult cut = session.cut(
+        const mesh::CutResult cut = session.cut(
             { .line = { { 10, 15.2, 16 }, { 33, 16.1, 16 } }, .directions = { { 0.02, 0.05, -1.0 } }, .depth_mm = 7.0 },
             { .snap = 0.0 });
-        ASSERT_EQ(cut.status, CutStatus::done) << cut.message;
+        ASSERT_EQ(cut.status, mesh::CutStatus::done) << cut.message;
         for (const auto& gone : ablation.delta.vertices_gone) {
             ASSERT_TRUE(session.has_vertex(gone.id)); // used again
             EXPECT_FALSE(is_first(gone.id));
@@ -146,12 +147,12 @@ namespace online_stiffness_test {
 
     TEST(OnlineStiffness, ChangesOnlyTheRowsItNames)
     {
-        CutSession session(layered_box());
+        mesh::CutSession session(layered_box());
         OnlineStiffness followed(session, kTissues);
         const OnlineStiffness before = followed;
         std::mt19937 random(3);
-        const CutResult cut = session.cut(random_blade(random, kBoxSize));
-        ASSERT_EQ(cut.status, CutStatus::done);
+        const mesh::CutResult cut = session.cut(test_support::random_blade(random, kBoxSize));
+        ASSERT_EQ(cut.status, mesh::CutStatus::done);
         const std::vector<VertexId> touched = followed.touched_by(cut.delta);
         EXPECT_LT(touched.size(), before.vertex_count());
         followed.apply(cut.delta);
@@ -163,10 +164,11 @@ namespace online_stiffness_test {
 
     TEST(OnlineStiffness, IsSymmetricToTheBitAndKeepsRigidMotionsFree)
     {
-        CutSession session(layered_box());
+        mesh::CutSession session(layered_box());
         OnlineStiffness followed(session, kTissues);
         std::mt19937 random(5);
-        random_change(session, random, kBoxSize, [&](const MeshDelta& delta) { followed.apply(delta); });
+        test_support::random_change(
+            session, random, kBoxSize, [&](const mesh::MeshDelta& delta) { followed.apply(delta); });
         for (VertexId v = 0; v < static_cast<VertexId>(followed.slot_count()); ++v) {
             const OnlineStiffness::Row& row = followed.row(v);
             for (std::size_t i = 0; i < row.column.size(); ++i) {
@@ -186,12 +188,12 @@ namespace online_stiffness_test {
     }
 
     /// By session ids.
-    Eigen::VectorXd released(const CutSession& session, const std::vector<Mat3>& stress_of_origin)
+    Eigen::VectorXd released(const mesh::CutSession& session, const std::vector<Mat3>& stress_of_origin)
     {
-        SlotMap map;
-        const TetMesh mesh = session.compact_mesh(&map);
-        std::vector<TetFace> faces;
-        for (const LipFace& lip : session.lips())
+        mesh::SlotMap map;
+        const mesh::TetMesh mesh = session.compact_mesh(&map);
+        std::vector<mesh::TetFace> faces;
+        for (const mesh::LipFace& lip : session.lips())
             faces.push_back({ map.compact_tet[static_cast<std::size_t>(lip.face.tet)], lip.face.corner });
         std::vector<Mat3> stresses;
         for (const TetId slot : map.tet_slot)
@@ -206,20 +208,20 @@ namespace online_stiffness_test {
     TEST(OnlineStiffness, WoundsSetTheTensionFreeThatWasThere)
     {
         const Vec3 box(32.0, 32.0, 16.0);
-        CutSession session(kuhn_box(8, 8, 4, 4.0));
-        const TetMesh first = session.compact_mesh();
+        mesh::CutSession session(mesh::kuhn_box(8, 8, 4, 4.0));
+        const mesh::TetMesh first = session.compact_mesh();
         std::vector<Mat3> tension;
         for (std::size_t t = 0; t < first.tet_count(); ++t) {
             Mat3 s = Mat3::Identity() * (0.001 * static_cast<double>(t % 7));
             s(0, 1) = s(1, 0) = 0.002;
             tension.push_back(s);
         }
-        const std::vector<Material> tissue { material(1.0, 0.3), material(1.0, 0.3) };
+        const std::vector<Material> tissue { test_support::material(1.0, 0.3), test_support::material(1.0, 0.3) };
         OnlineStiffness online(session, tissue, tension);
         EXPECT_EQ(online.load().lpNorm<Eigen::Infinity>(), 0.0) << "nothing moves until a blade has passed";
         std::mt19937 random(5);
         for (int i = 0; i < 12; ++i) {
-            random_change(session, random, box, [&](const MeshDelta& delta) {
+            test_support::random_change(session, random, box, [&](const mesh::MeshDelta& delta) {
                 online.apply(delta);
                 online.set_wound(session.lips());
             });
@@ -246,16 +248,16 @@ namespace online_stiffness_test {
 
     TEST(OnlineStiffness, RefusesWhatDoesNotFitAndStaysAsItWas)
     {
-        CutSession session(layered_box());
+        mesh::CutSession session(layered_box());
         OnlineStiffness online(session, kTissues);
         const OnlineStiffness before = online;
-        MeshDelta gone;
+        mesh::MeshDelta gone;
         gone.tets_gone.push_back({ 3, { 0, 1, 2, 3 }, 1, 3 });
         expect_refused([&] { online.apply(gone); }, "an element that goes is not there", "element 3");
-        MeshDelta nan;
+        mesh::MeshDelta nan;
         nan.vertices_moved.push_back({ 5, Vec3::Zero(), Vec3(0.0, std::numeric_limits<double>::quiet_NaN(), 0.0) });
         expect_refused([&] { online.apply(nan); }, "not finite", "vertex 5");
-        MeshDelta twice;
+        mesh::MeshDelta twice;
         twice.vertices_born.push_back({ 5, Vec3::Zero(), 5, 5, 0.0 });
         expect_refused([&] { online.apply(twice); }, "a vertex is born that lives", "vertex 5");
         expect_same_bits(online, before);
@@ -274,10 +276,10 @@ namespace online_stiffness_test {
         OnlineStiffness tense(session, kTissues, tension());
         expect_refused(
             [&] {
-                tense.set_wound(std::vector<LipFace> { { { 999999, 0 }, 1, 0 } });
+                tense.set_wound(std::vector<mesh::LipFace> { { { 999999, 0 }, 1, 0 } });
             },
             "the wound has a face that is not in the mesh", "element 999999");
     }
 
 } // namespace online_stiffness_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -5,12 +5,12 @@
 
 #include <gtest/gtest.h>
 
-namespace retractor {
+namespace retractor::fem {
 namespace online_strain_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
-    const std::vector<Material> kTissue(2, material(0.02, 0.45));
+    const std::vector<Material> kTissue(2, test_support::material(0.02, 0.45));
 
     Eigen::VectorXd field(const OnlineStiffness& K, const Mat3& F)
     {
@@ -22,7 +22,7 @@ namespace online_strain_test {
 
     TEST(StrainPeak, AUniformStretchIsItsOwnPercentileAndATurnIsNone)
     {
-        const OnlineStiffness K(CutSession(kuhn_box(4, 4, 4, 2.0)), kTissue);
+        const OnlineStiffness K(mesh::CutSession(mesh::kuhn_box(4, 4, 4, 2.0)), kTissue);
         Mat3 stretch = Mat3::Identity();
         stretch(1, 1) = 1.2;
         constexpr double kRoundOff = 1e-12;
@@ -34,7 +34,7 @@ namespace online_strain_test {
 
     TEST(StrainPeak, IsFoundWhereTheTissueIsStretchedButNotUnderHooks)
     {
-        CutSession session(kuhn_box(5, 5, 5, 2.0)); // the outer layer at x = 10 is a fifth of the volume
+        mesh::CutSession session(mesh::kuhn_box(5, 5, 5, 2.0)); // the outer layer at x = 10 is a fifth of the volume
         const OnlineStiffness K(session, kTissue);
         Eigen::VectorXd u = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(K.slot_count()));
         std::vector<VertexId> end;
@@ -51,4 +51,4 @@ namespace online_strain_test {
     }
 
 } // namespace online_strain_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -1,16 +1,16 @@
 #include "fem/io/calculix_deck.h"
 
-#include "tests/support/hooked_block.h"
 #include "mesh/base/error.h"
+#include "tests/support/hooked_block.h"
 
 #include <gtest/gtest.h>
 
 #include <sstream>
 
-namespace retractor {
+namespace retractor::fem {
 namespace calculix_deck_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     std::size_t count(const std::string& text, const std::string& what)
     {
@@ -36,7 +36,7 @@ namespace calculix_deck_test {
     TEST(CalculixDeck, HoldsEveryNodeElementMaterialSpringAndHook)
     {
         for (const int nodes_per_tet : { 4, 10 }) {
-            const ElasticProblem problem = hooked_block(2, nodes_per_tet);
+            const ElasticProblem problem = test_support::hooked_block(2, nodes_per_tet);
             const std::string deck = calculix_deck(problem);
             EXPECT_EQ(count(deck, nodes_per_tet == 4 ? "TYPE=C3D4," : "TYPE=C3D10,"), 2u); // two tissues
             EXPECT_EQ(count(deck, "*ELASTIC"), 2u);
@@ -52,7 +52,7 @@ namespace calculix_deck_test {
 
     TEST(CalculixDeck, NumbersFitTheTwentyCharactersThatAreRead)
     {
-        ElasticProblem problem = hooked_block(2, 4);
+        ElasticProblem problem = test_support::hooked_block(2, 4);
         problem.hooks[0].displacement = Vec3(-1.2345678901234567e-05, 1.0 / 3.0, -100.0 / 3.0);
         std::istringstream lines(calculix_deck(problem));
         for (std::string line; std::getline(lines, line);) {
@@ -66,14 +66,14 @@ namespace calculix_deck_test {
 
     TEST(CalculixDeck, ANameCannotAddLines)
     {
-        ElasticProblem problem = hooked_block(2, 4);
+        ElasticProblem problem = test_support::hooked_block(2, 4);
         problem.hooks[0].name = "left\n*STEP";
         EXPECT_EQ(count(calculix_deck(problem), "\n*STEP"), 1u);
     }
 
     TEST(CalculixDeck, AnAnswerIsReadByNode)
     {
-        const ElasticProblem problem = hooked_block(2, 4);
+        const ElasticProblem problem = test_support::hooked_block(2, 4);
         const CalculixAnswer answer = read_calculix_answer(printed(problem, problem.mesh.vertex_count()), problem);
         for (Eigen::Index v = 0; v < answer.displacement.rows(); ++v)
             EXPECT_EQ(Vec3(answer.displacement.row(v)), Vec3(0.5 * static_cast<double>(v + 1), -0.01, 2.0));
@@ -94,7 +94,7 @@ namespace calculix_deck_test {
 
     TEST(CalculixDeck, AnAnswerThatIsNotWholeIsRefused)
     {
-        const ElasticProblem problem = hooked_block(2, 4);
+        const ElasticProblem problem = test_support::hooked_block(2, 4);
         const std::size_t n = problem.mesh.vertex_count();
         const std::string whole = printed(problem, n);
         expect_refused("", problem, "no displacement for node");
@@ -107,19 +107,19 @@ namespace calculix_deck_test {
 
     TEST(CalculixDeck, BadProblemsAreRefused)
     {
-        ElasticProblem problem = hooked_block(2, 4);
+        ElasticProblem problem = test_support::hooked_block(2, 4);
         problem.supports.bedded[0].stiffness = -1.0;
         EXPECT_THROW((void)calculix_deck(problem), InputError);
-        problem = hooked_block(2, 4);
+        problem = test_support::hooked_block(2, 4);
         problem.supports.bedded.push_back(problem.supports.bedded.front());
         EXPECT_THROW((void)calculix_deck(problem), InputError);
-        problem = hooked_block(2, 4);
+        problem = test_support::hooked_block(2, 4);
         problem.hooks[1].nodes.push_back(problem.hooks[0].nodes.front());
         EXPECT_THROW((void)calculix_deck(problem), InputError);
-        problem = hooked_block(2, 4);
+        problem = test_support::hooked_block(2, 4);
         problem.material_of_label.resize(2);
         EXPECT_THROW((void)calculix_deck(problem), InputError);
     }
 
 } // namespace calculix_deck_test
-} // namespace retractor
+} // namespace retractor::fem

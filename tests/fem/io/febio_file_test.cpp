@@ -1,8 +1,8 @@
 #include "fem/io/febio_file.h"
 
 #include "fem/io/xml_element.h"
-#include "tests/support/hooked_block.h"
 #include "mesh/base/error.h"
+#include "tests/support/hooked_block.h"
 
 #include <gtest/gtest.h>
 
@@ -11,15 +11,15 @@
 #include <fstream>
 #include <iterator>
 
-namespace retractor {
+namespace retractor::fem {
 namespace febio_file_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     TEST(FebioFile, ReadsBackToTheLastBit)
     {
         for (const int nodes_per_tet : { 4, 10 }) {
-            ElasticProblem problem = hooked_block(2, nodes_per_tet);
+            ElasticProblem problem = test_support::hooked_block(2, nodes_per_tet);
             problem.mesh.vertices.col(0).array() += 1.0 / 3.0; // digits to the last
             const ElasticProblem back = read_febio_file(febio_file(problem));
             EXPECT_EQ(first_difference(problem, back), "");
@@ -29,14 +29,14 @@ namespace febio_file_test {
 
     TEST(FebioFile, AProblemWithoutBedsOrSupportsReadsBack)
     {
-        ElasticProblem problem = hooked_block(2, 4);
+        ElasticProblem problem = test_support::hooked_block(2, 4);
         problem.supports = {};
         EXPECT_EQ(first_difference(problem, read_febio_file(febio_file(problem))), "");
     }
 
     TEST(FebioFile, DifferencesAreFound)
     {
-        const ElasticProblem problem = hooked_block(2, 4);
+        const ElasticProblem problem = test_support::hooked_block(2, 4);
         ElasticProblem other = problem;
         other.mesh.vertices(3, 1) += 1e-15 + 1e-13;
         EXPECT_EQ(first_difference(problem, other), "the vertices differ");
@@ -76,7 +76,7 @@ namespace febio_file_test {
 
     TEST(FebioFile, DamageIsRefusedByLine)
     {
-        const std::string text = febio_file(hooked_block(2, 4));
+        const std::string text = febio_file(test_support::hooked_block(2, 4));
         expect_refused(text, "<node id=\"1\">0,", "<node id=\"1\">zero,", "\"zero\" is not a number");
         expect_refused(text, "<node id=\"2\">", "<node id=\"7\">", "numbered from 1");
         expect_refused(text, "<elem id=\"1\">1,", "<elem id=\"1\">100000,", "no node 100000");
@@ -103,7 +103,7 @@ namespace febio_file_test {
         const XmlElement root = parse_xml(std::string { std::istreambuf_iterator<char>(in), {} });
         EXPECT_EQ(root.attribute("version"), "4.0");
         // What we write is named and nested as it is there.
-        const XmlElement ours = parse_xml(febio_file(hooked_block(2, 4)));
+        const XmlElement ours = parse_xml(febio_file(test_support::hooked_block(2, 4)));
         for (const char* section :
             { "Module", "Control", "Material", "Mesh", "MeshDomains", "Boundary", "LoadData", "Output" })
             EXPECT_EQ(root.all(section).size(), ours.all(section).size()) << section;
@@ -137,4 +137,4 @@ namespace febio_file_test {
     }
 
 } // namespace febio_file_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -7,10 +7,10 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace retractor {
+namespace retractor::fem {
 namespace condition_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     constexpr double kClose = 0.03; // power iteration comes from below and stops early
 
@@ -34,12 +34,12 @@ namespace condition_test {
 
     TEST(Condition, AgreesWithTheEigenvaluesAlsoOfStiffOnSoft)
     {
-        const TetMesh mesh = distorted_box(3, 1.0, 0.2, 3);
-        std::vector<Lame> parameters = uniform(mesh, material(1.0, 0.3));
+        const mesh::TetMesh mesh = verification::distorted_box(3, 1.0, 0.2, 3);
+        std::vector<Lame> parameters = test_support::uniform(mesh, test_support::material(1.0, 0.3));
         for (std::size_t t = 0; t < parameters.size() / 2; ++t)
-            parameters[t] = lame(material(1e4, 0.3));
+            parameters[t] = lame(test_support::material(1e4, 0.3));
         ElasticBody body(mesh, Elasticity::linear, parameters);
-        Held held = hold_nothing(mesh);
+        verification::Held held = verification::hold_nothing(mesh);
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
             for (int axis = 0; axis < 3 && mesh.vertices(v, 2) == 0.0; ++axis)
                 hold(held, v, axis);
@@ -54,20 +54,20 @@ namespace condition_test {
 
     TEST(Condition, IsOneWhereNothingIsFree)
     {
-        const TetMesh mesh = kuhn_box(1, 1, 1, 1.0);
-        ElasticBody body(mesh, Elasticity::linear, uniform(mesh, material(1.0, 0.3)));
+        const mesh::TetMesh mesh = mesh::kuhn_box(1, 1, 1, 1.0);
+        ElasticBody body(mesh, Elasticity::linear, test_support::uniform(mesh, test_support::material(1.0, 0.3)));
         const std::vector<std::uint8_t> all(3 * mesh.vertex_count(), 1);
         EXPECT_EQ(estimate_condition(body.stiffness(Eigen::VectorXd::Zero(24), 0.0), all).number, 1.0);
     }
 
     TEST(Condition, ABodyThatFloatsIsRefused)
     {
-        const TetMesh mesh = kuhn_box(1, 1, 1, 1.0);
-        ElasticBody body(mesh, Elasticity::linear, uniform(mesh, material(1.0, 0.3)));
+        const mesh::TetMesh mesh = mesh::kuhn_box(1, 1, 1, 1.0);
+        ElasticBody body(mesh, Elasticity::linear, test_support::uniform(mesh, test_support::material(1.0, 0.3)));
         std::vector<std::uint8_t> held(3 * mesh.vertex_count(), 0);
         held[0] = held[1] = 1;
         const BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(24), 0.0);
-        const std::string said = message_of([&] {
+        const std::string said = test_support::message_of([&] {
             const ConditionEstimate estimate = estimate_condition(K, held);
             if (estimate.number > 1e14) // round-off made it definite
                 throw SolverError("not positive definite");
@@ -76,4 +76,4 @@ namespace condition_test {
     }
 
 } // namespace condition_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -8,12 +8,12 @@
 #include <limits>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 namespace dense_algebra_test {
 
     Eigen::MatrixXd positive_definite(Eigen::Index n)
     {
-        const Eigen::MatrixXd a = random_entries(n, n, static_cast<unsigned>(n));
+        const Eigen::MatrixXd a = test_support::random_entries(n, n, static_cast<unsigned>(n));
         Eigen::MatrixXd spd = product(a, a.transpose());
         spd.diagonal().array() += 1.0;
         return spd;
@@ -73,7 +73,7 @@ namespace dense_algebra_test {
     TEST(DenseAlgebra, ModesGiveTheMatrixBackAndRise)
     {
         constexpr Eigen::Index kRows = 24;
-        Eigen::MatrixXd a = random_entries(kRows, kRows, 3);
+        Eigen::MatrixXd a = test_support::random_entries(kRows, kRows, 3);
         a = (a + a.transpose()).eval(); // has modes of both signs
         const SymmetricModes modes = symmetric_modes(a);
         constexpr double kRoundOff = 10.0 * static_cast<double>(kRows) * std::numeric_limits<double>::epsilon();
@@ -103,4 +103,4 @@ namespace dense_algebra_test {
     }
 
 } // namespace dense_algebra_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -16,7 +16,7 @@
 #include <random>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 namespace sparse_cholesky_test {
 
     struct Matrix {
@@ -78,7 +78,7 @@ namespace sparse_cholesky_test {
     {
         for (const int n : { 1, 2, 3, 5, 8, 17, 50, 120, 300 }) {
             const Matrix m = random_matrix(n, static_cast<unsigned>(n));
-            const Eigen::MatrixXd b = random_entries(n, 3, 7);
+            const Eigen::MatrixXd b = test_support::random_entries(n, 3, 7);
             SparseCholesky cholesky;
             cholesky.analyse(m.pattern);
             cholesky.factorise(m.values);
@@ -123,7 +123,7 @@ namespace sparse_cholesky_test {
                 = m.dense.topLeftCorner(last, last) - cross.transpose() * inner.llt().solve(cross);
             EXPECT_LE((L * L.transpose() - schur).norm(), 1e-13 * schur.norm()) << n;
             for (const int cases : { 1, 4 }) {
-                Eigen::MatrixXd x = random_entries(n, cases, 7);
+                Eigen::MatrixXd x = test_support::random_entries(n, cases, 7);
                 const Eigen::MatrixXd expected = -inner.llt().solve(cross * x.topRows(last));
                 cholesky.fill_from_trailing(last, x);
                 EXPECT_LE((x.bottomRows(n - last) - expected).norm(), 1e-13 * expected.norm()) << n;
@@ -157,11 +157,11 @@ namespace sparse_cholesky_test {
                     added = added.selfadjointView<Eigen::Lower>();
                     EXPECT_LE((added - expected).norm(), kRoundOff * (1.0 + expected.norm())) << n << ", " << last;
                 }
-                Eigen::MatrixXd x = random_entries(n, 3, 7);
+                Eigen::MatrixXd x = test_support::random_entries(n, 3, 7);
                 const Eigen::MatrixXd inside = -inner.llt().solve(cross * x.bottomRows(last));
                 cholesky.fill_from_trailing(last, x);
                 EXPECT_LE((x.topRows(n - last) - inside).norm(), kRoundOff * (1.0 + inside.norm())) << n;
-                const Eigen::MatrixXd load = random_entries(n, 2, 8);
+                const Eigen::MatrixXd load = test_support::random_entries(n, 2, 8);
                 Eigen::MatrixXd y = load;
                 cholesky.reduce_to_trailing(last, y);
                 const Eigen::MatrixXd alone = inner.llt().solve(load.topRows(n - last));
@@ -243,7 +243,7 @@ namespace sparse_cholesky_test {
         SparseCholesky cholesky;
         cholesky.analyse_in_order(m.pattern, order);
         cholesky.factorise(m.values);
-        const Eigen::MatrixXd b = random_entries(kSize, 2, 7);
+        const Eigen::MatrixXd b = test_support::random_entries(kSize, 2, 7);
         Eigen::MatrixXd x = b;
         cholesky.reduce_to_trailing(kTrailing, x);
         const Eigen::MatrixXd L = cholesky.trailing_factor(kTrailing);
@@ -319,12 +319,12 @@ namespace sparse_cholesky_test {
         for (SparseCholesky* cholesky : { &dissected, &kept_last }) {
             cholesky->factorise(values);
             for (const int cases : { 1, 3 }) {
-                const Eigen::MatrixXd b = random_entries(n, cases, 7);
+                const Eigen::MatrixXd b = test_support::random_entries(n, cases, 7);
                 EXPECT_LE((multiply(cholesky->solve(b)) - b).norm(), 1e-13 * b.norm());
             }
         }
         for (const int cases : { 1, 3 }) {
-            Eigen::MatrixXd x = random_entries(n, cases, 7);
+            Eigen::MatrixXd x = test_support::random_entries(n, cases, 7);
             const Eigen::MatrixXd given = x.bottomRows(last);
             kept_last.fill_from_trailing(last, x);
             EXPECT_EQ(x.bottomRows(last), given);
@@ -364,4 +364,4 @@ namespace sparse_cholesky_test {
     TEST(Blas, IsOpenBlas) { EXPECT_NE(blas_description().find("OpenBLAS"), std::string::npos) << blas_description(); }
 
 } // namespace sparse_cholesky_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -14,11 +14,11 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 namespace elasticity_test {
 
     constexpr double kEps = 2.220446049250313e-16;
-    const Lame kSoft = lame(fixtures::material(1.0, 0.4));
+    const Lame kSoft = lame(test_support::material(1.0, 0.4));
 
     Mat3 random_matrix(std::mt19937& random)
     {
@@ -219,4 +219,4 @@ namespace elasticity_test {
     }
 
 } // namespace elasticity_test
-} // namespace retractor
+} // namespace retractor::fem

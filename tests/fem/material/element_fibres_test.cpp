@@ -15,10 +15,10 @@
 #include <random>
 #include <string>
 
-namespace retractor {
+namespace retractor::fem {
 namespace element_fibres_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     constexpr double kRoundOff = 1e-14;
 
@@ -27,7 +27,7 @@ namespace element_fibres_test {
         return { .law = HolzapfelGasserOgden { .mu = 0.01, .k1 = 0.02, .k2 = 1.0 }, .around = around };
     }
 
-    Vec3 middle_of(const TetMesh& mesh, TetId t)
+    Vec3 middle_of(const mesh::TetMesh& mesh, TetId t)
     {
         Vec3 middle = Vec3::Zero();
         for (const VertexId v : mesh.tet(t).first(4))
@@ -39,8 +39,8 @@ namespace element_fibres_test {
     {
         const FibresAround around { .point = Vec3(40.0, -30.0, 7.0), .axis = Vec3(0.2, -0.4, 3.0), .angle_deg = 30.0 };
         const Vec3 along = around.axis.normalized();
-        const TetMesh box = kuhn_box(3, 2, 2, 5.0);
-        for (const TetMesh& mesh : { box, with_midpoints(box) })
+        const mesh::TetMesh box = mesh::kuhn_box(3, 2, 2, 5.0);
+        for (const mesh::TetMesh& mesh : { box, mesh::with_midpoints(box) })
             for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
                 const FibreDirections f = element_fibres(mesh, t, winding(around));
                 const Vec3 arm = middle_of(mesh, t) - around.point, out = (arm - along * along.dot(arm)).normalized();
@@ -58,10 +58,10 @@ namespace element_fibres_test {
     TEST(ElementFibres, AreThoseOfABodyMadeByItsMaterials)
     {
         const FibresAround around { .point = Vec3(-20.0, 5.0, 0.0), .axis = Vec3::UnitZ() };
-        TetMesh mesh = kuhn_box(2, 2, 1, 5.0);
+        mesh::TetMesh mesh = mesh::kuhn_box(2, 2, 1, 5.0);
         for (std::size_t t = 0; t < mesh.tet_count(); t += 2)
             mesh.labels[t] = 2;
-        std::vector<Material> materials { {}, material(0.05, 0.4), material(0.05, 0.4) };
+        std::vector<Material> materials { {}, test_support::material(0.05, 0.4), test_support::material(0.05, 0.4) };
         materials[2].law = winding(around);
         const HyperelasticTissue tissue = hyperelastic_tissue(mesh, materials);
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
@@ -74,10 +74,10 @@ namespace element_fibres_test {
     TEST(ElementFibres, TurnWithThePatient)
     {
         const FibresAround around { .point = Vec3(-20.0, 5.0, 1.0), .axis = Vec3(1.0, 2.0, 3.0), .angle_deg = 40.0 };
-        const TetMesh mesh = kuhn_box(2, 1, 1, 5.0);
+        const mesh::TetMesh mesh = mesh::kuhn_box(2, 1, 1, 5.0);
         Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
         X.rotate(Eigen::AngleAxisd(0.7, Vec3(1.0, -1.0, 0.5).normalized())).translate(Vec3(10.0, -3.0, 44.0));
-        TetMesh there = mesh;
+        mesh::TetMesh there = mesh;
         for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
             there.vertices.row(v) = (X * mesh.vertices.row(v).transpose()).transpose();
         const FibresAround turned { X * around.point, X.linear() * around.axis, around.angle_deg };
@@ -90,15 +90,15 @@ namespace element_fibres_test {
 
     TEST(ElementFibres, GiveForcesAndStiffnessThatAreDerivatives)
     {
-        const TetMesh box = distorted_box(3, 5.0, 0.2, 5);
-        std::vector<Material> materials { {}, material(0.05, 0.45) };
+        const mesh::TetMesh box = verification::distorted_box(3, 5.0, 0.2, 5);
+        std::vector<Material> materials { {}, test_support::material(0.05, 0.45) };
         materials[1].law = winding({ .point = Vec3(-4.0, -3.0, 0.0), .axis = Vec3(0.1, 0.2, 1.0), .angle_deg = 35.0 });
         struct Solved {
             bool ten_nodes, locking_free;
         };
         for (const auto [ten_nodes, locking_free] :
             { Solved { false, false }, Solved { false, true }, Solved { true, false } }) {
-            const TetMesh mesh = ten_nodes ? with_midpoints(box) : box;
+            const mesh::TetMesh mesh = ten_nodes ? mesh::with_midpoints(box) : box;
             ElasticBody body = tissue_body(mesh, materials, { Elasticity::hyperelastic, locking_free });
             std::mt19937 random(4);
             std::uniform_real_distribution<double> entry(-1.0, 1.0);
@@ -120,17 +120,17 @@ namespace element_fibres_test {
     {
         constexpr double kEdge = 5.0; // mm
         const Vec3 size(4 * kEdge, 4 * kEdge, 3 * kEdge);
-        const TetMesh box = kuhn_box(4, 4, 3, kEdge);
+        const mesh::TetMesh box = mesh::kuhn_box(4, 4, 3, kEdge);
         const FibresAround around { .point = Vec3(-40.0, 10.0, 0.0), .axis = Vec3::UnitZ(), .angle_deg = 20.0 };
         // Across an element, whose longest edge is the cube's diagonal, the circumference turns by less than this.
         const double turn = std::sqrt(3.0) * kEdge / 40.0;
-        CutSession session(box);
+        mesh::CutSession session(box);
         std::mt19937 random(2);
         std::size_t whole = 0, pieces = 0;
         for (int i = 0; i < 6; ++i) {
-            random_change(session, random, size, [](const MeshDelta&) {});
-            SlotMap slots;
-            const TetMesh cut = session.compact_mesh(&slots);
+            test_support::random_change(session, random, size, [](const mesh::MeshDelta&) {});
+            mesh::SlotMap slots;
+            const mesh::TetMesh cut = session.compact_mesh(&slots);
             for (TetId t = 0; t < static_cast<TetId>(cut.tet_count()); ++t) {
                 const TetId of = session.origin(slots.tet_slot[static_cast<std::size_t>(t)]);
                 const FibreDirections now = element_fibres(cut, t, winding(around)),
@@ -147,14 +147,14 @@ namespace element_fibres_test {
         EXPECT_GT(pieces, 100U);
         while (session.can_undo())
             (void)session.undo();
-        const TetMesh again = session.compact_mesh();
+        const mesh::TetMesh again = session.compact_mesh();
         for (TetId t = 0; t < static_cast<TetId>(again.tet_count()); ++t)
             EXPECT_EQ(element_fibres(again, t, winding(around)).second, element_fibres(box, t, winding(around)).second);
     }
 
     TEST(ElementFibres, AreSaidInWords)
     {
-        Material m = material(0.05, 0.4);
+        Material m = test_support::material(0.05, 0.4);
         EXPECT_EQ(law_in_words(m), "neo-Hookean");
         m.law = TissueLaw { HolzapfelGasserOgden {} };
         EXPECT_EQ(law_in_words(m), "Holzapfel-Gasser-Ogden");
@@ -165,10 +165,10 @@ namespace element_fibres_test {
 
     TEST(ElementFibres, RefuseAnElementThatTheAxisRunsThrough)
     {
-        const TetMesh mesh = kuhn_box(2, 1, 1, 10.0);
-        std::vector<Material> materials { {}, material(0.05, 0.4) };
+        const mesh::TetMesh mesh = mesh::kuhn_box(2, 1, 1, 10.0);
+        std::vector<Material> materials { {}, test_support::material(0.05, 0.4) };
         materials[1].law = winding({ .point = Vec3(14.0, 3.0, -50.0), .axis = Vec3::UnitZ() });
-        const std::string said = message_of([&] { (void)hyperelastic_tissue(mesh, materials); });
+        const std::string said = test_support::message_of([&] { (void)hyperelastic_tissue(mesh, materials); });
         EXPECT_NE(said.find("the axis that this material's fibres turn round runs through it"), std::string::npos)
             << said;
         EXPECT_NE(said.find(") mm"), std::string::npos) << said; // where
@@ -176,7 +176,8 @@ namespace element_fibres_test {
         // Through a corner, along an edge, through the middle, just beside.
         const auto refused = [&](const Vec3& point, const Vec3& axis) {
             materials[1].law = winding({ .point = point, .axis = axis });
-            return message_of([&] { (void)hyperelastic_tissue(mesh, materials); }) != "nothing was thrown";
+            return test_support::message_of([&] { (void)hyperelastic_tissue(mesh, materials); })
+                != "nothing was thrown";
         };
         EXPECT_TRUE(refused(Vec3(0.0, 0.0, 3.0), Vec3(1.0, -1.0, 0.0)));
         EXPECT_TRUE(refused(Vec3(20.0, 10.0, -7.0), Vec3::UnitZ()));
@@ -190,9 +191,9 @@ namespace element_fibres_test {
     TEST(ElementFibres, RefuseWhatIsNoDirection)
     {
         const auto said = [](const FibresAround& around) {
-            Material m = material(0.05, 0.4);
+            Material m = test_support::material(0.05, 0.4);
             m.law = winding(around);
-            return message_of([&] { check_material(m); });
+            return test_support::message_of([&] { check_material(m); });
         };
         constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
         EXPECT_EQ(said({ .axis = Vec3::Zero() }), "material 'test': the axis that fibres turn round must not be zero");
@@ -206,4 +207,4 @@ namespace element_fibres_test {
     }
 
 } // namespace element_fibres_test
-} // namespace retractor
+} // namespace retractor::fem

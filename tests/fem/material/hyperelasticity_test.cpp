@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 namespace hyperelasticity_test {
 
     constexpr double kMu = 0.05, kBulk = 2.0; // MPa
@@ -252,4 +252,4 @@ namespace hyperelasticity_test {
     }
 
 } // namespace hyperelasticity_test
-} // namespace retractor
+} // namespace retractor::fem

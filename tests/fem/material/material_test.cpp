@@ -9,10 +9,10 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::fem {
 namespace material_test {
 
-    using fixtures::material;
+    using test_support::material;
 
     std::string refusal(const Material& m)
     {
@@ -37,7 +37,7 @@ namespace material_test {
 
     TEST(Material, LameParametersOfTheTextbook)
     {
-        const Lame l = lame(material(1.0, 0.25)); // E = 1, nu = 1/4: mu = lambda = 0.4
+        const Lame l = lame(test_support::material(1.0, 0.25)); // E = 1, nu = 1/4: mu = lambda = 0.4
         EXPECT_DOUBLE_EQ(l.mu, 0.4);
         EXPECT_DOUBLE_EQ(l.lambda, 0.4);
     }
@@ -46,20 +46,24 @@ namespace material_test {
     {
         constexpr double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
         for (const double E : { 0.0, -1.0, nan, inf })
-            EXPECT_NE(refusal(material(E, 0.3)).find("material 'test': Young's modulus"), std::string::npos) << E;
+            EXPECT_NE(
+                refusal(test_support::material(E, 0.3)).find("material 'test': Young's modulus"), std::string::npos)
+                << E;
         for (const double nu : { 0.5, 0.7, -1.0, nan })
-            EXPECT_NE(refusal(material(1.0, nu)).find("material 'test': Poisson's ratio"), std::string::npos) << nu;
-        Material heavy = material(1.0, 0.3);
+            EXPECT_NE(
+                refusal(test_support::material(1.0, nu)).find("material 'test': Poisson's ratio"), std::string::npos)
+                << nu;
+        Material heavy = test_support::material(1.0, 0.3);
         heavy.density_tonne_per_mm3 = -1.0;
         EXPECT_NE(refusal(heavy).find("density"), std::string::npos);
-        EXPECT_EQ(refusal(material(1.0, 0.4999)), "accepted");
-        EXPECT_THROW((void)lame(material(1.0, 0.5)), InputError);
+        EXPECT_EQ(refusal(test_support::material(1.0, 0.4999)), "accepted");
+        EXPECT_THROW((void)lame(test_support::material(1.0, 0.5)), InputError);
         EXPECT_THROW((void)find_material(default_materials(), "granite"), InputError);
     }
 
     TEST(Material, ALawTakesItsBulkModulusFromPoissonsRatio)
     {
-        Material m = material(0.06, 0.45);
+        Material m = test_support::material(0.06, 0.45);
         const Lame small = lame(m);
         EXPECT_EQ(std::get<NeoHookean>(hyperelastic_law(m)).lambda, small.lambda);
         m.law = TissueLaw { MooneyRivlin { .c10 = 0.3 * small.mu, .c01 = 0.2 * small.mu } };
@@ -70,7 +74,7 @@ namespace material_test {
 
     TEST(Material, BadLawsAreRefusedByName)
     {
-        Material m = material(0.06, 0.45);
+        Material m = test_support::material(0.06, 0.45);
         m.law = TissueLaw { MooneyRivlin { .c10 = -0.1, .c01 = 0.05 } };
         EXPECT_NE(refusal(m).find("material 'test': Mooney-Rivlin: the parameter c10"), std::string::npos)
             << refusal(m);
@@ -84,4 +88,4 @@ namespace material_test {
     }
 
 } // namespace material_test
-} // namespace retractor
+} // namespace retractor::fem

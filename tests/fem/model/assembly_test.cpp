@@ -13,16 +13,16 @@
 #include <numbers>
 #include <random>
 
-namespace retractor {
+namespace retractor::fem {
 namespace assembly_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
-    const Material kTissue = material(1.0, 0.3);
+    const Material kTissue = test_support::material(1.0, 0.3);
 
-    TetMesh p1_or_p2(const TetMesh& mesh, int nodes_per_tet)
+    mesh::TetMesh p1_or_p2(const mesh::TetMesh& mesh, int nodes_per_tet)
     {
-        return nodes_per_tet == 10 ? with_midpoints(mesh) : mesh;
+        return nodes_per_tet == 10 ? mesh::with_midpoints(mesh) : mesh;
     }
 
     Vec3 linear_field(const Vec3& p)
@@ -35,11 +35,11 @@ namespace assembly_test {
     TEST(PatchTest, LinearFieldIsExactOnADistortedMesh)
     {
         for (const int n : { 4, 10 }) {
-            const TetMesh mesh = p1_or_p2(distorted_box(4, 2.0, 0.3, 1), n);
-            ElasticBody body(mesh, Elasticity::linear, uniform(mesh, kTissue));
-            const Eigen::VectorXd exact = nodal_values(mesh, linear_field);
-            const Eigen::VectorXd u
-                = solve_linear(body, boundary_unknowns(mesh), exact, Eigen::VectorXd::Zero(exact.size()));
+            const mesh::TetMesh mesh = p1_or_p2(verification::distorted_box(4, 2.0, 0.3, 1), n);
+            ElasticBody body(mesh, Elasticity::linear, test_support::uniform(mesh, kTissue));
+            const Eigen::VectorXd exact = verification::nodal_values(mesh, linear_field);
+            const Eigen::VectorXd u = test_support::solve_linear(
+                body, test_support::boundary_unknowns(mesh), exact, Eigen::VectorXd::Zero(exact.size()));
             EXPECT_LE((u - exact).cwiseAbs().maxCoeff(), 1e-13) << n; // round-off times a condition of about 1e2
         }
     }
@@ -48,19 +48,19 @@ namespace assembly_test {
     {
         constexpr double kHeight = 1e-6; // of the sliver, relative to what it was
         for (const int n : { 4, 10 }) {
-            const TetMesh mesh = p1_or_p2(box_with_sliver(kHeight), n);
-            ElasticBody body(mesh, Elasticity::linear, uniform(mesh, kTissue));
-            const Eigen::VectorXd exact = nodal_values(mesh, linear_field);
-            const Eigen::VectorXd u
-                = solve_linear(body, boundary_unknowns(mesh), exact, Eigen::VectorXd::Zero(exact.size()));
+            const mesh::TetMesh mesh = p1_or_p2(verification::box_with_sliver(kHeight), n);
+            ElasticBody body(mesh, Elasticity::linear, test_support::uniform(mesh, kTissue));
+            const Eigen::VectorXd exact = verification::nodal_values(mesh, linear_field);
+            const Eigen::VectorXd u = test_support::solve_linear(
+                body, test_support::boundary_unknowns(mesh), exact, Eigen::VectorXd::Zero(exact.size()));
             EXPECT_LE((u - exact).cwiseAbs().maxCoeff(), 1e-15 / kHeight)
                 << n; // round-off times the sliver's condition
         }
     }
 
-    int zero_eigenvalues(const TetMesh& mesh, Elasticity model)
+    int zero_eigenvalues(const mesh::TetMesh& mesh, Elasticity model)
     {
-        ElasticBody body(mesh, model, uniform(mesh, kTissue));
+        ElasticBody body(mesh, model, test_support::uniform(mesh, kTissue));
         const Eigen::MatrixXd K = dense(body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), true));
         const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues();
         EXPECT_GE(values.minCoeff(), -1e-13 * values.maxCoeff());
@@ -72,7 +72,9 @@ namespace assembly_test {
         for (const int n : { 4, 10 })
             for (const Elasticity model : { Elasticity::linear, Elasticity::corotational })
                 for (int pieces = 1; pieces <= 3; ++pieces)
-                    EXPECT_EQ(zero_eigenvalues(side_by_side(p1_or_p2(distorted_box(2, 1.0, 0.2, 2), n), pieces), model),
+                    EXPECT_EQ(zero_eigenvalues(verification::side_by_side(
+                                                   p1_or_p2(verification::distorted_box(2, 1.0, 0.2, 2), n), pieces),
+                                  model),
                         6 * pieces)
                         << n;
     }
@@ -81,11 +83,11 @@ namespace assembly_test {
     {
         const Mat3 R = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3(1, 1, 0).normalized()).toRotationMatrix();
         for (const int n : { 4, 10 }) {
-            const TetMesh mesh = p1_or_p2(distorted_box(3, 1.0, 0.2, 3), n);
+            const mesh::TetMesh mesh = p1_or_p2(verification::distorted_box(3, 1.0, 0.2, 3), n);
             const Eigen::VectorXd u
-                = nodal_values(mesh, [&](const Vec3& p) -> Vec3 { return R * p - p + Vec3(5, 0, 0); });
-            const ElasticBody corotational(mesh, Elasticity::corotational, uniform(mesh, kTissue));
-            const ElasticBody linear(mesh, Elasticity::linear, uniform(mesh, kTissue));
+                = verification::nodal_values(mesh, [&](const Vec3& p) -> Vec3 { return R * p - p + Vec3(5, 0, 0); });
+            const ElasticBody corotational(mesh, Elasticity::corotational, test_support::uniform(mesh, kTissue));
+            const ElasticBody linear(mesh, Elasticity::linear, test_support::uniform(mesh, kTissue));
             const double volume = 27.0;
             EXPECT_LE(corotational.response(u).energy, 1e-26 * volume) << n;
             EXPECT_LE(corotational.response(u).forces.norm(), 1e-12) << n;
@@ -98,8 +100,8 @@ namespace assembly_test {
         std::mt19937 random(9);
         std::uniform_real_distribution<double> entry(-1.0, 1.0);
         for (const int n : { 4, 10 }) {
-            const TetMesh mesh = p1_or_p2(distorted_box(2, 1.0, 0.2, 5), n);
-            ElasticBody body(mesh, Elasticity::corotational, uniform(mesh, kTissue));
+            const mesh::TetMesh mesh = p1_or_p2(verification::distorted_box(2, 1.0, 0.2, 5), n);
+            ElasticBody body(mesh, Elasticity::corotational, test_support::uniform(mesh, kTissue));
             const auto size = 3 * mesh.vertices.rows();
             const Eigen::VectorXd u = Eigen::VectorXd::NullaryExpr(size, [&] { return 0.1 * entry(random); });
             const Eigen::VectorXd d = Eigen::VectorXd::NullaryExpr(size, [&] { return entry(random); });
@@ -138,14 +140,14 @@ namespace assembly_test {
 
     Errors manufactured(int nodes_per_tet, int cells)
     {
-        const TetMesh mesh = p1_or_p2(kuhn_box(cells, cells, cells, 1.0 / cells), nodes_per_tet);
-        ElasticBody body(mesh, Elasticity::linear, uniform(mesh, kTissue));
+        const mesh::TetMesh mesh = p1_or_p2(mesh::kuhn_box(cells, cells, cells, 1.0 / cells), nodes_per_tet);
+        ElasticBody body(mesh, Elasticity::linear, test_support::uniform(mesh, kTissue));
         const Eigen::VectorXd loads = body_force_loads(mesh, smooth_force);
-        const Eigen::VectorXd u
-            = solve_linear(body, boundary_unknowns(mesh), Eigen::VectorXd::Zero(loads.size()), loads);
+        const Eigen::VectorXd u = test_support::solve_linear(
+            body, test_support::boundary_unknowns(mesh), Eigen::VectorXd::Zero(loads.size()), loads);
         // Galerkin: |u - u_h|^2 in energy = a(u, u) - a(u_h, u_h); a(u, u) = pi^2 (4 mu + lambda) / 8.
         const double exact = kPi * kPi * (4.0 * kLame.mu + kLame.lambda) / 8.0;
-        return { l2_error(mesh, u, smooth), std::sqrt(exact - loads.dot(u)) };
+        return { verification::l2_error(mesh, u, smooth), std::sqrt(exact - loads.dot(u)) };
     }
 
     TEST(Convergence, ManufacturedSolutionHasTheExpectedOrders)
@@ -164,16 +166,16 @@ namespace assembly_test {
 
     TEST(BadInput, AnElementFoldedByItsMidpointsIsRefused)
     {
-        TetMesh mesh = with_midpoints(kuhn_box(1, 1, 1, 1.0));
+        mesh::TetMesh mesh = mesh::with_midpoints(mesh::kuhn_box(1, 1, 1, 1.0));
         const VertexId midpoint = mesh.tet(2)[4];
         mesh.vertices.row(midpoint) += Eigen::RowVector3d(2, 2, 2);
-        EXPECT_THROW(ElasticBody(mesh, Elasticity::linear, uniform(mesh, kTissue)), InputError);
+        EXPECT_THROW(ElasticBody(mesh, Elasticity::linear, test_support::uniform(mesh, kTissue)), InputError);
     }
 
     TEST(BadInput, AFloatingBodyIsNotPositiveDefiniteAndTheNodeIsNamed)
     {
-        const TetMesh mesh = kuhn_box(1, 1, 1, 1.0);
-        ElasticBody body(mesh, Elasticity::linear, uniform(mesh, kTissue));
+        const mesh::TetMesh mesh = mesh::kuhn_box(1, 1, 1, 1.0);
+        ElasticBody body(mesh, Elasticity::linear, test_support::uniform(mesh, kTissue));
         std::vector<std::uint8_t> prescribed(3 * mesh.vertex_count(), 0);
         const BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(24), true);
         ConstrainedSolver solver(K.pattern, prescribed);
@@ -189,4 +191,4 @@ namespace assembly_test {
     }
 
 } // namespace assembly_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -1,12 +1,12 @@
 #include "fem/model/contact.h"
 
+#include "fem/error_estimation/error_estimate.h"
 #include "fem/statics/elastic_problem.h"
 #include "fem/statics/equilibrium.h"
-#include "fem/error_estimation/error_estimate.h"
 #include "fem/statics/opening.h"
-#include "tests/support/hooked_block.h"
 #include "mesh/base/error.h"
 #include "mesh/cutting/cut_session.h"
+#include "tests/support/hooked_block.h"
 #include "tests/support/reference_problems.h"
 
 #include <gtest/gtest.h>
@@ -17,18 +17,18 @@
 #include <random>
 #include <string>
 
-namespace retractor {
+namespace retractor::fem {
 namespace contact_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     constexpr double kTight = 1e-10; // residual
     constexpr double kSame = 1e-7; // what that leaves of displacements and forces, relative
 
     /// Two meshes in one, not joined: the second moved by `offset`, its labels 2.
-    TetMesh both(const TetMesh& lower, const TetMesh& upper, const Vec3& offset)
+    mesh::TetMesh both(const mesh::TetMesh& lower, const mesh::TetMesh& upper, const Vec3& offset)
     {
-        TetMesh mesh = lower;
+        mesh::TetMesh mesh = lower;
         const auto before = static_cast<VertexId>(lower.vertex_count());
         mesh.vertices.conservativeResize(lower.vertices.rows() + upper.vertices.rows(), 3);
         mesh.vertices.bottomRows(upper.vertices.rows()) = upper.vertices.rowwise() + offset.transpose();
@@ -38,7 +38,7 @@ namespace contact_test {
         return mesh;
     }
 
-    std::vector<VertexId> nodes_at(const TetMesh& mesh, int axis, double plane, VertexId from, VertexId to)
+    std::vector<VertexId> nodes_at(const mesh::TetMesh& mesh, int axis, double plane, VertexId from, VertexId to)
     {
         constexpr double kRoundOff = 1e-9;
         std::vector<VertexId> nodes;
@@ -54,9 +54,10 @@ namespace contact_test {
     ElasticProblem stack(double gap, double poissons_ratio, const Vec3& sideways = Vec3::Zero())
     {
         ElasticProblem problem;
-        const TetMesh lower = kuhn_box(4, 4, 2, kEdge), upper = kuhn_box(4, 4, 3, kEdge);
+        const mesh::TetMesh lower = mesh::kuhn_box(4, 4, 2, kEdge), upper = mesh::kuhn_box(4, 4, 3, kEdge);
         problem.mesh = both(lower, upper, Vec3(0.0, 0.0, kLow + gap) + sideways);
-        problem.material_of_label = { {}, material(0.05, poissons_ratio), material(0.02, poissons_ratio) };
+        problem.material_of_label
+            = { {}, test_support::material(0.05, poissons_ratio), test_support::material(0.02, poissons_ratio) };
         const auto split = static_cast<VertexId>(lower.vertex_count()),
                    end = static_cast<VertexId>(problem.mesh.vertex_count());
         problem.supports.fixed = nodes_at(problem.mesh, 2, 0.0, 0, split);
@@ -110,7 +111,7 @@ namespace contact_test {
 
     /// Two blocks pressed into each other a little and shaken, with a floor through the lower one.
     struct Pressed {
-        TetMesh mesh;
+        mesh::TetMesh mesh;
         std::vector<Lame> lame;
         Eigen::VectorXd u;
         Contact contact;
@@ -254,8 +255,8 @@ namespace contact_test {
     {
         // Held at its top alone, pressed onto a plane 0.3 mm below it.
         ElasticProblem problem;
-        problem.mesh = kuhn_box(4, 4, 3, kEdge);
-        problem.material_of_label = { {}, material(0.02, 0.0) };
+        problem.mesh = mesh::kuhn_box(4, 4, 3, kEdge);
+        problem.material_of_label = { {}, test_support::material(0.02, 0.0) };
         problem.hooks
             = { { "press", 1, nodes_at(problem.mesh, 2, kHigh, 0, static_cast<VertexId>(problem.mesh.vertex_count())),
                 Vec3(0.0, 0.0, -1.0) } };
@@ -290,18 +291,18 @@ namespace contact_test {
 
     Lips lips_pushed(double each_side)
     {
-        const TetMesh box = kuhn_box(12, 8, 3, 4.0);
-        CutSession session(box);
+        const mesh::TetMesh box = mesh::kuhn_box(12, 8, 3, 4.0);
+        mesh::CutSession session(box);
         // Round the middle x = 24, y from 6 to 26; upright.
-        const Blade blade {
+        const mesh::Blade blade {
             .line = { Vec3(24.0, 6.0, 12.0), Vec3(24.0, 26.0, 12.0) }, .directions = { -Vec3::UnitZ() }, .depth_mm = 8.0
         };
-        EXPECT_EQ(session.cut(blade).status, CutStatus::done);
-        SlotMap map;
+        EXPECT_EQ(session.cut(blade).status, mesh::CutStatus::done);
+        mesh::SlotMap map;
         Lips lips;
         ElasticProblem& p = lips.problem;
         p.mesh = session.compact_mesh(&map);
-        p.material_of_label = { {}, material(0.02, 0.4) };
+        p.material_of_label = { {}, test_support::material(0.02, 0.4) };
         p.hooks = { { "left", -1, {}, Vec3(each_side, 0.0, 0.0) }, { "right", 1, {}, Vec3(-each_side, 0.0, 0.0) } };
         for (VertexId v = 0; v < p.mesh.vertices.rows(); ++v) {
             const Vec3 x = p.mesh.vertices.row(v).transpose();
@@ -321,7 +322,7 @@ namespace contact_test {
     /// pairs of vertices that were one at rest. The left lip's vertex of a pair is found by its elements.
     double passed_through(const Lips& lips, const Points& displacement)
     {
-        const TetMesh& mesh = lips.problem.mesh;
+        const mesh::TetMesh& mesh = lips.problem.mesh;
         std::vector<double> side(mesh.vertex_count(), 0.0);
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
             double middle = 0.0;
@@ -365,7 +366,7 @@ namespace contact_test {
         Lips lips = lips_pushed(3.0);
         constexpr double kShare = 0.05; // of an edge of 4 mm
         const auto pushed = [&](double poissons_ratio, bool locking_free, bool ten_nodes) {
-            lips.problem.material_of_label[1] = material(0.02, poissons_ratio);
+            lips.problem.material_of_label[1] = test_support::material(0.02, poissons_ratio);
             OpeningOptions options = with_contact(Elasticity::corotational);
             options.tolerance = 1e-4;
             options.locking_free = locking_free;
@@ -431,7 +432,7 @@ namespace contact_test {
     {
         // What both hold is prescribed, and no force keeps it apart: 1 mm between them, 3 mm asked for.
         ElasticProblem problem = stack(1.0, 0.3);
-        const TetMesh& mesh = problem.mesh;
+        const mesh::TetMesh& mesh = problem.mesh;
         const auto split = static_cast<VertexId>(mesh.vertex_count());
         problem.hooks = { { "lower", -1, nodes_at(mesh, 2, kLow, 0, split), Vec3::Zero() },
             { "upper", 1, nodes_at(mesh, 2, kLow + 1.0, 0, split), Vec3(0.0, 0.0, -3.0) } };
@@ -444,8 +445,8 @@ namespace contact_test {
         EXPECT_LE(result.residual, kTight);
         EXPECT_LT(result.contact.penetration, 0.02);
         // Under pressure too it is they that end it, and not the tissue.
-        problem.pressures
-            = { { "gas", faces_where(mesh, [](const Vec3& x) { return x.x() == 0.0 && x.z() <= kLow; }), 2e-4 } };
+        problem.pressures = { { "gas",
+            verification::faces_where(mesh, [](const Vec3& x) { return x.x() == 0.0 && x.z() <= kLow; }), 2e-4 } };
         const OpeningResult pressed = Opening(problem, options).open(problem.hooks);
         EXPECT_NE(pressed.message.find("what is held meets what is held at 33."), std::string::npos) << pressed.message;
         EXPECT_EQ(pressed.message.find("kPa"), std::string::npos) << pressed.message;
@@ -453,7 +454,7 @@ namespace contact_test {
 
     TEST(Contact, WithNothingNearTheAnswerHasTheSameBits)
     {
-        const ElasticProblem problem = hooked_block(2, 4);
+        const ElasticProblem problem = test_support::hooked_block(2, 4);
         OpeningOptions options = with_contact(Elasticity::corotational);
         options.tolerance = 1e-6;
         const OpeningResult with = opened(problem, options);
@@ -466,7 +467,7 @@ namespace contact_test {
 
     TEST(Contact, AThinSheetIsNotInContactWithItsOwnOtherSide)
     {
-        const TetMesh sheet = kuhn_box(8, 8, 1, 2.0);
+        const mesh::TetMesh sheet = mesh::kuhn_box(8, 8, 1, 2.0);
         Contact contact(sheet, std::vector<Lame>(sheet.tet_count(), Lame { 0.01, 0.03 }), {});
         Eigen::VectorXd u = Eigen::VectorXd::Zero(3 * sheet.vertices.rows());
         for (Eigen::Index v = 0; v < sheet.vertices.rows(); ++v) // bent, and pressed to half its thickness
@@ -477,7 +478,7 @@ namespace contact_test {
 
     TEST(Contact, AnOverlapAtRestIsKeptAndReported)
     {
-        const TetMesh mesh = kuhn_box(4, 4, 3, kEdge);
+        const mesh::TetMesh mesh = mesh::kuhn_box(4, 4, 3, kEdge);
         TriMesh floor = Pressed::floor();
         floor.vertices.col(2).setConstant(0.3);
         Contact contact(mesh, std::vector<Lame>(mesh.tet_count(), Lame { 0.01, 0.03 }), { .fixed = { floor } });
@@ -494,7 +495,7 @@ namespace contact_test {
     /// As a fold makes a point: behind a face, and never in front of it.
     TEST(Contact, APointThatFindsItselfBehindAFaceIsNotThrownOut)
     {
-        const TetMesh mesh = kuhn_box(4, 4, 3, kEdge);
+        const mesh::TetMesh mesh = mesh::kuhn_box(4, 4, 3, kEdge);
         TriMesh floor, wall;
         floor.vertices.resize(4, 3);
         floor.vertices << -50, -50, -1, 80, -50, -1, 80, 60, -1, -50, 60, -1;
@@ -540,10 +541,11 @@ namespace contact_test {
 
     TEST(Contact, RefusesBadInput)
     {
-        const TetMesh mesh = kuhn_box(1, 1, 1, kEdge);
+        const mesh::TetMesh mesh = mesh::kuhn_box(1, 1, 1, kEdge);
         const std::vector<Lame> lame(mesh.tet_count(), Lame { 0.01, 0.03 });
-        const auto made
-            = [&](const ContactOptions& options) { return message_of([&] { (void)Contact(mesh, lame, options); }); };
+        const auto made = [&](const ContactOptions& options) {
+            return test_support::message_of([&] { (void)Contact(mesh, lame, options); });
+        };
         EXPECT_EQ(made({ .stiffness = 0.0 }), "contact: the penalty's stiffness and the reach must be positive");
         EXPECT_EQ(made({ .reach = std::numeric_limits<double>::infinity() }),
             "contact: the penalty's stiffness and the reach must be positive");
@@ -556,4 +558,4 @@ namespace contact_test {
     }
 
 } // namespace contact_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -16,10 +16,10 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 namespace hyperelastic_body_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     constexpr double kMu = 0.05, kBulk = 2.0; // MPa
 
@@ -29,13 +29,13 @@ namespace hyperelastic_body_test {
             HolzapfelGasserOgden { kMu, 0.08, 3.0, 0.1, kBulk }, Guccione { 0.002, 8.0, 2.0, 4.0, kBulk } };
     }
 
-    TetMesh p1_or_p2(const TetMesh& mesh, int nodes_per_tet)
+    mesh::TetMesh p1_or_p2(const mesh::TetMesh& mesh, int nodes_per_tet)
     {
-        return nodes_per_tet == 10 ? with_midpoints(mesh) : mesh;
+        return nodes_per_tet == 10 ? mesh::with_midpoints(mesh) : mesh;
     }
 
     /// All laws in one body, with fibres that turn from element to element.
-    HyperelasticTissue mixed(const TetMesh& mesh)
+    HyperelasticTissue mixed(const mesh::TetMesh& mesh)
     {
         HyperelasticTissue tissue { laws(), {}, {} };
         for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
@@ -50,7 +50,7 @@ namespace hyperelastic_body_test {
     /// A unit cube pulled along x by `stretch` with free sides: the Cauchy stress.
     double uniaxial_stress(const Hyperelastic& law, int nodes_per_tet, double stretch)
     {
-        const TetMesh mesh = p1_or_p2(kuhn_box(2, 2, 2, 0.5), nodes_per_tet);
+        const mesh::TetMesh mesh = p1_or_p2(mesh::kuhn_box(2, 2, 2, 0.5), nodes_per_tet);
         ElasticBody body(mesh, uniform_tissue(mesh, law));
         const auto size = static_cast<std::size_t>(3 * mesh.vertices.rows());
         std::vector<std::uint8_t> prescribed(size, 0);
@@ -95,7 +95,7 @@ namespace hyperelastic_body_test {
     TEST(HyperelasticBody, HasSixZeroEigenvaluesAtRest)
     {
         for (const int n : { 4, 10 }) {
-            const TetMesh mesh = p1_or_p2(distorted_box(2, 1.0, 0.2, 2), n);
+            const mesh::TetMesh mesh = p1_or_p2(verification::distorted_box(2, 1.0, 0.2, 2), n);
             ElasticBody body(mesh, mixed(mesh));
             const Eigen::MatrixXd K = dense(body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), 0.0));
             const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues();
@@ -108,10 +108,10 @@ namespace hyperelastic_body_test {
     {
         const Mat3 R = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3(1, 1, 0).normalized()).toRotationMatrix();
         for (const int n : { 4, 10 }) {
-            const TetMesh mesh = p1_or_p2(distorted_box(3, 1.0, 0.2, 3), n);
+            const mesh::TetMesh mesh = p1_or_p2(verification::distorted_box(3, 1.0, 0.2, 3), n);
             const ElasticBody body(mesh, mixed(mesh));
-            const auto turned
-                = body.response(nodal_values(mesh, [&](const Vec3& p) -> Vec3 { return R * p - p + Vec3(5, 0, 0); }));
+            const auto turned = body.response(
+                verification::nodal_values(mesh, [&](const Vec3& p) -> Vec3 { return R * p - p + Vec3(5, 0, 0); }));
             constexpr double kRoundOff = 1e-12; // of K times the volume, 27 mm^3
             EXPECT_LE(std::abs(turned.energy), kRoundOff * kBulk * 27.0) << n;
             EXPECT_LE(turned.forces.norm(), kRoundOff * kBulk * 27.0) << n;
@@ -123,7 +123,7 @@ namespace hyperelastic_body_test {
         std::mt19937 random(9);
         std::uniform_real_distribution<double> entry(-1.0, 1.0);
         for (const int n : { 4, 10 }) {
-            const TetMesh mesh = p1_or_p2(distorted_box(2, 1.0, 0.2, 5), n);
+            const mesh::TetMesh mesh = p1_or_p2(verification::distorted_box(2, 1.0, 0.2, 5), n);
             ElasticBody body(mesh, mixed(mesh));
             const auto size = 3 * mesh.vertices.rows();
             const Eigen::VectorXd u = Eigen::VectorXd::NullaryExpr(size, [&] { return 0.05 * entry(random); });
@@ -139,7 +139,7 @@ namespace hyperelastic_body_test {
 
     TEST(HyperelasticBody, AnElementTurnedOverHasInfiniteEnergyAndIsNoStart)
     {
-        const TetMesh mesh = kuhn_box(2, 2, 2, 1.0);
+        const mesh::TetMesh mesh = mesh::kuhn_box(2, 2, 2, 1.0);
         ElasticBody body(mesh, uniform_tissue(mesh, laws()[0]));
         Eigen::VectorXd u = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
         u[3 * 13] = 1.5; // the middle vertex, beyond its neighbour
@@ -148,13 +148,15 @@ namespace hyperelastic_body_test {
         for (std::size_t i = 0; i < 12; ++i)
             prescribed[i] = 1;
         EquilibriumSolver solver;
-        EXPECT_NE(message_of([&] { (void)solver.solve(body, prescribed, u, u, {}, Job {}); }).find("turned over"),
+        EXPECT_NE(test_support::message_of([&] {
+            (void)solver.solve(body, prescribed, u, u, {}, Job {});
+        }).find("turned over"),
             std::string::npos);
     }
 
     TEST(HyperelasticBody, ALargePullTurnsNoElementOver)
     {
-        const TetMesh mesh = kuhn_box(4, 2, 2, 1.0);
+        const mesh::TetMesh mesh = mesh::kuhn_box(4, 2, 2, 1.0);
         ElasticBody body(mesh, uniform_tissue(mesh, MooneyRivlin { 0.5 * kMu, 0.0, kBulk }));
         std::vector<std::uint8_t> prescribed(3 * mesh.vertex_count(), 0);
         Eigen::VectorXd target = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
@@ -174,9 +176,9 @@ namespace hyperelastic_body_test {
 
     TEST(HyperelasticBodyBadInput, IsNamed)
     {
-        const TetMesh mesh = kuhn_box(1, 1, 1, 1.0);
+        const mesh::TetMesh mesh = mesh::kuhn_box(1, 1, 1, 1.0);
         const auto refuse = [&](const HyperelasticTissue& tissue) {
-            return message_of([&] { const ElasticBody body(mesh, tissue); });
+            return test_support::message_of([&] { const ElasticBody body(mesh, tissue); });
         };
         HyperelasticTissue tissue = uniform_tissue(mesh, NeoHookean { kMu, 0.0 });
         tissue.law_of_element[3] = 1;
@@ -193,11 +195,14 @@ namespace hyperelastic_body_test {
         EXPECT_EQ(refuse(tissue), "element 2: a fibre direction must be a unit vector");
         tissue.fibres.pop_back();
         EXPECT_EQ(refuse(tissue), "fibres: fibres are given for all elements or for none");
-        EXPECT_NE(message_of([&] { const ElasticBody body(mesh, Elasticity::hyperelastic, {}); }).find("laws"),
+        EXPECT_NE(
+            test_support::message_of([&] { const ElasticBody body(mesh, Elasticity::hyperelastic, {}); }).find("laws"),
             std::string::npos);
-        EXPECT_NE(message_of([&] { const ElasticBody body(mesh, Elasticity::linear, {}); }).find("each element"),
+        EXPECT_NE(test_support::message_of([&] {
+            const ElasticBody body(mesh, Elasticity::linear, {});
+        }).find("each element"),
             std::string::npos);
     }
 
 } // namespace hyperelastic_body_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -1,7 +1,7 @@
 #include "fem/model/loads.h"
 
-#include "fem/statics/equilibrium.h"
 #include "fem/linear_algebra/nodal_norm.h"
+#include "fem/statics/equilibrium.h"
 #include "mesh/base/error.h"
 #include "tests/support/reference_problems.h"
 #include "tests/verification/framework/meshes.h"
@@ -15,27 +15,27 @@
 #include <span>
 #include <string>
 
-namespace retractor {
+namespace retractor::fem {
 namespace loads_test {
 
     constexpr double kTiny = 1e-9;
 
     /// A box of 2 x 3 x 4 mm, bent so that P2 faces are curved.
-    TetMesh bent_box(int nodes_per_tet)
+    mesh::TetMesh bent_box(int nodes_per_tet)
     {
-        return mapped_box(nodes_per_tet, 2, 3, 4, [](const Vec3& p) -> Vec3 {
+        return verification::mapped_box(nodes_per_tet, 2, 3, 4, [](const Vec3& p) -> Vec3 {
             return { p.x() + 0.05 * p.z() * p.z(), p.y(), p.z() + 0.03 * p.x() * p.y() };
         });
     }
 
-    TetMesh straight_box(int nodes_per_tet)
+    mesh::TetMesh straight_box(int nodes_per_tet)
     {
-        return mapped_box(nodes_per_tet, 2, 3, 4, [](const Vec3& p) { return p; });
+        return verification::mapped_box(nodes_per_tet, 2, 3, 4, [](const Vec3& p) { return p; });
     }
 
-    std::vector<TetFace> top(const TetMesh& mesh)
+    std::vector<mesh::TetFace> top(const mesh::TetMesh& mesh)
     {
-        return faces_where(mesh, [](const Vec3& p) { return p.z() > 4.0 - kTiny; });
+        return verification::faces_where(mesh, [](const Vec3& p) { return p.z() > 4.0 - kTiny; });
     }
 
     Vec3 sum(const Eigen::VectorXd& nodal)
@@ -46,7 +46,7 @@ namespace loads_test {
         return total;
     }
 
-    Eigen::VectorXd random_motion(const TetMesh& mesh, double size, unsigned seed)
+    Eigen::VectorXd random_motion(const mesh::TetMesh& mesh, double size, unsigned seed)
     {
         std::mt19937 random(seed);
         std::uniform_real_distribution<double> entry(-size, size);
@@ -57,7 +57,7 @@ namespace loads_test {
     {
         constexpr double kRoundOff = 1e-13;
         for (const int n : { 4, 10 }) {
-            const TetMesh mesh = straight_box(n);
+            const mesh::TetMesh mesh = straight_box(n);
             const Vec3 t(0.1, -0.2, 0.3);
             EXPECT_LE((sum(traction_loads(mesh, top(mesh), t)) - 6.0 * t).norm(), kRoundOff * 10.0) << n;
             EXPECT_LE((sum(body_force_loads(mesh, [&](const Vec3&) { return t; })) - 24.0 * t).norm(), 1e-11) << n;
@@ -71,7 +71,7 @@ namespace loads_test {
     TEST(Loads, PressurePushesInwardsByItsArea)
     {
         for (const int n : { 4, 10 }) {
-            const TetMesh mesh = straight_box(n);
+            const mesh::TetMesh mesh = straight_box(n);
             const FollowerPressure pressure(mesh, top(mesh), 0.01);
             const Vec3 total = sum(pressure.force(Eigen::VectorXd::Zero(3 * mesh.vertices.rows())));
             EXPECT_LE((total - Vec3(0, 0, -0.06)).norm(), 1e-15) << n;
@@ -81,8 +81,8 @@ namespace loads_test {
     TEST(Loads, PressureAllRoundIsTheDerivativeOfTheVolumeAndLeavesNoForce)
     {
         for (const int n : { 4, 10 }) {
-            const TetMesh mesh = bent_box(n);
-            const FollowerPressure pressure(mesh, boundary_faces(mesh), 0.01);
+            const mesh::TetMesh mesh = bent_box(n);
+            const FollowerPressure pressure(mesh, mesh::boundary_faces(mesh), 0.01);
             const Eigen::VectorXd u = random_motion(mesh, 0.1, 3), force = pressure.force(u);
             EXPECT_LE(sum(force).norm(), 1e-15) << n;
             Eigen::VectorXd gradient = Eigen::VectorXd::Zero(u.size());
@@ -95,8 +95,9 @@ namespace loads_test {
     {
         constexpr double h = 1e-5; // the energy is cubic: central differences err by h^2
         for (const int n : { 4, 10 }) {
-            const TetMesh mesh = bent_box(n);
-            FollowerPressure pressure(mesh, faces_where(mesh, [](const Vec3& p) { return p.y() < kTiny; }), 0.01);
+            const mesh::TetMesh mesh = bent_box(n);
+            FollowerPressure pressure(
+                mesh, verification::faces_where(mesh, [](const Vec3& p) { return p.y() < kTiny; }), 0.01);
             const Eigen::VectorXd u = random_motion(mesh, 0.1, 5), d = random_motion(mesh, 1.0, 6);
             pressure.renew_rim(random_motion(mesh, 0.1, 8));
             const auto gradient = [&](const Eigen::VectorXd& at) {
@@ -141,10 +142,10 @@ namespace loads_test {
         constexpr double kRoundOff = 1e-9;
         for (const int n : { 4, 10 })
             for (const Vec3& middle : { Vec3(Vec3::Zero()), Vec3(100.0, -50.0, 30.0) }) {
-                TetMesh mesh = bent_box(n);
+                mesh::TetMesh mesh = bent_box(n);
                 mesh.vertices.rowwise() += middle.transpose();
-                FollowerPressure pressure(
-                    mesh, faces_where(mesh, [&](const Vec3& p) { return p.y() - middle.y() < kTiny; }), 0.01);
+                FollowerPressure pressure(mesh,
+                    verification::faces_where(mesh, [&](const Vec3& p) { return p.y() - middle.y() < kTiny; }), 0.01);
                 const Eigen::VectorXd u = random_motion(mesh, 0.1, 5), a = random_motion(mesh, 1.0, 6),
                                       b = random_motion(mesh, 1.0, 7);
                 const Eigen::VectorXd by_a = change_without_energy(pressure, u, a),
@@ -158,7 +159,7 @@ namespace loads_test {
     TEST(Loads, RimsInPlanesOfSymmetryHaveAnEnergyForAll)
     {
         for (const int n : { 4, 10 }) {
-            const QuarterTube tube = quarter_tube(n, 12.5, 14.5, 24, 2, 1);
+            const verification::QuarterTube tube = verification::quarter_tube(n, 12.5, 14.5, 24, 2, 1);
             FollowerPressure pressure(tube.mesh, tube.inner_faces, 0.01);
             const auto free_part = [&](Eigen::VectorXd forces) {
                 for (Eigen::Index i = 0; i < forces.size(); ++i)
@@ -178,9 +179,9 @@ namespace loads_test {
 
     /// A part of a cylinder's wall of inner radius 130 mm, round z, cut through along its middle; its border is held.
     struct SlitWall {
-        TetMesh mesh;
-        Held held;
-        std::vector<TetFace> inner;
+        mesh::TetMesh mesh;
+        verification::Held held;
+        std::vector<mesh::TetFace> inner;
     };
     SlitWall slit_wall(double edge)
     {
@@ -188,8 +189,8 @@ namespace loads_test {
         const int n = 2 * static_cast<int>(std::lround(kSide / (2.0 * edge))),
                   layers = static_cast<int>(std::lround(kThickness / edge));
         SlitWall wall;
-        TetMesh& mesh = wall.mesh;
-        mesh = mapped_box(4, n, n, layers, [](const Vec3& p) { return p; });
+        mesh::TetMesh& mesh = wall.mesh;
+        mesh = verification::mapped_box(4, n, n, layers, [](const Vec3& p) { return p; });
         const auto along = [&](VertexId v) { return kSide * (mesh.vertices(v, 1) / n - 0.5); };
         std::map<VertexId, VertexId> other_lip; // the slit's ends are on both
         const auto count = static_cast<VertexId>(mesh.vertex_count());
@@ -208,7 +209,7 @@ namespace loads_test {
                 if (const auto found = other_lip.find(v); x > n / 2 && found != other_lip.end())
                     v = found->second;
         }
-        wall.held = hold_nothing(mesh);
+        wall.held = verification::hold_nothing(mesh);
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v) {
             const Vec3 at = mesh.vertices.row(v);
             if (at.x() == 0 || at.x() == n || at.y() == 0 || at.y() == n)
@@ -217,7 +218,8 @@ namespace loads_test {
             const double angle = kSide * (at.x() / n - 0.5) / kRadius, r = kRadius + kThickness * at.z() / layers;
             mesh.vertices.row(v) = Vec3(r * std::sin(angle), along(v), r * std::cos(angle)).transpose();
         }
-        wall.inner = faces_where(mesh, [](const Vec3& p) { return std::hypot(p.x(), p.z()) < kRadius + kTiny; });
+        wall.inner
+            = verification::faces_where(mesh, [](const Vec3& p) { return std::hypot(p.x(), p.z()) < kRadius + kTiny; });
         return wall;
     }
 
@@ -227,23 +229,23 @@ namespace loads_test {
         constexpr int kFewSteps
             = 20; // in four load steps; 44 where all that the rim adds is taken as constant, about the axis
         const SlitWall wall = slit_wall(6.25);
-        ElasticBody body(wall.mesh, uniform_tissue(wall.mesh, hyperelastic_law(fixtures::material(0.04, 0.45))));
+        ElasticBody body(wall.mesh, uniform_tissue(wall.mesh, hyperelastic_law(test_support::material(0.04, 0.45))));
         body.set_loads({ {}, { FollowerPressure(wall.mesh, wall.inner, kPressure) } });
-        const VerificationSolve solve
-            = solve_problem(body, wall.held.prescribed, {}, { .load_steps = 4, .tolerance = 1e-6 }, Job {});
+        const verification::VerificationSolve solve = verification::solve_problem(
+            body, wall.held.prescribed, {}, { .load_steps = 4, .tolerance = 1e-6 }, Job {});
         ASSERT_EQ(solve.equilibrium.status, EquilibriumStatus::converged) << solve.equilibrium.message;
         EXPECT_LE(solve.equilibrium.newton_iterations, kFewSteps);
     }
 
     /// Bar of 2 x 3 x 4 mm on its bottom, free to slide there, pulled up at its top.
     struct Bar {
-        TetMesh mesh;
-        Held held;
+        mesh::TetMesh mesh;
+        verification::Held held;
     };
     Bar bar(int nodes_per_tet)
     {
         Bar b { straight_box(nodes_per_tet), {} };
-        b.held = hold_nothing(b.mesh);
+        b.held = verification::hold_nothing(b.mesh);
         for (VertexId v = 0; v < static_cast<VertexId>(b.mesh.vertex_count()); ++v)
             for (int axis = 0; axis < 3; ++axis)
                 if (b.mesh.vertices(v, axis) < kTiny)
@@ -280,13 +282,13 @@ namespace loads_test {
     {
         // Its supports take rigid motions away and bear nothing: no force is left to compare the rest with.
         constexpr double kTolerance = 1e-4, kNominal = 0.02;
-        const TetMesh mesh = straight_box(4);
+        const mesh::TetMesh mesh = straight_box(4);
         ElasticBody body(mesh, uniform_tissue(mesh, MooneyRivlin { 0.025, 0.0, 0.5 }));
-        const auto bottom = faces_where(mesh, [](const Vec3& p) { return p.z() < kTiny; });
+        const auto bottom = verification::faces_where(mesh, [](const Vec3& p) { return p.z() < kTiny; });
         const Eigen::VectorXd loads
             = traction_loads(mesh, top(mesh), { 0, 0, kNominal }) + traction_loads(mesh, bottom, { 0, 0, -kNominal });
         body.set_loads({ loads, {} });
-        Held held = hold_nothing(mesh);
+        verification::Held held = verification::hold_nothing(mesh);
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v) {
             const Vec3 p = mesh.vertices.row(v);
             const bool foot = (p - Vec3(0, 0, 0)).norm() < kTiny, along_x = (p - Vec3(2, 0, 0)).norm() < kTiny,
@@ -307,10 +309,11 @@ namespace loads_test {
     TEST(Equilibrium, OfALinearBodyUnderPressureHasTheClosedForm)
     {
         const Bar b = bar(4);
-        const VerificationLaw law = linear_law(1.0, 0.3);
-        ElasticBody body = make_body(b.mesh, VerificationElement::p1, law);
+        const verification::VerificationLaw law = verification::linear_law(1.0, 0.3);
+        ElasticBody body = make_body(b.mesh, verification::VerificationElement::p1, law);
         body.set_loads({ {}, { FollowerPressure(b.mesh, top(b.mesh), 0.01) } });
-        const VerificationSolve solve = solve_problem(body, b.held.prescribed, {}, { .tolerance = 1e-10 }, Job {});
+        const verification::VerificationSolve solve
+            = verification::solve_problem(body, b.held.prescribed, {}, { .tolerance = 1e-10 }, Job {});
         for (Eigen::Index v = 0; v < b.mesh.vertices.rows(); ++v)
             EXPECT_NEAR(solve.equilibrium.displacement[3 * v + 2], -0.01 * b.mesh.vertices(v, 2), 1e-12);
     }
@@ -320,10 +323,11 @@ namespace loads_test {
         // A tube of an incompressible neo-Hookean solid holds at most mu ln(ro / ri).
         constexpr double kMu = 1.0 / 3.0;
         const double limit = kMu * std::log(14.5 / 12.5);
-        const QuarterTube tube = quarter_tube(10, 12.5, 14.5, 8, 1, 1);
+        const verification::QuarterTube tube = verification::quarter_tube(10, 12.5, 14.5, 8, 1, 1);
         ElasticBody body(tube.mesh, uniform_tissue(tube.mesh, MooneyRivlin { 0.5 * kMu, 0.0, 1e3 * kMu }));
         body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, 1.3 * limit) } });
-        const VerificationSolve solve = solve_problem(body, tube.held.prescribed, {}, { .load_steps = 6 }, Job {});
+        const verification::VerificationSolve solve
+            = verification::solve_problem(body, tube.held.prescribed, {}, { .load_steps = 6 }, Job {});
         EXPECT_EQ(solve.equilibrium.status, EquilibriumStatus::not_converged);
         EXPECT_NE(solve.equilibrium.message.find("no equilibrium was found above"), std::string::npos)
             << solve.equilibrium.message;
@@ -337,12 +341,14 @@ namespace loads_test {
         constexpr double kFarTooMuch = 0.05, kRoundOff = 1e-12; // MPa; of the forces
         const SlitWall wall = slit_wall(12.5);
         const auto pressed = [&] {
-            ElasticBody body(wall.mesh, uniform_tissue(wall.mesh, hyperelastic_law(fixtures::material(0.04, 0.45))));
+            ElasticBody body(
+                wall.mesh, uniform_tissue(wall.mesh, hyperelastic_law(test_support::material(0.04, 0.45))));
             body.set_loads({ {}, { FollowerPressure(wall.mesh, wall.inner, kFarTooMuch) } });
             return body;
         };
         ElasticBody body = pressed(), other = pressed();
-        const auto solved = [&] { return solve_problem(body, wall.held.prescribed, {}, {}, Job {}).equilibrium; };
+        const auto solved
+            = [&] { return verification::solve_problem(body, wall.held.prescribed, {}, {}, Job {}).equilibrium; };
         const Equilibrium first = solved();
         ASSERT_EQ(first.status, EquilibriumStatus::not_converged);
         ASSERT_GT(first.load, 0.0);
@@ -357,12 +363,12 @@ namespace loads_test {
 
     TEST(LoadsBadInput, IsNamed)
     {
-        const TetMesh mesh = straight_box(4);
-        TetFace inner;
+        const mesh::TetMesh mesh = straight_box(4);
+        mesh::TetFace inner;
         for (inner.tet = 0;; ++inner.tet) { // a face that no boundary face is
             for (inner.corner = 0; inner.corner < 4; ++inner.corner) {
                 bool boundary = false;
-                for (const TetFace& face : boundary_faces(mesh))
+                for (const mesh::TetFace& face : mesh::boundary_faces(mesh))
                     boundary = boundary || (face.tet == inner.tet && face.corner == inner.corner);
                 if (!boundary)
                     break;
@@ -370,29 +376,32 @@ namespace loads_test {
             if (inner.corner < 4)
                 break;
         }
-        const std::string inside = fixtures::message_of([&] { const FollowerPressure p(mesh, { inner }, 1.0); });
+        const std::string inside = test_support::message_of([&] { const FollowerPressure p(mesh, { inner }, 1.0); });
         EXPECT_NE(inside.find("element " + std::to_string(inner.tet)), std::string::npos) << inside;
         EXPECT_NE(inside.find("inside"), std::string::npos) << inside;
         const double nan = std::numeric_limits<double>::quiet_NaN();
-        EXPECT_NE(fixtures::message_of([&] { const FollowerPressure p(mesh, top(mesh), nan); }).find("not finite"),
+        EXPECT_NE(test_support::message_of([&] { const FollowerPressure p(mesh, top(mesh), nan); }).find("not finite"),
             std::string::npos);
-        EXPECT_NE(fixtures::message_of([&] {
+        EXPECT_NE(test_support::message_of([&] {
             (void)traction_loads(mesh, top(mesh), { 0, nan, 0 });
         }).find("not finite"),
             std::string::npos);
-        EXPECT_NE(fixtures::message_of([&] {
+        EXPECT_NE(test_support::message_of([&] {
             (void)traction_loads(mesh, {}, { 0, 0, 0 });
         }).find("at least one face"),
             std::string::npos);
-        ElasticBody body = make_body(mesh, VerificationElement::p1, linear_law(1.0, 0.3));
-        EXPECT_NE(fixtures::message_of([&] {
+        ElasticBody body = make_body(mesh, verification::VerificationElement::p1, verification::linear_law(1.0, 0.3));
+        EXPECT_NE(test_support::message_of([&] {
             body.set_loads({ Eigen::VectorXd::Zero(3), {} });
         }).find("three entries per node"),
             std::string::npos);
         Eigen::VectorXd loads = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
         loads[7] = nan;
-        EXPECT_EQ(fixtures::message_of([&] { body.set_loads({ loads, {} }); }), "node 2: a nodal load is not finite");
+        EXPECT_EQ(test_support::message_of([&] {
+            body.set_loads({ loads, {} });
+        }),
+            "node 2: a nodal load is not finite");
     }
 
 } // namespace loads_test
-} // namespace retractor
+} // namespace retractor::fem

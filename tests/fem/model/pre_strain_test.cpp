@@ -8,25 +8,25 @@
 
 #include <limits>
 
-namespace retractor {
+namespace retractor::fem {
 namespace pre_strain_test {
 
-    using fixtures::material;
-    using fixtures::message_of;
+    using test_support::material;
+    using test_support::message_of;
 
     constexpr double kModulus = 0.2, kRatio = 0.3, kStrain = 0.04;
     constexpr double kRoundOff = 1e-13;
 
     PreStrain tension(PreStrainKind kind) { return { kind, kStrain, Vec3::UnitY(), Vec3::UnitZ() }; }
 
-    std::vector<Mat3> everywhere(const TetMesh& mesh, const Mat3& stress)
+    std::vector<Mat3> everywhere(const mesh::TetMesh& mesh, const Mat3& stress)
     {
         return std::vector<Mat3>(mesh.tet_count(), stress);
     }
 
     TEST(PreStrain, IsHookesLawOfThePlane)
     {
-        const Material m = material(kModulus, kRatio);
+        const Material m = test_support::material(kModulus, kRatio);
         const double s = kModulus * kStrain;
         const Mat3 uniaxial = pre_stress(tension(PreStrainKind::uniaxial_stress), m);
         EXPECT_NEAR(uniaxial(1, 1), s, kRoundOff);
@@ -44,7 +44,7 @@ namespace pre_strain_test {
 
     TEST(PreStrain, TwoStrainsThatDifferAreHookesLawOfThePlaneToo)
     {
-        const Material m = material(kModulus, kRatio);
+        const Material m = test_support::material(kModulus, kRatio);
         constexpr double kAcross = 0.015;
         PreStrain unequal = tension(PreStrainKind::biaxial);
         unequal.across = kAcross;
@@ -66,7 +66,7 @@ namespace pre_strain_test {
 
     TEST(PreStrain, TakesNoNormalsFromWhereTheBodyWasCutOff)
     {
-        const TetMesh mesh = kuhn_box(4, 4, 2, 1.0, 1);
+        const mesh::TetMesh mesh = mesh::kuhn_box(4, 4, 2, 1.0, 1);
         std::vector<VertexId> held;
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
             if (mesh.vertices(v, 0) == 0.0 || mesh.vertices(v, 0) == 4.0 || mesh.vertices(v, 1) == 0.0
@@ -81,12 +81,12 @@ namespace pre_strain_test {
     {
         PreStrain slanted = tension(PreStrainKind::uniaxial_stress);
         slanted.pull = Vec3(0.0, 1.0, 5.0);
-        EXPECT_NEAR(pre_stress(slanted, material(kModulus, kRatio))(2, 2), 0.0, kRoundOff);
+        EXPECT_NEAR(pre_stress(slanted, test_support::material(kModulus, kRatio))(2, 2), 0.0, kRoundOff);
     }
 
     TEST(PreStrain, FindsTheNormalOfASkinOverOtherTissue)
     {
-        TetMesh mesh = kuhn_box(8, 8, 3, 1.0, 1);
+        mesh::TetMesh mesh = mesh::kuhn_box(8, 8, 3, 1.0, 1);
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
             double height = 0.0;
             for (const VertexId v : mesh.tet(t))
@@ -115,17 +115,18 @@ namespace pre_strain_test {
         Mat3 gradient;
         gradient << 0.1, 0.2, -0.3, 0.05, -0.1, 0.2, 0.3, 0.1, 0.2;
         for (const bool quadratic : { false, true }) {
-            TetMesh mesh = distorted_box(3, 2.0, 0.25, 7);
+            mesh::TetMesh mesh = verification::distorted_box(3, 2.0, 0.25, 7);
             if (quadratic)
-                mesh = with_midpoints(mesh);
+                mesh = mesh::with_midpoints(mesh);
             const Eigen::VectorXd f = pre_stress_forces(mesh, everywhere(mesh, stress));
-            const auto rim = fixtures::boundary_unknowns(mesh);
+            const auto rim = test_support::boundary_unknowns(mesh);
             const double largest = f.lpNorm<Eigen::Infinity>();
             for (std::size_t i = 0; i < rim.size(); ++i)
                 if (rim[i] == 0) {
                     EXPECT_NEAR(f[static_cast<Eigen::Index>(i)], 0.0, kRoundOff * 100.0 * largest);
                 }
-            const Eigen::VectorXd u = nodal_values(mesh, [&](const Vec3& x) { return Vec3(gradient * x); });
+            const Eigen::VectorXd u
+                = verification::nodal_values(mesh, [&](const Vec3& x) { return Vec3(gradient * x); });
             constexpr double kVolume = 216.0;
             EXPECT_NEAR(f.dot(u), kVolume * stress.cwiseProduct(gradient).sum(), 1e-10);
         }
@@ -134,12 +135,12 @@ namespace pre_strain_test {
     /// All faces let go: the load is minus the internal force of the stress.
     TEST(PreStrain, ReleaseOfTheWholeSurfaceIsTheWholeForce)
     {
-        const Mat3 stress = pre_stress(tension(PreStrainKind::equibiaxial), material(kModulus, kRatio));
+        const Mat3 stress = pre_stress(tension(PreStrainKind::equibiaxial), test_support::material(kModulus, kRatio));
         for (const bool quadratic : { false, true }) {
-            const TetMesh linear = distorted_box(3, 2.0, 0.25, 3);
-            const TetMesh mesh = quadratic ? with_midpoints(linear) : linear;
+            const mesh::TetMesh linear = verification::distorted_box(3, 2.0, 0.25, 3);
+            const mesh::TetMesh mesh = quadratic ? mesh::with_midpoints(linear) : linear;
             const Eigen::VectorXd f = pre_stress_forces(mesh, everywhere(mesh, stress));
-            const Eigen::VectorXd r = release_forces(mesh, boundary_faces(mesh), everywhere(mesh, stress));
+            const Eigen::VectorXd r = release_forces(mesh, mesh::boundary_faces(mesh), everywhere(mesh, stress));
             EXPECT_LT((f + r).lpNorm<Eigen::Infinity>(), 1e-12);
             EXPECT_GT(f.lpNorm<Eigen::Infinity>(), 1e-3);
         }
@@ -148,52 +149,61 @@ namespace pre_strain_test {
     /// A body under uniform stress whose boundary is held does not move.
     TEST(PreStrain, HeldBoundaryKeepsTheUncutBodyStill)
     {
-        const TetMesh mesh = distorted_box(4, 2.0, 0.25, 11);
-        ElasticBody body(mesh, Elasticity::linear, fixtures::uniform(mesh, material(kModulus, kRatio)));
-        const Mat3 stress = pre_stress(tension(PreStrainKind::uniaxial_stress), material(kModulus, kRatio));
-        const Eigen::VectorXd u = fixtures::solve_linear(body, fixtures::boundary_unknowns(mesh),
+        const mesh::TetMesh mesh = verification::distorted_box(4, 2.0, 0.25, 11);
+        ElasticBody body(
+            mesh, Elasticity::linear, test_support::uniform(mesh, test_support::material(kModulus, kRatio)));
+        const Mat3 stress
+            = pre_stress(tension(PreStrainKind::uniaxial_stress), test_support::material(kModulus, kRatio));
+        const Eigen::VectorXd u = test_support::solve_linear(body, test_support::boundary_unknowns(mesh),
             Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), -pre_stress_forces(mesh, everywhere(mesh, stress)));
         EXPECT_LT(u.lpNorm<Eigen::Infinity>(), 1e-13);
     }
 
     TEST(PreStrain, RefusesWhatIsNoTension)
     {
-        const Material m = material(kModulus, kRatio);
+        const Material m = test_support::material(kModulus, kRatio);
         for (const double bad : { -0.01, 0.51, std::numeric_limits<double>::quiet_NaN() }) {
             PreStrain t = tension(PreStrainKind::uniaxial_stress);
             t.strain = bad;
-            EXPECT_NE(message_of([&] { pre_stress(t, m); }).find("must lie between 0 and"), std::string::npos) << bad;
+            EXPECT_NE(
+                test_support::message_of([&] { pre_stress(t, m); }).find("must lie between 0 and"), std::string::npos)
+                << bad;
         }
         for (const double bad : { -0.01, 0.51, std::numeric_limits<double>::quiet_NaN() }) {
             PreStrain t = tension(PreStrainKind::biaxial);
             t.across = bad;
-            EXPECT_NE(message_of([&] { check_pre_strain(t); }).find("across: "), std::string::npos) << bad;
-            EXPECT_NE(message_of([&] { pre_stress(t, m); }).find("pre-strain, across"), std::string::npos) << bad;
+            EXPECT_NE(test_support::message_of([&] { check_pre_strain(t); }).find("across: "), std::string::npos)
+                << bad;
+            EXPECT_NE(test_support::message_of([&] { pre_stress(t, m); }).find("pre-strain, across"), std::string::npos)
+                << bad;
         }
         PreStrain unequal = tension(PreStrainKind::biaxial);
         unequal.pull.setZero();
-        EXPECT_NE(message_of([&] { check_pre_strain(unequal); }).find("direction: "), std::string::npos);
+        EXPECT_NE(test_support::message_of([&] { check_pre_strain(unequal); }).find("direction: "), std::string::npos);
         unequal.pull.x() = std::numeric_limits<double>::infinity();
-        EXPECT_NE(message_of([&] { check_pre_strain(unequal); }).find("direction: "), std::string::npos);
+        EXPECT_NE(test_support::message_of([&] { check_pre_strain(unequal); }).find("direction: "), std::string::npos);
         PreStrain none = tension(PreStrainKind::uniaxial_stress);
         none.pull.setZero();
-        EXPECT_NE(message_of([&] { pre_stress(none, m); }).find("the pull"), std::string::npos);
+        EXPECT_NE(test_support::message_of([&] { pre_stress(none, m); }).find("the pull"), std::string::npos);
         PreStrain along = tension(PreStrainKind::uniaxial_stress);
         along.pull = Vec3::UnitZ();
-        EXPECT_NE(message_of([&] { pre_stress(along, m); }).find("along the normal"), std::string::npos);
+        EXPECT_NE(test_support::message_of([&] { pre_stress(along, m); }).find("along the normal"), std::string::npos);
         PreStrain flat = tension(PreStrainKind::equibiaxial);
         flat.normal.setZero();
-        EXPECT_NE(message_of([&] { pre_stress(flat, m); }).find("the normal"), std::string::npos);
-        const TetMesh mesh = kuhn_box(1, 1, 1, 1.0, 3);
+        EXPECT_NE(test_support::message_of([&] { pre_stress(flat, m); }).find("the normal"), std::string::npos);
+        const mesh::TetMesh mesh = mesh::kuhn_box(1, 1, 1, 1.0, 3);
         const std::vector<PreStrain> table(4, tension(PreStrainKind::uniaxial_stress));
-        EXPECT_NE(message_of([&] { pre_stress(mesh, std::vector<Material>(2, m), table); }).find("label 3"),
-            std::string::npos);
         EXPECT_NE(
-            message_of([&] { pre_stress_forces(mesh, {}); }).find("one pre-stress per element"), std::string::npos);
-        const std::vector<TetFace> beyond { { 99, 0 } };
-        EXPECT_NE(message_of([&] { release_forces(mesh, beyond, everywhere(mesh, Mat3::Zero())); }).find("element 99"),
+            test_support::message_of([&] { pre_stress(mesh, std::vector<Material>(2, m), table); }).find("label 3"),
+            std::string::npos);
+        EXPECT_NE(test_support::message_of([&] { pre_stress_forces(mesh, {}); }).find("one pre-stress per element"),
+            std::string::npos);
+        const std::vector<mesh::TetFace> beyond { { 99, 0 } };
+        EXPECT_NE(test_support::message_of([&] {
+            release_forces(mesh, beyond, everywhere(mesh, Mat3::Zero()));
+        }).find("element 99"),
             std::string::npos);
     }
 
 } // namespace pre_strain_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -14,10 +14,10 @@
 #include <set>
 #include <utility>
 
-namespace retractor {
+namespace retractor::fem {
 namespace thick_tube_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     constexpr double kInner = 12.5, kOuter = 14.5, kLength = 1.0, kPressure = 16.0 / 3.0 * 1e-3;
     constexpr double kAngle = std::numbers::pi / 2; // a quarter of it, with symmetry planes
@@ -29,7 +29,7 @@ namespace thick_tube_test {
     }
 
     struct Tube {
-        TetMesh mesh;
+        mesh::TetMesh mesh;
         std::vector<VertexId> inner; ///< nodes on the inner wall
         std::vector<std::uint8_t> prescribed;
         Eigen::VectorXd loads;
@@ -43,17 +43,18 @@ namespace thick_tube_test {
 
     /// Pressure on the inner faces, by a six-point rule exact for the products of quadratic shape functions with a
     /// quadratic normal.
-    void press(Tube& tube, const TetFace& face)
+    void press(Tube& tube, const mesh::TetFace& face)
     {
         const auto nodes = tube.mesh.tet(face.tet);
-        const auto& corner = kTetFaces[static_cast<std::size_t>(face.corner)];
+        const auto& corner = mesh::kTetFaces[static_cast<std::size_t>(face.corner)];
         std::vector<VertexId> on_face;
         for (const int c : corner)
             on_face.push_back(nodes[static_cast<std::size_t>(c)]);
         const bool quadratic = tube.mesh.nodes_per_tet == 10;
         for (std::size_t i = 0; quadratic && i < 3; ++i)
-            for (std::size_t e = 0; e < kTetEdges.size(); ++e)
-                if (std::minmax(corner[i], corner[(i + 1) % 3]) == std::minmax(kTetEdges[e][0], kTetEdges[e][1]))
+            for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e)
+                if (std::minmax(corner[i], corner[(i + 1) % 3])
+                    == std::minmax(mesh::kTetEdges[e][0], mesh::kTetEdges[e][1]))
                     on_face.push_back(nodes[4 + e]);
         constexpr double a = 0.445948490915965, b = 0.091576213509771, wa = 0.223381589678011, wb = 0.109951743655322;
         for (const auto& [v, w] : { std::pair { a, wa }, std::pair { b, wb } })
@@ -87,10 +88,10 @@ namespace thick_tube_test {
     Tube make_tube(int nodes_per_tet, int around, int through, int along)
     {
         Tube tube;
-        tube.mesh = kuhn_box(around, through, along, 1.0);
+        tube.mesh = mesh::kuhn_box(around, through, along, 1.0);
         tube.mesh.vertices.col(2) *= kLength / along;
         if (nodes_per_tet == 10)
-            tube.mesh = with_midpoints(tube.mesh); // before bending: midpoints then lie on the cylinder
+            tube.mesh = mesh::with_midpoints(tube.mesh); // before bending: midpoints then lie on the cylinder
         tube.prescribed.assign(3 * tube.mesh.vertex_count(), 0);
         const double far = 1e-9;
         std::set<VertexId> inner;
@@ -106,10 +107,10 @@ namespace thick_tube_test {
         }
         // Bending turns the parametric axes (around, out, along) into a left-handed set unless the angle runs
         // clockwise.
-        check_mesh(tube.mesh);
+        mesh::check_mesh(tube.mesh);
         tube.loads = Eigen::VectorXd::Zero(3 * tube.mesh.vertices.rows());
-        for (const TetFace& face : boundary_faces(tube.mesh)) {
-            const auto corners = face_vertices(tube.mesh, face);
+        for (const mesh::TetFace& face : mesh::boundary_faces(tube.mesh)) {
+            const auto corners = mesh::face_vertices(tube.mesh, face);
             if (inner.contains(corners[0]) && inner.contains(corners[1]) && inner.contains(corners[2]))
                 press(tube, face);
         }
@@ -120,9 +121,10 @@ namespace thick_tube_test {
     /// Mean radial displacement of the inner wall.
     double inner_displacement(const Tube& tube, double E, double nu)
     {
-        ElasticBody body(tube.mesh, Elasticity::linear, uniform(tube.mesh, material(E, nu)));
+        ElasticBody body(
+            tube.mesh, Elasticity::linear, test_support::uniform(tube.mesh, test_support::material(E, nu)));
         const Eigen::VectorXd u
-            = solve_linear(body, tube.prescribed, Eigen::VectorXd::Zero(tube.loads.size()), tube.loads);
+            = test_support::solve_linear(body, tube.prescribed, Eigen::VectorXd::Zero(tube.loads.size()), tube.loads);
         double sum = 0.0;
         for (const VertexId v : tube.inner) {
             const Eigen::Vector2d p = tube.mesh.vertices.row(v).head<2>().transpose();
@@ -171,4 +173,4 @@ namespace thick_tube_test {
     }
 
 } // namespace thick_tube_test
-} // namespace retractor
+} // namespace retractor::fem

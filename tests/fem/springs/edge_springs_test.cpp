@@ -14,11 +14,11 @@
 #include <limits>
 #include <random>
 
-namespace retractor {
+namespace retractor::fem {
 namespace edge_springs_test {
 
-    using fixtures::material;
-    using fixtures::message_of;
+    using test_support::material;
+    using test_support::message_of;
 
     constexpr double kModulus = 0.2;
 
@@ -33,18 +33,18 @@ namespace edge_springs_test {
     {
         Mat3 sum = Mat3::Zero();
         for (std::size_t e = 0; e < 6; ++e) {
-            const Vec3 edge
-                = x[static_cast<std::size_t>(kTetEdges[e][1])] - x[static_cast<std::size_t>(kTetEdges[e][0])];
+            const Vec3 edge = x[static_cast<std::size_t>(mesh::kTetEdges[e][1])]
+                - x[static_cast<std::size_t>(mesh::kTetEdges[e][0])];
             const Vec3 d = edge.normalized();
             sum += s.stiffness[e] * edge.squaredNorm() * d.dot(strain * d) * d * d.transpose();
         }
-        return sum / std::abs(tet_volume(x[0], x[1], x[2], x[3]));
+        return sum / std::abs(mesh::tet_volume(x[0], x[1], x[2], x[3]));
     }
 
     TEST(ElementSprings, HaveLloydsStiffnessInARegularTetrahedron)
     {
         std::array<Vec3, 4> x = regular_tet(3.0);
-        if (tet_volume(x[0], x[1], x[2], x[3]) < 0.0)
+        if (mesh::tet_volume(x[0], x[1], x[2], x[3]) < 0.0)
             std::swap(x[2], x[3]);
         const ElementSprings s = element_springs(x, kModulus, Mat3::Zero());
         for (const double k : s.stiffness)
@@ -67,7 +67,7 @@ namespace edge_springs_test {
             const Eigen::Quaterniond turn
                 = Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized();
             std::array<Vec3, 4> x = regular_tet(1.0);
-            if (tet_volume(x[0], x[1], x[2], x[3]) < 0.0)
+            if (mesh::tet_volume(x[0], x[1], x[2], x[3]) < 0.0)
                 std::swap(x[2], x[3]);
             for (Vec3& corner : x)
                 corner = turn * corner;
@@ -88,7 +88,7 @@ namespace edge_springs_test {
             std::array<Vec3, 4> x;
             for (Vec3& corner : x)
                 corner = Vec3(coordinate(random), coordinate(random), coordinate(random));
-            if (tet_volume(x[0], x[1], x[2], x[3]) < 0.05)
+            if (mesh::tet_volume(x[0], x[1], x[2], x[3]) < 0.05)
                 continue;
             ++tried;
             Mat3 stress = Mat3::NullaryExpr([&] { return coordinate(random); });
@@ -96,30 +96,31 @@ namespace edge_springs_test {
             const ElementSprings s = element_springs(x, 1.0, stress);
             Mat3 virial = Mat3::Zero();
             for (std::size_t e = 0; e < 6; ++e) {
-                const Vec3 edge
-                    = x[static_cast<std::size_t>(kTetEdges[e][1])] - x[static_cast<std::size_t>(kTetEdges[e][0])];
+                const Vec3 edge = x[static_cast<std::size_t>(mesh::kTetEdges[e][1])]
+                    - x[static_cast<std::size_t>(mesh::kTetEdges[e][0])];
                 virial += s.force_density[e] * edge * edge.transpose();
                 EXPECT_GE(s.stiffness[e], 0.0);
             }
-            EXPECT_LT((virial / tet_volume(x[0], x[1], x[2], x[3]) - stress).norm(), 1e-12);
+            EXPECT_LT((virial / mesh::tet_volume(x[0], x[1], x[2], x[3]) - stress).norm(), 1e-12);
         }
     }
 
     struct Sample {
-        TetMesh mesh;
+        mesh::TetMesh mesh;
         std::vector<Material> materials;
         std::vector<Mat3> stresses;
     };
 
     Sample sample(int n = 4, double strain = 0.05)
     {
-        Sample s { distorted_box(n, 3.0, 0.2, 9), std::vector<Material>(2, material(kModulus, 0.3)), {} };
+        Sample s { verification::distorted_box(n, 3.0, 0.2, 9),
+            std::vector<Material>(2, test_support::material(kModulus, 0.3)), {} };
         const PreStrain tension { PreStrainKind::equibiaxial, strain, Vec3::Zero(), Vec3::UnitZ() };
         s.stresses = pre_stress(s.mesh, s.materials, std::vector<PreStrain>(2, tension));
         return s;
     }
 
-    std::vector<VertexId> all_vertices(const TetMesh& mesh)
+    std::vector<VertexId> all_vertices(const mesh::TetMesh& mesh)
     {
         std::vector<VertexId> all;
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
@@ -215,13 +216,13 @@ namespace edge_springs_test {
         const SpringNetwork network(s.mesh, s.materials);
         const SpringPatch patch(network, all_vertices(s.mesh));
         const Mat3 turn = Eigen::AngleAxisd(1.57, Vec3(1, 2, 3).normalized()).toRotationMatrix();
-        const Eigen::VectorXd u = nodal_values(s.mesh, [&](const Vec3& x) { return Vec3(turn * x - x); });
+        const Eigen::VectorXd u = verification::nodal_values(s.mesh, [&](const Vec3& x) { return Vec3(turn * x - x); });
         const auto state = patch.response(u);
         EXPECT_LT(std::abs(state.energy), 1e-12);
         EXPECT_LT(state.forces.lpNorm<Eigen::Infinity>(), 1e-12);
     }
 
-    Blade oblique_blade(double size)
+    mesh::Blade oblique_blade(double size)
     {
         return { .line = { Vec3(0.21 * size, 0.32 * size, size), Vec3(0.83 * size, 0.64 * size, size) },
             .directions = { Vec3(0.1, 0.15, -1.0) },
@@ -249,23 +250,23 @@ namespace edge_springs_test {
     TEST(SpringNetwork, FollowsCutsUndoAndRedoToTheBit)
     {
         const Sample s = sample(5);
-        CutSession session(s.mesh);
+        mesh::CutSession session(s.mesh);
         SpringNetwork network(s.mesh, s.materials, s.stresses);
         const SpringNetwork first = network;
-        const auto follow = [&](const MeshDelta& delta) {
+        const auto follow = [&](const mesh::MeshDelta& delta) {
             network.apply(delta);
             network.set_wound(session.lips());
         };
         const auto expect_fresh = [&] { expect_same(network, SpringNetwork(session, s.materials, s.stresses)); };
-        CutResult cut = session.cut(oblique_blade(15.0));
-        ASSERT_EQ(cut.status, CutStatus::done) << cut.message;
+        mesh::CutResult cut = session.cut(oblique_blade(15.0));
+        ASSERT_EQ(cut.status, mesh::CutStatus::done) << cut.message;
         follow(cut.delta);
         expect_fresh();
         EXPECT_FALSE(network.copies().empty());
-        Blade across = oblique_blade(15.0);
+        mesh::Blade across = oblique_blade(15.0);
         std::swap(across.line[0].x(), across.line[1].x());
         cut = session.cut(across);
-        ASSERT_EQ(cut.status, CutStatus::done) << cut.message;
+        ASSERT_EQ(cut.status, mesh::CutStatus::done) << cut.message;
         follow(cut.delta);
         expect_fresh();
         const SpringNetwork twice = network;
@@ -282,7 +283,7 @@ namespace edge_springs_test {
     TEST(SpringNetwork, FollowsAnAblationAndGivesBackWhatWasFixed)
     {
         const Sample s = sample(4);
-        CutSession session(s.mesh);
+        mesh::CutSession session(s.mesh);
         SpringNetwork network(s.mesh, s.materials, s.stresses);
         std::vector<VertexId> bottom;
         for (const VertexId v : all_vertices(s.mesh))
@@ -294,8 +295,8 @@ namespace edge_springs_test {
         for (TetId t = 0; t < static_cast<TetId>(s.mesh.tet_count()); ++t)
             if ((s.mesh.vertices(s.mesh.tet(t)[0], 0) < 4.0))
                 corner.push_back(t);
-        const CutResult ablation = session.ablate(corner);
-        ASSERT_EQ(ablation.status, CutStatus::done);
+        const mesh::CutResult ablation = session.ablate(corner);
+        ASSERT_EQ(ablation.status, mesh::CutStatus::done);
         network.apply(ablation.delta);
         network.set_wound(session.lips());
         EXPECT_FALSE(network.lip_vertices().empty()); // bared tissue lets its tension go as a lip does
@@ -307,10 +308,10 @@ namespace edge_springs_test {
     TEST(SpringNetwork, PairsOfLipsOutliveTheAblationOfTheirOriginals)
     {
         const Sample s = sample(5);
-        CutSession session(s.mesh);
+        mesh::CutSession session(s.mesh);
         SpringNetwork network(s.mesh, s.materials, s.stresses);
-        const CutResult cut = session.cut(oblique_blade(15.0));
-        ASSERT_EQ(cut.status, CutStatus::done) << cut.message;
+        const mesh::CutResult cut = session.cut(oblique_blade(15.0));
+        ASSERT_EQ(cut.status, mesh::CutStatus::done) << cut.message;
         network.apply(cut.delta);
         const auto pairs = network.copies();
         ASSERT_GT(pairs.size(), 4U);
@@ -322,17 +323,17 @@ namespace edge_springs_test {
         };
         expect_living();
         const VertexId original = pairs[pairs.size() / 2].first;
-        const CutResult ablation = session.ablate(session.tets_at(original));
-        ASSERT_EQ(ablation.status, CutStatus::done);
+        const mesh::CutResult ablation = session.ablate(session.tets_at(original));
+        ASSERT_EQ(ablation.status, mesh::CutStatus::done);
         ASSERT_FALSE(session.has_vertex(original));
         network.apply(ablation.delta);
         expect_living();
         EXPECT_NE(network.copies(), pairs);
         met.push_back(network.copies());
-        Blade across = oblique_blade(15.0);
+        mesh::Blade across = oblique_blade(15.0);
         std::swap(across.line[0].x(), across.line[1].x());
-        const CutResult second = session.cut(across);
-        ASSERT_EQ(second.status, CutStatus::done) << second.message;
+        const mesh::CutResult second = session.cut(across);
+        ASSERT_EQ(second.status, mesh::CutStatus::done) << second.message;
         ASSERT_TRUE(session.has_vertex(original)); // another vertex under that id
         network.apply(second.delta);
         expect_living();
@@ -351,9 +352,9 @@ namespace edge_springs_test {
     TEST(SpringNetwork, StartedAfterAnAblationItFollowsWhenThatIsTakenBack)
     {
         const Sample s = sample(4);
-        CutSession session(s.mesh);
-        const CutResult ablation = session.ablate(session.tets_at(0));
-        ASSERT_EQ(ablation.status, CutStatus::done);
+        mesh::CutSession session(s.mesh);
+        const mesh::CutResult ablation = session.ablate(session.tets_at(0));
+        ASSERT_EQ(ablation.status, mesh::CutStatus::done);
         ASSERT_FALSE(ablation.delta.vertices_gone.empty());
         SpringNetwork network(session, s.materials, s.stresses);
         network.apply(session.undo());
@@ -368,18 +369,18 @@ namespace edge_springs_test {
     TEST(SpringNetwork, ReleasesAtALipWhatFiniteElementsRelease)
     {
         const Sample s = sample(5);
-        CutSession session(s.mesh);
+        mesh::CutSession session(s.mesh);
         SpringNetwork network(s.mesh, s.materials, s.stresses);
-        const CutResult cut = session.cut(oblique_blade(15.0));
+        const mesh::CutResult cut = session.cut(oblique_blade(15.0));
         network.apply(cut.delta);
         network.set_wound(session.lips());
-        SlotMap map;
-        const TetMesh compact = session.compact_mesh(&map);
+        mesh::SlotMap map;
+        const mesh::TetMesh compact = session.compact_mesh(&map);
         std::vector<Mat3> stresses;
         for (const TetId slot : map.tet_slot)
             stresses.push_back(s.stresses[static_cast<std::size_t>(session.origin(slot))]);
-        std::vector<TetFace> faces;
-        for (const LipFace& lip : session.lips())
+        std::vector<mesh::TetFace> faces;
+        for (const mesh::LipFace& lip : session.lips())
             faces.push_back({ map.compact_tet[static_cast<std::size_t>(lip.face.tet)], lip.face.corner });
         const Eigen::VectorXd loads = release_forces(compact, faces, stresses);
         double largest = 0.0;
@@ -394,13 +395,13 @@ namespace edge_springs_test {
     TEST(SpringNetwork, NewVerticesLieWhereTheirTissueLies)
     {
         const Sample s = sample(4);
-        CutSession session(s.mesh);
+        mesh::CutSession session(s.mesh);
         SpringNetwork network(s.mesh, s.materials, s.stresses);
         Mat3 gradient = Mat3::Zero();
         gradient(0, 1) = 0.1;
         gradient(2, 2) = 0.2;
         network.set_displacement((s.mesh.vertices * gradient.transpose()).eval());
-        const CutResult cut = session.cut(oblique_blade(12.0), { .snap = 0.0 });
+        const mesh::CutResult cut = session.cut(oblique_blade(12.0), { .snap = 0.0 });
         ASSERT_GT(cut.delta.vertices_born.size(), 10U);
         network.apply(cut.delta);
         for (const auto& born : cut.delta.vertices_born)
@@ -413,13 +414,15 @@ namespace edge_springs_test {
     TEST(SpringNetwork, RefusesBadInput)
     {
         const Sample s = sample(1);
-        const auto with = [&](auto... arguments) { return message_of([&] { SpringNetwork network(arguments...); }); };
+        const auto with
+            = [&](auto... arguments) { return test_support::message_of([&] { SpringNetwork network(arguments...); }); };
         const std::span<const Material> good(s.materials);
-        const std::vector<Material> soft(2, material(0.0, 0.3)), nan(2, material(std::nan(""), 0.3)), few(1, soft[0]);
+        const std::vector<Material> soft(2, test_support::material(0.0, 0.3)),
+            nan(2, test_support::material(std::nan(""), 0.3)), few(1, soft[0]);
         EXPECT_NE(with(s.mesh, std::span<const Material>(soft)).find("Young's modulus"), std::string::npos);
         EXPECT_NE(with(s.mesh, std::span<const Material>(nan)).find("Young's modulus"), std::string::npos);
         EXPECT_NE(with(s.mesh, std::span<const Material>(few)).find("label 1"), std::string::npos);
-        EXPECT_NE(with(with_midpoints(s.mesh), good).find("four-node"), std::string::npos);
+        EXPECT_NE(with(mesh::with_midpoints(s.mesh), good).find("four-node"), std::string::npos);
         const std::vector<Mat3> one(1, Mat3::Zero());
         EXPECT_NE(with(s.mesh, good, std::span<const Mat3>(one)).find("one pre-stress per element"), std::string::npos);
         std::vector<Mat3> broken = s.stresses;
@@ -429,16 +432,19 @@ namespace edge_springs_test {
             with(s.mesh, good, std::span<const Mat3>(), SpringOptions { -1.0 }).find("calibration"), std::string::npos);
         SpringNetwork network(s.mesh, s.materials);
         const std::vector<VertexId> beyond { 1000 };
-        EXPECT_NE(message_of([&] { network.fix(beyond); }).find("vertex 1000"), std::string::npos);
-        EXPECT_NE(message_of([&] { network.fix({}, 8); }).find("axes"), std::string::npos);
-        EXPECT_NE(message_of([&] { network.set_displacement(Points::Zero(1, 3)); }).find("one displacement per vertex"),
+        EXPECT_NE(test_support::message_of([&] { network.fix(beyond); }).find("vertex 1000"), std::string::npos);
+        EXPECT_NE(test_support::message_of([&] { network.fix({}, 8); }).find("axes"), std::string::npos);
+        EXPECT_NE(test_support::message_of([&] {
+            network.set_displacement(Points::Zero(1, 3));
+        }).find("one displacement per vertex"),
             std::string::npos);
         Points holes = network.displacement();
         holes(2, 1) = std::nan("");
-        EXPECT_NE(message_of([&] { network.set_displacement(holes); }).find("not finite"), std::string::npos);
-        const std::vector<LipFace> nowhere { { { 99, 0 }, 1, 0 } };
-        EXPECT_NE(message_of([&] { network.set_wound(nowhere); }).find("element 99"), std::string::npos);
+        EXPECT_NE(
+            test_support::message_of([&] { network.set_displacement(holes); }).find("not finite"), std::string::npos);
+        const std::vector<mesh::LipFace> nowhere { { { 99, 0 }, 1, 0 } };
+        EXPECT_NE(test_support::message_of([&] { network.set_wound(nowhere); }).find("element 99"), std::string::npos);
     }
 
 } // namespace edge_springs_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -13,18 +13,18 @@
 #include <atomic>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::fem {
 namespace spring_relaxation_test {
 
-    using fixtures::material;
+    using test_support::material;
 
     constexpr double kStrain = 0.04;
 
     /// A block cut to half its depth, its sides and bottom held, under tension across the cut.
     struct Wound {
-        TetMesh mesh = distorted_box(6, 3.0, 0.2, 21);
-        std::vector<Material> materials = std::vector<Material>(2, material(0.2, 0.25));
-        CutSession session { mesh };
+        mesh::TetMesh mesh = verification::distorted_box(6, 3.0, 0.2, 21);
+        std::vector<Material> materials = std::vector<Material>(2, test_support::material(0.2, 0.25));
+        mesh::CutSession session { mesh };
         std::vector<Mat3> stresses;
         SpringNetwork network = make();
 
@@ -43,10 +43,10 @@ namespace spring_relaxation_test {
         }
         void cut()
         {
-            const CutResult result = session.cut({ .line = { Vec3(3.5, 9.2, 18.0), Vec3(14.5, 8.8, 18.0) },
+            const mesh::CutResult result = session.cut({ .line = { Vec3(3.5, 9.2, 18.0), Vec3(14.5, 8.8, 18.0) },
                 .directions = { -Vec3::UnitZ() },
                 .depth_mm = 9.0 });
-            ASSERT_EQ(result.status, CutStatus::done) << result.message;
+            ASSERT_EQ(result.status, mesh::CutStatus::done) << result.message;
             network.apply(result.delta);
             network.set_wound(session.lips());
         }
@@ -261,4 +261,4 @@ namespace spring_relaxation_test {
     }
 
 } // namespace spring_relaxation_test
-} // namespace retractor
+} // namespace retractor::fem

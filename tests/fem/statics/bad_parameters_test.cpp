@@ -1,13 +1,13 @@
 // Zero, negative and infinite numbers and NaN as parameters of the finite elements and springs: each is refused.
 
-#include "fem/springs/edge_springs.h"
-#include "fem/statics/hook_drive.h"
+#include "fem/interactive/online_opening.h"
 #include "fem/material/hyperelasticity.h"
 #include "fem/model/loads.h"
-#include "fem/interactive/online_opening.h"
-#include "fem/statics/opening.h"
 #include "fem/model/pre_strain.h"
+#include "fem/springs/edge_springs.h"
 #include "fem/springs/spring_dynamics.h"
+#include "fem/statics/hook_drive.h"
+#include "fem/statics/opening.h"
 #include "fem/statics/tension.h"
 #include "mesh/cutting/cut_session.h"
 #include "tests/support/reference_problems.h"
@@ -21,10 +21,10 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 namespace bad_parameters_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -34,12 +34,12 @@ namespace bad_parameters_test {
         return { "tissue", youngs_modulus, poissons_ratio, density, "a test" };
     }
 
-    SpoiltCalls bad_materials()
+    test_support::SpoiltCalls bad_materials()
     {
-        SpoiltCalls all;
+        test_support::SpoiltCalls all;
         const auto opened_with = [](const Material& m) {
             return [m] {
-                const TetMesh mesh = kuhn_box(1, 1, 1, 1.0);
+                const mesh::TetMesh mesh = mesh::kuhn_box(1, 1, 1, 1.0);
                 const Opening opening(mesh, std::vector<Material>(2, m), { { 0, 1, 2 }, {} });
             };
         };
@@ -51,9 +51,9 @@ namespace bad_parameters_test {
         return all;
     }
 
-    SpoiltCalls bad_laws()
+    test_support::SpoiltCalls bad_laws()
     {
-        SpoiltCalls all;
+        test_support::SpoiltCalls all;
         const auto checked = [](const Hyperelastic& law) { return [law] { check_hyperelastic(law); }; };
         for (const Hyperelastic& law :
             std::initializer_list<Hyperelastic> { NeoHookean { 1.0, 1.0 }, MooneyRivlin { 1.0, 0.0, 1.0 },
@@ -74,9 +74,9 @@ namespace bad_parameters_test {
         return all;
     }
 
-    SpoiltCalls bad_openings()
+    test_support::SpoiltCalls bad_openings()
     {
-        const TetMesh mesh = kuhn_box(2, 2, 2, 1.0);
+        const mesh::TetMesh mesh = mesh::kuhn_box(2, 2, 2, 1.0);
         const std::vector<Material> materials(2, tissue());
         const auto with = [=](const Supports& supports, const OpeningOptions& options, const HookPatch& hook) {
             return [=] {
@@ -91,20 +91,21 @@ namespace bad_parameters_test {
             hook.displacement = by;
             return hook;
         };
-        SpoiltCalls all { { with(held, {}, moved({ kNan, 0, 0 })), with(held, {}, moved({ 0, 0, kInfinite })),
-                              with(held, {}, { "hook", 1, {}, Vec3(0, 0, 1) }),
-                              with(held, {}, { "hook", 1, { -1 }, Vec3(0, 0, 1) }),
-                              with(held, {}, { "hook", 1, { 27 }, Vec3(0, 0, 1) }), with({ { 99 }, {} }, {}, good),
-                              with({ { 0, 1, 2 }, { { 5, 0.0 } } }, {}, good),
-                              with({ { 0, 1, 2 }, { { 5, kNan } } }, {}, good), with(held, { .load_steps = 0 }, good),
-                              with(held, { .tolerance = kNan }, good), with(held, { .tolerance = 0.0 }, good) },
-            { with(held, {}, good), [=] { const FollowerPressure pressure(mesh, boundary_faces(mesh), 0.01); },
+        test_support::SpoiltCalls all {
+            { with(held, {}, moved({ kNan, 0, 0 })), with(held, {}, moved({ 0, 0, kInfinite })),
+                with(held, {}, { "hook", 1, {}, Vec3(0, 0, 1) }), with(held, {}, { "hook", 1, { -1 }, Vec3(0, 0, 1) }),
+                with(held, {}, { "hook", 1, { 27 }, Vec3(0, 0, 1) }), with({ { 99 }, {} }, {}, good),
+                with({ { 0, 1, 2 }, { { 5, 0.0 } } }, {}, good), with({ { 0, 1, 2 }, { { 5, kNan } } }, {}, good),
+                with(held, { .load_steps = 0 }, good), with(held, { .tolerance = kNan }, good),
+                with(held, { .tolerance = 0.0 }, good) },
+            { with(held, {}, good), [=] { const FollowerPressure pressure(mesh, mesh::boundary_faces(mesh), 0.01); },
                 [] { check_drive({ .grip_N_per_mm = 1.0, .force_limit_N = 1.0 }, "hook"); },
-                [] { check_drive({ .force_N = Vec3(1, 0, 0) }, "hook"); } } };
-        TetMesh holed = mesh;
+                [] { check_drive({ .force_N = Vec3(1, 0, 0) }, "hook"); } }
+        };
+        mesh::TetMesh holed = mesh;
         holed.vertices(3, 1) = kNan;
         all.spoilt.emplace_back([=] { const Opening opening(holed, materials, held); });
-        all.spoilt.emplace_back([=] { const FollowerPressure pressure(mesh, boundary_faces(mesh), kNan); });
+        all.spoilt.emplace_back([=] { const FollowerPressure pressure(mesh, mesh::boundary_faces(mesh), kNan); });
         for (const double bad : { 0.0, -1.0, kNan }) {
             all.spoilt.emplace_back([=] { check_drive({ .grip_N_per_mm = bad }, "hook"); });
             all.spoilt.emplace_back([=] { check_drive({ .force_limit_N = bad }, "hook"); });
@@ -113,9 +114,9 @@ namespace bad_parameters_test {
         return all;
     }
 
-    SpoiltCalls bad_tensions()
+    test_support::SpoiltCalls bad_tensions()
     {
-        SpoiltCalls all;
+        test_support::SpoiltCalls all;
         const auto strained = [](double strain, const Vec3& along) {
             return [=] {
                 (void)pre_stress({ PreStrainKind::uniaxial_stress, strain, along, Vec3::UnitZ() }, tissue());
@@ -123,7 +124,7 @@ namespace bad_parameters_test {
         };
         const auto sprung = [](double calibration, double youngs_modulus, double density) {
             return [=] {
-                const TetMesh mesh = kuhn_box(1, 1, 1, 1.0);
+                const mesh::TetMesh mesh = mesh::kuhn_box(1, 1, 1, 1.0);
                 const SpringNetwork network(
                     mesh, std::vector<Material>(2, tissue(youngs_modulus)), {}, { .calibration = calibration });
                 const SpringDynamics dynamics(network, std::vector<Material>(2, tissue(0.04, 0.45, density)), 0.0);
@@ -141,13 +142,13 @@ namespace bad_parameters_test {
         return all;
     }
 
-    TEST(BadParameters, OfMaterialsAreRefused) { expect_all_refused(bad_materials()); }
+    TEST(BadParameters, OfMaterialsAreRefused) { test_support::expect_all_refused(bad_materials()); }
 
-    TEST(BadParameters, OfHyperelasticLawsAreRefused) { expect_all_refused(bad_laws()); }
+    TEST(BadParameters, OfHyperelasticLawsAreRefused) { test_support::expect_all_refused(bad_laws()); }
 
-    TEST(BadParameters, OfSupportsHooksOptionsAndLoadsAreRefused) { expect_all_refused(bad_openings()); }
+    TEST(BadParameters, OfSupportsHooksOptionsAndLoadsAreRefused) { test_support::expect_all_refused(bad_openings()); }
 
-    TEST(BadParameters, OfTensionAndSpringsAreRefused) { expect_all_refused(bad_tensions()); }
+    TEST(BadParameters, OfTensionAndSpringsAreRefused) { test_support::expect_all_refused(bad_tensions()); }
 
     /// A block with an incision that two hooks hold open, solved whole.
     void open_whole(const ElasticProblem& problem)
@@ -159,21 +160,22 @@ namespace bad_parameters_test {
 
     TEST(BadParameters, TensionThatIsNoNumberIsRefused)
     {
-        const IncisedBlock block;
-        const TetMesh uncut = uncut_block(block);
-        const Incision incision = incise(uncut, incision_blade(block));
-        const ElasticProblem problem = hooked_open(block, incision, tissue(), Vec3(0.0, 2.0, 0.5));
-        std::vector<TetFace> lips;
-        for (const LipFace& lip : incision.lips)
+        const verification::IncisedBlock block;
+        const mesh::TetMesh uncut = verification::uncut_block(block);
+        const verification::Incision incision = verification::incise(uncut, verification::incision_blade(block));
+        const ElasticProblem problem = verification::hooked_open(block, incision, tissue(), Vec3(0.0, 2.0, 0.5));
+        std::vector<mesh::TetFace> lips;
+        for (const mesh::LipFace& lip : incision.lips)
             lips.push_back(lip.face);
         const Mat3 tension = 1e-3 * Mat3::Identity(); // MPa
         std::vector<Mat3> stresses(incision.mesh.tet_count(), tension);
         const auto release = [&] {
             (void)release_wound(incision.mesh, lips, stresses, problem.material_of_label, problem.supports, {}, Job {});
         };
-        EXPECT_EQ(message_of(release), "nothing was thrown");
+        EXPECT_EQ(test_support::message_of(release), "nothing was thrown");
         stresses[static_cast<std::size_t>(lips.front().tet)](1, 1) = kNan;
-        EXPECT_NE(message_of(release).find("finite"), std::string::npos) << message_of(release);
+        EXPECT_NE(test_support::message_of(release).find("finite"), std::string::npos)
+            << test_support::message_of(release);
 
         Supports bottom;
         for (VertexId v = 0; v < static_cast<VertexId>(uncut.vertex_count()); ++v)
@@ -182,28 +184,30 @@ namespace bad_parameters_test {
         OnlineOptions options;
         options.stress_of_element.assign(uncut.tet_count(), tension);
         const auto prepare = [&] {
-            CutSession session(uncut);
+            mesh::CutSession session(uncut);
             const OnlineOpening opening(session, std::vector<Material>(2, tissue()), bottom, {}, options);
         };
-        EXPECT_EQ(message_of(prepare), "nothing was thrown");
+        EXPECT_EQ(test_support::message_of(prepare), "nothing was thrown");
         options.stress_of_element.back()(0, 2) = kNan;
-        EXPECT_NE(message_of(prepare).find("finite"), std::string::npos) << message_of(prepare);
+        EXPECT_NE(test_support::message_of(prepare).find("finite"), std::string::npos)
+            << test_support::message_of(prepare);
     }
 
     TEST(BadParameters, AMeshWithAnElementTwiceIsRefused)
     {
-        const IncisedBlock block;
-        ElasticProblem problem
-            = hooked_open(block, incise(uncut_block(block), incision_blade(block)), tissue(), Vec3(0.0, 2.0, 0.5));
+        const verification::IncisedBlock block;
+        ElasticProblem problem = verification::hooked_open(block,
+            verification::incise(verification::uncut_block(block), verification::incision_blade(block)), tissue(),
+            Vec3(0.0, 2.0, 0.5));
         const auto open = [&] { open_whole(problem); };
-        EXPECT_EQ(message_of(open), "nothing was thrown");
+        EXPECT_EQ(test_support::message_of(open), "nothing was thrown");
         constexpr TetId kTwice = 7;
         const auto nodes = problem.mesh.tet(kTwice);
         const std::vector<VertexId> copy(nodes.begin(), nodes.end());
         problem.mesh.nodes.insert(problem.mesh.nodes.end(), copy.begin(), copy.end());
         problem.mesh.labels.push_back(problem.mesh.labels[kTwice]);
-        EXPECT_NE(message_of(open).find("element"), std::string::npos) << message_of(open);
+        EXPECT_NE(test_support::message_of(open).find("element"), std::string::npos) << test_support::message_of(open);
     }
 
 } // namespace bad_parameters_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -2,8 +2,8 @@
 
 #include "fem/statics/near_field.h"
 #include "fem/statics/opening.h"
-#include "tests/support/hooked_block.h"
 #include "mesh/base/error.h"
+#include "tests/support/hooked_block.h"
 #include "tests/support/reference_problems.h"
 
 #include <gtest/gtest.h>
@@ -17,10 +17,10 @@
 #include <string_view>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 namespace driven_opening_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     constexpr double kLinear = 1e-6; // hooks rest where one solve puts them; openings are solved to 1e-9
     constexpr double kNonlinear = 1e-3; // Newton's next step is at most half of it
@@ -29,7 +29,7 @@ namespace driven_opening_test {
 
     /// The block with its first hook alone, whose stiffness by the opening itself is R.
     struct OneHook {
-        ElasticProblem problem = hooked_block(4, 4);
+        ElasticProblem problem = test_support::hooked_block(4, 4);
         Mat3 R;
         OneHook()
         {
@@ -60,7 +60,7 @@ namespace driven_opening_test {
 
     TEST(DrivenOpening, TheStiffnessOfStretchedTissueIsTheDerivativeOfItsForces)
     {
-        ElasticProblem problem = hooked_block(4, 4);
+        ElasticProblem problem = test_support::hooked_block(4, 4);
         Opening opening(problem.mesh, problem.material_of_label, problem.supports,
             { .elasticity = Elasticity::hyperelastic, .tolerance = 1e-10 });
         const OpeningResult here = opening.open(problem.hooks);
@@ -84,7 +84,7 @@ namespace driven_opening_test {
 
     TEST(DrivenOpening, HooksLetGoInSofterTissueRestWhereItsOwnOpeningSays)
     {
-        const ElasticProblem stiff = hooked_block(4, 4);
+        const ElasticProblem stiff = test_support::hooked_block(4, 4);
         ElasticProblem soft = stiff;
         for (Material& material : soft.material_of_label)
             material.youngs_modulus_MPa *= 0.6;
@@ -122,9 +122,9 @@ namespace driven_opening_test {
     {
         // Tension gapes the wound by nearly as much as a small force does: what the hooks bear is little, whatever the
         // stiffness.
-        ElasticProblem stiff = hooked_block(4, 4);
-        for (const TetFace& face : boundary_faces(stiff.mesh)) {
-            const auto corners = face_vertices(stiff.mesh, face);
+        ElasticProblem stiff = test_support::hooked_block(4, 4);
+        for (const mesh::TetFace& face : mesh::boundary_faces(stiff.mesh)) {
+            const auto corners = mesh::face_vertices(stiff.mesh, face);
             const auto is_hooked = [&](const HookPatch& hook) {
                 return std::all_of(corners.begin(), corners.end(),
                     [&](VertexId v) { return std::find(hook.nodes.begin(), hook.nodes.end(), v) != hook.nodes.end(); });
@@ -196,7 +196,7 @@ namespace driven_opening_test {
 
     TEST(DrivenOpening, TheForceOfAPositionLeadsBackToIt)
     {
-        const ElasticProblem problem = hooked_block(4, 4);
+        const ElasticProblem problem = test_support::hooked_block(4, 4);
         for (const Elasticity elasticity : { Elasticity::linear, Elasticity::corotational, Elasticity::hyperelastic }) {
             const OpeningOptions options { .elasticity = elasticity, .tolerance = 1e-9 };
             const DrivenOpening there = open_driven(problem, by_position(problem), options);
@@ -221,7 +221,7 @@ namespace driven_opening_test {
 
     TEST(DrivenOpening, ALimitHoldsInNonlinearTissueToo)
     {
-        const ElasticProblem problem = hooked_block(4, 4);
+        const ElasticProblem problem = test_support::hooked_block(4, 4);
         const OpeningOptions options { .elasticity = Elasticity::hyperelastic, .tolerance = 1e-8 };
         std::vector<HookDrive> drives = by_position(problem);
         const DrivenOpening free = open_driven(problem, drives, options);
@@ -239,14 +239,14 @@ namespace driven_opening_test {
 
     TEST(DrivenOpening, HooksYieldInTissueThatIsNonlinearNearThemOnly)
     {
-        const ElasticProblem problem = hooked_block(4, 4);
+        const ElasticProblem problem = test_support::hooked_block(4, 4);
         std::vector<HookDrive> drives = by_position(problem);
         OpeningOptions options { .elasticity = Elasticity::hyperelastic, .far_tolerance = 1.0, .tolerance = 1e-8 };
         const DrivenOpening whole = open_driven(problem, drives, options);
         const double limit = 0.5 * whole.opening.hook_forces_N[0].norm();
         drives[0].force_limit_N = limit;
         drives[1].grip_N_per_mm = 0.5;
-        options.near = near_hooks(problem);
+        options.near = test_support::near_hooks(problem);
         ASSERT_NE(std::count(options.near.begin(), options.near.end(), 0), 0);
         const DrivenOpening near = open_driven(problem, drives, options);
         ASSERT_EQ(near.opening.status, OpeningStatus::converged) << near.opening.message;
@@ -262,12 +262,12 @@ namespace driven_opening_test {
 
     TEST(DrivenOpening, AFarFieldThatIsGivenUpStaysSo)
     {
-        const ElasticProblem problem = hooked_block(4, 4);
+        const ElasticProblem problem = test_support::hooked_block(4, 4);
         std::vector<HookDrive> drives = by_position(problem);
         drives[0].grip_N_per_mm = drives[1].grip_N_per_mm = 0.5;
         OpeningOptions options { .elasticity = Elasticity::hyperelastic, .tolerance = 1e-8 };
         const DrivenOpening whole = open_driven(problem, drives, options);
-        options.near = near_hooks(problem);
+        options.near = test_support::near_hooks(problem);
         options.far_tolerance = 1e9;
         const DrivenOpening linear = open_driven(problem, drives, options);
         ASSERT_TRUE(linear.opening.far && linear.opening.far->kept);
@@ -289,7 +289,7 @@ namespace driven_opening_test {
     {
         // A block above another, 0.3 mm between them; its own bed is softer than what it comes to rest on.
         constexpr double kGap = 0.3, kEdge = 2.5, kHeight = 5.0, kSoftBed = 3e-3, kPushN = 0.25;
-        const TetMesh block = kuhn_box(4, 4, 2, kEdge);
+        const mesh::TetMesh block = mesh::kuhn_box(4, 4, 2, kEdge);
         ElasticProblem problem;
         problem.mesh = block;
         const auto split = static_cast<VertexId>(block.vertex_count());
@@ -299,7 +299,7 @@ namespace driven_opening_test {
         for (const VertexId v : block.nodes)
             problem.mesh.nodes.push_back(v + split);
         problem.mesh.labels.insert(problem.mesh.labels.end(), block.labels.begin(), block.labels.end());
-        problem.material_of_label = { {}, material(0.05, 0.3) };
+        problem.material_of_label = { {}, test_support::material(0.05, 0.3) };
         problem.hooks = { { .name = "press", .side = 1, .nodes = {} } };
         constexpr double kRoundOff = 1e-9;
         for (VertexId v = 0; v < 2 * split; ++v) {
@@ -332,7 +332,7 @@ namespace driven_opening_test {
 
     TEST(DrivenOpening, HooksThatShareANodeAreRefusedUnlessTheyAreMovedAlike)
     {
-        ElasticProblem problem = hooked_block(4, 4);
+        ElasticProblem problem = test_support::hooked_block(4, 4);
         problem.hooks[1].nodes.push_back(problem.hooks[0].nodes.front());
         std::vector<HookDrive> drives(2, HookDrive { .displacement = Vec3(0.0, 0.0, 1.0) });
         const DrivenOpening alike = open_driven(problem, drives, kLinearOptions);
@@ -351,7 +351,7 @@ namespace driven_opening_test {
 
     TEST(DrivenOpening, AForceThatTissueCannotFollowIsGivenUpAndSaidHowFarItWent)
     {
-        const ElasticProblem problem = hooked_block(2, 4);
+        const ElasticProblem problem = test_support::hooked_block(2, 4);
         const OpeningOptions options { .elasticity = Elasticity::corotational };
         constexpr double kTorn = 4.0, kFarMoreN = 3e3; // some 10 N/mm resist in tissue of 0.04 to 0.2 MPa
         std::vector<HookDrive> drives(2);
@@ -373,7 +373,7 @@ namespace driven_opening_test {
 
     TEST(DrivenOpening, HooksThatNothingHoldsBackAreGivenUpWhereNoWoundGoes)
     {
-        ElasticProblem problem = hooked_block(2, 4); // on its beds alone it goes along, hardly strained
+        ElasticProblem problem = test_support::hooked_block(2, 4); // on its beds alone it goes along, hardly strained
         problem.supports.fixed.clear();
         std::vector<HookDrive> drives(2);
         for (HookDrive& drive : drives)
@@ -387,7 +387,7 @@ namespace driven_opening_test {
 
     TEST(DrivenOpening, ProgressOnlyRisesThroughAllItsOpenings)
     {
-        const ElasticProblem problem = hooked_block(2, 4);
+        const ElasticProblem problem = test_support::hooked_block(2, 4);
         std::vector<HookDrive> drives = by_position(problem);
         drives[1] = { .displacement = Vec3(25.0, 0.0, 0.0), .grip_N_per_mm = 1e3 };
         std::vector<double> fractions;
@@ -407,7 +407,7 @@ namespace driven_opening_test {
 
     TEST(DrivenOpening, SaysWhyItStoppedAndNamesWhatIsWrong)
     {
-        const ElasticProblem problem = hooked_block(2, 4);
+        const ElasticProblem problem = test_support::hooked_block(2, 4);
         const auto message = [&](std::vector<HookDrive> drives) -> std::string {
             try {
                 (void)open_driven(problem, drives, kLinearOptions);
@@ -429,4 +429,4 @@ namespace driven_opening_test {
     }
 
 } // namespace driven_opening_test
-} // namespace retractor
+} // namespace retractor::fem

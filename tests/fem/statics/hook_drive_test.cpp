@@ -13,7 +13,7 @@
 #include <tuple>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 namespace hook_drive_test {
 
     constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -199,4 +199,4 @@ namespace hook_drive_test {
     }
 
 } // namespace hook_drive_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -10,15 +10,15 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 namespace hook_test {
 
     /// The faces of a box on its plane x = 0.
-    std::vector<std::array<VertexId, 3>> lip_of(const TetMesh& mesh)
+    std::vector<std::array<VertexId, 3>> lip_of(const mesh::TetMesh& mesh)
     {
         std::vector<std::array<VertexId, 3>> lip;
-        for (const TetFace& face : boundary_faces(mesh)) {
-            const auto v = face_vertices(mesh, face);
+        for (const mesh::TetFace& face : mesh::boundary_faces(mesh)) {
+            const auto v = mesh::face_vertices(mesh, face);
             if (std::all_of(v.begin(), v.end(), [&](VertexId i) { return mesh.vertices(i, 0) == 0.0; }))
                 lip.push_back(v);
         }
@@ -27,7 +27,7 @@ namespace hook_test {
 
     TEST(HookPatch, HoldsTheNodesUnderTheRectangle)
     {
-        const TetMesh box = kuhn_box(2, 10, 10, 2.0);
+        const mesh::TetMesh box = mesh::kuhn_box(2, 10, 10, 2.0);
         const auto nodes = hook_patch_nodes(box, lip_of(box), { 0, 10, 12 }, Vec3::UnitY(), -Vec3::UnitZ(), 8.0, 12.0);
         EXPECT_EQ(nodes.size(), 5U * 7U);
         for (const VertexId v : nodes) {
@@ -40,7 +40,7 @@ namespace hook_test {
 
     TEST(HookPatch, AxesNeedBeNeitherUnitNorPerpendicular)
     {
-        const TetMesh box = kuhn_box(2, 10, 10, 2.0);
+        const mesh::TetMesh box = mesh::kuhn_box(2, 10, 10, 2.0);
         const auto lip = lip_of(box);
         const Vec3 centre(0, 10, 12);
         EXPECT_EQ(hook_patch_nodes(box, lip, centre, 7 * Vec3::UnitY(), Vec3(0, 3, -5), 8.0, 12.0),
@@ -49,7 +49,7 @@ namespace hook_test {
 
     TEST(HookPatch, MidpointsUnderThePatchBelongToIt)
     {
-        const TetMesh box = kuhn_box(1, 4, 4, 2.0), quadratic = with_midpoints(box);
+        const mesh::TetMesh box = mesh::kuhn_box(1, 4, 4, 2.0), quadratic = mesh::with_midpoints(box);
         const auto nodes
             = hook_patch_nodes(quadratic, lip_of(box), { 0, 4, 4 }, Vec3::UnitY(), Vec3::UnitZ(), 4.0, 4.0);
         EXPECT_EQ(nodes.size(), 9U + 16U); // 3 x 3 corners; 12 edges of the 2 x 2 squares and 4 diagonals
@@ -57,7 +57,7 @@ namespace hook_test {
 
     TEST(HookPatch, NothingUnderItIsRefusedWithNameAndPlaceAndNearestNode)
     {
-        const TetMesh box = kuhn_box(2, 10, 10, 2.0);
+        const mesh::TetMesh box = mesh::kuhn_box(2, 10, 10, 2.0);
         try {
             (void)hook_patch_nodes(box, lip_of(box), { 0, 10, 45 }, Vec3::UnitY(), Vec3::UnitZ(), 10, 15, "left 2");
             FAIL() << "accepted";
@@ -70,7 +70,7 @@ namespace hook_test {
 
     TEST(HookPatch, APointALineAndNonsenseAreRefused)
     {
-        const TetMesh box = kuhn_box(2, 10, 10, 2.0);
+        const mesh::TetMesh box = mesh::kuhn_box(2, 10, 10, 2.0);
         const auto lip = lip_of(box);
         const Vec3 centre(0, 10, 12), y = Vec3::UnitY(), z = Vec3::UnitZ();
         EXPECT_THROW((void)hook_patch_nodes(box, lip, centre, y, z, 1.0, 1.0), InputError); // one node
@@ -84,4 +84,4 @@ namespace hook_test {
     }
 
 } // namespace hook_test
-} // namespace retractor
+} // namespace retractor::fem

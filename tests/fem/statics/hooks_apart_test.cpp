@@ -1,7 +1,7 @@
 #include "fem/statics/hooks_apart.h"
 
-#include "fem/statics/near_field.h"
 #include "fem/interactive/online_opening.h"
+#include "fem/statics/near_field.h"
 #include "tests/support/reference_problems.h"
 
 #include <gtest/gtest.h>
@@ -11,10 +11,10 @@
 #include <cstdlib>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 namespace hooks_apart_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     constexpr double kMet = 2e-6; // mm: what rest_of_hooks_apart() leaves of a crossing, for patches of some 20 mm
     constexpr double kSettled = 1e-8; // mm, of hooks on springs of some N/mm
@@ -22,7 +22,7 @@ namespace hooks_apart_test {
     TEST(HooksApart, HooksWithTissueBetweenThemDoNotFaceEachOther)
     {
         // A strip of 10 mm between two wounds, a hook on each of its sides: drawn apart, they stretch it.
-        const TetMesh strip = kuhn_box(2, 4, 4, 5.0);
+        const mesh::TetMesh strip = mesh::kuhn_box(2, 4, 4, 5.0);
         std::vector<HookPatch> hooks(2);
         for (VertexId v = 0; v < static_cast<VertexId>(strip.vertex_count()); ++v) {
             if (strip.vertices(v, 0) == 0.0)
@@ -137,8 +137,8 @@ namespace hooks_apart_test {
 
     /// A block on its back that is cut along the middle of its top, with a hook on each lip of the cut.
     struct HookedCut {
-        CutSession session { kuhn_box(8, 8, 4, 4.0) };
-        std::vector<Material> materials { material(1.0, 0.3), material(0.02, 0.4) };
+        mesh::CutSession session { mesh::kuhn_box(8, 8, 4, 4.0) };
+        std::vector<Material> materials { test_support::material(1.0, 0.3), test_support::material(0.02, 0.4) };
         Supports supports;
         std::vector<OnlineHook> hooks { { .name = "left", .side = 1, .nodes = {}, .drive = {} },
             { .name = "right", .side = -1, .nodes = {}, .drive = {} } };
@@ -146,17 +146,17 @@ namespace hooks_apart_test {
 
         HookedCut()
         {
-            const CutResult cut = session.cut({ .line = { Vec3(5.0, 16.0, 16.0), Vec3(27.0, 16.0, 16.0) },
+            const mesh::CutResult cut = session.cut({ .line = { Vec3(5.0, 16.0, 16.0), Vec3(27.0, 16.0, 16.0) },
                 .directions = { -Vec3::UnitZ() },
                 .depth_mm = 9.0 });
-            EXPECT_EQ(cut.status, CutStatus::done) << cut.message;
+            EXPECT_EQ(cut.status, mesh::CutStatus::done) << cut.message;
             for (VertexId v = 0; v < static_cast<VertexId>(session.vertex_slots()); ++v)
                 if (session.has_vertex(v) && session.position(v).z() < 1e-9)
                     supports.fixed.push_back(v);
-            for (const LipFace& lip : session.lips()) {
+            for (const mesh::LipFace& lip : session.lips()) {
                 const auto tet = session.tet(lip.face.tet).nodes;
                 OnlineHook& hook = hooks[lip.side > 0 ? 0 : 1];
-                for (const int corner : kTetFaces[static_cast<std::size_t>(lip.face.corner)])
+                for (const int corner : mesh::kTetFaces[static_cast<std::size_t>(lip.face.corner)])
                     hold(hook, tet[static_cast<std::size_t>(corner)]);
                 if (lip.side > 0)
                     into_left += session.position(tet[static_cast<std::size_t>(lip.face.corner)]).y() - 16.0;
@@ -231,8 +231,8 @@ namespace hooks_apart_test {
     TEST(HooksApart, InNonlinearTissueTheyStopToo)
     {
         HookedCut cut;
-        SlotMap map;
-        const TetMesh mesh = cut.session.compact_mesh(&map);
+        mesh::SlotMap map;
+        const mesh::TetMesh mesh = cut.session.compact_mesh(&map);
         const auto compact = [&](std::vector<VertexId> ids) {
             for (VertexId& v : ids)
                 v = map.compact_vertex[static_cast<std::size_t>(v)];
@@ -258,4 +258,4 @@ namespace hooks_apart_test {
     }
 
 } // namespace hooks_apart_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -8,21 +8,23 @@
 
 #include <limits>
 
-namespace retractor {
+namespace retractor::fem {
 namespace local_problem_test {
 
-    using fixtures::material;
-    using fixtures::message_of;
+    using test_support::material;
+    using test_support::message_of;
 
     struct Wound {
-        IncisedBlock block;
-        Incision incision = incise(uncut_block(block), incision_blade(block));
-        ElasticProblem problem = hooked_open(block, incision, material(0.04, 0.45), Vec3(0.0, 3.0, 1.0));
+        verification::IncisedBlock block;
+        verification::Incision incision
+            = verification::incise(verification::uncut_block(block), verification::incision_blade(block));
+        ElasticProblem problem
+            = verification::hooked_open(block, incision, test_support::material(0.04, 0.45), Vec3(0.0, 3.0, 1.0));
         Points lips() const
         {
             std::vector<VertexId> vertices;
-            for (const LipFace& lip : incision.lips)
-                for (const VertexId v : face_vertices(incision.mesh, lip.face))
+            for (const mesh::LipFace& lip : incision.lips)
+                for (const VertexId v : mesh::face_vertices(incision.mesh, lip.face))
                     vertices.push_back(v);
             return incision.mesh.vertices(vertices, Eigen::all);
         }
@@ -68,11 +70,13 @@ namespace local_problem_test {
         const Wound wound;
         ElasticProblem far = wound.problem;
         far.hooks[0].nodes.push_back(far.supports.fixed.front());
-        EXPECT_NE(
-            message_of([&] { (void)local_problem(far, wound.lips(), 6.0); }).find("hook 'right'"), std::string::npos);
-        EXPECT_NE(message_of([&] { (void)local_problem(wound.problem, wound.lips(), 0.0); }), "nothing was thrown");
-        EXPECT_NE(message_of([&] { (void)local_problem(wound.problem, Points(0, 3), 5.0); }), "nothing was thrown");
+        EXPECT_NE(test_support::message_of([&] { (void)local_problem(far, wound.lips(), 6.0); }).find("hook 'right'"),
+            std::string::npos);
+        EXPECT_NE(test_support::message_of([&] { (void)local_problem(wound.problem, wound.lips(), 0.0); }),
+            "nothing was thrown");
+        EXPECT_NE(test_support::message_of([&] { (void)local_problem(wound.problem, Points(0, 3), 5.0); }),
+            "nothing was thrown");
     }
 
 } // namespace local_problem_test
-} // namespace retractor
+} // namespace retractor::fem

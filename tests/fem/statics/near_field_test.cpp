@@ -3,8 +3,8 @@
 #include "fem/statics/elastic_problem.h"
 #include "fem/statics/equilibrium.h"
 #include "fem/statics/far_field.h"
-#include "tests/support/hooked_block.h"
 #include "mesh/base/error.h"
+#include "tests/support/hooked_block.h"
 #include "tests/support/reference_problems.h"
 
 #include <gtest/gtest.h>
@@ -15,10 +15,10 @@
 #include <limits>
 #include <string>
 
-namespace retractor {
+namespace retractor::fem {
 namespace near_field_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     constexpr double kTight = 1e-9; // settled so far, answers by different ways agree to kSame
     constexpr double kSame = 1e-6; // of the largest displacement
@@ -28,7 +28,10 @@ namespace near_field_test {
         return (a - b).lpNorm<Eigen::Infinity>() / b.lpNorm<Eigen::Infinity>();
     }
 
-    std::vector<std::uint8_t> all_near(const TetMesh& mesh) { return std::vector<std::uint8_t>(mesh.tet_count(), 1); }
+    std::vector<std::uint8_t> all_near(const mesh::TetMesh& mesh)
+    {
+        return std::vector<std::uint8_t>(mesh.tet_count(), 1);
+    }
 
     NearField near_field(const ElasticProblem& p, const std::vector<std::uint8_t>& near,
         NearFieldOptions options = { .tolerance = kTight })
@@ -69,7 +72,7 @@ namespace near_field_test {
     {
         // The rim are the nodes of the top of a box; the box is loose but for two fixed nodes, so that its stiffness on
         // the rim is singular: it can turn about the line through them.
-        const TetMesh mesh = kuhn_box(2, 2, 2, 5.0); // nodes in layers from below
+        const mesh::TetMesh mesh = mesh::kuhn_box(2, 2, 2, 5.0); // nodes in layers from below
         const std::size_t rim = 9, nodes = mesh.vertex_count();
         ElasticBody body(mesh, Elasticity::linear, std::vector<Lame>(mesh.tet_count(), Lame { 0.01, 0.05 }));
         std::vector<std::uint8_t> fixed(nodes, 0);
@@ -99,7 +102,7 @@ namespace near_field_test {
     TEST(NearField, WithEverythingNearIsTheFullyNonlinearProblem)
     {
         for (const int nodes_per_tet : { 4, 10 }) {
-            const ElasticProblem problem = hooked_block(nodes_per_tet == 4 ? 4 : 2, nodes_per_tet);
+            const ElasticProblem problem = test_support::hooked_block(nodes_per_tet == 4 ? 4 : 2, nodes_per_tet);
             NearField field = near_field(problem, all_near(problem.mesh));
             EXPECT_EQ(field.rim_vertices(), 0U);
             const NearFrame dragged = field.drag(hooks_at(problem, 1.0));
@@ -119,7 +122,7 @@ namespace near_field_test {
 
     TEST(NearField, TakesTheRotatingModelsToo)
     {
-        const ElasticProblem problem = hooked_block(4, 4);
+        const ElasticProblem problem = test_support::hooked_block(4, 4);
         for (const Elasticity model : { Elasticity::corotational, Elasticity::bounded }) {
             NearField field = near_field(problem, all_near(problem.mesh), { .elasticity = model, .tolerance = kTight });
             (void)field.drag(hooks_at(problem, 1.0));
@@ -132,7 +135,7 @@ namespace near_field_test {
 
     TEST(NearField, BoundedTissueComesToRestFromAnyAnswerAndLetsHooksPassFlatElements)
     {
-        ElasticProblem problem = hooked_block(4, 4);
+        ElasticProblem problem = test_support::hooked_block(4, 4);
         // Two elements of 0.01 mm height at a hook: neo-Hookean tissue lets it move by no more.
         for (const TetId flat : { 0, 17 }) {
             const auto nodes = problem.mesh.tet(flat);
@@ -162,8 +165,8 @@ namespace near_field_test {
 
     TEST(NearField, LoadsAreBorneAsByTheLinearBodyWhereTheyAreSmall)
     {
-        const ElasticProblem problem = hooked_block(4, 4);
-        const std::vector<std::uint8_t> near = near_hooks(problem);
+        const ElasticProblem problem = test_support::hooked_block(4, 4);
+        const std::vector<std::uint8_t> near = test_support::near_hooks(problem);
         Eigen::VectorXd load = Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows());
         VertexId loaded = -1, far = -1;
         std::vector<std::uint8_t> is_near(problem.mesh.vertex_count(), 0);
@@ -199,19 +202,20 @@ namespace near_field_test {
         ASSERT_EQ(settled.status, NearStatus::settled) << settled.message;
         EXPECT_LT(difference(settled.displacement, free.displacement), kLinear);
         load[3 * far] = 1.0;
-        EXPECT_NE(message_of([&] {
+        EXPECT_NE(test_support::message_of([&] {
             (void)near_field(problem, near, { .load = load });
         }).find("a node that is not near is loaded"),
             std::string::npos);
-        EXPECT_EQ(message_of([&] { (void)near_field(problem, near, { .load = Eigen::VectorXd::Zero(3) }); }),
+        EXPECT_EQ(
+            test_support::message_of([&] { (void)near_field(problem, near, { .load = Eigen::VectorXd::Zero(3) }); }),
             "near field: a load has three entries per vertex");
     }
 
     TEST(NearField, LeavesNoForceOnAnyFreeNodeOfEitherPart)
     {
         // Near and far elements put together again by themselves: their forces cancel at each free node.
-        const ElasticProblem problem = hooked_block(4, 4);
-        const std::vector<std::uint8_t> near = near_hooks(problem);
+        const ElasticProblem problem = test_support::hooked_block(4, 4);
+        const std::vector<std::uint8_t> near = test_support::near_hooks(problem);
         NearField field = near_field(problem, near);
         EXPECT_GT(field.rim_vertices(), 0U);
         EXPECT_LT(field.near_elements(), problem.mesh.tet_count() / 2 + problem.mesh.tet_count() / 4);
@@ -222,7 +226,7 @@ namespace near_field_test {
         Eigen::VectorXd forces = Eigen::VectorXd::Zero(settled.displacement.size());
         for (std::size_t t = 0; t < problem.mesh.tet_count(); ++t) {
             const auto nodes = problem.mesh.tet(static_cast<TetId>(t));
-            TetMesh one { Points(4, 3), 4, { 0, 1, 2, 3 }, { 1 } };
+            mesh::TetMesh one { Points(4, 3), 4, { 0, 1, 2, 3 }, { 1 } };
             Eigen::VectorXd u(12);
             for (int a = 0; a < 4; ++a) {
                 one.vertices.row(a) = problem.mesh.vertices.row(nodes[static_cast<std::size_t>(a)]);
@@ -251,13 +255,13 @@ namespace near_field_test {
     TEST(NearField, SaysWhatTheFarTissuesOwnLawWouldChange)
     {
         // Newton's step is off by the square of its length: told ever better as the hooks move less.
-        const ElasticProblem problem = hooked_block(4, 4);
+        const ElasticProblem problem = test_support::hooked_block(4, 4);
         for (const Elasticity elasticity : { Elasticity::hyperelastic, Elasticity::corotational }) {
             std::vector<double> field_off, force_off;
             for (const double share : { 0.2, 0.1 }) {
-                NearField linear
-                    = near_field(problem, near_hooks(problem), { .elasticity = elasticity, .tolerance = kTight }),
-                    whole
+                NearField linear = near_field(problem, test_support::near_hooks(problem),
+                              { .elasticity = elasticity, .tolerance = kTight }),
+                          whole
                     = near_field(problem, all_near(problem.mesh), { .elasticity = elasticity, .tolerance = kTight });
                 (void)linear.drag(hooks_at(problem, share));
                 (void)linear.settle();
@@ -281,7 +285,7 @@ namespace near_field_test {
 
     TEST(NearField, HasNothingToChangeWithoutAFarField)
     {
-        const ElasticProblem problem = hooked_block(2, 4);
+        const ElasticProblem problem = test_support::hooked_block(2, 4);
         NearField field = near_field(problem, all_near(problem.mesh));
         (void)field.drag(hooks_at(problem, 0.5));
         const FarChange change = field.far_change();
@@ -291,12 +295,12 @@ namespace near_field_test {
 
     TEST(NearField, BecomesLinearElasticityAsTheHooksMoveLess)
     {
-        const ElasticProblem problem = hooked_block(4, 4);
+        const ElasticProblem problem = test_support::hooked_block(4, 4);
         ElasticBody body(problem.mesh, Elasticity::linear, element_parameters(problem.mesh, problem.material_of_label));
         const Eigen::VectorXd linear = exact(problem, body).displacement;
         std::vector<double> off;
         for (const double share : { 0.02, 0.01 }) {
-            NearField field = near_field(problem, near_hooks(problem));
+            NearField field = near_field(problem, test_support::near_hooks(problem));
             (void)field.drag(hooks_at(problem, share));
             off.push_back(difference(field.settle().displacement / share, linear));
         }
@@ -306,9 +310,9 @@ namespace near_field_test {
 
     TEST(NearField, SettlesInTheSamePlaceByAnyWay)
     {
-        const ElasticProblem problem = hooked_block(4, 4);
-        NearField at_once = near_field(problem, near_hooks(problem)),
-                  by_frames = near_field(problem, near_hooks(problem));
+        const ElasticProblem problem = test_support::hooked_block(4, 4);
+        NearField at_once = near_field(problem, test_support::near_hooks(problem)),
+                  by_frames = near_field(problem, test_support::near_hooks(problem));
         (void)at_once.drag(hooks_at(problem, 1.0));
         constexpr int kFrames = 20;
         for (int f = 1; f <= kFrames; ++f) // on, somewhat too far, and back
@@ -323,15 +327,15 @@ namespace near_field_test {
 
     TEST(NearField, HooksSlipAtTheirLimit)
     {
-        const ElasticProblem problem = hooked_block(4, 4);
+        const ElasticProblem problem = test_support::hooked_block(4, 4);
         for (const Elasticity model : { Elasticity::hyperelastic, Elasticity::bounded }) {
             const NearFieldOptions options { .elasticity = model, .tolerance = kTight };
-            NearField free = near_field(problem, near_hooks(problem), options);
+            NearField free = near_field(problem, test_support::near_hooks(problem), options);
             (void)free.drag(hooks_at(problem, 1.0));
             const NearFrame unlimited = free.settle();
             ASSERT_EQ(unlimited.status, NearStatus::settled);
             const double limit = 0.7 * unlimited.hook_forces_N[0].norm();
-            NearField limited = near_field(problem, near_hooks(problem), options);
+            NearField limited = near_field(problem, test_support::near_hooks(problem), options);
             std::vector<HookDrive> drives = prescribed_drives(hooks_at(problem, 1.0));
             for (HookDrive& drive : drives)
                 drive.force_limit_N = limit;
@@ -362,21 +366,22 @@ namespace near_field_test {
             EXPECT_LT(difference(again.displacement, unlimited.displacement), kSame);
             for (const double wrong : { 0.0, std::numeric_limits<double>::quiet_NaN() }) {
                 drives[1].force_limit_N = wrong;
-                EXPECT_NE(message_of([&] { (void)limited.drag(drives); }).find("must be positive"), std::string::npos);
+                EXPECT_NE(test_support::message_of([&] { (void)limited.drag(drives); }).find("must be positive"),
+                    std::string::npos);
             }
         }
     }
 
     TEST(NearField, HooksThatPullWithAForceRestWhereAPositionBearsIt)
     {
-        const ElasticProblem problem = hooked_block(4, 4);
+        const ElasticProblem problem = test_support::hooked_block(4, 4);
         for (const Elasticity model : { Elasticity::hyperelastic, Elasticity::bounded }) {
             const NearFieldOptions options { .elasticity = model, .tolerance = kTight };
-            NearField drawn = near_field(problem, near_hooks(problem), options);
+            NearField drawn = near_field(problem, test_support::near_hooks(problem), options);
             (void)drawn.drag(hooks_at(problem, 1.0));
             const NearFrame there = drawn.settle();
             ASSERT_EQ(there.status, NearStatus::settled);
-            NearField pulled = near_field(problem, near_hooks(problem), options);
+            NearField pulled = near_field(problem, test_support::near_hooks(problem), options);
             std::vector<HookDrive> drives(2);
             drives[0].force_N = there.hook_forces_N[0];
             drives[1].displacement = problem.hooks[1].displacement; // and one that is drawn
@@ -398,8 +403,8 @@ namespace near_field_test {
     TEST(NearField, HooksThatWereNotDrawnYetSlipUnderTension)
     {
         // The tissue pulls by itself; the hooks hold it where it was, and may not pull as hard as that takes.
-        const ElasticProblem problem = hooked_block(4, 4);
-        const std::vector<std::uint8_t> near = near_hooks(problem);
+        const ElasticProblem problem = test_support::hooked_block(4, 4);
+        const std::vector<std::uint8_t> near = test_support::near_hooks(problem);
         const Prescribed prescribed = prescribe(problem.mesh, problem.supports, problem.hooks);
         Eigen::VectorXd load = Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows());
         for (std::size_t t = 0; t < near.size(); ++t)
@@ -424,8 +429,9 @@ namespace near_field_test {
 
     TEST(NearField, IsPreparedInPartsThatCanBeCancelled)
     {
-        const ElasticProblem problem = hooked_block(4, 4);
-        NearField field = near_field(problem, near_hooks(problem)), other = near_field(problem, near_hooks(problem));
+        const ElasticProblem problem = test_support::hooked_block(4, 4);
+        NearField field = near_field(problem, test_support::near_hooks(problem)),
+                  other = near_field(problem, test_support::near_hooks(problem));
         std::atomic<bool> cancel { true };
         Job job;
         job.cancel = &cancel;
@@ -441,8 +447,9 @@ namespace near_field_test {
 
     TEST(NearField, GoesOnFromAnotherAnswer)
     {
-        const ElasticProblem problem = hooked_block(4, 4);
-        NearField near = near_field(problem, near_hooks(problem)), whole = near_field(problem, all_near(problem.mesh));
+        const ElasticProblem problem = test_support::hooked_block(4, 4);
+        NearField near = near_field(problem, test_support::near_hooks(problem)),
+                  whole = near_field(problem, all_near(problem.mesh));
         const NearFrame frame = near.drag(hooks_at(problem, 1.0));
         whole.start_from(frame);
         const NearFrame settled = whole.settle();
@@ -453,7 +460,7 @@ namespace near_field_test {
 
     TEST(NearField, TurnsNoElementOverWhereHooksCrushTheTissue)
     {
-        ElasticProblem problem = hooked_block(2, 4);
+        ElasticProblem problem = test_support::hooked_block(2, 4);
         for (HookPatch& hook : problem.hooks)
             hook.displacement = Vec3(0.0, 0.0, -26.0); // through the block's fixed bottom, 20 mm below
         NearField field = near_field(problem, all_near(problem.mesh));
@@ -473,8 +480,9 @@ namespace near_field_test {
 
     TEST(NearField, GivesTheSameBitsAgain)
     {
-        const ElasticProblem problem = hooked_block(4, 4);
-        NearField first = near_field(problem, near_hooks(problem)), second = near_field(problem, near_hooks(problem));
+        const ElasticProblem problem = test_support::hooked_block(4, 4);
+        NearField first = near_field(problem, test_support::near_hooks(problem)),
+                  second = near_field(problem, test_support::near_hooks(problem));
         for (const double share : { 0.1, 0.2, 0.25 })
             EXPECT_EQ(
                 first.drag(hooks_at(problem, share)).displacement, second.drag(hooks_at(problem, share)).displacement);
@@ -482,7 +490,7 @@ namespace near_field_test {
 
     TEST(NearField, IsCancelled)
     {
-        const ElasticProblem problem = hooked_block(2, 4);
+        const ElasticProblem problem = test_support::hooked_block(2, 4);
         NearField field = near_field(problem, all_near(problem.mesh));
         (void)field.drag(hooks_at(problem, 1.0));
         const std::atomic<bool> cancel { true };
@@ -493,15 +501,17 @@ namespace near_field_test {
 
     TEST(NearField, RefusesWhatItCannotSolve)
     {
-        const ElasticProblem problem = hooked_block(2, 4);
+        const ElasticProblem problem = test_support::hooked_block(2, 4);
         const auto near = all_near(problem.mesh);
-        EXPECT_EQ(message_of([&] { (void)near_field(problem, near, { .elasticity = Elasticity::linear }); }),
+        EXPECT_EQ(
+            test_support::message_of([&] { (void)near_field(problem, near, { .elasticity = Elasticity::linear }); }),
             "near field: the near field is nonlinear: hyperelastic, corotational or bounded");
-        EXPECT_EQ(message_of([&] {
+        EXPECT_EQ(test_support::message_of([&] {
             (void)near_field(problem, { 1, 0 });
         }),
             "near field: a near field needs a flag for each element");
-        EXPECT_EQ(message_of([&] { (void)near_field(problem, std::vector<std::uint8_t>(near.size(), 0)); }),
+        EXPECT_EQ(
+            test_support::message_of([&] { (void)near_field(problem, std::vector<std::uint8_t>(near.size(), 0)); }),
             "near field: no element is near");
         std::vector<std::uint8_t> without_hook = near;
         const VertexId held = problem.hooks[0].nodes.front();
@@ -509,26 +519,28 @@ namespace near_field_test {
             for (const VertexId v : problem.mesh.tet(t))
                 if (v == held)
                     without_hook[static_cast<std::size_t>(t)] = 0;
-        EXPECT_NE(message_of([&] { (void)near_field(problem, without_hook); }).find("an element that is not near"),
+        EXPECT_NE(test_support::message_of([&] {
+            (void)near_field(problem, without_hook);
+        }).find("an element that is not near"),
             std::string::npos);
-        EXPECT_EQ(message_of([&] { (void)elements_near(problem.mesh, Points(0, 3), 1.0); }),
+        EXPECT_EQ(test_support::message_of([&] { (void)elements_near(problem.mesh, Points(0, 3), 1.0); }),
             "near field: elements are near some points, within a positive distance");
         ElasticProblem loose = problem;
         loose.supports = {};
         loose.hooks.clear();
-        EXPECT_NE(message_of([&] { (void)near_field(loose, near); }), "nothing was thrown");
+        EXPECT_NE(test_support::message_of([&] { (void)near_field(loose, near); }), "nothing was thrown");
         NearField field = near_field(problem, near);
-        EXPECT_EQ(
-            message_of([&] { (void)field.drag(std::vector<Vec3>(1, Vec3::Zero())); }), "near field: there are 2 hooks");
-        EXPECT_EQ(message_of([&] {
+        EXPECT_EQ(test_support::message_of([&] { (void)field.drag(std::vector<Vec3>(1, Vec3::Zero())); }),
+            "near field: there are 2 hooks");
+        EXPECT_EQ(test_support::message_of([&] {
             (void)field.drag(std::vector<Vec3>(2, Vec3::Constant(std::numeric_limits<double>::quiet_NaN())));
         }),
             "hook '0': a hook's displacement and force must be finite");
         NearFrame turned = field.drag(hooks_at(problem, 0.1));
         turned.displacement *= 1e4;
-        EXPECT_EQ(message_of([&] { field.start_from(turned); }),
+        EXPECT_EQ(test_support::message_of([&] { field.start_from(turned); }),
             "near field: the answer to start from turns an element over");
     }
 
 } // namespace near_field_test
-} // namespace retractor
+} // namespace retractor::fem

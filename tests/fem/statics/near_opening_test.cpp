@@ -11,16 +11,16 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 namespace near_opening_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     /// The block, and what lies within 9 mm of its hooks.
     struct Near {
-        ElasticProblem problem = hooked_block(4, 4);
+        ElasticProblem problem = test_support::hooked_block(4, 4);
         OpeningOptions options { .elasticity = Elasticity::corotational, .tolerance = 1e-7 };
-        Near() { options.near = near_hooks(problem); }
+        Near() { options.near = test_support::near_hooks(problem); }
         OpeningResult open(const Job& job = {}) const
         {
             return Opening(problem.mesh, problem.material_of_label, problem.supports, options).open(problem.hooks, job);
@@ -161,4 +161,4 @@ namespace near_opening_test {
     }
 
 } // namespace near_opening_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -20,13 +20,13 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 namespace opening_test {
 
-    using fixtures::material;
+    using test_support::material;
 
     struct Wound {
-        TetMesh mesh;
+        mesh::TetMesh mesh;
         std::vector<std::array<VertexId, 3>> left, right; ///< lip faces, x falling and rising away from the cut
         Supports supports; ///< bottom and outer sides
         double spacing = 0.0;
@@ -37,8 +37,8 @@ namespace opening_test {
     {
         Wound wound;
         wound.spacing = spacing;
-        TetMesh& mesh = wound.mesh;
-        mesh = kuhn_box(2 * n, 2 * n, n, spacing);
+        mesh::TetMesh& mesh = wound.mesh;
+        mesh = mesh::kuhn_box(2 * n, 2 * n, n, spacing);
         const double width = 2 * n * spacing, middle = 0.5 * width, top = n * spacing, tiny = 1e-9;
         const auto old_count = mesh.vertices.rows();
         const auto cut = [&](VertexId v) {
@@ -60,8 +60,8 @@ namespace opening_test {
         mesh.vertices.conservativeResize(old_count + static_cast<Eigen::Index>(copy.size()), Eigen::NoChange);
         for (const auto& [from, to] : copy)
             mesh.vertices.row(to) = mesh.vertices.row(from);
-        for (const TetFace& face : boundary_faces(mesh)) {
-            const auto v = face_vertices(mesh, face);
+        for (const mesh::TetFace& face : mesh::boundary_faces(mesh)) {
+            const auto v = mesh::face_vertices(mesh, face);
             if (std::all_of(
                     v.begin(), v.end(), [&](VertexId i) { return std::abs(mesh.vertices(i, 0) - middle) < tiny; })) {
                 double x = 0.0;
@@ -80,7 +80,7 @@ namespace opening_test {
 
     Wound with_ten_nodes(Wound wound)
     {
-        wound.mesh = with_midpoints(wound.mesh);
+        wound.mesh = mesh::with_midpoints(wound.mesh);
         const double width = wound.mesh.vertices.col(0).maxCoeff(), tiny = 1e-9;
         wound.supports.fixed.clear();
         for (Eigen::Index v = 0; v < wound.mesh.vertices.rows(); ++v) {
@@ -103,7 +103,7 @@ namespace opening_test {
             { "right", 1, patch(wound.right), { pull, 0, 0 } } };
     }
 
-    std::vector<Material> tissue(double nu = 0.45) { return { {}, material(0.02, nu) }; }
+    std::vector<Material> tissue(double nu = 0.45) { return { {}, test_support::material(0.02, nu) }; }
 
     OpeningResult open(const Wound& wound, double pull, OpeningOptions options = {}, double nu = 0.45)
     {
@@ -117,7 +117,7 @@ namespace opening_test {
     {
         const int n = 4;
         const double spacing = 5.0, length = n * spacing, area = length * length, stretch = 1.5, E = 0.1;
-        const TetMesh bar = kuhn_box(n, n, n, spacing);
+        const mesh::TetMesh bar = mesh::kuhn_box(n, n, n, spacing);
         // nu = 0: no lateral contraction, so clamped ends do not disturb: P = E (l - 1), with lambda = 0 and 2 mu = E.
         Supports supports;
         HookPatch end { "end", 1, {}, { (stretch - 1) * length, 0, 0 } };
@@ -127,7 +127,7 @@ namespace opening_test {
             if (bar.vertices(v, 0) == length)
                 end.nodes.push_back(static_cast<VertexId>(v));
         }
-        Opening opening(bar, std::vector<Material> { {}, material(E, 0.0) }, supports);
+        Opening opening(bar, std::vector<Material> { {}, test_support::material(E, 0.0) }, supports);
         const OpeningResult result = opening.open(std::vector { end });
         ASSERT_EQ(result.status, OpeningStatus::converged) << result.message;
         EXPECT_NEAR(result.hook_forces_N[0].x(), E * (stretch - 1) * area, 1e-6 * E * area);
@@ -141,12 +141,12 @@ namespace opening_test {
     {
         const int n = 4;
         const double spacing = 5.0, length = n * spacing, area = length * length, E = 0.1, bed = 0.02, pull = 2.0;
-        const TetMesh bar = kuhn_box(n, n, n, spacing);
+        const mesh::TetMesh bar = mesh::kuhn_box(n, n, n, spacing);
         Supports supports;
         HookPatch end { "end", 1, {}, { pull, 0, 0 } };
         std::vector<double> share(bar.vertex_count(), 0.0); // of the face x = 0
-        for (const TetFace& face : boundary_faces(bar)) {
-            const auto v = face_vertices(bar, face);
+        for (const mesh::TetFace& face : mesh::boundary_faces(bar)) {
+            const auto v = mesh::face_vertices(bar, face);
             if (std::all_of(v.begin(), v.end(), [&](VertexId i) { return bar.vertices(i, 0) == 0.0; }))
                 for (const VertexId i : v)
                     share[static_cast<std::size_t>(i)] += 0.5 * spacing * spacing / 3.0;
@@ -160,7 +160,7 @@ namespace opening_test {
         // nu = 0: uniform tension, F = d / (L / (E A) + 1 / (b A)).
         const double force = pull * area / (length / E + 1.0 / bed);
         for (const Elasticity model : { Elasticity::linear, Elasticity::corotational }) {
-            Opening opening(bar, std::vector<Material> { {}, material(E, 0.0) }, supports,
+            Opening opening(bar, std::vector<Material> { {}, test_support::material(E, 0.0) }, supports,
                 { .elasticity = model, .tolerance = 1e-8 });
             const OpeningResult result = opening.open(std::vector { end });
             ASSERT_EQ(result.status, OpeningStatus::converged) << result.message;
@@ -169,12 +169,12 @@ namespace opening_test {
                 EXPECT_NEAR(result.displacement(bedded.vertex, 0), force / (bed * area), 1e-4 * pull);
         }
         supports.bedded.front().stiffness = -1.0;
-        EXPECT_THROW(Opening(bar, std::vector<Material> { {}, material(E, 0.0) }, supports), InputError);
+        EXPECT_THROW(Opening(bar, std::vector<Material> { {}, test_support::material(E, 0.0) }, supports), InputError);
     }
 
     TEST(Opening, MovingTheOnlyHookOfAFreeBlockCostsNoForce)
     {
-        const TetMesh block = kuhn_box(3, 3, 3, 4.0);
+        const mesh::TetMesh block = mesh::kuhn_box(3, 3, 3, 4.0);
         HookPatch hook { "hook", 1, {}, { 30, -20, 10 } };
         for (Eigen::Index v = 0; v < block.vertices.rows(); ++v)
             if (block.vertices(v, 0) == 0.0)
@@ -242,9 +242,9 @@ namespace opening_test {
         // Free sides, nearly incompressible: P = 2 (l - 1/l^2) (c10 + c01 / l) of the rest area [Treloar 1975].
         const int n = 2;
         const double spacing = 5.0, length = n * spacing, area = length * length, stretch = 1.3;
-        const TetMesh bar = kuhn_box(n, n, n, spacing);
+        const mesh::TetMesh bar = mesh::kuhn_box(n, n, n, spacing);
         constexpr double c10 = 0.02, c01 = 0.01;
-        Material rubber = material(6.0 * (c10 + c01), 0.4999);
+        Material rubber = test_support::material(6.0 * (c10 + c01), 0.4999);
         rubber.law = TissueLaw { MooneyRivlin { .c10 = c10, .c01 = c01 } };
         // The surface is moved as the closed form says, the middle is free to find its place.
         const double across = 1.0 / std::sqrt(stretch);
@@ -407,7 +407,7 @@ namespace opening_test {
     OpeningResult swing_a_bar(double pull, OpeningOptions options)
     {
         const double spacing = 5.0;
-        TetMesh mesh = kuhn_box(14, 8, 3, spacing); // x along the bar, the bar pulled along y
+        mesh::TetMesh mesh = mesh::kuhn_box(14, 8, 3, spacing); // x along the bar, the bar pulled along y
         HookPatch hook { "hook", 1, {}, { 0, pull, 0 } };
         Supports supports;
         std::vector<std::uint8_t> in_bar(mesh.vertex_count(), 0);
@@ -429,8 +429,9 @@ namespace opening_test {
             else if (in_bar[static_cast<std::size_t>(v)] != 0 && p.x() > 64.0)
                 hook.nodes.push_back(static_cast<VertexId>(v));
         }
-        Opening opening(
-            mesh, std::vector<Material> { {}, material(0.02, 0.45), material(1000.0, 0.3) }, supports, options);
+        Opening opening(mesh,
+            std::vector<Material> { {}, test_support::material(0.02, 0.45), test_support::material(1000.0, 0.3) },
+            supports, options);
         return opening.open(std::vector { hook });
     }
 
@@ -568,7 +569,7 @@ namespace opening_test {
 
     TEST(HeldPieces, ThreeNodesOnALineDoNotHold)
     {
-        const TetMesh box = kuhn_box(2, 2, 2, 1.0);
+        const mesh::TetMesh box = mesh::kuhn_box(2, 2, 2, 1.0);
         const auto missing = [&](const std::vector<VertexId>& held) {
             return refusal<SolverError>([&] { check_pieces_held(box, held); });
         };
@@ -622,8 +623,8 @@ namespace opening_test {
         };
         constexpr double nan = std::numeric_limits<double>::quiet_NaN();
         EXPECT_NE(refuse(tissue(0.5), {}, {}).find("Poisson's ratio"), std::string::npos);
-        EXPECT_NE(refuse({ {}, material(-1.0, 0.3) }, {}, {}).find("Young's modulus"), std::string::npos);
-        EXPECT_NE(refuse({ {}, material(nan, 0.3) }, {}, {}).find("Young's modulus"), std::string::npos);
+        EXPECT_NE(refuse({ {}, test_support::material(-1.0, 0.3) }, {}, {}).find("Young's modulus"), std::string::npos);
+        EXPECT_NE(refuse({ {}, test_support::material(nan, 0.3) }, {}, {}).find("Young's modulus"), std::string::npos);
         EXPECT_NE(refuse({ {} }, {}, {}).find("label 1 has no material"), std::string::npos);
         EXPECT_NE(
             refuse(tissue(), { { 100000 } }, {}).find("supports: node 100000 is out of range"), std::string::npos);
@@ -642,10 +643,11 @@ namespace opening_test {
 
     TEST(Opening, HooksOnFacingLipsDoNotPassThroughEachOther)
     {
-        const IncisedBlock block;
-        const ElasticProblem problem = hooked_open(
-            block, incise(uncut_block(block), incision_blade(block)), material(0.04, 0.45), Vec3(0.0, -2.0, 0.0));
-        const std::string said = fixtures::message_of([&] {
+        const verification::IncisedBlock block;
+        const ElasticProblem problem = verification::hooked_open(block,
+            verification::incise(verification::uncut_block(block), verification::incision_blade(block)),
+            test_support::material(0.04, 0.45), Vec3(0.0, -2.0, 0.0));
+        const std::string said = test_support::message_of([&] {
             Opening opening(problem.mesh, problem.material_of_label, problem.supports);
             (void)opening.open(problem.hooks);
         });
@@ -661,9 +663,10 @@ namespace opening_test {
 
     TEST(Opening, SaysWhenElementsAreInsideOut)
     {
-        const IncisedBlock block;
-        const ElasticProblem problem = hooked_open(
-            block, incise(uncut_block(block), incision_blade(block)), material(0.04, 0.45), Vec3(0.0, 100.0, 0.0));
+        const verification::IncisedBlock block;
+        const ElasticProblem problem = verification::hooked_open(block,
+            verification::incise(verification::uncut_block(block), verification::incision_blade(block)),
+            test_support::material(0.04, 0.45), Vec3(0.0, 100.0, 0.0));
         Opening opening(
             problem.mesh, problem.material_of_label, problem.supports, { .elasticity = Elasticity::linear });
         const OpeningResult result = opening.open(problem.hooks);
@@ -674,4 +677,4 @@ namespace opening_test {
     }
 
 } // namespace opening_test
-} // namespace retractor
+} // namespace retractor::fem

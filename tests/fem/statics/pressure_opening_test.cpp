@@ -1,10 +1,10 @@
 // Wounds under pressure: Opening with ElasticProblem::pressures.
 
+#include "fem/error_estimation/error_estimate.h"
 #include "fem/io/calculix_deck.h"
+#include "fem/io/febio_file.h"
 #include "fem/statics/driven_opening.h"
 #include "fem/statics/elastic_problem.h"
-#include "fem/error_estimation/error_estimate.h"
-#include "fem/io/febio_file.h"
 #include "fem/statics/local_problem.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/error.h"
@@ -20,10 +20,10 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::fem {
 namespace pressure_opening_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     constexpr double kEdge = 2.5, kTop = 5.0, kSide = 10.0; // mm
     constexpr double kArea = kSide * kSide;
@@ -32,14 +32,14 @@ namespace pressure_opening_test {
     ElasticProblem pressed_block(double pressure, double poissons_ratio = 0.0)
     {
         ElasticProblem problem;
-        problem.mesh = kuhn_box(4, 4, 2, kEdge);
-        problem.material_of_label = { {}, material(0.05, poissons_ratio) };
+        problem.mesh = mesh::kuhn_box(4, 4, 2, kEdge);
+        problem.material_of_label = { {}, test_support::material(0.05, poissons_ratio) };
         problem.hooks = { { "top", 1, {}, Vec3::Zero() } };
         for (VertexId v = 0; v < static_cast<VertexId>(problem.mesh.vertex_count()); ++v)
             if (problem.mesh.vertices(v, 2) == kTop)
                 problem.hooks[0].nodes.push_back(v);
-        problem.pressures
-            = { { "gas", faces_where(problem.mesh, [](const Vec3& x) { return x.z() == 0.0; }), pressure } };
+        problem.pressures = { { "gas",
+            verification::faces_where(problem.mesh, [](const Vec3& x) { return x.z() == 0.0; }), pressure } };
         return problem;
     }
 
@@ -80,7 +80,7 @@ namespace pressure_opening_test {
         constexpr int kAround = 24, kThrough = 3;
         constexpr double kInner = 10.0, kThickness = 5.0, kLeastBed = 1e-7; // N/mm
         ElasticProblem problem;
-        const TetMesh box = kuhn_box(kAround, kThrough, 1, 1.0);
+        const mesh::TetMesh box = mesh::kuhn_box(kAround, kThrough, 1, 1.0);
         problem.mesh = box;
         const auto at = [](double x, double y, double z) {
             const double angle = -2.0 * std::numbers::pi * x / kAround, r = kInner + kThickness * y / kThrough;
@@ -102,11 +102,12 @@ namespace pressure_opening_test {
         problem.mesh.vertices = vertices;
         for (VertexId& v : problem.mesh.nodes)
             v = same[static_cast<std::size_t>(v)];
-        problem.material_of_label = { {}, material(0.05, 0.3) };
+        problem.material_of_label = { {}, test_support::material(0.05, 0.3) };
         for (VertexId v = 0; v < count; ++v)
             problem.supports.bedded.push_back({ v, kLeastBed });
         problem.pressures = { { "blood",
-            faces_where(problem.mesh, [](const Vec3& x) { return x.head<2>().norm() < kInner + 0.1 * kThickness; }),
+            verification::faces_where(
+                problem.mesh, [](const Vec3& x) { return x.head<2>().norm() < kInner + 0.1 * kThickness; }),
             pressure } };
         return problem;
     }
@@ -177,8 +178,8 @@ namespace pressure_opening_test {
     {
         constexpr double kSmall = 1e-6, kAlike = 0.01; // MPa; bodies that small strains do not tell apart
         ElasticProblem problem = pressed_block(kSmall, 0.4);
-        problem.pressures[0].faces
-            = faces_where(problem.mesh, [](const Vec3& x) { return x.z() == 0.0 || x.x() == 0.0; }); // round a corner
+        problem.pressures[0].faces = verification::faces_where(
+            problem.mesh, [](const Vec3& x) { return x.z() == 0.0 || x.x() == 0.0; }); // round a corner
         const auto error = [&](Elasticity elasticity) {
             const ErrorEstimate estimate
                 = estimate_error(problem, elasticity, opened(problem, elasticity).displacement);
@@ -208,8 +209,8 @@ namespace pressure_opening_test {
     ElasticProblem duct(double pressure)
     {
         ElasticProblem problem;
-        const TetMesh box = kuhn_box(6, 6, 4, 1.0);
-        TetMesh& mesh = problem.mesh;
+        const mesh::TetMesh box = mesh::kuhn_box(6, 6, 4, 1.0);
+        mesh::TetMesh& mesh = problem.mesh;
         mesh.vertices = box.vertices;
         for (TetId t = 0; t < static_cast<TetId>(box.tet_count()); ++t) {
             Vec3 middle = Vec3::Zero();
@@ -220,11 +221,11 @@ namespace pressure_opening_test {
             mesh.nodes.insert(mesh.nodes.end(), box.tet(t).begin(), box.tet(t).end());
             mesh.labels.push_back(1);
         }
-        problem.material_of_label = { {}, material(0.05, 0.45) };
+        problem.material_of_label = { {}, test_support::material(0.05, 0.45) };
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
             if (mesh.vertices(v, 2) == 0.0 || mesh.vertices(v, 2) == 4.0)
                 problem.supports.fixed.push_back(v);
-        std::vector<TetFace> bore = faces_where(
+        std::vector<mesh::TetFace> bore = verification::faces_where(
             mesh, [](const Vec3& x) { return std::max(std::abs(x.x() - 3.0), std::abs(x.y() - 3.0)) < 2.1; });
         problem.pressures = { { "blood", std::move(bore), pressure } };
         return problem;
@@ -252,7 +253,8 @@ namespace pressure_opening_test {
         for (VertexId v = 0; v < static_cast<VertexId>(crushed.mesh.vertex_count()); ++v)
             if (crushed.mesh.vertices(v, 2) == 0.0)
                 crushed.supports.fixed.push_back(v);
-        crushed.pressures[0].faces = faces_where(crushed.mesh, [](const Vec3& x) { return x.x() == 0.0; });
+        crushed.pressures[0].faces
+            = verification::faces_where(crushed.mesh, [](const Vec3& x) { return x.x() == 0.0; });
         crushed.hooks[0].displacement = -1.2 * kTop * Vec3::UnitZ();
         const OpeningResult by_hook = opened(crushed, Elasticity::hyperelastic);
         EXPECT_EQ(by_hook.status, OpeningStatus::not_converged);
@@ -279,14 +281,14 @@ namespace pressure_opening_test {
         for (Eigen::Index v = 0; v < problem.mesh.vertices.rows(); ++v)
             sum += loads.segment<3>(3 * v);
         EXPECT_LT((sum - Vec3(0.0, 0.0, 1e-3 * kArea)).norm(), 1e-12);
-        EXPECT_EQ(message_of([&] { (void)febio_file(problem); }),
+        EXPECT_EQ(test_support::message_of([&] { (void)febio_file(problem); }),
             "pressure of gas: FEBio files are written without pressure");
-        EXPECT_EQ(message_of([&] { (void)local_problem(problem, problem.mesh.vertices, 5.0); }),
+        EXPECT_EQ(test_support::message_of([&] { (void)local_problem(problem, problem.mesh.vertices, 5.0); }),
             "pressure of gas: pressure moves all of a body, and a part of it holds the rest still");
         OpeningOptions near { .near = std::vector<std::uint8_t>(problem.mesh.tet_count(), 1) };
-        EXPECT_EQ(
-            message_of([&] { (void)Opening(problem, near); }), "near field: a linear far field goes without pressure");
+        EXPECT_EQ(test_support::message_of([&] { (void)Opening(problem, near); }),
+            "near field: a linear far field goes without pressure");
     }
 
 } // namespace pressure_opening_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -1,12 +1,12 @@
 // Tension that a cut sets free as a load of everything that solves an opened wound.
 
-#include "fem/io/calculix_deck.h"
-#include "fem/statics/driven_opening.h"
 #include "fem/error_estimation/error_estimate.h"
+#include "fem/io/calculix_deck.h"
 #include "fem/io/febio_file.h"
+#include "fem/model/pre_strain.h"
+#include "fem/statics/driven_opening.h"
 #include "fem/statics/local_problem.h"
 #include "fem/statics/opening.h"
-#include "fem/model/pre_strain.h"
 #include "fem/statics/tension.h"
 #include "tests/support/hooked_block.h"
 #include "tests/support/reference_problems.h"
@@ -16,11 +16,11 @@
 #include <algorithm>
 #include <string>
 
-namespace retractor {
+namespace retractor::fem {
 namespace released_tension_test {
 
-    using fixtures::hooked_block;
-    using fixtures::message_of;
+    using test_support::hooked_block;
+    using test_support::message_of;
 
     constexpr double kSolved = 1e-8; ///< of the largest displacement: two linear solves of the same equations
     constexpr double kStress = 2e-3; ///< MPa: moves the block by about 1 mm
@@ -28,9 +28,9 @@ namespace released_tension_test {
     /// The block's upper face, hooks and all, has lost a slanting traction.
     ElasticProblem loaded_block(int nodes_per_tet, double stress = kStress)
     {
-        ElasticProblem problem = hooked_block(2, 4);
-        for (const TetFace& face : boundary_faces(problem.mesh)) {
-            const auto corners = face_vertices(problem.mesh, face);
+        ElasticProblem problem = test_support::hooked_block(2, 4);
+        for (const mesh::TetFace& face : mesh::boundary_faces(problem.mesh)) {
+            const auto corners = mesh::face_vertices(problem.mesh, face);
             if (std::all_of(
                     corners.begin(), corners.end(), [&](VertexId v) { return problem.mesh.vertices(v, 2) > 19.999; }))
                 problem.loads.push_back({ face, Vec3(0.3, 0.0, 1.0) * stress });
@@ -57,8 +57,9 @@ namespace released_tension_test {
             const ElasticProblem problem = without_hooks(loaded_block(nodes));
             ElasticBody body = tissue_body(problem.mesh, problem.material_of_label, { Elasticity::linear });
             body.set_bed(bed_stiffness(problem.mesh, problem.supports));
-            const Eigen::VectorXd u = fixtures::solve_linear(body, prescribe(problem.mesh, problem.supports, {}).flag,
-                Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows()), nodal_loads(problem));
+            const Eigen::VectorXd u
+                = test_support::solve_linear(body, prescribe(problem.mesh, problem.supports, {}).flag,
+                    Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows()), nodal_loads(problem));
             const OpeningResult result = opened(problem, { .elasticity = Elasticity::linear, .tolerance = 1e-10 });
             EXPECT_EQ(result.status, OpeningStatus::converged) << result.message;
             EXPECT_GT(u.lpNorm<Eigen::Infinity>(), 0.5);
@@ -162,7 +163,9 @@ namespace released_tension_test {
     {
         ElasticProblem problem = without_hooks(loaded_block(4));
         const Points middle = (Points(1, 3) << 30.0, 20.0, 20.0).finished();
-        EXPECT_NE(message_of([&] { (void)local_problem(problem, middle, 5.0); }).find("solve within a larger distance"),
+        EXPECT_NE(test_support::message_of([&] {
+            (void)local_problem(problem, middle, 5.0);
+        }).find("solve within a larger distance"),
             std::string::npos);
         const LocalProblem all = local_problem(problem, middle, 1000.0);
         EXPECT_LT((nodal_loads(all.problem) - nodal_loads(problem)).norm(), kSolved * nodal_loads(problem).norm());
@@ -172,23 +175,26 @@ namespace released_tension_test {
     {
         const std::string deck = calculix_deck(loaded_block(10));
         EXPECT_NE(deck.find("*CLOAD\n"), std::string::npos);
-        EXPECT_EQ(calculix_deck(hooked_block(2, 10)).find("*CLOAD"), std::string::npos);
-        EXPECT_NE(message_of([] { (void)febio_file(loaded_block(4)); }).find("without loads"), std::string::npos);
+        EXPECT_EQ(calculix_deck(test_support::hooked_block(2, 10)).find("*CLOAD"), std::string::npos);
+        EXPECT_NE(test_support::message_of([] { (void)febio_file(loaded_block(4)); }).find("without loads"),
+            std::string::npos);
     }
 
     TEST(ReleasedTension, BadLoadsAreRefused)
     {
         ElasticProblem problem = loaded_block(4);
         problem.loads[0].face.tet = 99999;
-        EXPECT_NE(message_of([&] { check_problem(problem); }).find("element 99999"), std::string::npos);
+        EXPECT_NE(test_support::message_of([&] { check_problem(problem); }).find("element 99999"), std::string::npos);
         problem = loaded_block(4);
         OpeningOptions options;
         options.load = Eigen::VectorXd::Zero(3);
-        EXPECT_NE(message_of([&] { Opening(problem, options); }).find("in the problem and in the options"),
+        EXPECT_NE(
+            test_support::message_of([&] { Opening(problem, options); }).find("in the problem and in the options"),
             std::string::npos);
         problem.loads.clear();
-        EXPECT_NE(message_of([&] { Opening(problem, options); }).find("three finite entries"), std::string::npos);
+        EXPECT_NE(test_support::message_of([&] { Opening(problem, options); }).find("three finite entries"),
+            std::string::npos);
     }
 
 } // namespace released_tension_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -10,22 +10,22 @@
 
 #include <cmath>
 
-namespace retractor {
+namespace retractor::fem {
 namespace tension_test {
 
-    using fixtures::material;
+    using test_support::material;
 
     constexpr double kModulus = 0.2, kCentral = 0.25, kStrain = 0.02;
     constexpr double kSuperposition = 1e-9; // round-off of two solves
 
     struct CutSheet {
         SheetProblem problem;
-        TetMesh uncut, mesh;
-        std::vector<Material> materials = std::vector<Material>(2, material(kModulus, kCentral));
+        mesh::TetMesh uncut, mesh;
+        std::vector<Material> materials = std::vector<Material>(2, test_support::material(kModulus, kCentral));
         std::vector<Mat3> stresses; ///< of the uncut mesh
-        CutSession session;
-        MeshDelta delta;
-        SlotMap map;
+        mesh::CutSession session;
+        mesh::MeshDelta delta;
+        mesh::SlotMap map;
 
         explicit CutSheet(int around,
             const PreStrain& tension = { PreStrainKind::uniaxial_stress, kStrain, Vec3::UnitY(), Vec3::UnitZ() })
@@ -34,12 +34,12 @@ namespace tension_test {
             , stresses(pre_stress(uncut, materials, std::vector<PreStrain>(2, tension)))
             , session(uncut)
         {
-            CutResult cut = session.cut(sheet_blade(problem));
-            EXPECT_EQ(cut.status, CutStatus::done) << cut.message;
+            mesh::CutResult cut = session.cut(sheet_blade(problem));
+            EXPECT_EQ(cut.status, mesh::CutStatus::done) << cut.message;
             delta = std::move(cut.delta);
             mesh = session.compact_mesh(&map);
         }
-        Points rim_displacement(const TetMesh& m) const
+        Points rim_displacement(const mesh::TetMesh& m) const
         {
             Points u = Points::Zero(m.vertices.rows(), 3);
             for (const VertexId v : sheet_rim(problem, m))
@@ -54,7 +54,7 @@ namespace tension_test {
             double sum = 0.0;
             int count = 0;
             for (const auto& born : delta.vertices_born)
-                if (born.origin == MeshDelta::Origin::copy && std::abs(born.position.x()) < 1e-9) {
+                if (born.origin == mesh::MeshDelta::Origin::copy && std::abs(born.position.x()) < 1e-9) {
                     sum += std::abs(u(born.id, 1) - u(born.a, 1));
                     ++count;
                 }
@@ -63,8 +63,8 @@ namespace tension_test {
         }
         double finite_element_gape() const
         {
-            std::vector<TetFace> faces;
-            for (const LipFace& lip : session.lips())
+            std::vector<mesh::TetFace> faces;
+            for (const mesh::LipFace& lip : session.lips())
                 faces.push_back({ map.compact_tet[static_cast<std::size_t>(lip.face.tet)], lip.face.corner });
             std::vector<Mat3> carried;
             for (const TetId slot : map.tet_slot)
@@ -113,8 +113,8 @@ namespace tension_test {
     {
         const CutSheet sheet(32);
         double left = 0.0, right = 0.0;
-        for (const LipFace& lip : sheet.session.lips())
-            for (const VertexId v : face_vertices(
+        for (const mesh::LipFace& lip : sheet.session.lips())
+            for (const VertexId v : mesh::face_vertices(
                      sheet.mesh, { sheet.map.compact_tet[static_cast<std::size_t>(lip.face.tet)], lip.face.corner })) {
                 EXPECT_NEAR(sheet.mesh.vertices(v, 1), 0.0, 1e-9);
                 left = std::min(left, sheet.mesh.vertices(v, 0));
@@ -168,13 +168,14 @@ namespace tension_test {
             EXPECT_NEAR(factor, 1.0, 0.06) << around;
         }
         // Whatever the modulus: it is a ratio.
-        const TetMesh box = distorted_box(4, 2.0, 0.2, 3);
+        const mesh::TetMesh box = verification::distorted_box(4, 2.0, 0.2, 3);
         std::vector<VertexId> ends;
         for (VertexId v = 0; v < static_cast<VertexId>(box.vertex_count()); ++v)
             if (box.vertices(v, 0) == 0.0 || box.vertices(v, 0) == 8.0)
                 ends.push_back(v);
         const auto factor = [&](double modulus) {
-            return spring_calibration(box, std::vector<Material>(2, material(modulus, 0.4)), ends, Vec3::UnitX());
+            return spring_calibration(
+                box, std::vector<Material>(2, test_support::material(modulus, 0.4)), ends, Vec3::UnitX());
         };
         EXPECT_NEAR(factor(0.01), factor(10.0), 1e-3);
         EXPECT_NEAR(factor(1.0), 1.0, 0.15);
@@ -184,8 +185,8 @@ namespace tension_test {
     {
         EXPECT_THROW(sheet_mesh({ .cut_length = 80.0, .radius = 30.0 }), InputError);
         EXPECT_THROW(sheet_mesh({ .around = 30 }), InputError);
-        const TetMesh mesh = kuhn_box(2, 2, 2, 1.0);
-        const std::vector<Material> materials(2, material(kModulus, kCentral));
+        const mesh::TetMesh mesh = mesh::kuhn_box(2, 2, 2, 1.0);
+        const std::vector<Material> materials(2, test_support::material(kModulus, kCentral));
         const std::vector<Mat3> none(mesh.tet_count(), Mat3::Zero());
         EXPECT_THROW(static_cast<void>(release_wound(mesh, {}, none, materials, {})), SolverError);
         const std::vector<VertexId> beyond { 500 };
@@ -203,4 +204,4 @@ namespace tension_test {
     }
 
 } // namespace tension_test
-} // namespace retractor
+} // namespace retractor::fem

@@ -3,9 +3,9 @@
 #include "fem/material/material.h"
 #include "haptics/condensed/condensed_tissue.h"
 
-#include "tests/support/allocation_count.h"
 #include "datasets/phantoms/aorta_phantom.h"
 #include "mesh/base/error.h"
+#include "tests/support/allocation_count.h"
 
 #include <gtest/gtest.h>
 
@@ -20,28 +20,28 @@
 #include <thread>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace condensed_tissue_test {
 
     constexpr double kTick = 1e-3; // s
 
-    AortaParameters tube(StiffRegion region, int nodes_per_tet = 4)
+    datasets::AortaParameters tube(datasets::StiffRegion region, int nodes_per_tet = 4)
     {
-        AortaParameters p;
-        p.shape = AortaParameters::Shape::tube;
+        datasets::AortaParameters p;
+        p.shape = datasets::AortaParameters::Shape::tube;
         p.region = region;
         p.nodes_per_tet = nodes_per_tet;
         return p;
     }
-    constexpr StiffRegion kNowhere { 0.0, 360.0 };
+    constexpr datasets::StiffRegion kNowhere { 0.0, 360.0 };
 
     /// A short coarse vessel: quick, where any mesh will do.
-    PalpationScene small_tube()
+    datasets::PalpationScene small_tube()
     {
-        AortaParameters p = tube({ 12.0, 120.0 });
+        datasets::AortaParameters p = tube({ 12.0, 120.0 });
         p.length_mm = 40.0;
         p.along = 12;
-        return make_aorta_phantom(p);
+        return datasets::make_aorta_phantom(p);
     }
 
     CondensedOptions source_options(std::size_t fingers = 1)
@@ -52,7 +52,7 @@ namespace condensed_tissue_test {
         return options;
     }
 
-    Fingertip at_site(const TouchSite& site, double depth)
+    Fingertip at_site(const datasets::TouchSite& site, double depth)
     {
         Fingertip finger;
         finger.position = site.point + (finger.radius - depth) * site.outward;
@@ -80,7 +80,7 @@ namespace condensed_tissue_test {
             time += kTick;
         }
         /// Comes from outside and presses to a depth.
-        void press(std::size_t finger, const TouchSite& site, double depth)
+        void press(std::size_t finger, const datasets::TouchSite& site, double depth)
         {
             constexpr int kSteps = 20;
             for (int i = 0; i <= kSteps; ++i) {
@@ -90,7 +90,7 @@ namespace condensed_tissue_test {
         }
     };
 
-    Eigen::SparseMatrix<double> full_matrix(const BlockMatrix& K)
+    Eigen::SparseMatrix<double> full_matrix(const fem::BlockMatrix& K)
     {
         std::vector<Eigen::Triplet<double>> entries;
         for (std::size_t row = 0; row < K.pattern.row_count(); ++row)
@@ -118,23 +118,23 @@ namespace condensed_tissue_test {
     /// The whole stiffness with the contact's displacements as constraints, solved at once by another solver: nothing
     /// is condensed.
     FullAnswer solve_whole(
-        const CondensedTissue& tissue, const ElasticModel& model, const CondensedTissue::Pressed& pressed)
+        const CondensedTissue& tissue, const datasets::ElasticModel& model, const CondensedTissue::Pressed& pressed)
     {
-        std::vector<Lame> lame;
+        std::vector<fem::Lame> lame;
         for (std::size_t t = 0; t < model.mesh.tet_count(); ++t) {
-            Material m { "wall", model.youngs_modulus[t], model.poissons_ratio[t], 1e-9, "" };
-            lame.push_back(retractor::lame(m));
+            fem::Material m { "wall", model.youngs_modulus[t], model.poissons_ratio[t], 1e-9, "" };
+            lame.push_back(retractor::fem::lame(m));
         }
-        ElasticBody body(model.mesh, Elasticity::linear, lame);
+        fem::ElasticBody body(model.mesh, fem::Elasticity::linear, lame);
         const auto n = 3 * model.mesh.vertices.rows();
         const Eigen::SparseMatrix<double> K = full_matrix(body.stiffness(Eigen::VectorXd::Zero(n), 0.0));
         std::vector<std::uint8_t> inner, fixed;
-        for (const VertexRole role : model.roles) {
-            inner.push_back(role == VertexRole::inner_wall);
-            fixed.push_back(role == VertexRole::fixed);
+        for (const datasets::VertexRole role : model.roles) {
+            inner.push_back(role == datasets::VertexRole::inner_wall);
+            fixed.push_back(role == datasets::VertexRole::fixed);
         }
         Eigen::VectorXd load
-            = FollowerPressure(model.mesh, wall_faces(model.mesh, inner, fixed).inner, pressed.pressure)
+            = fem::FollowerPressure(model.mesh, wall_faces(model.mesh, inner, fixed).inner, pressed.pressure)
                   .force(Eigen::VectorXd::Zero(n));
         const auto m = static_cast<Eigen::Index>(pressed.forces.size());
         std::vector<Eigen::Triplet<double>> entries;
@@ -177,7 +177,7 @@ namespace condensed_tissue_test {
     {
         constexpr double kAgree = 1e-8; // relative; what is promised
         for (const FingertipShape shape : { FingertipShape::pad, FingertipShape::sphere, FingertipShape::held }) {
-            const PalpationScene scene = small_tube();
+            const datasets::PalpationScene scene = small_tube();
             CondensedOptions options = source_options(2);
             options.fingertip = shape;
             CondensedTissue tissue(scene.body, PulsePressure::aortic(), options);
@@ -227,10 +227,10 @@ namespace condensed_tissue_test {
         EXPECT_NEAR(exact(ri), 0.39558, 5e-5); // the published number, of 16/3 kPa: 40.003 mmHg
         CondensedOptions options;
         options.fetch_all_below = 0;
-        AortaParameters vessel = tube(kNowhere, 10);
+        datasets::AortaParameters vessel = tube(kNowhere, 10);
         vessel.length_mm = 600.0; // held ends let the middle shorten by what they themselves do not: 2 % at 100 mm
         vessel.around = 16;
-        const PalpationScene scene = make_aorta_phantom(vessel);
+        const datasets::PalpationScene scene = datasets::make_aorta_phantom(vessel);
         CondensedTissue tissue(scene.body, PulsePressure::constant(120.0), options);
         Servo servo(tissue);
         servo.tick();
@@ -249,14 +249,15 @@ namespace condensed_tissue_test {
     }
 
     /// Force on the finger at systole less that at diastole, at a fixed depth.
-    double pulse_at_centre(const PalpationScene& scene, FingertipShape shape, TouchElement element = TouchElement::p2)
+    double pulse_at_centre(
+        const datasets::PalpationScene& scene, FingertipShape shape, TouchElement element = TouchElement::p2)
     {
         CondensedOptions options;
         options.fingertip = shape;
         options.element = element;
         options.fetch_all_below = 0;
         CondensedTissue tissue(scene.body, PulsePressure::aortic(), options);
-        const TouchSite& site = scene.site("centre");
+        const datasets::TouchSite& site = scene.site("centre");
         const std::vector<Fingertip> there { at_site(site, 2.0) };
         tissue.prepare(there);
         Servo servo(tissue);
@@ -276,16 +277,16 @@ namespace condensed_tissue_test {
         // percent.
         constexpr double kSomePercent = 0.07;
         struct Known {
-            StiffRegion region;
+            datasets::StiffRegion region;
             int around; ///< elements: the border of a sector lies between two
             double pulse;
         };
         std::vector<double> pulses;
         for (const Known& known : { Known { { 0.0, 360.0 }, 20, 0.100 }, Known { { 30.0, 360.0 }, 20, 0.067 },
                  Known { { 30.0, 120.0 }, 20, 0.081 }, Known { { 15.0, 60.0 }, 24, 0.107 } }) {
-            AortaParameters p = tube(known.region, 10);
+            datasets::AortaParameters p = tube(known.region, 10);
             p.around = known.around;
-            pulses.push_back(pulse_at_centre(make_aorta_phantom(p), FingertipShape::held));
+            pulses.push_back(pulse_at_centre(datasets::make_aorta_phantom(p), FingertipShape::held));
             EXPECT_NEAR(pulses.back() / known.pulse, 1.0, kSomePercent)
                 << known.region.length_mm << " x " << known.region.angle_deg;
         }
@@ -296,18 +297,19 @@ namespace condensed_tissue_test {
 
     TEST(CondensedTissue, PulseDoesNotDependOnAUniformYoungsModulus)
     {
-        AortaParameters p = tube(kNowhere);
+        datasets::AortaParameters p = tube(kNowhere);
         p.along = 24;
-        const double soft = pulse_at_centre(make_aorta_phantom(p), FingertipShape::held, TouchElement::p1);
+        const double soft = pulse_at_centre(datasets::make_aorta_phantom(p), FingertipShape::held, TouchElement::p1);
         p.normal_MPa = 4.0;
-        EXPECT_NEAR(pulse_at_centre(make_aorta_phantom(p), FingertipShape::held, TouchElement::p1) / soft, 1.0, 1e-8);
+        EXPECT_NEAR(
+            pulse_at_centre(datasets::make_aorta_phantom(p), FingertipShape::held, TouchElement::p1) / soft, 1.0, 1e-8);
         EXPECT_GT(soft, 0.05);
     }
 
     TEST(CondensedTissue, AFingerIsPushedAndNeverPulled)
     {
-        const PalpationScene scene = small_tube();
-        const TouchSite& site = scene.site("centre");
+        const datasets::PalpationScene scene = small_tube();
+        const datasets::TouchSite& site = scene.site("centre");
         for (const FingertipShape shape : { FingertipShape::pad, FingertipShape::sphere, FingertipShape::held }) {
             CondensedOptions options = source_options();
             options.fingertip = shape;
@@ -336,7 +338,7 @@ namespace condensed_tissue_test {
 
     TEST(CondensedTissue, AFingerThatStartsInsideIsFreeUntilItHasBeenOutside)
     {
-        const PalpationScene scene = small_tube();
+        const datasets::PalpationScene scene = small_tube();
         CondensedTissue tissue(scene.body, PulsePressure::aortic(), source_options());
         Servo servo(tissue);
         servo.fingers[0] = at_site(scene.site("centre"), 7.0);
@@ -349,7 +351,7 @@ namespace condensed_tissue_test {
 
     TEST(CondensedTissue, AJumpIntoTheBodyAndAWayRoundTheRimTouchNothing)
     {
-        const PalpationScene scene = small_tube(); // 40 mm along z
+        const datasets::PalpationScene scene = small_tube(); // 40 mm along z
         CondensedTissue tissue(scene.body, PulsePressure::aortic(), source_options());
         Servo servo(tissue);
         servo.press(0, scene.site("centre"), 1.0);
@@ -371,9 +373,9 @@ namespace condensed_tissue_test {
 
     TEST(CondensedTissue, ATickAsksForNoMemory)
     {
-        if (!fixtures::allocations_are_counted())
+        if (!test_support::allocations_are_counted())
             GTEST_SKIP() << "the sanitizer brings its own malloc";
-        const PalpationScene scene = small_tube();
+        const datasets::PalpationScene scene = small_tube();
         CondensedTissue tissue(scene.body, PulsePressure::aortic(), source_options(2));
         Servo servo(tissue);
         ElasticTemplate box;
@@ -385,9 +387,9 @@ namespace condensed_tissue_test {
         for (int i = 0; i < 2000; ++i) {
             servo.fingers[0] = at_site(scene.site("centre"), 2.0 * std::sin(i * 0.01));
             servo.fingers[1] = at_site(scene.site("centre-opposite"), 2.0 * std::cos(i * 0.013));
-            const std::size_t before = fixtures::allocation_count();
+            const std::size_t before = test_support::allocation_count();
             servo.tick();
-            asked += fixtures::allocation_count() - before;
+            asked += test_support::allocation_count() - before;
             if (i % 100 == 0) {
                 tissue.follow(deformed); // the edit is swapped in on the way
                 tissue.wait_for_edit();
@@ -399,10 +401,10 @@ namespace condensed_tissue_test {
 
     TEST(CondensedTissue, OneFingerMovesTheWallUnderTheOther)
     {
-        const PalpationScene scene = small_tube();
+        const datasets::PalpationScene scene = small_tube();
         CondensedTissue tissue(scene.body, PulsePressure::constant(80.0), source_options(2));
         Servo servo(tissue);
-        TouchSite beside = scene.site("centre");
+        datasets::TouchSite beside = scene.site("centre");
         beside.point += 10.0 * Vec3::UnitZ();
         servo.press(0, scene.site("centre"), 1.0);
         const double alone = servo.contacts[0].force.norm();
@@ -414,11 +416,11 @@ namespace condensed_tissue_test {
 
     TEST(CondensedTissue, TwoFingersInOnePlaceAreFeltOnce)
     {
-        const PalpationScene scene = small_tube();
+        const datasets::PalpationScene scene = small_tube();
         CondensedTissue one(scene.body, PulsePressure::constant(80.0), source_options());
         CondensedTissue two(scene.body, PulsePressure::constant(80.0), source_options(2));
         Servo alone(one), both(two);
-        const TouchSite& site = scene.site("centre");
+        const datasets::TouchSite& site = scene.site("centre");
         alone.press(0, site, 1.0);
         both.press(0, site, 1.0);
         both.fingers[1] = at_site(site, -4.0);
@@ -431,7 +433,7 @@ namespace condensed_tissue_test {
 
     TEST(CondensedTissue, StiffnessIsTheSlopeOfTheForce)
     {
-        const PalpationScene scene = small_tube();
+        const datasets::PalpationScene scene = small_tube();
         CondensedTissue tissue(scene.body, PulsePressure::constant(80.0), source_options());
         Servo servo(tissue);
         servo.press(0, scene.site("centre"), 2.0);
@@ -445,8 +447,8 @@ namespace condensed_tissue_test {
 
     TEST(CondensedTissue, EditsAreSwappedInGentlyAndRightly)
     {
-        const PalpationScene scene = small_tube();
-        const TouchSite& site = scene.site("centre");
+        const datasets::PalpationScene scene = small_tube();
+        const datasets::TouchSite& site = scene.site("centre");
         CondensedTissue tissue(scene.body, PulsePressure::constant(80.0), source_options());
         Servo servo(tissue);
         servo.press(0, site, 2.0);
@@ -501,7 +503,7 @@ namespace condensed_tissue_test {
         return largest;
     }
 
-    ElasticTemplate role_in_sphere(const Vec3& centre, double radius, VertexRole role)
+    ElasticTemplate role_in_sphere(const Vec3& centre, double radius, datasets::VertexRole role)
     {
         ElasticTemplate sphere;
         sphere.shape = ElasticTemplate::Shape::sphere;
@@ -513,8 +515,8 @@ namespace condensed_tissue_test {
 
     TEST(CondensedTissue, RolesAreEditedGentlyAndRightly)
     {
-        const PalpationScene scene = small_tube();
-        const TouchSite &site = scene.site("centre"), &far = scene.site("centre-opposite");
+        const datasets::PalpationScene scene = small_tube();
+        const datasets::TouchSite &site = scene.site("centre"), &far = scene.site("centre-opposite");
         CondensedTissue tissue(scene.body, PulsePressure::constant(100.0), source_options());
         Servo servo(tissue);
         servo.press(0, site, 2.0);
@@ -526,12 +528,12 @@ namespace condensed_tissue_test {
             EXPECT_NEAR(servo.contacts[0].force.norm(), again.contacts[0].force.norm(), 1e-9) << what;
         };
         constexpr double kRoundOff = 1e-9;
-        EXPECT_GT(tissue.edit(role_in_sphere(far.point, 10.0, VertexRole::fixed)), 5U);
+        EXPECT_GT(tissue.edit(role_in_sphere(far.point, 10.0, datasets::VertexRole::fixed)), 5U);
         EXPECT_LE(follow_edit(tissue, servo), tissue.options().blend + kRoundOff);
         expect_as_fresh("held from behind");
         const double held = servo.contacts[0].force.norm();
         EXPECT_GT(held, 1.02 * before);
-        EXPECT_GT(tissue.edit(role_in_sphere(site.point, 14.0, VertexRole::free)), 5U);
+        EXPECT_GT(tissue.edit(role_in_sphere(site.point, 14.0, datasets::VertexRole::free)), 5U);
         EXPECT_LE(follow_edit(tissue, servo), tissue.options().blend + kRoundOff);
         expect_as_fresh("no blood under the finger");
         EXPECT_LT(servo.contacts[0].force.norm(), held);
@@ -539,23 +541,23 @@ namespace condensed_tissue_test {
 
     TEST(CondensedTissue, AnEditThatLeavesNothingHeldIsRefused)
     {
-        const PalpationScene scene = small_tube();
+        const datasets::PalpationScene scene = small_tube();
         CondensedTissue tissue(scene.body, PulsePressure::constant(80.0), source_options());
         constexpr double kAll = 1e3; // mm
-        EXPECT_THROW(tissue.edit(role_in_sphere(Vec3::Zero(), kAll, VertexRole::free)), InputError);
+        EXPECT_THROW(tissue.edit(role_in_sphere(Vec3::Zero(), kAll, datasets::VertexRole::free)), InputError);
         EXPECT_EQ(tissue.model().roles, scene.body.roles);
         EXPECT_FALSE(tissue.edit_pending());
     }
 
     TEST(CondensedTissue, AnEditThatCannotBeServedLeavesTheTissueAsItWas)
     {
-        const PalpationScene scene = small_tube();
+        const datasets::PalpationScene scene = small_tube();
         CondensedTissue tissue(scene.body, PulsePressure::constant(80.0), source_options());
         Servo servo(tissue);
         servo.press(0, scene.site("centre"), 2.0);
         const double before = servo.contacts[0].force.norm();
         // Every vertex is held: nothing is left to touch.
-        tissue.edit(role_in_sphere(Vec3::Zero(), 1e3, VertexRole::fixed));
+        tissue.edit(role_in_sphere(Vec3::Zero(), 1e3, datasets::VertexRole::fixed));
         Points deformed;
         tissue.follow(deformed);
         tissue.wait_for_edit();
@@ -586,18 +588,18 @@ namespace condensed_tissue_test {
 
     TEST(CondensedTissue, AnEditThatCannotBeServedTakesNoOtherWithIt)
     {
-        const PalpationScene scene = small_tube();
+        const datasets::PalpationScene scene = small_tube();
         CondensedTissue tissue(scene.body, PulsePressure::constant(80.0), source_options());
         Servo servo(tissue);
         Points deformed;
-        const ElasticTemplate nothing_to_touch = role_in_sphere(Vec3::Zero(), 1e3, VertexRole::fixed);
-        ElasticTemplate stiff = role_in_sphere(scene.site("centre").point, 12.0, VertexRole::free);
+        const ElasticTemplate nothing_to_touch = role_in_sphere(Vec3::Zero(), 1e3, datasets::VertexRole::fixed);
+        ElasticTemplate stiff = role_in_sphere(scene.site("centre").point, 12.0, datasets::VertexRole::free);
         stiff.role.reset();
         const auto with = [&](double youngs_modulus) {
             stiff.youngs_modulus = youngs_modulus;
             return stiff;
         };
-        ElasticModel expected = scene.body;
+        datasets::ElasticModel expected = scene.body;
         tissue.edit(with(2.0));
         tissue.follow(deformed); // is being built
         // These wait, and are built together: the one in the middle makes that fail.
@@ -632,15 +634,15 @@ namespace condensed_tissue_test {
 
     TEST(CondensedTissue, WhatLeansOnAnEditThatIsTakenBackGoesWithIt)
     {
-        const PalpationScene scene = small_tube();
+        const datasets::PalpationScene scene = small_tube();
         CondensedTissue tissue(scene.body, PulsePressure::constant(80.0), source_options());
         Servo servo(tissue);
         Points deformed;
-        tissue.edit(role_in_sphere(Vec3::Zero(), 1e3, VertexRole::fixed));
+        tissue.edit(role_in_sphere(Vec3::Zero(), 1e3, datasets::VertexRole::fixed));
         tissue.follow(deformed); // is being built, and will fail
         // Frees the ends, which alone held the vessel before.
-        ElasticTemplate middle = role_in_sphere(scene.site("centre").point, 25.0, VertexRole::fixed);
-        ElasticTemplate ends = { .half_size = Vec3::Constant(1e3), .role = VertexRole::free };
+        ElasticTemplate middle = role_in_sphere(scene.site("centre").point, 25.0, datasets::VertexRole::fixed);
+        ElasticTemplate ends = { .half_size = Vec3::Constant(1e3), .role = datasets::VertexRole::free };
         ends.centre = scene.site("centre").point + Vec3(0.0, 0.0, 1e3 + 15.0);
         tissue.edit(ends);
         ends.centre.z() -= 2e3 + 30.0;
@@ -656,7 +658,7 @@ namespace condensed_tissue_test {
 
     TEST(CondensedTissue, WhatStandsInForColumnsIsNotFarOff)
     {
-        const PalpationScene scene = small_tube();
+        const datasets::PalpationScene scene = small_tube();
         CondensedOptions waiting = source_options();
         waiting.fetch_all_below = 0;
         for (const char* name : { "centre", "centre-opposite" }) {
@@ -673,8 +675,8 @@ namespace condensed_tissue_test {
 
     TEST(CondensedTissue, ABoundedStoreGivesTheSameForceOnceColumnsHaveCome)
     {
-        const PalpationScene scene = small_tube();
-        const TouchSite& site = scene.site("centre");
+        const datasets::PalpationScene scene = small_tube();
+        const datasets::TouchSite& site = scene.site("centre");
         CondensedTissue all(scene.body, PulsePressure::constant(80.0), source_options());
         CondensedOptions tight = source_options();
         tight.store_bytes = 1; // the fewest stations there may be
@@ -699,7 +701,7 @@ namespace condensed_tissue_test {
         EXPECT_NEAR(last, a.contacts[0].force.norm(), 1e-9);
         // Elsewhere, with columns forgotten on the way, and back.
         for (const double z : { -12.0, 12.0, 0.0 }) {
-            TouchSite there = site;
+            datasets::TouchSite there = site;
             there.point.z() += z;
             const std::vector<Fingertip> finger { at_site(there, 2.0) };
             some.prepare(finger);
@@ -713,21 +715,21 @@ namespace condensed_tissue_test {
 
     TEST(CondensedTissue, ASweepingFingerLeavesFewColumnsWaiting)
     {
-        AortaParameters p = tube({ 12.0, 120.0 });
+        datasets::AortaParameters p = tube({ 12.0, 120.0 });
         p.length_mm = 80.0;
         p.along = 24;
-        const PalpationScene scene = make_aorta_phantom(p);
+        const datasets::PalpationScene scene = datasets::make_aorta_phantom(p);
         CondensedOptions options = source_options(2);
         options.fetch_all_below = 0;
         CondensedTissue tissue(scene.body, PulsePressure::constant(80.0), options);
         Servo servo(tissue);
-        const std::array<TouchSite, 2> sites { scene.site("centre"), scene.site("centre-opposite") };
+        const std::array<datasets::TouchSite, 2> sites { scene.site("centre"), scene.site("centre-opposite") };
         Points deformed;
         std::size_t most = 0;
         constexpr int kSteps = 16; // of one follow each: faster than columns are solved for
         for (int i = 0; i < kSteps; ++i) {
             for (std::size_t f = 0; f < sites.size(); ++f) {
-                TouchSite there = sites[f];
+                datasets::TouchSite there = sites[f];
                 there.point.z() += 60.0 * (static_cast<double>(i) / kSteps - 0.5);
                 servo.fingers[f] = at_site(there, 1.0);
             }
@@ -744,14 +746,14 @@ namespace condensed_tissue_test {
 
     TEST(CondensedTissue, ColumnsForgottenDuringATickNameNoStationThatIsNone)
     {
-        const PalpationScene scene = small_tube();
+        const datasets::PalpationScene scene = small_tube();
         CondensedOptions tight = source_options();
         tight.store_bytes = 1;
         tight.fetch_all_below = 0;
         CondensedTissue tissue(scene.body, PulsePressure::constant(80.0), tight);
         std::array<Fingertip, 2> tips;
         for (std::size_t i = 0; i < tips.size(); ++i) {
-            TouchSite site = scene.site("centre");
+            datasets::TouchSite site = scene.site("centre");
             site.point.z() += i == 0 ? -12.0 : 12.0;
             tips[i] = at_site(site, 2.0);
         }
@@ -777,7 +779,7 @@ namespace condensed_tissue_test {
 
     TEST(CondensedTissue, GainMultipliesTheForceOnly)
     {
-        const PalpationScene scene = small_tube();
+        const datasets::PalpationScene scene = small_tube();
         CondensedOptions options = source_options();
         CondensedTissue plain(scene.body, PulsePressure::constant(80.0), options);
         options.force_gain = 3.0;
@@ -791,9 +793,9 @@ namespace condensed_tissue_test {
 
     TEST(CondensedTissue, BadInputIsRefused)
     {
-        const PalpationScene scene = small_tube();
+        const datasets::PalpationScene scene = small_tube();
         const auto refused = [&](auto change) {
-            ElasticModel model = scene.body;
+            datasets::ElasticModel model = scene.body;
             CondensedOptions options = source_options();
             change(model, options);
             try {
@@ -803,11 +805,13 @@ namespace condensed_tissue_test {
             }
             return std::string("accepted");
         };
-        using Model = ElasticModel;
+        using Model = datasets::ElasticModel;
         using Options = CondensedOptions;
         EXPECT_NE(refused([](Model& m, Options&) { m.youngs_modulus[7] = -1.0; }).find("element 7"), std::string::npos);
         EXPECT_NE(refused([](Model& m, Options&) { m.poissons_ratio[3] = 0.5; }).find("element 3"), std::string::npos);
-        EXPECT_NE(refused([](Model& m, Options&) { m.roles.assign(m.roles.size(), VertexRole::free); }).find("float"),
+        EXPECT_NE(refused([](Model& m, Options&) {
+            m.roles.assign(m.roles.size(), datasets::VertexRole::free);
+        }).find("float"),
             std::string::npos);
         EXPECT_NE(refused([](Model&, Options& o) { o.fingers = 0; }).find("fingers"), std::string::npos);
         EXPECT_NE(
@@ -834,4 +838,4 @@ namespace condensed_tissue_test {
     }
 
 } // namespace condensed_tissue_test
-} // namespace retractor
+} // namespace retractor::haptics

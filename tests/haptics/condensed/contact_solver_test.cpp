@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <random>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace contact_solver_test {
 
     constexpr double kRoundOff = 1e-10; // of well-conditioned systems of at most 24 unknowns, of order 1
@@ -113,4 +113,4 @@ namespace contact_solver_test {
     }
 
 } // namespace contact_solver_test
-} // namespace retractor
+} // namespace retractor::haptics

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace half_space_test {
 
     constexpr double kPromised = 0.03; // relative
@@ -44,4 +44,4 @@ namespace half_space_test {
     }
 
 } // namespace half_space_test
-} // namespace retractor
+} // namespace retractor::haptics

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace pad_stiffness_test {
 
     constexpr double kRadius = StationCompliance::kStandInRadius;
@@ -17,15 +17,15 @@ namespace pad_stiffness_test {
     CondensedTissue& vessel()
     {
         static CondensedTissue tissue = [] {
-            AortaParameters p;
-            p.shape = AortaParameters::Shape::tube;
+            datasets::AortaParameters p;
+            p.shape = datasets::AortaParameters::Shape::tube;
             p.region = { 12.0, 120.0 };
             p.length_mm = 40.0;
             p.along = 12;
             CondensedOptions options;
             options.element = TouchElement::p1;
             options.fetch_all_below = 0;
-            return CondensedTissue(make_aorta_phantom(p).body, PulsePressure::constant(80.0), options);
+            return CondensedTissue(datasets::make_aorta_phantom(p).body, PulsePressure::constant(80.0), options);
         }();
         return tissue;
     }
@@ -97,4 +97,4 @@ namespace pad_stiffness_test {
     }
 
 } // namespace pad_stiffness_test
-} // namespace retractor
+} // namespace retractor::haptics

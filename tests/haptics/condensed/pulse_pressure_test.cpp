@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace pulse_pressure_test {
 
     constexpr double kRoundOff = 1e-12;
@@ -110,4 +110,4 @@ namespace pulse_pressure_test {
     }
 
 } // namespace pulse_pressure_test
-} // namespace retractor
+} // namespace retractor::haptics

@@ -11,10 +11,10 @@
 #include <chrono>
 #include <thread>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace device_rig_test {
 
-    std::string write_recording(const TemporaryFolder& folder)
+    std::string write_recording(const test_support::TemporaryFolder& folder)
     {
         MotionRecorder recorder({ { "hand", "simulated", "1" } }, 1000.0, 2);
         for (int i = 0; i < 2; ++i)
@@ -26,7 +26,7 @@ namespace device_rig_test {
 
     TEST(DeviceRig, OneSchedulerTicksATouchAndARecordingTogether)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const std::vector<std::string> names { "replay:" + write_recording(folder), "touch:Left Device",
             "touch:#100-1" };
         DeviceRig rig(names, { .libraries = { RETRACTOR_STAND_IN_HD } });
@@ -34,7 +34,7 @@ namespace device_rig_test {
         EXPECT_EQ(rig.devices()[0]->info().name, "hand");
         EXPECT_EQ(rig.devices()[1]->info().serial, "100-2");
         EXPECT_EQ(rig.devices()[2]->info().serial, "100-1");
-        Wall wall(0.1, 3);
+        test_support::Wall wall(0.1, 3);
         ServoOptions options;
         options.faults.late_s = 60.0; // the machine may be busy
         Servo servo({ { .device = rig.devices()[0] }, { .device = rig.devices()[1] }, { .device = rig.devices()[2] } },
@@ -50,10 +50,10 @@ namespace device_rig_test {
 
     TEST(DeviceRig, OurOwnThreadTicksTheOthers)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const std::vector<std::string> names { "replay:" + write_recording(folder) };
         DeviceRig rig(names);
-        Wall wall(0.1);
+        test_support::Wall wall(0.1);
         Servo servo({ { .device = rig.devices()[0] } }, wall);
         rig.source().start(servo);
         while (servo.latest().ticks < 5)
@@ -65,7 +65,7 @@ namespace device_rig_test {
 
     TEST(DeviceRig, ARecordingIsPlayedAsItsFingersDevice)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         MotionRecorder recorder({ { "left", "simulated", "1" }, { "right", "simulated", "2" } }, 1000.0, 1);
         recorder.add(0.0, std::array { MotionSample {}, MotionSample { .position = Vec3(3.0, 0.0, 0.0) } });
         const std::filesystem::path file = folder.path / "two.motion";
@@ -79,8 +79,8 @@ namespace device_rig_test {
         DeviceRig second(std::span<const std::string>(names).first(1), {}, kSecond);
         EXPECT_EQ(second.devices()[0]->info().name, "right");
         EXPECT_EQ(second.devices()[0]->read(0.0, 1e-3).position.x(), 3.0);
-        EXPECT_EQ(
-            message_of([&] { DeviceRig rig(names, {}, kSecond); }), "there must be one finger for each device []");
+        EXPECT_EQ(test_support::message_of([&] { DeviceRig rig(names, {}, kSecond); }),
+            "there must be one finger for each device []");
     }
 
     TEST(DeviceRig, KnowsWhatIsLiveAndRefusesTheRest)
@@ -91,12 +91,13 @@ namespace device_rig_test {
         EXPECT_FALSE(is_live_device("replay:x"));
         EXPECT_FALSE(is_live_device("touchpad"));
         for (const std::string name : { "mouse", "udp:", "udp:x", "udp:70000", "udp:127.0.0.1:", "touchpad" })
-            EXPECT_EQ(message_of([&] { DeviceRig rig(std::array { name }); }),
+            EXPECT_EQ(test_support::message_of([&] { DeviceRig rig(std::array { name }); }),
                 "there is no such device; there are touch, touch:NAME, touch:#SERIAL, udp:PORT, udp:ADDRESS:PORT and "
                 "replay:FILE ["
                     + name + "]");
-        EXPECT_EQ(message_of([] { DeviceRig rig(std::span<const std::string> {}); }), "no device was asked for []");
+        EXPECT_EQ(test_support::message_of([] { DeviceRig rig(std::span<const std::string> {}); }),
+            "no device was asked for []");
     }
 
 } // namespace device_rig_test
-} // namespace retractor
+} // namespace retractor::haptics

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace hand_path_test {
 
     HandPath there()
@@ -37,16 +37,16 @@ namespace hand_path_test {
 
     TEST(HandPath, RefusesWhatIsNoPath)
     {
-        EXPECT_EQ(message_of([] { HandPath({}); }), "a hand's path needs at least one key []");
-        EXPECT_EQ(message_of([] {
+        EXPECT_EQ(test_support::message_of([] { HandPath({}); }), "a hand's path needs at least one key []");
+        EXPECT_EQ(test_support::message_of([] {
             HandPath({ { 0.0, Vec3::Zero() }, { 0.0, Vec3::Zero() } });
         }),
             "the times of a hand's path do not increase [key 1]");
-        EXPECT_EQ(message_of([] {
+        EXPECT_EQ(test_support::message_of([] {
             HandPath({ { 0.0, Vec3(NAN, 0.0, 0.0) } });
         }),
             "a hand's path has a number that is not finite [key 0]");
     }
 
 } // namespace hand_path_test
-} // namespace retractor
+} // namespace retractor::haptics

@@ -6,7 +6,7 @@
 
 #include <fstream>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace hd_diagnosis_test {
 
     namespace fs = std::filesystem;
@@ -19,7 +19,7 @@ namespace hd_diagnosis_test {
 
     TEST(HdDiagnosis, SaysWhatIsMissingOnAMachineWithoutAnything)
     {
-        const TemporaryFolder root;
+        const test_support::TemporaryFolder root;
         const auto findings = diagnose_hd({ "libNoSuchHD.so" }, root.path, root.path / "home");
         ASSERT_EQ(findings.size(), 4u);
         for (const HdFinding& finding : findings) {
@@ -33,7 +33,7 @@ namespace hd_diagnosis_test {
 
     TEST(HdDiagnosis, IsContentWithAMachineThatHasAll)
     {
-        const TemporaryFolder root;
+        const test_support::TemporaryFolder root;
         put(root.path / "etc/udev/rules.d/99-3dsystems.rules", "ATTRS{idVendor}==\"2988\", MODE=\"0666\"\n");
         const fs::path usb = root.path / "sys/bus/usb/devices/1-2";
         put(usb / "idVendor", "2988\n");
@@ -67,4 +67,4 @@ namespace hd_diagnosis_test {
     }
 
 } // namespace hd_diagnosis_test
-} // namespace retractor
+} // namespace retractor::haptics

@@ -15,7 +15,7 @@
 #include <set>
 #include <thread>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace hd_session_test {
 
     /// The stand-in's own functions, out of the library that the driver loads.
@@ -62,7 +62,7 @@ namespace hd_session_test {
         }
         static std::string message(const std::vector<HdDeviceRequest>& requests, const HdOptions& options = by_hand())
         {
-            return message_of([&] { HdSession session(requests, options); });
+            return test_support::message_of([&] { HdSession session(requests, options); });
         }
     };
 
@@ -142,7 +142,7 @@ namespace hd_session_test {
         EXPECT_TRUE(session.take_problems().empty()) << "clamped before the device could complain";
         pusher.forces[0].setZero();
         run(2);
-        EXPECT_EQ(message_of([&] { session.start(pusher); }), "the devices run already []");
+        EXPECT_EQ(test_support::message_of([&] { session.start(pusher); }), "the devices run already []");
     }
 
     TEST_F(HdSessionTest, OneCallbackDrivesTwoDevicesEachWithItsForce)
@@ -230,7 +230,7 @@ namespace hd_session_test {
     /// The servo on top: a wall of 0.3 N/mm, pressed 2 mm deep.
     struct Pressed {
         HdSession session;
-        Wall wall { 0.3 };
+        test_support::Wall wall { 0.3 };
         Servo servo;
         static ServoOptions options()
         {
@@ -342,7 +342,7 @@ namespace hd_session_test {
 
     TEST(HdLibrary, SaysWhatWasTriedAndWhyItFailed)
     {
-        const std::string text = message_of([] { HdLibrary library({ "libNoSuchHD.so", "libm.so.6" }); });
+        const std::string text = test_support::message_of([] { HdLibrary library({ "libNoSuchHD.so", "libm.so.6" }); });
         EXPECT_NE(text.find("libNoSuchHD.so: cannot open shared object file"), std::string::npos);
         EXPECT_NE(text.find("libm.so.6 has no hdInitDevice"), std::string::npos);
         const HdLibrary found({ "libNoSuchHD.so", RETRACTOR_STAND_IN_HD });
@@ -353,4 +353,4 @@ namespace hd_session_test {
     }
 
 } // namespace hd_session_test
-} // namespace retractor
+} // namespace retractor::haptics

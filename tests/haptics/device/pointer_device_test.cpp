@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace pointer_device_test {
 
     constexpr double kStep = 1e-3;
@@ -87,13 +87,13 @@ namespace pointer_device_test {
         for (int i = 0; i < 1000; ++i)
             reading = device.read(i * kStep, kStep);
         EXPECT_NEAR((reading.position - Vec3(10.0, 3.0, 0.0)).norm(), 0.0, 1e-9);
-        EXPECT_EQ(
-            message_of([] { PointerDevice d({ .time_s = 0.0 }); }), "the time constant must be positive [time_s]");
-        EXPECT_EQ(message_of([] {
+        EXPECT_EQ(test_support::message_of([] { PointerDevice d({ .time_s = 0.0 }); }),
+            "the time constant must be positive [time_s]");
+        EXPECT_EQ(test_support::message_of([] {
             PointerDevice d({ .workspace = { Vec3::Zero(), Vec3::Zero() } });
         }),
             "the workspace is empty [workspace]");
     }
 
 } // namespace pointer_device_test
-} // namespace retractor
+} // namespace retractor::haptics

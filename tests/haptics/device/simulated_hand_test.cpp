@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace simulated_hand_test {
 
     constexpr double kStep = 1e-3;
@@ -144,7 +144,7 @@ namespace simulated_hand_test {
         const auto message = [](auto change) {
             SimulatedHandOptions options;
             change(options);
-            return message_of([&] { SimulatedHand hand(options); });
+            return test_support::message_of([&] { SimulatedHand hand(options); });
         };
         EXPECT_EQ(message([](auto& o) { o.hand.mass.y() = 0.0; }), "a hand's parameters must be positive [mass]");
         EXPECT_EQ(message([](auto& o) { o.stylus_mass = NAN; }), "a hand's parameters must be positive [stylus_mass]");
@@ -154,4 +154,4 @@ namespace simulated_hand_test {
     }
 
 } // namespace simulated_hand_test
-} // namespace retractor
+} // namespace retractor::haptics

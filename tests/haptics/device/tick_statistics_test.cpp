@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace tick_statistics_test {
 
     constexpr double kBin = 1.13; // a twentieth of a decade
@@ -57,4 +57,4 @@ namespace tick_statistics_test {
     }
 
 } // namespace tick_statistics_test
-} // namespace retractor
+} // namespace retractor::haptics

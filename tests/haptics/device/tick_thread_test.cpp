@@ -6,7 +6,7 @@
 
 #include <atomic>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace tick_thread_test {
 
     struct Counter : Ticked {
@@ -51,13 +51,14 @@ namespace tick_thread_test {
         ordinary.start(counter);
         EXPECT_FALSE(ordinary.is_realtime());
         EXPECT_EQ(ordinary.realtime_note(), "SCHED_FIFO was not asked for");
-        EXPECT_EQ(message_of([&] { ordinary.start(counter); }), "the tick thread runs already []");
+        EXPECT_EQ(test_support::message_of([&] { ordinary.start(counter); }), "the tick thread runs already []");
         ordinary.stop(); // a counter is for one thread
         counter.last = -1.0;
         TickThread best;
         best.start(counter);
         EXPECT_TRUE(best.is_realtime() || best.realtime_note().find("SCHED_FIFO") != std::string::npos);
-        EXPECT_EQ(message_of([] { TickThread thread({ .period_s = 0.0 }); }), "the period must be positive [period_s]");
+        EXPECT_EQ(test_support::message_of([] { TickThread thread({ .period_s = 0.0 }); }),
+            "the period must be positive [period_s]");
     }
 
     TEST(TickThread, MeasuresTheMachineByDoingNothing)
@@ -68,4 +69,4 @@ namespace tick_thread_test {
     }
 
 } // namespace tick_thread_test
-} // namespace retractor
+} // namespace retractor::haptics

@@ -2,8 +2,8 @@
 
 #include "haptics/device/udp_bridge.h"
 
-#include "haptics/servo/servo.h"
 #include "haptics/device/simulated_hand.h"
+#include "haptics/servo/servo.h"
 #include "tests/support/allocation_count.h"
 #include "tests/support/test_help.h"
 #include "tests/support/walls.h"
@@ -18,7 +18,7 @@
 #include <thread>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace udp_bridge_test {
 
     constexpr double kStep = 1e-3;
@@ -82,7 +82,7 @@ namespace udp_bridge_test {
         UdpDevice near;
         Network network;
         UdpRelay relay;
-        Wall wall { 0.1 };
+        test_support::Wall wall { 0.1 };
         Servo servo;
         std::uint64_t ticks = 0;
 
@@ -263,28 +263,28 @@ namespace udp_bridge_test {
 
     TEST(UdpBridge, AsksForNoMemory)
     {
-        if (!fixtures::allocations_are_counted())
+        if (!test_support::allocations_are_counted())
             GTEST_SKIP() << "a sanitizer has its own malloc";
         SimulatedHand hand { Bridge::pressing() };
         UdpDevice near;
         UdpRelay relay(hand, { .servo_port = near.port() });
-        const std::size_t before = fixtures::allocation_count();
+        const std::size_t before = test_support::allocation_count();
         for (int i = 0; i < 200; ++i) {
             relay.tick(i * kStep, kStep);
             near.read(i * kStep, kStep);
             near.write(Vec3::UnitY());
         }
-        EXPECT_EQ(fixtures::allocation_count(), before);
+        EXPECT_EQ(test_support::allocation_count(), before);
     }
 
     TEST(UdpBridge, SaysWhyASocketCannotBe)
     {
-        EXPECT_EQ(message_of([] { DatagramSocket socket("not an address", 0); }),
+        EXPECT_EQ(test_support::message_of([] { DatagramSocket socket("not an address", 0); }),
             "not a numeric IPv4 address [not an address]");
         const DatagramSocket taken("127.0.0.1", 0);
-        EXPECT_EQ(message_of([&] { DatagramSocket socket("127.0.0.1", taken.port()); }),
+        EXPECT_EQ(test_support::message_of([&] { DatagramSocket socket("127.0.0.1", taken.port()); }),
             "a UDP socket cannot be bound: Address already in use [127.0.0.1:" + std::to_string(taken.port()) + "]");
     }
 
 } // namespace udp_bridge_test
-} // namespace retractor
+} // namespace retractor::haptics

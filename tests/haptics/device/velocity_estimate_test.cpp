@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace velocity_estimate_test {
 
     constexpr double kStep = 1e-3, kResolution = 0.055;
@@ -68,4 +68,4 @@ namespace velocity_estimate_test {
     }
 
 } // namespace velocity_estimate_test
-} // namespace retractor
+} // namespace retractor::haptics

@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace hand_file_test {
 
     /// The built-in hand as a file; faces near a fingertip in its group.
@@ -49,7 +49,7 @@ namespace hand_file_test {
 
     TEST(HandFile, RefusesFingertipsOfNoHandsRadius)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const auto path = folder.path / "hand.obj";
         const HandModel hand = make_hand(false);
         // Corners of such a tetrahedron lie (3 sqrt(11) + sqrt(3)) / 16 of an edge from its middle, on average.
@@ -59,14 +59,14 @@ namespace hand_file_test {
             const std::string expected = std::string(radius).empty()
                 ? ""
                 : "fingertip-5 has a radius of " + std::string(radius) + ", no fingertip's";
-            const std::string message = message_of([&] { read_hand(path, false); });
+            const std::string message = test_support::message_of([&] { read_hand(path, false); });
             EXPECT_EQ(message.substr(0, message.find(" [")), expected);
         }
     }
 
     TEST(HandFile, ReadsAHandWithItsFingertips)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const HandModel right = make_hand(false);
         write_hand(folder.path / "hand.obj", right, 1.0, 5);
         const HandModel read = read_hand(folder.path / "hand.obj", false),
@@ -86,9 +86,9 @@ namespace hand_file_test {
 
     TEST(HandFile, RefusesWhatIsNoHand)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const auto path = folder.path / "hand.obj";
-        const auto message = [&] { return message_of([&] { read_hand(path, false); }); };
+        const auto message = [&] { return test_support::message_of([&] { read_hand(path, false); }); };
         EXPECT_NE(message().find("cannot be read"), std::string::npos);
         std::ofstream(path) << "v 0 0 0\n";
         EXPECT_NE(message().find("no faces"), std::string::npos);
@@ -101,4 +101,4 @@ namespace hand_file_test {
     }
 
 } // namespace hand_file_test
-} // namespace retractor
+} // namespace retractor::haptics

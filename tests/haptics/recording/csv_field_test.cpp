@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace csv_field_test {
 
     TEST(CsvField, QuotesOnlyWhatWouldBreakARow)
@@ -15,4 +15,4 @@ namespace csv_field_test {
     }
 
 } // namespace csv_field_test
-} // namespace retractor
+} // namespace retractor::haptics

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <iterator>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace motion_recording_test {
 
     namespace fs = std::filesystem;
@@ -75,12 +75,12 @@ namespace motion_recording_test {
     std::string message_after(const fs::path& path, std::string content)
     {
         std::ofstream(path, std::ios::binary) << content;
-        return message_of([&] { read_motion(path); });
+        return test_support::message_of([&] { read_motion(path); });
     }
 
     TEST(MotionRecording, ReadsBackBitForBitInBothFormats)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const MotionRecording recording = two_devices(20);
         for (const char* name : { "motion.bin", "motion.csv" }) {
             write_motion(folder.path / name, recording);
@@ -115,7 +115,7 @@ namespace motion_recording_test {
 
     TEST(MotionRecording, FilesOfTheFirstVersionHaveNoFrameButAPointersIsTheScenes)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         for (const char* model : { "Touch", "pointer", "replay of pointer" }) {
             MotionRecording recording = two_devices(3);
             recording.devices[0].frame.reset();
@@ -136,7 +136,7 @@ namespace motion_recording_test {
 
     TEST(MotionRecording, AFrameThatIsNoneIsRefused)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         MotionRecording recording = two_devices(2);
         const fs::path path = folder.path / "motion.csv";
         write_motion(path, recording);
@@ -151,7 +151,9 @@ namespace motion_recording_test {
         EXPECT_NE(after("0,-2.5,0", "0,nan,0").find("not finite"), std::string::npos);
         recording.devices[0].frame->linear.setZero();
         write_motion(folder.path / "motion.bin", recording);
-        EXPECT_NE(message_of([&] { read_motion(folder.path / "motion.bin"); }).find("no rotation times a scale"),
+        EXPECT_NE(test_support::message_of([&] {
+            read_motion(folder.path / "motion.bin");
+        }).find("no rotation times a scale"),
             std::string::npos);
     }
 
@@ -166,7 +168,7 @@ namespace motion_recording_test {
 
     TEST(MotionRecording, EveryCutAndEveryFlippedByteOfTheBinaryIsNoticed)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const fs::path path = folder.path / "motion.bin";
         write_motion(path, two_devices(2));
         const std::string content = content_of(path);
@@ -187,7 +189,7 @@ namespace motion_recording_test {
 
     TEST(MotionRecording, NamesTheLineThatIsWrong)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         const fs::path path = folder.path / "motion.csv";
         write_motion(path, two_devices(2));
         const std::string content = content_of(path);
@@ -212,13 +214,13 @@ namespace motion_recording_test {
 
     TEST(MotionRecording, RefusesPosesThatNoHandHas)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         for (const char* name : { "m.bin", "m.csv" }) {
             const auto message_with = [&](const auto& change) {
                 MotionRecording recording = two_devices(2);
                 change(recording);
                 write_motion(folder.path / name, recording);
-                return message_of([&] { read_motion(folder.path / name); });
+                return test_support::message_of([&] { read_motion(folder.path / name); });
             };
             const std::string turned
                 = message_with([](MotionRecording& r) { r.samples[3].orientation.coeffs() *= 1.002; });
@@ -236,16 +238,16 @@ namespace motion_recording_test {
 
     TEST(MotionRecording, RefusesToWriteWhatDoesNotFit)
     {
-        const TemporaryFolder folder;
+        const test_support::TemporaryFolder folder;
         MotionRecording recording = two_devices(2);
         recording.samples.pop_back();
-        EXPECT_EQ(message_of([&] { write_motion(folder.path / "m.bin", recording); }),
+        EXPECT_EQ(test_support::message_of([&] { write_motion(folder.path / "m.bin", recording); }),
             "the recording has 3 samples for 2 ticks of 2 devices [" + (folder.path / "m.bin").string() + "]");
-        EXPECT_EQ(message_of([&] { read_motion(folder.path / "none.bin"); }),
+        EXPECT_EQ(test_support::message_of([&] { read_motion(folder.path / "none.bin"); }),
             "cannot be opened [" + (folder.path / "none.bin").string() + "]");
-        EXPECT_NE(message_of([] { MotionRecorder({}, 1000.0, 1); }), "");
-        EXPECT_NE(message_of([] { MotionRecorder({ {} }, 1000.0, 0); }), "");
+        EXPECT_NE(test_support::message_of([] { MotionRecorder({}, 1000.0, 1); }), "");
+        EXPECT_NE(test_support::message_of([] { MotionRecorder({ {} }, 1000.0, 0); }), "");
     }
 
 } // namespace motion_recording_test
-} // namespace retractor
+} // namespace retractor::haptics

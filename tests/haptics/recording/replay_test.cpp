@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace replay_test {
 
     constexpr double kStep = 1e-3;
@@ -84,12 +84,13 @@ namespace replay_test {
 
     TEST(Replay, RefusesWhatIsNotThere)
     {
-        EXPECT_EQ(message_of([] { ReplayDevice(a_press(), 1); }), "the recording has 1 devices, none of number 1 []");
+        EXPECT_EQ(test_support::message_of([] { ReplayDevice(a_press(), 1); }),
+            "the recording has 1 devices, none of number 1 []");
         MotionRecording empty = a_press();
         empty.times_s.clear();
         empty.samples.clear();
-        EXPECT_EQ(message_of([&] { ReplayDevice(empty, 0); }), "the recording is empty []");
+        EXPECT_EQ(test_support::message_of([&] { ReplayDevice(empty, 0); }), "the recording is empty []");
     }
 
 } // namespace replay_test
-} // namespace retractor
+} // namespace retractor::haptics

@@ -7,7 +7,7 @@
 
 #include <numbers>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace device_mapping_test {
 
     constexpr double kRounding = 1e-12;
@@ -81,7 +81,7 @@ namespace device_mapping_test {
     {
         EXPECT_NEAR(scale_to_cover(Workspace {}, 400.0), 400.0 / 70.0, kRounding);
         EXPECT_DOUBLE_EQ(scale_to_cover(Workspace { Vec3::Zero(), Vec3::Constant(500.0) }, 400.0), 1.0);
-        EXPECT_NE(message_of([] {
+        EXPECT_NE(test_support::message_of([] {
             scale_to_cover({ Vec3::Zero(), Vec3::Zero() }, 400.0);
         }).find("[workspace]"),
             std::string::npos);
@@ -110,8 +110,8 @@ namespace device_mapping_test {
         }
         SceneFrame skewed;
         skewed.linear(0, 1) = 0.1;
-        EXPECT_NE(
-            message_of([&] { mapping_of(skewed, another); }).find("no rotation times a scale"), std::string::npos);
+        EXPECT_NE(test_support::message_of([&] { mapping_of(skewed, another); }).find("no rotation times a scale"),
+            std::string::npos);
     }
 
     TEST(DeviceMapping, AFrameTellsWhereTheClutchHasLeftIt)
@@ -142,8 +142,9 @@ namespace device_mapping_test {
 
     TEST(DeviceMapping, RefusesWhatIsNoRotationOrNoScale)
     {
-        const auto message
-            = [](const MappingOptions& options) { return message_of([&] { DeviceMapping(options, Workspace {}); }); };
+        const auto message = [](const MappingOptions& options) {
+            return test_support::message_of([&] { DeviceMapping(options, Workspace {}); });
+        };
         EXPECT_EQ(message({ .scene_from_device = Vec3(-1.0, 1.0, 1.0).asDiagonal() }),
             "the device's orientation in the scene is no rotation [scene_from_device]");
         EXPECT_EQ(message({ .scale = 0.0 }), "the scale must be positive [scale]");
@@ -152,4 +153,4 @@ namespace device_mapping_test {
     }
 
 } // namespace device_mapping_test
-} // namespace retractor
+} // namespace retractor::haptics

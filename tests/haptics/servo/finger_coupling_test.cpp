@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace finger_coupling_test {
 
     constexpr double kStep = 1e-3;
@@ -13,7 +13,7 @@ namespace finger_coupling_test {
     /// Presses a wall to `depth` and holds still; the force once it has settled.
     Vec3 held_force(FingerCoupling& coupling, double wall_stiffness, const Vec3& at)
     {
-        Wall wall(wall_stiffness);
+        test_support::Wall wall(wall_stiffness);
         Fingertip finger { .position = at };
         FingerContact contact;
         Vec3 force = Vec3::Zero();
@@ -45,7 +45,7 @@ namespace finger_coupling_test {
     {
         const DeviceLimits limits;
         FingerCoupling coupling({ .damping_share = 0.0 }, limits, kStep, 1.0);
-        Wall wall(20.0);
+        test_support::Wall wall(20.0);
         Fingertip finger { .position = Vec3(0.0, -0.5, 0.0) };
         FingerContact contact;
         wall.tick(0.0, kStep, { &finger, 1 }, { &contact, 1 });
@@ -67,7 +67,7 @@ namespace finger_coupling_test {
         const DeviceLimits limits;
         for (const double speed : { -50.0, 50.0, 5000.0 }) {
             FingerCoupling coupling({}, limits, kStep, 1.0);
-            Wall wall(0.3);
+            test_support::Wall wall(0.3);
             Fingertip finger { .position = Vec3(0.0, -1.0, 0.0), .velocity = Vec3(0.0, speed, 0.0) };
             FingerContact contact;
             wall.tick(0.0, kStep, { &finger, 1 }, { &contact, 1 });
@@ -79,7 +79,7 @@ namespace finger_coupling_test {
     TEST(FingerCoupling, RefusesSharesBeyondTheRange)
     {
         const auto message = [](const CouplingOptions& options) {
-            return message_of([&] { FingerCoupling(options, DeviceLimits {}, kStep, 1.0); });
+            return test_support::message_of([&] { FingerCoupling(options, DeviceLimits {}, kStep, 1.0); });
         };
         EXPECT_EQ(message({ .stiffness_share = 1.5 }),
             "a share of the device's range lies between 0 and 1 [stiffness_share]");
@@ -88,4 +88,4 @@ namespace finger_coupling_test {
     }
 
 } // namespace finger_coupling_test
-} // namespace retractor
+} // namespace retractor::haptics

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace passivity_test {
 
     constexpr double kStep = 1e-3;
@@ -119,4 +119,4 @@ namespace passivity_test {
     }
 
 } // namespace passivity_test
-} // namespace retractor
+} // namespace retractor::haptics

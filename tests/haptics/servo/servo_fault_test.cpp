@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace servo_fault_test {
 
     constexpr double kStep = 1e-3;
@@ -42,4 +42,4 @@ namespace servo_fault_test {
     }
 
 } // namespace servo_fault_test
-} // namespace retractor
+} // namespace retractor::haptics

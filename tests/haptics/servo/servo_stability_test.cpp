@@ -1,7 +1,7 @@
 // A hand in numbers against virtual walls: passive up to the bound, kept so beyond it, quiet when it presses at rest.
 
-#include "haptics/servo/servo.h"
 #include "haptics/device/simulated_hand.h"
+#include "haptics/servo/servo.h"
 #include "tests/support/walls.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace servo_stability_test {
 
     constexpr double kStep = 1e-3;
@@ -44,7 +44,7 @@ namespace servo_stability_test {
         if (!press.limited)
             info.limits.max_stiffness = 1e3;
         SimulatedHand hand(options, info);
-        Wall wall(press.wall);
+        test_support::Wall wall(press.wall);
         ServoOptions servo_options;
         servo_options.watch_passivity = press.watched;
         servo_options.passivity.active_power = 0.0; // a wall has no life of its own
@@ -128,4 +128,4 @@ namespace servo_stability_test {
     }
 
 } // namespace servo_stability_test
-} // namespace retractor
+} // namespace retractor::haptics

@@ -1,9 +1,9 @@
 #include "haptics/servo/servo.h"
 
-#include "haptics/recording/replay.h"
 #include "haptics/device/simulated_hand.h"
-#include "haptics/springs/spring_tissue.h"
 #include "haptics/device/tick_thread.h"
+#include "haptics/recording/replay.h"
+#include "haptics/springs/spring_tissue.h"
 #include "tests/support/allocation_count.h"
 #include "tests/support/test_help.h"
 #include "tests/support/walls.h"
@@ -13,7 +13,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace servo_test {
 
     constexpr double kStep = 1e-3;
@@ -41,7 +41,7 @@ namespace servo_test {
     /// A puppet that holds a wall of 0.3 N/mm 2 mm deep: 0.6 N.
     struct HeldWall {
         Puppet puppet;
-        Wall wall { 0.3 };
+        test_support::Wall wall { 0.3 };
         Servo servo;
         std::uint64_t ticks = 0;
 
@@ -87,7 +87,7 @@ namespace servo_test {
         Puppet left, right;
         left.reading.position.y() = -2.0;
         right.reading.position.y() = -1.0;
-        Wall wall(0.3, 2);
+        test_support::Wall wall(0.3, 2);
         Servo servo({ { .device = &left, .mapping = { .mirrored = true } }, { .device = &right } }, wall, at_once());
         run_ticks(servo, 10);
         EXPECT_NEAR(left.force.y(), 0.6, 1e-12);
@@ -98,7 +98,7 @@ namespace servo_test {
     TEST(Servo, ThreeFingersOnEachOfTwoHandsAreSixContacts)
     {
         Puppet left, right;
-        Wall wall(0.1, 6);
+        test_support::Wall wall(0.1, 6);
         ServoOptions options = at_once();
         for (std::size_t device = 0; device < 2; ++device)
             for (const double y : { -1.0, -2.0, 3.0 })
@@ -196,7 +196,7 @@ namespace servo_test {
     TEST(Servo, RecordsWhereADeviceIsThatTheTissueNoLongerSees)
     {
         Puppet puppet;
-        Wall wall(0.3);
+        test_support::Wall wall(0.3);
         Servo servo({ { .device = &puppet } }, wall, at_once());
         MotionRecorder recorder(servo.recorded_devices(), 1000.0, 4);
         servo.record_to(&recorder);
@@ -347,7 +347,7 @@ namespace servo_test {
             = HandPath({ { 0.0, Vec3(0.0, 3.0, 0.0) }, { 0.3, Vec3(0.0, -6.0, 0.0) }, { 0.8, Vec3(0.0, 3.0, 0.0) } });
         const auto record = [&] {
             SimulatedHand device(hand);
-            Wall wall(0.25);
+            test_support::Wall wall(0.25);
             Servo servo({ { .device = &device } }, wall);
             MotionRecorder recorder(servo.recorded_devices(), 1000.0, 1000);
             servo.record_to(&recorder);
@@ -374,7 +374,7 @@ namespace servo_test {
         // Held from tick 50 to 150 and from 400 to 450: a recording begins before, within and after.
         for (const int from : { 20, 100, 200 }) {
             Puppet hand;
-            Wall wall(0.1);
+            test_support::Wall wall(0.1);
             const MappingOptions mapping { .scene_centre = Vec3(5.0, 10.0, -200.0), .scale = 1.5 };
             Servo servo({ { .device = &hand, .mapping = mapping } }, wall);
             MotionRecorder recorder(servo.recorded_devices(), 1000.0, kTicks);
@@ -392,7 +392,7 @@ namespace servo_test {
             ASSERT_EQ(recording.tick_count(), there.size());
             ReplayDevice replay(recording, 0);
             ASSERT_TRUE(replay.frame());
-            Wall same(0.1);
+            test_support::Wall same(0.1);
             Servo again(
                 { { .device = &replay, .mapping = mapping_of(*replay.frame(), replay.info().workspace) } }, same);
             constexpr double kRounding = 1e-9; // mm
@@ -405,11 +405,11 @@ namespace servo_test {
 
     TEST(Servo, AsksForNoMemory)
     {
-        if (!fixtures::allocations_are_counted())
+        if (!test_support::allocations_are_counted())
             GTEST_SKIP() << "a sanitizer has its own malloc";
-        const std::size_t before = fixtures::allocation_count();
+        const std::size_t before = test_support::allocation_count();
         ::operator delete(::operator new(4)); // called like this it cannot be left out
-        ASSERT_EQ(fixtures::allocation_count(), before + 1) << "the count counts";
+        ASSERT_EQ(test_support::allocation_count(), before + 1) << "the count counts";
 
         SimulatedHandOptions hand;
         hand.path
@@ -417,17 +417,17 @@ namespace servo_test {
         SimulatedHand left(hand);
         Puppet right;
         right.reading.position.y() = -1.0;
-        Wall wall(5.0, 2); // stiff: the spring in series is at work
+        test_support::Wall wall(5.0, 2); // stiff: the spring in series is at work
         Servo servo({ { .device = &left }, { .device = &right } }, wall);
         MotionRecorder recorder(servo.recorded_devices(), 1000.0, 1500);
         servo.record_to(&recorder);
-        const std::size_t start = fixtures::allocation_count();
+        const std::size_t start = test_support::allocation_count();
         run_ticks(servo, 1000);
         right.reading.position.x() = kNaN; // a fault asks for none either
         run_ticks(servo, 1000, kStep, 1000);
         servo.rearm();
         run_ticks(servo, 100, kStep, 2000);
-        EXPECT_EQ(fixtures::allocation_count(), start);
+        EXPECT_EQ(test_support::allocation_count(), start);
         EXPECT_EQ(recorder.lost_ticks(), 600u);
     }
 
@@ -436,7 +436,7 @@ namespace servo_test {
         SimulatedHandOptions hand;
         hand.path = HandPath({ { 0.0, Vec3(0.0, -1.0, 0.0) } });
         SimulatedHand device(hand);
-        Wall wall(0.25);
+        test_support::Wall wall(0.25);
         ServoOptions options;
         options.faults.late_s = 10.0; // the machine may be busy
         Servo servo({ { .device = &device } }, wall, options);
@@ -461,10 +461,11 @@ namespace servo_test {
     TEST(Servo, RefusesWhatCannotWork)
     {
         Puppet puppet;
-        Wall one(1.0), two(1.0, 2);
-        const auto message = [&](std::vector<ServoDevice> devices, Wall& wall, const ServoOptions& options = {}) {
-            return message_of([&] { Servo servo(std::move(devices), wall, options); });
-        };
+        test_support::Wall one(1.0), two(1.0, 2);
+        const auto message
+            = [&](std::vector<ServoDevice> devices, test_support::Wall& wall, const ServoOptions& options = {}) {
+                  return test_support::message_of([&] { Servo servo(std::move(devices), wall, options); });
+              };
         EXPECT_EQ(message({}, one), "a servo needs at least one device []");
         EXPECT_EQ(message({ { .device = &puppet } }, two), "there are 1 fingers, but 'wall' takes 2 []");
         ServoOptions options;
@@ -486,4 +487,4 @@ namespace servo_test {
     }
 
 } // namespace servo_test
-} // namespace retractor
+} // namespace retractor::haptics

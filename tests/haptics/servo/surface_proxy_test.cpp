@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace surface_proxy_test {
 
     /// A flat sheet in z = 0, facing +z, `n` squares of 2 mm a side, around the origin.
@@ -138,7 +138,8 @@ namespace surface_proxy_test {
         proxy.refresh();
         proxy.move(0, tip(Vec3(0.3, 0.4, -1.0)));
         EXPECT_FALSE(c.touching) << "it has gone away from under the finger";
-        EXPECT_EQ(message_of([&] { proxy.publish(Points::Zero(3, 3)); }), "the surface has 121 vertices, not 3 []");
+        EXPECT_EQ(test_support::message_of([&] { proxy.publish(Points::Zero(3, 3)); }),
+            "the surface has 121 vertices, not 3 []");
     }
 
     TEST(SurfaceProxy, ShadingMakesABallRound)
@@ -169,25 +170,25 @@ namespace surface_proxy_test {
 
     TEST(SurfaceProxy, AsksForNoMemory)
     {
-        if (!fixtures::allocations_are_counted())
+        if (!test_support::allocations_are_counted())
             GTEST_SKIP() << "a sanitizer has its own malloc";
         const TriMesh mesh = ball(24, 48);
         SurfaceProxy proxy(mesh, { .fingers = 2, .friction = 0.2 });
         proxy.publish(mesh.vertices);
-        const std::size_t before = fixtures::allocation_count();
+        const std::size_t before = test_support::allocation_count();
         for (int i = 0; i < 500; ++i) {
             proxy.refresh();
             const Vec3 at(32.0 * std::cos(0.01 * i), 32.0 * std::sin(0.01 * i), 0.02 * i);
             proxy.move(0, tip(at, 4.0));
             proxy.move(1, tip(-at, 4.0));
         }
-        EXPECT_EQ(fixtures::allocation_count(), before);
+        EXPECT_EQ(test_support::allocation_count(), before);
     }
 
     TEST(SurfaceProxy, RefusesWhatIsNoSurface)
     {
         const auto message = [](const TriMesh& mesh, const SurfaceProxyOptions& options = {}) {
-            return message_of([&] { SurfaceProxy proxy(mesh, options); });
+            return test_support::message_of([&] { SurfaceProxy proxy(mesh, options); });
         };
         EXPECT_EQ(message({}), "the surface has no triangle []");
         TriMesh mesh = sheet(2);
@@ -204,4 +205,4 @@ namespace surface_proxy_test {
     }
 
 } // namespace surface_proxy_test
-} // namespace retractor
+} // namespace retractor::haptics

@@ -11,7 +11,8 @@
 #include <map>
 
 using namespace retractor;
-using retractor::fixtures::ball_surface;
+using namespace retractor::haptics;
+using retractor::test_support::ball_surface;
 
 namespace sphere_motion_test {
 
@@ -19,7 +20,7 @@ constexpr double kOrgan = 40.0, kTip = 8.0, kFrame = 1.0 / 60.0;
 
 SphereOrgan ball_organ(const Vec3& centre = Vec3::Zero(), double radius = 2.5)
 {
-    const TriMesh surface = ball_surface(centre, kOrgan, 24);
+    const TriMesh surface = test_support::ball_surface(centre, kOrgan, 24);
     return { "ball", surface, fill_with_spheres(surface, radius), 0.02 };
 }
 
@@ -163,7 +164,7 @@ TEST(SphereMotion, organsPushEachOtherWithoutMoreAdo)
 {
     // A slab on another: the lower one is pressed by nobody but the upper one, and both feel one finger.
     const auto slab = [](double low, double high) {
-        const TriMesh surface = retractor::fixtures::box_surface(Vec3(-40.0, -40.0, low), Vec3(40.0, 40.0, high));
+        const TriMesh surface = retractor::test_support::box_surface(Vec3(-40.0, -40.0, low), Vec3(40.0, 40.0, high));
         return SphereOrgan { "slab", surface, fill_with_spheres(surface, 2.5), 0.02 };
     };
     const auto lower_moves = [&](double gap) {
@@ -220,7 +221,7 @@ TEST(SphereMotion, pinchOnAnEdgeKeepsTheSurfaceClosed)
     const VertexId vertex = press.motion.pinch(0, { middle, Vec3::Zero(), kTip });
     EXPECT_LT((press.motion.surface().vertices.row(vertex).transpose() - middle).norm(), 1e-9);
     EXPECT_NO_THROW(SurfaceLocator { press.motion.surface() });
-    EXPECT_NE(message_of([&] { press.motion.pinch(0, { middle, Vec3::Zero(), kTip }); }), "");
+    EXPECT_NE(test_support::message_of([&] { press.motion.pinch(0, { middle, Vec3::Zero(), kTip }); }), "");
     press.motion.release(0);
     const Vec3 corner = press.motion.surface().vertices.row(corners[2]).transpose();
     EXPECT_EQ(press.motion.pinch(0, { corner, Vec3::Zero(), kTip }), corners[2]);
@@ -244,13 +245,13 @@ TEST(SphereMotion, advanceAllocatesNothing)
 {
     Press press({ .fingers = 6 });
     press.frames(1);
-    const std::size_t before = retractor::fixtures::allocation_count();
+    const std::size_t before = retractor::test_support::allocation_count();
     for (int i = 0; i < 50; ++i) {
         for (std::size_t f = 0; f < 6; ++f)
             press.tips[f].position = (kOrgan + kTip - 0.2 * i) * Vec3(std::cos(f), std::sin(f), 0.0);
         press.frames(1);
     }
-    EXPECT_EQ(retractor::fixtures::allocation_count(), before);
+    EXPECT_EQ(retractor::test_support::allocation_count(), before);
 }
 
 TEST(SphereMotion, sameMotionGivesTheSameBits)
@@ -275,15 +276,17 @@ TEST(SphereForce, sneddonsNumbersAndTheCalibration)
 
 TEST(SphereMotion, refusesWhatCannotBe)
 {
-    EXPECT_EQ(message_of([] { SphereMotion({}, {}); }), "a sphere-filled scene needs an organ []");
-    EXPECT_EQ(message_of([] { Press({ .depth_limit = 0 }); }), "the depth limit is 1 to 250 layers, got 0 []");
-    EXPECT_EQ(message_of([] { Press({ .transmission = 1.5 }); }),
+    EXPECT_EQ(test_support::message_of([] { SphereMotion({}, {}); }), "a sphere-filled scene needs an organ []");
+    EXPECT_EQ(
+        test_support::message_of([] { Press({ .depth_limit = 0 }); }), "the depth limit is 1 to 250 layers, got 0 []");
+    EXPECT_EQ(test_support::message_of([] { Press({ .transmission = 1.5 }); }),
         "the transmission lies above 0 and up to 0.8, got 1.500000 []");
-    EXPECT_EQ(message_of([] { Press({ .fingers = 7 }); }), "spheres are touched by 1 to 6 fingers, got 7 []");
+    EXPECT_EQ(
+        test_support::message_of([] { Press({ .fingers = 7 }); }), "spheres are touched by 1 to 6 fingers, got 7 []");
     SphereOrgan limp = ball_organ();
     limp.stiffness = std::nan("");
-    EXPECT_EQ(
-        message_of([&] { SphereMotion({ limp }, {}); }), "the organ's stiffness must be positive, got nan [ball]");
+    EXPECT_EQ(test_support::message_of([&] { SphereMotion({ limp }, {}); }),
+        "the organ's stiffness must be positive, got nan [ball]");
 }
 
 } // namespace sphere_motion_test

@@ -9,7 +9,8 @@
 #include <cmath>
 
 using namespace retractor;
-using retractor::fixtures::ball_surface;
+using namespace retractor::haptics;
+using retractor::test_support::ball_surface;
 
 namespace sphere_tissue_test {
 
@@ -31,7 +32,7 @@ struct Touch {
     }
     static SphereOrgan organ()
     {
-        const TriMesh surface = ball_surface(Vec3::Zero(), kOrgan, 24);
+        const TriMesh surface = test_support::ball_surface(Vec3::Zero(), kOrgan, 24);
         return { "ball", surface, fill_with_spheres(surface, 2.5), 0.02 };
     }
     void move_to(double depth, int count)
@@ -89,7 +90,7 @@ TEST(SphereTissue, aFingerSetDownBetweenTwoSlowFramesIsNotHit)
 
 TEST(SphereTissue, stiffnessIsOfTheOrganTouchedNotOfTheFirst)
 {
-    const TriMesh far = ball_surface(Vec3(200.0, 0.0, 0.0), kOrgan, 24);
+    const TriMesh far = test_support::ball_surface(Vec3(200.0, 0.0, 0.0), kOrgan, 24);
     const SphereOrgan coarse { "coarse", far, fill_with_spheres(far, 8.0), 0.02 };
     constexpr double kDepth = 1.0; // less than a sphere's radius, which then sets the secant
     const auto stiffness = [&](std::vector<SphereOrgan> organs) {
@@ -125,7 +126,7 @@ TEST(SphereTissue, aFingerThatLeavesIsNotPulled)
 
 TEST(SphereTissue, nothingIsTouchedBeforeTheFirstTick)
 {
-    const TriMesh surface = ball_surface(Vec3(0.0, 0.0, kOrgan), kOrgan, 24); // the origin lies on it
+    const TriMesh surface = test_support::ball_surface(Vec3(0.0, 0.0, kOrgan), kOrgan, 24); // the origin lies on it
     SphereTissue tissue({ { "ball", surface, fill_with_spheres(surface, 2.5), 0.02 } }, {});
     Points rest, deformed;
     tissue.motion().deform(rest);
@@ -169,15 +170,15 @@ TEST(SphereTissue, tickAllocatesNothing)
 {
     Touch touch;
     touch.move_to(5.0, 100);
-    const std::size_t before = retractor::fixtures::allocation_count();
+    const std::size_t before = retractor::test_support::allocation_count();
     for (int i = 0; i < 1000; ++i)
         touch.tissue.tick(1.0 + i * kTick, kTick, { &touch.tip, 1 }, { &touch.contact, 1 });
-    EXPECT_EQ(retractor::fixtures::allocation_count(), before);
+    EXPECT_EQ(retractor::test_support::allocation_count(), before);
 }
 
 TEST(SphereTissue, refusesANegativeBlend)
 {
-    EXPECT_EQ(message_of([] { SphereTissue({ Touch::organ() }, {}, -1.0); }),
+    EXPECT_EQ(test_support::message_of([] { SphereTissue({ Touch::organ() }, {}, -1.0); }),
         "the blend time must not be negative, got -1.000000 []");
 }
 

@@ -9,13 +9,14 @@
 #include <random>
 
 using namespace retractor;
-using retractor::fixtures::ball_surface;
-using retractor::fixtures::box_surface;
+using namespace retractor::haptics;
+using retractor::test_support::ball_surface;
+using retractor::test_support::box_surface;
 
 TEST(SurfaceLocator, knowsInsideFromOutsideOfABox)
 {
     const Vec3 low(-3.0, 1.0, 2.0), high(5.0, 4.0, 9.0);
-    const SurfaceLocator box(box_surface(low, high));
+    const SurfaceLocator box(test_support::box_surface(low, high));
     std::mt19937 random(1);
     std::uniform_real_distribution<double> unit(-0.3, 1.3);
     for (int i = 0; i < 2000; ++i) {
@@ -30,7 +31,7 @@ TEST(SurfaceLocator, knowsInsideFromOutsideOfABox)
 
 TEST(SurfaceLocator, nearnessIsTheDistance)
 {
-    const SurfaceLocator ball(ball_surface(Vec3(1.0, 2.0, 3.0), 10.0, 40));
+    const SurfaceLocator ball(test_support::ball_surface(Vec3(1.0, 2.0, 3.0), 10.0, 40));
     for (const double radius : { 0.0, 4.0, 8.0, 13.0 }) {
         const Vec3 p = Vec3(1.0, 2.0, 3.0) + radius * Vec3(0.6, 0.0, 0.8);
         const double distance = std::abs(10.0 - radius);
@@ -52,19 +53,21 @@ TEST(NearestOnTriangle, ofFaceEdgeAndCorner)
 
 TEST(EnclosedVolume, ofABox)
 {
-    const TriMesh box = box_surface(Vec3(-1.0, 2.0, 3.0), Vec3(2.0, 4.0, 8.0));
+    const TriMesh box = test_support::box_surface(Vec3(-1.0, 2.0, 3.0), Vec3(2.0, 4.0, 8.0));
     EXPECT_NEAR(enclosed_volume(box.vertices, box.triangles), 30.0, 1e-12);
 }
 
 TEST(SurfaceLocator, refusesWhatHasNoInside)
 {
-    TriMesh open = box_surface(Vec3::Zero(), Vec3::Ones());
+    TriMesh open = test_support::box_surface(Vec3::Zero(), Vec3::Ones());
     open.triangles.pop_back();
-    EXPECT_NE(
-        message_of([&] { SurfaceLocator { open }; }).find("the surface is not closed: nothing lies beyond the edge"),
+    EXPECT_NE(test_support::message_of([&] {
+        SurfaceLocator { open };
+    }).find("the surface is not closed: nothing lies beyond the edge"),
         std::string::npos);
-    TriMesh twice = box_surface(Vec3::Zero(), Vec3::Ones());
+    TriMesh twice = test_support::box_surface(Vec3::Zero(), Vec3::Ones());
     twice.triangles.push_back(twice.triangles.front());
-    EXPECT_NE(message_of([&] { SurfaceLocator { twice }; }).find("two triangles lie on one side"), std::string::npos);
-    EXPECT_EQ(message_of([] { SurfaceLocator { TriMesh {} }; }), "the surface has no triangles []");
+    EXPECT_NE(test_support::message_of([&] { SurfaceLocator { twice }; }).find("two triangles lie on one side"),
+        std::string::npos);
+    EXPECT_EQ(test_support::message_of([] { SurfaceLocator { TriMesh {} }; }), "the surface has no triangles []");
 }

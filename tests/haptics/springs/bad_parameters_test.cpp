@@ -4,13 +4,13 @@
 #include "haptics/condensed/condensed_tissue.h"
 #include "haptics/condensed/elastic_template.h"
 #include "haptics/device/hand_path.h"
+#include "haptics/device/simulated_hand.h"
 #include "haptics/recording/replay.h"
 #include "haptics/servo/servo.h"
-#include "haptics/device/simulated_hand.h"
 #include "haptics/spheres/sphere_tissue.h"
 #include "haptics/springs/spring_tissue.h"
-#include "tests/support/test_shapes.h"
 #include "tests/support/refusals.h"
+#include "tests/support/test_shapes.h"
 
 #include <gtest/gtest.h>
 
@@ -20,20 +20,20 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::haptics {
 namespace bad_touch_parameters_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
     constexpr double kInfinite = std::numeric_limits<double>::infinity();
     constexpr std::array<double, 4> kBad { 0.0, -1.0, kNoNumber, kInfinite };
 
-    TriMesh ball() { return ball_surface(Vec3::Zero(), 10.0, 8); }
+    TriMesh ball() { return test_support::ball_surface(Vec3::Zero(), 10.0, 8); }
 
-    SpoiltCalls bad_devices()
+    test_support::SpoiltCalls bad_devices()
     {
-        SpoiltCalls calls;
+        test_support::SpoiltCalls calls;
         const auto hand = [&](const std::function<void(SimulatedHandOptions&)>& spoil) {
             calls.spoilt.emplace_back([spoil] {
                 SimulatedHandOptions options;
@@ -94,9 +94,9 @@ namespace bad_touch_parameters_test {
         return calls;
     }
 
-    SpoiltCalls bad_springs_and_spheres()
+    test_support::SpoiltCalls bad_springs_and_spheres()
     {
-        SpoiltCalls calls;
+        test_support::SpoiltCalls calls;
         const auto law
             = [&](const ElementLaw& made) { calls.spoilt.emplace_back([made] { check_element_law(made); }); };
         const auto sheet
@@ -144,14 +144,16 @@ namespace bad_touch_parameters_test {
         return calls;
     }
 
-    SpoiltCalls bad_condensed_tissue()
+    test_support::SpoiltCalls bad_condensed_tissue()
     {
-        SpoiltCalls calls;
-        const auto tissue = [&](const std::function<void(ElasticModel&, CondensedOptions&)>& spoil) {
+        test_support::SpoiltCalls calls;
+        const auto tissue = [&](const std::function<void(datasets::ElasticModel&, CondensedOptions&)>& spoil) {
             calls.spoilt.emplace_back([spoil] {
-                AortaParameters parameters { .shape = AortaParameters::Shape::tube, .length_mm = 40.0, .along = 4 };
+                datasets::AortaParameters parameters {
+                    .shape = datasets::AortaParameters::Shape::tube, .length_mm = 40.0, .along = 4
+                };
                 parameters.region.length_mm = 0.0;
-                ElasticModel model = make_aorta_phantom(parameters).body;
+                datasets::ElasticModel model = datasets::make_aorta_phantom(parameters).body;
                 CondensedOptions options { .element = TouchElement::p1 };
                 spoil(model, options);
                 const CondensedTissue made(std::move(model), PulsePressure::aortic(), options);
@@ -159,50 +161,58 @@ namespace bad_touch_parameters_test {
         };
         const auto phantom = [&](double inner_radius_mm) {
             calls.spoilt.emplace_back([=] {
-                AortaParameters parameters;
+                datasets::AortaParameters parameters;
                 parameters.inner_radius_mm = inner_radius_mm;
-                (void)make_aorta_phantom(parameters);
+                (void)datasets::make_aorta_phantom(parameters);
             });
         };
         const auto edited = [&](double youngs_modulus) {
             calls.spoilt.emplace_back([=] {
-                ElasticModel model = make_aorta_phantom({}).body;
+                datasets::ElasticModel model = datasets::make_aorta_phantom({}).body;
                 (void)apply(ElasticTemplate { .youngs_modulus = youngs_modulus }, model);
             });
         };
-        tissue([](ElasticModel&, CondensedOptions&) {});
-        phantom(AortaParameters {}.inner_radius_mm);
+        tissue([](datasets::ElasticModel&, CondensedOptions&) {});
+        phantom(datasets::AortaParameters {}.inner_radius_mm);
         edited(1.0);
         calls.spoilt.emplace_back([] { (void)PulsePressure::aortic(75.0, 80.0, 120.0); });
         calls.spoilt.emplace_back([] { (void)PulsePressure::constant(100.0); });
         calls.sound.swap(calls.spoilt); // nothing was spoilt so far
         for (const double bad : kBad) {
-            tissue([=](ElasticModel& m, CondensedOptions&) { m.youngs_modulus[7] = bad; });
-            tissue([=](ElasticModel&, CondensedOptions& o) { o.station_spacing = bad; });
-            tissue([=](ElasticModel&, CondensedOptions& o) { o.force_gain = bad; });
-            tissue([=](ElasticModel&, CondensedOptions& o) { o.blend = bad; });
+            tissue([=](datasets::ElasticModel& m, CondensedOptions&) { m.youngs_modulus[7] = bad; });
+            tissue([=](datasets::ElasticModel&, CondensedOptions& o) { o.station_spacing = bad; });
+            tissue([=](datasets::ElasticModel&, CondensedOptions& o) { o.force_gain = bad; });
+            tissue([=](datasets::ElasticModel&, CondensedOptions& o) { o.blend = bad; });
             calls.spoilt.emplace_back([=] { (void)PulsePressure::aortic(bad); });
             phantom(bad);
             edited(bad);
         }
         for (const double bad : { 0.5, 0.7, -1.0, kNoNumber })
-            tissue([=](ElasticModel& m, CondensedOptions&) { m.poissons_ratio[7] = bad; });
+            tissue([=](datasets::ElasticModel& m, CondensedOptions&) { m.poissons_ratio[7] = bad; });
         for (const double bad : { kNoNumber, kInfinite }) {
-            tissue([=](ElasticModel&, CondensedOptions& o) { o.rest_pressure = bad; });
+            tissue([=](datasets::ElasticModel&, CondensedOptions& o) { o.rest_pressure = bad; });
             calls.spoilt.emplace_back([=] { (void)PulsePressure::constant(bad); });
             calls.spoilt.emplace_back([=] { (void)PulsePressure::aortic(75.0, 80.0, bad); });
         }
         calls.spoilt.emplace_back([] { (void)PulsePressure::aortic(75.0, 120.0, 80.0); });
-        tissue([](ElasticModel& m, CondensedOptions&) { m.roles.assign(m.roles.size(), VertexRole::free); });
-        tissue([](ElasticModel& m, CondensedOptions&) { m.mesh.vertices(3, 1) = kNoNumber; });
+        tissue([](datasets::ElasticModel& m, CondensedOptions&) {
+            m.roles.assign(m.roles.size(), datasets::VertexRole::free);
+        });
+        tissue([](datasets::ElasticModel& m, CondensedOptions&) { m.mesh.vertices(3, 1) = kNoNumber; });
         return calls;
     }
 
-    TEST(BadTouchParameters, OfHandsServoAndMappingAreRefused) { expect_all_refused(bad_devices()); }
+    TEST(BadTouchParameters, OfHandsServoAndMappingAreRefused) { test_support::expect_all_refused(bad_devices()); }
 
-    TEST(BadTouchParameters, OfSpringsAndSpheresAreRefused) { expect_all_refused(bad_springs_and_spheres()); }
+    TEST(BadTouchParameters, OfSpringsAndSpheresAreRefused)
+    {
+        test_support::expect_all_refused(bad_springs_and_spheres());
+    }
 
-    TEST(BadTouchParameters, OfCondensedElementsAreRefused) { expect_all_refused(bad_condensed_tissue()); }
+    TEST(BadTouchParameters, OfCondensedElementsAreRefused)
+    {
+        test_support::expect_all_refused(bad_condensed_tissue());
+    }
 
 } // namespace bad_touch_parameters_test
-} // namespace retractor
+} // namespace retractor::haptics

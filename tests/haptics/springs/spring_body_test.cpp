@@ -11,10 +11,11 @@
 #include <numeric>
 
 using namespace retractor;
+using namespace retractor::haptics;
 
 namespace spring_body_test {
 
-Material gel() { return { "gel", 0.02, 0.25, 1.0e-9, "test" }; }
+fem::Material gel() { return { "gel", 0.02, 0.25, 1.0e-9, "test" }; }
 
 TEST(SpringSheet, of25By25HasTheSources3502Springs)
 {
@@ -55,8 +56,8 @@ TEST(SpringSheet, edgesAreHeldAsAsked)
 
 TEST(SpringOrgan, weighsWhatItsElementsDo)
 {
-    const TetMesh block = kuhn_box(4, 3, 2, 5.0);
-    const std::vector<Material> materials(2, gel());
+    const mesh::TetMesh block = mesh::kuhn_box(4, 3, 2, 5.0);
+    const std::vector<fem::Material> materials(2, gel());
     const SpringBody organ = make_spring_organ(block, materials, {});
     const double mass = std::accumulate(organ.mass.begin(), organ.mass.end(), 0.0);
     EXPECT_NEAR(mass, 1e-9 * 20.0 * 15.0 * 10.0, 1e-18);
@@ -65,8 +66,8 @@ TEST(SpringOrgan, weighsWhatItsElementsDo)
 
 TEST(SpringOrgan, stiffnessGrowsWithYoungsModulus)
 {
-    const TetMesh block = kuhn_box(2, 2, 2, 5.0);
-    std::vector<Material> materials(2, gel());
+    const mesh::TetMesh block = mesh::kuhn_box(2, 2, 2, 5.0);
+    std::vector<fem::Material> materials(2, gel());
     const SpringBody soft = make_spring_organ(block, materials, {});
     materials[1].youngs_modulus_MPa *= 3.0;
     const SpringBody stiff = make_spring_organ(block, materials, {});
@@ -77,8 +78,8 @@ TEST(SpringOrgan, stiffnessGrowsWithYoungsModulus)
 
 TEST(SpringOrgan, byModuliPerElementIsTheSame)
 {
-    const TetMesh block = kuhn_box(2, 2, 2, 5.0);
-    const std::vector<Material> materials(2, gel());
+    const mesh::TetMesh block = mesh::kuhn_box(2, 2, 2, 5.0);
+    const std::vector<fem::Material> materials(2, gel());
     const SpringBody a = make_spring_organ(block, materials, {});
     const SpringBody b
         = make_spring_organ(block, std::vector<double>(block.tet_count(), gel().youngs_modulus_MPa), 1.0e-9, {});
@@ -90,7 +91,7 @@ TEST(SpringOrgan, byModuliPerElementIsTheSame)
 
 TEST(SpringOrgan, SlowedDownToAStepIsStableThere)
 {
-    SpringBody organ = make_spring_organ(kuhn_box(2, 2, 2, 5.0), std::vector<Material>(2, gel()), {});
+    SpringBody organ = make_spring_organ(mesh::kuhn_box(2, 2, 2, 5.0), std::vector<fem::Material>(2, gel()), {});
     const double stable = SpringMotion(organ, {}).stable_step();
     EXPECT_NEAR(slow_down_to(organ, 10.0 * stable), 100.0, 1e-6);
     EXPECT_GE(SpringMotion(organ, {}).stable_step(), 10.0 * stable);
@@ -99,24 +100,26 @@ TEST(SpringOrgan, SlowedDownToAStepIsStableThere)
 
 TEST(SpringBody, refusesWhatCannotMove)
 {
-    EXPECT_EQ(
-        message_of([] { make_spring_sheet({ .columns = 2 }); }), "a sheet has 3 to 1000 particles a side, got 2 []");
-    EXPECT_EQ(message_of([] { make_spring_sheet({ .particle_mass = 0.0 }); }),
+    EXPECT_EQ(test_support::message_of([] { make_spring_sheet({ .columns = 2 }); }),
+        "a sheet has 3 to 1000 particles a side, got 2 []");
+    EXPECT_EQ(test_support::message_of([] { make_spring_sheet({ .particle_mass = 0.0 }); }),
         "a sheet's particle mass must be positive, got 0.000000 []");
-    EXPECT_EQ(message_of([] { make_spring_sheet({ .stiffness = -1.0 }); }),
+    EXPECT_EQ(test_support::message_of([] { make_spring_sheet({ .stiffness = -1.0 }); }),
         "a sheet's stiffness must be positive, got -1.000000 []");
-    EXPECT_EQ(message_of([] { make_spring_sheet({ .spacing = std::nan("") }); }),
+    EXPECT_EQ(test_support::message_of([] { make_spring_sheet({ .spacing = std::nan("") }); }),
         "a sheet's spacing must be positive, got nan []");
     SpringBody body = make_spring_sheet();
     body.springs[7].b = 625;
-    EXPECT_EQ(message_of([&] { check_spring_body(body); }), "spring body: spring 7 has wrong ends []");
+    EXPECT_EQ(test_support::message_of([&] { check_spring_body(body); }), "spring body: spring 7 has wrong ends []");
     body = make_spring_sheet();
     body.mass[3] = std::nan("");
-    EXPECT_EQ(message_of([&] { check_spring_body(body); }), "spring body: the mass of particle 3 is not positive []");
-    const std::vector<Material> none;
-    EXPECT_EQ(message_of([&] { make_spring_organ(kuhn_box(1, 1, 1, 1.0), none, {}); }),
+    EXPECT_EQ(test_support::message_of([&] { check_spring_body(body); }),
+        "spring body: the mass of particle 3 is not positive []");
+    const std::vector<fem::Material> none;
+    EXPECT_EQ(test_support::message_of([&] { make_spring_organ(mesh::kuhn_box(1, 1, 1, 1.0), none, {}); }),
         "element 0 has label 1 without a material []");
-    EXPECT_EQ(message_of([&] { make_spring_organ(with_midpoints(kuhn_box(1, 1, 1, 1.0)), none, {}); }),
+    EXPECT_EQ(test_support::message_of(
+                  [&] { make_spring_organ(mesh::with_midpoints(mesh::kuhn_box(1, 1, 1, 1.0)), none, {}); }),
         "springs lie on the edges of four-node elements, got ten nodes []");
 }
 

@@ -8,6 +8,7 @@
 #include <cmath>
 
 using namespace retractor;
+using namespace retractor::haptics;
 
 namespace spring_tissue_test {
 
@@ -174,13 +175,13 @@ TEST(SpringTissue, tickAllocatesNothing)
     Touch touch;
     touch.move_to(3.0, 10);
     touch.tissue.grip(0, true);
-    const std::size_t before = retractor::fixtures::allocation_count();
+    const std::size_t before = retractor::test_support::allocation_count();
     for (int i = 0; i < 100; ++i) {
         touch.tip.position.z() -= 0.01;
         touch.tissue.grip(0, i % 10 < 5);
         touch.tissue.tick(i * kTick, kTick * (1.0 + 0.3 * std::sin(i)), { &touch.tip, 1 }, { &touch.contact, 1 });
     }
-    EXPECT_EQ(retractor::fixtures::allocation_count(), before);
+    EXPECT_EQ(retractor::test_support::allocation_count(), before);
 }
 
 TEST(SpringTissue, followGivesTheDeformedSurface)
@@ -211,10 +212,10 @@ TEST(SpringTissue, answersNanToATickWithoutTime)
 
 TEST(SpringTissue, refusesSpringsTooStiffForTheirMass)
 {
-    EXPECT_EQ(message_of([] { SpringTissue(make_spring_sheet({ .stiffness = 1e4 }), {}); }),
+    EXPECT_EQ(test_support::message_of([] { SpringTissue(make_spring_sheet({ .stiffness = 1e4 }), {}); }),
         "the springs are too stiff for their mass: their stability bound is 4.08248e-07 s, less than 1/1000 of a tick "
         "of 0.005 s []");
-    EXPECT_EQ(message_of([] { SpringTissue(make_spring_sheet(), {}, { .fingers = 0 }); }),
+    EXPECT_EQ(test_support::message_of([] { SpringTissue(make_spring_sheet(), {}, { .fingers = 0 }); }),
         "a tissue is touched by 1 to 16 fingers, got 0 []");
 }
 
@@ -232,10 +233,10 @@ TEST(SpringTissue, aPulseIsALoadOfPressureTimesArea)
     constexpr double kRoundOff = 1e-12;
     EXPECT_NEAR(pulsed.tissue.motion().position(kMiddle).z(), loaded.tissue.motion().position(kMiddle).z(), kRoundOff);
     options.pulse.areas.clear();
-    EXPECT_EQ(message_of([&] { SpringTissue(make_spring_sheet(), {}, options); }),
+    EXPECT_EQ(test_support::message_of([&] { SpringTissue(make_spring_sheet(), {}, options); }),
         "there must be one area per particle [pulse]");
     options.pulse = { PulsePressure::constant(120.0), 0.0, { 625 }, { area } };
-    EXPECT_EQ(message_of([&] { SpringTissue(make_spring_sheet(), {}, options); }),
+    EXPECT_EQ(test_support::message_of([&] { SpringTissue(make_spring_sheet(), {}, options); }),
         "presses on a particle that does not exist, or on an area that is not finite [pulse, entry 0]");
 }
 

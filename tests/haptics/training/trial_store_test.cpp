@@ -7,10 +7,11 @@
 #include <fstream>
 
 using namespace retractor;
+using namespace retractor::haptics;
 
 TEST(TrialStore, keepsTrialsOverDays)
 {
-    const TemporaryFolder folder;
+    const test_support::TemporaryFolder folder;
     const auto file = folder.path / "trials.sqlite";
     const auto trials = simulate_learning_study(3);
     {
@@ -28,21 +29,23 @@ TEST(TrialStore, keepsTrialsOverDays)
 
 TEST(TrialStore, namesElasticities)
 {
-    const TemporaryFolder folder;
+    const test_support::TemporaryFolder folder;
     TrialStore store(folder.path / "trials.sqlite");
     store.keep({ "normal aorta", "Dr A", "2026-01-02", 1.0, 0.48 });
     store.keep({ "sclerotic aorta", "Dr A", "2026-01-02", 3.0, 0.48 });
     store.keep({ "normal aorta", "Dr B", "2026-01-03", 1.2, 0.48 });
     ASSERT_EQ(store.elasticities().size(), 2U);
     EXPECT_EQ(store.elasticity("normal aorta").modulus_MPa, 1.2);
-    EXPECT_NE(message_of([&] { (void)store.elasticity("bone"); }).find("there are: normal aorta, sclerotic aorta"),
+    EXPECT_NE(test_support::message_of([&] {
+        (void)store.elasticity("bone");
+    }).find("there are: normal aorta, sclerotic aorta"),
         std::string::npos);
-    EXPECT_NE(message_of([&] { store.keep({ "x", "", "", -1.0, 0.48 }); }), "");
+    EXPECT_NE(test_support::message_of([&] { store.keep({ "x", "", "", -1.0, 0.48 }); }), "");
 }
 
 TEST(TrialStore, keepsTheQuestionnaire)
 {
-    const TemporaryFolder folder;
+    const test_support::TemporaryFolder folder;
     TrialStore store(folder.path / "trials.sqlite");
     store.answer({ "b", true, true, false });
     store.answer({ "a", false, true, false });
@@ -56,21 +59,22 @@ TEST(TrialStore, keepsTheQuestionnaire)
 
 TEST(TrialStore, aBadTrialLeavesNothingBehind)
 {
-    const TemporaryFolder folder;
+    const test_support::TemporaryFolder folder;
     TrialStore store(folder.path / "trials.sqlite");
     auto trials = simulate_modelling_study(1);
     trials.back().session = 0;
-    EXPECT_EQ(message_of([&] { store.add(trials); }), "sessions count from 1, got 0 [session]");
+    EXPECT_EQ(test_support::message_of([&] { store.add(trials); }), "sessions count from 1, got 0 [session]");
     EXPECT_TRUE(store.trials().empty());
 }
 
 TEST(TrialStore, refusesOtherFiles)
 {
-    const TemporaryFolder folder;
+    const test_support::TemporaryFolder folder;
     const auto text = folder.path / "text.sqlite";
     std::ofstream(text) << std::string(2000, 'x');
-    EXPECT_NE(message_of([&] { TrialStore { text }; }).find("file is not a database"), std::string::npos);
-    EXPECT_NE(message_of([&] { TrialStore { folder.path / "none" / "x.sqlite" }; }).find("cannot be opened"),
+    EXPECT_NE(test_support::message_of([&] { TrialStore { text }; }).find("file is not a database"), std::string::npos);
+    EXPECT_NE(
+        test_support::message_of([&] { TrialStore { folder.path / "none" / "x.sqlite" }; }).find("cannot be opened"),
         std::string::npos);
 }
 

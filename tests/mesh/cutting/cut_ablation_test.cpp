@@ -10,7 +10,7 @@
 #include <map>
 #include <set>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace cut_ablation_test {
 
     constexpr double kRoundOff = 1e-12; // of a sum of some thousand volumes
@@ -88,12 +88,12 @@ namespace cut_ablation_test {
         std::mt19937 random(3);
         std::size_t done = 0, gone = 0, parted = 0;
         for (int patient = 0; patient < 30; ++patient) {
-            CutSession session(three_layers(5, 5, 3, 3.0));
+            CutSession session(test_support::three_layers(5, 5, 3, 3.0));
             const double whole = volume(session.compact_mesh());
             double removed = 0.0;
-            std::vector<SessionState> states { SessionState(session) };
+            std::vector<test_support::SessionState> states { test_support::SessionState(session) };
             for (int i = 0; i < 4; ++i) {
-                std::vector<TetId> marked = random_marks(random, session, kExtent, 3.0);
+                std::vector<TetId> marked = test_support::random_marks(random, session, kExtent, 3.0);
                 if (i % 2 == 1) { // crumbs: every third element, which leaves edges and points
                     std::vector<TetId> some;
                     for (std::size_t k = 0; k < marked.size(); k += 3)
@@ -118,7 +118,7 @@ namespace cut_ablation_test {
             while (states.size() > 1) {
                 states.pop_back();
                 const MeshDelta back = session.undo();
-                ASSERT_TRUE(states.back().mesh.nodes == SessionState(session).mesh.nodes);
+                ASSERT_TRUE(states.back().mesh.nodes == test_support::SessionState(session).mesh.nodes);
                 EXPECT_TRUE((states.back().mesh.vertices.array() == session.compact_mesh().vertices.array()).all());
             }
             while (session.can_redo())
@@ -135,7 +135,7 @@ namespace cut_ablation_test {
     {
         // Two blades that meet along a line 5 mm deep, 2 x 4 mm apart at the top, through the whole box.
         const double depth = 5.0, half = 4.0, length = 15.0;
-        CutSession session(three_layers(5, 5, 3, 3.0));
+        CutSession session(test_support::three_layers(5, 5, 3, 3.0));
         const Vec3 bottom(0.0, 7.3, 9.0 - depth);
         for (const double side : { -1.0, 1.0 }) {
             const Vec3 d = Vec3(0.0, -side * half, -depth).normalized();
@@ -196,7 +196,7 @@ namespace cut_ablation_test {
 
     TEST(Ablation, BaredFacesAreFaceToFaceWithWhatWent)
     {
-        CutSession session(three_layers(5, 5, 3, 3.0));
+        CutSession session(test_support::three_layers(5, 5, 3, 3.0));
         const Eigen::AlignedBox3d box(Vec3(2.5, 2.5, 2.5), Vec3(9.5, 9.5, 9.5));
         const std::vector<TetId> marked = mark_box(session, box);
         std::map<std::array<VertexId, 3>, int> faces;
@@ -221,7 +221,7 @@ namespace cut_ablation_test {
     TEST(Ablation, WrongMarksAreRefused)
     {
         CutSession session(kuhn_box(2, 2, 2, 1.0));
-        const SessionState before(session);
+        const test_support::SessionState before(session);
         const auto refused = [&](const std::vector<TetId>& tets, const std::string& what) {
             try {
                 static_cast<void>(session.ablate(tets));
@@ -242,12 +242,12 @@ namespace cut_ablation_test {
         EXPECT_THROW(static_cast<void>(mark_ball(session, Vec3(0, 0, 0), nan)), InputError);
         EXPECT_THROW(static_cast<void>(mark_ball(session, Vec3(0, 0, 0), 0.0)), InputError);
         EXPECT_THROW(static_cast<void>(mark_box(session, Eigen::AlignedBox3d())), InputError);
-        EXPECT_TRUE(SessionState(session) == before);
+        EXPECT_TRUE(test_support::SessionState(session) == before);
         const std::atomic<bool> cancel { true };
         Job job;
         job.cancel = &cancel;
         EXPECT_EQ(session.ablate(std::vector<TetId> { 3 }, job).status, CutStatus::cancelled);
-        EXPECT_TRUE(SessionState(session) == before);
+        EXPECT_TRUE(test_support::SessionState(session) == before);
         ASSERT_TRUE(
             session
                 .extend_stroke(
@@ -258,4 +258,4 @@ namespace cut_ablation_test {
     }
 
 } // namespace cut_ablation_test
-} // namespace retractor
+} // namespace retractor::mesh

@@ -18,14 +18,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace cut_journal_test {
 
     namespace fs = std::filesystem;
 
     const Vec3 kExtent(15.0, 15.0, 9.0);
 
-    TetMesh body() { return three_layers(5, 5, 3, 3.0); }
+    TetMesh body() { return test_support::three_layers(5, 5, 3, 3.0); }
 
     class CutJournal : public testing::Test {
     protected:
@@ -102,15 +102,16 @@ namespace cut_journal_test {
         }
         if (choice < 0.3) {
             const double snap = unit(random) < 0.3 ? 0.0 : 0.35;
-            const Blade blade = random_stroke(random, kExtent);
+            const Blade blade = test_support::random_stroke(random, kExtent);
             attempt([&] { static_cast<void>(session.cut(blade, { .snap = snap })); });
         } else if (choice < 0.5) {
-            hand = random_stroke(random, kExtent);
+            hand = test_support::random_stroke(random, kExtent);
             hand.line.resize(2);
             hand.line[1] = hand.line[0] + Vec3(1.5, 0.4, 0.0);
             attempt([&] { static_cast<void>(session.extend_stroke(hand)); });
         } else if (choice < 0.6) {
-            attempt([&] { static_cast<void>(session.ablate(random_marks(random, session, kExtent, 2.5))); });
+            attempt(
+                [&] { static_cast<void>(session.ablate(test_support::random_marks(random, session, kExtent, 2.5))); });
         } else if (choice < 0.75) {
             attempt([&] { static_cast<void>(session.undo()); });
         } else if (choice < 0.85) {
@@ -120,7 +121,7 @@ namespace cut_journal_test {
             Job job;
             job.cancel = &cancel;
             job.on_progress = [&](std::string_view, double fraction) { cancel = fraction > 0.2; };
-            const Blade blade = random_stroke(random, kExtent);
+            const Blade blade = test_support::random_stroke(random, kExtent);
             attempt([&] { static_cast<void>(session.cut(blade, {}, job)); });
         } else {
             attempt([&] { static_cast<void>(session.cut({})); });
@@ -138,19 +139,21 @@ namespace cut_journal_test {
                 random_operation(random, session, hand);
                 if (i % 8 == 7) {
                     const ReplayedJournal replayed = replay_journal(path_, body());
-                    ASSERT_TRUE(SessionState(replayed.session) == SessionState(session)) << "seed " << seed;
+                    ASSERT_TRUE(test_support::SessionState(replayed.session) == test_support::SessionState(session))
+                        << "seed " << seed;
                 }
             }
-            const SessionState before(session);
+            const test_support::SessionState before(session);
             session = CutSession(body()); // lets the file go
             ReplayedJournal reopened = open_journal(path_, body());
-            ASSERT_TRUE(SessionState(reopened.session) == before) << "seed " << seed;
+            ASSERT_TRUE(test_support::SessionState(reopened.session) == before) << "seed " << seed;
             EXPECT_EQ(reopened.message.empty(), !before.stroke);
             // It goes on.
             for (int i = 0; i < 5; ++i)
                 random_operation(random, reopened.session, hand);
             const ReplayedJournal again = replay_journal(path_, body());
-            ASSERT_TRUE(SessionState(again.session) == SessionState(reopened.session)) << "seed " << seed;
+            ASSERT_TRUE(test_support::SessionState(again.session) == test_support::SessionState(reopened.session))
+                << "seed " << seed;
         }
     }
 
@@ -176,8 +179,8 @@ namespace cut_journal_test {
 
     TEST_F(CutJournal, TornAnywhereInItsLastLineItOpensToTheStateBefore)
     {
-        const auto small = [] { return three_layers(3, 3, 2, 4.5); };
-        std::vector<SessionState> states;
+        const auto small = [] { return test_support::three_layers(3, 3, 2, 4.5); };
+        std::vector<test_support::SessionState> states;
         std::vector<std::size_t> sizes;
         {
             CutSession session = start_journal(path_, small());
@@ -207,7 +210,8 @@ namespace cut_journal_test {
                 write(whole.substr(0, size));
                 const ReplayedJournal replayed = open_journal(path_, small());
                 const bool complete = size == sizes[last];
-                ASSERT_TRUE(SessionState(replayed.session) == states[complete ? last : last - 1]) << size << " bytes";
+                ASSERT_TRUE(test_support::SessionState(replayed.session) == states[complete ? last : last - 1])
+                    << size << " bytes";
                 EXPECT_EQ(
                     replayed.message.find("incomplete") != std::string::npos, !complete && size != sizes[last - 1])
                     << replayed.message;
@@ -229,7 +233,7 @@ namespace cut_journal_test {
                 std::mt19937 random(static_cast<unsigned>(round));
                 CutSession session = start_journal(path_, body());
                 for (;;) {
-                    const Blade blade = random_stroke(random, kExtent);
+                    const Blade blade = test_support::random_stroke(random, kExtent);
                     bool done = false;
                     try {
                         done = session.cut(blade).status == CutStatus::done;
@@ -266,7 +270,7 @@ namespace cut_journal_test {
             CutSession session(body());
             std::size_t operations = 0;
             while (operations < survived.operations) {
-                const Blade blade = random_stroke(random, kExtent);
+                const Blade blade = test_support::random_stroke(random, kExtent);
                 try {
                     if (session.cut(blade).status != CutStatus::done)
                         continue;
@@ -278,7 +282,7 @@ namespace cut_journal_test {
                 } catch (const Error&) {
                 }
             }
-            EXPECT_TRUE(SessionState(survived.session) == SessionState(session));
+            EXPECT_TRUE(test_support::SessionState(survived.session) == test_support::SessionState(session));
             const Blade last {
                 .line = { { 3, 7.7, 9 }, { 11, 8.1, 9 } }, .directions = { { 0, 0, -1 } }, .depth_mm = 3
             };
@@ -395,7 +399,7 @@ namespace cut_journal_test {
         ASSERT_GE(child, 0);
         if (child == 0) {
             CutSession session = start_journal(path_, body());
-            const SessionState before(session);
+            const test_support::SessionState before(session);
             const std::size_t size = fs::file_size(path_);
             static_cast<void>(::signal(SIGXFSZ, SIG_IGN));
             const ::rlimit limit { size + 40, size + 40 }; // a part of the line still fits
@@ -407,7 +411,7 @@ namespace cut_journal_test {
             try {
                 static_cast<void>(session.cut(blade));
             } catch (const IoError&) {
-                ::_exit(SessionState(session) == before && fs::file_size(path_) == size ? 0 : 3);
+                ::_exit(test_support::SessionState(session) == before && fs::file_size(path_) == size ? 0 : 3);
             }
             ::_exit(4);
         }
@@ -433,4 +437,4 @@ namespace cut_journal_test {
     }
 
 } // namespace cut_journal_test
-} // namespace retractor
+} // namespace retractor::mesh

@@ -18,7 +18,7 @@
 #include <set>
 #include <string>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace cut_session_test {
 
     constexpr double kOnBlade = 1e-9; // of the blade's size: the promise of the header
@@ -1027,4 +1027,4 @@ namespace cut_session_test {
     }
 
 } // namespace cut_session_test
-} // namespace retractor
+} // namespace retractor::mesh

@@ -1,9 +1,9 @@
 // Freehand strokes of a session that go wrong: given up, cancelled, thrown out of.
 
 #include "mesh/base/error.h"
+#include "mesh/cutting/cut_session.h"
 #include "mesh/cutting/stroke/cut_care.h"
 #include "mesh/cutting/stroke/cut_extent.h"
-#include "mesh/cutting/cut_session.h"
 #include "tests/support/session_state.h"
 
 #include <gtest/gtest.h>
@@ -13,14 +13,14 @@
 #include <numbers>
 #include <stdexcept>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace cut_stroke_session_test {
 
     const Vec3 kExtent(24.0, 24.0, 12.0);
 
     CutSession cut_box()
     {
-        CutSession session(three_layers(8, 8, 4, 3.0));
+        CutSession session(test_support::three_layers(8, 8, 4, 3.0));
         const Blade blade {
             .line = { { 2.2, 3.1, 12 }, { 20.3, 4.4, 12 } }, .directions = { { 0, 0.1, -1 } }, .depth_mm = 7.0
         };
@@ -48,7 +48,7 @@ namespace cut_stroke_session_test {
         for (std::size_t most = 2; most <= 5; ++most) {
             CutSession session = cut_box();
             CutSession other = cut_box();
-            const SessionState before(session);
+            const test_support::SessionState before(session);
             std::size_t born = 0;
             for (std::size_t points = 2; points <= most; ++points) {
                 const CutResult step = session.extend_stroke(drawn(points));
@@ -56,25 +56,25 @@ namespace cut_stroke_session_test {
                 born += step.delta.vertices_born.size();
             }
             ASSERT_GT(born, 0u);
-            EXPECT_FALSE(SessionState(session) == before);
+            EXPECT_FALSE(test_support::SessionState(session) == before);
             const MeshDelta back = session.abandon_stroke();
             EXPECT_EQ(back.vertices_gone.size(), born);
             EXPECT_FALSE(session.stroke_open());
-            EXPECT_TRUE(SessionState(session) == before);
+            EXPECT_TRUE(test_support::SessionState(session) == before);
             EXPECT_TRUE(session.can_redo());
             // What comes after gets the same ids and places.
             static_cast<void>(session.redo());
             static_cast<void>(other.redo());
             EXPECT_EQ(session.cut(drawn(5)).status, CutStatus::done);
             EXPECT_EQ(other.cut(drawn(5)).status, CutStatus::done);
-            EXPECT_TRUE(SessionState(session) == SessionState(other));
+            EXPECT_TRUE(test_support::SessionState(session) == test_support::SessionState(other));
         }
     }
 
     TEST(FreehandStroke, WithoutAStepThatCutAnythingItIsAbandonedToo)
     {
         CutSession session = cut_box();
-        const SessionState before(session);
+        const test_support::SessionState before(session);
         EXPECT_THROW(static_cast<void>(session.abandon_stroke()), InputError);
         Blade beside = drawn(3);
         for (Vec3& p : beside.line)
@@ -83,7 +83,7 @@ namespace cut_stroke_session_test {
         ASSERT_TRUE(session.stroke_open());
         const MeshDelta back = session.abandon_stroke();
         EXPECT_TRUE(back.tets_born.empty() && back.vertices_gone.empty());
-        EXPECT_TRUE(SessionState(session) == before);
+        EXPECT_TRUE(test_support::SessionState(session) == before);
     }
 
     TEST(FreehandStroke, IsAsItWasAfterAStepThatThrows)
@@ -91,38 +91,38 @@ namespace cut_stroke_session_test {
         CutSession session = cut_box(), clean = cut_box();
         ASSERT_EQ(session.extend_stroke(drawn(3)).status, CutStatus::done);
         ASSERT_EQ(clean.extend_stroke(drawn(3)).status, CutStatus::done);
-        const SessionState before(session);
+        const test_support::SessionState before(session);
         Blade malformed = drawn(4);
         malformed.depth_mm = -1.0;
         EXPECT_THROW(static_cast<void>(session.extend_stroke(malformed)), InputError);
         EXPECT_THROW(static_cast<void>(session.extend_stroke(drawn(4), { .snap = 2.0 })), InputError);
-        EXPECT_TRUE(SessionState(session) == before);
+        EXPECT_TRUE(test_support::SessionState(session) == before);
         session.set_witness([](const CutEvent&) { throw std::runtime_error("no"); });
         EXPECT_THROW(static_cast<void>(session.extend_stroke(drawn(4))), std::runtime_error);
-        EXPECT_TRUE(SessionState(session) == before);
+        EXPECT_TRUE(test_support::SessionState(session) == before);
         EXPECT_THROW(static_cast<void>(session.finish_stroke()), std::runtime_error);
-        EXPECT_TRUE(SessionState(session) == before);
+        EXPECT_TRUE(test_support::SessionState(session) == before);
         EXPECT_THROW(static_cast<void>(session.abandon_stroke()), std::runtime_error);
-        EXPECT_TRUE(SessionState(session) == before);
+        EXPECT_TRUE(test_support::SessionState(session) == before);
         session.set_witness({});
         ASSERT_EQ(session.extend_stroke(drawn(5)).status, CutStatus::done);
         ASSERT_EQ(clean.extend_stroke(drawn(5)).status, CutStatus::done);
         ASSERT_EQ(session.finish_stroke().status, CutStatus::done);
         ASSERT_EQ(clean.finish_stroke().status, CutStatus::done);
-        EXPECT_TRUE(SessionState(session) == SessionState(clean));
+        EXPECT_TRUE(test_support::SessionState(session) == test_support::SessionState(clean));
     }
 
     TEST(FreehandStroke, StaysOpenWhenItsEndIsCancelled)
     {
         CutSession session = cut_box();
         ASSERT_EQ(session.extend_stroke(drawn(4)).status, CutStatus::done);
-        const SessionState before(session);
+        const test_support::SessionState before(session);
         const std::atomic<bool> cancel { true };
         Job job;
         job.cancel = &cancel;
         EXPECT_EQ(session.finish_stroke(job).status, CutStatus::cancelled);
         EXPECT_TRUE(session.stroke_open());
-        EXPECT_TRUE(SessionState(session) == before);
+        EXPECT_TRUE(test_support::SessionState(session) == before);
         EXPECT_EQ(session.finish_stroke().status, CutStatus::done);
         EXPECT_EQ(session.cut_count(), 2u);
     }
@@ -157,7 +157,7 @@ namespace cut_stroke_session_test {
     TEST(CutSession, AWitnessThatThrowsTakesTheOperationBack)
     {
         CutSession session = cut_box();
-        const SessionState before(session);
+        const test_support::SessionState before(session);
         session.set_witness([](const CutEvent&) { throw std::runtime_error("the disk is full"); });
         EXPECT_THROW(static_cast<void>(session.cut(drawn(5))), std::runtime_error);
         EXPECT_THROW(static_cast<void>(session.undo()), std::runtime_error);
@@ -165,13 +165,13 @@ namespace cut_stroke_session_test {
         const std::vector<TetId> some { 3, 4 };
         EXPECT_THROW(static_cast<void>(session.ablate(some)), std::runtime_error);
         EXPECT_THROW(static_cast<void>(session.extend_stroke(drawn(5))), std::runtime_error);
-        EXPECT_TRUE(SessionState(session) == before);
+        EXPECT_TRUE(test_support::SessionState(session) == before);
     }
 
     /// Elements of very different sizes side by side: what is looked at first matters.
     TetMesh graded_layers()
     {
-        TetMesh box = three_layers(8, 8, 4, 3.0);
+        TetMesh box = test_support::three_layers(8, 8, 4, 3.0);
         for (Eigen::Index v = 0; v < box.vertices.rows(); ++v)
             for (int axis = 0; axis < 2; ++axis)
                 box.vertices(v, axis) *= 0.2 + 0.8 * box.vertices(v, axis) / 24.0;
@@ -184,23 +184,23 @@ namespace cut_stroke_session_test {
         std::size_t bent_cuts = 0;
         for (int round = 0; round < 12; ++round) {
             CutSession lived(graded_layers()), fresh(graded_layers());
-            const SessionState untouched(fresh);
+            const test_support::SessionState untouched(fresh);
             for (int i = 0; i < 4; ++i) { // in the fresh session none of this happens
                 std::atomic<bool> cancel { false };
                 Job job;
                 job.cancel = &cancel;
                 job.on_progress = [&](std::string_view, double fraction) { cancel = cancel || fraction >= 1.0; };
-                EXPECT_NE(lived.cut(random_stroke(random, kExtent), {}, job).status, CutStatus::done);
+                EXPECT_NE(lived.cut(test_support::random_stroke(random, kExtent), {}, job).status, CutStatus::done);
                 lived.set_witness([](const CutEvent&) { throw std::runtime_error("refused"); });
                 try {
-                    static_cast<void>(lived.cut(random_stroke(random, kExtent)));
+                    static_cast<void>(lived.cut(test_support::random_stroke(random, kExtent)));
                 } catch (const std::exception&) { // refused by the witness, or because of the blade
                 }
                 lived.set_witness({});
             }
-            EXPECT_TRUE(SessionState(lived) == untouched);
+            EXPECT_TRUE(test_support::SessionState(lived) == untouched);
             for (int i = 0; i < 2; ++i) {
-                const Blade blade = random_stroke(random, kExtent);
+                const Blade blade = test_support::random_stroke(random, kExtent);
                 const auto outcome = [&](CutSession& session) {
                     try {
                         const CutResult result = session.cut(blade);
@@ -211,7 +211,8 @@ namespace cut_stroke_session_test {
                     }
                 };
                 EXPECT_EQ(outcome(lived), outcome(fresh));
-                EXPECT_TRUE(SessionState(lived) == SessionState(fresh)) << "round " << round << ", cut " << i;
+                EXPECT_TRUE(test_support::SessionState(lived) == test_support::SessionState(fresh))
+                    << "round " << round << ", cut " << i;
             }
         }
         EXPECT_GT(bent_cuts, 12u);
@@ -252,7 +253,7 @@ namespace cut_stroke_session_test {
     TEST(CutSession, CutsThatCrossInOneSpotEndAtTheElementLimit)
     {
         for (const Subdivision subdivision : { Subdivision::adaptive, Subdivision::general }) {
-            CutSession session(three_layers(8, 8, 4, 3.0));
+            CutSession session(test_support::three_layers(8, 8, 4, 3.0));
             CutOptions options;
             options.subdivision = subdivision;
             EXPECT_EQ(options.element_limit, 20'000'000u);
@@ -261,7 +262,7 @@ namespace cut_stroke_session_test {
             for (int i = 0; i < 40 && refusal.empty(); ++i) {
                 const double turn = 0.4 + 0.31 * i;
                 const Vec3 way(8.0 * std::cos(turn), 8.0 * std::sin(turn), 0.0), middle(12.1, 11.8, 12.0);
-                const SessionState before(session);
+                const test_support::SessionState before(session);
                 const Blade blade {
                     .line = { middle - way, middle + way }, .directions = { { 0.05, 0.02, -1.0 } }, .depth_mm = 8.0
                 };
@@ -271,19 +272,19 @@ namespace cut_stroke_session_test {
                     if (error.where() != "element_limit")
                         continue; // another promise
                     refusal = error.what();
-                    EXPECT_TRUE(SessionState(session) == before);
+                    EXPECT_TRUE(test_support::SessionState(session) == before);
                 }
                 EXPECT_LE(session.tet_count(), 4000u);
             }
             EXPECT_NE(refusal.find("more than 4000 elements"), std::string::npos) << refusal;
         }
-        CutSession session(three_layers(2, 2, 2, 3.0));
+        CutSession session(test_support::three_layers(2, 2, 2, 3.0));
         EXPECT_THROW(static_cast<void>(session.cut(drawn(2), { .element_limit = 0 })), InputError);
     }
 
     TEST(CutSession, MemoryFollowsWhatWasCut)
     {
-        CutSession session(three_layers(8, 8, 4, 3.0));
+        CutSession session(test_support::three_layers(8, 8, 4, 3.0));
         EXPECT_EQ(session.bytes().journal, 0u);
         std::mt19937 random(5);
         std::vector<std::size_t> journal, mesh;
@@ -297,7 +298,7 @@ namespace cut_stroke_session_test {
         EXPECT_EQ(journal.front(), journal.back());
         EXPECT_EQ(mesh[1], mesh.back()); // the first round fills what the others use again
         // A large hole in the free list is not copied into every record.
-        ASSERT_EQ(session.ablate(random_marks(random, session, kExtent, 10.0)).status, CutStatus::done);
+        ASSERT_EQ(session.ablate(test_support::random_marks(random, session, kExtent, 10.0)).status, CutStatus::done);
         const std::size_t first = session.bytes().journal;
         Blade small { .line = { { 1.1, 1.2, 12 }, { 2.7, 1.9, 12 } }, .directions = { { 0, 0, -1 } }, .depth_mm = 1.5 };
         for (int i = 0; i < 4; ++i) {
@@ -312,4 +313,4 @@ namespace cut_stroke_session_test {
     }
 
 } // namespace cut_stroke_session_test
-} // namespace retractor
+} // namespace retractor::mesh

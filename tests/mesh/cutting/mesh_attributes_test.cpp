@@ -7,7 +7,7 @@
 
 #include <limits>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace mesh_attributes_test {
 
     constexpr double kRoundOff = 1e-13; // of the field's size: a sum of four products, also where weights are negative
@@ -39,7 +39,7 @@ namespace mesh_attributes_test {
 
     TEST_P(Attributes, FollowTheirSession)
     {
-        const TetMesh body = three_layers(5, 5, 3, 3.0);
+        const TetMesh body = test_support::three_layers(5, 5, 3, 3.0);
         const AttributeArrays first = fields_on(body);
         std::size_t moved = 0;
         for (unsigned seed = 0; seed < 8; ++seed) {
@@ -50,8 +50,9 @@ namespace mesh_attributes_test {
             for (int i = 0; i < 6; ++i) {
                 CutResult result;
                 try {
-                    result = i % 3 == 2 ? session.ablate(random_marks(random, session, kExtent, 2.5))
-                                        : session.cut(random_stroke(random, kExtent), { .snap = GetParam() });
+                    result = i % 3 == 2
+                        ? session.ablate(test_support::random_marks(random, session, kExtent, 2.5))
+                        : session.cut(test_support::random_stroke(random, kExtent), { .snap = GetParam() });
                 } catch (const Error&) {
                     continue;
                 }
@@ -111,7 +112,7 @@ namespace mesh_attributes_test {
     TEST(MeshAttributes, ABornVertexHasTheValueOfItsEdge)
     {
         // Not linear over the mesh, but linear in each element: what interpolation along the edge gives.
-        const TetMesh body = three_layers(4, 4, 2, 3.0);
+        const TetMesh body = test_support::three_layers(4, 4, 2, 3.0);
         AttributeArrays first;
         std::mt19937 random(7);
         std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -160,4 +161,4 @@ namespace mesh_attributes_test {
     }
 
 } // namespace mesh_attributes_test
-} // namespace retractor
+} // namespace retractor::mesh

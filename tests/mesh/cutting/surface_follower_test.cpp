@@ -1,5 +1,5 @@
-#include "mesh/cutting/store/blade.h"
 #include "mesh/cutting/cut_session.h"
+#include "mesh/cutting/store/blade.h"
 #include "mesh/cutting/surface_follower.h"
 
 #include "mesh/base/error.h"
@@ -12,7 +12,7 @@
 #include <tuple>
 #include <vector>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace surface_follower_test {
 
     using Corners = std::array<std::array<double, 3>, 3>;
@@ -176,4 +176,4 @@ namespace surface_follower_test {
     }
 
 } // namespace surface_follower_test
-} // namespace retractor
+} // namespace retractor::mesh

@@ -1,7 +1,7 @@
 #include "mesh/generation/hybrid_model.h"
 
-#include "tests/support/label_shapes.h"
 #include "mesh/base/error.h"
+#include "tests/support/label_shapes.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <numbers>
 #include <set>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace hybrid_model_test {
 
     constexpr double kPi = std::numbers::pi;
@@ -22,7 +22,7 @@ namespace hybrid_model_test {
     {
         const int n = static_cast<int>(std::ceil(2.0 * radius / spacing)) + 5;
         const Vec3 centre = Vec3::Constant(0.5 * spacing * n) + Vec3(0.3, -0.2, 0.1); // off the grid
-        return sampled_labels({ n, n, n }, Vec3::Constant(spacing), one_label(),
+        return test_support::sampled_labels({ n, n, n }, Vec3::Constant(spacing), one_label(),
             [=](const Vec3& p) { return static_cast<Label>((p - centre).norm() < radius ? 7 : 0); });
     }
 
@@ -99,10 +99,11 @@ namespace hybrid_model_test {
     {
         const int n = static_cast<int>(std::ceil(2.0 * radius / 1.8)) + 6;
         const Vec3 centre = Vec3::Constant(0.9 * n) + Vec3(0.3, -0.2, 0.1);
-        return sampled_labels({ n, n, n }, Vec3::Constant(1.8), chest_table(), [=](const Vec3& p) -> Label {
-            const double r = (p - centre).norm();
-            return r < radius - 3.0 ? 2 : r < radius ? 1 : 0;
-        });
+        return test_support::sampled_labels(
+            { n, n, n }, Vec3::Constant(1.8), test_support::chest_table(), [=](const Vec3& p) -> Label {
+                const double r = (p - centre).norm();
+                return r < radius - 3.0 ? 2 : r < radius ? 1 : 0;
+            });
     }
 
     struct Roughness {
@@ -157,7 +158,7 @@ namespace hybrid_model_test {
 
     TEST(HybridModel, FaceCountsShowConformingInterfaces)
     {
-        const HybridModel model = build_hybrid_model(curved_wall(45.0), uniform(7.0));
+        const HybridModel model = build_hybrid_model(test_support::curved_wall(45.0), uniform(7.0));
         ASSERT_EQ(model.status, MeshStatus::done);
         std::map<std::array<VertexId, 3>, int> count;
         for (TetId t = 0; t < static_cast<TetId>(model.wall.tet_count()); ++t)
@@ -190,7 +191,7 @@ namespace hybrid_model_test {
 
     TEST(HybridModel, CurvedWallMeetsItsTargets)
     {
-        const LabelVolume labels = curved_wall();
+        const LabelVolume labels = test_support::curved_wall();
         Ledger ledger;
         Job job;
         job.ledger = &ledger;
@@ -218,8 +219,8 @@ namespace hybrid_model_test {
 
     TEST(HybridModel, CorridorIsFineAndTheRestCoarse)
     {
-        const LabelVolume block
-            = sampled_labels({ 70, 50, 50 }, Vec3::Constant(2.0), one_label(), [](const Vec3&) { return Label { 7 }; });
+        const LabelVolume block = test_support::sampled_labels(
+            { 70, 50, 50 }, Vec3::Constant(2.0), one_label(), [](const Vec3&) { return Label { 7 }; });
         const Vec3 a(5, 50, 50), b(20, 50, 50); // one end of the block
         MeshSizing sizing = uniform(4.0);
         sizing.corridor = { a, b };
@@ -259,7 +260,7 @@ namespace hybrid_model_test {
 
     TEST(HybridModel, ShiftedAndTurnedPatientGetsTheSameMesh)
     {
-        const LabelVolume labels = curved_wall(45.0);
+        const LabelVolume labels = test_support::curved_wall(45.0);
         const LabelVolume turned = moved(labels, false);
         MeshSizing sizing = wall_sizing(labels), turned_sizing = wall_sizing(turned);
         sizing.region_mm = turned_sizing.region_mm = 40.0;
@@ -276,7 +277,7 @@ namespace hybrid_model_test {
 
     TEST(HybridModel, MirroredAxesGivePositiveVolumes)
     {
-        const LabelVolume mirrored = moved(curved_wall(45.0), true);
+        const LabelVolume mirrored = moved(test_support::curved_wall(45.0), true);
         ASSERT_LT(mirrored.grid.direction.determinant(), 0.0);
         MeshSizing sizing = wall_sizing(mirrored);
         sizing.region_mm = 40.0;
@@ -288,7 +289,7 @@ namespace hybrid_model_test {
 
     TEST(HybridModel, RegionLimitsTheMesh)
     {
-        const LabelVolume labels = curved_wall();
+        const LabelVolume labels = test_support::curved_wall();
         MeshSizing sizing = wall_sizing(labels);
         sizing.region_mm = 30.0;
         const HybridModel model = build_hybrid_model(labels, sizing);
@@ -317,7 +318,7 @@ namespace hybrid_model_test {
     {
         LabelTable table { { 1, "fat", "fat", Role::wall }, { 2, "node", "muscle", Role::wall } };
         const LabelVolume labels
-            = sampled_labels({ 60, 40, 40 }, Vec3::Constant(2.0), table, [](const Vec3& p) -> Label {
+            = test_support::sampled_labels({ 60, 40, 40 }, Vec3::Constant(2.0), table, [](const Vec3& p) -> Label {
                   for (const double x : { 30.0, 60.0, 90.0 })
                       if ((p - Vec3(x, 40, 40)).norm() < 6.0)
                           return 2;
@@ -407,4 +408,4 @@ namespace hybrid_model_test {
     }
 
 } // namespace hybrid_model_test
-} // namespace retractor
+} // namespace retractor::mesh

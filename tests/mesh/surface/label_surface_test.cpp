@@ -10,7 +10,7 @@
 #include <numbers>
 #include <set>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace label_surface_test {
 
     constexpr double kPi = std::numbers::pi;
@@ -257,4 +257,4 @@ namespace label_surface_test {
     }
 
 } // namespace label_surface_test
-} // namespace retractor
+} // namespace retractor::mesh

@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace proximity_test {
 
     const Vec3 kA(0.0, 0.0, 0.0), kB(4.0, 0.0, 0.0), kC(0.0, 3.0, 0.0);
@@ -119,4 +119,4 @@ namespace proximity_test {
     }
 
 } // namespace proximity_test
-} // namespace retractor
+} // namespace retractor::mesh

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace surface_normals_test {
 
     constexpr double kRoundOff = 4 * std::numeric_limits<double>::epsilon();
@@ -49,4 +49,4 @@ namespace surface_normals_test {
     }
 
 } // namespace surface_normals_test
-} // namespace retractor
+} // namespace retractor::mesh

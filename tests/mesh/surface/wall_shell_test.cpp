@@ -12,7 +12,7 @@
 #include <set>
 #include <utility>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace wall_shell_test {
 
     constexpr double kPi = std::numbers::pi;
@@ -160,4 +160,4 @@ namespace wall_shell_test {
     TEST(LargestClosedSurface, NothingHasNone) { EXPECT_TRUE(largest_closed_surface(TetMesh {}).triangles.empty()); }
 
 } // namespace wall_shell_test
-} // namespace retractor
+} // namespace retractor::mesh

@@ -7,7 +7,7 @@
 
 #include <array>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace wound_surface_test {
 
     double volume(const TriMesh& mesh)
@@ -88,4 +88,4 @@ namespace wound_surface_test {
     }
 
 } // namespace wound_surface_test
-} // namespace retractor
+} // namespace retractor::mesh

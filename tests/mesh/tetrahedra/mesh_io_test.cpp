@@ -8,7 +8,7 @@
 #include <iterator>
 #include <unistd.h>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace mesh_io_test {
 
     namespace fs = std::filesystem;
@@ -140,4 +140,4 @@ namespace mesh_io_test {
     }
 
 } // namespace mesh_io_test
-} // namespace retractor
+} // namespace retractor::mesh

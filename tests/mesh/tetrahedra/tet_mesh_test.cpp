@@ -9,7 +9,7 @@
 #include <limits>
 #include <numeric>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace tet_mesh_test {
 
     // Sums of a few thousand terms of size 1: a generous multiple of round-off.
@@ -103,4 +103,4 @@ namespace tet_mesh_test {
     }
 
 } // namespace tet_mesh_test
-} // namespace retractor
+} // namespace retractor::mesh

@@ -8,21 +8,21 @@
 
 namespace {
 
-retractor::OperatingTable slab()
+retractor::planner::OperatingTable slab()
 {
-    retractor::OperatingTable table;
-    table.wall = retractor::kuhn_box(12, 4, 12, 5.0);
-    table.labels = { { table.wall.labels.front(), "muscle", "muscle", retractor::Role::wall } };
+    retractor::planner::OperatingTable table;
+    table.wall = retractor::mesh::kuhn_box(12, 4, 12, 5.0);
+    table.labels = { { table.wall.labels.front(), "muscle", "muscle", retractor::mesh::Role::wall } };
     return table;
 }
 
 /// Straight down on the slab.
-retractor::Touch touched(const retractor::SessionSnapshot& now, double x)
+retractor::planner::Touch touched(const retractor::planner::SessionSnapshot& now, double x)
 {
-    return *retractor::touch(*now.picture, { { x, -50.0, 32.0 }, retractor::Vec3::UnitY() });
+    return *retractor::planner::touch(*now.picture, { { x, -50.0, 32.0 }, retractor::Vec3::UnitY() });
 }
 
-void wait_for(const retractor::KnifeWorker& worker)
+void wait_for(const retractor::planner::KnifeWorker& worker)
 {
     while (!worker.idle())
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -32,10 +32,10 @@ void wait_for(const retractor::KnifeWorker& worker)
 
 int main()
 {
-    retractor::KnifeWorker worker([](const retractor::Job&) { return slab(); }, [] {});
+    retractor::planner::KnifeWorker worker([](const retractor::Job&) { return slab(); }, [] {});
     wait_for(worker);
     const auto laid = worker.snapshot();
-    if (laid->phase != retractor::SessionSnapshot::Phase::ready) {
+    if (laid->phase != retractor::planner::SessionSnapshot::Phase::ready) {
         std::printf("%s\n", laid->failure.c_str());
         return 1;
     }

@@ -9,20 +9,20 @@
 #include <cmath>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::planner {
 namespace anatomy_test {
 
-    using fixtures::ChestShape;
-    using fixtures::moved;
-    using fixtures::stored_backwards;
-    using fixtures::synthetic_chest;
+    using test_support::ChestShape;
+    using test_support::moved;
+    using test_support::stored_backwards;
+    using test_support::synthetic_chest;
 
     constexpr double kVoxel = 3.0; // the synthetic chest's
     constexpr double kEquivarianceMm = 1e-6; // round-off of coordinates of some hundred mm through some thousand sums
 
-    const LabelVolume& chest()
+    const mesh::LabelVolume& chest()
     {
-        static const LabelVolume labels = synthetic_chest();
+        static const mesh::LabelVolume labels = test_support::synthetic_chest();
         return labels;
     }
 
@@ -45,7 +45,7 @@ namespace anatomy_test {
         }
     }
 
-    std::string where_of_refusal(const LabelVolume& labels)
+    std::string where_of_refusal(const mesh::LabelVolume& labels)
     {
         try {
             find_anatomy(labels);
@@ -55,17 +55,17 @@ namespace anatomy_test {
         return "accepted";
     }
 
-    void erase(LabelVolume& labels, std::string_view name)
+    void erase(mesh::LabelVolume& labels, std::string_view name)
     {
-        const LabelInfo* info = find_label(labels.table, name);
+        const mesh::LabelInfo* info = mesh::find_label(labels.table, name);
         for (Label& voxel : labels.voxels)
             if (voxel == info->id)
                 voxel = 0;
     }
 
-    void rename(LabelVolume& labels, const std::string& from, const std::string& to)
+    void rename(mesh::LabelVolume& labels, const std::string& from, const std::string& to)
     {
-        for (LabelInfo& info : labels.table)
+        for (mesh::LabelInfo& info : labels.table)
             if (info.name == from)
                 info.name = to;
     }
@@ -83,25 +83,25 @@ namespace anatomy_test {
     TEST(Anatomy, SternumRunsFromNotchToXiphoid)
     {
         const Anatomy anatomy = find_anatomy(chest());
-        EXPECT_LT((anatomy.sternum.top - Vec3(0.0, -104.0, fixtures::kSternumTop)).norm(), kVoxel);
-        EXPECT_LT((anatomy.sternum.bottom - Vec3(0.0, -104.0, fixtures::kSternumBottom)).norm(), kVoxel);
+        EXPECT_LT((anatomy.sternum.top - Vec3(0.0, -104.0, test_support::kSternumTop)).norm(), kVoxel);
+        EXPECT_LT((anatomy.sternum.bottom - Vec3(0.0, -104.0, test_support::kSternumBottom)).norm(), kVoxel);
         for (const Vec3& point : anatomy.sternum.midline)
             EXPECT_LT(std::hypot(point.x(), point.y() + 104.0), 0.5 * kVoxel);
     }
 
     TEST(Anatomy, RibCentreLinesLieOnTheirHelices)
     {
-        const ChestShape shape;
+        const test_support::ChestShape shape;
         const Anatomy anatomy = find_anatomy(chest());
         ASSERT_EQ(anatomy.ribs.size(), 16u);
         for (const RibLine& rib : anatomy.ribs) {
-            EXPECT_LT(rib.angle_deg.front(), fixtures::kRibFromDeg + 3.0);
-            EXPECT_GT(rib.angle_deg.back(), fixtures::kRibToDeg - 3.0);
+            EXPECT_LT(rib.angle_deg.front(), test_support::kRibFromDeg + 3.0);
+            EXPECT_GT(rib.angle_deg.back(), test_support::kRibToDeg - 3.0);
             for (const Vec3& point : rib.points) {
                 EXPECT_EQ(rib.left, point.x() > 0.0);
                 const double angle = std::atan2(std::abs(point.x()), point.y()) * 180.0 / std::numbers::pi;
                 EXPECT_NEAR(std::hypot(point.x(), point.y()), shape.rib_radius, 0.5 * kVoxel) << rib.name;
-                EXPECT_NEAR(point.z(), rib_height_at(shape, rib.number, angle), 0.5 * kVoxel) << rib.name;
+                EXPECT_NEAR(point.z(), test_support::rib_height_at(shape, rib.number, angle), 0.5 * kVoxel) << rib.name;
             }
         }
     }
@@ -129,12 +129,13 @@ namespace anatomy_test {
         const Anatomy anatomy = find_anatomy(chest());
         for (const int axis : { 0, 1, 2 })
             expect_same_landmarks(
-                anatomy, find_anatomy(stored_backwards(chest(), axis)), Mat3::Identity(), Vec3::Zero());
+                anatomy, find_anatomy(test_support::stored_backwards(chest(), axis)), Mat3::Identity(), Vec3::Zero());
     }
 
     TEST(Anatomy, CartilagesLeadTheRibsToTheSternum)
     {
-        const Phantom phantom = make_thorax_phantom({ .spacing_mm = { 2.4, 2.4, 2.6 }, .noise_hu = 0.0 });
+        const datasets::Phantom phantom
+            = datasets::make_thorax_phantom({ .spacing_mm = { 2.4, 2.4, 2.6 }, .noise_hu = 0.0 });
         const Anatomy anatomy = find_anatomy(phantom.labels);
         const RibLine& rib = find_rib(anatomy, true, 4);
         EXPECT_LT(rib.bone_points, rib.points.size());
@@ -147,11 +148,11 @@ namespace anatomy_test {
     TEST(Anatomy, MissingLandmarksAreNamed)
     {
         for (const std::string name : { "spine", "sternum" }) {
-            LabelVolume labels = chest();
+            mesh::LabelVolume labels = chest();
             erase(labels, name);
             EXPECT_EQ(where_of_refusal(labels), name);
         }
-        LabelVolume labels = chest();
+        mesh::LabelVolume labels = chest();
         for (int n = 1; n <= 7; ++n)
             erase(labels, "rib_right_" + std::to_string(n));
         EXPECT_EQ(where_of_refusal(labels), "rib_right_*");
@@ -161,11 +162,11 @@ namespace anatomy_test {
 
     TEST(Anatomy, MirroredPatientIsRefused)
     {
-        LabelVolume mirrored = chest();
+        mesh::LabelVolume mirrored = chest();
         mirrored.grid.direction.col(0) *= -1.0; // the axis, but not the voxels
         EXPECT_TRUE(where_of_refusal(mirrored).starts_with("rib_")) << where_of_refusal(mirrored);
 
-        LabelVolume swapped = chest();
+        mesh::LabelVolume swapped = chest();
         rename(swapped, "rib_left_3", "x");
         rename(swapped, "rib_right_3", "rib_left_3");
         rename(swapped, "x", "rib_right_3");
@@ -174,9 +175,9 @@ namespace anatomy_test {
 
     TEST(Anatomy, MisnumberedRibsAreRefused)
     {
-        LabelVolume labels = chest();
+        mesh::LabelVolume labels = chest();
         const int order[] = { 3, 8, 1, 6, 2, 7, 5, 4 };
-        for (LabelInfo& info : labels.table)
+        for (mesh::LabelInfo& info : labels.table)
             if (info.name.starts_with("rib_"))
                 info.name.back() = static_cast<char>('0' + order[info.name.back() - '1']);
         EXPECT_EQ(where_of_refusal(labels), "rib_*");
@@ -184,10 +185,10 @@ namespace anatomy_test {
 
     TEST(Anatomy, TotalSegmentatorVertebraeStandForTheSpine)
     {
-        LabelVolume labels = chest();
+        mesh::LabelVolume labels = chest();
         rename(labels, "spine", "vertebrae_T5");
         expect_same_landmarks(find_anatomy(chest()), find_anatomy(labels), Mat3::Identity(), Vec3::Zero());
     }
 
 } // namespace anatomy_test
-} // namespace retractor
+} // namespace retractor::planner

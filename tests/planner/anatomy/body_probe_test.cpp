@@ -8,16 +8,16 @@
 #include <cmath>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::planner {
 namespace body_probe_test {
 
     constexpr double kSkinMm = 1.5; // half a voxel: where the skin runs along the grid, labels know no better
     constexpr double kNormalDeg = 4.0; // a step of one voxel over the width of the kernel, half seen
-    const fixtures::ChestShape kShape;
+    const test_support::ChestShape kShape;
 
-    const LabelVolume& chest()
+    const mesh::LabelVolume& chest()
     {
-        static const LabelVolume labels = fixtures::synthetic_chest();
+        static const mesh::LabelVolume labels = test_support::synthetic_chest();
         return labels;
     }
 
@@ -40,21 +40,21 @@ namespace body_probe_test {
 
     TEST(BodyProbe, AnArmBesideTheChestHasASkinOfItsOwn)
     {
-        LabelVolume labels = chest();
+        mesh::LabelVolume labels = chest();
         // An arm to the right of the chest, 15 mm off it.
         const double from = kShape.radius + 15.0;
         const int reach = static_cast<int>(std::ceil((from + 40.0) / labels.grid.spacing.x()));
-        LabelVolume wide = labels;
+        mesh::LabelVolume wide = labels;
         wide.grid.size[0] += 2 * reach;
         wide.grid.origin.x() -= reach * labels.grid.spacing.x();
         wide.voxels.assign(wide.grid.voxel_count(), 0);
-        const Label skin = find_label(labels.table, "skin")->id;
+        const Label skin = mesh::find_label(labels.table, "skin")->id;
         for (int k = 0; k < wide.grid.size[2]; ++k)
             for (int j = 0; j < wide.grid.size[1]; ++j)
                 for (int i = 0; i < wide.grid.size[0]; ++i) {
                     const Vec3 p = wide.grid.world(Vec3(i, j, k));
                     const bool arm = p.x() > from && p.x() < from + 30.0 && std::abs(p.y()) < 25.0;
-                    wide.voxels[wide.grid.offset(i, j, k)] = arm ? skin : label_at(labels, p);
+                    wide.voxels[wide.grid.offset(i, j, k)] = arm ? skin : mesh::label_at(labels, p);
                 }
         const BodyProbe probe(wide);
         const Vec3 start(kShape.radius - 0.5 * kShape.wall, 0.0, 3.0);
@@ -100,9 +100,9 @@ namespace body_probe_test {
 
     TEST(BodyProbe, VolumeWithoutWallIsRefused)
     {
-        LabelVolume labels = chest();
-        for (LabelInfo& info : labels.table)
-            info.role = Role::voxel;
+        mesh::LabelVolume labels = chest();
+        for (mesh::LabelInfo& info : labels.table)
+            info.role = mesh::Role::voxel;
         EXPECT_THROW(BodyProbe { labels }, InputError);
     }
 
@@ -114,4 +114,4 @@ namespace body_probe_test {
     }
 
 } // namespace body_probe_test
-} // namespace retractor
+} // namespace retractor::planner

@@ -11,10 +11,10 @@
 #include <cmath>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::planner {
 namespace approach_templates_test {
 
-    using fixtures::ChestShape;
+    using test_support::ChestShape;
 
     constexpr double kEquivarianceMm = 1e-6; // asked for; round-off is near 1e-12
     constexpr double kHalfVoxelMm
@@ -22,21 +22,21 @@ namespace approach_templates_test {
 
     struct Patient {
         std::string name;
-        LabelVolume labels;
+        mesh::LabelVolume labels;
     };
 
     const std::vector<Patient>& patients()
     {
         // The thorax coarser than the demo's, to save time, and another one of a different build.
         static const std::vector<Patient> all {
-            { "round chest", fixtures::synthetic_chest() },
-            { "thorax", make_thorax_phantom({ .spacing_mm = { 2.2, 2.2, 2.4 }, .noise_hu = 0.0 }).labels },
+            { "round chest", test_support::synthetic_chest() },
+            { "thorax", datasets::make_thorax_phantom({ .spacing_mm = { 2.2, 2.2, 2.4 }, .noise_hu = 0.0 }).labels },
             { "large thorax",
-                make_thorax_phantom({ .width_mm = 400.0,
-                                        .depth_mm = 270.0,
-                                        .spacing_mm = { 2.6, 2.6, 2.6 },
-                                        .fat_mm = 20.0,
-                                        .noise_hu = 0.0 })
+                datasets::make_thorax_phantom({ .width_mm = 400.0,
+                                                  .depth_mm = 270.0,
+                                                  .spacing_mm = { 2.6, 2.6, 2.6 },
+                                                  .fat_mm = 20.0,
+                                                  .noise_hu = 0.0 })
                     .labels },
         };
         return all;
@@ -54,7 +54,7 @@ namespace approach_templates_test {
 
     const std::vector<std::string> kTemplates { "median", "intercostal:4", "intercostal:5", "distal", "midcab" };
 
-    double distance_to_bone(const LabelVolume& labels, const Approach& approach, std::string_view but_not)
+    double distance_to_bone(const mesh::LabelVolume& labels, const Approach& approach, std::string_view but_not)
     {
         double least = 1e300;
         std::vector<Vec3> blade;
@@ -75,7 +75,7 @@ namespace approach_templates_test {
                     const Vec3 p = labels.grid.world(Vec3(i, j, k));
                     if (((low - p).array() > 6.0).any() || ((p - high).array() > 6.0).any())
                         continue;
-                    const LabelInfo* info = find_label(labels.table, label);
+                    const mesh::LabelInfo* info = mesh::find_label(labels.table, label);
                     if (info->material != "bone" || info->name == but_not)
                         continue;
                     for (const Vec3& q : blade)
@@ -109,8 +109,10 @@ namespace approach_templates_test {
                     // Two voxels out there is air, two in there is tissue: no farther off the skin than the voxels
                     // resolve.
                     const double voxels = 2.0 * patient.labels.grid.spacing.maxCoeff();
-                    EXPECT_EQ(label_at(patient.labels, approach.incision[n] - voxels * approach.directions[n]), 0);
-                    EXPECT_NE(label_at(patient.labels, approach.incision[n] + voxels * approach.directions[n]), 0);
+                    EXPECT_EQ(
+                        mesh::label_at(patient.labels, approach.incision[n] - voxels * approach.directions[n]), 0);
+                    EXPECT_NE(
+                        mesh::label_at(patient.labels, approach.incision[n] + voxels * approach.directions[n]), 0);
                     if (n == 0)
                         continue;
                     const Vec3 step = approach.incision[n] - approach.incision[n - 1];
@@ -130,7 +132,7 @@ namespace approach_templates_test {
     {
         for (const std::string& name : kTemplates)
             for (const Vec3& point : approach_from_template(patients()[0].labels, request(name)).incision)
-                EXPECT_NEAR(std::hypot(point.x(), point.y()), ChestShape {}.radius, kHalfVoxelMm) << name;
+                EXPECT_NEAR(std::hypot(point.x(), point.y()), test_support::ChestShape {}.radius, kHalfVoxelMm) << name;
     }
 
     TEST(ApproachTemplates, BladePassesTheWholeWallAndLittleMore)
@@ -145,7 +147,7 @@ namespace approach_templates_test {
                     thickest = std::max(thickest, approach.wall_thickness_mm[n]);
                     const Vec3 beyond
                         = approach.incision[n] + (approach.wall_thickness_mm[n] + 2.5) * approach.directions[n];
-                    EXPECT_FALSE(wall[label_at(patient.labels, beyond)]) << n;
+                    EXPECT_FALSE(wall[mesh::label_at(patient.labels, beyond)]) << n;
                 }
                 EXPECT_GT(approach.depth_mm, thickest);
                 EXPECT_LT(approach.depth_mm, thickest + 6.0);
@@ -168,8 +170,8 @@ namespace approach_templates_test {
         const Approach approach = approach_from_template(patients()[0].labels, request("median"));
         for (const Vec3& point : approach.incision)
             EXPECT_LT(std::abs(point.x()), kHalfVoxelMm);
-        EXPECT_NEAR(approach.incision.front().z(), fixtures::kSternumTop + 10.0, 3.0);
-        EXPECT_NEAR(approach.incision.back().z(), fixtures::kSternumBottom - 10.0, 3.0);
+        EXPECT_NEAR(approach.incision.front().z(), test_support::kSternumTop + 10.0, 3.0);
+        EXPECT_NEAR(approach.incision.back().z(), test_support::kSternumBottom - 10.0, 3.0);
         for (const Vec3& direction : approach.directions)
             EXPECT_LT((direction - Vec3::UnitY()).norm(), 0.03);
         EXPECT_EQ(std::count(approach.uncut_labels.begin(), approach.uncut_labels.end(), "sternum"), 0);
@@ -180,7 +182,7 @@ namespace approach_templates_test {
 
     TEST(ApproachTemplates, IntercostalRunsHalfWayBetweenTheRibs)
     {
-        const ChestShape shape;
+        const test_support::ChestShape shape;
         for (const bool left : { true, false })
             for (const int space : { 3, 4, 5, 6 }) {
                 ApproachRequest r = request("intercostal:" + std::to_string(space));
@@ -192,7 +194,8 @@ namespace approach_templates_test {
                     const double angle = std::atan2(std::abs(between.x()), between.y()) * 180.0 / std::numbers::pi;
                     EXPECT_EQ(between.x() > 0.0, left);
                     EXPECT_NEAR(std::hypot(between.x(), between.y()), shape.rib_radius, 1.0);
-                    EXPECT_NEAR(between.z(), rib_height_at(shape, space, angle) - 0.5 * shape.rib_pitch, 1.0);
+                    EXPECT_NEAR(
+                        between.z(), test_support::rib_height_at(shape, space, angle) - 0.5 * shape.rib_pitch, 1.0);
                 }
                 EXPECT_EQ(approach.retracted.front(), left ? "lung_left" : "lung_right");
             }
@@ -200,7 +203,7 @@ namespace approach_templates_test {
 
     TEST(ApproachTemplates, MidcabIsCentredOverItsTarget)
     {
-        const LabelVolume& labels = patients()[0].labels;
+        const mesh::LabelVolume& labels = patients()[0].labels;
         const Vec3 target(60.0, -35.0, -30.0);
         const auto over_target = [&](const std::string& name) {
             ApproachRequest r = request(name);
@@ -221,7 +224,7 @@ namespace approach_templates_test {
 
     TEST(ApproachTemplates, DistalLiesFartherBackThanTheLateralIncision)
     {
-        const LabelVolume& labels = patients()[0].labels;
+        const mesh::LabelVolume& labels = patients()[0].labels;
         const auto middle = [&](const std::string& name) {
             const Approach a = approach_from_template(labels, request(name));
             return a.incision[a.incision.size() / 2];
@@ -234,7 +237,7 @@ namespace approach_templates_test {
         const Mat3 rotation = Eigen::AngleAxisd(-1.13, Vec3(0.5, 0.7, -0.2).normalized()).toRotationMatrix();
         const Vec3 shift(-88.8, 512.5, -1203.7);
         for (const Patient& patient : patients()) {
-            const LabelVolume turned = fixtures::moved(patient.labels, rotation, shift);
+            const mesh::LabelVolume turned = test_support::moved(patient.labels, rotation, shift);
             for (const std::string& name : kTemplates) {
                 SCOPED_TRACE(patient.name + " " + name);
                 expect_same(approach_from_template(patient.labels, request(name)),
@@ -246,7 +249,7 @@ namespace approach_templates_test {
     TEST(ApproachTemplates, StorageOrderDoesNotMatter)
     {
         for (const int axis : { 0, 1, 2 }) {
-            const LabelVolume backwards = fixtures::stored_backwards(patients()[1].labels, axis);
+            const mesh::LabelVolume backwards = test_support::stored_backwards(patients()[1].labels, axis);
             for (const std::string& name : kTemplates) {
                 SCOPED_TRACE(name);
                 expect_same(approach_from_template(patients()[1].labels, request(name)),
@@ -258,17 +261,17 @@ namespace approach_templates_test {
     TEST(ApproachTemplates, RetractedOrgansAndTargetAreInTheTable)
     {
         for (const std::string& name : kTemplates) {
-            const LabelVolume& labels = patients()[1].labels;
+            const mesh::LabelVolume& labels = patients()[1].labels;
             const Approach approach = approach_from_template(labels, request(name));
             EXPECT_FALSE(approach.retracted.empty());
             for (const std::string& organ : approach.retracted)
-                EXPECT_NE(find_label(labels.table, organ), nullptr) << organ;
+                EXPECT_NE(mesh::find_label(labels.table, organ), nullptr) << organ;
         }
     }
 
     TEST(ApproachTemplates, BadRequestsAreRefused)
     {
-        const LabelVolume& labels = patients()[0].labels;
+        const mesh::LabelVolume& labels = patients()[0].labels;
         for (const char* name : { "", "medial", "intercostal", "intercostal:", "intercostal:x", "intercostal:0",
                  "intercostal:12", "intercostal:5x", "median:3" })
             EXPECT_THROW(approach_from_template(labels, request(name, "aneurysm")), InputError) << name;
@@ -287,19 +290,20 @@ namespace approach_templates_test {
 
     TEST(ApproachTemplates, TooNarrowASpaceIsRefused)
     {
-        ChestShape narrow;
+        test_support::ChestShape narrow;
         narrow.rib_height = 22.5; // of a pitch of 24 mm
-        EXPECT_THROW(approach_from_template(fixtures::synthetic_chest(narrow), request("intercostal:4")), InputError);
+        EXPECT_THROW(
+            approach_from_template(test_support::synthetic_chest(narrow), request("intercostal:4")), InputError);
     }
 
     TEST(ApproachFromPoints, PointsAreMovedOntoTheSkin)
     {
-        const LabelVolume& labels = patients()[0].labels;
+        const mesh::LabelVolume& labels = patients()[0].labels;
         const double off[] = { 5.0, -8.0, 0.0 };
         std::vector<Vec3> points;
         for (int n = 0; n < 3; ++n) {
             const double angle = 0.35 * n - 0.9;
-            points.push_back((ChestShape {}.radius + off[n]) * Vec3(std::cos(angle), std::sin(angle), 0.0)
+            points.push_back((test_support::ChestShape {}.radius + off[n]) * Vec3(std::cos(angle), std::sin(angle), 0.0)
                 + Vec3(0.0, 0.0, -12.0 * n));
         }
         const PointsApproach result = approach_from_points(labels, points, request("points"));
@@ -307,7 +311,7 @@ namespace approach_templates_test {
             EXPECT_NEAR(result.moved_mm[n], std::abs(off[n]), 1.0);
         for (std::size_t n = 0; n < result.approach.incision.size(); ++n) {
             const Vec3& point = result.approach.incision[n];
-            EXPECT_NEAR(std::hypot(point.x(), point.y()), ChestShape {}.radius, kHalfVoxelMm);
+            EXPECT_NEAR(std::hypot(point.x(), point.y()), test_support::ChestShape {}.radius, kHalfVoxelMm);
             EXPECT_GT(result.approach.directions[n].dot(-Vec3(point.x(), point.y(), 0.0).normalized()), 0.98);
         }
         EXPECT_EQ(result.approach.template_name, "points");
@@ -320,15 +324,15 @@ namespace approach_templates_test {
         std::vector<Vec3> points { { 118.0, -40.0, 10.0 }, { 100.0, -75.0, 0.0 } }, turned;
         for (const Vec3& point : points)
             turned.push_back(rotation * point + shift);
-        const LabelVolume& labels = patients()[0].labels;
+        const mesh::LabelVolume& labels = patients()[0].labels;
         expect_same(approach_from_points(labels, points, request("points")).approach,
-            approach_from_points(fixtures::moved(labels, rotation, shift), turned, request("points")).approach,
+            approach_from_points(test_support::moved(labels, rotation, shift), turned, request("points")).approach,
             rotation, shift);
     }
 
     TEST(ApproachFromPoints, BadPointsAreRefused)
     {
-        const LabelVolume& labels = patients()[0].labels;
+        const mesh::LabelVolume& labels = patients()[0].labels;
         const std::vector<Vec3> good { { 118.0, -40.0, 10.0 }, { 100.0, -75.0, 0.0 } };
         const auto refused_at = [&](const std::vector<Vec3>& points, double depth = 0.0) -> std::string {
             try {
@@ -348,7 +352,7 @@ namespace approach_templates_test {
 
     TEST(ApproachFromPoints, ABladeThatCrossesItselfIsRefusedByItsPoints)
     {
-        const LabelVolume labels = make_block_phantom({}).labels;
+        const mesh::LabelVolume labels = datasets::make_block_phantom({}).labels;
         ApproachRequest across = request("points", "target");
         const std::vector<Vec3> corners { { -25, 0, -25 }, { 25, 0, -25 }, { 25, 0, 25 }, { -25, 0, 25 } };
         const auto refusal = [&](std::vector<Vec3> points, const Vec3& last) -> std::string {
@@ -374,9 +378,9 @@ namespace approach_templates_test {
 
     TEST(ApproachFromPoints, SolidBodyNeedsADepth)
     {
-        LabelVolume labels = patients()[0].labels;
-        for (LabelInfo& info : labels.table)
-            info.role = Role::wall;
+        mesh::LabelVolume labels = patients()[0].labels;
+        for (mesh::LabelInfo& info : labels.table)
+            info.role = mesh::Role::wall;
         const std::vector<Vec3> points { { 118.0, -40.0, 10.0 }, { 100.0, -75.0, 0.0 } };
         ApproachRequest sphere = request("points"); // no label is left that is not wall
         sphere.target = { .label = "", .centre = label_centroid(labels, "aneurysm"), .radius_mm = 10.0 };
@@ -385,4 +389,4 @@ namespace approach_templates_test {
     }
 
 } // namespace approach_templates_test
-} // namespace retractor
+} // namespace retractor::planner

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 namespace hooks_test {
 
     /// 100 mm along y on the plane z = 0, straight down.
@@ -143,7 +143,7 @@ namespace hooks_test {
     TEST(Hooks, PullAwayFromTheOtherLip)
     {
         for (const Approach& approach : { straight(), curved() }) {
-            const SweptBlade blade(blade_of(approach));
+            const mesh::SweptBlade blade(blade_of(approach));
             for (const HookSpec& hook : make_hooks(approach, "8", 40.0)) {
                 EXPECT_NEAR(hook.direction.norm(), 1.0, 1e-12);
                 const Vec3 place = blade.at(hook.along_mm, hook.depth_mm);
@@ -223,4 +223,4 @@ namespace hooks_test {
     }
 
 } // namespace hooks_test
-} // namespace retractor
+} // namespace retractor::planner

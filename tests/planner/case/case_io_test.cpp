@@ -12,7 +12,7 @@
 #include <functional>
 #include <limits>
 
-namespace retractor {
+namespace retractor::planner {
 namespace case_io_test {
 
     namespace fs = std::filesystem;
@@ -65,9 +65,9 @@ namespace case_io_test {
             c.folder = folder_;
             c.ct = make_reference(folder_, folder_ / "ct");
             c.labels = make_reference(folder_, folder_ / "labels.nrrd");
-            c.label_table = { { 1, "spine", "bone", Role::wall }, { 2, "rib", "bone", Role::wall },
-                { 3, "lung", "lung", Role::voxel }, { 700, "aneurysm", "vessel", Role::target },
-                { 9, "heart", "heart", Role::at_risk } };
+            c.label_table = { { 1, "spine", "bone", mesh::Role::wall }, { 2, "rib", "bone", mesh::Role::wall },
+                { 3, "lung", "lung", mesh::Role::voxel }, { 700, "aneurysm", "vessel", mesh::Role::target },
+                { 9, "heart", "heart", mesh::Role::at_risk } };
             add_approach(c, approach("first"));
             Approach second = approach("second");
             second.target = { .label = {}, .centre = Vec3(0.1, -1e-17, 1e3 / 7.0), .radius_mm = 0.3 };
@@ -141,7 +141,7 @@ namespace case_io_test {
         Case c = sample();
         EXPECT_EQ(case_to_json(c).find("solution"), std::string::npos);
         EXPECT_EQ(case_from_json(case_to_json(c), folder_).solution, SolutionChoice {});
-        c.solution = { Elasticity::hyperelastic, ElementKind::p2, 100.0 / 3.0 };
+        c.solution = { fem::Elasticity::hyperelastic, ElementKind::p2, 100.0 / 3.0 };
         EXPECT_EQ(case_from_json(case_to_json(c), folder_).solution, c.solution);
         c.contact = true;
         EXPECT_THROW((void)case_to_json(c), InputError); // near, contact
@@ -158,26 +158,27 @@ namespace case_io_test {
     TEST_F(CaseFile, LawsOfMaterialsComeBackAndBadOnesAreRefused)
     {
         Case c = sample();
-        c.materials[0].law = TissueLaw { MooneyRivlin { .c10 = 0.1 / 3.0, .c01 = 0.01 } };
+        c.materials[0].law = fem::TissueLaw { fem::MooneyRivlin { .c10 = 0.1 / 3.0, .c01 = 0.01 } };
         c.materials[1].law
-            = TissueLaw { HolzapfelGasserOgden { .mu = 0.003, .k1 = 0.002, .k2 = 1.7, .dispersion = 0.1 },
+            = fem::TissueLaw { fem::HolzapfelGasserOgden { .mu = 0.003, .k1 = 0.002, .k2 = 1.7, .dispersion = 0.1 },
                   { .first = Vec3(1.0, 2.0, 0.0).normalized(), .second = Vec3::UnitZ() } };
-        c.materials[2].law = TissueLaw { Guccione { .C = 0.002, .bf = 8.0, .bt = 2.0, .bfs = 4.0 },
+        c.materials[2].law = fem::TissueLaw { fem::Guccione { .C = 0.002, .bf = 8.0, .bt = 2.0, .bfs = 4.0 },
             { .first = Vec3::UnitY(), .second = Vec3::UnitY() } };
         const Case back = case_from_json(case_to_json(c), folder_);
-        EXPECT_EQ(std::get<MooneyRivlin>(back.materials[0].law->law).c10, 0.1 / 3.0);
-        EXPECT_EQ(std::get<HolzapfelGasserOgden>(back.materials[1].law->law).k2, 1.7);
+        EXPECT_EQ(std::get<fem::MooneyRivlin>(back.materials[0].law->law).c10, 0.1 / 3.0);
+        EXPECT_EQ(std::get<fem::HolzapfelGasserOgden>(back.materials[1].law->law).k2, 1.7);
         EXPECT_LT((back.materials[1].law->fibres.first - c.materials[1].law->fibres.first).norm(), 1e-15);
         EXPECT_EQ(back.materials[1].law->fibres.second, Vec3::UnitZ());
-        EXPECT_EQ(std::get<Guccione>(back.materials[2].law->law).bfs, 4.0);
+        EXPECT_EQ(std::get<fem::Guccione>(back.materials[2].law->law).bfs, 4.0);
         EXPECT_EQ(back.materials[2].law->fibres.first, Vec3::UnitY());
         EXPECT_FALSE(back.materials[3].law.has_value());
-        const FibresAround around {
+        const fem::FibresAround around {
             .point = Vec3(1.0, 2.0 / 3.0, 3.0), .axis = Vec3(0.0, 0.1, 1.0), .angle_deg = 37.5
         };
         for (const std::size_t i : { 1U, 2U }) {
             c.materials[i].law->around = around;
-            const std::optional<FibresAround> again = case_from_json(case_to_json(c), folder_).materials[i].law->around;
+            const std::optional<fem::FibresAround> again
+                = case_from_json(case_to_json(c), folder_).materials[i].law->around;
             ASSERT_TRUE(again.has_value());
             EXPECT_EQ(again->point, around.point);
             EXPECT_EQ(again->axis, around.axis);
@@ -223,18 +224,18 @@ namespace case_io_test {
     {
         Case c = sample();
         c.materials[0].pre_strain
-            = { PreStrainKind::biaxial, 0.1 / 3.0, Vec3(0.0, 0.1, 2.0), Vec3(0.3, -1.0, 0.0), 0.01 };
-        c.materials[1].pre_strain = { PreStrainKind::uniaxial_stress, 0.05, Vec3::UnitX() };
-        c.materials[2].pre_strain = { .kind = PreStrainKind::equibiaxial, .strain = 0.02 };
+            = { fem::PreStrainKind::biaxial, 0.1 / 3.0, Vec3(0.0, 0.1, 2.0), Vec3(0.3, -1.0, 0.0), 0.01 };
+        c.materials[1].pre_strain = { fem::PreStrainKind::uniaxial_stress, 0.05, Vec3::UnitX() };
+        c.materials[2].pre_strain = { .kind = fem::PreStrainKind::equibiaxial, .strain = 0.02 };
         const Case back = case_from_json(case_to_json(c), folder_);
-        EXPECT_EQ(back.materials[0].pre_strain.kind, PreStrainKind::biaxial);
+        EXPECT_EQ(back.materials[0].pre_strain.kind, fem::PreStrainKind::biaxial);
         EXPECT_EQ(back.materials[0].pre_strain.strain, 0.1 / 3.0);
         EXPECT_EQ(back.materials[0].pre_strain.across, 0.01);
         EXPECT_EQ(back.materials[0].pre_strain.pull, Vec3(0.0, 0.1, 2.0));
         EXPECT_EQ(back.materials[0].pre_strain.normal, Vec3(0.3, -1.0, 0.0));
-        EXPECT_EQ(back.materials[1].pre_strain.kind, PreStrainKind::uniaxial_stress);
+        EXPECT_EQ(back.materials[1].pre_strain.kind, fem::PreStrainKind::uniaxial_stress);
         EXPECT_EQ(back.materials[2].pre_strain.across, 0.02) << "the same both ways";
-        EXPECT_EQ(back.materials[3].pre_strain.kind, PreStrainKind::none);
+        EXPECT_EQ(back.materials[3].pre_strain.kind, fem::PreStrainKind::none);
         EXPECT_EQ(case_to_json(back), case_to_json(case_from_json(case_to_json(back), folder_)));
         const auto refused = [&](const Json& tension) {
             return refused_at([&](Json& j) { j["materials"][0]["pre_strain"] = tension; });
@@ -260,7 +261,7 @@ namespace case_io_test {
             EXPECT_EQ(error.where(), at + "/across");
             EXPECT_NE(std::string(error.what()).find(c.materials[0].name), std::string::npos) << error.what();
         }
-        c.materials[0].pre_strain = { .kind = PreStrainKind::isotropic, .strain = 0.02 };
+        c.materials[0].pre_strain = { .kind = fem::PreStrainKind::isotropic, .strain = 0.02 };
         EXPECT_THROW((void)case_to_json(c), InputError);
     }
 
@@ -375,9 +376,9 @@ namespace case_io_test {
         EXPECT_TRUE(read.approaches[0].ablations.empty());
         EXPECT_EQ(read.approaches[0].loose_pieces, LoosePieces::held);
         EXPECT_TRUE(read.approaches[0].hooks.at(0).pull.prescribes());
-        for (const Material& material : read.materials) {
+        for (const fem::Material& material : read.materials) {
             EXPECT_FALSE(material.law) << material.name;
-            EXPECT_EQ(material.pre_strain.kind, PreStrainKind::none) << material.name;
+            EXPECT_EQ(material.pre_strain.kind, fem::PreStrainKind::none) << material.name;
         }
         // Written again, it has the same keys.
         EXPECT_EQ(nlohmann::json::parse(case_to_json(read)), nlohmann::json::parse(kFirstCase));
@@ -568,4 +569,4 @@ namespace case_io_test {
     }
 
 } // namespace case_io_test
-} // namespace retractor
+} // namespace retractor::planner

@@ -1,8 +1,8 @@
 #include "planner/case/import_case.h"
 
 #include "datasets/dicom/dicom.h"
-#include "datasets/phantoms/phantom.h"
 #include "datasets/io/volume_io.h"
+#include "datasets/phantoms/phantom.h"
 #include "mesh/base/error.h"
 #include "planner/case/case_io.h"
 
@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <atomic>
 
-namespace retractor {
+namespace retractor::planner {
 namespace import_case_test {
 
     namespace fs = std::filesystem;
@@ -24,18 +24,18 @@ namespace import_case_test {
                 / testing::UnitTest::GetInstance()->current_test_info()->name();
             fs::remove_all(folder);
             fs::create_directories(folder);
-            BlockParameters parameters;
+            datasets::BlockParameters parameters;
             parameters.size_mm = { 40.0, 60.0, 40.0 };
             parameters.target_radius_mm = 6.0;
-            phantom = make_block_phantom(parameters);
-            write_volume(folder / "in.nrrd", phantom.ct);
-            write_label_volume(folder / "in_labels.nrrd", phantom.labels);
+            phantom = datasets::make_block_phantom(parameters);
+            datasets::write_volume(folder / "in.nrrd", phantom.ct);
+            datasets::write_label_volume(folder / "in_labels.nrrd", phantom.labels);
             request.ct = folder / "in.nrrd";
             request.labels = { folder / "in_labels.nrrd" };
         }
         fs::path case_file() const { return folder / "case" / "case.json"; }
         fs::path folder;
-        Phantom phantom;
+        datasets::Phantom phantom;
         ImportRequest request;
     };
 
@@ -55,20 +55,20 @@ namespace import_case_test {
         EXPECT_EQ(names_in(folder / "case"),
             (std::vector<std::string> { "case.json", "ct.nrrd", "labels.labels.json", "labels.nrrd" }));
         const Case read = read_case(case_file()); // checksums verified
-        EXPECT_EQ(read_volume(read.ct_path()).voxels, phantom.ct.voxels);
-        EXPECT_EQ(read_label_volume(read.labels_path()).voxels, phantom.labels.voxels);
+        EXPECT_EQ(datasets::read_volume(read.ct_path()).voxels, phantom.ct.voxels);
+        EXPECT_EQ(datasets::read_label_volume(read.labels_path()).voxels, phantom.labels.voxels);
         EXPECT_FALSE(read.patient.has_value());
         EXPECT_TRUE(made.supports.labels.empty()); // a block has no spine
     }
 
     TEST_F(ImportCase, LabelsKeepTheirOwnGrid)
     {
-        LabelVolume coarse = phantom.labels;
+        mesh::LabelVolume coarse = phantom.labels;
         coarse.grid.spacing *= 2.0;
         for (int& n : coarse.grid.size)
             n /= 2;
-        coarse = resample_labels_to(phantom.labels, coarse.grid);
-        write_label_volume(folder / "in_labels.nrrd", coarse);
+        coarse = datasets::resample_labels_to(phantom.labels, coarse.grid);
+        datasets::write_label_volume(folder / "in_labels.nrrd", coarse);
         const ImportedCase imported = read_import(request);
         EXPECT_EQ(imported.labels->grid.size, coarse.grid.size);
         EXPECT_EQ(imported.ct->grid.size, phantom.ct.grid.size);
@@ -76,20 +76,20 @@ namespace import_case_test {
 
     TEST_F(ImportCase, LaterLabelMapsCorrectEarlierOnes)
     {
-        LabelVolume tumour { phantom.labels.grid, std::vector<Label>(phantom.labels.voxels.size(), 0),
-            { { 1, "tumour", "soft_tissue", Role::target } } };
+        mesh::LabelVolume tumour { phantom.labels.grid, std::vector<Label>(phantom.labels.voxels.size(), 0),
+            { { 1, "tumour", "soft_tissue", mesh::Role::target } } };
         const std::size_t inside = tumour.grid.offset(12, 20, 12);
         ASSERT_NE(phantom.labels.voxels[inside], 0);
         tumour.voxels[inside] = 1; // an id that the first map gives to something else
-        write_label_volume(folder / "tumour.nrrd", tumour);
+        datasets::write_label_volume(folder / "tumour.nrrd", tumour);
         request.labels.push_back(folder / "tumour.nrrd");
         const ImportedCase imported = read_import(request);
-        ASSERT_NE(find_label(imported.labels->table, "tumour"), nullptr);
-        EXPECT_EQ(find_label(imported.labels->table, imported.labels->voxels[inside])->name, "tumour");
+        ASSERT_NE(mesh::find_label(imported.labels->table, "tumour"), nullptr);
+        EXPECT_EQ(mesh::find_label(imported.labels->table, imported.labels->voxels[inside])->name, "tumour");
         std::size_t changed = 0;
         for (std::size_t v = 0; v < phantom.labels.voxels.size(); ++v) {
-            const LabelInfo* before = find_label(phantom.labels.table, phantom.labels.voxels[v]);
-            const LabelInfo* after = find_label(imported.labels->table, imported.labels->voxels[v]);
+            const mesh::LabelInfo* before = mesh::find_label(phantom.labels.table, phantom.labels.voxels[v]);
+            const mesh::LabelInfo* after = mesh::find_label(imported.labels->table, imported.labels->voxels[v]);
             changed += (before == nullptr ? "" : before->name) != (after == nullptr ? "" : after->name) ? 1 : 0;
         }
         EXPECT_EQ(changed, 1u);
@@ -101,9 +101,9 @@ namespace import_case_test {
         const std::string labels_before = checksum(folder / "case" / "labels.nrrd");
         write_import(read_import(request), case_file()); // the same again: nothing new
         EXPECT_EQ(names_in(folder / "case").size(), 4u);
-        LabelVolume changed = phantom.labels;
+        mesh::LabelVolume changed = phantom.labels;
         changed.voxels[changed.grid.offset(12, 20, 12)] = 1;
-        write_label_volume(folder / "in_labels.nrrd", changed);
+        datasets::write_label_volume(folder / "in_labels.nrrd", changed);
         const Case second = write_import(read_import(request), case_file());
         EXPECT_EQ(second.labels.path, "labels-2.nrrd");
         EXPECT_EQ(checksum(folder / "case" / "labels.nrrd"), labels_before);
@@ -132,11 +132,11 @@ namespace import_case_test {
 
     TEST_F(ImportCase, TheSpineMayBeLabelledByVertebrae)
     {
-        LabelVolume labels = phantom.labels;
-        for (LabelInfo& info : labels.table)
+        mesh::LabelVolume labels = phantom.labels;
+        for (mesh::LabelInfo& info : labels.table)
             if (info.name == "muscle")
-                info = { info.id, "vertebrae_T7", "bone", Role::wall };
-        write_label_volume(folder / "in_labels.nrrd", labels);
+                info = { info.id, "vertebrae_T7", "bone", mesh::Role::wall };
+        datasets::write_label_volume(folder / "in_labels.nrrd", labels);
         const Case made = write_import(read_import(request), case_file());
         EXPECT_EQ(made.supports.labels, std::vector<std::string> { "vertebrae_T7" });
     }
@@ -144,7 +144,7 @@ namespace import_case_test {
     TEST_F(ImportCase, ThePatientIsReadBackOnlyWhole)
     {
         Case made = write_import(read_import(request), case_file());
-        made.patient = PatientIdentity { "Musterfrau^Erika", "4711" };
+        made.patient = datasets::PatientIdentity { "Musterfrau^Erika", "4711" };
         const Case read = case_from_json(case_to_json(made), made.folder);
         ASSERT_TRUE(read.patient.has_value());
         EXPECT_EQ(read.patient->name, "Musterfrau^Erika");
@@ -157,10 +157,10 @@ namespace import_case_test {
     TEST_F(ImportCase, ErrorsDoNotNameThePatient)
     {
         const fs::path ct = folder / "ct";
-        DicomOptions options;
+        datasets::DicomOptions options;
         options.patient_name = "Doe^John";
         options.patient_id = "4711";
-        write_dicom_series(ct, phantom.ct, options);
+        datasets::write_dicom_series(ct, phantom.ct, options);
         const fs::path named = ct / "DOE_JOHN_4711_0002.dcm";
         fs::rename(ct / "IM0002.dcm", named);
         fs::resize_file(named, fs::file_size(named) - 100);
@@ -177,12 +177,12 @@ namespace import_case_test {
 
     TEST_F(ImportCase, LabelsFarAwayAreRefused)
     {
-        LabelVolume far = phantom.labels;
+        mesh::LabelVolume far = phantom.labels;
         const double wrapped = 4294967296.0; // voxels: an index that comes back to 0 when it is cut to 32 bits
         far.grid.origin.x() += wrapped * phantom.ct.grid.spacing.x();
-        write_label_volume(folder / "in_labels.nrrd", far);
+        datasets::write_label_volume(folder / "in_labels.nrrd", far);
         EXPECT_THROW(static_cast<void>(read_import(request)), InputError);
     }
 
 } // namespace import_case_test
-} // namespace retractor
+} // namespace retractor::planner

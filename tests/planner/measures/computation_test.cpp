@@ -6,7 +6,7 @@
 
 #include <chrono>
 
-namespace retractor {
+namespace retractor::planner {
 namespace computation_test {
 
     constexpr auto kWhen = std::chrono::system_clock::time_point(std::chrono::seconds(1'700'000'000));
@@ -15,19 +15,19 @@ namespace computation_test {
     {
         Case c;
         c.folder = "/somewhere/private/Doe-study";
-        c.patient = PatientIdentity { .name = "Doe^Jane", .id = "4711-x" };
+        c.patient = datasets::PatientIdentity { .name = "Doe^Jane", .id = "4711-x" };
         c.labels = { "labels.nrrd", std::string(64, 'a') };
         c.ct = FileReference { "ct.nrrd", std::string(64, 'b') };
-        c.label_table = { { .id = 1, .name = "skin", .material = "skin", .role = Role::wall },
-            { .id = 2, .name = "fold", .material = "skin", .role = Role::wall },
-            { .id = 3, .name = "heart", .material = "heart", .role = Role::target } };
+        c.label_table = { { .id = 1, .name = "skin", .material = "skin", .role = mesh::Role::wall },
+            { .id = 2, .name = "fold", .material = "skin", .role = mesh::Role::wall },
+            { .id = 3, .name = "heart", .material = "heart", .role = mesh::Role::target } };
         return c;
     }
 
     TEST(Computation, SaysWhenByWhatFromWhichImagesAndWithWhichTissue)
     {
         Case c = named_case();
-        for (Material& material : c.materials)
+        for (fem::Material& material : c.materials)
             if (material.name == "skin") {
                 material.youngs_modulus_MPa = 0.123;
                 material.poissons_ratio = 0.49;
@@ -75,4 +75,4 @@ namespace computation_test {
     }
 
 } // namespace computation_test
-} // namespace retractor
+} // namespace retractor::planner

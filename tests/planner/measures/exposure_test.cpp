@@ -9,7 +9,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::planner {
 namespace exposure_test {
 
     constexpr double kPi = std::numbers::pi;
@@ -238,7 +238,7 @@ namespace exposure_test {
         bar.name = "wall";
         bar.surface = box(Vec3(-100, -5, 199.9), Vec3(100, 5, 200.0));
         bar.surface.labels.assign(bar.surface.triangles.size(), 7);
-        bar.labels = { { 7, "rib_left_5", "bone", Role::wall }, { 8, "muscle", "muscle", Role::wall } };
+        bar.labels = { { 7, "rib_left_5", "bone", mesh::Role::wall }, { 8, "muscle", "muscle", mesh::Role::wall } };
         const Exposure seen = measure_exposure(ring(0.0, kDisc, 0.0), { bar }, from_above(kEye, 0.0, 1), samples(4000));
         const double a = std::asin(kHalfStrip / kDisc);
         const double strip = (2.0 * a + std::sin(2.0 * a)) / kPi; // share of a disc within |y| < kHalfStrip
@@ -456,4 +456,4 @@ namespace exposure_test {
     }
 
 } // namespace exposure_test
-} // namespace retractor
+} // namespace retractor::planner

@@ -12,7 +12,7 @@
 #include <iterator>
 #include <limits>
 
-namespace retractor {
+namespace retractor::planner {
 namespace report_test {
 
     namespace fs = std::filesystem;
@@ -162,7 +162,7 @@ namespace report_test {
         EXPECT_EQ(usual.at("approaches").at(0).at("solution").at("poissons_ratio_at_most"), 0.45);
         FieldMetrics other = sample_field("distal");
         other.tets = 9000;
-        other.solution = { .choice = { Elasticity::hyperelastic, ElementKind::p2, 40.0 },
+        other.solution = { .choice = { fem::Elasticity::hyperelastic, ElementKind::p2, 40.0 },
             .nodes = 12345,
             .laws = { { "skin", "neo-Hookean" }, { "muscle", "Guccione" } },
             .near_tets = 4000 };
@@ -280,7 +280,7 @@ namespace report_test {
         computed.date = "2026-01-02T03:04:05Z";
         computed.program = "retractor 9.9";
         computed.case_file = "C/case.json";
-        Material& skin = computed.materials.emplace_back();
+        fem::Material& skin = computed.materials.emplace_back();
         skin.name = "skin";
         skin.youngs_modulus_MPa = 0.123;
         skin.poissons_ratio = 0.45;
@@ -304,4 +304,4 @@ namespace report_test {
     }
 
 } // namespace report_test
-} // namespace retractor
+} // namespace retractor::planner

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <string>
 
-namespace retractor {
+namespace retractor::planner {
 namespace palpable_test {
 
     constexpr double kRadius = 12.0, kLength = 120.0; // mm
@@ -18,14 +18,14 @@ namespace palpable_test {
 
     /// A vessel along z through the whole image (x, y 0 to 80, z 0 to 120 mm), or from 30 to 90 mm only; a spine behind
     /// it that touches it between 50 and 60 mm; a liver of 20 mm and, on it, a stomach, in the corner.
-    LabelVolume patient(bool whole)
+    mesh::LabelVolume patient(bool whole)
     {
-        LabelVolume labels;
+        mesh::LabelVolume labels;
         labels.grid.size = { 41, 41, 61 };
         labels.grid.spacing = { 2.0, 2.0, 2.0 };
-        labels.table = { { 3, "aorta", "vessel", Role::target }, { 5, "spine", "bone", Role::wall },
-            { 6, "liver", "liver", Role::voxel }, { 7, "stomach", "muscle", Role::voxel },
-            { 9, "gone", "vessel", Role::voxel } };
+        labels.table = { { 3, "aorta", "vessel", mesh::Role::target }, { 5, "spine", "bone", mesh::Role::wall },
+            { 6, "liver", "liver", mesh::Role::voxel }, { 7, "stomach", "muscle", mesh::Role::voxel },
+            { 9, "gone", "vessel", mesh::Role::voxel } };
         for (int k = 0; k < 61; ++k)
             for (int j = 0; j < 41; ++j)
                 for (int i = 0; i < 41; ++i) {
@@ -43,9 +43,9 @@ namespace palpable_test {
         return labels;
     }
 
-    Palpable make(const LabelVolume& labels, const PalpableRequest& request)
+    Palpable make(const mesh::LabelVolume& labels, const PalpableRequest& request)
     {
-        return make_palpable(labels, default_materials(), request);
+        return make_palpable(labels, fem::default_materials(), request);
     }
 
     std::string refusal(const PalpableRequest& request, bool whole = true)
@@ -58,7 +58,7 @@ namespace palpable_test {
         return "no refusal";
     }
 
-    std::size_t count(const ElasticModel& body, VertexRole role)
+    std::size_t count(const datasets::ElasticModel& body, datasets::VertexRole role)
     {
         return static_cast<std::size_t>(std::count(body.roles.begin(), body.roles.end(), role));
     }
@@ -66,32 +66,33 @@ namespace palpable_test {
     TEST(Palpable, AVesselIsAWallWithBloodInsideHeldWhereItIsCutOff)
     {
         const Palpable made = make(patient(true), { .structure = { "aorta" }, .held = { "border" } });
-        const ElasticModel& body = made.scene.body;
-        EXPECT_TRUE(has_inner_wall(body));
+        const datasets::ElasticModel& body = made.scene.body;
+        EXPECT_TRUE(datasets::has_inner_wall(body));
         double volume = 0.0;
         for (TetId t = 0; t < static_cast<TetId>(body.mesh.tet_count()); ++t)
-            volume += tet_volume(body.mesh, t);
+            volume += mesh::tet_volume(body.mesh, t);
         constexpr double kWall = 2.0;
         const double inner = kRadius - kWall;
         const double exact
             = std::numbers::pi * (kLength * (kRadius * kRadius - inner * inner) + 2.0 * kWall * inner * inner);
         EXPECT_NEAR(volume, exact, 0.1 * exact); // voxels of 2 mm, smoothed, chords of 5 mm
         for (std::size_t v = 0; v < body.roles.size(); ++v)
-            if (body.roles[v] == VertexRole::fixed) {
+            if (body.roles[v] == datasets::VertexRole::fixed) {
                 const double z = body.mesh.vertices(static_cast<Eigen::Index>(v), 2);
                 EXPECT_LT(std::min(std::abs(z), std::abs(kLength - z)), 6.0) << v;
             }
-        EXPECT_GT(count(body, VertexRole::fixed), 10U);
-        EXPECT_DOUBLE_EQ(body.youngs_modulus.front(), find_material(default_materials(), "vessel").youngs_modulus_MPa);
+        EXPECT_GT(count(body, datasets::VertexRole::fixed), 10U);
+        EXPECT_DOUBLE_EQ(
+            body.youngs_modulus.front(), fem::find_material(fem::default_materials(), "vessel").youngs_modulus_MPa);
     }
 
     TEST(Palpable, SitesLookOutwardsAndFaceTheirOpposites)
     {
-        const PalpationScene scene = make(patient(true), { .structure = { "aorta" } }).scene;
-        const TouchSite& front = scene.site("front");
+        const datasets::PalpationScene scene = make(patient(true), { .structure = { "aorta" } }).scene;
+        const datasets::TouchSite& front = scene.site("front");
         EXPECT_NEAR(front.point.y(), kTubeY - kRadius, 1.5);
         EXPECT_LT(front.outward.y(), -0.85);
-        const TouchSite& back = scene.site("front-opposite");
+        const datasets::TouchSite& back = scene.site("front-opposite");
         EXPECT_NEAR(back.point.y(), kTubeY + kRadius, 2.5);
         EXPECT_LT(back.outward.dot(front.outward), -0.5);
         EXPECT_GT(scene.site("left").point.x(), kTubeX);
@@ -100,19 +101,19 @@ namespace palpable_test {
 
     TEST(Palpable, WhatLiesNextToItHoldsItAndItsEndsDo)
     {
-        const ElasticModel by_spine
+        const datasets::ElasticModel by_spine
             = make(patient(false), { .structure = { "aorta" }, .held = { "spine" } }).scene.body;
         for (std::size_t v = 0; v < by_spine.roles.size(); ++v)
-            if (by_spine.roles[v] == VertexRole::fixed) {
+            if (by_spine.roles[v] == datasets::VertexRole::fixed) {
                 const Vec3 p = by_spine.mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose();
                 EXPECT_GT(p.y(), kTubeY);
                 EXPECT_NEAR(p.z(), 55.0, 10.0);
             }
-        const ElasticModel by_ends
+        const datasets::ElasticModel by_ends
             = make(patient(false), { .structure = { "aorta" }, .held = { "ends:20" } }).scene.body;
         std::size_t low = 0, high = 0;
         for (std::size_t v = 0; v < by_ends.roles.size(); ++v)
-            if (by_ends.roles[v] == VertexRole::fixed) {
+            if (by_ends.roles[v] == datasets::VertexRole::fixed) {
                 const double z = by_ends.mesh.vertices(static_cast<Eigen::Index>(v), 2);
                 EXPECT_GT(std::abs(z - 60.0), 10.0);
                 (z < 60.0 ? low : high) += 1;
@@ -125,7 +126,7 @@ namespace palpable_test {
 
     TEST(Palpable, EndsAreTheLargestPiecesAndOthersAreNotHeldByThem)
     {
-        LabelVolume labels = patient(false); // and a piece of its own in a corner, which is met first
+        mesh::LabelVolume labels = patient(false); // and a piece of its own in a corner, which is met first
         const auto apart = [](const Vec3& p) { return p.x() > 60.0 && p.y() < 20.0 && p.z() < 30.0; };
         for (int k = 0; k < 61; ++k)
             for (int j = 0; j < 41; ++j)
@@ -140,11 +141,11 @@ namespace palpable_test {
             EXPECT_NE(std::string(error.what()).find("nothing holds a piece of it"), std::string::npos) << error.what();
         }
         request.held = { "ends:20", "border" };
-        const ElasticModel body = make(labels, request).scene.body;
+        const datasets::ElasticModel body = make(labels, request).scene.body;
         std::size_t low = 0, high = 0, border = 0, free = 0;
         for (std::size_t v = 0; v < body.roles.size(); ++v) {
             const Vec3 p = body.mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose();
-            const bool fixed = body.roles[v] == VertexRole::fixed;
+            const bool fixed = body.roles[v] == datasets::VertexRole::fixed;
             if (p.x() < 56.0 && fixed) {
                 EXPECT_GT(std::abs(p.z() - 60.0), 10.0);
                 (p.z() < 60.0 ? low : high) += 1;
@@ -160,7 +161,7 @@ namespace palpable_test {
     TEST(Palpable, AStiffPlaceIsStiffAndHasASite)
     {
         const Vec3 at(kTubeX, kTubeY - kRadius, 60.0);
-        const PalpationScene scene
+        const datasets::PalpationScene scene
             = make(patient(true), { .structure = { "aorta" }, .stiff = { { { "", at, 10.0 }, 3.0 } } }).scene;
         std::size_t stiff = 0;
         for (std::size_t t = 0; t < scene.body.mesh.tet_count(); ++t) {
@@ -181,27 +182,27 @@ namespace palpable_test {
 
     TEST(Palpable, SolidOrgansKeepTheirElasticityAndTouch)
     {
-        const PalpationScene scene
+        const datasets::PalpationScene scene
             = make(patient(true), { .structure = { "liver", "stomach" }, .edge_mm = 6.0, .held = { "border" } }).scene;
-        EXPECT_FALSE(has_inner_wall(scene.body));
+        EXPECT_FALSE(datasets::has_inner_wall(scene.body));
         ASSERT_EQ(scene.organs.size(), 2U);
         for (std::size_t t = 0; t < scene.body.mesh.tet_count(); ++t)
             EXPECT_DOUBLE_EQ(scene.body.youngs_modulus[t],
-                find_material(default_materials(), scene.body.mesh.labels[t] == 1 ? "liver" : "muscle")
+                fem::find_material(fem::default_materials(), scene.body.mesh.labels[t] == 1 ? "liver" : "muscle")
                     .youngs_modulus_MPa);
         // The border holds its faces x = 0 and y = 0.
         for (std::size_t v = 0; v < scene.body.roles.size(); ++v)
-            if (scene.body.roles[v] == VertexRole::fixed) {
+            if (scene.body.roles[v] == datasets::VertexRole::fixed) {
                 EXPECT_LT(scene.body.mesh.vertices.row(static_cast<Eigen::Index>(v)).leftCols(2).minCoeff(), 4.0);
             }
     }
 
     TEST(Palpable, WhatIsTooThinForItsElementsIsToldOfEdges)
     {
-        LabelVolume sheet; // 160 x 160 x 6 mm
+        mesh::LabelVolume sheet; // 160 x 160 x 6 mm
         sheet.grid.size = { 81, 81, 9 };
         sheet.grid.spacing = { 2.0, 2.0, 2.0 };
-        sheet.table = { { 1, "skin", "muscle", Role::wall } };
+        sheet.table = { { 1, "skin", "muscle", mesh::Role::wall } };
         for (int k = 0; k < 9; ++k)
             sheet.voxels.insert(sheet.voxels.end(), std::size_t { 81 } * 81, k >= 3 && k < 6 ? 1 : 0);
         try {
@@ -242,4 +243,4 @@ namespace palpable_test {
     }
 
 } // namespace palpable_test
-} // namespace retractor
+} // namespace retractor::planner

@@ -8,16 +8,16 @@
 
 #include <string>
 
-namespace retractor {
+namespace retractor::planner {
 namespace error_bars_test {
 
     /// A stiff layer of elements fifty times as wide as they are thick on a soft one, which is held from below; two
     /// hooks draw it apart.
-    ElasticProblem flat_sheet()
+    fem::ElasticProblem flat_sheet()
     {
         constexpr double kEdge = 10.0, kFlat = 0.02, kTop = 2.0 * kEdge * kFlat, kRoundOff = 1e-9;
-        ElasticProblem sheet;
-        sheet.mesh = kuhn_box(6, 4, 2, kEdge);
+        fem::ElasticProblem sheet;
+        sheet.mesh = mesh::kuhn_box(6, 4, 2, kEdge);
         sheet.mesh.vertices.col(2) *= kFlat;
         for (std::size_t t = 0; t < sheet.mesh.tet_count(); ++t)
             for (const VertexId v : sheet.mesh.tet(static_cast<TetId>(t)))
@@ -41,14 +41,14 @@ namespace error_bars_test {
     {
         for (const ElementKind element : { ElementKind::p2, ElementKind::locking_free }) {
             const bool ten_node = element == ElementKind::p2;
-            const SolutionChoice choice { .elasticity = Elasticity::linear, .element = element };
+            const SolutionChoice choice { .elasticity = fem::Elasticity::linear, .element = element };
             PlannedField field;
             field.problem = ten_node ? with_midpoints(flat_sheet()) : flat_sheet();
             field.hooks = field.problem.hooks;
-            Opening opening(
+            fem::Opening opening(
                 field.problem.mesh, field.problem.material_of_label, field.problem.supports, opening_options(choice));
             field.opening = opening.open(field.hooks);
-            ASSERT_EQ(field.opening.status, OpeningStatus::converged) << field.opening.message;
+            ASSERT_EQ(field.opening.status, fem::OpeningStatus::converged) << field.opening.message;
             OpenedWound wound;
             const Points& u = field.opening.displacement;
             if (ten_node)
@@ -62,4 +62,4 @@ namespace error_bars_test {
     }
 
 } // namespace error_bars_test
-} // namespace retractor
+} // namespace retractor::planner

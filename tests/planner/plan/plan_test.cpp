@@ -13,24 +13,24 @@
 #include <string_view>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 namespace plan_test {
 
     /// The bound on frame invariance: meshes are equal up to round-off, rays are traced in single precision.
     constexpr double kFrameTolerance = 1e-3;
 
-    PlannedField plan_block(const std::string& name, const Phantom& phantom, const Eigen::Isometry3d& X,
+    PlannedField plan_block(const std::string& name, const datasets::Phantom& phantom, const Eigen::Isometry3d& X,
         double opening_mm, Ledger* ledger = nullptr)
     {
         Job job;
         job.ledger = ledger;
-        Patient patient(block_case(name, phantom), job);
-        return plan_approach(patient, block_approach(*patient.labels(), X, opening_mm), job);
+        Patient patient(test_support::block_case(name, phantom), job);
+        return plan_approach(patient, test_support::block_approach(*patient.labels(), X, opening_mm), job);
     }
 
     TEST(Plan, TheFieldOpensWithTheHooks)
     {
-        const Phantom phantom = make_block_phantom(small_block());
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
         const Eigen::Isometry3d still = Eigen::Isometry3d::Identity();
         const PlannedField closed = plan_block("closed", phantom, still, 0.0);
         const PlannedField half = plan_block("half", phantom, still, 10.0);
@@ -66,12 +66,12 @@ namespace plan_test {
 
     TEST(Plan, ContactIsMeasuredWhereItIsAskedFor)
     {
-        const Phantom phantom = make_block_phantom(small_block());
-        Case with_contact = block_case("contact", phantom);
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        Case with_contact = test_support::block_case("contact", phantom);
         with_contact.contact = true;
         Patient patient(with_contact, {});
-        const PlannedField field
-            = plan_approach(patient, block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0), {});
+        const PlannedField field = plan_approach(
+            patient, test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0), {});
         EXPECT_EQ(field.status, PlanStatus::done) << field.message;
         ASSERT_TRUE(field.metrics.contact.has_value());
         EXPECT_LT(field.metrics.contact->largest_penetration_mm, 0.5);
@@ -87,8 +87,8 @@ namespace plan_test {
 
         with_contact.solution.element = ElementKind::locking_free;
         Patient again(with_contact, {});
-        const PlannedField averaged
-            = plan_approach(again, block_approach(*again.labels(), Eigen::Isometry3d::Identity(), 10.0), {});
+        const PlannedField averaged = plan_approach(
+            again, test_support::block_approach(*again.labels(), Eigen::Isometry3d::Identity(), 10.0), {});
         EXPECT_EQ(averaged.status, PlanStatus::done) << averaged.message;
         ASSERT_TRUE(averaged.metrics.contact.has_value());
         EXPECT_LT(averaged.metrics.contact->largest_penetration_mm, 0.5);
@@ -102,9 +102,9 @@ namespace plan_test {
 
     TEST(Plan, APartOfTheWallIsSolvedAndHowFarThatIsOffIsStated)
     {
-        const Phantom phantom = make_block_phantom(small_block());
-        Patient patient(block_case("local", phantom));
-        const Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 8.0);
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        Patient patient(test_support::block_case("local", phantom));
+        const Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 8.0);
         const PlannedField whole = plan_approach(patient, approach);
         EXPECT_FALSE(whole.metrics.local.has_value());
         double before = std::numeric_limits<double>::infinity();
@@ -158,11 +158,11 @@ namespace plan_test {
 
     TEST(Plan, APartThatIsEverythingIsTheWhole)
     {
-        const Phantom phantom = make_block_phantom(small_block());
-        Case planned_case = block_case("all", phantom);
-        planned_case.solution.elasticity = Elasticity::linear;
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        Case planned_case = test_support::block_case("all", phantom);
+        planned_case.solution.elasticity = fem::Elasticity::linear;
         Patient patient(planned_case);
-        const Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 6.0);
+        const Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 6.0);
         const PlannedField whole = plan_approach(patient, approach);
         const PlannedField part = plan_approach(patient, approach, {}, { .within_mm = 1000.0 });
         ASSERT_TRUE(part.metrics.local.has_value());
@@ -176,32 +176,32 @@ namespace plan_test {
 
     /// One approach of a small opening, solved as chosen.
     PlannedField plan_as(const SolutionChoice& choice, double opening_mm = 6.0, const LocalPlan& local = {},
-        const std::string& material = {}, const std::function<void(Material&)>& change = {})
+        const std::string& material = {}, const std::function<void(fem::Material&)>& change = {})
     {
-        const Phantom phantom = make_block_phantom(small_block());
-        Case planned_case = block_case("choice", phantom);
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        Case planned_case = test_support::block_case("choice", phantom);
         planned_case.solution = choice;
-        for (Material& m : planned_case.materials)
+        for (fem::Material& m : planned_case.materials)
             if (m.name == material)
                 change(m);
         Patient patient(planned_case);
-        return plan_approach(
-            patient, block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), opening_mm), {}, local);
+        return plan_approach(patient,
+            test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), opening_mm), {}, local);
     }
 
     TEST(Plan, SmallOpeningsAreAlikeInEveryElasticity)
     {
         // Forces of nonlinear tissue differ from linear ones by a share that falls with the opening.
         const double large = 2.0, small = 1.0;
-        const auto force = [](Elasticity elasticity, double opening) {
+        const auto force = [](fem::Elasticity elasticity, double opening) {
             const PlannedField field = plan_as({ .elasticity = elasticity }, opening);
             EXPECT_EQ(field.status, PlanStatus::done) << field.message;
             EXPECT_EQ(field.metrics.solution.choice.elasticity, elasticity);
             EXPECT_EQ(field.metrics.error->message, "");
             return field.metrics.hook_force_N;
         };
-        const double linear = force(Elasticity::linear, small); // half of it at the half opening
-        for (const Elasticity elasticity : { Elasticity::corotational, Elasticity::hyperelastic }) {
+        const double linear = force(fem::Elasticity::linear, small); // half of it at the half opening
+        for (const fem::Elasticity elasticity : { fem::Elasticity::corotational, fem::Elasticity::hyperelastic }) {
             const double off = force(elasticity, small) / linear - 1.0,
                          further = 0.5 * force(elasticity, large) / linear - 1.0;
             EXPECT_LT(std::abs(off), 0.02);
@@ -211,9 +211,9 @@ namespace plan_test {
 
     TEST(Plan, NearEverythingIsTheHyperelasticPlan)
     {
-        const PlannedField whole = plan_as({ .elasticity = Elasticity::hyperelastic });
+        const PlannedField whole = plan_as({ .elasticity = fem::Elasticity::hyperelastic });
         const PlannedField near
-            = plan_as({ .elasticity = Elasticity::hyperelastic, .near_mm = 1000.0 }, 6.0, { .check = true });
+            = plan_as({ .elasticity = fem::Elasticity::hyperelastic, .near_mm = 1000.0 }, 6.0, { .check = true });
         ASSERT_EQ(near.status, PlanStatus::done) << near.message;
         EXPECT_EQ(near.metrics.solution.near_tets, near.metrics.tets);
         constexpr double kTolerance = 2e-3; // both are solved to 1e-4 of the largest nodal force
@@ -226,10 +226,11 @@ namespace plan_test {
 
     TEST(Plan, FibresThatWindRoundAnAxisAreSolvedAndSaid)
     {
-        const Hyperelastic tissue = HolzapfelGasserOgden { .mu = 0.01, .k1 = 0.1, .k2 = 1.0, .dispersion = 0.05 };
-        const auto planned = [](const TissueLaw& law, double near_mm) {
-            PlannedField field = plan_as({ .elasticity = Elasticity::hyperelastic, .near_mm = near_mm }, 6.0, {},
-                "muscle", [&](Material& muscle) { muscle.law = law; });
+        const fem::Hyperelastic tissue
+            = fem::HolzapfelGasserOgden { .mu = 0.01, .k1 = 0.1, .k2 = 1.0, .dispersion = 0.05 };
+        const auto planned = [](const fem::TissueLaw& law, double near_mm) {
+            PlannedField field = plan_as({ .elasticity = fem::Elasticity::hyperelastic, .near_mm = near_mm }, 6.0, {},
+                "muscle", [&](fem::Material& muscle) { muscle.law = law; });
             EXPECT_EQ(field.status, PlanStatus::done) << field.message;
             return field.metrics;
         };
@@ -237,11 +238,11 @@ namespace plan_test {
         // So far off that its circle is a straight line through the block.
         constexpr double kFar = 1e7; // mm
         const FieldMetrics winding
-            = planned({ .law = tissue, .around = FibresAround { .point = Vec3(0.0, kFar, 0.0) } }, 0.0);
+            = planned({ .law = tissue, .around = fem::FibresAround { .point = Vec3(0.0, kFar, 0.0) } }, 0.0);
         constexpr double kTolerance = 2e-3; // both are solved to 1e-4 of the largest nodal force
         EXPECT_NEAR(winding.hook_force_N, fixed.hook_force_N, kTolerance * fixed.hook_force_N);
-        const TissueLaw along_the_cut { .law = tissue,
-            .around = FibresAround { .point = Vec3(0.0, 100.0, 0.0), .angle_deg = 90.0 } };
+        const fem::TissueLaw along_the_cut { .law = tissue,
+            .around = fem::FibresAround { .point = Vec3(0.0, 100.0, 0.0), .angle_deg = 90.0 } };
         const FieldMetrics along = planned(along_the_cut, 0.0);
         EXPECT_LT(along.hook_force_N, 0.97 * fixed.hook_force_N); // muscle is not all that holds
         const FieldMetrics near = planned(along_the_cut, 1000.0); // all of it
@@ -263,7 +264,7 @@ namespace plan_test {
         };
         const auto plan = [](double near_mm, double opening_mm) {
             PlannedField field = plan_as(
-                { .elasticity = Elasticity::hyperelastic, .near_mm = near_mm }, opening_mm, { .check = true });
+                { .elasticity = fem::Elasticity::hyperelastic, .near_mm = near_mm }, opening_mm, { .check = true });
             EXPECT_EQ(field.status, PlanStatus::done) << field.message;
             return field;
         };
@@ -289,8 +290,8 @@ namespace plan_test {
     TEST(Plan, ElementsThatDoNotLockAgreeOnNearlyIncompressibleSkin)
     {
         const auto force = [](ElementKind element) {
-            const PlannedField field = plan_as({ .elasticity = Elasticity::linear, .element = element }, 6.0, {},
-                "skin", [](Material& skin) { skin.poissons_ratio = 0.499; });
+            const PlannedField field = plan_as({ .elasticity = fem::Elasticity::linear, .element = element }, 6.0, {},
+                "skin", [](fem::Material& skin) { skin.poissons_ratio = 0.499; });
             EXPECT_EQ(field.status, PlanStatus::done) << field.message;
             EXPECT_EQ(field.metrics.solution.choice.element, element);
             EXPECT_EQ(field.opening.displacement.rows(), field.wall.vertices.rows());
@@ -308,15 +309,16 @@ namespace plan_test {
 
     TEST(Plan, TenNodeElementsHaveBarsHoweverTheyAreSolved)
     {
-        const SolutionChoice ten { .elasticity = Elasticity::linear, .element = ElementKind::p2 };
+        const SolutionChoice ten { .elasticity = fem::Elasticity::linear, .element = ElementKind::p2 };
         constexpr double kLittle = 1.0; // mm: nonlinear tissue is then nearly linear, and soon solved
         const PlannedField whole = plan_as(ten, kLittle), local = plan_as(ten, kLittle, { .within_mm = 30.0 }),
                            near = plan_as({ .element = ElementKind::p2, .near_mm = 24.0 }, 0.02);
-        Case with_contact = block_case("contact of ten", make_block_phantom(small_block()));
+        Case with_contact
+            = test_support::block_case("contact of ten", datasets::make_block_phantom(test_support::small_block()));
         with_contact.solution = ten;
         with_contact.contact = true;
         Patient patient(with_contact);
-        Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), kLittle);
+        Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), kLittle);
         approach.sizing.corridor_edge_mm = 8.0; // contact of ten-node elements takes its time
         const PlannedField contact = plan_approach(patient, approach);
         ASSERT_EQ(contact.status, PlanStatus::done) << contact.message;
@@ -344,12 +346,14 @@ namespace plan_test {
     TEST(Plan, BarsAreBelowTheirValuesHoweverTheWallIsMeshed)
     {
         // Coarse meshes cut into slivers and layers of one flat element, where gradients are recovered from little.
-        Case planned_case = block_case("bars", make_block_phantom({ .size_mm = { 80.0, 60.0, 80.0 } }));
+        Case planned_case
+            = test_support::block_case("bars", datasets::make_block_phantom({ .size_mm = { 80.0, 60.0, 80.0 } }));
         for (const ElementKind element : { ElementKind::p2, ElementKind::locking_free }) {
-            planned_case.solution = { .elasticity = Elasticity::linear, .element = element };
+            planned_case.solution = { .elasticity = fem::Elasticity::linear, .element = element };
             Patient patient(planned_case);
             for (const auto& [edge, coarse] : { std::pair { 8.0, 16.0 }, std::pair { 6.0, 20.0 } }) {
-                Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 20.0);
+                Approach approach
+                    = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 20.0);
                 approach.sizing.corridor_edge_mm = edge;
                 approach.sizing.coarse_edge_mm = coarse;
                 const PlannedField field = plan_approach(patient, approach);
@@ -368,11 +372,11 @@ namespace plan_test {
 
     TEST(Plan, HooksYieldAtTheirLimitsAndSaySo)
     {
-        const Phantom phantom = make_block_phantom(small_block());
-        Case planned_case = block_case("limits", phantom);
-        planned_case.solution.elasticity = Elasticity::linear;
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        Case planned_case = test_support::block_case("limits", phantom);
+        planned_case.solution.elasticity = fem::Elasticity::linear;
         Patient patient(planned_case);
-        Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 6.0);
+        Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 6.0);
         const PlannedField free = plan_approach(patient, approach);
         EXPECT_EQ(hooks_text(free.metrics), "");
         const double limit = 0.5 * free.metrics.hooks[0].force_N;
@@ -395,15 +399,16 @@ namespace plan_test {
 
     TEST(Plan, WhereDrivenHooksComeToRestHasABar)
     {
-        Case planned_case = block_case("pulled", make_block_phantom(small_block()));
-        planned_case.solution.elasticity = Elasticity::linear;
+        Case planned_case
+            = test_support::block_case("pulled", datasets::make_block_phantom(test_support::small_block()));
+        planned_case.solution.elasticity = fem::Elasticity::linear;
         constexpr double kForceN = 1.0, kKnown = 1e-9; // N
         constexpr double kSolved = 1e-4; // equations to 1e-6, over the stiffness of the hooks' softest way
         constexpr double kLeast = 0.5, kMost = 3.0; // of the error: what a bar may be
         const auto plan = [&](ElementKind element, bool limited) {
             planned_case.solution.element = element;
             Patient patient(planned_case);
-            Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 12.0);
+            Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 12.0);
             for (HookSpec& hook : approach.hooks) {
                 (limited ? hook.pull.force_limit_N : hook.pull.force_N) = kForceN;
                 hook.opening_mm = limited ? hook.opening_mm : 0.0;
@@ -441,10 +446,11 @@ namespace plan_test {
     TEST(Plan, ALinearFarFieldIsJudgedWithDrivenHooksLetGo)
     {
         constexpr double kForceN = 0.02; // nonlinear tissue is then nearly linear: the far field stays
-        Case planned_case = block_case("pulled near", make_block_phantom(small_block()));
+        Case planned_case
+            = test_support::block_case("pulled near", datasets::make_block_phantom(test_support::small_block()));
         planned_case.solution.near_mm = 24.0;
         Patient patient(planned_case);
-        Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 12.0);
+        Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 12.0);
         for (HookSpec& hook : approach.hooks) {
             hook.pull.force_N = kForceN;
             hook.opening_mm = 0.0;
@@ -461,13 +467,13 @@ namespace plan_test {
 
     TEST(Plan, PartsThatCannotBeSolvedAreRefused)
     {
-        const Phantom phantom = make_block_phantom(small_block());
-        Case with_contact = block_case("refused", phantom);
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        Case with_contact = test_support::block_case("refused", phantom);
         const auto refusal = [&](const Case& planned_case, const LocalPlan& local) -> std::string {
             Patient patient(planned_case);
             try {
-                (void)plan_approach(
-                    patient, block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 6.0), {}, local);
+                (void)plan_approach(patient,
+                    test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 6.0), {}, local);
             } catch (const InputError& error) {
                 return error.what();
             }
@@ -481,9 +487,9 @@ namespace plan_test {
             std::string::npos);
         with_contact.solution = { .element = ElementKind::locking_free, .near_mm = 30.0 };
         EXPECT_NE(refusal(with_contact, {}).find("averaged across the border"), std::string::npos);
-        with_contact.solution = { .elasticity = Elasticity::linear, .near_mm = 30.0 };
+        with_contact.solution = { .elasticity = fem::Elasticity::linear, .near_mm = 30.0 };
         EXPECT_NE(refusal(with_contact, {}).find("nothing is nonlinear"), std::string::npos);
-        with_contact.solution = { .elasticity = Elasticity::bounded };
+        with_contact.solution = { .elasticity = fem::Elasticity::bounded };
         EXPECT_NE(refusal(with_contact, {}).find("not for plans"), std::string::npos);
         with_contact.contact = true;
         with_contact.solution = { .near_mm = 30.0 };
@@ -494,13 +500,14 @@ namespace plan_test {
 
     TEST(Plan, AMovedPatientHasTheSameNumbers)
     {
-        const Phantom phantom = make_block_phantom(small_block());
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
         Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
         X.linear()
             = (Eigen::AngleAxisd(0.5, Vec3::UnitX()) * Eigen::AngleAxisd(-0.8, Vec3::UnitZ())).toRotationMatrix();
         X.translation() = Vec3(31.0, -57.0, 113.0);
         const PlannedField here = plan_block("here", phantom, Eigen::Isometry3d::Identity(), 20.0);
-        const PlannedField there = plan_block("there", transformed(phantom, X.linear(), X.translation()), X, 20.0);
+        const PlannedField there
+            = plan_block("there", datasets::transformed(phantom, X.linear(), X.translation()), X, 20.0);
         ASSERT_EQ(here.status, PlanStatus::done) << here.message;
         ASSERT_EQ(there.status, PlanStatus::done) << there.message;
         EXPECT_EQ(here.metrics.tets, there.metrics.tets);
@@ -519,22 +526,23 @@ namespace plan_test {
     TEST(Plan, ARigidPieceMovesWithTheLipAndTheErrorIsEstimated)
     {
         // One end of the block is held; a cut right across leaves the other half without support.
-        Phantom phantom = make_block_phantom(small_block());
-        LabelVolume& labels = phantom.labels;
-        const LabelInfo anchor { 60, "anchor", "muscle", Role::wall };
+        datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        mesh::LabelVolume& labels = phantom.labels;
+        const mesh::LabelInfo anchor { 60, "anchor", "muscle", mesh::Role::wall };
         for (int k = 0; k < labels.grid.size[2]; ++k)
             for (int j = 0; j < labels.grid.size[1]; ++j)
                 for (int i = 0; i < labels.grid.size[0]; ++i) {
                     Label& label = labels.voxels[labels.grid.offset(i, j, k)];
-                    const LabelInfo* info = find_label(labels.table, label);
-                    if (info != nullptr && info->role == Role::wall && labels.grid.world(Vec3(i, j, k)).x() < -36.0)
+                    const mesh::LabelInfo* info = mesh::find_label(labels.table, label);
+                    if (info != nullptr && info->role == mesh::Role::wall
+                        && labels.grid.world(Vec3(i, j, k)).x() < -36.0)
                         label = anchor.id;
                 }
         labels.table.push_back(anchor);
-        Case planned_case = block_case("rigid", phantom);
+        Case planned_case = test_support::block_case("rigid", phantom);
         planned_case.supports = { .labels = { "anchor" }, .region_border = false };
         Patient patient(planned_case);
-        Approach approach = block_approach(labels, Eigen::Isometry3d::Identity(), 12.0);
+        Approach approach = test_support::block_approach(labels, Eigen::Isometry3d::Identity(), 12.0);
         approach.sizing.region_mm = 0.0;
         approach.incision.front().z() = -60.0; // beyond the block
         approach.incision.back().z() = 60.0;
@@ -568,8 +576,8 @@ namespace plan_test {
     TEST(Plan, BuildsOnlyWhatItNeeds)
     {
         Ledger ledger;
-        const PlannedField field
-            = plan_block("parts", make_block_phantom(small_block()), Eigen::Isometry3d::Identity(), 10.0, &ledger);
+        const PlannedField field = plan_block("parts", datasets::make_block_phantom(test_support::small_block()),
+            Eigen::Isometry3d::Identity(), 10.0, &ledger);
         ASSERT_EQ(field.status, PlanStatus::done) << field.message;
         EXPECT_TRUE(ledger.has("labels"));
         EXPECT_TRUE(ledger.has("tetrahedra"));
@@ -581,9 +589,9 @@ namespace plan_test {
 
     TEST(Plan, ABladeBesideTheBodyIsARefusalNotACrash)
     {
-        const Phantom phantom = make_block_phantom(small_block());
-        Patient patient(block_case("beside", phantom));
-        Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0);
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        Patient patient(test_support::block_case("beside", phantom));
+        Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0);
         for (Vec3& point : approach.incision)
             point.y() -= 200.0;
         const PlannedField beyond_region = plan_approach(patient, approach);
@@ -597,9 +605,9 @@ namespace plan_test {
 
     TEST(Plan, UnknownLabelsAreNamed)
     {
-        const Phantom phantom = make_block_phantom(small_block());
-        Patient patient(block_case("unknown", phantom));
-        Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0);
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        Patient patient(test_support::block_case("unknown", phantom));
+        Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0);
         approach.uncut_labels = { "rib_left_99" };
         try {
             (void)plan_approach(patient, approach);
@@ -614,11 +622,11 @@ namespace plan_test {
         const std::atomic<bool> cancel { true };
         Job job;
         job.cancel = &cancel;
-        const Phantom phantom = make_block_phantom(small_block());
-        Patient patient(block_case("cancel", phantom));
-        const Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0);
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        Patient patient(test_support::block_case("cancel", phantom));
+        const Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0);
         EXPECT_EQ(plan_approach(patient, approach, job).status, PlanStatus::cancelled);
     }
 
 } // namespace plan_test
-} // namespace retractor
+} // namespace retractor::planner

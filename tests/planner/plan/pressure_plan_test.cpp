@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 namespace pressure_plan_test {
 
     std::string refusal(const std::function<void()>& f)
@@ -35,18 +35,18 @@ namespace pressure_plan_test {
     constexpr double kRegionMm = 30.0; ///< of the wide block, whose border holds it; of the narrow one: all
     constexpr double kNarrowMm = 90.0, kWideMm = 110.0;
 
-    Phantom coarse_block(double width_mm = kNarrowMm)
+    datasets::Phantom coarse_block(double width_mm = kNarrowMm)
     {
-        BlockParameters block;
+        datasets::BlockParameters block;
         block.size_mm = { width_mm, 70.0, width_mm };
         block.spacing_mm = Vec3::Constant(3.0);
-        return make_block_phantom(block);
+        return datasets::make_block_phantom(block);
     }
 
     Approach approach_to(Patient& patient, double opening_mm)
     {
-        const LabelVolume& labels = *patient.labels();
-        Approach approach = block_approach(labels, Eigen::Isometry3d::Identity(), opening_mm);
+        const mesh::LabelVolume& labels = *patient.labels();
+        Approach approach = test_support::block_approach(labels, Eigen::Isometry3d::Identity(), opening_mm);
         const bool wide = labels.grid.size[0] * labels.grid.spacing[0] > kWideMm;
         approach.sizing.region_mm = wide ? kRegionMm : 0.0;
         approach.sizing.corridor_edge_mm = 10.0;
@@ -63,8 +63,8 @@ namespace pressure_plan_test {
 
     TEST(PressurePlan, GasBelowTheWallPressesWhereTheWallBordersOnIt)
     {
-        const Phantom phantom = coarse_block();
-        Case planned_case = block_case("pressure", phantom);
+        const datasets::Phantom phantom = coarse_block();
+        Case planned_case = test_support::block_case("pressure", phantom);
         const PlannedField without = planned(planned_case);
         planned_case.pressures = { { "cavity", 0.5 } };
         const PlannedField with = planned(planned_case);
@@ -98,22 +98,22 @@ namespace pressure_plan_test {
     TEST(PressurePlan, HooksBearAllOfItWhereNothingElseHolds)
     {
         constexpr double kLinear = 1e-6, kNewton = 2e-3; // of the force: what the solvers leave
-        const Phantom phantom = coarse_block();
-        Case planned_case = block_case("pressure_hanging", phantom);
+        const datasets::Phantom phantom = coarse_block();
+        Case planned_case = test_support::block_case("pressure_hanging", phantom);
         planned_case.supports.region_border = false;
-        planned_case.solution.elasticity = Elasticity::linear;
+        planned_case.solution.elasticity = fem::Elasticity::linear;
         planned_case.pressures = { { "cavity", 0.3 } };
         const PlannedField linear = planned(planned_case);
         ASSERT_EQ(linear.status, PlanStatus::done) << linear.message;
         const Vec3 at_rest = linear.metrics.pressures.at(0).force_N;
         EXPECT_LT((sum_of(linear.opening.hook_forces_N) + at_rest).norm(), kLinear * at_rest.norm());
         EXPECT_NE(pressure_text(linear.metrics.pressures[0]).find("as at rest"), std::string::npos);
-        planned_case.solution.elasticity = Elasticity::hyperelastic;
+        planned_case.solution.elasticity = fem::Elasticity::hyperelastic;
         const PlannedField field = planned(planned_case);
         ASSERT_EQ(field.status, PlanStatus::done) << field.message;
         const Points& moved = field.opening.displacement;
         const Eigen::VectorXd u = Eigen::Map<const Eigen::VectorXd>(moved.data(), moved.size());
-        const Eigen::VectorXd force = external_loads(field.problem).pressures.at(0).force(u);
+        const Eigen::VectorXd force = fem::external_loads(field.problem).pressures.at(0).force(u);
         Vec3 pressed = Vec3::Zero();
         for (Eigen::Index v = 0; v < moved.rows(); ++v)
             pressed += force.segment<3>(3 * v);
@@ -125,13 +125,13 @@ namespace pressure_plan_test {
     TEST(PressurePlan, GoesWithTensionAsLoadsAddUp)
     {
         constexpr double kSolver = 1e-6; // of the displacement
-        const Phantom phantom = coarse_block(kWideMm);
+        const datasets::Phantom phantom = coarse_block(kWideMm);
         const auto moved = [&](double tension, double pressure_kPa) {
-            Case planned_case = block_case("pressure_tension", phantom);
-            planned_case.solution.elasticity = Elasticity::linear;
+            Case planned_case = test_support::block_case("pressure_tension", phantom);
+            planned_case.solution.elasticity = fem::Elasticity::linear;
             if (tension > 0.0)
-                for (Material& material : planned_case.materials)
-                    material.pre_strain = { .kind = PreStrainKind::equibiaxial, .strain = tension };
+                for (fem::Material& material : planned_case.materials)
+                    material.pre_strain = { .kind = fem::PreStrainKind::equibiaxial, .strain = tension };
             planned_case.pressures = { { "cavity", pressure_kPa } };
             const PlannedField field = planned(planned_case);
             EXPECT_EQ(field.status, PlanStatus::done) << field.message;
@@ -145,8 +145,8 @@ namespace pressure_plan_test {
 
     TEST(PressurePlan, GoesWithContactAndHooksThatPullWithAForce)
     {
-        const Phantom phantom = coarse_block(kWideMm);
-        Case planned_case = block_case("pressure_contact", phantom);
+        const datasets::Phantom phantom = coarse_block(kWideMm);
+        Case planned_case = test_support::block_case("pressure_contact", phantom);
         planned_case.contact = true;
         planned_case.pressures = { { "cavity", 0.2 } };
         Patient touching_patient(planned_case, {});
@@ -170,11 +170,11 @@ namespace pressure_plan_test {
     constexpr Label kWall = 1, kCavity = 2, kOrgan = 3;
 
     /// Labels in layers across x from 0 on, so many voxels of each, under a block of wall 8 mm thick up to x = 0.
-    LabelVolume layered(const std::vector<std::pair<Label, int>>& layers, const Vec3& spacing)
+    mesh::LabelVolume layered(const std::vector<std::pair<Label, int>>& layers, const Vec3& spacing)
     {
-        LabelVolume labels;
-        labels.table = { { kWall, "wall", "muscle", Role::wall }, { kCavity, "cavity", "", Role::voxel },
-            { kOrgan, "organ", "", Role::voxel } };
+        mesh::LabelVolume labels;
+        labels.table = { { kWall, "wall", "muscle", mesh::Role::wall }, { kCavity, "cavity", "", mesh::Role::voxel },
+            { kOrgan, "organ", "", mesh::Role::voxel } };
         const int below = static_cast<int>(std::lround(8.0 / spacing.x()));
         std::vector<Label> across(static_cast<std::size_t>(below), kWall);
         for (const auto& [label, count] : layers)
@@ -189,12 +189,12 @@ namespace pressure_plan_test {
     }
 
     /// Areas of the face x = 0 of the block that the cavity presses on, and that it would but for a gap, mm^2.
-    std::pair<double, double> bordering_area(const LabelVolume& labels)
+    std::pair<double, double> bordering_area(const mesh::LabelVolume& labels)
     {
-        TetMesh wall = kuhn_box(2, 2, 2, 4.0);
+        mesh::TetMesh wall = mesh::kuhn_box(2, 2, 2, 4.0);
         wall.vertices.col(0).array() -= 8.0;
         const BorderingFaces bordering = faces_bordering(wall, labels, kCavity, {});
-        const auto area = [&](const std::vector<TetFace>& faces) {
+        const auto area = [&](const std::vector<mesh::TetFace>& faces) {
             const WallPressure pressure { { "cavity", faces, 1.0 }, {} };
             return pressure_metrics(wall, pressure, false).force_N;
         };
@@ -226,8 +226,8 @@ namespace pressure_plan_test {
 
     TEST(PressurePlan, WhatCannotPressIsRefusedByName)
     {
-        const Phantom phantom = coarse_block();
-        const Case base = block_case("pressure refused", phantom);
+        const datasets::Phantom phantom = coarse_block();
+        const Case base = test_support::block_case("pressure refused", phantom);
         const auto refused = [&](const PressureSpec& spec) {
             Case planned_case = base;
             planned_case.pressures = { spec };
@@ -256,7 +256,7 @@ namespace pressure_plan_test {
 
     TEST(PressurePlan, CasesKeepIt)
     {
-        Case planned_case = block_case("pressure kept", coarse_block());
+        Case planned_case = test_support::block_case("pressure kept", coarse_block());
         EXPECT_EQ(case_to_json(planned_case).find("pressures"), std::string::npos);
         planned_case.pressures = { { "cavity", 4.0 / 3.0 } };
         const Case back = case_from_json(case_to_json(planned_case), planned_case.folder);
@@ -271,4 +271,4 @@ namespace pressure_plan_test {
     }
 
 } // namespace pressure_plan_test
-} // namespace retractor
+} // namespace retractor::planner

@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <iostream>
 
-namespace retractor {
+namespace retractor::planner {
 namespace real_chest_test {
 
     std::filesystem::path chest_file()
@@ -77,7 +77,7 @@ namespace real_chest_test {
     {
         const auto rough = [&](std::string_view name) {
             return std::any_of(chest->structures.begin(), chest->structures.end(),
-                [&](const FoundStructure& s) { return s.name == name && s.rough; });
+                [&](const datasets::FoundStructure& s) { return s.name == name && s.rough; });
         };
         EXPECT_TRUE(rough("aorta")); // no contrast
         EXPECT_TRUE(rough("heart"));
@@ -90,9 +90,9 @@ namespace real_chest_test {
     TEST_F(RealChest, TheWallIsClosed)
     {
         // No voxel of lung touches the air outside.
-        const LabelVolume& labels = *chest->labels;
+        const mesh::LabelVolume& labels = *chest->labels;
         const auto is_lung = [&](Label id) {
-            const LabelInfo* info = find_label(labels.table, id);
+            const mesh::LabelInfo* info = mesh::find_label(labels.table, id);
             return info != nullptr && info->name.starts_with("lung");
         };
         const auto& n = labels.grid.size;
@@ -140,4 +140,4 @@ namespace real_chest_test {
     }
 
 } // namespace real_chest_test
-} // namespace retractor
+} // namespace retractor::planner

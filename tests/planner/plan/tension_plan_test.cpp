@@ -12,43 +12,45 @@
 #include <algorithm>
 #include <string>
 
-namespace retractor {
+namespace retractor::planner {
 namespace tension_plan_test {
 
     constexpr double kStrain = 0.04, kLess = 0.01, kRatio = 0.3;
     constexpr double kCutMm = 50.0;
 
     /// The cut runs along z, so x is across it.
-    PreStrain biaxial(double along_x, double across_x)
+    fem::PreStrain biaxial(double along_x, double across_x)
     {
-        return { .kind = PreStrainKind::biaxial, .strain = along_x, .pull = Vec3::UnitX(), .across = across_x };
+        return { .kind = fem::PreStrainKind::biaxial, .strain = along_x, .pull = Vec3::UnitX(), .across = across_x };
     }
 
     struct Block {
         double width_mm = 110.0, region_mm = 30.0;
-        SolutionChoice solution { .elasticity = Elasticity::linear };
+        SolutionChoice solution { .elasticity = fem::Elasticity::linear };
         LocalPlan local {};
         bool contact = false;
     };
 
     /// One tissue through and through, held where its region ends, planned with hooks that open it by so much, or
     /// without.
-    PlannedField plan_under(const PreStrain& tension, std::optional<double> opening_mm, const Block& block = {})
+    PlannedField plan_under(const fem::PreStrain& tension, std::optional<double> opening_mm, const Block& block = {})
     {
-        BlockParameters parameters;
+        datasets::BlockParameters parameters;
         parameters.size_mm = { block.width_mm, 70.0, block.width_mm };
         parameters.spacing_mm = Vec3::Constant(3.0);
         static int count = 0;
-        Case planned_case = block_case("tension_" + std::to_string(++count), make_block_phantom(parameters));
+        Case planned_case
+            = test_support::block_case("tension_" + std::to_string(++count), datasets::make_block_phantom(parameters));
         planned_case.solution = block.solution;
         planned_case.contact = block.contact;
-        for (Material& material : planned_case.materials) {
+        for (fem::Material& material : planned_case.materials) {
             material.youngs_modulus_MPa = 0.1;
             material.poissons_ratio = kRatio;
             material.pre_strain = tension;
         }
         Patient patient(planned_case);
-        Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), opening_mm.value_or(0.0));
+        Approach approach
+            = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), opening_mm.value_or(0.0));
         if (!opening_mm)
             approach.hooks.clear();
         approach.sizing.region_mm = block.region_mm;
@@ -65,12 +67,12 @@ namespace tension_plan_test {
         const PlannedField field = plan_under(biaxial(kStrain, kStrain), std::nullopt,
             { .width_mm = 230.0,
                 .region_mm = 90.0,
-                .solution = { .elasticity = Elasticity::linear, .element = ElementKind::p2 } });
+                .solution = { .elasticity = fem::Elasticity::linear, .element = ElementKind::p2 } });
         ASSERT_EQ(field.status, PlanStatus::done) << field.message;
         ASSERT_TRUE(field.metrics.tension.has_value());
         EXPECT_EQ(field.metrics.tension->message, "");
         EXPECT_EQ(field.metrics.tension->gape_mm, field.metrics.opening_width_mm) << "there are no hooks";
-        const double sheet = sheet_gape(PreStrainKind::equibiaxial, kStrain, kCutMm, kRatio);
+        const double sheet = fem::sheet_gape(fem::PreStrainKind::equibiaxial, kStrain, kCutMm, kRatio);
         EXPECT_NEAR(field.metrics.tension->gape_mm / sheet, 1.0, kNear);
         EXPECT_EQ(field.metrics.error->message, "");
         EXPECT_GT(field.metrics.error->opening_width_mm, 0.0);
@@ -80,7 +82,7 @@ namespace tension_plan_test {
     TEST(PlanUnderTension, OnlyTheStressAcrossTheCutCounts)
     {
         constexpr double kBent = 1e-3; // the cut is not quite straight
-        const auto gape = [](const PreStrain& tension) {
+        const auto gape = [](const fem::PreStrain& tension) {
             const PlannedField field = plan_under(tension, std::nullopt);
             EXPECT_EQ(field.status, PlanStatus::done) << field.message;
             return field.metrics.opening_width_mm;
@@ -91,14 +93,15 @@ namespace tension_plan_test {
         EXPECT_NEAR(gape(biaxial(kStrain, kLess)) / both, (kStrain + kRatio * kLess) / of_both, kBent);
         EXPECT_NEAR(gape(biaxial(kLess, kStrain)) / both, (kLess + kRatio * kStrain) / of_both, kBent);
         // Along the cut, free to narrow: nothing across.
-        EXPECT_NEAR(gape({ .kind = PreStrainKind::uniaxial_stress, .strain = kStrain, .pull = Vec3::UnitZ() }) / both,
-            0.0, 0.01);
+        EXPECT_NEAR(
+            gape({ .kind = fem::PreStrainKind::uniaxial_stress, .strain = kStrain, .pull = Vec3::UnitZ() }) / both, 0.0,
+            0.01);
     }
 
     TEST(PlanUnderTension, HooksHaveLessToDoAndTheGapeIsToldWithoutThem)
     {
         constexpr double kOpening = 12.0;
-        const PreStrain tension = biaxial(kStrain, kStrain);
+        const fem::PreStrain tension = biaxial(kStrain, kStrain);
         const PlannedField bare = plan_under(tension, std::nullopt), hooked = plan_under(tension, kOpening),
                            slack = plan_under({}, kOpening);
         ASSERT_EQ(hooked.status, PlanStatus::done) << hooked.message;
@@ -138,7 +141,7 @@ namespace tension_plan_test {
     {
         constexpr double kSmall = 0.005, kAlike = 0.05;
         constexpr double kPart = 0.1; // which is stiffer
-        const PreStrain tension = biaxial(kSmall, kSmall);
+        const fem::PreStrain tension = biaxial(kSmall, kSmall);
         const double linear = plan_under(tension, std::nullopt).metrics.opening_width_mm;
         EXPECT_GT(linear, 0.1);
         const auto near = [&](const Block& block, double alike) {
@@ -148,10 +151,11 @@ namespace tension_plan_test {
             EXPECT_EQ(field.metrics.error->message, "");
             return field;
         };
-        (void)near({ .solution = { .elasticity = Elasticity::corotational } }, kAlike);
-        (void)near({ .solution = { .elasticity = Elasticity::hyperelastic } }, kAlike);
-        (void)near({ .solution = { .elasticity = Elasticity::hyperelastic, .near_mm = 25.0 } }, kAlike);
-        (void)near({ .solution = { .elasticity = Elasticity::linear, .element = ElementKind::locking_free } }, kAlike);
+        (void)near({ .solution = { .elasticity = fem::Elasticity::corotational } }, kAlike);
+        (void)near({ .solution = { .elasticity = fem::Elasticity::hyperelastic } }, kAlike);
+        (void)near({ .solution = { .elasticity = fem::Elasticity::hyperelastic, .near_mm = 25.0 } }, kAlike);
+        (void)near(
+            { .solution = { .elasticity = fem::Elasticity::linear, .element = ElementKind::locking_free } }, kAlike);
         (void)near({ .contact = true }, kAlike);
         const PlannedField local = near({ .local = { .within_mm = 25.0, .check = true } }, kPart);
         ASSERT_TRUE(local.metrics.local.has_value());
@@ -160,7 +164,7 @@ namespace tension_plan_test {
 
     TEST(PlanUnderTension, ADirectionThroughTheTissueIsSaid)
     {
-        PreStrain through = biaxial(kStrain, kLess); // down into the body, as the block lies
+        fem::PreStrain through = biaxial(kStrain, kLess); // down into the body, as the block lies
         through.pull = Vec3::UnitY();
         const PlannedField field = plan_under(through, std::nullopt);
         ASSERT_EQ(field.status, PlanStatus::done) << field.message;
@@ -177,30 +181,30 @@ namespace tension_plan_test {
     }
 
     /// Whether the plane across the blade was taken for want of skin.
-    bool takes_the_plane_across_the_blade(const PreStrain& tension, const std::string& material)
+    bool takes_the_plane_across_the_blade(const fem::PreStrain& tension, const std::string& material)
     {
-        const LabelTable table { { 1, "chest wall", material, Role::wall } };
-        std::vector<Material> materials(2);
+        const mesh::LabelTable table { { 1, "chest wall", material, mesh::Role::wall } };
+        std::vector<fem::Material> materials(2);
         materials[1].name = material;
         materials[1].youngs_modulus_MPa = 0.1;
         materials[1].poissons_ratio = kRatio;
         materials[1].density_tonne_per_mm3 = 1e-9;
         materials[1].pre_strain = tension;
-        return wall_tension(kuhn_box(2, 2, 2, 4.0), materials, table, {}, -Vec3::UnitY()).without_skin;
+        return wall_tension(mesh::kuhn_box(2, 2, 2, 4.0), materials, table, {}, -Vec3::UnitY()).without_skin;
     }
 
     TEST(PlanUnderTension, ThePlaneAcrossTheBladeIsToldWhereItIsTaken)
     {
-        PreStrain tension = biaxial(kStrain, kLess);
+        fem::PreStrain tension = biaxial(kStrain, kLess);
         EXPECT_TRUE(takes_the_plane_across_the_blade(tension, "muscle"));
         EXPECT_FALSE(takes_the_plane_across_the_blade(tension, "skin"));
         tension.normal = Vec3::UnitZ();
         EXPECT_FALSE(takes_the_plane_across_the_blade(tension, "muscle")) << "it has a normal of its own";
         EXPECT_FALSE(takes_the_plane_across_the_blade({}, "muscle")) << "no tension";
         EXPECT_FALSE(
-            takes_the_plane_across_the_blade({ .kind = PreStrainKind::isotropic, .strain = kStrain }, "muscle"))
+            takes_the_plane_across_the_blade({ .kind = fem::PreStrainKind::isotropic, .strain = kStrain }, "muscle"))
             << "it needs no plane";
     }
 
 } // namespace tension_plan_test
-} // namespace retractor
+} // namespace retractor::planner

@@ -17,7 +17,7 @@
 #include <new>
 #include <thread>
 
-namespace retractor {
+namespace retractor::planner {
 namespace cutting_desk_test {
 
     // Positions of some 100 mm, a few operations each.
@@ -47,7 +47,7 @@ namespace cutting_desk_test {
         return desk.finish_stroke();
     }
 
-    bool same_mesh(const TetMesh& a, const TetMesh& b)
+    bool same_mesh(const mesh::TetMesh& a, const mesh::TetMesh& b)
     {
         return a.vertices.rows() == b.vertices.rows() && (a.vertices.array() == b.vertices.array()).all()
             && a.nodes == b.nodes && a.labels == b.labels;
@@ -142,7 +142,7 @@ namespace cutting_desk_test {
     TEST(CuttingDesk, UndoAndRedoAreExact)
     {
         CuttingDesk desk(layered_wall());
-        std::vector<TetMesh> states { desk.session().compact_mesh() };
+        std::vector<mesh::TetMesh> states { desk.session().compact_mesh() };
         for (const double z : { 30.0, 62.0, 91.0 }) {
             ASSERT_TRUE(draw(desk, { 20.0, 0.0, z }, { 80.0, 0.0, z + 4.0 }, {}).done);
             states.push_back(desk.session().compact_mesh());
@@ -171,7 +171,7 @@ namespace cutting_desk_test {
         CuttingDesk desk(layered_wall());
         ASSERT_TRUE(draw(desk, { 20.0, 0.0, 30.0 }, { 80.0, 0.0, 30.0 }, {}).done);
         desk.undo();
-        const TetMesh before = desk.session().compact_mesh();
+        const mesh::TetMesh before = desk.session().compact_mesh();
         ASSERT_TRUE(desk.begin_stroke(at(desk, 20.0, 62.0), {}).done);
         for (double x = 22.0; x <= 60.0; x += 2.0)
             ASSERT_TRUE(desk.draw_to(at(desk, x, 62.0)).done);
@@ -200,7 +200,7 @@ namespace cutting_desk_test {
         const KnifeAnswer second = draw(desk, { 53.0, 0.0, 30.0 }, { 56.0, 0.0, 95.0 }, {});
         ASSERT_TRUE(second.done) << second.reason;
         EXPECT_NEAR(desk.cuts()[1].report.lip_area_mm2, std::hypot(3.0, 65.0) * 15.0, 80.0 * kCutToleranceMm);
-        check_mesh(desk.session().compact_mesh());
+        mesh::check_mesh(desk.session().compact_mesh());
     }
 
     /// Four strokes through the wall that cross near their ends, round (60, 60): what lies between them hangs on
@@ -224,7 +224,7 @@ namespace cutting_desk_test {
             EXPECT_FALSE(whole.done);
             EXPECT_NE(whole.reason.find("cut it free first"), std::string::npos) << whole.reason;
             cut_a_square_free(desk, 16.0);
-            const TetMesh before = desk.session().compact_mesh();
+            const mesh::TetMesh before = desk.session().compact_mesh();
             const KnifeAnswer answer = desk.take_out(at(desk, 60.0, 60.0), 0.0);
             ASSERT_TRUE(answer.done) << answer.reason;
             ASSERT_EQ(desk.cuts().size(), 5U);
@@ -235,7 +235,7 @@ namespace cutting_desk_test {
                 4.0 * 32.0 * kSlabThicknessMm * kCutToleranceMm);
             EXPECT_FALSE(touch(*desk.picture(), ray_down(60.0, 60.0))) << "one looks through the wall";
             desk.relax(10.0);
-            const TetMesh after = desk.session().compact_mesh();
+            const mesh::TetMesh after = desk.session().compact_mesh();
             desk.undo();
             EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), before));
             EXPECT_TRUE(touch(*desk.picture(), ray_down(60.0, 60.0)));
@@ -268,7 +268,7 @@ namespace cutting_desk_test {
         EXPECT_TRUE(everything.done) << "one tissue is never everything here";
     }
 
-    Vec3 centroid(const TetMesh& mesh, TetId t)
+    Vec3 centroid(const mesh::TetMesh& mesh, TetId t)
     {
         Vec3 middle = Vec3::Zero();
         for (const VertexId v : mesh.tet(t))
@@ -282,7 +282,7 @@ namespace cutting_desk_test {
         table.region = { .corridor = { { 60.0, 0.0, 20.0 }, { 60.0, 0.0, 100.0 } }, .meshed_mm = 40.0 };
         CuttingDesk desk(std::move(table));
         const auto beyond = [&] { // and an edge further: elements at the border are divided
-            const TetMesh mesh = desk.session().compact_mesh();
+            const mesh::TetMesh mesh = desk.session().compact_mesh();
             std::size_t count = 0;
             for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
                 count += centroid(mesh, t).x() > 94.0 + kSlabEdgeMm ? 1U : 0U;
@@ -340,13 +340,14 @@ namespace cutting_desk_test {
         for (Eigen::Index v = 0; v < table.wall.vertices.rows(); ++v)
             if (table.wall.vertices(v, 1) == kSlabThicknessMm && held[static_cast<std::size_t>(v)] == 0)
                 table.bedded.push_back({ static_cast<VertexId>(v), 1.0 });
-        CutSession session(table.wall);
-        const Blade blade { .line = { { 20.0, 0.0, 61.0 }, { 50.0, 0.0, 61.0 }, { 80.0, 0.0, 61.0 } },
+        mesh::CutSession session(table.wall);
+        const mesh::Blade blade { .line = { { 20.0, 0.0, 61.0 }, { 50.0, 0.0, 61.0 }, { 80.0, 0.0, 61.0 } },
             .directions = { Vec3::UnitY(), Vec3::UnitY(), Vec3::UnitY() },
             .depth_mm = 15.0 };
-        std::vector<MeshDelta> cuts { session.cut(blade).delta };
+        std::vector<mesh::MeshDelta> cuts { session.cut(blade).delta };
         if (without_side)
-            cuts.push_back(session.ablate(mark_box(session, { Vec3(0.0, 0.0, 30.0), Vec3(15.0, 30.0, 90.0) })).delta);
+            cuts.push_back(
+                session.ablate(mesh::mark_box(session, { Vec3(0.0, 0.0, 30.0), Vec3(15.0, 30.0, 90.0) })).delta);
         return { std::move(table), std::move(session), cuts };
     }
 
@@ -362,7 +363,7 @@ namespace cutting_desk_test {
     /// Of the vertices that there are, by id.
     Points shown_vertices(CuttingDesk& desk)
     {
-        const CutSession& session = desk.session();
+        const mesh::CutSession& session = desk.session();
         Points shown(static_cast<Eigen::Index>(session.vertex_count()), 3);
         Eigen::Index row = 0;
         for (VertexId v = 0; v < static_cast<VertexId>(session.vertex_slots()); ++v)
@@ -475,7 +476,7 @@ namespace cutting_desk_test {
     TEST(CuttingDesk, RefusesWhatIsNoStrokeAndSaysWhy)
     {
         CuttingDesk desk(layered_wall());
-        const TetMesh before = desk.session().compact_mesh();
+        const mesh::TetMesh before = desk.session().compact_mesh();
         ASSERT_TRUE(desk.begin_stroke(at(desk, 60.0, 60.0), {}).done);
         EXPECT_THROW((void)desk.begin_stroke(at(desk, 60.0, 60.0), {}), InputError);
         EXPECT_THROW(desk.undo(), InputError);
@@ -552,7 +553,7 @@ namespace cutting_desk_test {
         const KnifeAnswer end = desk.finish_stroke();
         ASSERT_TRUE(end.done) << end.reason;
         EXPECT_NE(end.reason, "") << "the surgeon is told that a part was left out";
-        check_mesh(desk.session().compact_mesh());
+        mesh::check_mesh(desk.session().compact_mesh());
     }
 
     /// A desk whose session is refused what the test chooses, as by a full disk or by the cut itself.
@@ -561,8 +562,8 @@ namespace cutting_desk_test {
         CuttingDesk make_desk()
         {
             OperatingTable table = layered_wall();
-            CutSession session(table.wall);
-            session.set_witness([refuse = refuse_](const CutEvent& event) {
+            mesh::CutSession session(table.wall);
+            session.set_witness([refuse = refuse_](const mesh::CutEvent& event) {
                 if (*refuse)
                     (*refuse)(event.kind);
             });
@@ -576,7 +577,7 @@ namespace cutting_desk_test {
                 ASSERT_TRUE(desk.draw_to(at(desk, x, 62.0)).done);
             ASSERT_TRUE(desk.draw_to(at(desk, 78.0, 62.0)).done);
         }
-        using Refusal = std::function<void(CutEvent::Kind)>;
+        using Refusal = std::function<void(mesh::CutEvent::Kind)>;
         std::shared_ptr<Refusal> refuse_ = std::make_shared<Refusal>();
     };
 
@@ -584,9 +585,9 @@ namespace cutting_desk_test {
     {
         for (const bool again : { true, false }) {
             CuttingDesk desk = make_desk();
-            const TetMesh before = desk.session().compact_mesh();
+            const mesh::TetMesh before = desk.session().compact_mesh();
             draw_open_stroke(desk);
-            *refuse_ = [](CutEvent::Kind) { throw IoError("the disk is full"); };
+            *refuse_ = [](mesh::CutEvent::Kind) { throw IoError("the disk is full"); };
             EXPECT_THROW((void)desk.finish_stroke(), IoError);
             EXPECT_TRUE(desk.stroke_open());
             EXPECT_FALSE(desk.can_undo());
@@ -614,8 +615,8 @@ namespace cutting_desk_test {
     {
         CuttingDesk desk = make_desk();
         draw_open_stroke(desk);
-        *refuse_ = [](CutEvent::Kind kind) {
-            if (kind == CutEvent::Kind::stroke_step)
+        *refuse_ = [](mesh::CutEvent::Kind kind) {
+            if (kind == mesh::CutEvent::Kind::stroke_step)
                 throw SolverError("try it with another point");
         };
         const KnifeAnswer step = desk.draw_to(at(desk, 82.0, 62.0));
@@ -632,10 +633,10 @@ namespace cutting_desk_test {
     TEST_F(RefusedStroke, OneThatCannotBeFinishedIsTakenBackAloud)
     {
         CuttingDesk desk = make_desk();
-        const TetMesh before = desk.session().compact_mesh();
+        const mesh::TetMesh before = desk.session().compact_mesh();
         draw_open_stroke(desk);
-        *refuse_ = [](CutEvent::Kind kind) {
-            if (kind == CutEvent::Kind::stroke_end)
+        *refuse_ = [](mesh::CutEvent::Kind kind) {
+            if (kind == mesh::CutEvent::Kind::stroke_end)
                 throw SolverError("the lips hang together");
         };
         const KnifeAnswer answer = desk.finish_stroke();
@@ -697,7 +698,7 @@ namespace cutting_desk_test {
         ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
         EXPECT_EQ(desk.gape_mm(), 0.0);
         EXPECT_EQ((desk.picture()->shown - desk.picture()->surface->rest).norm(), 0.0) << "no tension, no gape";
-        const TetMesh cut = desk.session().compact_mesh();
+        const mesh::TetMesh cut = desk.session().compact_mesh();
         desk.set_tension(0.04);
         come_to_rest(desk);
         const double gape = desk.gape_mm();
@@ -760,7 +761,7 @@ namespace cutting_desk_test {
         ASSERT_TRUE(second.done) << second.reason;
         come_to_rest(desk);
         EXPECT_EQ(desk.session().cut_count(), 2U);
-        check_mesh(desk.session().compact_mesh());
+        mesh::check_mesh(desk.session().compact_mesh());
     }
 
     void wait_for(const KnifeWorker& worker)
@@ -873,4 +874,4 @@ namespace cutting_desk_test {
     }
 
 } // namespace cutting_desk_test
-} // namespace retractor
+} // namespace retractor::planner

@@ -15,7 +15,7 @@
 #include <string>
 #include <thread>
 
-namespace retractor {
+namespace retractor::planner {
 namespace kept_cuts_test {
 
     namespace fs = std::filesystem;
@@ -49,7 +49,7 @@ namespace kept_cuts_test {
             begin(desk, z);
             ASSERT_TRUE(desk.finish_stroke().done);
         }
-        static bool same(const TetMesh& a, const TetMesh& b)
+        static bool same(const mesh::TetMesh& a, const mesh::TetMesh& b)
         {
             return a.vertices.rows() == b.vertices.rows() && (a.vertices.array() == b.vertices.array()).all()
                 && a.nodes == b.nodes && a.labels == b.labels;
@@ -83,7 +83,7 @@ namespace kept_cuts_test {
 
     TEST_F(KeptCutsTest, ADeskIsRestoredAsItWas)
     {
-        TetMesh left;
+        mesh::TetMesh left;
         std::shared_ptr<const WallSurface> surface;
         {
             CuttingDesk desk = fresh_desk(table());
@@ -118,7 +118,7 @@ namespace kept_cuts_test {
     {
         // Sums of some 100 elements' volumes, in another order.
         constexpr double kRounding = 1e-9;
-        CutReport report;
+        mesh::CutReport report;
         {
             CuttingDesk desk = fresh_desk(table());
             cut(desk, 30.0);
@@ -153,7 +153,7 @@ namespace kept_cuts_test {
 
     TEST_F(KeptCutsTest, AStrokeThatACrashCutOffIsKept)
     {
-        TetMesh left;
+        mesh::TetMesh left;
         {
             auto desk = std::make_unique<CuttingDesk>(fresh_desk(table()));
             cut(*desk, 30.0);
@@ -265,4 +265,4 @@ namespace kept_cuts_test {
     }
 
 } // namespace kept_cuts_test
-} // namespace retractor
+} // namespace retractor::planner

@@ -2,13 +2,12 @@
 
 #include "planner/case/solution_choice.h"
 
-
-namespace retractor {
+namespace retractor::planner {
 
 OperatingTable layered_wall(const Vec3& shift)
 {
     OperatingTable table;
-    table.wall = kuhn_box(24, 6, 24, kSlabEdgeMm);
+    table.wall = mesh::kuhn_box(24, 6, 24, kSlabEdgeMm);
     for (TetId t = 0; t < static_cast<TetId>(table.wall.tet_count()); ++t) {
         Vec3 middle = Vec3::Zero();
         for (const VertexId v : table.wall.tet(t))
@@ -24,11 +23,12 @@ OperatingTable layered_wall(const Vec3& shift)
             table.held.push_back(static_cast<VertexId>(v));
     }
     table.wall.vertices.rowwise() += shift.transpose();
-    table.labels = { { kSkin, "skin", "skin", Role::wall }, { kFat, "fat", "fat", Role::wall },
-        { kMuscle, "muscle", "muscle", Role::wall }, { kBone, "rib", "bone", Role::wall } };
+    table.labels = { { kSkin, "skin", "skin", mesh::Role::wall }, { kFat, "fat", "fat", mesh::Role::wall },
+        { kMuscle, "muscle", "muscle", mesh::Role::wall }, { kBone, "rib", "bone", mesh::Role::wall } };
     table.materials.resize(5);
-    for (const LabelInfo& info : table.labels)
-        table.materials[info.id] = as_solved(find_material(default_materials(), info.material), ElementKind::p1);
+    for (const mesh::LabelInfo& info : table.labels)
+        table.materials[info.id]
+            = as_solved(fem::find_material(fem::default_materials(), info.material), ElementKind::p1);
     return table;
 }
 
@@ -50,4 +50,4 @@ OperatingTable wall_with_planned_hooks(const HookPull& pull, double hook_depth_m
             .pull = pull });
     return table;
 }
-} // namespace retractor
+} // namespace retractor::planner

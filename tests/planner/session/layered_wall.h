@@ -4,7 +4,7 @@
 
 #include "planner/session/cutting_desk.h"
 
-namespace retractor {
+namespace retractor::planner {
 
 inline constexpr double kSlabThicknessMm = 30.0;
 inline constexpr double kSlabEdgeMm = 5.0;
@@ -21,4 +21,4 @@ OperatingTable wall_with_planned_hooks(const HookPull& pull, double hook_depth_m
 /// Straight down on the skin of the slab.
 Ray ray_down(double x, double z);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -4,7 +4,6 @@
 #include "planner/session/near_wound.h"
 
 #include "fem/linear_algebra/sparse_cholesky.h"
-#include "tests/planner/session/layered_wall.h"
 #include "mesh/base/error.h"
 #include "planner/session/cutting_desk.h"
 #include "planner/session/knife_worker.h"
@@ -19,7 +18,7 @@
 #include <set>
 #include <thread>
 
-namespace retractor {
+namespace retractor::planner {
 namespace near_wound_test {
 
     constexpr double kSettled = 1e-6; // residual of an answer at rest
@@ -85,18 +84,18 @@ namespace near_wound_test {
             ASSERT_EQ(report.shown, ShownAnswer::nonlinear) << report.shown_text;
             EXPECT_EQ(report.shown_text, "nonlinear within 40 mm");
             EXPECT_LT(report.residual, kSettled);
-            SlotMap map;
-            const TetMesh mesh = desk.session().compact_mesh(&map);
+            mesh::SlotMap map;
+            const mesh::TetMesh mesh = desk.session().compact_mesh(&map);
             const auto compact = [&](VertexId id) { return map.compact_vertex[static_cast<std::size_t>(id)]; };
             OperatingTable table = layered_wall();
-            for (Material& material : table.materials)
+            for (fem::Material& material : table.materials)
                 material.poissons_ratio = std::min(material.poissons_ratio, 0.45);
-            Supports supports;
+            fem::Supports supports;
             for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
                 if (const Vec3 p = mesh.vertices.row(v);
                     p.x() == 0.0 || p.x() == 120.0 || p.z() == 0.0 || p.z() == 120.0)
                     supports.fixed.push_back(v);
-            std::vector<HookPatch> hooks;
+            std::vector<fem::HookPatch> hooks;
             std::vector<Vec3> asked;
             for (const HookState& hook : report.hooks) {
                 hooks.push_back({ hook.name, hook.seat.side, {}, Vec3::Zero() });
@@ -105,17 +104,17 @@ namespace near_wound_test {
                 asked.push_back(hook.drive.displacement);
             }
             std::set<VertexId> lips;
-            for (const LipFace& lip : desk.session().lips())
-                for (const VertexId v :
-                    face_vertices(mesh, { map.compact_tet[static_cast<std::size_t>(lip.face.tet)], lip.face.corner }))
+            for (const mesh::LipFace& lip : desk.session().lips())
+                for (const VertexId v : mesh::face_vertices(
+                         mesh, { map.compact_tet[static_cast<std::size_t>(lip.face.tet)], lip.face.corner }))
                     lips.insert(v);
             Points wound(static_cast<Eigen::Index>(lips.size()), 3);
             Eigen::Index row = 0;
             for (const VertexId v : lips)
                 wound.row(row++) = mesh.vertices.row(v);
             constexpr double kNearMm = 40.0, kStepMm = 3.0;
-            NearField field(mesh, table.materials, supports, hooks, elements_near(mesh, wound, kNearMm),
-                { .elasticity = Elasticity::bounded });
+            fem::NearField field(mesh, table.materials, supports, hooks, fem::elements_near(mesh, wound, kNearMm),
+                { .elasticity = fem::Elasticity::bounded });
             const int steps = static_cast<int>(std::ceil(desk.hooks().hooks[0].drive.displacement.norm() / kStepMm));
             for (int step = 1; step <= steps; ++step) {
                 std::vector<Vec3> there = asked;
@@ -123,8 +122,8 @@ namespace near_wound_test {
                     a *= static_cast<double>(step) / steps;
                 (void)field.drag(there);
             }
-            const NearFrame right = field.settle();
-            ASSERT_EQ(right.status, NearStatus::settled) << right.message;
+            const fem::NearFrame right = field.settle();
+            ASSERT_EQ(right.status, fem::NearStatus::settled) << right.message;
             const Points shown = moved();
             double worst = 0.0;
             for (std::size_t v = 0; v < map.vertex_slot.size(); ++v)
@@ -448,9 +447,9 @@ namespace near_wound_test {
     NearProblem block(double pull)
     {
         NearProblem problem;
-        problem.mesh = kuhn_box(4, 4, 4, 5.0);
-        problem.material_of_label.assign(2, default_materials().front());
-        HookPatch hook { "hook", 1, {}, Vec3(pull, 0.0, 0.0) };
+        problem.mesh = mesh::kuhn_box(4, 4, 4, 5.0);
+        problem.material_of_label.assign(2, fem::default_materials().front());
+        fem::HookPatch hook { "hook", 1, {}, Vec3(pull, 0.0, 0.0) };
         for (VertexId v = 0; v < static_cast<VertexId>(problem.mesh.vertex_count()); ++v) {
             problem.id.push_back(v);
             const Vec3 p = problem.mesh.vertices.row(v);
@@ -555,4 +554,4 @@ namespace near_wound_test {
     }
 
 } // namespace near_wound_test
-} // namespace retractor
+} // namespace retractor::planner

@@ -15,7 +15,7 @@
 #include <functional>
 #include <thread>
 
-namespace retractor {
+namespace retractor::planner {
 namespace palpation_session_test {
 
     namespace fs = std::filesystem;
@@ -38,8 +38,8 @@ namespace palpation_session_test {
         void open(const PalpationSetup& setup = {})
         {
             for (std::size_t f = 0; f < kMostFingers; ++f) {
-                pointers_.push_back(std::make_unique<PointerDevice>(
-                    PointerOptions { .workspace = { Vec3::Constant(-1000.0), Vec3::Constant(1000.0) } },
+                pointers_.push_back(std::make_unique<haptics::PointerDevice>(
+                    haptics::PointerOptions { .workspace = { Vec3::Constant(-1000.0), Vec3::Constant(1000.0) } },
                     mouse_info(f)));
                 raw_.push_back(pointers_.back().get());
                 pointers_.back()->hop_to(Vec3::Constant(900.0));
@@ -62,7 +62,7 @@ namespace palpation_session_test {
         double force(std::size_t finger = 0) const { return frame_.servo.contacts[finger].force.norm(); }
         void press(double depth)
         {
-            const TouchSite& site = session_->scene().site("centre");
+            const datasets::TouchSite& site = session_->scene().site("centre");
             pointers_[0]->hop_to(site.point + (4.0 - depth) * site.outward);
         }
         /// The force that a press comes to rest at.
@@ -82,8 +82,8 @@ namespace palpation_session_test {
         }
 
         std::shared_ptr<TubeControl> control_ = std::make_shared<TubeControl>();
-        std::vector<std::unique_ptr<PointerDevice>> pointers_;
-        std::vector<PointerDevice*> raw_;
+        std::vector<std::unique_ptr<haptics::PointerDevice>> pointers_;
+        std::vector<haptics::PointerDevice*> raw_;
         PalpationFrame frame_;
         std::unique_ptr<PalpationSession> session_;
     };
@@ -95,7 +95,7 @@ namespace palpation_session_test {
         EXPECT_EQ(force(), 0.0);
         press(1.0);
         const double one = settled_force();
-        const TouchSite& site = session_->scene().site("centre");
+        const datasets::TouchSite& site = session_->scene().site("centre");
         const Eigen::VectorXd moved = (frame_.shown - frame_.surface->vertices) * site.outward;
         EXPECT_LT(moved.minCoeff(), -0.3) << "mm, inwards; a fingertip of 1 mm depth between coarse vertices";
         press(2.0);
@@ -110,7 +110,7 @@ namespace palpation_session_test {
         open();
         press(1.0);
         const double before = settled_force();
-        const ElasticTemplate stiff {
+        const haptics::ElasticTemplate stiff {
             .centre = session_->scene().site("centre").point, .half_size = Vec3::Constant(100.0), .youngs_modulus = 4.0
         };
         EXPECT_EQ(session_->edit(stiff), session_->scene().body.mesh.tet_count());
@@ -195,12 +195,12 @@ namespace palpation_session_test {
         press(1.0);
         ASSERT_TRUE(until([&] { return force() > kPressedN && frame_.servo.force_share == 1.0; }));
         control_->sick = true;
-        ASSERT_TRUE(until([&] { return frame_.servo.fault.kind == FaultKind::bad_force; }));
+        ASSERT_TRUE(until([&] { return frame_.servo.fault.kind == haptics::FaultKind::bad_force; }));
         control_->sick = false;
         EXPECT_TRUE(until([&] { return frame_.servo.force_share == 0.0; })) << "it stays away";
         session_->rearm();
-        EXPECT_TRUE(
-            until([&] { return frame_.servo.fault.kind == FaultKind::none && frame_.servo.force_share == 1.0; }));
+        EXPECT_TRUE(until(
+            [&] { return frame_.servo.fault.kind == haptics::FaultKind::none && frame_.servo.force_share == 1.0; }));
     }
 
     TEST_F(PalpationSessionTest, ARecordingBeginsAndEndsWhileTheServoRuns)
@@ -216,15 +216,15 @@ namespace palpation_session_test {
         EXPECT_NE(message_of([&] { session_->reset(Job {}); }).find("stop it first"), std::string::npos);
         EXPECT_TRUE(until([&] { return frame_.recorded_s > 0.05 && force() > kPressedN; }));
         std::size_t lost = 1;
-        const MotionRecording recording = session_->stop_recording(lost);
+        const haptics::MotionRecording recording = session_->stop_recording(lost);
         EXPECT_FALSE(session_->recording());
         EXPECT_EQ(lost, 0U);
         EXPECT_EQ(recording.devices.size(), 2U);
         ASSERT_GT(recording.tick_count(), 10U);
         EXPECT_GT(recording.at(recording.tick_count() - 1, 0).commanded_force.norm(), kPressedN);
         const fs::path file = fs::temp_directory_path() / "palpation_session_test.motion";
-        write_motion(file, recording);
-        EXPECT_EQ(read_motion(file).tick_count(), recording.tick_count());
+        haptics::write_motion(file, recording);
+        EXPECT_EQ(haptics::read_motion(file).tick_count(), recording.tick_count());
         // The same motion again, in the scene's own frame: the same press.
         PalpationSetup setup = session_->setup();
         setup.devices = { "replay:" + file.string() };
@@ -268,7 +268,7 @@ namespace palpation_session_test {
             wait_for(worker, [](const auto& now) { return now.answer.find("not written yet") != std::string::npos; }));
         worker.run(palpation::StopRecording { file });
         EXPECT_TRUE(wait_for(worker, [](const auto& now) { return !now.refused && !now.unwritten_recording; }));
-        EXPECT_GT(read_motion(file).tick_count(), 10U);
+        EXPECT_GT(haptics::read_motion(file).tick_count(), 10U);
         fs::remove(file);
     }
 
@@ -289,7 +289,7 @@ namespace palpation_session_test {
         ASSERT_TRUE(wait_for(worker, [](const auto& now) { return now.phase == PalpationSnapshot::Phase::ready; }));
         const Vec3 centre = tube_scene().site("centre").point;
         worker.run(palpation::EditTissue {
-            { .centre = centre, .half_size = Vec3::Constant(1e3), .role = VertexRole::fixed } });
+            { .centre = centre, .half_size = Vec3::Constant(1e3), .role = datasets::VertexRole::fixed } });
         worker.run(palpation::EditTissue { { .centre = centre, .youngs_modulus = 2.0 } });
         worker.run(palpation::EditTissue { { .centre = centre, .youngs_modulus = 3.0 } });
         const auto refusal = [](const auto& now) { return now.refused && now.edits.size() == 2; };
@@ -320,4 +320,4 @@ namespace palpation_session_test {
     }
 
 } // namespace palpation_session_test
-} // namespace retractor
+} // namespace retractor::planner

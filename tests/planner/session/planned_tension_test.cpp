@@ -10,15 +10,15 @@
 
 #include <algorithm>
 
-namespace retractor {
+namespace retractor::planner {
 namespace planned_tension_test {
 
     OperatingTable wall_under_tension()
     {
         OperatingTable table = wall_with_planned_hooks({}, 7.0);
         table.materials[kSkin].pre_strain
-            = { .kind = PreStrainKind::biaxial, .strain = 0.05, .pull = Vec3::UnitZ(), .across = 0.02 };
-        table.materials[kFat].pre_strain = { .kind = PreStrainKind::equibiaxial, .strain = 0.02 };
+            = { .kind = fem::PreStrainKind::biaxial, .strain = 0.05, .pull = Vec3::UnitZ(), .across = 0.02 };
+        table.materials[kFat].pre_strain = { .kind = fem::PreStrainKind::equibiaxial, .strain = 0.02 };
         return table;
     }
 
@@ -50,13 +50,13 @@ namespace planned_tension_test {
     {
         const WallTension tension = wall_tension(table.wall, table.materials, table.labels, table.held, table.outward);
         const CutWall cut = cut_wall(table.wall, table.approach, table.labels, { .fixed = table.held }, {});
-        const ElasticProblem problem { .mesh = cut.wall,
+        const fem::ElasticProblem problem { .mesh = cut.wall,
             .material_of_label = table.materials,
             .supports = cut.supports,
             .hooks = cut.hooks,
             .loads = released_tension(cut.wall, cut.origin, cut.wound, tension).tractions };
-        Opening opening(problem, { .elasticity = Elasticity::linear, .tolerance = 1e-8 });
-        const OpeningResult result = opening.open(problem.hooks);
+        fem::Opening opening(problem, { .elasticity = fem::Elasticity::linear, .tolerance = 1e-8 });
+        const fem::OpeningResult result = opening.open(problem.hooks);
         Opened opened;
         for (const Vec3& force : result.hook_forces_N)
             opened.hook_forces_N.push_back(force.norm());
@@ -67,7 +67,7 @@ namespace planned_tension_test {
     {
         const OperatingTable table = wall_under_tension();
         OperatingTable slack = table;
-        for (Material& material : slack.materials)
+        for (fem::Material& material : slack.materials)
             material.pre_strain = {};
         const Opened plan = as_planned(table), plan_without = as_planned(slack),
                      knife = under_the_knife(table, CuttingDesk(table).case_tension()),
@@ -99,4 +99,4 @@ namespace planned_tension_test {
     }
 
 } // namespace planned_tension_test
-} // namespace retractor
+} // namespace retractor::planner

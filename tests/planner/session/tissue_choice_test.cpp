@@ -8,14 +8,14 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::planner {
 namespace tissue_choice_test {
 
     /// A block of 40 x 40 x 20 mm, held below; only cells for which `stays`.
-    PalpationScene block(auto stays)
+    datasets::PalpationScene block(auto stays)
     {
-        const TetMesh whole = kuhn_box(8, 8, 4, 5.0);
-        PalpationScene scene;
+        const mesh::TetMesh whole = mesh::kuhn_box(8, 8, 4, 5.0);
+        datasets::PalpationScene scene;
         scene.name = "block";
         std::vector<VertexId> number(whole.vertex_count(), -1), kept;
         for (TetId t = 0; t < static_cast<TetId>(whole.tet_count()); ++t) {
@@ -36,7 +36,8 @@ namespace tissue_choice_test {
         }
         scene.body.mesh.vertices = whole.vertices(kept, Eigen::all);
         for (Eigen::Index v = 0; v < scene.body.mesh.vertices.rows(); ++v)
-            scene.body.roles.push_back(scene.body.mesh.vertices(v, 2) == 0.0 ? VertexRole::fixed : VertexRole::free);
+            scene.body.roles.push_back(
+                scene.body.mesh.vertices(v, 2) == 0.0 ? datasets::VertexRole::fixed : datasets::VertexRole::free);
         scene.body.youngs_modulus.assign(scene.body.mesh.tet_count(), 0.01);
         scene.body.poissons_ratio.assign(scene.body.mesh.tet_count(), 0.45);
         scene.sites = { { "top", { 10.0, 10.0, 20.0 }, Vec3::UnitZ() } };
@@ -46,12 +47,12 @@ namespace tissue_choice_test {
     const auto kAll = [](const Vec3&) { return true; };
 
     /// The force on a fingertip, slowly pressed 3 mm into the first site.
-    double pressed(TissueResponse& tissue, const PalpationScene& scene, const TissueChoice& choice)
+    double pressed(haptics::TissueResponse& tissue, const datasets::PalpationScene& scene, const TissueChoice& choice)
     {
         constexpr double kTick = 1e-3, kDepth = 3.0;
         constexpr int kTicks = 500, kHold = 1500, kTicksPerFrame = 16;
-        Fingertip tip { Vec3::Zero(), Vec3::Zero(), choice.radius_mm };
-        FingerContact contact;
+        haptics::Fingertip tip { Vec3::Zero(), Vec3::Zero(), choice.radius_mm };
+        haptics::FingerContact contact;
         Points deformed;
         for (int i = 0; i < kHold; ++i) {
             const double depth = -1.0 + (kDepth + 1.0) * std::min(1.0, i / static_cast<double>(kTicks));
@@ -76,7 +77,7 @@ namespace tissue_choice_test {
 
     TEST(TissueChoice, EveryModelHasABlocksForceToAFactorOfThree)
     {
-        PalpationScene scene = block(kAll);
+        datasets::PalpationScene scene = block(kAll);
         scene.sites[0].point = { 20.0, 20.0, 20.0 }; // far from its edges
         std::vector<double> force;
         for (const std::string& model : tissue_models()) {
@@ -93,7 +94,7 @@ namespace tissue_choice_test {
     TEST(TissueChoice, SpheresFillABodyThatTouchesItselfAlongAnEdge)
     {
         // Two quarters of the block that meet in its middle line only, above a common floor.
-        const PalpationScene scene
+        const datasets::PalpationScene scene
             = block([](const Vec3& p) { return p.z() < 5.0 || (p.x() < 20.0) == (p.y() < 20.0); });
         const TissueChoice choice = choice_of("spheres");
         const ChosenTissue tissue = make_tissue(scene, choice, {});
@@ -102,7 +103,7 @@ namespace tissue_choice_test {
 
     TEST(TissueChoice, WhatDoesNotGoTogetherIsNamed)
     {
-        const auto refused = [](const PalpationScene& scene, const TissueChoice& choice) -> std::string {
+        const auto refused = [](const datasets::PalpationScene& scene, const TissueChoice& choice) -> std::string {
             try {
                 static_cast<void>(make_tissue(scene, choice, {}));
             } catch (const InputError& error) {
@@ -110,8 +111,8 @@ namespace tissue_choice_test {
             }
             return {};
         };
-        PalpationScene vessel = block(kAll);
-        vessel.body.roles.back() = VertexRole::inner_wall;
+        datasets::PalpationScene vessel = block(kAll);
+        vessel.body.roles.back() = datasets::VertexRole::inner_wall;
         EXPECT_NE(refused(vessel, choice_of("spheres")).find("use the model fem or springs"), std::string::npos);
         TissueChoice small = choice_of("springs");
         small.radius_mm = 0.1;
@@ -121,4 +122,4 @@ namespace tissue_choice_test {
     }
 
 } // namespace tissue_choice_test
-} // namespace retractor
+} // namespace retractor::planner

@@ -8,21 +8,21 @@
 
 #include <limits>
 
-namespace retractor {
+namespace retractor::planner {
 
 namespace {
 
-    class SickTissue : public TissueResponse {
+    class SickTissue : public haptics::TissueResponse {
     public:
-        SickTissue(std::unique_ptr<TissueResponse> tissue, std::shared_ptr<TubeControl> control)
+        SickTissue(std::unique_ptr<haptics::TissueResponse> tissue, std::shared_ptr<TubeControl> control)
             : tissue_(std::move(tissue))
             , control_(std::move(control))
         {
         }
         std::string_view name() const noexcept override { return tissue_->name(); }
         std::size_t finger_count() const noexcept override { return tissue_->finger_count(); }
-        void tick(double time_s, double step_s, std::span<const Fingertip> fingers,
-            std::span<FingerContact> contacts) noexcept override
+        void tick(double time_s, double step_s, std::span<const haptics::Fingertip> fingers,
+            std::span<haptics::FingerContact> contacts) noexcept override
         {
             tissue_->tick(time_s, step_s, fingers, contacts);
             if (control_->sick)
@@ -32,59 +32,61 @@ namespace {
         void follow(Points& deformed) override { tissue_->follow(deformed); }
 
     private:
-        std::unique_ptr<TissueResponse> tissue_;
+        std::unique_ptr<haptics::TissueResponse> tissue_;
         std::shared_ptr<TubeControl> control_;
     };
 
-    std::unique_ptr<TissueResponse> elements(
-        const PalpationScene& scene, const TissueWish& wish, bool pulse, const Job& job)
+    std::unique_ptr<haptics::TissueResponse> elements(
+        const datasets::PalpationScene& scene, const TissueWish& wish, bool pulse, const Job& job)
     {
-        CondensedOptions options;
-        options.element = TouchElement::p1; // quick to make; how stiff it is matters to no test here
+        haptics::CondensedOptions options;
+        options.element = haptics::TouchElement::p1; // quick to make; how stiff it is matters to no test here
         options.fingers = wish.fingers;
-        options.rest_pressure = scene.rest_mmHg * kMPaPerMmHg;
-        return std::make_unique<CondensedTissue>(scene.body,
-            pulse ? PulsePressure::aortic(scene.heart_rate_per_min) : PulsePressure::constant(scene.rest_mmHg), options,
-            job);
+        options.rest_pressure = scene.rest_mmHg * haptics::kMPaPerMmHg;
+        return std::make_unique<haptics::CondensedTissue>(scene.body,
+            pulse ? haptics::PulsePressure::aortic(scene.heart_rate_per_min)
+                  : haptics::PulsePressure::constant(scene.rest_mmHg),
+            options, job);
     }
 
-    std::unique_ptr<TissueResponse> spheres(const PalpationScene& scene, const TissueWish& wish)
+    std::unique_ptr<haptics::TissueResponse> spheres(const datasets::PalpationScene& scene, const TissueWish& wish)
     {
         TriMesh surface { scene.body.mesh.vertices, {}, {} };
-        for (const TetFace& face : boundary_faces(scene.body.mesh))
-            surface.triangles.push_back(face_vertices(scene.body.mesh, face));
-        SphereLaw law;
+        for (const mesh::TetFace& face : mesh::boundary_faces(scene.body.mesh))
+            surface.triangles.push_back(mesh::face_vertices(scene.body.mesh, face));
+        haptics::SphereLaw law;
         law.fingers = wish.fingers;
-        const SphereFilling filling = fill_with_spheres(surface, 0.6);
-        return std::make_unique<SphereTissue>(std::vector<SphereOrgan> { { scene.name, surface, filling, 0.02 } }, law);
+        const haptics::SphereFilling filling = haptics::fill_with_spheres(surface, 0.6);
+        return std::make_unique<haptics::SphereTissue>(
+            std::vector<haptics::SphereOrgan> { { scene.name, surface, filling, 0.02 } }, law);
     }
 
 } // namespace
 
-PalpationScene tube_scene()
+datasets::PalpationScene tube_scene()
 {
-    AortaParameters parameters;
-    parameters.shape = AortaParameters::Shape::tube;
+    datasets::AortaParameters parameters;
+    parameters.shape = datasets::AortaParameters::Shape::tube;
     parameters.length_mm = 60.0;
     parameters.region.length_mm = 0.0;
     parameters.around = 16;
     parameters.along = 16;
-    return make_aorta_phantom(parameters);
+    return datasets::make_aorta_phantom(parameters);
 }
 
 PalpationBackend tube_backend(std::shared_ptr<TubeControl> control)
 {
     return { { "fem", "springs", "spheres" },
-        [control](const PalpationScene& scene, const TissueWish& wish, const Job& job) -> MadeTissue {
+        [control](const datasets::PalpationScene& scene, const TissueWish& wish, const Job& job) -> MadeTissue {
             if (wish.model == "spheres")
                 return { spheres(scene, wish), { "a tube of spheres" } };
             if (wish.model != "fem")
                 throw InputError("springs do not hold this tube", wish.model);
-            std::unique_ptr<TissueResponse> tissue = elements(scene, wish, control->pulse, job);
+            std::unique_ptr<haptics::TissueResponse> tissue = elements(scene, wish, control->pulse, job);
             if (!control->can_be_sick)
                 return { std::move(tissue), {} };
             return { std::make_unique<SickTissue>(std::move(tissue), control), {} };
         } };
 }
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -6,10 +6,10 @@
 #include <atomic>
 #include <memory>
 
-namespace retractor {
+namespace retractor::planner {
 
 /// A straight tube of 60 mm with the sites "centre" and "centre-opposite".
-PalpationScene tube_scene();
+datasets::PalpationScene tube_scene();
 
 struct TubeControl {
     bool pulse = false; ///< else the pressure is the rest state's, and forces are steady
@@ -20,4 +20,4 @@ struct TubeControl {
 /// "fem": four-node elements; "spheres": the body filled with some; "springs" are refused.
 PalpationBackend tube_backend(std::shared_ptr<TubeControl> control);
 
-} // namespace retractor
+} // namespace retractor::planner

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace retractor {
+namespace retractor::planner {
 namespace touched_surface_test {
 
     constexpr double kRoundOff = 1e-12;
@@ -29,7 +29,7 @@ namespace touched_surface_test {
         two.vertices.bottomRows(4) = upper.vertices;
         for (const auto& t : upper.triangles)
             two.triangles.push_back({ t[0] + 4, t[1] + 4, t[2] + 4 });
-        const Points normals = vertex_normals(two);
+        const Points normals = mesh::vertex_normals(two);
         const Ray down { Vec3(2.0, 3.0, 50.0), -Vec3::UnitZ() };
         const auto place = place_under(two, normals, down);
         ASSERT_TRUE(place);
@@ -56,7 +56,7 @@ namespace touched_surface_test {
 
     TEST(TouchedSurface, OutlinesLieOnTheirTemplate)
     {
-        ElasticTemplate shape { .centre = Vec3(1.0, 2.0, 3.0), .half_size = Vec3(4.0, 5.0, 6.0) };
+        haptics::ElasticTemplate shape { .centre = Vec3(1.0, 2.0, 3.0), .half_size = Vec3(4.0, 5.0, 6.0) };
         const auto box = outline_of(shape);
         ASSERT_EQ(box.size(), 12U);
         double length = 0.0;
@@ -65,7 +65,7 @@ namespace touched_surface_test {
             EXPECT_NEAR((a - shape.centre).cwiseAbs().cwiseQuotient(shape.half_size).minCoeff(), 1.0, kRoundOff);
         }
         EXPECT_NEAR(length, 4.0 * 2.0 * (4.0 + 5.0 + 6.0), 1e-9);
-        shape.shape = ElasticTemplate::Shape::sphere;
+        shape.shape = haptics::ElasticTemplate::Shape::sphere;
         for (const auto& [a, b] : outline_of(shape)) {
             EXPECT_NEAR((a - shape.centre).norm(), 4.0, 1e-12);
             EXPECT_NEAR((b - shape.centre).norm(), 4.0, 1e-12);
@@ -73,4 +73,4 @@ namespace touched_surface_test {
     }
 
 } // namespace touched_surface_test
-} // namespace retractor
+} // namespace retractor::planner

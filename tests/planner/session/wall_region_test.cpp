@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::planner {
 namespace wall_region_test {
 
     // Positions of some 100 mm, a few operations each.
@@ -147,4 +147,4 @@ namespace wall_region_test {
     }
 
 } // namespace wall_region_test
-} // namespace retractor
+} // namespace retractor::planner

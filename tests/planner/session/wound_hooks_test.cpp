@@ -1,8 +1,7 @@
 // Hooks at the cutting desk: wounds that are opened, cut further while they are open, and closed again.
 
-#include "fem/statics/opening.h"
 #include "fem/linear_algebra/sparse_cholesky.h"
-#include "tests/planner/session/layered_wall.h"
+#include "fem/statics/opening.h"
 #include "mesh/base/error.h"
 #include "planner/session/cutting_desk.h"
 #include "planner/session/knife_worker.h"
@@ -16,14 +15,14 @@
 #include <limits>
 #include <thread>
 
-namespace retractor {
+namespace retractor::planner {
 namespace wound_hooks_test {
 
     constexpr double kResidual = 1e-8; // what an answer promises
     // Two solvers on one mesh, relative to the largest displacement and force: the promise is 1e-6.
     constexpr double kSameAnswer = 1e-7;
-    // Positions of some 100 mm, a few operations each; also where a factor made on another thread, which comes sooner or
-    // later, gives the same answer with other roundings.
+    // Positions of some 100 mm, a few operations each; also where a factor made on another thread, which comes sooner
+    // or later, gives the same answer with other roundings.
     constexpr double kRoundingMm = 1e-10;
     constexpr int kPatience = 2400; // looks, 50 ms apart, for a factor that is made on another thread
 
@@ -61,26 +60,27 @@ namespace wound_hooks_test {
         const HookReport report = desk.hooks();
         ASSERT_EQ(report.refusal, "");
         EXPECT_LT(report.residual, kResidual);
-        SlotMap map;
-        const TetMesh mesh = desk.session().compact_mesh(&map);
+        mesh::SlotMap map;
+        const mesh::TetMesh mesh = desk.session().compact_mesh(&map);
         OperatingTable table = layered_wall();
-        Supports supports;
+        fem::Supports supports;
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
             if (const Vec3 p = mesh.vertices.row(v); p.x() == 0.0 || p.x() == 120.0 || p.z() == 0.0 || p.z() == 120.0)
                 supports.fixed.push_back(v);
-        for (Material& material : table.materials)
+        for (fem::Material& material : table.materials)
             material.poissons_ratio = std::min(material.poissons_ratio, 0.45);
-        std::vector<HookPatch> patches;
+        std::vector<fem::HookPatch> patches;
         for (const HookState& hook : report.hooks) {
-            HookPatch patch { hook.name, hook.seat.side, {}, hook.displacement };
+            fem::HookPatch patch { hook.name, hook.seat.side, {}, hook.displacement };
             for (const VertexId v : hook.seat.nodes)
                 if (desk.session().has_vertex(v))
                     patch.nodes.push_back(map.compact_vertex[static_cast<std::size_t>(v)]);
             patches.push_back(patch);
         }
-        Opening opening(mesh, table.materials, supports, { .elasticity = Elasticity::linear, .tolerance = 1e-10 });
-        const OpeningResult right = opening.open(patches);
-        ASSERT_EQ(right.status, OpeningStatus::converged) << right.message;
+        fem::Opening opening(
+            mesh, table.materials, supports, { .elasticity = fem::Elasticity::linear, .tolerance = 1e-10 });
+        const fem::OpeningResult right = opening.open(patches);
+        ASSERT_EQ(right.status, fem::OpeningStatus::converged) << right.message;
         const WallPicture& picture = *desk.picture();
         double worst = 0.0;
         for (std::size_t v = 0; v < map.vertex_slot.size(); ++v) {
@@ -250,7 +250,7 @@ namespace wound_hooks_test {
         CuttingDesk& desk = wound.desk;
         desk.pull_all_hooks(4.0);
         EXPECT_EQ(desk.hooks().meeting, "");
-        const HookId upper = desk.hooks().hooks[0].id, lower = desk.hooks().hooks[1].id;
+        const fem::HookId upper = desk.hooks().hooks[0].id, lower = desk.hooks().hooks[1].id;
         const auto moved = [&](std::size_t hook) { return desk.hooks().hooks[hook].displacement; };
         desk.pull_hook(lower, Vec3(2.0, 0.0, 9.0));
         EXPECT_LT((moved(0) - Vec3(0.0, 0.0, 4.0)).norm(), kRoundingMm) << "the other one stays";
@@ -294,7 +294,7 @@ namespace wound_hooks_test {
         CuttingDesk desk(layered_wall());
         ASSERT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }).done);
         ASSERT_TRUE(desk.place_hook(at(desk, 60.0, 57.0)).done);
-        const HookId hook = desk.hooks().hooks[0].id;
+        const fem::HookId hook = desk.hooks().hooks[0].id;
         desk.pull_hook(hook, Vec3(0.0, 0.0, -5.0));
         EXPECT_LT(desk.hooks().lip_overlap_mm, 0.5) << "opened";
         // No hook stands in its way on the other lip, whose tissue follows as little as the wound is long.
@@ -630,7 +630,7 @@ namespace wound_hooks_test {
         wait();
         const SessionSnapshot placed = *worker.snapshot();
         ASSERT_EQ(placed.hooks.hooks.size(), 2U) << placed.answer;
-        const HookId id = placed.hooks.hooks[0].id;
+        const fem::HookId id = placed.hooks.hooks[0].id;
         for (int i = 1; i <= 500; ++i)
             worker.run(surgery::PullHook { id, Vec3(0.0, 0.0, 0.01 * i) });
         wait();
@@ -649,4 +649,4 @@ namespace wound_hooks_test {
     }
 
 } // namespace wound_hooks_test
-} // namespace retractor
+} // namespace retractor::planner

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::planner {
 namespace field_geometry_test {
 
     constexpr double kPi = std::numbers::pi;
@@ -186,9 +186,9 @@ namespace field_geometry_test {
     /// A box of 60 x 40 x 20 mm, cut in the plane y = 20 where low <= x <= high and z >= bottom: vertices strictly
     /// inside that rectangle (or on its rim on the skin) are doubled, the copies going to the side y > 20.
     struct Slit {
-        TetMesh mesh;
-        std::vector<LipFace> lips;
-        Blade blade;
+        mesh::TetMesh mesh;
+        std::vector<mesh::LipFace> lips;
+        mesh::Blade blade;
     };
 
     constexpr double kSpacing = 5.0;
@@ -196,7 +196,7 @@ namespace field_geometry_test {
     Slit slit_box(double low, double high, double bottom)
     {
         Slit slit;
-        slit.mesh = kuhn_box(12, 8, 4, kSpacing);
+        slit.mesh = mesh::kuhn_box(12, 8, 4, kSpacing);
         slit.blade = { { Vec3(low, 20, 20), Vec3(high, 20, 20) }, { Vec3(0, 0, -1) }, 20.0 - bottom, 10.0 };
         std::vector<VertexId> copy(slit.mesh.vertex_count(), -1);
         std::vector<Vec3> born;
@@ -221,9 +221,9 @@ namespace field_geometry_test {
                     v = copy[static_cast<std::size_t>(v)];
             }
         }
-        for (const TetFace& face : boundary_faces(slit.mesh)) {
+        for (const mesh::TetFace& face : mesh::boundary_faces(slit.mesh)) {
             bool on_blade = true;
-            for (const VertexId v : face_vertices(slit.mesh, face))
+            for (const VertexId v : mesh::face_vertices(slit.mesh, face))
                 on_blade = on_blade && slit.mesh.vertices(v, 1) == 20.0;
             double y = 0.0;
             for (const VertexId v : slit.mesh.tet(face.tet))
@@ -237,7 +237,7 @@ namespace field_geometry_test {
     TEST(WoundEdges, SlitThatOpensToATriangle)
     {
         const Slit slit = slit_box(15.0, 45.0, 10.0);
-        const WoundEdges edges = wound_edges(slit.mesh, slit.lips, SweptBlade(slit.blade));
+        const WoundEdges edges = wound_edges(slit.mesh, slit.lips, mesh::SweptBlade(slit.blade));
         ASSERT_EQ(edges.left.vertices.size(), 7U); // 30 mm in steps of 5
         ASSERT_EQ(edges.right.vertices.size(), 7U);
         EXPECT_NEAR((edges.outward - Vec3::UnitZ()).norm(), 0.0, 1e-6);
@@ -271,7 +271,7 @@ namespace field_geometry_test {
     TEST(WoundEdges, CutThroughAndOffBothEndsTakesTheSkinOnly)
     {
         const Slit slit = slit_box(-10.0, 70.0, -5.0); // two pieces: the rim runs round top, ends and bottom
-        const WoundEdges edges = wound_edges(slit.mesh, slit.lips, SweptBlade(slit.blade));
+        const WoundEdges edges = wound_edges(slit.mesh, slit.lips, mesh::SweptBlade(slit.blade));
         for (const WoundEdge* edge : { &edges.left, &edges.right }) {
             ASSERT_EQ(edge->vertices.size(), 13U);
             for (const VertexId v : edge->vertices)
@@ -288,27 +288,27 @@ namespace field_geometry_test {
     TEST(WoundEdges, ObliqueCutInDomedSkin)
     {
         constexpr double kDome = 0.004; // 1/mm: the skin falls by 3 mm at the ends of the line
-        TetMesh mesh = kuhn_box(24, 16, 5, 4.0);
+        mesh::TetMesh mesh = mesh::kuhn_box(24, 16, 5, 4.0);
         const auto drop
             = [](double x, double y) { return kDome * ((x - 48.0) * (x - 48.0) + (y - 32.0) * (y - 32.0)); };
         for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
             mesh.vertices(v, 2) -= drop(mesh.vertices(v, 0), mesh.vertices(v, 1));
         for (const double depth : { 9.0, 60.0 }) { // into the wall, and through it
-            Blade blade { {}, { Vec3(0.1, 0.25, -1.0) }, depth, 10.0 };
+            mesh::Blade blade { {}, { Vec3(0.1, 0.25, -1.0) }, depth, 10.0 };
             for (int i = 0; i <= 6; ++i) {
                 const double x = 20.3 + 9.1 * i, y = 30.7 + 3.0 * std::sin(0.8 * i);
                 blade.line.push_back(Vec3(x, y, 20.0 - drop(x, y)));
             }
-            const SweptBlade swept(blade);
-            const CutMesh wound = cut(mesh, blade);
-            ASSERT_EQ(wound.status, CutStatus::done);
+            const mesh::SweptBlade swept(blade);
+            const mesh::CutMesh wound = cut(mesh, blade);
+            ASSERT_EQ(wound.status, mesh::CutStatus::done);
             const WoundEdges edges = wound_edges(wound.mesh, wound.lips, swept);
             ASSERT_EQ(edges.left.vertices.size(), edges.right.vertices.size());
             EXPECT_GT(edges.left.vertices.size(), 14U); // at least one per mesh cell crossed
             for (std::size_t i = 0; i < edges.left.vertices.size(); ++i) {
                 const auto left = wound.mesh.vertices.row(edges.left.vertices[i]);
                 EXPECT_EQ((left - wound.mesh.vertices.row(edges.right.vertices[i])).norm(), 0.0);
-                const BladeCoordinates at = swept.coordinates(left.transpose());
+                const mesh::BladeCoordinates at = swept.coordinates(left.transpose());
                 EXPECT_NEAR(at.side, 0.0, 1e-9);
                 EXPECT_NEAR(at.depth, 0.0, 0.25); // the line is straight between its points, the skin is not
                 EXPECT_TRUE(i == 0 || edges.left.along_mm[i] > edges.left.along_mm[i - 1]);
@@ -344,10 +344,10 @@ namespace field_geometry_test {
     TEST(WoundEdges, RefusesLipsWithoutSkin)
     {
         const Slit slit = slit_box(15.0, 45.0, 10.0);
-        const SweptBlade blade(slit.blade);
+        const mesh::SweptBlade blade(slit.blade);
         EXPECT_EQ(message_of([&] { (void)wound_edges(slit.mesh, {}, blade); }),
             "the wound has no edge on the skin | left lip");
-        std::vector<LipFace> lips = slit.lips;
+        std::vector<mesh::LipFace> lips = slit.lips;
         lips[0].face.tet = 1000000;
         EXPECT_EQ(message_of([&] { (void)wound_edges(slit.mesh, lips, blade); }),
             "a lip face is not a face of the mesh | element 1000000");
@@ -370,11 +370,11 @@ namespace field_geometry_test {
             "a lip's parameter runs backwards | left lip, point 4");
         EXPECT_NE(message_of([&] { (void)opening_geometry(lips[0], lips[1], Vec3::Zero()); }), "nothing was thrown");
         const Slit slit = slit_box(15.0, 45.0, 10.0);
-        const WoundEdges edges = wound_edges(slit.mesh, slit.lips, SweptBlade(slit.blade));
+        const WoundEdges edges = wound_edges(slit.mesh, slit.lips, mesh::SweptBlade(slit.blade));
         EXPECT_NE(
             message_of([&] { (void)opening_geometry(edges, slit.mesh, Points::Zero(2, 3)); }), "nothing was thrown");
         EXPECT_THROW((void)surface_centre({}), InputError);
     }
 
 } // namespace field_geometry_test
-} // namespace retractor
+} // namespace retractor::planner

@@ -8,7 +8,7 @@
 #include <array>
 #include <set>
 
-namespace retractor {
+namespace retractor::planner {
 namespace supports_test {
 
     constexpr Label kSkin = 1;
@@ -17,13 +17,13 @@ namespace supports_test {
 
     /// A slab of wall that fills x in [0, 40], y in [0, 20], z in [0, 20] of an image that reaches 10 mm further in y
     /// and z and to x = 60; the wall goes on from x = 40 to 60, beyond the mesh. Lung lies under it (z < 0).
-    LabelVolume slab()
+    mesh::LabelVolume slab()
     {
-        LabelVolume labels;
+        mesh::LabelVolume labels;
         labels.grid.size = { 71, 41, 41 };
         labels.grid.origin = { -10.0, -10.0, -10.0 };
-        labels.table = { { kSkin, "skin", "skin", Role::wall }, { kSpine, "spine", "bone", Role::wall },
-            { kLung, "lung_left", "lung", Role::voxel } };
+        labels.table = { { kSkin, "skin", "skin", mesh::Role::wall }, { kSpine, "spine", "bone", mesh::Role::wall },
+            { kLung, "lung_left", "lung", mesh::Role::voxel } };
         labels.voxels.assign(labels.grid.voxel_count(), 0);
         for (int k = 0; k < 41; ++k)
             for (int j = 0; j < 41; ++j)
@@ -38,9 +38,9 @@ namespace supports_test {
         return labels;
     }
 
-    TEST(Supports, TheCutOffBorderIsHeldAndTheRestIsFree)
+    TEST(fem::Supports, TheCutOffBorderIsHeldAndTheRestIsFree)
     {
-        const TetMesh mesh = kuhn_box(8, 4, 4, 5.0, kSkin); // to x = 40
+        const mesh::TetMesh mesh = mesh::kuhn_box(8, 4, 4, 5.0, kSkin); // to x = 40
         const auto held = wall_supports(mesh, slab(), {}, {}, true);
         std::set<VertexId> set(held.begin(), held.end());
         std::size_t inner_border = 0;
@@ -62,9 +62,9 @@ namespace supports_test {
         EXPECT_EQ(wall_supports(mesh, slab(), spine, {}, true), held);
     }
 
-    TEST(Supports, WhereTheWallWasCutOffItHasNoSkinThoughNothingHoldsIt)
+    TEST(fem::Supports, WhereTheWallWasCutOffItHasNoSkinThoughNothingHoldsIt)
     {
-        const TetMesh mesh = kuhn_box(8, 4, 4, 5.0, kSkin); // to x = 40
+        const mesh::TetMesh mesh = mesh::kuhn_box(8, 4, 4, 5.0, kSkin); // to x = 40
         const std::vector<VertexId> cut_off = cut_off_vertices(mesh, slab());
         std::vector<VertexId> end;
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
@@ -73,7 +73,7 @@ namespace supports_test {
         EXPECT_EQ(cut_off, end);
         constexpr double kFar = 20.0; // from its true end, at x = 0
         const std::array<Label, 1> skin { kSkin };
-        const std::vector<Vec3> normals = surface_normals(mesh, skin, cut_off);
+        const std::vector<Vec3> normals = fem::surface_normals(mesh, skin, cut_off);
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
             if (mesh.vertices(mesh.tet(t)[0], 0) > kFar) {
                 EXPECT_NEAR(normals[static_cast<std::size_t>(t)].x(), 0.0, 1e-12) << "element " << t;
@@ -81,12 +81,13 @@ namespace supports_test {
     }
 
     /// A rib along x whose head stands 2 mm off a spine that fills x < 0.
-    LabelVolume rib_and_spine()
+    mesh::LabelVolume rib_and_spine()
     {
-        LabelVolume labels;
+        mesh::LabelVolume labels;
         labels.grid.size = { 71, 21, 21 };
         labels.grid.origin = { -10.0, 0.0, 0.0 };
-        labels.table = { { kSkin, "rib_left_5", "bone", Role::wall }, { kSpine, "spine", "bone", Role::wall } };
+        labels.table
+            = { { kSkin, "rib_left_5", "bone", mesh::Role::wall }, { kSpine, "spine", "bone", mesh::Role::wall } };
         labels.voxels.assign(labels.grid.voxel_count(), 0);
         for (int k = 0; k < 21; ++k)
             for (int j = 0; j < 21; ++j)
@@ -98,9 +99,9 @@ namespace supports_test {
         return labels;
     }
 
-    TEST(Supports, ARibHangsOnItsJoint)
+    TEST(fem::Supports, ARibHangsOnItsJoint)
     {
-        TetMesh rib = kuhn_box(10, 4, 4, 5.0, kSkin);
+        mesh::TetMesh rib = mesh::kuhn_box(10, 4, 4, 5.0, kSkin);
         rib.vertices.col(0).array() += 2.0;
         const std::array<Label, 1> spine { kSpine };
         const std::array<Label, 1> whole { kSkin };
@@ -116,11 +117,11 @@ namespace supports_test {
         }
     }
 
-    TEST(Supports, AWholeBoneThatLeavesTheImageIsNotHeldThereWhenItHasAJoint)
+    TEST(fem::Supports, AWholeBoneThatLeavesTheImageIsNotHeldThereWhenItHasAJoint)
     {
-        TetMesh rib = kuhn_box(10, 4, 4, 5.0, kSkin);
+        mesh::TetMesh rib = mesh::kuhn_box(10, 4, 4, 5.0, kSkin);
         rib.vertices.col(0).array() += 2.0;
-        LabelVolume labels = rib_and_spine();
+        mesh::LabelVolume labels = rib_and_spine();
         const std::array<Label, 1> spine { kSpine };
         const std::array<Label, 1> whole { kSkin };
         for (const VertexId v : wall_supports(rib, labels, spine, whole, true)) // its far end and sides leave the image
@@ -130,15 +131,16 @@ namespace supports_test {
             [&](VertexId v) { return rib.vertices(v, 0) > 2.0 * kJointGapMm; }));
     }
 
-    TEST(Supports, AShoulderBladeHangsInTheMuscleRoundIt)
+    TEST(fem::Supports, AShoulderBladeHangsInTheMuscleRoundIt)
     {
         // A bone in the middle of muscle; the mesh is the bone alone.
-        LabelVolume labels;
+        mesh::LabelVolume labels;
         labels.grid.size = { 61, 41, 41 };
         labels.grid.origin = { -5.0, -10.0, -10.0 };
-        labels.table = { { kSkin, "scapula_left", "bone", Role::wall }, { kSpine, "muscle", "muscle", Role::wall } };
+        labels.table
+            = { { kSkin, "scapula_left", "bone", mesh::Role::wall }, { kSpine, "muscle", "muscle", mesh::Role::wall } };
         labels.voxels.assign(labels.grid.voxel_count(), kSpine);
-        TetMesh bone = kuhn_box(10, 4, 4, 5.0, kSkin);
+        mesh::TetMesh bone = mesh::kuhn_box(10, 4, 4, 5.0, kSkin);
         for (int k = 0; k < 41; ++k)
             for (int j = 0; j < 41; ++j)
                 for (int i = 0; i < 61; ++i) {
@@ -148,7 +150,7 @@ namespace supports_test {
                 }
         const std::array<Label, 1> whole { kSkin };
         double stiffness = 0.0;
-        for (const BeddedVertex& bedded : girdle_beds(bone, labels, whole)) {
+        for (const fem::BeddedVertex& bedded : girdle_beds(bone, labels, whole)) {
             EXPECT_GT(bedded.stiffness, 0.0);
             stiffness += bedded.stiffness;
         }
@@ -165,9 +167,9 @@ namespace supports_test {
         EXPECT_TRUE(girdle_beds(bone, labels, whole).empty()); // nothing to rest on
     }
 
-    TEST(Supports, TheSpineSideIsHeld)
+    TEST(fem::Supports, TheSpineSideIsHeld)
     {
-        TetMesh mesh = kuhn_box(2, 1, 1, 10.0, kSkin);
+        mesh::TetMesh mesh = mesh::kuhn_box(2, 1, 1, 10.0, kSkin);
         for (TetId t = 0; t < 6; ++t)
             mesh.labels[static_cast<std::size_t>(t)] = kSpine;
         const std::array<Label, 1> spine { kSpine };
@@ -177,15 +179,15 @@ namespace supports_test {
             EXPECT_LE(mesh.vertices(v, 0), 10.0);
     }
 
-    TEST(Supports, WhereTheImageEndsTheWallIsHeld)
+    TEST(fem::Supports, WhereTheImageEndsTheWallIsHeld)
     {
-        LabelVolume labels = slab();
+        mesh::LabelVolume labels = slab();
         labels.grid.origin.x() = 0.0; // the image now begins where the mesh does
-        const TetMesh mesh = kuhn_box(4, 4, 4, 5.0, kSkin);
+        const mesh::TetMesh mesh = mesh::kuhn_box(4, 4, 4, 5.0, kSkin);
         const auto held = wall_supports(mesh, labels, {}, {}, true);
         const std::set<VertexId> set(held.begin(), held.end());
         EXPECT_TRUE(set.count(2 * 25 + 2 * 5)); // the middle of the face x = 0
     }
 
 } // namespace supports_test
-} // namespace retractor
+} // namespace retractor::planner

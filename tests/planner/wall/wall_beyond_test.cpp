@@ -9,7 +9,7 @@
 #include <array>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::planner {
 namespace wall_beyond_test {
 
     constexpr double kThickness = 20.0;
@@ -19,11 +19,11 @@ namespace wall_beyond_test {
     constexpr double kSagMm = 0.2;
 
     /// A slab of muscle, 200 x 20 x 200 mm, in 2 mm voxels; outer side at y = 0, inner side at y = 20.
-    LabelVolume slab()
+    mesh::LabelVolume slab()
     {
-        LabelVolume labels;
+        mesh::LabelVolume labels;
         labels.grid = { .size = { 110, 20, 110 }, .spacing = { 2, 2, 2 }, .origin = { -109, -9, -109 } };
-        labels.table = { { 1, "muscle", "muscle", Role::wall } };
+        labels.table = { { 1, "muscle", "muscle", mesh::Role::wall } };
         labels.voxels.assign(labels.grid.voxel_count(), 0);
         for (int k = 0; k < 110; ++k)
             for (int j = 0; j < 20; ++j)
@@ -35,23 +35,23 @@ namespace wall_beyond_test {
         return labels;
     }
 
-    MeshSizing sizing()
+    mesh::MeshSizing sizing()
     {
-        MeshSizing sizing;
+        mesh::MeshSizing sizing;
         sizing.corridor = { { -20, 10, 0 }, { 20, 10, 0 } };
         sizing.region_mm = kRegion;
         return sizing;
     }
 
     struct Sample {
-        LabelVolume labels = slab();
+        mesh::LabelVolume labels = slab();
         TriMesh body;
-        TetMesh wall;
+        mesh::TetMesh wall;
         Sample()
         {
             const std::array<Label, 1> muscle { 1 };
-            body = viewing_surface(labels, muscle, 2.5);
-            wall = build_hybrid_model(labels, sizing()).wall;
+            body = mesh::viewing_surface(labels, muscle, 2.5);
+            wall = mesh::build_hybrid_model(labels, sizing()).wall;
         }
     };
 
@@ -91,9 +91,9 @@ namespace wall_beyond_test {
 
     TEST(WallBeyond, BoneWithoutACoverIsDrawnAsSkin)
     {
-        LabelVolume labels = sample().labels;
-        labels.table = { { 1, "muscle", "muscle", Role::wall }, { 2, "skin", "skin", Role::wall },
-            { 3, "rib_left_1", "bone", Role::wall } };
+        mesh::LabelVolume labels = sample().labels;
+        labels.table = { { 1, "muscle", "muscle", mesh::Role::wall }, { 2, "skin", "skin", mesh::Role::wall },
+            { 3, "rib_left_1", "bone", mesh::Role::wall } };
         for (std::size_t v = 0; v < labels.voxels.size(); ++v)
             if (labels.voxels[v] == 1 && v % 110 > 90) // all of one end
                 labels.voxels[v] = 3;
@@ -129,11 +129,11 @@ namespace wall_beyond_test {
 
     TEST(WallBeyond, IsEmptyWhereTheTetrahedraAreAll)
     {
-        MeshSizing whole = sizing();
+        mesh::MeshSizing whole = sizing();
         whole.region_mm = 0.0;
         EXPECT_TRUE(wall_beyond_region(sample().body, sample().labels, whole, sample().wall, {}).triangles.empty());
         EXPECT_TRUE(wall_beyond_region({}, sample().labels, sizing(), sample().wall, {}).triangles.empty());
     }
 
 } // namespace wall_beyond_test
-} // namespace retractor
+} // namespace retractor::planner

@@ -3,10 +3,10 @@
 
 #include "datasets/phantoms/phantom.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "planner/approach/approach_templates.h"
 #include "planner/plan/plan.h"
 #include "planner/wall/supports.h"
-#include "mesh/base/text.h"
 #include "tests/support/block_case.h"
 
 #include <Eigen/Geometry>
@@ -20,17 +20,18 @@
 #include <string_view>
 #include <utility>
 
-namespace retractor {
+namespace retractor::planner {
 namespace wall_cut_test {
 
     constexpr double kRoundOff = 1e-9; // of volumes and areas of some 1000 mm^3 that a flat blade divides
 
-    const LabelTable kTable { { 1, "muscle", "muscle", Role::wall }, { 7, "rib", "bone", Role::wall } };
+    const mesh::LabelTable kTable { { 1, "muscle", "muscle", mesh::Role::wall },
+        { 7, "rib", "bone", mesh::Role::wall } };
 
     /// 48 x 32 x 16 mm of muscle; a rib of 4 x 4 mm along x through its middle.
-    TetMesh wall()
+    mesh::TetMesh wall()
     {
-        TetMesh box = kuhn_box(12, 8, 4, 4.0);
+        mesh::TetMesh box = mesh::kuhn_box(12, 8, 4, 4.0);
         for (TetId t = 0; t < static_cast<TetId>(box.tet_count()); ++t) {
             Vec3 c = Vec3::Zero();
             for (const VertexId v : box.tet(t))
@@ -53,20 +54,20 @@ namespace wall_cut_test {
     }
 
     /// The face x = 0 is held.
-    Supports held_at_start(const TetMesh& mesh)
+    fem::Supports held_at_start(const mesh::TetMesh& mesh)
     {
-        Supports supports;
+        fem::Supports supports;
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
             if (mesh.vertices(v, 0) == 0.0)
                 supports.fixed.push_back(v);
         return supports;
     }
 
-    double volume(const TetMesh& mesh)
+    double volume(const mesh::TetMesh& mesh)
     {
         double sum = 0.0;
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            sum += tet_volume(mesh, t);
+            sum += mesh::tet_volume(mesh, t);
         return sum;
     }
 
@@ -77,14 +78,14 @@ namespace wall_cut_test {
     {
         Approach approach = across(32.0, 20.0);
         approach.loose_pieces = policy;
-        const TetMesh uncut = wall();
+        const mesh::TetMesh uncut = wall();
         return cut_wall(uncut, approach, kTable, held_at_start(uncut), {});
     }
 
     TEST(WallCut, APieceWithoutSupportIsFoundAndNamed)
     {
         const CutWall cut = severed(LoosePieces::held);
-        ASSERT_EQ(cut.status, CutStatus::done) << cut.message;
+        ASSERT_EQ(cut.status, mesh::CutStatus::done) << cut.message;
         ASSERT_EQ(cut.pieces.size(), 2u);
         EXPECT_TRUE(cut.pieces[0].held);
         EXPECT_EQ(cut.pieces[0].fixed, 9u * 5u);
@@ -106,26 +107,26 @@ namespace wall_cut_test {
     {
         const CutWall cut = severed(LoosePieces::held);
         double stiffness = 0.0;
-        for (const BeddedVertex& bedded : cut.supports.bedded) {
+        for (const fem::BeddedVertex& bedded : cut.supports.bedded) {
             EXPECT_GE(cut.wall.vertices(bedded.vertex, 0), 32.0);
             stiffness += bedded.stiffness;
         }
         const double surface = 2.0 * (16.0 * 32.0 + 32.0 * 16.0 + 16.0 * 16.0);
         EXPECT_NEAR(stiffness, kBedModulus * surface, 1e-9);
         // The stiffness is regular: the body can be solved, and what nothing pulls at stays.
-        const std::vector<Material> materials(8,
-            Material { .name = "muscle",
+        const std::vector<fem::Material> materials(8,
+            fem::Material { .name = "muscle",
                 .youngs_modulus_MPa = 0.04,
                 .poissons_ratio = 0.45,
                 .density_tonne_per_mm3 = 1e-9,
                 .source = "test" });
-        Opening opening(cut.wall, materials, cut.supports, { .elasticity = Elasticity::linear });
-        HookPatch hook { .name = "pull", .side = 1, .nodes = {}, .displacement = Vec3(-1, 0, 0) };
+        fem::Opening opening(cut.wall, materials, cut.supports, { .elasticity = fem::Elasticity::linear });
+        fem::HookPatch hook { .name = "pull", .side = 1, .nodes = {}, .displacement = Vec3(-1, 0, 0) };
         for (const VertexId v : std::set<VertexId>(cut.wall.nodes.begin(), cut.wall.nodes.end()))
             if (std::abs(cut.wall.vertices(v, 0) - 28.0) < 1e-9)
                 hook.nodes.push_back(v);
-        const OpeningResult result = opening.open(std::vector<HookPatch> { hook });
-        EXPECT_EQ(result.status, OpeningStatus::converged);
+        const fem::OpeningResult result = opening.open(std::vector<fem::HookPatch> { hook });
+        EXPECT_EQ(result.status, fem::OpeningStatus::converged);
         for (const TetId t : cut.pieces[1].tets)
             for (const VertexId v : cut.wall.tet(t))
                 EXPECT_NEAR(result.displacement.row(v).norm(), 0.0, 1e-9);
@@ -134,7 +135,7 @@ namespace wall_cut_test {
     TEST(WallCut, ARemovedPieceIsGone)
     {
         const CutWall cut = severed(LoosePieces::removed);
-        ASSERT_EQ(cut.status, CutStatus::done) << cut.message;
+        ASSERT_EQ(cut.status, mesh::CutStatus::done) << cut.message;
         ASSERT_EQ(cut.pieces.size(), 1u);
         EXPECT_NEAR(volume(cut.wall), 32.0 * 32.0 * 16.0, kRoundOff * kLoose);
         ASSERT_EQ(cut.removed.size(), 2u);
@@ -144,7 +145,7 @@ namespace wall_cut_test {
         EXPECT_NE(cut.message.find("has no support: removed"), std::string::npos) << cut.message;
         for (const VertexId v : cut.supports.fixed)
             EXPECT_EQ(cut.wall.vertices(v, 0), 0.0);
-        EXPECT_NO_THROW(check_mesh(cut.wall));
+        EXPECT_NO_THROW(mesh::check_mesh(cut.wall));
     }
 
     TEST(WallCut, ARigidPieceMovesAsOneBodyWithTheLipItTouches)
@@ -184,7 +185,7 @@ namespace wall_cut_test {
 
     TEST(WallCut, WhatHooksHoldIsNotLoose)
     {
-        const TetMesh uncut = wall();
+        const mesh::TetMesh uncut = wall();
         Approach approach = across(32.0, 20.0);
         approach.loose_pieces = LoosePieces::removed;
         // On the far lip: to the right of a cut along +y, seen from above.
@@ -202,9 +203,9 @@ namespace wall_cut_test {
         Approach approach = across(21.3, 16.0, 2.0, 30.0);
         approach.uncut_labels = { "rib" };
         approach.ablations = { { .label = "rib", .from_mm = -4.0, .to_mm = 9.0 } };
-        const TetMesh uncut = wall();
+        const mesh::TetMesh uncut = wall();
         const CutWall cut = cut_wall(uncut, approach, kTable, held_at_start(uncut), {});
-        ASSERT_EQ(cut.status, CutStatus::done) << cut.message;
+        ASSERT_EQ(cut.status, mesh::CutStatus::done) << cut.message;
         ASSERT_EQ(cut.removed.size(), 1u);
         EXPECT_EQ(cut.removed[0].label, "rib");
         // 13 mm of 4 x 4 mm; vertices that snap may move the saw's faces by 5 % of an edge where they lie in the
@@ -221,7 +222,7 @@ namespace wall_cut_test {
                 }
         EXPECT_NEAR(most, 21.3 - 9.0, 0.4); // 0.1 of an edge
         EXPECT_NEAR(least, 21.3 + 4.0, 0.4);
-        for (const LipFace& lip : cut.lips) { // of the incision only
+        for (const mesh::LipFace& lip : cut.lips) { // of the incision only
             EXPECT_NE(lip.side, 0);
             EXPECT_EQ(lip.cut, 0);
         }
@@ -231,7 +232,7 @@ namespace wall_cut_test {
     {
         Approach approach = across(21.3, 16.0);
         approach.ablations = { { .centre = Vec3(22, 18, 6), .radius_mm = 5.0 } };
-        const TetMesh uncut = wall();
+        const mesh::TetMesh uncut = wall();
         const CutWall cut = cut_wall(uncut, approach, kTable, held_at_start(uncut), {});
         ASSERT_EQ(cut.removed.size(), 2u);
         const double removed = cut.removed[0].volume_mm3 + cut.removed[1].volume_mm3;
@@ -249,10 +250,10 @@ namespace wall_cut_test {
 
     TEST(WallCut, WhatWasCutBeforeStaysWhenAnAblationIsCancelled)
     {
-        const TetMesh uncut = wall();
-        CutSession session(uncut);
-        ASSERT_EQ(session.cut(blade_of(across(40.3, 6.0))).status, CutStatus::done);
-        const TetMesh before = session.compact_mesh();
+        const mesh::TetMesh uncut = wall();
+        mesh::CutSession session(uncut);
+        ASSERT_EQ(session.cut(blade_of(across(40.3, 6.0))).status, mesh::CutStatus::done);
+        const mesh::TetMesh before = session.compact_mesh();
         Approach approach = across(21.3, 16.0);
         approach.ablations = { { .centre = Vec3(22, 18, 6), .radius_mm = 5.0 } };
         std::atomic<bool> cancel { false };
@@ -260,19 +261,19 @@ namespace wall_cut_test {
         job.cancel = &cancel;
         job.on_progress = [&](std::string_view stage, double) { cancel = cancel || stage == "ablate"; };
         const PlannedCut planned = cut_as_planned(session, approach, kTable, {}, job);
-        EXPECT_EQ(planned.status, CutStatus::cancelled);
+        EXPECT_EQ(planned.status, mesh::CutStatus::cancelled);
         EXPECT_TRUE(planned.deltas.empty());
         EXPECT_EQ(session.cut_count(), 1u);
-        const TetMesh after = session.compact_mesh();
+        const mesh::TetMesh after = session.compact_mesh();
         EXPECT_EQ(after.nodes, before.nodes);
         EXPECT_TRUE((after.vertices.array() == before.vertices.array()).all());
     }
 
     TEST(WallCut, AFullDiskIsNoRemark)
     {
-        CutSession session(wall());
-        session.set_witness([](const CutEvent& event) {
-            if (event.kind == CutEvent::Kind::cut && event.options->uncut_labels.size() != 1)
+        mesh::CutSession session(wall());
+        session.set_witness([](const mesh::CutEvent& event) {
+            if (event.kind == mesh::CutEvent::Kind::cut && event.options->uncut_labels.size() != 1)
                 return;
             throw IoError("the disk is full", "cuts.jsonl");
         });
@@ -286,21 +287,21 @@ namespace wall_cut_test {
     {
         // Along the wall, through the face that is held; a ball at that face is removed, and another cut takes the ids
         // that this set free. What is held is what lies in that face, copies and new vertices with it.
-        const TetMesh uncut = wall();
+        const mesh::TetMesh uncut = wall();
         Approach along = across(0.0, 20.0);
         along.incision = { { -2.0, 13.3, 16.0 }, { 50.0, 13.3, 16.0 } };
         along.ablations = { { .centre = Vec3(0, 22, 12), .radius_mm = 6.0 } };
-        CutSession session(uncut);
+        mesh::CutSession session(uncut);
         PlannedCut planned = cut_as_planned(session, along, kTable, {});
-        ASSERT_EQ(planned.status, CutStatus::done) << planned.message;
+        ASSERT_EQ(planned.status, mesh::CutStatus::done) << planned.message;
         ASSERT_EQ(planned.deltas.size(), 2u);
         ASSERT_FALSE(planned.deltas[1].vertices_gone.empty());
-        CutResult again = session.cut(blade_of(across(21.3, 20.0)));
-        ASSERT_EQ(again.status, CutStatus::done);
+        mesh::CutResult again = session.cut(blade_of(across(21.3, 20.0)));
+        ASSERT_EQ(again.status, mesh::CutStatus::done);
         planned.deltas.push_back(std::move(again.delta));
-        SlotMap map;
-        const TetMesh cut = session.compact_mesh(&map);
-        const Supports held = carried_supports(held_at_start(uncut), planned.deltas, map);
+        mesh::SlotMap map;
+        const mesh::TetMesh cut = session.compact_mesh(&map);
+        const fem::Supports held = carried_supports(held_at_start(uncut), planned.deltas, map);
         std::set<VertexId> fixed(held.fixed.begin(), held.fixed.end());
         EXPECT_EQ(fixed.size(), held.fixed.size());
         std::set<VertexId> in_face;
@@ -335,7 +336,7 @@ namespace wall_cut_test {
         EXPECT_NEAR(severed_piece.removed_skin_mm2, 16.0 * 32.0, kRoundOff * kLoose);
         EXPECT_EQ(severed(LoosePieces::held).removed_skin_mm2, 0.0);
         // Below the skin nothing of it is taken, also when what is bared is ablated further.
-        const TetMesh uncut = wall();
+        const mesh::TetMesh uncut = wall();
         Approach approach = across(21.3, 16.0);
         approach.ablations = { { .centre = Vec3(22, 18, 6), .radius_mm = 4.0 } };
         approach.ablations.push_back({ .centre = Vec3(22, 18, 3), .radius_mm = 4.0 });
@@ -353,8 +354,8 @@ namespace wall_cut_test {
     TEST(WallCut, APlanWhoseLipWasRemovedSaysWhoTookItAndWhatToDo)
     {
         // Three sides of a flap are cut; balls through the wall take its fourth, by which it was held.
-        const Phantom phantom = make_block_phantom({});
-        Case planned_case = block_case("took_lip", phantom);
+        const datasets::Phantom phantom = datasets::make_block_phantom({});
+        Case planned_case = test_support::block_case("took_lip", phantom);
         Patient patient(planned_case);
         ApproachRequest request;
         request.name = "flap";
@@ -386,17 +387,17 @@ namespace wall_cut_test {
 
     TEST(WallCut, APlanShowsWhatWasRemoved)
     {
-        BlockParameters block = small_block();
+        datasets::BlockParameters block = test_support::small_block();
         block.bone_bar = true;
-        const Phantom phantom = make_block_phantom(block);
+        const datasets::Phantom phantom = datasets::make_block_phantom(block);
         std::string bone;
-        for (const LabelInfo& info : phantom.labels.table)
+        for (const mesh::LabelInfo& info : phantom.labels.table)
             if (info.material == "bone")
                 bone = info.name;
         ASSERT_FALSE(bone.empty());
-        Case planned_case = block_case("removed", phantom);
+        Case planned_case = test_support::block_case("removed", phantom);
         Patient patient(planned_case);
-        Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0);
+        Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0);
         approach.uncut_labels = { bone };
         const PlannedField whole = plan_approach(patient, approach);
         approach.ablations = { { .label = bone, .from_mm = -8.0, .to_mm = 8.0 } };
@@ -406,7 +407,7 @@ namespace wall_cut_test {
         ASSERT_EQ(resected.metrics.removed.size(), 1u);
         double least = 1e9, most = -1e9;
         for (std::size_t t = 0; t < resected.wall.tet_count(); ++t)
-            if (find_label(phantom.labels.table, resected.wall.labels[t])->name == bone)
+            if (mesh::find_label(phantom.labels.table, resected.wall.labels[t])->name == bone)
                 for (const VertexId v : resected.wall.tet(static_cast<TetId>(t))) {
                     const double x = resected.wall.vertices(v, 0);
                     (x < 0.0 ? most : least) = x < 0.0 ? std::max(most, x) : std::min(least, x);
@@ -415,8 +416,8 @@ namespace wall_cut_test {
         EXPECT_NEAR(least - most, 16.0, 0.5);
         EXPECT_NEAR(0.5 * (least + most), 0.9, 0.3);
         double section = 0.0; // of the bar as meshed: voxels of 2 mm, smoothed
-        for (const LabelFit& fit : resected.mesh_statistics.fit)
-            if (find_label(phantom.labels.table, fit.label)->name == bone)
+        for (const mesh::LabelFit& fit : resected.mesh_statistics.fit)
+            if (mesh::find_label(phantom.labels.table, fit.label)->name == bone)
                 section = fit.mesh_volume_mm3 / block.size_mm.x();
         EXPECT_NEAR(resected.metrics.removed[0].volume_mm3, 16.0 * section, 0.05 * 16.0 * section);
         EXPECT_LT(resected.metrics.hook_force_N, 0.7 * whole.metrics.hook_force_N); // no bone holds the lips together
@@ -424,4 +425,4 @@ namespace wall_cut_test {
     }
 
 } // namespace wall_cut_test
-} // namespace retractor
+} // namespace retractor::planner

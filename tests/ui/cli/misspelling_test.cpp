@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::ui {
 namespace misspelling_test {
 
     /// A program of two commands, one of which has two of its own.
@@ -66,4 +66,4 @@ namespace misspelling_test {
     }
 
 } // namespace misspelling_test
-} // namespace retractor
+} // namespace retractor::ui

@@ -11,20 +11,21 @@
 #include <array>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::ui {
 namespace contact_sheet_test {
 
     struct Images {
-        std::shared_ptr<const Volume> ct;
-        std::shared_ptr<const LabelVolume> labels;
+        std::shared_ptr<const mesh::Volume> ct;
+        std::shared_ptr<const mesh::LabelVolume> labels;
     };
 
     Images block_images()
     {
-        BlockParameters parameters;
+        datasets::BlockParameters parameters;
         parameters.size_mm = { 60.0, 60.0, 60.0 };
-        const Phantom phantom = make_block_phantom(parameters);
-        return { std::make_shared<const Volume>(phantom.ct), std::make_shared<const LabelVolume>(phantom.labels) };
+        const datasets::Phantom phantom = datasets::make_block_phantom(parameters);
+        return { std::make_shared<const mesh::Volume>(phantom.ct),
+            std::make_shared<const mesh::LabelVolume>(phantom.labels) };
     }
 
     std::vector<const Scene*> slices_of(const Picture& picture)
@@ -85,14 +86,14 @@ namespace contact_sheet_test {
 
     TEST(ContactSheet, ManyRibsShareALineAndKeepTheirNumbers)
     {
-        auto labels = std::make_shared<LabelVolume>();
+        auto labels = std::make_shared<mesh::LabelVolume>();
         labels->grid.size = { 130, 4, 4 };
         labels->voxels.resize(labels->grid.voxel_count());
         for (std::size_t v = 0; v < labels->voxels.size(); ++v)
             labels->voxels[v] = static_cast<Label>(v % 130 + 1);
         for (int n = 1; n <= 130; ++n)
             labels->table.push_back({ static_cast<Label>(n),
-                n <= 12 ? "rib_left_" + std::to_string(n) : "organ_" + std::to_string(n), "bone", Role::wall });
+                n <= 12 ? "rib_left_" + std::to_string(n) : "organ_" + std::to_string(n), "bone", mesh::Role::wall });
         ContactSheetOptions options;
         options.surfaces = false;
         options.columns = 12; // a low sheet: not every label fits
@@ -154,4 +155,4 @@ namespace contact_sheet_test {
     }
 
 } // namespace contact_sheet_test
-} // namespace retractor
+} // namespace retractor::ui

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace retractor {
+namespace retractor::ui {
 namespace plan_scene_test {
 
     /// Half a pixel along the target's outline, a few hundred pixels long, of some ten thousand in its area; and as
@@ -18,23 +18,23 @@ namespace plan_scene_test {
     protected:
         static void SetUpTestSuite()
         {
-            const Phantom phantom = make_block_phantom(small_block());
-            patient = std::make_unique<Patient>(block_case("scene", phantom));
-            field = std::make_unique<PlannedField>(
-                plan_approach(*patient, block_approach(*patient->labels(), Eigen::Isometry3d::Identity(), 16.0)));
+            const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+            patient = std::make_unique<planner::Patient>(test_support::block_case("scene", phantom));
+            field = std::make_unique<planner::PlannedField>(planner::plan_approach(
+                *patient, test_support::block_approach(*patient->labels(), Eigen::Isometry3d::Identity(), 16.0)));
         }
         static void TearDownTestSuite()
         {
             field.reset();
             patient.reset();
         }
-        static inline std::unique_ptr<Patient> patient;
-        static inline std::unique_ptr<PlannedField> field;
+        static inline std::unique_ptr<planner::Patient> patient;
+        static inline std::unique_ptr<planner::PlannedField> field;
     };
 
     TEST_F(PlanScene, TargetPixelsAgreeWithTheRaysOfThatEye)
     {
-        ASSERT_EQ(field->status, PlanStatus::done) << field->message;
+        ASSERT_EQ(field->status, planner::PlanStatus::done) << field->message;
         Scene scene = surgeon_scene(*patient, *field);
         scene.hooks.clear(); // rays do not meet the hooks
         OffscreenRenderer renderer(make_offscreen_context());
@@ -64,4 +64,4 @@ namespace plan_scene_test {
     }
 
 } // namespace plan_scene_test
-} // namespace retractor
+} // namespace retractor::ui

@@ -9,7 +9,7 @@
 #include <string>
 #include <sys/wait.h>
 
-namespace retractor {
+namespace retractor::ui {
 namespace backends_test {
 
     constexpr int kNotHere = 77;
@@ -37,4 +37,4 @@ namespace backends_test {
     }
 
 } // namespace backends_test
-} // namespace retractor
+} // namespace retractor::ui

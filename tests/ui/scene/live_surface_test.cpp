@@ -13,7 +13,7 @@
 #include <map>
 #include <utility>
 
-namespace retractor {
+namespace retractor::ui {
 namespace live_surface_test {
 
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -156,4 +156,4 @@ namespace live_surface_test {
     }
 
 } // namespace live_surface_test
-} // namespace retractor
+} // namespace retractor::ui

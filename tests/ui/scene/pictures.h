@@ -3,7 +3,7 @@
 
 #include "ui/scene/vtk/render.h"
 
-namespace retractor::samples {
+namespace retractor::ui::samples {
 
 struct Pixel {
     int r = 0, g = 0, b = 0;
@@ -31,4 +31,4 @@ inline Image draw(const Scene& scene, int width = 320, int height = 240)
     return renderer().render(picture);
 }
 
-} // namespace retractor::samples
+} // namespace retractor::ui::samples

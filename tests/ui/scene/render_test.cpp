@@ -18,15 +18,15 @@
 #include <fstream>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::ui {
 namespace render_test {
 
-    using samples::draw;
-    using samples::pixel;
-    using samples::Pixel;
+    using test_support::draw;
+    using test_support::pixel;
+    using test_support::Pixel;
 
     /// Unlit colours come back as given, but for rounding.
-    void expect_color(const Pixel& p, int r, int g, int b, int tolerance = 1)
+    void expect_color(const test_support::Pixel& p, int r, int g, int b, int tolerance = 1)
     {
         EXPECT_NEAR(p.r, r, tolerance);
         EXPECT_NEAR(p.g, g, tolerance);
@@ -45,7 +45,7 @@ namespace render_test {
 
     TEST_F(Pictures, ABoxIsWhereItShouldBe)
     {
-        const Image image = draw(samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1.0, 0.5, 0.0 }));
+        const Image image = draw(test_support::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1.0, 0.5, 0.0 }));
         EXPECT_EQ(image.width, 320);
         EXPECT_EQ(image.height, 240);
         expect_color(pixel(image, 0.5, 0.5), 255, 128, 0);
@@ -62,8 +62,8 @@ namespace render_test {
     TEST_F(Pictures, TheNearBoxHidesTheFarOne)
     {
         for (const bool near_first : { true, false }) {
-            const Scene near = samples::box_scene({ -30, -100, -30 }, { 30, -80, 30 }, { 1, 0, 0 });
-            Scene scene = samples::box_scene({ -60, 50, -60 }, { 60, 60, 60 }, { 0, 0, 1 });
+            const Scene near = test_support::box_scene({ -30, -100, -30 }, { 30, -80, 30 }, { 1, 0, 0 });
+            Scene scene = test_support::box_scene({ -60, 50, -60 }, { 60, 60, 60 }, { 0, 0, 1 });
             scene.surfaces.insert(near_first ? scene.surfaces.begin() : scene.surfaces.end(), near.surfaces[0]);
             const Image image = draw(scene);
             expect_color(pixel(image, 0.5, 0.5), 255, 0, 0);
@@ -73,11 +73,11 @@ namespace render_test {
 
     TEST_F(Pictures, ThePatientsLeftIsOnTheRightFromTheFrontAndTheHeadIsUp)
     {
-        Scene scene = samples::box_scene({ 60, -10, -10 }, { 80, 10, 10 }, { 1, 0, 0 }); // left
+        Scene scene = test_support::box_scene({ 60, -10, -10 }, { 80, 10, 10 }, { 1, 0, 0 }); // left
         scene.surfaces.push_back(
-            samples::unlit(samples::box_mesh({ -80, -10, -10 }, { -60, 10, 10 }), { 0, 1, 0 })); // right
+            test_support::unlit(test_support::box_mesh({ -80, -10, -10 }, { -60, 10, 10 }), { 0, 1, 0 })); // right
         scene.surfaces.push_back(
-            samples::unlit(samples::box_mesh({ -10, -10, 60 }, { 10, 10, 80 }), { 0, 0, 1 })); // head
+            test_support::unlit(test_support::box_mesh({ -10, -10, 60 }, { 10, 10, 80 }), { 0, 0, 1 })); // head
         const Image image = draw(scene, 240, 240);
         const double off = 0.5 * 70.0 / (600.0 * std::tan(std::numbers::pi / 12.0));
         expect_color(pixel(image, 0.5 + off, 0.5), 255, 0, 0);
@@ -88,9 +88,9 @@ namespace render_test {
 
     TEST_F(Pictures, TrianglesWearTheLookOfTheirLabel)
     {
-        Scene scene = samples::box_scene({ -50, -50, -50 }, { 50, 50, 0 }, { 1, 1, 1 });
-        auto both = std::make_shared<TriMesh>(samples::box_mesh({ -50, -50, -50 }, { 50, 50, 0 }, 1));
-        const TriMesh upper = samples::box_mesh({ -50, -50, 0 }, { 50, 50, 50 }, 2);
+        Scene scene = test_support::box_scene({ -50, -50, -50 }, { 50, 50, 0 }, { 1, 1, 1 });
+        auto both = std::make_shared<TriMesh>(test_support::box_mesh({ -50, -50, -50 }, { 50, 50, 0 }, 1));
+        const TriMesh upper = test_support::box_mesh({ -50, -50, 0 }, { 50, 50, 50 }, 2);
         const auto first = static_cast<VertexId>(both->vertices.rows());
         Points joined(first + upper.vertices.rows(), 3);
         joined << both->vertices, upper.vertices;
@@ -108,7 +108,7 @@ namespace render_test {
 
     TEST_F(Pictures, AStrainMapIsDrawnByVertexColours)
     {
-        Scene scene = samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 1, 1 });
+        Scene scene = test_support::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 1, 1 });
         // Red grows with z: the vertices 4 to 7 are the upper ones.
         for (int v = 0; v < 8; ++v)
             scene.surfaces[0].vertex_colors.push_back({ v < 4 ? 0.0 : 1.0, 0.0, 0.0 });
@@ -121,10 +121,10 @@ namespace render_test {
     {
         for (const Finish finish : { Finish::matte, Finish::skin, Finish::wet, Finish::bone, Finish::metal })
             for (const bool target : { false, true }) {
-                Scene scene = samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, {});
+                Scene scene = test_support::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, {});
                 scene.surfaces[0].look = { .color = { 0.8, 0.3, 0.2 }, .finish = finish, .texture = 0.7 };
                 scene.surfaces[0].target = target;
-                const Pixel p = pixel(draw(scene), 0.5, 0.5);
+                const test_support::Pixel p = pixel(draw(scene), 0.5, 0.5);
                 EXPECT_GT(p.r, 60);
                 if (finish != Finish::metal) {
                     EXPECT_GT(p.r, p.g + 20);
@@ -133,9 +133,9 @@ namespace render_test {
     }
 
     /// A cube of contrast-filled tissue, 60 mm wide, centred at the origin.
-    std::shared_ptr<const Volume> cube(std::int16_t shell, std::int16_t core)
+    std::shared_ptr<const mesh::Volume> cube(std::int16_t shell, std::int16_t core)
     {
-        auto volume = std::make_shared<Volume>();
+        auto volume = std::make_shared<mesh::Volume>();
         volume->grid = { .size = { 40, 40, 40 }, .spacing = { 2, 2, 2 }, .origin = { -39, -39, -39 } };
         for (int k = 0; k < 40; ++k)
             for (int j = 0; j < 40; ++j)
@@ -146,9 +146,9 @@ namespace render_test {
         return volume;
     }
 
-    Scene volume_scene(std::shared_ptr<const Volume> image)
+    Scene volume_scene(std::shared_ptr<const mesh::Volume> image)
     {
-        Scene scene = samples::box_scene({ 0, 0, 0 }, { 1, 1, 1 }, {});
+        Scene scene = test_support::box_scene({ 0, 0, 0 }, { 1, 1, 1 }, {});
         scene.surfaces.clear();
         VolumeItem item;
         item.image = std::move(image);
@@ -159,11 +159,11 @@ namespace render_test {
 
     TEST_F(Pictures, APlateInFrontOfAVolumeHidesItAndOneBehindDoesNot)
     {
-        const TriMesh front = samples::box_mesh({ -60, -55, -60 }, { 60, -50, 60 });
-        const TriMesh inside = samples::box_mesh({ -60, 0, -60 }, { 60, 2, 60 });
+        const TriMesh front = test_support::box_mesh({ -60, -55, -60 }, { 60, -50, 60 });
+        const TriMesh inside = test_support::box_mesh({ -60, 0, -60 }, { 60, 2, 60 });
         const auto shown = [&](const TriMesh& plate) {
             Scene scene = volume_scene(cube(250, 250));
-            scene.surfaces.push_back(samples::unlit(plate, { 0, 0, 1 }));
+            scene.surfaces.push_back(test_support::unlit(plate, { 0, 0, 1 }));
             return draw(scene);
         };
         const Image hidden = shown(front), seen = shown(inside);
@@ -182,10 +182,10 @@ namespace render_test {
         for (const auto hu : image->voxels)
             mask->hidden.push_back(hu == 250 ? 1 : 0);
         Scene scene = volume_scene(image);
-        const Pixel closed = pixel(draw(scene), 0.5, 0.5);
+        const test_support::Pixel closed = pixel(draw(scene), 0.5, 0.5);
         scene.volumes[0].mask = mask;
         const Image open = draw(scene);
-        const Pixel core = pixel(open, 0.5, 0.5);
+        const test_support::Pixel core = pixel(open, 0.5, 0.5);
         EXPECT_GT(closed.r, closed.b + 60); // red
         EXPECT_NEAR(core.r, core.b, 60); // ivory
         EXPECT_GT(core.b, closed.b + 60);
@@ -197,7 +197,7 @@ namespace render_test {
     TEST_F(Pictures, AVolumeOnMirroredTurnedAxesIsDrawnWhereItLies)
     {
         // A block of blood on the patient's left of the image, with the grid's axes permuted and mirrored.
-        auto image = std::make_shared<Volume>();
+        auto image = std::make_shared<mesh::Volume>();
         image->grid = { .size = { 30, 40, 50 }, .spacing = { 2, 2, 2 } };
         image->grid.direction << 0, -1, 0, 0, 0, 1, 1, 0, 0; // i up, j to the right, k to the back: det < 0
         ASSERT_LT(image->grid.direction.determinant(), 0.0);
@@ -230,7 +230,7 @@ namespace render_test {
 
     TEST_F(Pictures, SlicesShowTheImageWithTheLeftOnTheRight)
     {
-        auto image = std::make_shared<Volume>();
+        auto image = std::make_shared<mesh::Volume>();
         image->grid = { .size = { 40, 40, 40 }, .spacing = { 2, 2, 2 }, .origin = { -39, -39, -39 } };
         for (int k = 0; k < 40; ++k)
             for (int j = 0; j < 40; ++j)
@@ -240,7 +240,7 @@ namespace render_test {
         const std::array<std::pair<SlicePlane, std::array<double, 2>>, 3> cases { { { SlicePlane::axial, { 0.7, 0.3 } },
             { SlicePlane::coronal, { 0.7, 0.3 } }, { SlicePlane::sagittal, { 0.3, 0.3 } } } };
         for (const auto& [plane, bright] : cases) {
-            Scene scene = samples::box_scene({ 0, 0, 0 }, { 1, 1, 1 }, {});
+            Scene scene = test_support::box_scene({ 0, 0, 0 }, { 1, 1, 1 }, {});
             scene.surfaces.clear();
             scene.slices.push_back({ .image = image, .plane = plane, .point = { 20, -20, 20 } });
             scene.camera = camera_for_slice(scene.slices[0], 1.0);
@@ -255,13 +255,13 @@ namespace render_test {
     TEST_F(Pictures, ALineOnTopIsDrawnOverWhatIsInFrontOfIt)
     {
         for (const bool on_top : { true, false }) {
-            Scene scene = samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 0, 0 });
+            Scene scene = test_support::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 0, 0 });
             scene.lines.push_back({ .name = "line",
                 .points = { { -40, 0, 0 }, { 40, 0, 0 } },
                 .color = { 0, 1, 0 },
                 .width_px = 24.0,
                 .on_top = on_top });
-            const Pixel p = pixel(draw(scene), 0.5, 0.5);
+            const test_support::Pixel p = pixel(draw(scene), 0.5, 0.5);
             EXPECT_EQ(p.g > 200, on_top);
         }
     }
@@ -282,7 +282,7 @@ namespace render_test {
     {
         const std::array<double, 4> upper_left { 0.0, 0.0, 0.5, 0.5 }, lower_left { 0.0, 0.7, 0.5, 1.0 },
             lower_right { 0.8, 0.8, 1.0, 1.0 }, middle { 0.5, 0.0, 1.0, 0.75 };
-        const Scene plain = samples::box_scene({ -1, -1, -1 }, { 1, 1, 1 }, { 0, 0, 0 });
+        const Scene plain = test_support::box_scene({ -1, -1, -1 }, { 1, 1, 1 }, { 0, 0, 0 });
         const Image nothing = draw(plain, 640, 480);
         Scene scene = plain;
         scene.title = "Title";
@@ -302,7 +302,7 @@ namespace render_test {
 
     TEST_F(Pictures, LegendLettersAreBrightOnTheirPanel)
     {
-        Scene scene = samples::box_scene({ -300, 0, -300 }, { 300, 10, 300 }, { 0.5, 0.5, 0.5 });
+        Scene scene = test_support::box_scene({ -300, 0, -300 }, { 300, 10, 300 }, { 0.5, 0.5, 0.5 });
         scene.legend = { { "visible target", "87 %" }, { "hook force", "42 N" } };
         const Image image = draw(scene, 640, 480);
         int bright = 0;
@@ -314,7 +314,7 @@ namespace render_test {
 
     TEST_F(Pictures, ALongLegendStaysInsideANarrowView)
     {
-        Scene scene = samples::box_scene({ -1, -1, -1 }, { 1, 1, 1 }, { 0, 0, 0 });
+        Scene scene = test_support::box_scene({ -1, -1, -1 }, { 1, 1, 1 }, { 0, 0, 0 });
         for (int i = 0; i < 12; ++i)
             scene.legend.push_back({ "a rather long name of a measure " + std::to_string(i), "123.45 mm" });
         const Image image = draw(scene, 300, 480);
@@ -330,8 +330,8 @@ namespace render_test {
         for (std::size_t i = 0; i < 3; ++i)
             picture.viewports.push_back({ .left = static_cast<double>(i) / 3.0,
                 .right = static_cast<double>(i + 1) / 3.0,
-                .scene = samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, colors[i]) });
-        const Image image = samples::renderer().render(picture);
+                .scene = test_support::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, colors[i]) });
+        const Image image = test_support::renderer().render(picture);
         expect_color(pixel(image, 1.0 / 6.0, 0.5), 255, 0, 0);
         expect_color(pixel(image, 3.0 / 6.0, 0.5), 0, 255, 0);
         expect_color(pixel(image, 5.0 / 6.0, 0.5), 0, 0, 255);
@@ -340,9 +340,9 @@ namespace render_test {
 
     TEST_F(Pictures, TheSameSceneGivesTheSamePicture)
     {
-        const Scene scene = samples::little_chest();
+        const Scene scene = test_support::little_chest();
         const Image first = draw(scene);
-        draw(samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 0, 0 })); // something else in between
+        draw(test_support::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 0, 0 })); // something else in between
         EXPECT_EQ(first.rgb, draw(scene).rgb);
     }
 
@@ -351,12 +351,12 @@ namespace render_test {
     TEST_F(Pictures, TargetShareOfASphereHalfBehindAPlateIsOneHalf)
     {
         Scene scene;
-        SurfaceItem sphere = samples::unlit(samples::sphere_mesh({ 0, 0, 0 }, 30.0), { 1, 1, 0 });
+        SurfaceItem sphere = test_support::unlit(test_support::sphere_mesh({ 0, 0, 0 }, 30.0), { 1, 1, 0 });
         sphere.target = true;
-        scene.surfaces
-            = { sphere, samples::unlit(samples::box_mesh({ -100, -60, -100 }, { 0, -50, 100 }), { 1, 0, 0 }) };
+        scene.surfaces = { sphere,
+            test_support::unlit(test_support::box_mesh({ -100, -60, -100 }, { 0, -50, 100 }), { 1, 0, 0 }) };
         scene.camera.eye = { 0, -400, 0 };
-        const TargetPixels pixels = samples::renderer().target_pixels(scene, 640, 480);
+        const TargetPixels pixels = test_support::renderer().target_pixels(scene, 640, 480);
         // The sphere's outline is a circle of the tangent cone: its area in pixels in closed form.
         const double tangent = std::tan(std::asin(30.0 / 400.0)) / std::tan(std::numbers::pi / 12.0) * 240.0;
         const double area = std::numbers::pi * tangent * tangent;
@@ -364,18 +364,18 @@ namespace render_test {
         EXPECT_NEAR(static_cast<double>(pixels.unobstructed) / area, 1.0, kPolygon);
         EXPECT_NEAR(pixels.share(), 0.5, kPolygon);
         scene.surfaces[1].occluder = false;
-        EXPECT_DOUBLE_EQ(samples::renderer().target_pixels(scene, 640, 480).share(), 1.0);
+        EXPECT_DOUBLE_EQ(test_support::renderer().target_pixels(scene, 640, 480).share(), 1.0);
         scene.surfaces.resize(1);
         scene.surfaces[0].target = false;
-        EXPECT_DOUBLE_EQ(samples::renderer().target_pixels(scene, 640, 480).share(), 0.0);
+        EXPECT_DOUBLE_EQ(test_support::renderer().target_pixels(scene, 640, 480).share(), 0.0);
     }
 
     TEST_F(Pictures, TargetShareIgnoresVolumesLinesAndWords)
     {
-        Scene scene = samples::little_chest(false);
-        const TargetPixels bare = samples::renderer().target_pixels(scene, 320, 240);
-        scene = samples::little_chest(true);
-        const TargetPixels full = samples::renderer().target_pixels(scene, 320, 240);
+        Scene scene = test_support::little_chest(false);
+        const TargetPixels bare = test_support::renderer().target_pixels(scene, 320, 240);
+        scene = test_support::little_chest(true);
+        const TargetPixels full = test_support::renderer().target_pixels(scene, 320, 240);
         EXPECT_GT(bare.unobstructed, 100U);
         EXPECT_EQ(bare.visible, full.visible);
         EXPECT_EQ(bare.unobstructed, full.unobstructed);
@@ -389,7 +389,7 @@ namespace render_test {
         OffscreenRenderer own(make_offscreen_context(), { .on_progress = {}, .cancel = nullptr, .ledger = &ledger });
         EXPECT_TRUE(ledger.has("renderer"));
         Picture picture { .width = 64, .height = 48, .viewports = {} };
-        picture.viewports.push_back({ .scene = samples::little_chest(false) });
+        picture.viewports.push_back({ .scene = test_support::little_chest(false) });
         own.render(picture);
         EXPECT_FALSE(ledger.has("volume rendering"));
         picture.viewports[0].scene = volume_scene(cube(250, 250));
@@ -406,7 +406,7 @@ namespace render_test {
         Ledger ledger;
         OffscreenRenderer own(make_offscreen_context(), { .on_progress = {}, .cancel = nullptr, .ledger = &ledger });
         // A little block of blood in a big image of air, and a hidden block of blood far from it.
-        auto image = std::make_shared<Volume>();
+        auto image = std::make_shared<mesh::Volume>();
         image->grid = { .size = { 60, 50, 40 } };
         image->grid.origin = { -30, -25, -20 };
         image->voxels.assign(image->grid.voxel_count(), -1000);
@@ -435,7 +435,7 @@ namespace render_test {
 
     TEST_F(Pictures, APngComesBackAsItWasWritten)
     {
-        const Image image = draw(samples::little_chest(false), 160, 120);
+        const Image image = draw(test_support::little_chest(false), 160, 120);
         const auto path = scratch("picture.png");
         write_png(path, image);
         const Image back = read_png(path);
@@ -485,14 +485,14 @@ namespace render_test {
 
     TEST_F(Pictures, WhatCannotBeDrawnIsRefusedAndTheRendererGoesOn)
     {
-        Scene bad = samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 0, 0 });
+        Scene bad = test_support::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 0, 0 });
         bad.camera.eye = bad.camera.aim;
         EXPECT_THROW(draw(bad), InputError);
-        EXPECT_THROW(draw(samples::little_chest(false), 0, 100), InputError);
+        EXPECT_THROW(draw(test_support::little_chest(false), 0, 100), InputError);
         EXPECT_THROW(OffscreenRenderer(nullptr), InputError);
         expect_color(
-            pixel(draw(samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 0, 0 })), 0.5, 0.5), 255, 0, 0);
+            pixel(draw(test_support::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 0, 0 })), 0.5, 0.5), 255, 0, 0);
     }
 
 } // namespace render_test
-} // namespace retractor
+} // namespace retractor::ui

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-namespace retractor::samples {
+namespace retractor::ui::samples {
 
 namespace {
 
@@ -117,9 +117,9 @@ Scene box_scene(const Vec3& low, const Vec3& high, const Color& color)
     return scene;
 }
 
-std::shared_ptr<const Volume> little_ct()
+std::shared_ptr<const mesh::Volume> little_ct()
 {
-    auto volume = std::make_shared<Volume>();
+    auto volume = std::make_shared<mesh::Volume>();
     volume->grid = { .size = { 100, 80, 100 }, .spacing = { 1.5, 1.5, 1.5 }, .origin = { -74.25, -59.25, -74.25 } };
     volume->voxels.resize(volume->grid.voxel_count());
     std::mt19937 random(7);
@@ -202,4 +202,4 @@ Scene little_chest(bool with_volume)
     return scene;
 }
 
-} // namespace retractor::samples
+} // namespace retractor::ui::samples

@@ -3,7 +3,7 @@
 
 #include "ui/scene/scene.h"
 
-namespace retractor::samples {
+namespace retractor::ui::samples {
 
 /// An axis-aligned box of a surface, oriented outwards.
 TriMesh box_mesh(const Vec3& low, const Vec3& high, Label label = 1);
@@ -17,7 +17,7 @@ SurfaceItem unlit(TriMesh mesh, const Color& color);
 /// Everything a picture can hold.
 Scene little_chest(bool with_volume = true);
 /// The CT of little_chest, before its wall is hidden, and the wall's mask.
-std::shared_ptr<const Volume> little_ct();
+std::shared_ptr<const mesh::Volume> little_ct();
 std::shared_ptr<const VoxelMask> little_wall_mask();
 
-} // namespace retractor::samples
+} // namespace retractor::ui::samples

@@ -17,26 +17,26 @@ int main(int argc, char** argv)
         std::cerr << "usage: scene_picture OUT.png [WIDTH HEIGHT]\n";
         return 2;
     }
-    std::unique_ptr<retractor::OffscreenContext> context;
+    std::unique_ptr<retractor::ui::OffscreenContext> context;
     try {
-        context = retractor::make_offscreen_context();
+        context = retractor::ui::make_offscreen_context();
     } catch (const retractor::IoError& error) {
         std::cerr << error.what() << '\n';
         return kNotHere;
     }
     try {
-        retractor::Picture picture;
+        retractor::ui::Picture picture;
         if (arguments.size() > 3) {
             picture.width = std::stoi(arguments[2]);
             picture.height = std::stoi(arguments[3]);
         }
-        picture.viewports.push_back({ .scene = retractor::samples::little_chest() });
-        retractor::OffscreenRenderer renderer(std::move(context));
+        picture.viewports.push_back({ .scene = retractor::test_support::little_chest() });
+        retractor::ui::OffscreenRenderer renderer(std::move(context));
         for (int repeat = 0; repeat < 2; ++repeat) {
             const retractor::Stopwatch watch;
-            const retractor::Image image = renderer.render(picture);
+            const retractor::ui::Image image = renderer.render(picture);
             std::cerr << watch.seconds() << " s\n";
-            retractor::write_png(arguments[1], image);
+            retractor::ui::write_png(arguments[1], image);
         }
     } catch (const std::exception& error) {
         std::cerr << error.what() << '\n';

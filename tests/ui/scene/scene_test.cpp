@@ -14,14 +14,14 @@
 #include <functional>
 #include <limits>
 
-namespace retractor {
+namespace retractor::ui {
 namespace scene_test {
 
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
     /// Sums of some thousand terms of order 100.
     constexpr double kRoundOff = 1e-9;
 
-    Scene box() { return samples::box_scene({ -10, -10, -10 }, { 10, 10, 10 }, { 1, 0, 0 }); }
+    Scene box() { return test_support::box_scene({ -10, -10, -10 }, { 10, 10, 10 }, { 1, 0, 0 }); }
 
     double signed_volume(const TriMesh& mesh)
     {
@@ -94,7 +94,7 @@ namespace scene_test {
 
     TEST(HideVoxels, TurnsHiddenVoxelsAndTheirNeighboursToAir)
     {
-        Volume image { .grid = { .size = { 7, 7, 7 } }, .voxels = std::vector<std::int16_t>(343, 50) };
+        mesh::Volume image { .grid = { .size = { 7, 7, 7 } }, .voxels = std::vector<std::int16_t>(343, 50) };
         VoxelMask mask { .grid = image.grid, .hidden = std::vector<std::uint8_t>(343, 0) };
         mask.hidden[mask.grid.offset(3, 3, 3)] = 1;
         const auto shown = hide_voxels(image, mask);
@@ -105,7 +105,7 @@ namespace scene_test {
 
     TEST(HideVoxels, FollowsAMaskOnAnotherGrid)
     {
-        Volume image { .grid = { .size = { 20, 20, 20 } }, .voxels = std::vector<std::int16_t>(8000, 50) };
+        mesh::Volume image { .grid = { .size = { 20, 20, 20 } }, .voxels = std::vector<std::int16_t>(8000, 50) };
         // One voxel of 4 mm whose axes are turned and mirrored, centred at (9.5, 9.5, 9.5).
         VoxelMask mask { .grid = { .size = { 3, 3, 3 }, .spacing = { 4, 4, 4 }, .origin = { 13.5, 5.5, 5.5 } },
             .hidden = std::vector<std::uint8_t>(27, 0) };
@@ -122,7 +122,7 @@ namespace scene_test {
     TEST(SampleSlice, ReadsALinearImageExactlyOnMirroredAxes)
     {
         // Grey is a linear function of the position, so trilinear interpolation must give it back anywhere inside.
-        auto image = std::make_shared<Volume>();
+        auto image = std::make_shared<mesh::Volume>();
         image->grid = { .size = { 12, 10, 8 }, .spacing = { 2, 2, 2 }, .origin = { 22, 0, 0 } };
         image->grid.direction << -1, 0, 0, 0, 1, 0, 0, 0, 1;
         for (int k = 0; k < 8; ++k)
@@ -147,10 +147,10 @@ namespace scene_test {
 
     TEST(SampleSlice, OutlinesLabelsInTheirColour)
     {
-        auto image = std::make_shared<Volume>();
+        auto image = std::make_shared<mesh::Volume>();
         image->grid = { .size = { 20, 20, 3 } };
         image->voxels.assign(image->grid.voxel_count(), -2000);
-        auto labels = std::make_shared<LabelVolume>();
+        auto labels = std::make_shared<mesh::LabelVolume>();
         labels->grid = image->grid;
         labels->voxels.assign(image->grid.voxel_count(), 0);
         for (int j = 5; j < 15; ++j)
@@ -178,7 +178,7 @@ namespace scene_test {
                 EXPECT_GT(std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b), 0.05)
                     << names[i] << ' ' << names[j];
             }
-        const auto looks = tissue_looks({ { .id = 4, .name = "rib", .material = "bone", .role = Role::wall } });
+        const auto looks = tissue_looks({ { .id = 4, .name = "rib", .material = "bone", .role = mesh::Role::wall } });
         EXPECT_DOUBLE_EQ(looks.at(4).color.r, tissue_look("bone").color.r);
     }
 
@@ -192,7 +192,7 @@ namespace scene_test {
 
     TEST_P(RefusedScene, NamesTheReason)
     {
-        Scene scene = samples::little_chest(false);
+        Scene scene = test_support::little_chest(false);
         ASSERT_NO_THROW(check_scene(scene));
         GetParam().spoil(scene);
         try {
@@ -231,17 +231,17 @@ namespace scene_test {
             Refusal { "has no image", [](Scene& s) { s.volumes.emplace_back(); } },
             Refusal { "does not match its size",
                 [](Scene& s) {
-                    auto ct = std::make_shared<Volume>(*samples::little_ct());
+                    auto ct = std::make_shared<mesh::Volume>(*test_support::little_ct());
                     ct->voxels.pop_back();
                     s.volumes.emplace_back().image = ct;
                 } },
             Refusal { "crop box is empty",
                 [](Scene& s) {
-                    s.volumes.emplace_back().image = samples::little_ct();
+                    s.volumes.emplace_back().image = test_support::little_ct();
                     s.volumes.back().crop = Box {};
                 } },
             Refusal { "window must be positive",
-                [](Scene& s) { s.slices.push_back({ .image = samples::little_ct(), .window_hu = 0.0 }); } }));
+                [](Scene& s) { s.slices.push_back({ .image = test_support::little_ct(), .window_hu = 0.0 }); } }));
 
     TEST(CheckPicture, RefusesEmptySizesAndViewports)
     {
@@ -257,4 +257,4 @@ namespace scene_test {
     }
 
 } // namespace scene_test
-} // namespace retractor
+} // namespace retractor::ui

@@ -3,17 +3,17 @@
 #include "tests/support/synthetic_patient.h"
 #include "tests/support/window_help.h"
 
+#include "datasets/io/volume_io.h"
 #include "datasets/phantoms/elastic_model.h"
 #include "datasets/phantoms/phantom.h"
-#include "datasets/io/volume_io.h"
 #include "planner/approach/approach_templates.h"
-#include "planner/case/case_io.h"
 #include "planner/approach/hooks.h"
+#include "planner/case/case_io.h"
 #include "planner/case/import_case.h"
 #include "planner/palpation/palpable.h"
 #include "ui/scene/tissue_colors.h"
-#include "ui/workstation/planning/approach_list.h"
 #include "ui/workstation/main_window.h"
+#include "ui/workstation/planning/approach_list.h"
 #include "ui/workstation/view/picture_view.h"
 #include "ui/workstation/view/theme.h"
 
@@ -36,7 +36,7 @@
 #include <set>
 #include <utility>
 
-namespace retractor {
+namespace retractor::ui {
 namespace main_window_test {
 
     namespace fs = std::filesystem;
@@ -80,8 +80,8 @@ namespace main_window_test {
     protected:
         void open_synthetic()
         {
-            show_window(window_);
-            window_.open(synthetic_case());
+            test_support::show_window(window_);
+            window_.open(test_support::synthetic_case());
             wait_until_idle(window_);
         }
         void click(int row)
@@ -92,13 +92,13 @@ namespace main_window_test {
         void press(Qt::Key key) { QTest::keyClick(&window_, key); }
         FieldStatus status(std::size_t index) const { return window_.model()->state(index).status; }
 
-        std::shared_ptr<SyntheticControl> control_ = std::make_shared<SyntheticControl>();
-        MainWindow window_ { [this](const Case&) { return synthetic_backend(control_); } };
+        std::shared_ptr<test_support::SyntheticControl> control_ = std::make_shared<test_support::SyntheticControl>();
+        MainWindow window_ { [this](const planner::Case&) { return test_support::synthetic_backend(control_); } };
     };
 
     TEST_F(MainWindowTest, IsEmptyButUsableBeforeACaseIsOpen)
     {
-        show_window(window_);
+        test_support::show_window(window_);
         press(Qt::Key_P);
         press(Qt::Key_3);
         EXPECT_EQ(window_.approach_list().count(), 0);
@@ -122,10 +122,10 @@ namespace main_window_test {
 
     TEST_F(MainWindowTest, AVesselOfTheCaseIsMadePalpable)
     {
-        LabelVolume labels;
+        mesh::LabelVolume labels;
         labels.grid.size = { 30, 30, 40 };
         labels.grid.spacing = { 2.0, 2.0, 2.0 };
-        labels.table = { { 1, "aorta", "vessel", Role::target } };
+        labels.table = { { 1, "aorta", "vessel", mesh::Role::target } };
         for (int k = 0; k < 40; ++k)
             for (int j = 0; j < 30; ++j)
                 for (int i = 0; i < 30; ++i)
@@ -133,18 +133,18 @@ namespace main_window_test {
         const auto folder = std::filesystem::path(testing::TempDir()) / "palpable_case";
         std::filesystem::remove_all(folder);
         std::filesystem::create_directories(folder);
-        ImportedCase imported;
-        imported.labels = std::make_shared<const LabelVolume>(labels);
-        show_window(window_);
-        window_.open(write_import(imported, folder / "case.json"));
-        std::optional<Palpable> made;
-        window_.on_palpable = [&](Palpable palpable) { made = std::move(palpable); };
+        planner::ImportedCase imported;
+        imported.labels = std::make_shared<const mesh::LabelVolume>(labels);
+        test_support::show_window(window_);
+        window_.open(planner::write_import(imported, folder / "case.json"));
+        std::optional<planner::Palpable> made;
+        window_.on_palpable = [&](planner::Palpable palpable) { made = std::move(palpable); };
         window_.palpate("aorta");
         EXPECT_FALSE(window_.idle());
         wait_until_idle(window_);
         ASSERT_TRUE(made) << window_.error_line();
         EXPECT_EQ(made->scene.name, "aorta");
-        EXPECT_TRUE(has_inner_wall(made->scene.body));
+        EXPECT_TRUE(datasets::has_inner_wall(made->scene.body));
         EXPECT_TRUE(std::any_of(made->notes.begin(), made->notes.end(),
             [](const std::string& note) { return note.starts_with("its outline is smoothed"); }));
         made.reset();
@@ -161,7 +161,7 @@ namespace main_window_test {
         click(1);
         ASSERT_EQ(window_.model()->selected(), 1U);
         press(Qt::Key_P);
-        ASSERT_TRUE(QTest::qWaitFor([&] { return status(1) == FieldStatus::planned; }, kPatienceMs));
+        ASSERT_TRUE(QTest::qWaitFor([&] { return status(1) == FieldStatus::planned; }, test_support::kPatienceMs));
         EXPECT_EQ(status(0), FieldStatus::closed);
         const QImage picture = window_.view().picture();
         EXPECT_GT(distinct_colours(picture), kColoursOfAPicture);
@@ -181,7 +181,7 @@ namespace main_window_test {
         press(Qt::Key_3);
         EXPECT_EQ(window_.model()->view(), ViewPreset::surgeon) << "no slices before planning";
         press(Qt::Key_P);
-        ASSERT_TRUE(QTest::qWaitFor([&] { return status(0) == FieldStatus::planned; }, kPatienceMs));
+        ASSERT_TRUE(QTest::qWaitFor([&] { return status(0) == FieldStatus::planned; }, test_support::kPatienceMs));
         const QImage surgeon = window_.view().picture();
         press(Qt::Key_2);
         EXPECT_EQ(window_.model()->view(), ViewPreset::overview);
@@ -206,8 +206,9 @@ namespace main_window_test {
         press(Qt::Key_P);
         auto* progress = window_.findChild<QProgressBar*>();
         ASSERT_NE(progress, nullptr);
-        ASSERT_TRUE(QTest::qWaitFor(
-            [&] { return progress->isVisible() && progress->value() == progress->maximum() / 2; }, kPatienceMs));
+        ASSERT_TRUE(
+            QTest::qWaitFor([&] { return progress->isVisible() && progress->value() == progress->maximum() / 2; },
+                test_support::kPatienceMs));
         EXPECT_TRUE(progress->format().contains("cut")) << progress->format().toStdString();
         click(1); // another approach is looked at meanwhile
         EXPECT_EQ(window_.model()->selected(), 1U);
@@ -223,7 +224,7 @@ namespace main_window_test {
     {
         open_synthetic();
         press(Qt::Key_P);
-        ASSERT_TRUE(QTest::qWaitFor([&] { return status(0) == FieldStatus::planned; }, kPatienceMs));
+        ASSERT_TRUE(QTest::qWaitFor([&] { return status(0) == FieldStatus::planned; }, test_support::kPatienceMs));
         click(1);
         EXPECT_EQ(target_pixels(window_.view().picture()), 0);
         click(0);
@@ -238,11 +239,11 @@ namespace main_window_test {
         open_synthetic();
         click(2);
         press(Qt::Key_P);
-        ASSERT_TRUE(QTest::qWaitFor([&] { return status(2) == FieldStatus::failed; }, kPatienceMs));
+        ASSERT_TRUE(QTest::qWaitFor([&] { return status(2) == FieldStatus::failed; }, test_support::kPatienceMs));
         EXPECT_EQ(window_.error_line(), "/approaches/2/depth_mm: the depth is negative");
         click(0);
         press(Qt::Key_P);
-        ASSERT_TRUE(QTest::qWaitFor([&] { return status(0) == FieldStatus::planned; }, kPatienceMs));
+        ASSERT_TRUE(QTest::qWaitFor([&] { return status(0) == FieldStatus::planned; }, test_support::kPatienceMs));
         EXPECT_EQ(window_.error_line(), "");
     }
 
@@ -260,7 +261,7 @@ namespace main_window_test {
         open_synthetic();
         window_.set_view(ViewPreset::overview);
         press(Qt::Key_P);
-        ASSERT_TRUE(QTest::qWaitFor([&] { return status(0) == FieldStatus::planned; }, kPatienceMs));
+        ASSERT_TRUE(QTest::qWaitFor([&] { return status(0) == FieldStatus::planned; }, test_support::kPatienceMs));
         PictureView& view = window_.view();
         const Vec3 eye = view.camera().eye;
         const QPoint middle = view.rect().center();
@@ -270,7 +271,7 @@ namespace main_window_test {
         QApplication::sendEvent(&view, &move);
         EXPECT_TRUE(view.coarse());
         QTest::mouseRelease(&view, Qt::LeftButton, {}, middle + QPoint(40, 10));
-        ASSERT_TRUE(QTest::qWaitFor([&] { return !view.coarse(); }, kPatienceMs));
+        ASSERT_TRUE(QTest::qWaitFor([&] { return !view.coarse(); }, test_support::kPatienceMs));
         EXPECT_GT((view.camera().eye - eye).norm(), 1.0) << "the camera has turned (mm)";
         EXPECT_EQ(view.drawing_errors(), "");
     }
@@ -307,28 +308,28 @@ namespace main_window_test {
         const fs::path folder = picture_folder() / "block_case";
         fs::remove_all(folder);
         fs::create_directories(folder);
-        const Phantom phantom = make_block_phantom({});
-        write_volume(folder / "ct.nrrd", phantom.ct);
-        write_label_volume(folder / "labels.nrrd", phantom.labels);
-        Case planned_case;
+        const datasets::Phantom phantom = datasets::make_block_phantom({});
+        datasets::write_volume(folder / "ct.nrrd", phantom.ct);
+        datasets::write_label_volume(folder / "labels.nrrd", phantom.labels);
+        planner::Case planned_case;
         planned_case.folder = folder;
         planned_case.label_table = phantom.labels.table;
         planned_case.supports.labels.clear(); // no spine: the border of the meshed region holds
-        planned_case.ct = make_reference(folder, folder / "ct.nrrd");
-        planned_case.labels = make_reference(folder, folder / "labels.nrrd");
-        ApproachRequest request;
+        planned_case.ct = planner::make_reference(folder, folder / "ct.nrrd");
+        planned_case.labels = planner::make_reference(folder, folder / "labels.nrrd");
+        planner::ApproachRequest request;
         request.name = "straight";
         request.target.label = "target";
         request.sizing.corridor_edge_mm = 5.0;
         const std::vector<Vec3> points { { 0.0, 0.0, 30.0 }, { 0.0, 0.0, -30.0 } };
-        Approach approach = approach_from_points(phantom.labels, points, request).approach;
+        planner::Approach approach = planner::approach_from_points(phantom.labels, points, request).approach;
         approach.hooks = make_hooks(approach, "2", 30.0);
         approach.retracted = { "cavity" };
-        add_approach(planned_case, approach);
-        write_case(planned_case);
+        planner::add_approach(planned_case, approach);
+        planner::write_case(planned_case);
 
         MainWindow window(make_planning_backend);
-        show_window(window);
+        test_support::show_window(window);
         window.open_file(folder / "case.json");
         wait_until_idle(window);
         ASSERT_EQ(window.approach_list().count(), 1) << window.error_line();
@@ -345,13 +346,13 @@ namespace main_window_test {
     }
 
 } // namespace main_window_test
-} // namespace retractor
+} // namespace retractor::ui
 
 int main(int argc, char** argv)
 {
     testing::InitGoogleTest(&argc, argv);
-    QSurfaceFormat::setDefaultFormat(retractor::PictureView::defaultFormat());
+    QSurfaceFormat::setDefaultFormat(retractor::ui::PictureView::defaultFormat());
     QApplication application(argc, argv);
-    retractor::apply_theme(application);
+    retractor::ui::apply_theme(application);
     return RUN_ALL_TESTS();
 }

@@ -3,7 +3,7 @@
 
 #include "tests/verification/framework/problem.h"
 
-namespace retractor {
+namespace retractor::verification {
 
 VerificationProblem patch_test_problem();
 VerificationProblem null_space_problem();
@@ -21,4 +21,4 @@ VerificationProblem indentation_problem();
 VerificationProblem gape_problem();
 VerificationProblem drawn_ball_problem();
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -24,7 +24,7 @@ namespace {
 
     VerificationRow beam(VerificationElement element, int cells, const Job& job)
     {
-        const TetMesh mesh = mapped_box(
+        const mesh::TetMesh mesh = mapped_box(
             nodes_per_tet(element), 10 * cells, cells, cells, [&](const Vec3& p) -> Vec3 { return p / cells; });
         constexpr double kTiny = 1e-9;
         Held held = hold_nothing(mesh);
@@ -40,10 +40,10 @@ namespace {
                 tip = v;
             }
         }
-        const VerificationLaw law = hyperelastic_law("Guccione", Guccione { kC, 8.0, 2.0, 4.0, kMuscleBulk });
-        ElasticBody body = make_body(mesh, element, law);
+        const VerificationLaw law = hyperelastic_law("Guccione", fem::Guccione { kC, 8.0, 2.0, 4.0, kMuscleBulk });
+        fem::ElasticBody body = make_body(mesh, element, law);
         const auto bottom = faces_where(mesh, [&](const Vec3& p) { return p.z() < kTiny; });
-        body.set_loads({ {}, { FollowerPressure(mesh, bottom, kBeamPressure) } });
+        body.set_loads({ {}, { fem::FollowerPressure(mesh, bottom, kBeamPressure) } });
         const VerificationSolve solve
             = solve_problem(body, held.prescribed, {}, { .load_steps = 5, .max_newton_iterations = 60 }, job);
         VerificationRow row = make_row("cardiac benchmark 1", element, law, mesh, solve);
@@ -92,4 +92,4 @@ VerificationProblem cardiac_beam_problem()
         "laws but Guccione's: the benchmark is his" };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -4,7 +4,7 @@
 
 #include "tests/verification/framework/meshes.h"
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -12,7 +12,7 @@ namespace {
 
     VerificationRow membrane(VerificationElement element, int cells, const Job& job)
     {
-        const TetMesh mesh = mapped_box(nodes_per_tet(element), cells, cells, 1, [&](const Vec3& p) -> Vec3 {
+        const mesh::TetMesh mesh = mapped_box(nodes_per_tet(element), cells, cells, 1, [&](const Vec3& p) -> Vec3 {
             const double s = p.x() / cells, t = p.y() / cells;
             return { 48.0 * s, 44.0 * s + t * (44.0 - 28.0 * s), p.z() };
         });
@@ -30,9 +30,9 @@ namespace {
                 middle = v;
         }
         const VerificationLaw law = linear_law(1.0, 1.0 / 3.0);
-        ElasticBody body = make_body(mesh, element, law);
+        fem::ElasticBody body = make_body(mesh, element, law);
         const auto right = faces_where(mesh, [&](const Vec3& p) { return p.x() > 48.0 - tiny; });
-        body.set_loads({ traction_loads(mesh, right, { 0.0, 1.0 / 16.0, 0.0 }), {} });
+        body.set_loads({ fem::traction_loads(mesh, right, { 0.0, 1.0 / 16.0, 0.0 }), {} });
         const VerificationSolve solve = solve_problem(body, held.prescribed, {}, { .tolerance = 1e-9 }, job);
         VerificationRow row = make_row("Cook's membrane", element, law, mesh, solve);
         compare(row, "displacement at (48, 52), mm", solve.equilibrium.displacement[3 * middle + 1], kPublished);
@@ -66,4 +66,4 @@ VerificationProblem cook_problem()
         "laws but linear: the published value is linear" };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -22,12 +22,12 @@
 #include <numbers>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
     constexpr double kBall = 10.0, kShell = 30.0; // mm
-    const Material kBallTissue { "tissue", 0.01, 0.3, 1e-9, "reference" };
+    const fem::Material kBallTissue { "tissue", 0.01, 0.3, 1e-9, "reference" };
     constexpr double kDrawn = 2.0; // mm
     const Vec3 kDirection(0.6, 0.0, 0.8);
     constexpr double kOnBall = 1e-6; // of the radius
@@ -36,7 +36,7 @@ namespace {
     double exact_force()
     {
         const double nu = kBallTissue.poissons_ratio;
-        const double mu = lame(kBallTissue).mu;
+        const double mu = fem::lame(kBallTissue).mu;
         const double alpha = -(4.0 - 6.0 * nu) / (3.0 - 2.0 * nu); // keeps r^2 e + alpha (e . r) r in equilibrium
         Eigen::Matrix4d A;
         for (const int end : { 0, 1 }) {
@@ -50,10 +50,10 @@ namespace {
 
     /// The cube -m .. m without the one from -hole to hole; each octant the mirror image of the first, whose elements
     /// lie on one side of the planes where two coordinates are alike.
-    TetMesh mirrored_cube(int m, int hole)
+    mesh::TetMesh mirrored_cube(int m, int hole)
     {
-        const TetMesh octant = kuhn_box(m, m, m, 1.0);
-        TetMesh mesh;
+        const mesh::TetMesh octant = mesh::kuhn_box(m, m, m, 1.0);
+        mesh::TetMesh mesh;
         std::map<std::array<long, 3>, VertexId> id_at;
         std::vector<Vec3> places;
         const auto id = [&](const Vec3& p) {
@@ -89,21 +89,21 @@ namespace {
     }
 
     /// n cells from the ball's middle to its edge along its surface, n from its surface to the outside, which grow.
-    TetMesh ball_mesh(int nodes_per_tet, int n)
+    mesh::TetMesh ball_mesh(int nodes_per_tet, int n)
     {
-        TetMesh mesh = mirrored_cube(2 * n, n);
+        mesh::TetMesh mesh = mirrored_cube(2 * n, n);
         if (nodes_per_tet == 10)
-            mesh = with_midpoints(mesh);
+            mesh = mesh::with_midpoints(mesh);
         for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
             const Vec3 p = mesh.vertices.row(v).transpose();
             const double outwards = p.cwiseAbs().maxCoeff() / n - 1.0; // 0 to 1
             mesh.vertices.row(v) *= kBall * std::pow(kShell / kBall, outwards) / p.norm();
         }
-        check_mesh(mesh);
+        mesh::check_mesh(mesh);
         return mesh;
     }
 
-    std::vector<VertexId> at_radius(const TetMesh& mesh, double radius)
+    std::vector<VertexId> at_radius(const mesh::TetMesh& mesh, double radius)
     {
         std::vector<VertexId> nodes;
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
@@ -120,7 +120,7 @@ namespace {
 
     VerificationRow at_once(VerificationElement element, int n, const Job& job)
     {
-        const TetMesh mesh = ball_mesh(nodes_per_tet(element), n);
+        const mesh::TetMesh mesh = ball_mesh(nodes_per_tet(element), n);
         const std::vector<VertexId> ball = at_radius(mesh, kBall);
         Held held = hold_nothing(mesh);
         for (int axis = 0; axis < 3; ++axis) {
@@ -130,7 +130,7 @@ namespace {
                 hold(held, v, axis, kDrawn * kDirection[axis]);
         }
         const VerificationLaw law = linear_law(kBallTissue.youngs_modulus_MPa, kBallTissue.poissons_ratio);
-        ElasticBody body = make_body(mesh, element, law);
+        fem::ElasticBody body = make_body(mesh, element, law);
         const VerificationSolve solve = solve_problem(body, held.prescribed, held.target, { .tolerance = 1e-9 }, job);
         VerificationRow row = make_row("ball drawn within a ball", element, law, mesh, solve);
         Vec3 force = Vec3::Zero();
@@ -141,7 +141,7 @@ namespace {
     }
 
     /// From the top, half way to the ball.
-    Blade blade()
+    mesh::Blade blade()
     {
         const double top = kShell + 1.0, deep = 0.5 * (kShell + kBall);
         return {
@@ -151,29 +151,29 @@ namespace {
 
     /// The body was factored before; it is cut, and the cut is undone, with every step followed. Then the ball is
     /// drawn. Two rows: the hook's force with the whole field, attached anew, and dragged by its columns.
-    std::array<VerificationRow, 2> drawn_after_cutting(BodyKept kept, const std::string& name, int n)
+    std::array<VerificationRow, 2> drawn_after_cutting(fem::BodyKept kept, const std::string& name, int n)
     {
-        CutSession session(ball_mesh(4, n));
-        const TetMesh uncut = session.compact_mesh();
+        mesh::CutSession session(ball_mesh(4, n));
+        const mesh::TetMesh uncut = session.compact_mesh();
         const std::vector<VertexId> ball = at_radius(uncut, kBall);
-        OnlineOptions options;
+        fem::OnlineOptions options;
         options.body = kept;
-        OnlineOpening opening(
-            session, std::vector<Material>(2, kBallTissue), { .fixed = at_radius(uncut, kShell) }, ball, options);
-        const HookId hook = opening.attach({ .name = "ball", .side = 1, .nodes = ball, .drive = {} });
-        const auto solved = [&](const OnlineAnswer& answer) {
-            if (answer.status != OnlineStatus::solved)
+        fem::OnlineOpening opening(
+            session, std::vector<fem::Material>(2, kBallTissue), { .fixed = at_radius(uncut, kShell) }, ball, options);
+        const fem::HookId hook = opening.attach({ .name = "ball", .side = 1, .nodes = ball, .drive = {} });
+        const auto solved = [&](const fem::OnlineAnswer& answer) {
+            if (answer.status != fem::OnlineStatus::solved)
                 throw SolverError("the ball's pull was not followed: " + answer.message);
         };
-        const CutResult cut = session.cut(blade());
-        if (cut.status != CutStatus::done)
+        const mesh::CutResult cut = session.cut(blade());
+        if (cut.status != mesh::CutStatus::done)
             throw SolverError("the ball was not cut: " + cut.message);
         opening.follow(cut.delta, session.lips());
         solved(opening.answer());
         const Stopwatch watch;
         opening.follow(session.undo(), session.lips());
         opening.drive(hook, { .displacement = kDrawn * kDirection });
-        OnlineAnswer answer = opening.answer();
+        fem::OnlineAnswer answer = opening.answer();
         solved(answer);
         opening.complete(answer);
         VerificationRow row;
@@ -188,7 +188,7 @@ namespace {
         (void)opening.prepare_drag();
         opening.drive(hook, { .displacement = kDrawn * kDirection });
         const Stopwatch frame;
-        const OnlineAnswer dragged = opening.drag_answer();
+        const fem::OnlineAnswer dragged = opening.drag_answer();
         VerificationRow drag = row;
         drag.seconds = frame.seconds();
         solved(dragged);
@@ -228,8 +228,8 @@ VerificationProblem drawn_ball_problem()
                     append_series(rows, series, quadratic ? 4.0 : 2.0, quadratic ? kQuadratic : kBound,
                         { .slack = quadratic ? 0.7 : 0.5 });
             }
-            for (const auto& [kept, name] : { std::pair { BodyKept::condensed, "cut undone" },
-                     std::pair { BodyKept::dissected, "cut undone, in parts" } }) {
+            for (const auto& [kept, name] : { std::pair { fem::BodyKept::condensed, "cut undone" },
+                     std::pair { fem::BodyKept::dissected, "cut undone, in parts" } }) {
                 std::array<std::vector<VerificationRow>, 2> series;
                 for (const int n : coarsest(std::vector<int> { 2, 3, 4 }, options)) {
                     if (job.cancelled())
@@ -246,4 +246,4 @@ VerificationProblem drawn_ball_problem()
         "laws but linear: the closed form is of small strain" };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -21,7 +21,7 @@ namespace {
 
     VerificationRow cantilever(VerificationElement element, const VerificationLaw& law, int n, const Job& job)
     {
-        const TetMesh mesh = mapped_box(nodes_per_tet(element), 10 * n, n, n, [&](const Vec3& p) -> Vec3 {
+        const mesh::TetMesh mesh = mapped_box(nodes_per_tet(element), 10 * n, n, n, [&](const Vec3& p) -> Vec3 {
             return { 0.1 * kBeamLength / n * p.x(), p.y() / n, p.z() / n };
         });
         constexpr double kTiny = 1e-9;
@@ -36,11 +36,11 @@ namespace {
             else if (p.x() > kBeamLength - kTiny && at_rim(p.y()) && at_rim(p.z()))
                 corners.push_back(v);
         }
-        ElasticBody body = make_body(mesh, element, law);
+        fem::ElasticBody body = make_body(mesh, element, law);
         const double inertia = std::pow(kBeamHeight, 4) / 12.0;
         const double force = kLoad * kBeamYoung * inertia / (kBeamLength * kBeamLength);
         const auto end = faces_where(mesh, [](const Vec3& p) { return p.x() > kBeamLength - kTiny; });
-        body.set_loads({ traction_loads(mesh, end, { 0.0, 0.0, force / (kBeamHeight * kBeamHeight) }), {} });
+        body.set_loads({ fem::traction_loads(mesh, end, { 0.0, 0.0, force / (kBeamHeight * kBeamHeight) }), {} });
         const VerificationSolve solve
             = solve_problem(body, held.prescribed, {}, { .load_steps = 4, .tolerance = 1e-6 }, job);
         VerificationRow row = make_row("cantilever, large rotation", element, law, mesh, solve);
@@ -62,9 +62,9 @@ VerificationProblem cantilever_problem()
         [](const VerificationOptions& options, const Job& job) {
             VerificationLaw corotational = linear_law(kBeamYoung, 0.0);
             corotational.name = "corotational";
-            corotational.model = Elasticity::corotational;
+            corotational.model = fem::Elasticity::corotational;
             const VerificationLaw hyperelastic
-                = hyperelastic_law("neo-Hookean", NeoHookean { corotational.lame.mu, corotational.lame.lambda });
+                = hyperelastic_law("neo-Hookean", fem::NeoHookean { corotational.lame.mu, corotational.lame.lambda });
             struct Run {
                 VerificationElement element;
                 std::vector<int> meshes;
@@ -94,4 +94,4 @@ VerificationProblem cantilever_problem()
         "laws are alike there" };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

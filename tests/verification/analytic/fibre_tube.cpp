@@ -10,12 +10,14 @@
 #include <numbers>
 #include <string>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
     constexpr double kMeanPressure = 13.3e-3; // MPa: 100 mmHg
-    constexpr HolzapfelGasserOgden kArtery { .mu = 0.03, .k1 = 0.06, .k2 = 4.0, .dispersion = 0.1, .bulk = 3.0 }; // MPa
+    constexpr fem::HolzapfelGasserOgden kArtery {
+        .mu = 0.03, .k1 = 0.06, .k2 = 4.0, .dispersion = 0.1, .bulk = 3.0
+    }; // MPa
 
     double radians(double deg) { return deg * std::numbers::pi / 180.0; }
 
@@ -43,7 +45,7 @@ namespace {
         VerificationElement element, double angle_deg, const VerificationOptions& options, const Job& job)
     {
         VerificationLaw law = hyperelastic_law("Holzapfel-Gasser-Ogden", kArtery);
-        law.around = FibresAround { .angle_deg = angle_deg };
+        law.around = fem::FibresAround { .angle_deg = angle_deg };
         constexpr double kWidest = 1.5; // stretch of the bore: well beyond what these walls allow
         const double expected = kVesselInner
             * (bore_stretch(
@@ -60,8 +62,8 @@ namespace {
         for (const Resolution& r : coarsest(meshes, options)) {
             const QuarterTube tube
                 = quarter_tube(nodes_per_tet(element), kVesselInner, kVesselOuter, r.around, r.through, 1);
-            ElasticBody body = make_body(tube.mesh, element, law);
-            body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, kMeanPressure) } });
+            fem::ElasticBody body = make_body(tube.mesh, element, law);
+            body.set_loads({ {}, { fem::FollowerPressure(tube.mesh, tube.inner_faces, kMeanPressure) } });
             const VerificationSolve solve = solve_problem(body, tube.held.prescribed, {}, { .tolerance = 1e-8 }, job);
             VerificationRow row
                 = make_row("tube with fibres round it, at " + std::to_string(std::lround(angle_deg)) + " deg", element,
@@ -98,4 +100,4 @@ VerificationProblem fibre_tube_problem()
         "one family of them" };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -15,7 +15,7 @@
 #include <cmath>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -25,58 +25,60 @@ namespace {
     constexpr double kOnMiddle = 1e-9; // mm
 
     struct Tension {
-        PreStrainKind kind;
+        fem::PreStrainKind kind;
         const char* name;
         double strain = kStrain, poissons_ratio = kSkinRatio;
-        PreStrain pre_strain() const { return { kind, strain, Vec3::UnitY(), Vec3::UnitZ(), kAlongCut }; }
+        fem::PreStrain pre_strain() const { return { kind, strain, Vec3::UnitY(), Vec3::UnitZ(), kAlongCut }; }
         double stress() const
         {
-            const Mat3 all = pre_stress(pre_strain(), skin());
+            const Mat3 all = fem::pre_stress(pre_strain(), skin());
             return all(1, 1);
         }
-        Material skin() const { return { "skin", kSkinModulus, poissons_ratio, 1.1e-9, "reference" }; }
+        fem::Material skin() const { return { "skin", kSkinModulus, poissons_ratio, 1.1e-9, "reference" }; }
     };
-    constexpr Tension kTensions[] = { { PreStrainKind::uniaxial_stress, "incision gape, pulled across" },
-        { PreStrainKind::held_width, "incision gape, width held" },
-        { PreStrainKind::equibiaxial, "incision gape, both ways" },
-        { PreStrainKind::biaxial, "incision gape, 4 % across it and 1 % along" } };
+    constexpr Tension kTensions[] = { { fem::PreStrainKind::uniaxial_stress, "incision gape, pulled across" },
+        { fem::PreStrainKind::held_width, "incision gape, width held" },
+        { fem::PreStrainKind::equibiaxial, "incision gape, both ways" },
+        { fem::PreStrainKind::biaxial, "incision gape, 4 % across it and 1 % along" } };
     /// The closed form is of small strain: laws that are not are held to it here, but for squares of the strain.
     constexpr double kSmallStrain = 1e-4;
-    constexpr Tension kSmallTension { PreStrainKind::uniaxial_stress, "incision gape, 0.01 % across it", kSmallStrain };
+    constexpr Tension kSmallTension { fem::PreStrainKind::uniaxial_stress, "incision gape, 0.01 % across it",
+        kSmallStrain };
 
     /// Skin that keeps its volume: the gape is the same.
-    constexpr Tension kIncompressible { PreStrainKind::uniaxial_stress, "incision gape, pulled across, nu 0.49",
+    constexpr Tension kIncompressible { fem::PreStrainKind::uniaxial_stress, "incision gape, pulled across, nu 0.49",
         kStrain, 0.49 };
 
-    VerificationLaw skin_law(const Tension& tension, Elasticity model)
+    VerificationLaw skin_law(const Tension& tension, fem::Elasticity model)
     {
         VerificationLaw law = linear_law(kSkinModulus, tension.poissons_ratio);
-        if (model == Elasticity::hyperelastic)
-            return hyperelastic_law("neo-Hookean", NeoHookean { law.lame.mu, law.lame.lambda });
+        if (model == fem::Elasticity::hyperelastic)
+            return hyperelastic_law("neo-Hookean", fem::NeoHookean { law.lame.mu, law.lame.lambda });
         law.model = model;
-        law.name = model == Elasticity::linear ? "linear" : "corotational";
+        law.name = model == fem::Elasticity::linear ? "linear" : "corotational";
         return law;
     }
 
     struct TenseSheet {
-        SheetProblem problem;
+        fem::SheetProblem problem;
         Tension tension;
-        std::vector<Material> materials = std::vector<Material>(2, tension.skin());
-        TetMesh uncut = sheet_mesh(problem);
-        std::vector<Mat3> stresses = pre_stress(uncut, materials, std::vector<PreStrain>(2, tension.pre_strain()));
-        CutSession session { uncut };
+        std::vector<fem::Material> materials = std::vector<fem::Material>(2, tension.skin());
+        mesh::TetMesh uncut = fem::sheet_mesh(problem);
+        std::vector<Mat3> stresses
+            = fem::pre_stress(uncut, materials, std::vector<fem::PreStrain>(2, tension.pre_strain()));
+        mesh::CutSession session { uncut };
 
-        CutResult cut()
+        mesh::CutResult cut()
         {
-            CutResult result = session.cut(sheet_blade(problem));
-            if (result.status != CutStatus::done)
+            mesh::CutResult result = session.cut(fem::sheet_blade(problem));
+            if (result.status != mesh::CutStatus::done)
                 throw SolverError("the sheet was not cut: " + result.message);
             return result;
         }
     };
 
     /// @param mesh that was solved: cut, with the vertices that the cut doubled.
-    VerificationRow row_of(const TenseSheet& sheet, const std::string& element, const TetMesh& mesh)
+    VerificationRow row_of(const TenseSheet& sheet, const std::string& element, const mesh::TetMesh& mesh)
     {
         VerificationRow row;
         row.problem = sheet.tension.name;
@@ -91,43 +93,43 @@ namespace {
     void compare_gape(VerificationRow& row, const TenseSheet& sheet, double gape)
     {
         compare(row, "gape in the middle, mm", gape,
-            sheet_gape(sheet.tension.kind, sheet.tension.strain, sheet.problem.cut_length, sheet.tension.poissons_ratio,
-                kAlongCut));
+            fem::sheet_gape(sheet.tension.kind, sheet.tension.strain, sheet.problem.cut_length,
+                sheet.tension.poissons_ratio, kAlongCut));
     }
 
     /// The rim moves as an infinite sheet's would there.
-    Points rim_displacement(const TenseSheet& sheet, const TetMesh& mesh, const std::vector<VertexId>& rim)
+    Points rim_displacement(const TenseSheet& sheet, const mesh::TetMesh& mesh, const std::vector<VertexId>& rim)
     {
         Points u = Points::Zero(mesh.vertices.rows(), 3);
         for (const VertexId v : rim)
-            u.row(v) = sheet_displacement(sheet.problem.cut_length, sheet.tension.stress(), kSkinModulus,
+            u.row(v) = fem::sheet_displacement(sheet.problem.cut_length, sheet.tension.stress(), kSkinModulus,
                 sheet.tension.poissons_ratio, mesh.vertices.row(v).transpose())
                            .transpose();
         return u;
     }
 
     /// release_wound() for elements that average their strain and laws that are not linear, too.
-    ReleasedWound released(VerificationElement element, const VerificationLaw& law, const Material& skin,
-        const TetMesh& mesh, const std::vector<TetFace>& lips, const std::vector<Mat3>& stresses,
+    fem::ReleasedWound released(VerificationElement element, const VerificationLaw& law, const fem::Material& skin,
+        const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& lips, const std::vector<Mat3>& stresses,
         const std::vector<VertexId>& rim, const Points& rim_displacement, const Job& job)
     {
-        if (law.model == Elasticity::linear
+        if (law.model == fem::Elasticity::linear
             && (element == VerificationElement::p1 || element == VerificationElement::p2))
-            return release_wound(
-                mesh, lips, stresses, std::vector<Material>(2, skin), { .fixed = rim }, rim_displacement, job);
+            return fem::release_wound(
+                mesh, lips, stresses, std::vector<fem::Material>(2, skin), { .fixed = rim }, rim_displacement, job);
         Held held = hold_nothing(mesh);
         for (const VertexId v : rim)
             for (int axis = 0; axis < 3; ++axis)
                 hold(held, v, axis, rim_displacement(v, axis));
-        ElasticBody body = make_body(mesh, element, law);
-        body.set_loads({ release_forces(mesh, lips, stresses), {} });
+        fem::ElasticBody body = make_body(mesh, element, law);
+        body.set_loads({ fem::release_forces(mesh, lips, stresses), {} });
         // Forces of strains so small are differences of large ones: round-off leaves more of them.
-        const double tolerance = law.model == Elasticity::linear ? 1e-9 : 1e-7;
+        const double tolerance = law.model == fem::Elasticity::linear ? 1e-9 : 1e-7;
         const VerificationSolve solve
             = solve_problem(body, held.prescribed, held.target, { .load_steps = 1, .tolerance = tolerance }, job);
-        if (solve.equilibrium.status != EquilibriumStatus::converged)
+        if (solve.equilibrium.status != fem::EquilibriumStatus::converged)
             throw SolverError("the gaping sheet was not solved: " + solve.equilibrium.message);
-        ReleasedWound wound;
+        fem::ReleasedWound wound;
         wound.displacement = Eigen::Map<const Points>(solve.equilibrium.displacement.data(), mesh.vertices.rows(), 3);
         wound.relative_residual = solve.equilibrium.residual;
         wound.solve_seconds = solve.seconds;
@@ -135,28 +137,28 @@ namespace {
     }
 
     VerificationRow on_the_cut_mesh(const Tension& tension, VerificationElement element, int around, const Job& job,
-        Elasticity model = Elasticity::linear)
+        fem::Elasticity model = fem::Elasticity::linear)
     {
         const VerificationLaw law = skin_law(tension, model);
         TenseSheet sheet { .problem = { .around = around }, .tension = tension };
-        const CutResult cut = sheet.cut();
-        SlotMap map;
-        TetMesh mesh = sheet.session.compact_mesh(&map);
+        const mesh::CutResult cut = sheet.cut();
+        mesh::SlotMap map;
+        mesh::TetMesh mesh = sheet.session.compact_mesh(&map);
         if (nodes_per_tet(element) == 10)
-            mesh = with_midpoints(mesh);
-        std::vector<TetFace> lips;
-        for (const LipFace& lip : sheet.session.lips())
+            mesh = mesh::with_midpoints(mesh);
+        std::vector<mesh::TetFace> lips;
+        for (const mesh::LipFace& lip : sheet.session.lips())
             lips.push_back({ map.compact_tet[static_cast<std::size_t>(lip.face.tet)], lip.face.corner });
         std::vector<Mat3> carried;
         for (const TetId slot : map.tet_slot)
             carried.push_back(sheet.stresses[static_cast<std::size_t>(sheet.session.origin(slot))]);
-        const std::vector<VertexId> rim = sheet_rim(sheet.problem, mesh);
-        const ReleasedWound wound
+        const std::vector<VertexId> rim = fem::sheet_rim(sheet.problem, mesh);
+        const fem::ReleasedWound wound
             = released(element, law, tension.skin(), mesh, lips, carried, rim, rim_displacement(sheet, mesh, rim), job);
         double gape = 0.0;
         int count = 0;
         for (const auto& born : cut.delta.vertices_born)
-            if (born.origin == MeshDelta::Origin::copy && std::abs(born.position.x()) < kOnMiddle) {
+            if (born.origin == mesh::MeshDelta::Origin::copy && std::abs(born.position.x()) < kOnMiddle) {
                 const auto at = [&](VertexId id) { return map.compact_vertex[static_cast<std::size_t>(id)]; };
                 gape += std::abs(wound.displacement(at(born.id), 1) - wound.displacement(at(born.a), 1));
                 ++count;
@@ -173,7 +175,7 @@ namespace {
     std::vector<VertexId> cut_line(const TenseSheet& sheet)
     {
         std::vector<VertexId> line;
-        const TetMesh& mesh = sheet.uncut;
+        const mesh::TetMesh& mesh = sheet.uncut;
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
             if (std::abs(mesh.vertices(v, 1)) < kOnMiddle
                 && std::abs(mesh.vertices(v, 0)) < 0.5 * sheet.problem.cut_length + kOnMiddle)
@@ -186,24 +188,24 @@ namespace {
     VerificationRow while_cutting(const Tension& tension, int around)
     {
         TenseSheet sheet { .problem = { .radius = 600.0, .around = around }, .tension = tension };
-        OnlineOptions options;
+        fem::OnlineOptions options;
         options.stress_of_element = sheet.stresses;
-        OnlineOpening opening(sheet.session, sheet.materials, { .fixed = sheet_rim(sheet.problem, sheet.uncut) },
-            cut_line(sheet), options);
-        const CutResult cut = sheet.cut();
+        fem::OnlineOpening opening(sheet.session, sheet.materials,
+            { .fixed = fem::sheet_rim(sheet.problem, sheet.uncut) }, cut_line(sheet), options);
+        const mesh::CutResult cut = sheet.cut();
         const Stopwatch watch;
         opening.follow(cut.delta, sheet.session.lips());
-        OnlineAnswer answer = opening.answer();
-        if (answer.status == OnlineStatus::solved)
+        fem::OnlineAnswer answer = opening.answer();
+        if (answer.status == fem::OnlineStatus::solved)
             opening.complete(answer);
         VerificationRow row = row_of(sheet, "P1, while cut", sheet.session.compact_mesh());
         row.seconds = watch.seconds();
-        if (answer.status != OnlineStatus::solved)
+        if (answer.status != fem::OnlineStatus::solved)
             throw SolverError("the cut was not followed: " + answer.message);
         double gape = 0.0;
         int count = 0;
         for (const auto& born : cut.delta.vertices_born)
-            if (born.origin == MeshDelta::Origin::copy && std::abs(born.position.x()) < kOnMiddle) {
+            if (born.origin == mesh::MeshDelta::Origin::copy && std::abs(born.position.x()) < kOnMiddle) {
                 gape += std::abs(answer.displacement[3 * born.id + 1] - answer.displacement[3 * born.a + 1]);
                 ++count;
             }
@@ -231,7 +233,7 @@ VerificationProblem gape_problem()
             std::vector<VerificationRow> rows;
             // The lips feel the stress across them alone: each tension is the first, scaled, and P1 tells of it.
             for (const Tension& tension : kTensions) {
-                const bool first = tension.kind == PreStrainKind::uniaxial_stress;
+                const bool first = tension.kind == fem::PreStrainKind::uniaxial_stress;
                 std::vector<VerificationRow> p1, p2, online;
                 for (const int n : around) {
                     if (job.cancelled())
@@ -261,7 +263,7 @@ VerificationProblem gape_problem()
                     incompressible.push_back(
                         on_the_cut_mesh(kIncompressible, VerificationElement::locking_free, n, job));
             append_series(rows, incompressible, 1.0, kTen);
-            for (const Elasticity model : { Elasticity::corotational, Elasticity::hyperelastic }) {
+            for (const fem::Elasticity model : { fem::Elasticity::corotational, fem::Elasticity::hyperelastic }) {
                 std::vector<VerificationRow> series;
                 for (const int n : around)
                     if (!job.cancelled())
@@ -275,4 +277,4 @@ VerificationProblem gape_problem()
         "there. Fibres make the sheet anisotropic, which the closed form is not" };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

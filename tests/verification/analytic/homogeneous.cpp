@@ -9,7 +9,7 @@
 #include <cmath>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -37,12 +37,12 @@ namespace {
     }
 
     /// Stretched one way: Cauchy stress lambda dW / dlambda of a law that keeps its volume.
-    double stretched_stress(const MooneyRivlin& law, double l)
+    double stretched_stress(const fem::MooneyRivlin& law, double l)
     {
         return 2.0 * (l * l - 1.0 / l) * (law.c10 + law.c01 / l);
     }
     /// Both families along the stretch.
-    double stretched_stress(const HolzapfelGasserOgden& law, double l)
+    double stretched_stress(const fem::HolzapfelGasserOgden& law, double l)
     {
         const double spread = law.dispersion, along = 1.0 - 3.0 * spread;
         const double e = spread * (l * l + 2.0 / l - 3.0) + along * (l * l - 1.0);
@@ -57,7 +57,7 @@ namespace {
         return all;
     }
 
-    Held hold_cube(const TetMesh& mesh, const Case& c)
+    Held hold_cube(const mesh::TetMesh& mesh, const Case& c)
     {
         if (c.state == State::shear)
             return hold_boundary(mesh, [&](const Vec3& p) -> Vec3 { return { c.amount * p.z(), 0.0, 0.0 }; });
@@ -74,7 +74,7 @@ namespace {
     }
 
     /// Cauchy stress by the force on the face x = 1, or z = 1 in shear, and its deformed area.
-    double stress(const TetMesh& mesh, const Case& c, const Equilibrium& result)
+    double stress(const mesh::TetMesh& mesh, const Case& c, const fem::Equilibrium& result)
     {
         const int face = c.state == State::shear ? 2 : 0;
         double force = 0.0;
@@ -92,10 +92,10 @@ namespace {
     VerificationRow cube(
         VerificationElement element, const VerificationLaw& law, const Case& c, int cells, const Job& job)
     {
-        const TetMesh mesh
+        const mesh::TetMesh mesh
             = mapped_box(nodes_per_tet(element), cells, cells, cells, [&](const Vec3& p) -> Vec3 { return p / cells; });
         const Held held = hold_cube(mesh, c);
-        ElasticBody body = make_body(mesh, element, law);
+        fem::ElasticBody body = make_body(mesh, element, law);
         const VerificationSolve solve = solve_problem(body, held.prescribed, held.target, { .tolerance = 1e-10 }, job);
         VerificationRow row
             = make_row(c.name + ", " + std::to_string(c.amount).substr(0, 3), element, law, mesh, solve);
@@ -112,12 +112,12 @@ VerificationProblem homogeneous_problem()
         "uniaxial, equibiaxial and simple shear of a neo-Hookean cube, uniaxial of Mooney-Rivlin and "
         "Holzapfel-Gasser-Ogden ones, K / mu = 1e4, closed form",
         [](const VerificationOptions& options, const Job& job) {
-            const MooneyRivlin mooney { 0.3 * kCubeMu, 0.2 * kCubeMu, kCubeBulk };
+            const fem::MooneyRivlin mooney { 0.3 * kCubeMu, 0.2 * kCubeMu, kCubeBulk };
             constexpr double kFibres = 0.3, kGrowth = 0.1, kDispersion = 0.1; // k1 / mu, k2, kappa
-            const HolzapfelGasserOgden fibres { kCubeMu, kFibres * kCubeMu, kGrowth, kDispersion, kCubeBulk };
+            const fem::HolzapfelGasserOgden fibres { kCubeMu, kFibres * kCubeMu, kGrowth, kDispersion, kCubeBulk };
             const std::vector<std::pair<VerificationLaw, std::vector<Case>>> laws {
-                { hyperelastic_law("neo-Hookean, coupled", NeoHookean { kCubeMu, kCubeBulk }), cases() },
-                { hyperelastic_law("neo-Hookean", MooneyRivlin { 0.5 * kCubeMu, 0.0, kCubeBulk }), cases() },
+                { hyperelastic_law("neo-Hookean, coupled", fem::NeoHookean { kCubeMu, kCubeBulk }), cases() },
+                { hyperelastic_law("neo-Hookean", fem::MooneyRivlin { 0.5 * kCubeMu, 0.0, kCubeBulk }), cases() },
                 { hyperelastic_law("Mooney-Rivlin", mooney), stretches(mooney) },
                 { hyperelastic_law("Holzapfel-Gasser-Ogden", fibres), stretches(fibres) },
             };
@@ -135,4 +135,4 @@ VerificationProblem homogeneous_problem()
         "(cardiac benchmark 1)" };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

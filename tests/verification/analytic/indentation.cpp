@@ -15,7 +15,7 @@
 #include <numbers>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -116,7 +116,7 @@ namespace {
         {
             const Stopwatch watch;
             VerificationSolve solve;
-            Equilibrium& e = solve.equilibrium;
+            fem::Equilibrium& e = solve.equilibrium;
             const Eigen::VectorXd right = loads - K_.multiply(target);
             e.displacement = target + solver_.solve(right);
             e.forces = K_.multiply(e.displacement) - loads;
@@ -130,9 +130,9 @@ namespace {
 
     private:
         Stopwatch watch_;
-        ElasticBody elastic_;
-        const BlockMatrix& K_;
-        ConstrainedSolver solver_;
+        fem::ElasticBody elastic_;
+        const fem::BlockMatrix& K_;
+        fem::ConstrainedSolver solver_;
         double factor_seconds_ = 0.0;
     };
 
@@ -199,7 +199,7 @@ namespace {
         constexpr double pressure = 0.001; // MPa
         const double force = pressure * std::numbers::pi * kCircle * kCircle; // given: nothing is to be found out first
         const Held held = with_far_side(symmetric(body), body, kTissueYoung, kTissuePoisson, force);
-        const Eigen::VectorXd loads = traction_loads(body.mesh, body.circle(), Vec3(0.0, 0.0, pressure));
+        const Eigen::VectorXd loads = fem::traction_loads(body.mesh, body.circle(), Vec3(0.0, 0.0, pressure));
         const VerificationSolve solve
             = LinearSolves(body, element, kTissuePoisson, held.prescribed).solve(held.target, loads);
         const auto sunk = [&](const Vec3& at) { return solve.equilibrium.displacement[3 * body.nearest(at) + 2]; };
@@ -283,4 +283,4 @@ VerificationProblem indentation_problem()
         "and tissue that keeps its volume feels that far away" };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

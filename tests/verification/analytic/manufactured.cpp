@@ -9,7 +9,7 @@
 #include <limits>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -21,7 +21,7 @@ namespace {
     }
 
     /// - div sigma of `smooth`.
-    Vec3 smooth_force(const Lame& l, const Vec3& p)
+    Vec3 smooth_force(const fem::Lame& l, const Vec3& p)
     {
         const double sx = std::sin(std::numbers::pi * p.x()), sy = std::sin(std::numbers::pi * p.y()),
                      sz = std::sin(std::numbers::pi * p.z());
@@ -43,12 +43,12 @@ namespace {
         for (const int cells : meshes) {
             if (job.cancelled())
                 break;
-            const TetMesh mesh = mapped_box(
+            const mesh::TetMesh mesh = mapped_box(
                 nodes_per_tet(element), cells, cells, cells, [&](const Vec3& p) -> Vec3 { return p / cells; });
             const Held held = hold_boundary(mesh, [](const Vec3&) -> Vec3 { return Vec3::Zero(); });
             const Eigen::VectorXd loads
-                = body_force_loads(mesh, [&](const Vec3& p) { return smooth_force(law.lame, p); });
-            ElasticBody body = make_body(mesh, element, law);
+                = fem::body_force_loads(mesh, [&](const Vec3& p) { return smooth_force(law.lame, p); });
+            fem::ElasticBody body = make_body(mesh, element, law);
             body.set_loads({ loads, {} });
             const VerificationSolve solve = solve_problem(body, held.prescribed, {}, { .tolerance = 1e-10 }, job);
             VerificationRow row = make_row("manufactured", element, law, mesh, solve);
@@ -90,4 +90,4 @@ VerificationProblem manufactured_problem()
         "laws but linear: orders are the element's" };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -19,7 +19,7 @@
 #include <numbers>
 #include <numeric>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -34,18 +34,18 @@ namespace {
 
     std::vector<VerificationLaw> all_laws()
     {
-        const Lame l = linear_law(kPatchYoung, kPatchPoisson).lame;
+        const fem::Lame l = linear_law(kPatchYoung, kPatchPoisson).lame;
         const double bulk = l.lambda + 2.0 / 3.0 * l.mu;
-        return { linear_law(kPatchYoung, kPatchPoisson), { "corotational", Elasticity::corotational, l, {}, {} },
-            hyperelastic_law("neo-Hookean", NeoHookean { l.mu, l.lambda }),
-            hyperelastic_law("Mooney-Rivlin", MooneyRivlin { 0.4 * l.mu, 0.1 * l.mu, bulk }),
-            hyperelastic_law("Holzapfel-Gasser-Ogden", HolzapfelGasserOgden { l.mu, l.mu, 2.0, 0.1, bulk }),
-            hyperelastic_law("Guccione", Guccione { 0.1 * l.mu, 8.0, 2.0, 4.0, bulk }) };
+        return { linear_law(kPatchYoung, kPatchPoisson), { "corotational", fem::Elasticity::corotational, l, {}, {} },
+            hyperelastic_law("neo-Hookean", fem::NeoHookean { l.mu, l.lambda }),
+            hyperelastic_law("Mooney-Rivlin", fem::MooneyRivlin { 0.4 * l.mu, 0.1 * l.mu, bulk }),
+            hyperelastic_law("Holzapfel-Gasser-Ogden", fem::HolzapfelGasserOgden { l.mu, l.mu, 2.0, 0.1, bulk }),
+            hyperelastic_law("Guccione", fem::Guccione { 0.1 * l.mu, 8.0, 2.0, 4.0, bulk }) };
     }
 
-    TetMesh for_element(const TetMesh& mesh, VerificationElement element)
+    mesh::TetMesh for_element(const mesh::TetMesh& mesh, VerificationElement element)
     {
-        return nodes_per_tet(element) == 10 ? with_midpoints(mesh) : mesh;
+        return nodes_per_tet(element) == 10 ? mesh::with_midpoints(mesh) : mesh;
     }
 
     Vec3 linear_field(const Vec3& p)
@@ -59,29 +59,29 @@ namespace {
 
     VerificationRow patch_row(VerificationElement element, const VerificationLaw& law, int cells, const Job& job)
     {
-        const TetMesh mesh = for_element(distorted_box(cells, 1.0, 0.15, 1), element);
+        const mesh::TetMesh mesh = for_element(distorted_box(cells, 1.0, 0.15, 1), element);
         const Held held = hold_boundary(mesh, linear_field);
-        ElasticBody body = make_body(mesh, element, law);
+        fem::ElasticBody body = make_body(mesh, element, law);
         const VerificationSolve solve = solve_problem(body, held.prescribed, held.target, { .tolerance = 1e-12 }, job);
         VerificationRow row = make_row("patch test", element, law, mesh, solve);
         const Eigen::VectorXd exact = nodal_values(mesh, linear_field);
         compare(row, "largest error of the displacement, mm",
             (solve.equilibrium.displacement - exact).cwiseAbs().maxCoeff(), 0.0);
-        row.bound = law.model == Elasticity::linear ? 1e-12 : kNewton; // round-off
+        row.bound = law.model == fem::Elasticity::linear ? 1e-12 : kNewton; // round-off
         return row;
     }
 
     /// A quarter of a turn and then the linear field, from a start that is turned: the strain is the linear field's.
     VerificationRow turned_patch_row(VerificationElement element, const VerificationLaw& law, int cells, const Job& job)
     {
-        const TetMesh mesh = for_element(distorted_box(cells, 1.0, 0.15, 1), element);
+        const mesh::TetMesh mesh = for_element(distorted_box(cells, 1.0, 0.15, 1), element);
         const Mat3 R = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3(1, 1, 0).normalized()).toRotationMatrix();
         const auto turned = [&](const Vec3& p) -> Vec3 { return R * p - p; };
         const auto field = [&](const Vec3& p) -> Vec3 { return R * (p + linear_field(p)) - p; };
         const Held held = hold_boundary(mesh, field);
-        ElasticBody body = make_body(mesh, element, law);
+        fem::ElasticBody body = make_body(mesh, element, law);
         const Stopwatch watch;
-        EquilibriumSolver solver;
+        fem::EquilibriumSolver solver;
         VerificationSolve solve;
         solve.equilibrium
             = solver.solve(body, held.prescribed, held.target, nodal_values(mesh, turned), { .tolerance = 1e-12 }, job);
@@ -94,27 +94,29 @@ namespace {
     }
 
     struct TiedMesh {
-        TetMesh mesh;
+        mesh::TetMesh mesh;
         std::size_t pairs = 0; ///< of vertices on the lips
     };
 
     /// A distorted box that a session cuts askew and not to the end; the vertices that the cut doubled are one again.
     TiedMesh cut_and_tied_box(int cells)
     {
-        CutSession session(distorted_box(cells, 1.0, 0.15, 1));
+        mesh::CutSession session(distorted_box(cells, 1.0, 0.15, 1));
         const double size = cells;
-        const CutResult cut = session.cut({ .line = { { -0.5, 0.43 * size, size }, { 0.7 * size, 0.55 * size, size } },
-            .directions = { { 0.1, 0.2, -1.0 } },
-            .depth_mm = 0.6 * size });
-        if (cut.status != CutStatus::done)
+        const mesh::CutResult cut
+            = session.cut({ .line = { { -0.5, 0.43 * size, size }, { 0.7 * size, 0.55 * size, size } },
+                .directions = { { 0.1, 0.2, -1.0 } },
+                .depth_mm = 0.6 * size });
+        if (cut.status != mesh::CutStatus::done)
             throw SolverError("the box was not cut: " + cut.message);
-        SlotMap map;
-        const TetMesh open = session.compact_mesh(&map);
+        mesh::SlotMap map;
+        const mesh::TetMesh open = session.compact_mesh(&map);
         std::vector<VertexId> one(open.vertex_count());
         std::iota(one.begin(), one.end(), 0);
         TiedMesh tied;
         for (const auto& born : cut.delta.vertices_born)
-            if (born.origin == MeshDelta::Origin::copy && session.has_vertex(born.id) && session.has_vertex(born.a)) {
+            if (born.origin == mesh::MeshDelta::Origin::copy && session.has_vertex(born.id)
+                && session.has_vertex(born.a)) {
                 const auto at = [&](VertexId id) {
                     return static_cast<std::size_t>(map.compact_vertex[static_cast<std::size_t>(id)]);
                 };
@@ -132,8 +134,8 @@ namespace {
         tied.mesh.vertices.conservativeResize(next, 3);
         for (VertexId& v : tied.mesh.nodes)
             v = renumbered[static_cast<std::size_t>(one[static_cast<std::size_t>(v)])];
-        check_mesh(tied.mesh);
-        const std::vector<TetFace> inside = faces_where(
+        mesh::check_mesh(tied.mesh);
+        const std::vector<mesh::TetFace> inside = faces_where(
             tied.mesh, [&](const Vec3& p) { return p.minCoeff() > 1e-6 * size && p.maxCoeff() < (1.0 - 1e-6) * size; });
         if (tied.pairs == 0 || !inside.empty()) // held as a boundary, lips would pass the test whatever lies between
             throw SolverError("the lips were not tied again");
@@ -143,19 +145,19 @@ namespace {
     VerificationRow tied_patch_row(
         const TiedMesh& tied, VerificationElement element, const VerificationLaw& law, const Job& job)
     {
-        const TetMesh mesh = for_element(tied.mesh, element);
+        const mesh::TetMesh mesh = for_element(tied.mesh, element);
         const Held held = hold_boundary(mesh, linear_field);
-        ElasticBody body = make_body(mesh, element, law);
+        fem::ElasticBody body = make_body(mesh, element, law);
         const VerificationSolve solve = solve_problem(body, held.prescribed, held.target, { .tolerance = 1e-12 }, job);
         VerificationRow row = make_row("patch test, cut and its lips tied", element, law, mesh, solve);
         const Eigen::VectorXd exact = nodal_values(mesh, linear_field);
         compare(row, "largest error of the displacement, mm",
             (solve.equilibrium.displacement - exact).cwiseAbs().maxCoeff(), 0.0);
         const double condition
-            = estimate_condition(body.stiffness(Eigen::VectorXd::Zero(exact.size()), 0.0), held.prescribed).scaled;
+            = fem::estimate_condition(body.stiffness(Eigen::VectorXd::Zero(exact.size()), 0.0), held.prescribed).scaled;
         constexpr double kRoundings = 4.0 * std::numeric_limits<double>::epsilon();
         const double round_off = kRoundings * condition * exact.cwiseAbs().maxCoeff();
-        row.bound = law.model == Elasticity::linear ? round_off : std::max(kNewton, round_off);
+        row.bound = law.model == fem::Elasticity::linear ? round_off : std::max(kNewton, round_off);
         char text[96];
         (void)std::snprintf(text, sizeof text,
             "%zu pairs of vertices tied; condition %.1e: the bound is round-off times that", tied.pairs, condition);
@@ -164,7 +166,7 @@ namespace {
     }
 
     VerificationRow describe(const std::string& problem, VerificationElement element, const VerificationLaw& law,
-        const TetMesh& mesh, const Stopwatch& watch)
+        const mesh::TetMesh& mesh, const Stopwatch& watch)
     {
         VerificationRow row = make_row(problem, element, law, mesh, {});
         row.seconds = watch.seconds();
@@ -174,10 +176,10 @@ namespace {
     VerificationRow null_space_row(VerificationElement element, const VerificationLaw& law, int pieces)
     {
         const Stopwatch watch;
-        const TetMesh mesh = side_by_side(for_element(distorted_box(2, 1.0, 0.2, 2), element), pieces);
-        ElasticBody body = make_body(mesh, element, law);
-        const Eigen::MatrixXd K = dense(body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), 0.0));
-        const Eigen::VectorXd values = symmetric_modes(K).values;
+        const mesh::TetMesh mesh = side_by_side(for_element(distorted_box(2, 1.0, 0.2, 2), element), pieces);
+        fem::ElasticBody body = make_body(mesh, element, law);
+        const Eigen::MatrixXd K = fem::dense(body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), 0.0));
+        const Eigen::VectorXd values = fem::symmetric_modes(K).values;
         constexpr double kZero = 1e-11; // of the largest
         const auto count = (values.array() < kZero * values.maxCoeff()).count();
         VerificationRow row
@@ -190,16 +192,16 @@ namespace {
     VerificationRow rotation_row(VerificationElement element, const VerificationLaw& law)
     {
         const Stopwatch watch;
-        const TetMesh mesh = for_element(distorted_box(3, 1.0, 0.2, 3), element);
+        const mesh::TetMesh mesh = for_element(distorted_box(3, 1.0, 0.2, 3), element);
         const Mat3 R = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3(1, 1, 0).normalized()).toRotationMatrix();
-        ElasticBody body = make_body(mesh, element, law);
+        fem::ElasticBody body = make_body(mesh, element, law);
         const double energy
             = body.response(nodal_values(mesh, [&](const Vec3& p) -> Vec3 { return R * p - p + Vec3(5, 0, 0); }))
                   .energy;
         VerificationRow row = describe("rotation by 90 degrees", element, law, mesh, watch);
-        const Lame l = linear_law(kPatchYoung, kPatchPoisson).lame;
+        const fem::Lame l = linear_law(kPatchYoung, kPatchPoisson).lame;
         const double scale = l.mu * 27.0; // shear modulus times volume
-        if (law.model == Elasticity::linear) {
+        if (law.model == fem::Elasticity::linear) {
             const Mat3 strain = 0.5 * (R + R.transpose()) - Mat3::Identity();
             compare(row, "energy / (mu V)", energy / scale,
                 strain.squaredNorm() + 0.5 * l.lambda / l.mu * std::pow(strain.trace(), 2));
@@ -223,18 +225,18 @@ VerificationProblem patch_test_problem()
             const std::array<TiedMesh, 3> tied { cut_and_tied_box(3), cut_and_tied_box(4), cut_and_tied_box(5) };
             for (const VerificationElement element : all_elements())
                 for (const VerificationLaw& law : all_laws())
-                    for (const int cells : { 2, 3, law.model == Elasticity::linear ? 5 : 4 })
+                    for (const int cells : { 2, 3, law.model == fem::Elasticity::linear ? 5 : 4 })
                         if (!job.cancelled())
                             rows.push_back(patch_row(element, law, cells, job));
             for (const VerificationElement element : all_elements())
                 for (const VerificationLaw& law : all_laws())
                     for (const int cells : { 2, 3, 4 })
-                        if (!job.cancelled() && law.model != Elasticity::linear) // which strains as it turns
+                        if (!job.cancelled() && law.model != fem::Elasticity::linear) // which strains as it turns
                             rows.push_back(turned_patch_row(element, law, cells, job));
             for (const VerificationElement element : all_elements())
                 for (const VerificationLaw& law : all_laws())
                     for (const TiedMesh& box : tied)
-                        if (!job.cancelled() && law.model != Elasticity::hyperelastic)
+                        if (!job.cancelled() && law.model != fem::Elasticity::hyperelastic)
                             rows.push_back(tied_patch_row(box, element, law, job));
             return rows;
         } };
@@ -255,4 +257,4 @@ VerificationProblem null_space_problem()
         } };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -10,7 +10,7 @@
 #include <limits>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -22,8 +22,8 @@ namespace {
         constexpr double a = 5.0, E = 1.0, nu = 0.3, stress = 0.01;
         const QuarterCylinder body = quarter_cylinder(nodes_per_tet(element), a, n);
         const VerificationLaw law = linear_law(E, nu);
-        ElasticBody elastic = make_body(body.mesh, element, law);
-        const Eigen::VectorXd pull = traction_loads(body.mesh, body.circle(), Vec3(0.0, 0.0, stress));
+        fem::ElasticBody elastic = make_body(body.mesh, element, law);
+        const Eigen::VectorXd pull = fem::traction_loads(body.mesh, body.circle(), Vec3(0.0, 0.0, stress));
         elastic.set_loads({ pull, {} });
         Held held = symmetric(body);
         for (VertexId v = 0; v < static_cast<VertexId>(body.mesh.vertex_count()); ++v)
@@ -80,4 +80,4 @@ VerificationProblem penny_problem()
         "laws but linear: the closed form is of small strain" };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -14,7 +14,7 @@
 #include <functional>
 #include <limits>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -59,13 +59,13 @@ namespace {
 
     /// The pulse; where the law is not linear a thousandth of it, for the closed form is of small strain.
     constexpr double kSmall = 1e-3;
-    double pulse(const VerificationLaw& law) { return law.model == Elasticity::linear ? kPulse : kSmall * kPulse; }
+    double pulse(const VerificationLaw& law) { return law.model == fem::Elasticity::linear ? kPulse : kSmall * kPulse; }
 
     VerificationSolve press_tube(
         const QuarterTube& tube, VerificationElement element, const VerificationLaw& law, const Job& job)
     {
-        ElasticBody body = make_body(tube.mesh, element, law);
-        body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, pulse(law)) } });
+        fem::ElasticBody body = make_body(tube.mesh, element, law);
+        body.set_loads({ {}, { fem::FollowerPressure(tube.mesh, tube.inner_faces, pulse(law)) } });
         return solve_problem(body, tube.held.prescribed, {}, { .load_steps = 1, .tolerance = 1e-8 }, job);
     }
 
@@ -111,7 +111,7 @@ namespace {
     {
         const Vessel vessel { kSoft, 0.45 };
         VerificationLaw law = linear_law(vessel.E, vessel.nu);
-        law.model = Elasticity::corotational;
+        law.model = fem::Elasticity::corotational;
         law.name = "corotational";
         VerificationOptions three = options;
         three.meshes = std::min<std::size_t>(three.meshes, 3);
@@ -126,22 +126,22 @@ namespace {
     }
 
     /// Mean over the inner wall's faces of the hoop stress in their middle.
-    double hoop_stress(const QuarterTube& tube, const Lame& l, const Eigen::VectorXd& u)
+    double hoop_stress(const QuarterTube& tube, const fem::Lame& l, const Eigen::VectorXd& u)
     {
-        const TetMesh& mesh = tube.mesh;
+        const mesh::TetMesh& mesh = tube.mesh;
         double sum = 0.0;
-        for (const TetFace& face : tube.inner_faces) {
+        for (const mesh::TetFace& face : tube.inner_faces) {
             const auto nodes = mesh.tet(face.tet);
-            NodeGradients rest(mesh.nodes_per_tet, 3), moved(mesh.nodes_per_tet, 3);
+            fem::NodeGradients rest(mesh.nodes_per_tet, 3), moved(mesh.nodes_per_tet, 3);
             for (std::size_t a = 0; a < nodes.size(); ++a) {
                 rest.row(static_cast<Eigen::Index>(a)) = mesh.vertices.row(nodes[a]);
                 moved.row(static_cast<Eigen::Index>(a)) = u.segment<3>(3 * nodes[a]).transpose();
             }
-            QuadraturePoint middle { { 1.0 / 3, 1.0 / 3, 1.0 / 3, 1.0 / 3 }, 1.0 };
+            fem::QuadraturePoint middle { { 1.0 / 3, 1.0 / 3, 1.0 / 3, 1.0 / 3 }, 1.0 };
             middle.barycentric[static_cast<std::size_t>(face.corner)] = 0.0;
-            const Mat3 gradient = moved.transpose() * shape_gradients(rest, middle).gradients;
+            const Mat3 gradient = moved.transpose() * fem::shape_gradients(rest, middle).gradients;
             const Mat3 strain = 0.5 * (gradient + gradient.transpose());
-            const Vec3 at = rest.transpose() * shape_values(mesh.nodes_per_tet, middle.barycentric);
+            const Vec3 at = rest.transpose() * fem::shape_values(mesh.nodes_per_tet, middle.barycentric);
             const Vec3 hoop = Vec3(-at.y(), at.x(), 0.0).normalized();
             sum += 2.0 * l.mu * hoop.dot(strain * hoop) + l.lambda * strain.trace();
         }
@@ -194,7 +194,10 @@ namespace {
             { kVesselInner, kVesselOuter, soft_ring }, kMu * stretched_pressure(li), li - kRoom, li + kRoom);
     }
 
-    VerificationLaw soft_vessel() { return hyperelastic_law("neo-Hookean", MooneyRivlin { 0.5 * kMu, 0.0, kBulk }); }
+    VerificationLaw soft_vessel()
+    {
+        return hyperelastic_law("neo-Hookean", fem::MooneyRivlin { 0.5 * kMu, 0.0, kBulk });
+    }
 
     constexpr std::array kStretches { 1.1, 1.2, 1.3, 1.5 };
 
@@ -204,8 +207,8 @@ namespace {
     {
         const QuarterTube tube
             = quarter_tube(nodes_per_tet(element), kVesselInner, kVesselOuter, r.around, r.through, 1);
-        ElasticBody body = make_body(tube.mesh, element, soft_vessel());
-        EquilibriumSolver solver;
+        fem::ElasticBody body = make_body(tube.mesh, element, soft_vessel());
+        fem::EquilibriumSolver solver;
         VerificationSolve solve;
         solve.equilibrium.displacement = Eigen::VectorXd::Zero(3 * tube.mesh.vertices.rows());
         double before = 0.0; // pressure
@@ -213,7 +216,7 @@ namespace {
         for (std::size_t i = 0; i < rows.size(); ++i) {
             const Stopwatch watch;
             const double li = kStretches[i], pressure = kMu * stretched_pressure(li);
-            body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, pressure) } });
+            body.set_loads({ {}, { fem::FollowerPressure(tube.mesh, tube.inner_faces, pressure) } });
             solve.equilibrium
                 = solver.solve(body, tube.held.prescribed, tube.held.target, solve.equilibrium.displacement,
                     { .load_steps = 2, .tolerance = 1e-8, .load_at_start = before / pressure }, job);
@@ -248,8 +251,8 @@ namespace {
     {
         const double limit = std::log(kVesselOuter / kVesselInner), asked = 1.1 * limit; // over mu
         const QuarterTube tube = quarter_tube(nodes_per_tet(element), kVesselInner, kVesselOuter, around, 1, 1);
-        ElasticBody body = make_body(tube.mesh, element, soft_vessel());
-        body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, asked * kMu) } });
+        fem::ElasticBody body = make_body(tube.mesh, element, soft_vessel());
+        body.set_loads({ {}, { fem::FollowerPressure(tube.mesh, tube.inner_faces, asked * kMu) } });
         const VerificationSolve solve
             = solve_problem(body, tube.held.prescribed, {}, { .load_steps = 6, .tolerance = 1e-6 }, job);
         VerificationRow row = make_row("tube beyond its limit", element, soft_vessel(), tube.mesh, solve);
@@ -257,7 +260,7 @@ namespace {
         compare(row, "largest pressure with an equilibrium / mu", asked * solve.equilibrium.load, limit);
         row.size = 1.0 / around;
         row.bound = 0.05; // one layer of elements, and load steps of half a percent
-        if (solve.equilibrium.status == EquilibriumStatus::converged)
+        if (solve.equilibrium.status == fem::EquilibriumStatus::converged)
             row.error = std::numeric_limits<double>::quiet_NaN();
         return row;
     }
@@ -333,4 +336,4 @@ VerificationProblem tube_limit_problem()
         "neo-Hookean, whose limit is known" };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

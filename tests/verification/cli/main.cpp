@@ -2,10 +2,11 @@
 
 int main(int argc, char** argv)
 {
-    return retractor::cli::run_command_line({ "retractor-verify",
-                                                "Solve problems with known answers: error against run time, for each "
-                                                "element and law; extreme cases; solvers "
-                                                "beside each other",
-                                                retractor::cli::add_verification },
+    return retractor::ui::cli::run_command_line(
+        { "retractor-verify",
+            "Solve problems with known answers: error against run time, for each "
+            "element and law; extreme cases; solvers "
+            "beside each other",
+            retractor::ui::cli::add_verification },
         argc, argv);
 }

@@ -1,10 +1,10 @@
 #include "tests/verification/cli/retraction_problem.h"
 
-#include "datasets/phantoms/phantom.h"
 #include "datasets/io/volume_io.h"
+#include "datasets/phantoms/phantom.h"
 #include "planner/approach/approach_templates.h"
-#include "planner/case/case_io.h"
 #include "planner/approach/hooks.h"
+#include "planner/case/case_io.h"
 #include "planner/plan/plan.h"
 #include "ui/cli/framework/temporary_folder.h"
 
@@ -16,7 +16,7 @@
 #include <set>
 #include <string>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -32,52 +32,52 @@ namespace {
         = { { "measured forces, sternotomy spread to 100 mm", "median", 100.0, kSternotomyForces },
               { "measured forces, thoracotomy spread to 50 mm", "intercostal:5", 50.0, kThoracotomyForces } };
 
-    Case chest(const fs::path& folder, bool fine, const Job& job)
+    planner::Case chest(const fs::path& folder, bool fine, const Job& job)
     {
         constexpr double kVoxel = 3.0; // mm: ribs are thicker, and the mesh is coarser
-        ThoraxParameters thorax;
+        datasets::ThoraxParameters thorax;
         thorax.spacing_mm.setConstant(kVoxel);
-        const Phantom phantom = make_thorax_phantom(thorax, job);
-        Case chest;
+        const datasets::Phantom phantom = datasets::make_thorax_phantom(thorax, job);
+        planner::Case chest;
         chest.folder = folder;
-        write_label_volume(folder / "labels.nrrd", phantom.labels);
-        chest.labels = make_reference(folder, folder / "labels.nrrd");
+        datasets::write_label_volume(folder / "labels.nrrd", phantom.labels);
+        chest.labels = planner::make_reference(folder, folder / "labels.nrrd");
         chest.label_table = phantom.labels.table;
         for (const Spread& spread : kSpreads) {
-            ApproachRequest request;
+            planner::ApproachRequest request;
             request.template_name = spread.approach;
             request.target.label = "aneurysm";
             request.sizing.corridor_edge_mm = fine ? 5.5 : 8.0;
             request.sizing.coarse_edge_mm = fine ? 18.0 : 22.0;
             request.sizing.region_mm = 25.0;
             request.view.eye_count = 1; // nothing is looked at here
-            Approach approach = approach_from_template(phantom.labels, request);
-            approach.hooks = make_hooks(approach, "blade", spread.opening_mm);
-            add_approach(chest, std::move(approach));
+            planner::Approach approach = planner::approach_from_template(phantom.labels, request);
+            approach.hooks = planner::make_hooks(approach, "blade", spread.opening_mm);
+            planner::add_approach(chest, std::move(approach));
         }
         return chest;
     }
 
     /// What the wall is made of: "bone 1000, cartilage 15, ... MPa".
-    std::string stiffness_text(const Case& chest)
+    std::string stiffness_text(const planner::Case& chest)
     {
         std::set<std::string> names;
-        for (const LabelInfo& info : chest.label_table)
-            if (info.role == Role::wall)
+        for (const mesh::LabelInfo& info : chest.label_table)
+            if (info.role == mesh::Role::wall)
                 names.insert(info.material);
         std::string text;
         for (const std::string& name : names) {
             std::array<char, 64> one {};
             (void)std::snprintf(one.data(), one.size(), "%s%s %g", text.empty() ? "" : ", ", name.c_str(),
-                find_material(chest.materials, name).youngs_modulus_MPa);
+                fem::find_material(chest.materials, name).youngs_modulus_MPa);
             text += one.data();
         }
         return text + " MPa";
     }
 
-    VerificationRow row_of(const Spread& spread, const PlannedField& field, const Case& chest)
+    VerificationRow row_of(const Spread& spread, const planner::PlannedField& field, const planner::Case& chest)
     {
-        const FieldMetrics& m = field.metrics;
+        const planner::FieldMetrics& m = field.metrics;
         VerificationRow row;
         row.problem = spread.problem;
         row.element = element_name(VerificationElement::p1);
@@ -90,7 +90,7 @@ namespace {
         row.quantity = "force of the spreader on a side, N; error: factor outside the measured range, less 1";
         row.value = m.hook_force_N;
         row.expected = spread.measured.mean;
-        const bool measured = field.status == PlanStatus::done;
+        const bool measured = field.status == planner::PlanStatus::done;
         row.error = measured ? outside(m.hook_force_N, spread.measured) : std::numeric_limits<double>::quiet_NaN();
         row.bound = kMostOutside;
         const std::string bars = !m.error ? std::string()
@@ -140,13 +140,13 @@ VerificationProblem retraction_problem()
             std::vector<VerificationRow> rows;
             if (job.cancelled())
                 return rows;
-            const cli::TemporaryFolder folder; // for the labels, which a patient is read from
-            Patient patient(chest(folder.path, options.fine, job), job);
-            const std::vector<PlannedField> fields = plan_all(patient, job);
+            const ui::cli::TemporaryFolder folder; // for the labels, which a patient is read from
+            planner::Patient patient(chest(folder.path, options.fine, job), job);
+            const std::vector<planner::PlannedField> fields = planner::plan_all(patient, job);
             for (std::size_t i = 0; i < fields.size() && !job.cancelled(); ++i)
                 rows.push_back(row_of(kSpreads[i], fields[i], patient.planned_case()));
             return rows;
         } };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

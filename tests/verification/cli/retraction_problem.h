@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-namespace retractor {
+namespace retractor::verification {
 
 /// A range that forces were measured in, N.
 struct MeasuredForces {
@@ -35,4 +35,4 @@ std::string beside(double force_N, const MeasuredForces& measured);
 /// @throws IoError when there is no room for the phantom's files.
 VerificationProblem retraction_problem();
 
-} // namespace retractor
+} // namespace retractor::verification

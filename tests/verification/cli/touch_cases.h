@@ -8,7 +8,7 @@
 
 #include <vector>
 
-namespace retractor {
+namespace retractor::verification {
 
 /// The next three.
 std::vector<StabilityCase> touch_cases();
@@ -17,4 +17,4 @@ StabilityCase device_fault_case();
 StabilityCase bone_touch_case();
 StabilityCase touch_spring_step_case();
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -2,11 +2,11 @@
 
 #include "datasets/phantoms/aorta_phantom.h"
 #include "haptics/condensed/condensed_tissue.h"
-#include "haptics/servo/servo.h"
 #include "haptics/device/simulated_hand.h"
+#include "haptics/device/udp_bridge.h"
+#include "haptics/servo/servo.h"
 #include "haptics/spheres/sphere_tissue.h"
 #include "haptics/springs/spring_tissue.h"
-#include "haptics/device/udp_bridge.h"
 #include "tests/verification/cli/touch_cases.h"
 #include "ui/cli/framework/ball_mesh.h"
 
@@ -26,7 +26,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -43,64 +43,68 @@ namespace {
     constexpr std::uint64_t kWays = 4; // ticks that a force takes from the servo to a far hand, and some
     constexpr std::uint64_t kFades = 101 + kWays; // the ramp of 0.1 s, and the tick that it begins in
 
-    SimulatedHandOptions pressing_hand(const HandParameters& grip = relaxed_grip())
+    haptics::SimulatedHandOptions pressing_hand(const haptics::HandParameters& grip = haptics::relaxed_grip())
     {
         const auto at = [](std::uint64_t tick, double y) {
-            return HandKey { .time_s = kStep * static_cast<double>(tick), .position = Vec3(0.0, y, 0.0) };
+            return haptics::HandKey { .time_s = kStep * static_cast<double>(tick), .position = Vec3(0.0, y, 0.0) };
         };
-        SimulatedHandOptions options;
+        haptics::SimulatedHandOptions options;
         options.hand = grip;
-        options.path = HandPath({ at(0, kClear), at(200, -kDeep), at(kLift, -kDeep), at(kLift + 200, kClear),
+        options.path = haptics::HandPath({ at(0, kClear), at(200, -kDeep), at(kLift, -kDeep), at(kLift + 200, kClear),
             at(kAgain, kClear), at(kAgain + 200, -kDeep) });
         return options;
     }
 
     /// A hand whose pose is spoilt on its way to the servo.
-    class SpoiltHand : public Device {
+    class SpoiltHand : public haptics::Device {
     public:
-        explicit SpoiltHand(const HandParameters& grip = relaxed_grip())
+        explicit SpoiltHand(const haptics::HandParameters& grip = haptics::relaxed_grip())
             : hand(pressing_hand(grip))
         {
         }
-        [[nodiscard]] const DeviceInfo& info() const noexcept override { return hand.info(); }
-        DeviceReading read(double time_s, double step_s) noexcept override
+        [[nodiscard]] const haptics::DeviceInfo& info() const noexcept override { return hand.info(); }
+        haptics::DeviceReading read(double time_s, double step_s) noexcept override
         {
-            DeviceReading reading = hand.read(time_s, step_s);
+            haptics::DeviceReading reading = hand.read(time_s, step_s);
             if (spoil)
                 spoil(reading);
             return reading;
         }
         Vec3 write(const Vec3& force) noexcept override { return written = hand.write(force); }
 
-        SimulatedHand hand;
-        std::function<void(DeviceReading&)> spoil; ///< empty: it is sound
+        haptics::SimulatedHand hand;
+        std::function<void(haptics::DeviceReading&)> spoil; ///< empty: it is sound
         Vec3 written = Vec3::Zero();
     };
 
     /// Tissue, and a place on it.
     struct Touched {
         std::string model;
-        std::unique_ptr<TissueResponse> tissue;
+        std::unique_ptr<haptics::TissueResponse> tissue;
         Vec3 point = Vec3::Zero(), outward = Vec3::UnitY();
-        std::optional<ElasticProblem> problem {}; ///< of finite elements: whose stiffness answers
+        std::optional<fem::ElasticProblem> problem {}; ///< of finite elements: whose stiffness answers
     };
 
     /// A short vessel at one pressure.
     Touched vessel(double youngs_modulus)
     {
-        AortaParameters parameters { .shape = AortaParameters::Shape::tube, .length_mm = 40.0, .along = 12 };
+        datasets::AortaParameters parameters {
+            .shape = datasets::AortaParameters::Shape::tube, .length_mm = 40.0, .along = 12
+        };
         parameters.region.length_mm = 0.0;
         parameters.normal_MPa = youngs_modulus;
-        const PalpationScene scene = make_aorta_phantom(parameters);
+        const datasets::PalpationScene scene = datasets::make_aorta_phantom(parameters);
         Touched touched { "servo, condensed elements", nullptr, scene.site("centre").point,
             scene.site("centre").outward };
-        const Material wall { "wall", youngs_modulus, parameters.poissons_ratio, 1e-9, "verification" };
-        touched.problem = ElasticProblem { scene.body.mesh, std::vector<Material>(3, wall), {}, {} };
+        const fem::Material wall { "wall", youngs_modulus, parameters.poissons_ratio, 1e-9, "verification" };
+        touched.problem = fem::ElasticProblem { scene.body.mesh, std::vector<fem::Material>(3, wall), {}, {} };
         for (VertexId v = 0; v < static_cast<VertexId>(scene.body.roles.size()); ++v)
-            if (scene.body.roles[static_cast<std::size_t>(v)] == VertexRole::fixed)
+            if (scene.body.roles[static_cast<std::size_t>(v)] == datasets::VertexRole::fixed)
                 touched.problem->supports.fixed.push_back(v);
-        touched.tissue = std::make_unique<CondensedTissue>(scene.body, PulsePressure::constant(scene.rest_mmHg),
-            CondensedOptions { .element = TouchElement::p1, .rest_pressure = scene.rest_mmHg * kMPaPerMmHg });
+        touched.tissue
+            = std::make_unique<haptics::CondensedTissue>(scene.body, haptics::PulsePressure::constant(scene.rest_mmHg),
+                haptics::CondensedOptions {
+                    .element = haptics::TouchElement::p1, .rest_pressure = scene.rest_mmHg * haptics::kMPaPerMmHg });
         return touched;
     }
     Touched soft_vessel() { return vessel(1.0); }
@@ -108,8 +112,9 @@ namespace {
     Touched sheet()
     {
         return { "servo, springs",
-            std::make_unique<SpringTissue>(
-                make_spring_sheet({ .columns = 13, .rows = 13, .spacing = 2.0 }), ElementLaw { .drag = 30.0 }),
+            std::make_unique<haptics::SpringTissue>(
+                haptics::make_spring_sheet({ .columns = 13, .rows = 13, .spacing = 2.0 }),
+                haptics::ElementLaw { .drag = 30.0 }),
             Vec3::Zero(), Vec3::UnitZ() };
     }
 
@@ -117,10 +122,11 @@ namespace {
     {
         constexpr double kRadius = 40.0;
         constexpr double kSoft = 0.004; // N/mm a sphere: moved 60 times a second, stiffer ones set the hand swinging
-        const TriMesh surface = cli::ball_mesh(Vec3::Zero(), kRadius, 4);
+        const TriMesh surface = ui::cli::ball_mesh(Vec3::Zero(), kRadius, 4);
         return { "servo, spheres",
-            std::make_unique<SphereTissue>(
-                std::vector { SphereOrgan { "ball", surface, fill_with_spheres(surface, 2.5), kSoft } }, SphereLaw {}),
+            std::make_unique<haptics::SphereTissue>(std::vector { haptics::SphereOrgan { "ball", surface,
+                                                        haptics::fill_with_spheres(surface, 2.5), kSoft } },
+                haptics::SphereLaw {}),
             Vec3(0.0, 0.0, kRadius), Vec3::UnitZ() };
     }
 
@@ -128,24 +134,24 @@ namespace {
     void set_condition_of(StabilityRow& row, const Touched& touched)
     {
         if (touched.problem)
-            set_condition(row, *touched.problem, Elasticity::linear);
+            set_condition(row, *touched.problem, fem::Elasticity::linear);
         else
             row.unconditioned
                 = touched.tissue->name() == "springs" ? Unconditioned::explicit_steps : Unconditioned::no_matrix;
     }
 
     /// Answers what another tissue does, but for one tick.
-    class UnsureTissue : public TissueResponse {
+    class UnsureTissue : public haptics::TissueResponse {
     public:
-        UnsureTissue(TissueResponse& tissue, std::uint64_t bad_tick)
+        UnsureTissue(haptics::TissueResponse& tissue, std::uint64_t bad_tick)
             : tissue_(tissue)
             , bad_tick_(bad_tick)
         {
         }
         [[nodiscard]] std::string_view name() const noexcept override { return tissue_.name(); }
         [[nodiscard]] std::size_t finger_count() const noexcept override { return tissue_.finger_count(); }
-        void tick(double time_s, double step_s, std::span<const Fingertip> fingers,
-            std::span<FingerContact> contacts) noexcept override
+        void tick(double time_s, double step_s, std::span<const haptics::Fingertip> fingers,
+            std::span<haptics::FingerContact> contacts) noexcept override
         {
             tissue_.tick(time_s, step_s, fingers, contacts);
             if (ticks_++ == bad_tick_)
@@ -155,14 +161,14 @@ namespace {
         void follow(Points& deformed) override { tissue_.follow(deformed); }
 
     private:
-        TissueResponse& tissue_;
+        haptics::TissueResponse& tissue_;
         std::uint64_t bad_tick_, ticks_ = 0;
     };
 
     /// The servo, and what it must keep at every tick.
     class Press {
     public:
-        Press(TissueResponse& tissue, Device& device, const Touched& touched)
+        Press(haptics::TissueResponse& tissue, haptics::Device& device, const Touched& touched)
             : tissue_(tissue)
             , servo_({ { .device = &device, .mapping = mapping_onto(touched) } }, tissue, quick_servo())
             , limit_(device.info().limits.max_force)
@@ -183,7 +189,7 @@ namespace {
                 if (!deformed_.allFinite())
                     throw PromiseNotKept("the tissue's surface is not finite" + when());
             }
-            const ServoState& state = servo_.latest();
+            const haptics::ServoState& state = servo_.latest();
             if (!state.forces[0].allFinite() || !state.fingers[0].position.allFinite())
                 throw PromiseNotKept("a force or place is not finite" + when());
         }
@@ -197,26 +203,26 @@ namespace {
         [[nodiscard]] std::string when() const { return " (tick " + std::to_string(ticks_) + ")"; }
         [[nodiscard]] std::uint64_t ticks() const { return ticks_; }
         [[nodiscard]] double time() const { return time_; }
-        Servo& servo() { return servo_; }
+        haptics::Servo& servo() { return servo_; }
 
         std::function<void(double time_s)> before; ///< what else runs in a tick
 
     private:
-        static MappingOptions mapping_onto(const Touched& touched)
+        static haptics::MappingOptions mapping_onto(const Touched& touched)
         {
             return { .scene_centre = touched.point + kTip * touched.outward,
                 .scene_from_device
                 = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitY(), touched.outward).toRotationMatrix() };
         }
-        static ServoOptions quick_servo()
+        static haptics::ServoOptions quick_servo()
         {
-            ServoOptions options;
+            haptics::ServoOptions options;
             options.faults.ramp_up_s = 0.05;
             return options;
         }
 
-        TissueResponse& tissue_;
-        Servo servo_;
+        haptics::TissueResponse& tissue_;
+        haptics::Servo servo_;
         double limit_, time_ = 0.0;
         std::uint64_t ticks_ = 0;
         Points deformed_;
@@ -225,60 +231,62 @@ namespace {
     /// What goes wrong from kFault on.
     struct Trouble {
         const char* name;
-        FaultKind kind; ///< that the servo must let go for; none: it must go on
+        haptics::FaultKind kind; ///< that the servo must let go for; none: it must go on
         std::uint64_t lasts; ///< ticks
-        std::function<void(DeviceReading&)> spoil {};
+        std::function<void(haptics::DeviceReading&)> spoil {};
         double step_s = kStep; ///< of the first of them
         bool unsure_tissue = false;
     };
 
-    std::function<void(DeviceReading&)> says(DeviceTrouble trouble)
+    std::function<void(haptics::DeviceReading&)> says(haptics::DeviceTrouble trouble)
     {
-        return [trouble](DeviceReading& reading) { reading.trouble = trouble; };
+        return [trouble](haptics::DeviceReading& reading) { reading.trouble = trouble; };
     }
-    std::function<void(DeviceReading&)> aside(double mm)
+    std::function<void(haptics::DeviceReading&)> aside(double mm)
     {
-        return [mm](DeviceReading& reading) { reading.position.x() += mm; };
+        return [mm](haptics::DeviceReading& reading) { reading.position.x() += mm; };
     }
 
     std::vector<Trouble> troubles()
     {
         constexpr std::uint64_t kLong = kSound - kFault;
         return {
-            { "device reports a place of NaN", FaultKind::bad_position, kLong,
-                [](DeviceReading& r) { r.position.y() = kNan; } },
-            { "device jumps by 100 mm in one tick", FaultKind::jump, kLong, aside(100.0) },
-            { "device jumps by 99 mm, and back", FaultKind::none, 5, aside(99.0) },
-            { "device stops answering", FaultKind::silent, kLong, says(DeviceTrouble::silent) },
-            { "device is unplugged", FaultKind::lost, kLong, says(DeviceTrouble::lost) },
-            { "device reports a velocity of NaN", FaultKind::bad_position, 1,
-                [](DeviceReading& r) { r.velocity.x() = kNan; } },
-            { "device reports 10 km/s", FaultKind::bad_position, 1, [](DeviceReading& r) { r.velocity.x() = 1e7; } },
-            { "device reports no rotation", FaultKind::bad_position, 1,
-                [](DeviceReading& r) { r.orientation.setZero(); } },
-            { "device has warm motors", FaultKind::over_limit, kLong, says(DeviceTrouble::over_limit) },
-            { "a tick 50 ms late", FaultKind::late, 1, {}, 0.05 },
-            { "a tick at no time", FaultKind::late, 1, {}, kNan },
-            { "tissue answers NaN", FaultKind::bad_force, 1, {}, kStep, true },
+            { "device reports a place of NaN", haptics::FaultKind::bad_position, kLong,
+                [](haptics::DeviceReading& r) { r.position.y() = kNan; } },
+            { "device jumps by 100 mm in one tick", haptics::FaultKind::jump, kLong, aside(100.0) },
+            { "device jumps by 99 mm, and back", haptics::FaultKind::none, 5, aside(99.0) },
+            { "device stops answering", haptics::FaultKind::silent, kLong, says(haptics::DeviceTrouble::silent) },
+            { "device is unplugged", haptics::FaultKind::lost, kLong, says(haptics::DeviceTrouble::lost) },
+            { "device reports a velocity of NaN", haptics::FaultKind::bad_position, 1,
+                [](haptics::DeviceReading& r) { r.velocity.x() = kNan; } },
+            { "device reports 10 km/s", haptics::FaultKind::bad_position, 1,
+                [](haptics::DeviceReading& r) { r.velocity.x() = 1e7; } },
+            { "device reports no rotation", haptics::FaultKind::bad_position, 1,
+                [](haptics::DeviceReading& r) { r.orientation.setZero(); } },
+            { "device has warm motors", haptics::FaultKind::over_limit, kLong,
+                says(haptics::DeviceTrouble::over_limit) },
+            { "a tick 50 ms late", haptics::FaultKind::late, 1, {}, 0.05 },
+            { "a tick at no time", haptics::FaultKind::late, 1, {}, kNan },
+            { "tissue answers NaN", haptics::FaultKind::bad_force, 1, {}, kStep, true },
         };
     }
     constexpr std::size_t kForEachTissue = 5; // of these; the others never reach the tissue
 
     /// How far the elements that carry the last press, solved anew without any condensation, are from where its
     /// fingertip holds them, over the deepest. Springs and spheres solve nothing.
-    double contact_residual(TissueResponse& tissue)
+    double contact_residual(haptics::TissueResponse& tissue)
     {
-        auto* condensed = dynamic_cast<CondensedTissue*>(&tissue);
+        auto* condensed = dynamic_cast<haptics::CondensedTissue*>(&tissue);
         if (condensed == nullptr)
             return 0.0;
-        const PressedCheck check = check_pressed(*condensed);
+        const haptics::PressedCheck check = haptics::check_pressed(*condensed);
         return check.deepest_mm > 0.0 ? check.off_mm / check.deepest_mm : kNan;
     }
 
     /// What a hand feels that presses, lifts off and presses again.
     struct TwoPresses {
         double before = 0.0, after = 0.0; ///< N, at the end of each
-        Fault fault; ///< that came between them
+        haptics::Fault fault; ///< that came between them
     };
 
     /// @param prepare called before each tick; gives its step. @param felt what pushes the hand
@@ -301,7 +309,7 @@ namespace {
                 presses.after += force / kMeasured;
             if (tick >= kArmed)
                 continue;
-            if (latched_at == 0 && press.servo().latest().fault.kind != FaultKind::none) {
+            if (latched_at == 0 && press.servo().latest().fault.kind != haptics::FaultKind::none) {
                 latched_at = tick;
                 presses.fault = press.servo().latest().fault;
             }
@@ -315,7 +323,8 @@ namespace {
     }
 
     /// Once the servo is armed and the finger was lifted, all has to be as if nothing had been.
-    void judge(StabilityRow& row, const TwoPresses& presses, FaultKind expected, TissueResponse& tissue)
+    void judge(
+        StabilityRow& row, const TwoPresses& presses, haptics::FaultKind expected, haptics::TissueResponse& tissue)
     {
         row.residual = contact_residual(tissue);
         row.quantity = "force of the next press against that before, relative";
@@ -324,12 +333,12 @@ namespace {
         if (!(presses.before > kFelt))
             throw PromiseNotKept("the finger felt only " + std::to_string(presses.before) + " N");
         if (presses.fault.kind != expected)
-            throw PromiseNotKept("the servo let go for \"" + describe(presses.fault) + "\"");
+            throw PromiseNotKept("the servo let go for \"" + haptics::describe(presses.fault) + "\"");
         if (!(row.error <= row.bound))
             throw PromiseNotKept("the next press felt " + std::to_string(presses.after) + " N, the one before "
                 + std::to_string(presses.before) + " N");
-        if (expected != FaultKind::none)
-            refuse(row, "let go: " + describe(presses.fault));
+        if (expected != haptics::FaultKind::none)
+            refuse(row, "let go: " + haptics::describe(presses.fault));
     }
 
     void press_through(StabilityRow& row, const Touched& touched, const Trouble& trouble)
@@ -345,11 +354,11 @@ namespace {
         judge(row, press_twice(press, prepare, [&] { return hand.written; }), trouble.kind, *touched.tissue);
     }
 
-    StabilityRow touch_row(const char* name, FaultKind expected, const Touched& touched,
+    StabilityRow touch_row(const char* name, haptics::FaultKind expected, const Touched& touched,
         const std::function<void(StabilityRow&, const Touched&)>& press)
     {
         StabilityRow row = attempt(name, touched.model, [&](StabilityRow& r) { press(r, touched); });
-        if (expected != FaultKind::none)
+        if (expected != haptics::FaultKind::none)
             row.allowed = { StabilityOutcome::refused };
         return row;
     }
@@ -357,20 +366,22 @@ namespace {
     /// A device on another computer.
     struct Bridge {
         const char* name;
-        FaultKind kind;
+        haptics::FaultKind kind;
         bool lossy = false; ///< a fifth of the poses of the second press never come
         bool device_hangs = false, servo_hangs = false; ///< from kFault to kSound
     };
-    constexpr std::array<Bridge, 3> kBridges { { { "a fifth of a far device's poses lost", FaultKind::none, true },
-        { "a far device's computer hangs", FaultKind::silent, false, true },
-        { "the servo's computer hangs", FaultKind::late, false, false, true } } };
+    constexpr std::array<Bridge, 3> kBridges {
+        { { "a fifth of a far device's poses lost", haptics::FaultKind::none, true },
+            { "a far device's computer hangs", haptics::FaultKind::silent, false, true },
+            { "the servo's computer hangs", haptics::FaultKind::late, false, false, true } }
+    };
 
     void press_from_afar(StabilityRow& row, const Touched& touched, const Bridge& bridge)
     {
         set_condition_of(row, touched);
-        SimulatedHand hand(pressing_hand());
-        UdpDevice near;
-        UdpRelay relay(hand, { .servo_port = near.port() });
+        haptics::SimulatedHand hand(pressing_hand());
+        haptics::UdpDevice near;
+        haptics::UdpRelay relay(hand, { .servo_port = near.port() });
         Press press(*touched.tissue, near, touched);
         // Simulated ticks outrun a busy system: what it delivers late would be a silence that nobody asked for.
         const auto arrived = [&](const auto& end) {
@@ -412,7 +423,7 @@ namespace {
     }
 
     /// At rest on bone: no vibration, and the force is what the hand's springs bear.
-    void rest_on_bone(StabilityRow& row, const Touched& touched, const HandParameters& grip)
+    void rest_on_bone(StabilityRow& row, const Touched& touched, const haptics::HandParameters& grip)
     {
         set_condition_of(row, touched);
         SpoiltHand hand(grip);
@@ -429,8 +440,8 @@ namespace {
             squares += force * force / kWatched;
             tip += hand.hand.true_position().y() / kWatched;
         }
-        if (const Fault& fault = press.servo().latest().fault; fault.kind != FaultKind::none)
-            throw PromiseNotKept("the servo let go for \"" + describe(fault) + "\"");
+        if (const haptics::Fault& fault = press.servo().latest().fault; fault.kind != haptics::FaultKind::none)
+            throw PromiseNotKept("the servo let go for \"" + haptics::describe(fault) + "\"");
         const double spring = 1.0 / (1.0 / grip.grip_stiffness.y() + 1.0 / grip.arm_stiffness.y());
         if (!(sum > kFelt))
             throw PromiseNotKept("the hand felt only " + std::to_string(sum) + " N");
@@ -474,12 +485,12 @@ StabilityCase bone_touch_case()
         [](const Job&) {
             std::vector<StabilityRow> rows;
             constexpr double kBone = 1e4; // MPa
-            for (const auto& [name, grip] : { std::pair { "a loose hand on bone", relaxed_grip() },
-                     std::pair { "a firm hand on bone", firm_grip() } })
-                rows.push_back(touch_row(name, FaultKind::none, vessel(kBone),
+            for (const auto& [name, grip] : { std::pair { "a loose hand on bone", haptics::relaxed_grip() },
+                     std::pair { "a firm hand on bone", haptics::firm_grip() } })
+                rows.push_back(touch_row(name, haptics::FaultKind::none, vessel(kBone),
                     [&, &g = grip](StabilityRow& row, const Touched& touched) { rest_on_bone(row, touched, g); }));
             return rows;
         } };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -11,7 +11,7 @@
 #include <limits>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -20,7 +20,8 @@ namespace {
     /// Plucked and left to swing without drag or dashpots: the motion stays bounded.
     void swing(StabilityRow& row, double share, double arm_ratio)
     {
-        SpringMotion motion(make_spring_sheet(), { .voigt_time = 0.0, .arm_ratio = arm_ratio, .drag = 0.0 });
+        haptics::SpringMotion motion(
+            haptics::make_spring_sheet(), { .voigt_time = 0.0, .arm_ratio = arm_ratio, .drag = 0.0 });
         const Points rest = motion.positions();
         constexpr double kPluck = 0.01; // mm
         for (VertexId v = 0; v < static_cast<VertexId>(rest.rows()); ++v)
@@ -45,7 +46,7 @@ namespace {
     void step_by(StabilityRow& row, const std::function<double(double)>& dt)
     {
         row.unconditioned = Unconditioned::explicit_steps;
-        SpringMotion motion(make_spring_sheet(), {});
+        haptics::SpringMotion motion(haptics::make_spring_sheet(), {});
         motion.step(dt(motion.stable_step()));
         row.residual = row.error = 0.0;
     }
@@ -76,7 +77,7 @@ StabilityCase touch_spring_step_case()
             rows.push_back(expect_refusal(
                 "springs of 10,000 N/mm", "touched springs", "too stiff for their mass", [](StabilityRow& row) {
                     row.unconditioned = Unconditioned::explicit_steps;
-                    const SpringTissue tissue(make_spring_sheet({ .stiffness = 1e4 }), {});
+                    const haptics::SpringTissue tissue(haptics::make_spring_sheet({ .stiffness = 1e4 }), {});
                     row.residual = row.error = 0.0;
                 }));
             return rows;
@@ -88,4 +89,4 @@ std::vector<StabilityCase> touch_cases()
     return { device_fault_case(), bone_touch_case(), touch_spring_step_case() };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

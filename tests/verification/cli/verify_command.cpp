@@ -11,8 +11,8 @@
 #include "tests/verification/cli/viscous_problem.h"
 #include "tests/verification/problem_list.h"
 #include "ui/cli/framework/command.h"
-#include "ui/cli/plan/field_files.h"
 #include "ui/cli/framework/out_folder.h"
+#include "ui/cli/plan/field_files.h"
 #include "ui/scene/vtk/render.h"
 
 #include <algorithm>
@@ -22,7 +22,7 @@
 #include <set>
 #include <string_view>
 
-namespace retractor::cli {
+namespace retractor::verification {
 
 namespace {
 
@@ -140,7 +140,7 @@ namespace {
 
     /// @return their names.
     std::string write_files(
-        const std::filesystem::path& folder, const Found& found, const Json& document, const Job& job)
+        const std::filesystem::path& folder, const Found& found, const ui::cli::Json& document, const Job& job)
     {
         write_file_atomically(folder / "verify.json", document.dump(2) + "\n");
         std::string names = (folder / "verify.json").string();
@@ -152,11 +152,11 @@ namespace {
             write_file_atomically(folder / "stability.csv", csv(found.cases));
             names += ", stability.csv";
         }
-        const ChartPicture picture = charts(found.rows);
+        const ui::ChartPicture picture = charts(found.rows);
         if (picture.panels.empty())
             return names;
-        OffscreenRenderer renderer(make_offscreen_context(), job);
-        write_png(folder / "error_against_time.png", renderer.render(picture));
+        ui::OffscreenRenderer renderer(ui::make_offscreen_context(), job);
+        ui::write_png(folder / "error_against_time.png", renderer.render(picture));
         return names + ", error_against_time.png";
     }
 
@@ -170,32 +170,32 @@ namespace {
         return text.empty() ? text : "\nNot solved, and why:\n" + text;
     }
 
-    Json left_out_document(const std::vector<VerificationProblem>& problems)
+    ui::cli::Json left_out_document(const std::vector<VerificationProblem>& problems)
     {
-        Json all = Json::object();
+        ui::cli::Json all = ui::cli::Json::object();
         for (const VerificationProblem& problem : problems)
             if (!problem.left_out.empty())
                 all[problem.name] = problem.left_out;
         return all;
     }
 
-    template <class Row> Json documents(const std::vector<Row>& rows)
+    template <class Row> ui::cli::Json documents(const std::vector<Row>& rows)
     {
-        Json all = Json::array();
+        ui::cli::Json all = ui::cli::Json::array();
         for (const Row& row : rows)
             all.push_back(row_document(row));
         return all;
     }
 
-    Outcome verify(const VerifyOptions& options, const Job& job)
+    ui::cli::Outcome verify(const VerifyOptions& options, const Job& job)
     {
         const Chosen asked = chosen(options);
         if (!options.out.empty())
-            make_folder(options.out); // a place that cannot be written to is said before the long work
+            ui::cli::make_folder(options.out); // a place that cannot be written to is said before the long work
         const Found found { run_verification(asked.problems, { shared_data(options), options.fine }, job),
             run_stability(asked.cases, job) };
         const int failed = count(found.rows, "FAILED") + count(found.cases, "FAILED");
-        Outcome outcome;
+        ui::cli::Outcome outcome;
         outcome.document
             = { { "suite", options.suite }, { "units", "mm, N, MPa, s" }, { "results", documents(found.rows) },
                   { "not_solved", left_out_document(asked.problems) }, { "stability", documents(found.cases) },
@@ -215,7 +215,7 @@ namespace {
 
 } // namespace
 
-void add_verification(Commands& commands)
+void add_verification(ui::cli::Commands& commands)
 {
     auto options = std::make_shared<VerifyOptions>();
     commands.app.footer(
@@ -239,4 +239,4 @@ void add_verification(Commands& commands)
         [&commands, options] { commands.run = [options](const Job& job) { return verify(*options, job); }; });
 }
 
-} // namespace retractor::cli
+} // namespace retractor::verification

@@ -3,8 +3,8 @@
 
 #include "ui/cli/framework/command.h"
 
-namespace retractor::cli {
+namespace retractor::verification {
 
-void add_verification(Commands& commands);
+void add_verification(ui::cli::Commands& commands);
 
-} // namespace retractor::cli
+} // namespace retractor::verification

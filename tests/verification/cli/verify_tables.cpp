@@ -9,14 +9,14 @@
 #include <set>
 #include <sstream>
 
-namespace retractor::cli {
+namespace retractor::verification {
 
 namespace {
 
     bool skipped(const VerificationRow& row) { return row.note.starts_with("skipped"); }
 
     /// JSON has no NaN and no infinity.
-    Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+    ui::cli::Json number(double value) { return std::isfinite(value) ? ui::cli::Json(value) : ui::cli::Json(nullptr); }
 
     template <class... Values> std::string format(const char* pattern, Values... values)
     {
@@ -77,7 +77,7 @@ std::string verdict(const VerificationRow& row)
     return row.only_shown && !row.note.empty() ? "shown" : "FAILED";
 }
 
-Json row_document(const VerificationRow& row)
+ui::cli::Json row_document(const VerificationRow& row)
 {
     return { { "problem", row.problem }, { "element", row.element }, { "law", row.law }, { "quantity", row.quantity },
         { "nodes", row.nodes }, { "tets", row.tets }, { "size", row.size }, { "value", number(row.value) },
@@ -95,11 +95,12 @@ std::string csv(const std::vector<VerificationRow>& rows)
         << "problem,element,law,quantity,nodes,tets,size,value,expected,error,bound,order,expected_order,order_verdict,"
            "residual,seconds,outcome,note\n";
     for (const VerificationRow& row : rows)
-        text << csv_field(row.problem) << ',' << csv_field(row.element) << ',' << csv_field(row.law) << ','
-             << csv_field(row.quantity) << ',' << row.nodes << ',' << row.tets << ',' << row.size << ',' << row.value
-             << ',' << row.expected << ',' << row.error << ',' << row.bound << ',' << row.order << ','
-             << row.expected_order << ',' << order_verdict_name(row.order_verdict) << ',' << row.residual << ','
-             << row.seconds << ',' << verdict(row) << ',' << csv_field(row.note) << '\n';
+        text << haptics::csv_field(row.problem) << ',' << haptics::csv_field(row.element) << ','
+             << haptics::csv_field(row.law) << ',' << haptics::csv_field(row.quantity) << ',' << row.nodes << ','
+             << row.tets << ',' << row.size << ',' << row.value << ',' << row.expected << ',' << row.error << ','
+             << row.bound << ',' << row.order << ',' << row.expected_order << ','
+             << order_verdict_name(row.order_verdict) << ',' << row.residual << ',' << row.seconds << ','
+             << verdict(row) << ',' << haptics::csv_field(row.note) << '\n';
     return text.str();
 }
 
@@ -127,9 +128,9 @@ std::string table(const std::vector<VerificationRow>& rows)
     return text;
 }
 
-ChartPicture charts(const std::vector<VerificationRow>& rows)
+ui::ChartPicture charts(const std::vector<VerificationRow>& rows)
 {
-    ChartPicture picture { .x_title = "run time, s", .y_title = "relative error", .panels = {}, .columns = 4 };
+    ui::ChartPicture picture { .x_title = "run time, s", .y_title = "relative error", .panels = {}, .columns = 4 };
     std::map<std::string, std::size_t> panel_of;
     std::map<std::string, std::set<std::string>> laws;
     const auto quantities = quantities_of(rows);
@@ -152,16 +153,17 @@ ChartPicture charts(const std::vector<VerificationRow>& rows)
     }
     constexpr std::size_t kMostOnPlot = 5; // names; more leave no room for the curves
     constexpr int kLegend = 230; // pixels, of the longest names
-    for (ChartPanel& panel : picture.panels)
+    for (ui::ChartPanel& panel : picture.panels)
         panel.legend_beside = panel.series.size() > kMostOnPlot;
-    if (std::any_of(picture.panels.begin(), picture.panels.end(), [](const ChartPanel& p) { return p.legend_beside; }))
+    if (std::any_of(
+            picture.panels.begin(), picture.panels.end(), [](const ui::ChartPanel& p) { return p.legend_beside; }))
         picture.panel_width += kLegend;
     return picture;
 }
 
 std::string verdict(const StabilityRow& row) { return row.passed() ? "ok" : "FAILED"; }
 
-Json row_document(const StabilityRow& row)
+ui::cli::Json row_document(const StabilityRow& row)
 {
     return { { "case", row.problem }, { "model", row.model }, { "outcome", outcome_name(row.outcome) },
         { "reason", row.reason }, { "quantity", row.quantity }, { "residual", number(row.residual) },
@@ -177,10 +179,11 @@ std::string csv(const std::vector<StabilityRow>& rows)
     text << "case,model,outcome,quantity,residual,error,bound,condition,scaled_condition,no_condition,seconds,verdict,"
             "reason\n";
     for (const StabilityRow& row : rows)
-        text << csv_field(row.problem) << ',' << csv_field(row.model) << ',' << outcome_name(row.outcome) << ','
-             << csv_field(row.quantity) << ',' << row.residual << ',' << row.error << ',' << row.bound << ','
-             << row.condition << ',' << row.scaled_condition << ',' << unconditioned_name(row.unconditioned) << ','
-             << row.seconds << ',' << verdict(row) << ',' << csv_field(row.reason) << '\n';
+        text << haptics::csv_field(row.problem) << ',' << haptics::csv_field(row.model) << ','
+             << outcome_name(row.outcome) << ',' << haptics::csv_field(row.quantity) << ',' << row.residual << ','
+             << row.error << ',' << row.bound << ',' << row.condition << ',' << row.scaled_condition << ','
+             << unconditioned_name(row.unconditioned) << ',' << row.seconds << ',' << verdict(row) << ','
+             << haptics::csv_field(row.reason) << '\n';
     return text.str();
 }
 
@@ -206,4 +209,4 @@ std::string table(const std::vector<StabilityRow>& rows)
     return text;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::verification

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::verification {
 
 /// "ok"; "series": a coarser mesh, the finest row of its series is judged; "shown": nothing judges it, and the note
 /// says why; "skipped"; or "FAILED", also where nothing judges it and no reason is given.
@@ -17,8 +17,8 @@ std::string verdict(const VerificationRow& row);
 /// "ok" or "FAILED".
 std::string verdict(const StabilityRow& row);
 
-Json row_document(const VerificationRow& row);
-Json row_document(const StabilityRow& row);
+ui::cli::Json row_document(const VerificationRow& row);
+ui::cli::Json row_document(const StabilityRow& row);
 
 std::string csv(const std::vector<VerificationRow>& rows);
 std::string csv(const std::vector<StabilityRow>& rows);
@@ -27,6 +27,6 @@ std::string table(const std::vector<VerificationRow>& rows);
 std::string table(const std::vector<StabilityRow>& rows);
 
 /// Error against run time: problems with a series of meshes, one panel each.
-ChartPicture charts(const std::vector<VerificationRow>& rows);
+ui::ChartPicture charts(const std::vector<VerificationRow>& rows);
 
-} // namespace retractor::cli
+} // namespace retractor::verification

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -22,14 +22,14 @@ namespace {
 
     struct Test {
         std::string problem, law, quantity;
-        ElementLaw element;
+        haptics::ElementLaw element;
         bool stretched = false; ///< and held, so that it may relax; else a force pulls, and it creeps
         std::function<double(double time)> right; ///< elongation (mm) under the force, or force (N) when stretched
         double expected_order = 1.0, bound = 0.0;
     };
 
     /// k x + c x' + q = F with q' = k1 x' - q / arm_time, from x = q = 0: the sum of two exponentials.
-    double creep_with_arm(const ElementLaw& law, double time)
+    double creep_with_arm(const haptics::ElementLaw& law, double time)
     {
         const double k = kStiffness, c = k * law.voigt_time, k1 = k * law.arm_ratio;
         const double a = c * law.arm_time, b = c + (k + k1) * law.arm_time;
@@ -41,9 +41,9 @@ namespace {
 
     std::vector<Test> tests()
     {
-        const ElementLaw voigt { .voigt_time = 0.2, .drag = 0.0 };
-        const ElementLaw solid { .voigt_time = 0.0, .arm_ratio = 0.8, .arm_time = 0.5, .drag = 0.0 };
-        const ElementLaw damped { .voigt_time = 0.02, .arm_ratio = 1.0, .arm_time = 0.1, .drag = 0.0 };
+        const haptics::ElementLaw voigt { .voigt_time = 0.2, .drag = 0.0 };
+        const haptics::ElementLaw solid { .voigt_time = 0.0, .arm_ratio = 0.8, .arm_time = 0.5, .drag = 0.0 };
+        const haptics::ElementLaw damped { .voigt_time = 0.02, .arm_ratio = 1.0, .arm_time = 0.1, .drag = 0.0 };
         constexpr double kShare = 1e-3; // of the longest of the three steps' error
         constexpr double kRoundOff = 1e-12;
         return {
@@ -65,7 +65,7 @@ namespace {
 
     VerificationRow run(const Test& test, double dt)
     {
-        SpringMotion motion(make_spring_element(kBarLength, kStiffness, kMass), test.element);
+        haptics::SpringMotion motion(haptics::make_spring_element(kBarLength, kStiffness, kMass), test.element);
         if (test.stretched) {
             motion.place(1, Vec3(kBarLength + kStretch, 0.0, 0.0));
             motion.set_held(1, true);
@@ -118,4 +118,4 @@ VerificationProblem viscous_problem()
         } };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -4,9 +4,9 @@
 
 #include "tests/verification/framework/problem.h"
 
-namespace retractor {
+namespace retractor::verification {
 
 /// Rows: `size` is the time step over the coarsest, `nodes` are particles; there are no tetrahedra.
 VerificationProblem viscous_problem();
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -17,7 +17,7 @@
 #include <numbers>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -45,7 +45,8 @@ namespace {
     {
         for (std::size_t i = 0; i < names.size(); ++i) {
             const Quantity& ten = answers.ten[i];
-            const double share = is_opening(names[i]) ? std::max(answers.share, kLeastOpeningShare) : answers.share;
+            const double share
+                = is_opening(names[i]) ? std::max(answers.share, fem::kLeastOpeningShare) : answers.share;
             const double lacking = share * (answers.plain[i] - ten).norm();
             const auto add = [&](VerificationElement element, std::size_t which, const Quantity& answer,
                                  double estimate) {
@@ -60,14 +61,14 @@ namespace {
                 }
                 rows.push_back(row);
             };
-            add(VerificationElement::p1, 0, answers.plain[i], (answers.plain[i] - ten).norm() / kErrorShare);
+            add(VerificationElement::p1, 0, answers.plain[i], (answers.plain[i] - ten).norm() / fem::kErrorShare);
             add(VerificationElement::locking_free, 1, answers.locking_free[i],
                 (answers.locking_free[i] - ten).norm() + lacking);
             add(VerificationElement::p2, 2, ten, lacking);
         }
     }
 
-    VerificationRow like(const std::string& problem, double nu, const TetMesh& mesh)
+    VerificationRow like(const std::string& problem, double nu, const mesh::TetMesh& mesh)
     {
         std::array<char, 16> number {};
         (void)std::snprintf(number.data(), number.size(), "%g", nu);
@@ -79,26 +80,28 @@ namespace {
         return row;
     }
 
-    using Quantities = std::function<std::vector<Quantity>(const ElasticProblem&, const OpeningResult&)>;
+    using Quantities = std::function<std::vector<Quantity>(const fem::ElasticProblem&, const fem::OpeningResult&)>;
 
-    OpeningResult opened(const ElasticProblem& problem, Elasticity elasticity, bool locking_free, const Job& job)
+    fem::OpeningResult opened(
+        const fem::ElasticProblem& problem, fem::Elasticity elasticity, bool locking_free, const Job& job)
     {
-        const bool linear = elasticity == Elasticity::linear;
-        Opening opening(problem.mesh, problem.material_of_label, problem.supports,
+        const bool linear = elasticity == fem::Elasticity::linear;
+        fem::Opening opening(problem.mesh, problem.material_of_label, problem.supports,
             { .elasticity = elasticity, .locking_free = locking_free, .tolerance = linear ? 1e-9 : 1e-7 });
-        OpeningResult result = opening.open(problem.hooks, job);
-        if (result.status != OpeningStatus::converged && !(linear && result.status == OpeningStatus::inverted))
+        fem::OpeningResult result = opening.open(problem.hooks, job);
+        if (result.status != fem::OpeningStatus::converged
+            && !(linear && result.status == fem::OpeningStatus::inverted))
             throw SolverError("not opened: " + result.message);
         return result;
     }
 
     /// Solved three times on one mesh.
     Answers answers_on(
-        const ElasticProblem& problem, Elasticity elasticity, const Quantities& quantities, const Job& job)
+        const fem::ElasticProblem& problem, fem::Elasticity elasticity, const Quantities& quantities, const Job& job)
     {
-        const ElasticProblem fine = with_midpoints(problem);
+        const fem::ElasticProblem fine = with_midpoints(problem);
         Answers answers;
-        std::array<OpeningResult, 3> results;
+        std::array<fem::OpeningResult, 3> results;
         for (std::size_t i = 0; i < 3; ++i) {
             const Stopwatch watch;
             results[i] = opened(i == 2 ? fine : problem, elasticity, i == 1, job);
@@ -109,7 +112,7 @@ namespace {
         answers.locking_free = quantities(problem, results[1]);
         answers.ten = quantities(fine, results[2]);
         const Points& u = results[2].displacement;
-        answers.share = ten_node_share(
+        answers.share = fem::ten_node_share(
             fine, elasticity, Eigen::Map<const Eigen::VectorXd>(u.data(), u.size()), results[0].displacement);
         return answers;
     }
@@ -117,12 +120,12 @@ namespace {
     struct Family {
         std::string name;
         double poissons_ratio;
-        std::function<ElasticProblem(double cell)> make;
+        std::function<fem::ElasticProblem(double cell)> make;
         std::vector<double> cells; ///< mm
         double fine, finest; ///< of the reference
         Quantities quantities;
         std::vector<std::string> names;
-        Elasticity elasticity = Elasticity::linear;
+        fem::Elasticity elasticity = fem::Elasticity::linear;
         /// The error of these falls with the size of elements to this power: twice that of the distance from the edge
         /// where stress has no bound, with which the displacement grows. At the ends of cuts that is the root.
         double order = 1.0;
@@ -150,7 +153,7 @@ namespace {
     void add_family(std::vector<VerificationRow>& rows, const Family& family, const Job& job)
     {
         const auto by_ten = [&](double cell) {
-            const ElasticProblem problem = with_midpoints(family.make(cell));
+            const fem::ElasticProblem problem = with_midpoints(family.make(cell));
             return family.quantities(problem, opened(problem, family.elasticity, false, job));
         };
         const std::vector<Quantity> before = by_ten(family.fine);
@@ -161,9 +164,9 @@ namespace {
         for (const double cell : family.cells) {
             if (job.cancelled())
                 return;
-            const ElasticProblem problem = family.make(cell);
+            const fem::ElasticProblem problem = family.make(cell);
             VerificationRow row = like(family.name, family.poissons_ratio, problem.mesh);
-            if (family.elasticity == Elasticity::hyperelastic)
+            if (family.elasticity == fem::Elasticity::hyperelastic)
                 row.law = "neo-Hookean";
             add_rows(rows, row, answers_on(problem, family.elasticity, family.quantities, job), right, family.names,
                 cell > kCoarseSheet);
@@ -175,13 +178,13 @@ namespace {
         double length = 40.0, moved = 2.0; ///< mm
         double poissons_ratio = 0.3;
     };
-    ElasticProblem bent_bar(const Bar& bar, double cell)
+    fem::ElasticProblem bent_bar(const Bar& bar, double cell)
     {
         constexpr double kAcross = 4.0, kTiny = 1e-9;
         const int across = static_cast<int>(std::lround(kAcross / cell)),
                   along = static_cast<int>(std::lround(bar.length / cell));
-        ElasticProblem problem;
-        problem.mesh = kuhn_box(along, across, across, kAcross / across);
+        fem::ElasticProblem problem;
+        problem.mesh = mesh::kuhn_box(along, across, across, kAcross / across);
         problem.material_of_label.assign(2, { "tissue", 0.5, bar.poissons_ratio, 1e-9, "verification" });
         problem.hooks = { { .name = "end", .side = 1, .nodes = {}, .displacement = Vec3(0.0, bar.moved, 0.0) } };
         for (VertexId v = 0; v < static_cast<VertexId>(problem.mesh.vertex_count()); ++v)
@@ -203,7 +206,7 @@ namespace {
             .hook_width = 6.0,
             .hook_height = 3.0 };
     }
-    ElasticProblem opened_sheet(double cell, double nu)
+    fem::ElasticProblem opened_sheet(double cell, double nu)
     {
         const IncisedBlock block = incised_sheet(cell);
         return hooked_open(block, incise(uncut_block(block), incision_blade(block)),
@@ -211,7 +214,7 @@ namespace {
     }
     /// Distance that the lips were drawn apart by at the skin, half way from the hooks to the end of the cut: a vertex
     /// of every mesh.
-    double hooked_gape(const ElasticProblem& problem, const OpeningResult& result)
+    double hooked_gape(const fem::ElasticProblem& problem, const fem::OpeningResult& result)
     {
         constexpr double kTiny = 1e-6;
         const Eigen::RowVector3d place(6.0, 9.0, 6.0);
@@ -230,19 +233,19 @@ namespace {
     double wall_displacement(const QuarterTube& tube, const Eigen::VectorXd& u)
     {
         double sum = 0.0;
-        for (const TetFace& face : tube.inner_faces) {
+        for (const mesh::TetFace& face : tube.inner_faces) {
             const auto nodes = tube.mesh.tet(face.tet);
             const auto radial = [&](VertexId v) {
                 const Vec3 p = tube.mesh.vertices.row(v);
                 return (u[3 * v] * p.x() + u[3 * v + 1] * p.y()) / p.head<2>().norm();
             };
             if (nodes.size() == 4) {
-                for (const VertexId v : face_vertices(tube.mesh, face))
+                for (const VertexId v : mesh::face_vertices(tube.mesh, face))
                     sum += radial(v) / 3.0;
                 continue;
             }
-            for (std::size_t e = 0; e < kTetEdges.size(); ++e) // exact for quadratics
-                if (kTetEdges[e][0] != face.corner && kTetEdges[e][1] != face.corner)
+            for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e) // exact for quadratics
+                if (mesh::kTetEdges[e][0] != face.corner && mesh::kTetEdges[e][1] != face.corner)
                     sum += radial(nodes[4 + e]) / 3.0;
         }
         return sum / static_cast<double>(tube.inner_faces.size());
@@ -250,31 +253,31 @@ namespace {
 
     constexpr double kStretching = 2.0 * kPulse; // by a fifth
 
-    VerificationLaw vessel_law(Elasticity elasticity, double nu)
+    VerificationLaw vessel_law(fem::Elasticity elasticity, double nu)
     {
-        return elasticity == Elasticity::linear
+        return elasticity == fem::Elasticity::linear
             ? linear_law(kVessel, nu)
             : retractor::hyperelastic_law(
                 "neo-Hookean", retractor::hyperelastic_law({ "vessel", kVessel, nu, 1e-9, "verification" }));
     }
 
     VerificationSolve pressed_vessel(
-        const QuarterTube& tube, VerificationElement element, Elasticity elasticity, double nu, const Job& job)
+        const QuarterTube& tube, VerificationElement element, fem::Elasticity elasticity, double nu, const Job& job)
     {
-        const bool linear = elasticity == Elasticity::linear;
-        ElasticBody body = make_body(tube.mesh, element, vessel_law(elasticity, nu));
-        body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, linear ? kPulse : kStretching) } });
+        const bool linear = elasticity == fem::Elasticity::linear;
+        fem::ElasticBody body = make_body(tube.mesh, element, vessel_law(elasticity, nu));
+        body.set_loads({ {}, { fem::FollowerPressure(tube.mesh, tube.inner_faces, linear ? kPulse : kStretching) } });
         VerificationSolve solve = solve_problem(
             body, tube.held.prescribed, {}, { .load_steps = 2, .tolerance = linear ? 1e-9 : 1e-7 }, job);
-        if (solve.equilibrium.status != EquilibriumStatus::converged)
+        if (solve.equilibrium.status != fem::EquilibriumStatus::converged)
             throw SolverError("the tube was not pressed: " + solve.equilibrium.message);
         return solve;
     }
 
     /// Lame's, or, stretched, that of ten-node elements on a mesh finer than all others.
-    double right_displacement(Elasticity elasticity, double nu, const Job& job)
+    double right_displacement(fem::Elasticity elasticity, double nu, const Job& job)
     {
-        if (elasticity == Elasticity::linear)
+        if (elasticity == fem::Elasticity::linear)
             return vessel_displacement(kVessel, nu, kPulse);
         constexpr int kThrough = 3;
         const QuarterTube tube = quarter_tube(10, kVesselInner, kVesselOuter, 12 * kThrough, kThrough, 1);
@@ -282,8 +285,8 @@ namespace {
             tube, pressed_vessel(tube, VerificationElement::p2, elasticity, nu, job).equilibrium.displacement);
     }
 
-    void add_tube(
-        std::vector<VerificationRow>& rows, Elasticity elasticity, double nu, double right, int through, const Job& job)
+    void add_tube(std::vector<VerificationRow>& rows, fem::Elasticity elasticity, double nu, double right, int through,
+        const Job& job)
     {
         const QuarterTube straight = quarter_tube(4, kVesselInner, kVesselOuter, 12 * through, through, 1),
                           curved = quarter_tube(10, kVesselInner, kVesselOuter, 12 * through, through, 1);
@@ -300,11 +303,11 @@ namespace {
         answers.plain = { number(wall_displacement(straight, u[0])) };
         answers.locking_free = { number(wall_displacement(straight, u[1])) };
         answers.ten = { number(wall_displacement(curved, u[2])) };
-        const ElasticProblem problem { curved.mesh,
-            std::vector<Material>(2, { "vessel", kVessel, nu, 1e-9, "verification" }), {}, {} };
-        answers.share = ten_node_share(
+        const fem::ElasticProblem problem { curved.mesh,
+            std::vector<fem::Material>(2, { "vessel", kVessel, nu, 1e-9, "verification" }), {}, {} };
+        answers.share = fem::ten_node_share(
             problem, elasticity, u[2], Eigen::Map<const Points>(u[0].data(), straight.mesh.vertices.rows(), 3));
-        const bool linear = elasticity == Elasticity::linear;
+        const bool linear = elasticity == fem::Elasticity::linear;
         VerificationRow row = like(linear ? "pressed tube" : "stretched tube", nu, straight.mesh);
         row.law = vessel_law(elasticity, nu).name;
         add_rows(rows, row, answers, { number(right) }, { "the inner wall's mean displacement" });
@@ -318,15 +321,16 @@ std::vector<VerificationRow> element_estimates(const VerificationOptions& option
     for (const double nu : { 0.30, 0.45, 0.49 })
         for (const int through : { 1, 2, 4 })
             if (!job.cancelled())
-                add_tube(rows, Elasticity::linear, nu, right_displacement(Elasticity::linear, nu, job), through, job);
+                add_tube(rows, fem::Elasticity::linear, nu, right_displacement(fem::Elasticity::linear, nu, job),
+                    through, job);
     for (const double nu : { 0.30, 0.45 }) {
         if (job.cancelled())
             break;
-        const double right = right_displacement(Elasticity::hyperelastic, nu, job);
+        const double right = right_displacement(fem::Elasticity::hyperelastic, nu, job);
         for (const int through : { 1, 2, 4 })
-            add_tube(rows, Elasticity::hyperelastic, nu, right, through, job);
+            add_tube(rows, fem::Elasticity::hyperelastic, nu, right, through, job);
     }
-    const Quantities force = [](const ElasticProblem&, const OpeningResult& result) {
+    const Quantities force = [](const fem::ElasticProblem&, const fem::OpeningResult& result) {
         return std::vector<Quantity> { result.hook_forces_N.back() };
     };
     for (const double nu : { 0.30, 0.45 })
@@ -356,10 +360,10 @@ std::vector<VerificationRow> element_estimates(const VerificationOptions& option
                     .finest = options.fine ? 4.0 / 7.0 : 0.8,
                     .quantities = force,
                     .names = { "the end's force, N" },
-                    .elasticity = Elasticity::hyperelastic,
+                    .elasticity = fem::Elasticity::hyperelastic,
                     .order = clamped_rim_order(nu) },
                 job);
-    const Quantities force_and_gape = [](const ElasticProblem& problem, const OpeningResult& result) {
+    const Quantities force_and_gape = [](const fem::ElasticProblem& problem, const fem::OpeningResult& result) {
         return std::vector<Quantity> { result.hook_forces_N.back(), number(hooked_gape(problem, result)) };
     };
     for (const double nu : { 0.30, 0.49 })
@@ -377,4 +381,4 @@ std::vector<VerificationRow> element_estimates(const VerificationOptions& option
     return rows;
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -1,14 +1,14 @@
 #include "tests/verification/comparison/estimates.h"
 
 #include "fem/error_estimation/body_estimate.h"
-#include "fem/statics/elastic_problem.h"
 #include "fem/error_estimation/error_estimate.h"
-#include "fem/statics/opening.h"
 #include "fem/model/pre_strain.h"
+#include "fem/statics/elastic_problem.h"
+#include "fem/statics/opening.h"
 #include "fem/statics/tension.h"
 #include "mesh/base/error.h"
-#include "mesh/cutting/cut_session.h"
 #include "mesh/base/text.h"
+#include "mesh/cutting/cut_session.h"
 #include "tests/verification/framework/meshes.h"
 #include "tests/verification/framework/vessel.h"
 
@@ -17,7 +17,7 @@
 #include <limits>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -25,16 +25,17 @@ namespace {
 
     /// Conditions on corners carried over to ten-node elements: a midpoint is held along an axis where both ends of its
     /// edge are.
-    std::vector<std::uint8_t> with_midpoints_held(const TetMesh& fine, const std::vector<std::uint8_t>& corners)
+    std::vector<std::uint8_t> with_midpoints_held(const mesh::TetMesh& fine, const std::vector<std::uint8_t>& corners)
     {
         std::vector<std::uint8_t> held(3 * fine.vertex_count(), 0);
         std::copy(corners.begin(), corners.end(), held.begin());
         for (TetId t = 0; t < static_cast<TetId>(fine.tet_count()); ++t) {
             const auto nodes = fine.tet(t);
-            for (std::size_t e = 0; e < kTetEdges.size(); ++e)
+            for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e)
                 for (std::size_t axis = 0; axis < 3; ++axis) {
                     const auto end = [&](std::size_t i) {
-                        return corners[3 * static_cast<std::size_t>(nodes[static_cast<std::size_t>(kTetEdges[e][i])])
+                        return corners[3
+                                * static_cast<std::size_t>(nodes[static_cast<std::size_t>(mesh::kTetEdges[e][i])])
                             + axis];
                     };
                     held[3 * static_cast<std::size_t>(nodes[4 + e]) + axis]
@@ -47,7 +48,7 @@ namespace {
     /// By what ten-node elements add.
     JudgedEstimate judged(double answer, double better, double right)
     {
-        return { answer, std::abs(better - answer) / kErrorShare, right };
+        return { answer, std::abs(better - answer) / fem::kErrorShare, right };
     }
 
     VerificationRow without_estimate(VerificationRow row, const std::string& why)
@@ -62,17 +63,17 @@ namespace {
         constexpr double E = 0.5; // MPa
         const VerificationLaw law = linear_law(E, nu);
         const QuarterTube coarse = quarter_tube(4, kVesselInner, kVesselOuter, around, through, 1);
-        ElasticBody body = make_body(coarse.mesh, VerificationElement::p1, law);
-        body.set_loads({ {}, { FollowerPressure(coarse.mesh, coarse.inner_faces, kPulse) } });
+        fem::ElasticBody body = make_body(coarse.mesh, VerificationElement::p1, law);
+        body.set_loads({ {}, { fem::FollowerPressure(coarse.mesh, coarse.inner_faces, kPulse) } });
         const VerificationSolve solve = solve_problem(body, coarse.held.prescribed, {}, { .tolerance = 1e-9 }, job);
         VerificationRow row
             = make_row("error estimate, pressed tube", VerificationElement::p1, law, coarse.mesh, solve);
-        const TetMesh fine = with_midpoints(coarse.mesh);
-        ElasticBody fine_body = make_body(fine, VerificationElement::p2, law);
-        fine_body.set_loads({ {}, { FollowerPressure(fine, coarse.inner_faces, kPulse) } });
-        const BodyEstimate estimate = estimate_error(body, coarse.held.prescribed, fine_body,
+        const mesh::TetMesh fine = with_midpoints(coarse.mesh);
+        fem::ElasticBody fine_body = make_body(fine, VerificationElement::p2, law);
+        fine_body.set_loads({ {}, { fem::FollowerPressure(fine, coarse.inner_faces, kPulse) } });
+        const fem::BodyEstimate estimate = fem::estimate_error(body, coarse.held.prescribed, fine_body,
             with_midpoints_held(fine, coarse.held.prescribed), solve.equilibrium.displacement, job);
-        if (estimate.status != EstimateStatus::done)
+        if (estimate.status != fem::EstimateStatus::done)
             return without_estimate(std::move(row), estimate.message);
         judge_estimate(row, "the inner wall's displacement",
             judged(inner_displacement(coarse, solve.equilibrium.displacement),
@@ -82,12 +83,12 @@ namespace {
     }
 
     /// Distance between the lips at the middle of the cut, mean over the thickness.
-    double sheet_gape_of(const SheetProblem& sheet, const CutMesh& cut, const Eigen::VectorXd& u)
+    double sheet_gape_of(const fem::SheetProblem& sheet, const mesh::CutMesh& cut, const Eigen::VectorXd& u)
     {
         double sum = 0.0;
         int faces = 0;
-        for (const LipFace& lip : cut.lips)
-            for (const VertexId v : face_vertices(cut.mesh, lip.face))
+        for (const mesh::LipFace& lip : cut.lips)
+            for (const VertexId v : mesh::face_vertices(cut.mesh, lip.face))
                 if (std::abs(cut.mesh.vertices(v, 0)) < 1e-6 * sheet.cut_length) {
                     sum += lip.side * u[3 * v + 1];
                     ++faces;
@@ -99,41 +100,42 @@ namespace {
     {
         constexpr double strain = 0.02, E = 0.2, nu = 0.25;
         const VerificationLaw law = linear_law(E, nu);
-        SheetProblem sheet;
+        fem::SheetProblem sheet;
         sheet.around = around;
-        const std::vector<Material> materials(2, { "skin", E, nu, 1.1e-9, "verification" });
-        const CutMesh cut = retractor::cut(sheet_mesh(sheet), sheet_blade(sheet));
-        if (cut.status != CutStatus::done)
+        const std::vector<fem::Material> materials(2, { "skin", E, nu, 1.1e-9, "verification" });
+        const mesh::CutMesh cut = retractor::mesh::cut(fem::sheet_mesh(sheet), fem::sheet_blade(sheet));
+        if (cut.status != mesh::CutStatus::done)
             throw SolverError("the sheet was not cut: " + cut.message);
-        const std::vector<Mat3> stresses = pre_stress(cut.mesh, materials,
-            std::vector<PreStrain>(2, { PreStrainKind::uniaxial_stress, strain, Vec3::UnitY(), Vec3::UnitZ() }));
-        std::vector<TetFace> lips;
-        for (const LipFace& lip : cut.lips)
+        const std::vector<Mat3> stresses = fem::pre_stress(cut.mesh, materials,
+            std::vector<fem::PreStrain>(
+                2, { fem::PreStrainKind::uniaxial_stress, strain, Vec3::UnitY(), Vec3::UnitZ() }));
+        std::vector<mesh::TetFace> lips;
+        for (const mesh::LipFace& lip : cut.lips)
             lips.push_back(lip.face);
         Held held = hold_nothing(cut.mesh);
-        for (const VertexId v : sheet_rim(sheet, cut.mesh)) {
+        for (const VertexId v : fem::sheet_rim(sheet, cut.mesh)) {
             const Vec3 u
-                = sheet_displacement(sheet.cut_length, E * strain, E, nu, cut.mesh.vertices.row(v).transpose());
+                = fem::sheet_displacement(sheet.cut_length, E * strain, E, nu, cut.mesh.vertices.row(v).transpose());
             for (int axis = 0; axis < 3; ++axis)
                 hold(held, v, axis, u[axis]);
         }
-        for (const VertexId v : sheet_middle_plane(cut.mesh))
+        for (const VertexId v : fem::sheet_middle_plane(cut.mesh))
             hold(held, v, 2);
-        ElasticBody body = make_body(cut.mesh, VerificationElement::p1, law);
-        body.set_loads({ release_forces(cut.mesh, lips, stresses), {} });
+        fem::ElasticBody body = make_body(cut.mesh, VerificationElement::p1, law);
+        body.set_loads({ fem::release_forces(cut.mesh, lips, stresses), {} });
         const VerificationSolve solve = solve_problem(body, held.prescribed, held.target, { .tolerance = 1e-9 }, job);
         VerificationRow row = make_row("error estimate, gaping cut", VerificationElement::p1, law, cut.mesh, solve);
-        const TetMesh fine = with_midpoints(cut.mesh);
-        ElasticBody fine_body = make_body(fine, VerificationElement::p2, law);
-        fine_body.set_loads({ release_forces(fine, lips, stresses), {} });
-        const BodyEstimate estimate = estimate_error(body, held.prescribed, fine_body,
+        const mesh::TetMesh fine = with_midpoints(cut.mesh);
+        fem::ElasticBody fine_body = make_body(fine, VerificationElement::p2, law);
+        fine_body.set_loads({ fem::release_forces(fine, lips, stresses), {} });
+        const fem::BodyEstimate estimate = fem::estimate_error(body, held.prescribed, fine_body,
             with_midpoints_held(fine, held.prescribed), solve.equilibrium.displacement, job);
-        if (estimate.status != EstimateStatus::done)
+        if (estimate.status != fem::EstimateStatus::done)
             return without_estimate(std::move(row), estimate.message);
         judge_estimate(row, "the gape in the middle",
             judged(std::abs(sheet_gape_of(sheet, cut, solve.equilibrium.displacement)),
                 std::abs(sheet_gape_of(sheet, cut, estimate.displacement.head(3 * cut.mesh.vertices.rows()))),
-                sheet_gape(PreStrainKind::uniaxial_stress, strain, sheet.cut_length, nu)));
+                fem::sheet_gape(fem::PreStrainKind::uniaxial_stress, strain, sheet.cut_length, nu)));
         return row;
     }
 
@@ -147,17 +149,17 @@ namespace {
     constexpr double kSide = 20.0, kHalf = 20.0, kPush = 1.0; // mm; each plate goes kPush
     constexpr double kColumn = 0.04; // MPa
 
-    ElasticProblem pressed_column(int nodes_per_tet, const Column& column)
+    fem::ElasticProblem pressed_column(int nodes_per_tet, const Column& column)
     {
         constexpr double kTiny = 1e-9;
         const int across = static_cast<int>(std::lround(kSide / column.cell)),
                   up = static_cast<int>(std::lround(kHalf / column.cell));
         const auto scaled = [&](const Vec3& p) -> Vec3 { return column.cell * p; };
-        ElasticProblem problem;
+        fem::ElasticProblem problem;
         if (column.divided) {
             problem.mesh = mapped_box(nodes_per_tet, across, across, up, scaled);
             // The other half is its mirror image: the same triangles lie on each other.
-            const TetMesh lower = problem.mesh;
+            const mesh::TetMesh lower = problem.mesh;
             const auto before = static_cast<VertexId>(lower.vertex_count());
             problem.mesh.vertices.conservativeResize(2 * lower.vertices.rows(), 3);
             for (Eigen::Index v = 0; v < lower.vertices.rows(); ++v)
@@ -172,7 +174,7 @@ namespace {
         } else {
             problem.mesh = mapped_box(nodes_per_tet, across, across, 2 * up, scaled);
         }
-        const Material tissue { "muscle", kColumn, column.poissons_ratio, 1.06e-9, "verification" };
+        const fem::Material tissue { "muscle", kColumn, column.poissons_ratio, 1.06e-9, "verification" };
         problem.material_of_label = { tissue, tissue };
         problem.hooks = { { "below", -1, {}, Vec3(0.0, 0.0, kPush) }, { "above", 1, {}, Vec3(0.0, 0.0, -kPush) } };
         for (VertexId v = 0; v < static_cast<VertexId>(problem.mesh.vertex_count()); ++v) {
@@ -187,17 +189,17 @@ namespace {
         return problem;
     }
 
-    OpeningResult pressed(const ElasticProblem& problem, const OpeningOptions& options, const Job& job)
+    fem::OpeningResult pressed(const fem::ElasticProblem& problem, const fem::OpeningOptions& options, const Job& job)
     {
-        Opening opening(problem.mesh, problem.material_of_label, problem.supports, options);
-        OpeningResult result = opening.open(problem.hooks, job);
-        if (result.status != OpeningStatus::converged)
+        fem::Opening opening(problem.mesh, problem.material_of_label, problem.supports, options);
+        fem::OpeningResult result = opening.open(problem.hooks, job);
+        if (result.status != fem::OpeningStatus::converged)
             throw SolverError("the columns were not pressed: " + result.message);
         return result;
     }
 
-    VerificationRow columns_row(const Column& column, VerificationElement element, const TetMesh& mesh,
-        const OpeningResult& answer, const Stopwatch& watch)
+    VerificationRow columns_row(const Column& column, VerificationElement element, const mesh::TetMesh& mesh,
+        const fem::OpeningResult& answer, const Stopwatch& watch)
     {
         VerificationRow row;
         row.problem = column.plate < kSide ? "error estimate, columns pressed together"
@@ -213,15 +215,15 @@ namespace {
 
     VerificationRow pressed_columns(const Column& column, double right, const Job& job)
     {
-        OpeningOptions options { .elasticity = Elasticity::linear, .load_steps = 2, .tolerance = 1e-9 };
+        fem::OpeningOptions options { .elasticity = fem::Elasticity::linear, .load_steps = 2, .tolerance = 1e-9 };
         options.contact.emplace();
-        const ElasticProblem problem = pressed_column(4, column);
+        const fem::ElasticProblem problem = pressed_column(4, column);
         const Stopwatch watch;
-        const OpeningResult answer = pressed(problem, options, job);
+        const fem::OpeningResult answer = pressed(problem, options, job);
         VerificationRow row = columns_row(column, VerificationElement::p1, problem.mesh, answer, watch);
-        const ErrorEstimate estimate
-            = estimate_error(problem, Elasticity::linear, answer.displacement, job, options.contact);
-        if (estimate.status != EstimateStatus::done)
+        const fem::ErrorEstimate estimate
+            = fem::estimate_error(problem, fem::Elasticity::linear, answer.displacement, job, options.contact);
+        if (estimate.status != fem::EstimateStatus::done)
             return without_estimate(std::move(row), estimate.message);
         judge_estimate(
             row, "a plate's force, N", judged(answer.hook_forces_N[1].norm(), estimate.hook_forces_N[1].norm(), right));
@@ -231,16 +233,16 @@ namespace {
     /// The same by ten-node elements, by what plain ones lack.
     VerificationRow pressed_ten_node_columns(const Column& column, double right, const Job& job)
     {
-        OpeningOptions options { .elasticity = Elasticity::linear, .load_steps = 2, .tolerance = 1e-9 };
+        fem::OpeningOptions options { .elasticity = fem::Elasticity::linear, .load_steps = 2, .tolerance = 1e-9 };
         options.contact.emplace();
-        const ElasticProblem problem = pressed_column(4, column), fine = with_midpoints(problem);
-        const OpeningResult plain = pressed(problem, options, job);
+        const fem::ElasticProblem problem = pressed_column(4, column), fine = with_midpoints(problem);
+        const fem::OpeningResult plain = pressed(problem, options, job);
         const Stopwatch watch;
-        const OpeningResult answer = pressed(fine, options, job);
+        const fem::OpeningResult answer = pressed(fine, options, job);
         VerificationRow row = columns_row(column, VerificationElement::p2, fine.mesh, answer, watch);
         const Points& u = answer.displacement;
-        const double share = ten_node_share(
-            fine, Elasticity::linear, Eigen::Map<const Eigen::VectorXd>(u.data(), u.size()), plain.displacement);
+        const double share = fem::ten_node_share(
+            fine, fem::Elasticity::linear, Eigen::Map<const Eigen::VectorXd>(u.data(), u.size()), plain.displacement);
         const double force = answer.hook_forces_N[1].norm();
         judge_estimate(
             row, "a plate's force, N", { force, share * std::abs(plain.hook_forces_N[1].norm() - force), right });
@@ -252,7 +254,7 @@ namespace {
         // One column in one piece, by ten-node elements on two meshes; at the plate's rim the error falls in proportion
         // to the edge, so that the last answer is carried on by as much as it moved.
         const auto whole = [&](double cell) {
-            const OpeningOptions linear { .elasticity = Elasticity::linear, .tolerance = 1e-9 };
+            const fem::OpeningOptions linear { .elasticity = fem::Elasticity::linear, .tolerance = 1e-9 };
             return pressed(pressed_column(10, { .cell = cell }), linear, job).hook_forces_N[1].norm();
         };
         const double coarse = whole(5.0), fine = whole(2.5), right = fine - (coarse - fine);
@@ -319,4 +321,4 @@ VerificationProblem estimate_problem()
         "nodal P1, which `plan` does not offer; fibres: estimates are made from the field, whatever the law" };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

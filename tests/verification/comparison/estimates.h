@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::verification {
 
 VerificationProblem estimate_problem();
 
@@ -24,4 +24,4 @@ void judge_estimate(VerificationRow& row, const std::string& quantity, const Jud
 /// Part of that problem: plain, locking-free and ten-node elements on a pressed tube, a bent bar and a cut sheet.
 std::vector<VerificationRow> element_estimates(const VerificationOptions& options, const Job& job);
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -7,9 +7,9 @@
 
 #include "tests/verification/comparison/solver_problems.h"
 
+#include "fem/interactive/online_opening.h"
 #include "fem/model/loads.h"
 #include "fem/statics/near_field.h"
-#include "fem/interactive/online_opening.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/error.h"
 #include "mesh/base/job.h"
@@ -27,7 +27,7 @@
 #include <numbers>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -37,11 +37,11 @@ namespace {
     /// A body to be pulled at by hooks, and the cut that comes and goes before.
     struct Scene {
         std::string problem, quantity;
-        TetMesh mesh {};
-        std::vector<Material> materials {};
-        Supports supports {};
-        std::vector<OnlineHook> hooks {};
-        Blade blade {};
+        mesh::TetMesh mesh {};
+        std::vector<fem::Material> materials {};
+        fem::Supports supports {};
+        std::vector<fem::OnlineHook> hooks {};
+        mesh::Blade blade {};
         double size = 0.0, expected = 0.0;
         /// What is compared. @param displacements of the hooks. @param forces that they apply.
         std::function<double(const std::vector<Vec3>& displacements, const std::vector<Vec3>& forces)> value {};
@@ -49,18 +49,19 @@ namespace {
 
     /// The largest difference from Opening where the hooks are where the answer has them: of displacements over the
     /// largest, and of hook forces over the largest.
-    double apart_from_exact(const Scene& scene, const CutSession& session, const OnlineAnswer& answer, const Job& job)
+    double apart_from_exact(
+        const Scene& scene, const mesh::CutSession& session, const fem::OnlineAnswer& answer, const Job& job)
     {
-        std::vector<OnlineHook> held = scene.hooks;
+        std::vector<fem::OnlineHook> held = scene.hooks;
         for (std::size_t i = 0; i < held.size(); ++i)
             held[i].drive = { .displacement = answer.hook_displacements[i] };
-        const ElasticProblem problem = problem_now(session, scene.materials, scene.supports, held);
-        SlotMap map;
+        const fem::ElasticProblem problem = problem_now(session, scene.materials, scene.supports, held);
+        mesh::SlotMap map;
         (void)session.compact_mesh(&map);
-        Opening opening(problem.mesh, problem.material_of_label, problem.supports,
-            { .elasticity = Elasticity::linear, .tolerance = 1e-9 });
-        const OpeningResult exact = opening.open(problem.hooks, job);
-        if (exact.status != OpeningStatus::converged && exact.status != OpeningStatus::inverted)
+        fem::Opening opening(problem.mesh, problem.material_of_label, problem.supports,
+            { .elasticity = fem::Elasticity::linear, .tolerance = 1e-9 });
+        const fem::OpeningResult exact = opening.open(problem.hooks, job);
+        if (exact.status != fem::OpeningStatus::converged && exact.status != fem::OpeningStatus::inverted)
             throw SolverError("the exact path found no answer: " + exact.message);
         double moved = 0.0, pulled = 0.0, strongest = 0.0;
         for (std::size_t v = 0; v < map.vertex_slot.size(); ++v)
@@ -78,29 +79,29 @@ namespace {
 
     /// Four rows: the answer by a solve and by the columns of a drag, and each beside the exact path's.
     std::array<VerificationRow, 4> through_online(
-        const Scene& scene, BodyKept kept, const std::string& name, const Job& job)
+        const Scene& scene, fem::BodyKept kept, const std::string& name, const Job& job)
     {
-        CutSession session(scene.mesh);
-        OnlineOptions options;
+        mesh::CutSession session(scene.mesh);
+        fem::OnlineOptions options;
         options.body = kept;
         std::vector<VertexId> held;
-        for (const OnlineHook& hook : scene.hooks)
+        for (const fem::OnlineHook& hook : scene.hooks)
             held.insert(held.end(), hook.nodes.begin(), hook.nodes.end());
-        OnlineOpening opening(session, scene.materials, scene.supports, held, options);
-        for (const OnlineHook& hook : scene.hooks)
+        fem::OnlineOpening opening(session, scene.materials, scene.supports, held, options);
+        for (const fem::OnlineHook& hook : scene.hooks)
             (void)opening.attach(hook);
-        const CutResult cut = session.cut(scene.blade);
-        if (cut.status != CutStatus::done)
+        const mesh::CutResult cut = session.cut(scene.blade);
+        if (cut.status != mesh::CutStatus::done)
             throw SolverError("the body was not cut: " + cut.message);
         opening.follow(cut.delta, session.lips());
-        const auto solved = [&](const OnlineAnswer& answer) {
-            if (answer.status != OnlineStatus::solved)
+        const auto solved = [&](const fem::OnlineAnswer& answer) {
+            if (answer.status != fem::OnlineStatus::solved)
                 throw SolverError("the hooks were not followed: " + answer.message);
         };
         solved(opening.answer());
         const Stopwatch watch;
         opening.follow(session.undo(), session.lips());
-        OnlineAnswer answer = opening.answer();
+        fem::OnlineAnswer answer = opening.answer();
         solved(answer);
         opening.complete(answer);
         VerificationRow row;
@@ -112,7 +113,7 @@ namespace {
         row.size = scene.size;
         row.seconds = watch.seconds();
         std::array<VerificationRow, 4> rows;
-        const auto fill = [&](std::size_t at, const OnlineAnswer& a) {
+        const auto fill = [&](std::size_t at, const fem::OnlineAnswer& a) {
             row.residual = a.residual;
             rows[at] = rows[at + 1] = row;
             compare(rows[at], scene.quantity, scene.value(a.hook_displacements, a.hook_forces_N), scene.expected);
@@ -123,7 +124,7 @@ namespace {
         fill(0, answer);
         (void)opening.prepare_drag();
         const Stopwatch frame;
-        const OnlineAnswer dragged = opening.drag_answer();
+        const fem::OnlineAnswer dragged = opening.drag_answer();
         row.seconds = frame.seconds();
         solved(dragged);
         row.element = "P1, dragged, " + name;
@@ -131,7 +132,7 @@ namespace {
         return rows;
     }
 
-    OnlineHook driven_hook(std::vector<VertexId> nodes, const HookDrive& drive, std::size_t number)
+    fem::OnlineHook driven_hook(std::vector<VertexId> nodes, const fem::HookDrive& drive, std::size_t number)
     {
         return { .name = "hook " + std::to_string(number), .side = 1, .nodes = std::move(nodes), .drive = drive };
     }
@@ -161,7 +162,7 @@ namespace {
             if (p.x() > 48.0 - kTiny)
                 rows[std::lround(1e3 * p.y())].push_back(v);
         }
-        const Eigen::VectorXd loads = traction_loads(scene.mesh,
+        const Eigen::VectorXd loads = fem::traction_loads(scene.mesh,
             faces_where(scene.mesh, [](const Vec3& p) { return p.x() > 48.0 - kTiny; }), { 0.0, 1.0 / 16.0, 0.0 });
         std::size_t middle = 0;
         for (const auto& [height, nodes] : rows) {
@@ -198,7 +199,7 @@ namespace {
             if (!at_inner(p))
                 scene.supports.bedded.push_back({ v, 1e-7 * E });
         }
-        const Eigen::VectorXd loads = FollowerPressure(scene.mesh, faces_where(scene.mesh, at_inner), kPulse)
+        const Eigen::VectorXd loads = fem::FollowerPressure(scene.mesh, faces_where(scene.mesh, at_inner), kPulse)
                                           .force(Eigen::VectorXd::Zero(3 * scene.mesh.vertices.rows()));
         std::vector<Vec3> outwards;
         for (const auto& [place, nodes] : lines) {
@@ -233,7 +234,8 @@ namespace {
             if (body.in_circle(body.mesh.vertices.row(v).transpose()))
                 for (int axis = 0; axis < 3; ++axis)
                     hold(held, v, axis);
-        ElasticBody elastic = make_body(body.mesh, VerificationElement::p1, linear_law(kPunchYoung, kPunchPoisson));
+        fem::ElasticBody elastic
+            = make_body(body.mesh, VerificationElement::p1, linear_law(kPunchYoung, kPunchPoisson));
         const VerificationSolve solve
             = solve_problem(elastic, held.prescribed, held.target, { .tolerance = 1e-9 }, job);
         double force = 0.0;
@@ -280,7 +282,7 @@ namespace {
         constexpr double a = 5.0, E = 1.0, nu = 0.3, stress = 1e-4; // MPa: small strain, as the closed form has it
         const QuarterCylinder quarter = quarter_cylinder(4, a, n);
         const auto everywhere = [](const Vec3&) { return true; };
-        const TetMesh mesh = mirrored(
+        const mesh::TetMesh mesh = mirrored(
             mirrored(
                 mirrored(quarter.mesh, 2, [&](const Vec3& p) { return std::hypot(p.x(), p.y()) > a * (1.0 - 1e-6); }),
                 0, everywhere),
@@ -293,10 +295,10 @@ namespace {
             for (const VertexId v : mesh.tet(t))
                 above[static_cast<std::size_t>(v)] = z > 0.0 ? 1 : -1;
         }
-        Eigen::VectorXd load = traction_loads(mesh,
+        Eigen::VectorXd load = fem::traction_loads(mesh,
             faces_where(mesh, [&](const Vec3& p) { return std::abs(p.z()) < kTiny && quarter.in_circle(p); }),
             { 0.0, 0.0, stress });
-        Supports supports;
+        fem::Supports supports;
         std::array<VertexId, 2> middle { -1, -1 };
         const auto at = [&](VertexId v) -> Vec3 { return mesh.vertices.row(v).transpose(); };
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v) {
@@ -309,12 +311,12 @@ namespace {
             if (std::abs(at(v).z()) < kTiny && std::hypot(at(v).x(), at(v).y()) > a * (1.0 - 1e-6))
                 load.segment<3>(3 * v).setZero(); // on the front the two lips' tractions cancel
         }
-        const std::vector<Material> materials(2, { "tissue", E, nu, 1e-9, "reference" });
+        const std::vector<fem::Material> materials(2, { "tissue", E, nu, 1e-9, "reference" });
         const Stopwatch watch;
-        NearField field(mesh, materials, supports, {}, elements_near(mesh, Points::Zero(1, 3), 2.0 * a),
-            { .elasticity = Elasticity::corotational, .tolerance = 1e-8, .load = load });
-        const NearFrame rest = field.settle(job);
-        if (rest.status != NearStatus::settled)
+        fem::NearField field(mesh, materials, supports, {}, fem::elements_near(mesh, Points::Zero(1, 3), 2.0 * a),
+            { .elasticity = fem::Elasticity::corotational, .tolerance = 1e-8, .load = load });
+        const fem::NearFrame rest = field.settle(job);
+        if (rest.status != fem::NearStatus::settled)
             throw SolverError("the penny-shaped cut did not settle: " + rest.message);
         VerificationRow row;
         row.problem = "penny-shaped cut";
@@ -336,12 +338,12 @@ namespace {
                 p.z() < kTiny && std::hypot(p.x(), p.y()) > a * (1.0 - 1e-6))
                 hold(held, v, 2);
         VerificationLaw law = linear_law(E, nu);
-        law.model = Elasticity::corotational;
-        ElasticBody body = make_body(quarter.mesh, VerificationElement::p1, law);
-        body.set_loads({ traction_loads(quarter.mesh, quarter.circle(), { 0.0, 0.0, stress }), {} });
+        law.model = fem::Elasticity::corotational;
+        fem::ElasticBody body = make_body(quarter.mesh, VerificationElement::p1, law);
+        body.set_loads({ fem::traction_loads(quarter.mesh, quarter.circle(), { 0.0, 0.0, stress }), {} });
         const VerificationSolve exact
             = solve_problem(body, held.prescribed, held.target, { .load_steps = 1, .tolerance = 1e-9 }, job);
-        if (exact.equilibrium.status != EquilibriumStatus::converged)
+        if (exact.equilibrium.status != fem::EquilibriumStatus::converged)
             throw SolverError("the exact path found no answer: " + exact.equilibrium.message);
         const double right = 2.0 * exact.equilibrium.displacement[3 * quarter.nearest(Vec3::Zero()) + 2];
         compare(rows[1], "apart from the exact path, relative", std::abs(opened / right - 1.0), 0.0);
@@ -375,8 +377,8 @@ VerificationProblem fast_paths_problem()
         [](const VerificationOptions& options, const Job& job) {
             std::vector<VerificationRow> rows;
             for (const FastFamily& family : families())
-                for (const auto& [kept, name] : { std::pair { BodyKept::condensed, "cut undone" },
-                         std::pair { BodyKept::dissected, "cut undone, in parts" } }) {
+                for (const auto& [kept, name] : { std::pair { fem::BodyKept::condensed, "cut undone" },
+                         std::pair { fem::BodyKept::dissected, "cut undone, in parts" } }) {
                     std::array<std::vector<VerificationRow>, 4> series;
                     for (const int mesh : coarsest(family.meshes, options)) {
                         if (job.cancelled())
@@ -408,4 +410,4 @@ VerificationProblem fast_paths_problem()
         "is from the start; an incision that OnlineOpening cuts is under 'incision gape'" };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -4,9 +4,9 @@
 #include "tests/verification/comparison/solver_problems.h"
 
 #include "fem/springs/edge_springs.h"
+#include "fem/springs/spring_relaxation.h"
 #include "fem/statics/local_problem.h"
 #include "fem/statics/opening.h"
-#include "fem/springs/spring_relaxation.h"
 #include "mesh/base/error.h"
 #include "tests/verification/framework/incision.h"
 #include "tests/verification/framework/meshes.h"
@@ -18,11 +18,11 @@
 #include <map>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
-    const Material kFat { "fat", 0.01, 0.49, 0.92e-9, "verification" };
+    const fem::Material kFat { "fat", 0.01, 0.49, 0.92e-9, "verification" };
     const Vec3 kPull(0.0, 4.0, 1.0);
 
     /// Displacements by place and side of the cut, so that meshes can be compared.
@@ -30,7 +30,7 @@ namespace {
     using Field = std::map<Place, Vec3>;
 
     /// At the vertices of the coarsest mesh only.
-    Field field_of(const IncisedBlock& block, double coarsest, const TetMesh& mesh, const Eigen::VectorXd& u)
+    Field field_of(const IncisedBlock& block, double coarsest, const mesh::TetMesh& mesh, const Eigen::VectorXd& u)
     {
         Field field;
         const std::vector<int> side = sides_of_cut(block, mesh);
@@ -82,12 +82,12 @@ namespace {
 
     VerificationLaw law_of(const std::string& name)
     {
-        const Lame l = lame(kFat);
+        const fem::Lame l = fem::lame(kFat);
         if (name == "linear")
-            return { name, Elasticity::linear, l, {}, {} };
+            return { name, fem::Elasticity::linear, l, {}, {} };
         if (name == "corotational")
-            return { name, Elasticity::corotational, l, {}, {} };
-        return hyperelastic_law(name, NeoHookean { l.mu, l.lambda });
+            return { name, fem::Elasticity::corotational, l, {}, {} };
+        return hyperelastic_law(name, fem::NeoHookean { l.mu, l.lambda });
     }
 
     struct Answer {
@@ -98,12 +98,12 @@ namespace {
     Answer solve_elements(const Rung& rung, double cell, const Job& job)
     {
         const IncisedBlock block = ladder_block(cell);
-        const ElasticProblem problem = hooked_open(
+        const fem::ElasticProblem problem = hooked_open(
             block, incise(uncut_block(block), incision_blade(block)), kFat, kPull, nodes_per_tet(rung.element));
-        const Prescribed held = prescribe(problem.mesh, problem.supports, problem.hooks);
+        const fem::Prescribed held = fem::prescribe(problem.mesh, problem.supports, problem.hooks);
         const VerificationLaw law = law_of(rung.law);
         const Stopwatch watch;
-        ElasticBody body = make_body(problem.mesh, rung.element, law);
+        fem::ElasticBody body = make_body(problem.mesh, rung.element, law);
         const VerificationSolve solve = solve_problem(body, held.flag, held.value, { .load_steps = 2 }, job);
         Answer answer { make_row("solver ladder", rung.element, law, problem.mesh, solve), {} };
         answer.row.seconds = watch.seconds();
@@ -114,22 +114,22 @@ namespace {
     Answer solve_springs(double cell, const Job& job)
     {
         const IncisedBlock block = ladder_block(cell);
-        const ElasticProblem problem
+        const fem::ElasticProblem problem
             = hooked_open(block, incise(uncut_block(block), incision_blade(block)), kFat, kPull);
         const Stopwatch watch;
         constexpr int kSteps = 4;
         constexpr double kTolerance = 1e-4; // of what a step of the hooks leaves unbalanced
         Points u = Points::Zero(problem.mesh.vertices.rows(), 3);
         for (int step = 1; step <= kSteps; ++step) {
-            for (const HookPatch& hook : problem.hooks)
+            for (const fem::HookPatch& hook : problem.hooks)
                 for (const VertexId v : hook.nodes)
                     u.row(v) = (hook.displacement * step / kSteps).transpose();
-            SpringNetwork network(problem.mesh, problem.material_of_label);
+            fem::SpringNetwork network(problem.mesh, problem.material_of_label);
             network.set_displacement(u); // before they are fixed: fixed vertices keep their place
             network.fix(problem.supports.fixed);
-            for (const HookPatch& hook : problem.hooks)
+            for (const fem::HookPatch& hook : problem.hooks)
                 network.fix(hook.nodes);
-            (void)settle(network, vertices_near_wound(network, 0.0), kTolerance, job);
+            (void)fem::settle(network, fem::vertices_near_wound(network, 0.0), kTolerance, job);
             u = network.displacement();
         }
         Answer answer;
@@ -201,17 +201,17 @@ namespace {
         std::size_t tets = 0, nodes = 0;
     };
 
-    PartOrWhole solve_part(
-        const ElasticProblem& whole, const Points& wound, double distance, Elasticity elasticity, const Job& job)
+    PartOrWhole solve_part(const fem::ElasticProblem& whole, const Points& wound, double distance,
+        fem::Elasticity elasticity, const Job& job)
     {
         const Stopwatch watch;
-        LocalProblem local;
+        fem::LocalProblem local;
         if (distance > 0.0)
-            local = local_problem(whole, wound, distance);
-        const ElasticProblem& problem = distance > 0.0 ? local.problem : whole;
-        Opening opening(problem.mesh, problem.material_of_label, problem.supports, { .elasticity = elasticity });
-        const OpeningResult result = opening.open(problem.hooks, job);
-        if (result.status != OpeningStatus::converged && result.status != OpeningStatus::inverted)
+            local = fem::local_problem(whole, wound, distance);
+        const fem::ElasticProblem& problem = distance > 0.0 ? local.problem : whole;
+        fem::Opening opening(problem.mesh, problem.material_of_label, problem.supports, { .elasticity = elasticity });
+        const fem::OpeningResult result = opening.open(problem.hooks, job);
+        if (result.status != fem::OpeningStatus::converged && result.status != fem::OpeningStatus::inverted)
             throw SolverError(result.message);
         PartOrWhole answer { Eigen::VectorXd::Zero(whole.mesh.vertices.size()), result.hook_forces_N.back().norm(),
             watch.seconds(), result.residual, problem.mesh.tet_count(), problem.mesh.vertex_count() };
@@ -226,8 +226,8 @@ namespace {
     double off_at_lips(const Incision& incision, const PartOrWhole& part, const PartOrWhole& whole)
     {
         double worst = 0.0;
-        for (const LipFace& lip : incision.lips)
-            for (const VertexId v : face_vertices(incision.mesh, lip.face))
+        for (const mesh::LipFace& lip : incision.lips)
+            for (const VertexId v : mesh::face_vertices(incision.mesh, lip.face))
                 worst = std::max(worst, (part.displacement - whole.displacement).segment<3>(3 * v).norm());
         double largest = 0.0;
         for (Eigen::Index v = 0; v < whole.displacement.size(); v += 3)
@@ -246,18 +246,18 @@ namespace {
             .hook_width = 20.0,
             .hook_height = cell < kUsual ? 2.0 * cell : cell };
         const Incision incision = incise(uncut_block(block), incision_blade(block));
-        const ElasticProblem problem
+        const fem::ElasticProblem problem
             = hooked_open(block, incision, { "fat", 0.01, 0.45, 1e-9, "verification" }, { 0.0, 10.0, 2.0 });
         std::vector<VertexId> lips;
-        for (const LipFace& lip : incision.lips)
-            for (const VertexId v : face_vertices(incision.mesh, lip.face))
+        for (const mesh::LipFace& lip : incision.lips)
+            for (const VertexId v : mesh::face_vertices(incision.mesh, lip.face))
                 lips.push_back(v);
         const Points wound = incision.mesh.vertices(lips, Eigen::all);
         constexpr double kLips = 0.02, kForce = 0.05; // 80 mm from the wound
         const OrderRule falls { .asks = OrderRule::Asks::fall,
             .why = "it falls with the distance, as the field of balanced forces does [Saint-Venant]" };
         std::vector<VerificationRow> displacements, forces;
-        for (const Elasticity elasticity : { Elasticity::linear, Elasticity::corotational }) {
+        for (const fem::Elasticity elasticity : { fem::Elasticity::linear, fem::Elasticity::corotational }) {
             if (job.cancelled())
                 break;
             const PartOrWhole whole = solve_part(problem, wound, 0.0, elasticity, job);
@@ -266,7 +266,7 @@ namespace {
                 row.problem = "part of a body";
                 row.element = element_name(VerificationElement::p1);
                 row.note = distance > 0.0 ? "within " + std::to_string(std::lround(distance)) + " mm" : "the whole";
-                row.law = elasticity == Elasticity::linear ? "linear" : "corotational";
+                row.law = elasticity == fem::Elasticity::linear ? "linear" : "corotational";
                 row.tets = part.tets;
                 row.nodes = part.nodes;
                 row.residual = part.residual;
@@ -318,4 +318,4 @@ VerificationProblem localisation_problem()
         localisation, "elements but plain P1: what a part leaves out is the body's, not the element's" };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -3,7 +3,7 @@
 
 #include "tests/verification/framework/problem.h"
 
-namespace retractor {
+namespace retractor::verification {
 
 /// Answers that follow the knife and the hooks, against the same problem solved as a whole.
 VerificationProblem fast_paths_problem();
@@ -12,4 +12,4 @@ VerificationProblem solver_ladder_problem();
 /// Parts of a body against the whole body.
 VerificationProblem localisation_problem();
 
-} // namespace retractor
+} // namespace retractor::verification

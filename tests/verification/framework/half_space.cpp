@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -30,7 +30,7 @@ bool QuarterCylinder::at_far_side(const Vec3& p) const
     return p.z() > a * kFar * (1.0 - 1e-9) || std::hypot(p.x(), p.y()) > a * kFar * (1.0 - 1e-3);
 }
 
-std::vector<TetFace> QuarterCylinder::circle() const
+std::vector<mesh::TetFace> QuarterCylinder::circle() const
 {
     return faces_where(mesh, [&](const Vec3& p) { return in_circle(p); });
 }
@@ -106,4 +106,4 @@ std::vector<HalfSpaceRun> half_space_runs(bool fine)
     return all;
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -8,17 +8,17 @@
 
 #include <vector>
 
-namespace retractor {
+namespace retractor::verification {
 
 /// Depth z >= 0 below the surface z = 0, outwards radius r; the circle has radius a.
 struct QuarterCylinder {
-    TetMesh mesh;
+    mesh::TetMesh mesh;
     double a = 0.0;
 
     bool in_circle(const Vec3& p) const;
     bool at_far_side(const Vec3& p) const;
     /// Faces of the surface within the circle.
-    std::vector<TetFace> circle() const;
+    std::vector<mesh::TetFace> circle() const;
     VertexId nearest(const Vec3& at) const;
 };
 
@@ -40,4 +40,4 @@ struct HalfSpaceRun {
 };
 std::vector<HalfSpaceRun> half_space_runs(bool fine);
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -17,41 +17,41 @@ namespace {
     std::vector<VertexId> lip_patch(const IncisedBlock& block, const Incision& incision, int side)
     {
         std::vector<std::array<VertexId, 3>> faces;
-        for (const LipFace& lip : incision.lips)
+        for (const mesh::LipFace& lip : incision.lips)
             if (lip.side == side)
-                faces.push_back(face_vertices(incision.mesh, lip.face));
+                faces.push_back(mesh::face_vertices(incision.mesh, lip.face));
         const Vec3 centre(0.5 * block.size.x(), 0.5 * block.size.y(), block.size.z() - 0.5 * block.hook_height);
-        return hook_patch_nodes(
+        return fem::hook_patch_nodes(
             incision.mesh, faces, centre, Vec3::UnitX(), -Vec3::UnitZ(), block.hook_width, block.hook_height);
     }
 
 } // namespace
 
-TetMesh uncut_block(const IncisedBlock& block)
+mesh::TetMesh uncut_block(const IncisedBlock& block)
 {
     const auto cells = [&](double length) { return static_cast<int>(std::lround(length / block.cell)); };
-    return kuhn_box(cells(block.size.x()), cells(block.size.y()), cells(block.size.z()), block.cell);
+    return mesh::kuhn_box(cells(block.size.x()), cells(block.size.y()), cells(block.size.z()), block.cell);
 }
 
-Blade incision_blade(const IncisedBlock& block)
+mesh::Blade incision_blade(const IncisedBlock& block)
 {
     const Vec3 middle(0.5 * block.size.x(), 0.5 * block.size.y(), block.size.z());
     const Vec3 half = 0.5 * block.length * Vec3::UnitX();
     return { .line = { middle - half, middle + half }, .directions = { -Vec3::UnitZ() }, .depth_mm = block.depth };
 }
 
-Incision incise(const TetMesh& mesh, const Blade& blade, const CutOptions& options)
+Incision incise(const mesh::TetMesh& mesh, const mesh::Blade& blade, const mesh::CutOptions& options)
 {
-    CutMesh cut = retractor::cut(mesh, blade, options);
-    if (cut.status != CutStatus::done)
+    mesh::CutMesh cut = retractor::mesh::cut(mesh, blade, options);
+    if (cut.status != mesh::CutStatus::done)
         throw SolverError("the incision was not made: " + cut.message);
     return { std::move(cut.mesh), std::move(cut.lips), cut.report };
 }
 
-ElasticProblem hooked_open(
-    const IncisedBlock& block, const Incision& incision, const Material& tissue, const Vec3& pull, int nodes_per_tet)
+fem::ElasticProblem hooked_open(const IncisedBlock& block, const Incision& incision, const fem::Material& tissue,
+    const Vec3& pull, int nodes_per_tet)
 {
-    ElasticProblem problem { incision.mesh, { tissue, tissue }, {}, {} };
+    fem::ElasticProblem problem { incision.mesh, { tissue, tissue }, {}, {} };
     for (VertexId v = 0; v < static_cast<VertexId>(incision.mesh.vertex_count()); ++v)
         if (incision.mesh.vertices(v, 2) < kOnGrid)
             problem.supports.fixed.push_back(v);
@@ -63,19 +63,19 @@ ElasticProblem hooked_open(
     return nodes_per_tet == 10 ? with_midpoints(problem) : problem;
 }
 
-ElasticProblem problem_now(const CutSession& session, const std::vector<Material>& material_of_label,
-    const Supports& supports, const std::vector<OnlineHook>& hooks)
+fem::ElasticProblem problem_now(const mesh::CutSession& session, const std::vector<fem::Material>& material_of_label,
+    const fem::Supports& supports, const std::vector<fem::OnlineHook>& hooks)
 {
-    SlotMap map;
-    ElasticProblem problem { session.compact_mesh(&map), material_of_label, {}, {} };
+    mesh::SlotMap map;
+    fem::ElasticProblem problem { session.compact_mesh(&map), material_of_label, {}, {} };
     const auto compact = [&](VertexId v) { return map.compact_vertex[static_cast<std::size_t>(v)]; };
     for (const VertexId v : supports.fixed)
         if (session.has_vertex(v))
             problem.supports.fixed.push_back(compact(v));
-    for (const BeddedVertex& bed : supports.bedded)
+    for (const fem::BeddedVertex& bed : supports.bedded)
         if (session.has_vertex(bed.vertex))
             problem.supports.bedded.push_back({ compact(bed.vertex), bed.stiffness });
-    for (const OnlineHook& hook : hooks) {
+    for (const fem::OnlineHook& hook : hooks) {
         if (hook.drive.force_N)
             continue;
         problem.hooks.push_back({ hook.name, hook.side, {}, hook.drive.displacement });
@@ -86,7 +86,7 @@ ElasticProblem problem_now(const CutSession& session, const std::vector<Material
     return problem;
 }
 
-std::vector<int> sides_of_cut(const IncisedBlock& block, const TetMesh& mesh)
+std::vector<int> sides_of_cut(const IncisedBlock& block, const mesh::TetMesh& mesh)
 {
     std::vector<std::array<bool, 2>> met(mesh.vertex_count(), { false, false });
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
@@ -104,4 +104,4 @@ std::vector<int> sides_of_cut(const IncisedBlock& block, const TetMesh& mesh)
     return side;
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -12,9 +12,9 @@
 #include <random>
 #include <set>
 
-namespace retractor {
+namespace retractor::verification {
 
-Held hold_nothing(const TetMesh& mesh)
+Held hold_nothing(const mesh::TetMesh& mesh)
 {
     return { std::vector<std::uint8_t>(3 * mesh.vertex_count(), 0), Eigen::VectorXd::Zero(3 * mesh.vertices.rows()) };
 }
@@ -25,22 +25,22 @@ void hold(Held& held, VertexId vertex, int axis, double value)
     held.target[3 * vertex + axis] = value;
 }
 
-TetMesh mapped_box(int nodes_per_tet, int nx, int ny, int nz, const std::function<Vec3(const Vec3&)>& map)
+mesh::TetMesh mapped_box(int nodes_per_tet, int nx, int ny, int nz, const std::function<Vec3(const Vec3&)>& map)
 {
-    TetMesh mesh = kuhn_box(nx, ny, nz, 1.0);
+    mesh::TetMesh mesh = mesh::kuhn_box(nx, ny, nz, 1.0);
     if (nodes_per_tet == 10)
-        mesh = with_midpoints(mesh);
+        mesh = mesh::with_midpoints(mesh);
     for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
         mesh.vertices.row(v) = map(mesh.vertices.row(v).transpose()).transpose();
-    check_mesh(mesh);
+    mesh::check_mesh(mesh);
     return mesh;
 }
 
-std::vector<TetFace> faces_where(const TetMesh& mesh, const std::function<bool(const Vec3&)>& inside)
+std::vector<mesh::TetFace> faces_where(const mesh::TetMesh& mesh, const std::function<bool(const Vec3&)>& inside)
 {
-    std::vector<TetFace> faces;
-    for (const TetFace& face : boundary_faces(mesh)) {
-        const auto corners = face_vertices(mesh, face);
+    std::vector<mesh::TetFace> faces;
+    for (const mesh::TetFace& face : mesh::boundary_faces(mesh)) {
+        const auto corners = mesh::face_vertices(mesh, face);
         if (std::all_of(
                 corners.begin(), corners.end(), [&](VertexId v) { return inside(mesh.vertices.row(v).transpose()); }))
             faces.push_back(face);
@@ -86,9 +86,9 @@ double inner_displacement(const QuarterTube& tube, const Eigen::VectorXd& u)
     return sum / static_cast<double>(tube.inner.size());
 }
 
-TetMesh distorted_box(int n, double spacing, double share, unsigned seed)
+mesh::TetMesh distorted_box(int n, double spacing, double share, unsigned seed)
 {
-    TetMesh mesh = kuhn_box(n, n, n, spacing);
+    mesh::TetMesh mesh = mesh::kuhn_box(n, n, n, spacing);
     std::mt19937 random(seed);
     const auto move = [&] { return share * spacing * (2.0 * static_cast<double>(random()) / 4294967295.0 - 1.0); };
     const double size = n * spacing;
@@ -98,18 +98,18 @@ TetMesh distorted_box(int n, double spacing, double share, unsigned seed)
             for (int axis = 0; axis < 3; ++axis)
                 mesh.vertices(v, axis) += move();
     }
-    check_mesh(mesh);
+    mesh::check_mesh(mesh);
     return mesh;
 }
 
-TetMesh box_with_sliver(double height)
+mesh::TetMesh box_with_sliver(double height)
 {
-    TetMesh mesh = distorted_box(3, 1.0, 0.15, 4);
+    mesh::TetMesh mesh = distorted_box(3, 1.0, 0.15, 4);
     const auto nodes = mesh.tet(80);
     // The element's volume is linear in each vertex: move one towards the plane of the others.
     for (std::size_t a = 0; a < 4; ++a) {
-        TetMesh moved = mesh;
-        const auto& face = kTetFaces[a];
+        mesh::TetMesh moved = mesh;
+        const auto& face = mesh::kTetFaces[a];
         const Vec3 p0 = mesh.vertices.row(nodes[static_cast<std::size_t>(face[0])]),
                    p1 = mesh.vertices.row(nodes[static_cast<std::size_t>(face[1])]),
                    p2 = mesh.vertices.row(nodes[static_cast<std::size_t>(face[2])]), p = mesh.vertices.row(nodes[a]);
@@ -119,7 +119,7 @@ TetMesh box_with_sliver(double height)
         const double distance = normal.dot(p - p0);
         moved.vertices.row(nodes[a]) -= ((1.0 - height) * distance * normal).transpose();
         try {
-            check_mesh(moved);
+            mesh::check_mesh(moved);
             return moved;
         } catch (const InputError&) { // turned a neighbour over: try the next corner
         }
@@ -127,10 +127,10 @@ TetMesh box_with_sliver(double height)
     throw InputError("no sliver could be made");
 }
 
-TetMesh mirrored(const TetMesh& half, int axis, const std::function<bool(const Vec3&)>& shared)
+mesh::TetMesh mirrored(const mesh::TetMesh& half, int axis, const std::function<bool(const Vec3&)>& shared)
 {
     const double tiny = 1e-9 * half.vertices.cwiseAbs().maxCoeff();
-    TetMesh whole = half;
+    mesh::TetMesh whole = half;
     std::vector<VertexId> image(half.vertex_count());
     VertexId next = static_cast<VertexId>(half.vertex_count());
     for (std::size_t v = 0; v < image.size(); ++v) {
@@ -149,13 +149,13 @@ TetMesh mirrored(const TetMesh& half, int axis, const std::function<bool(const V
             whole.nodes.push_back(image[static_cast<std::size_t>(nodes[a])]);
     }
     whole.labels.insert(whole.labels.end(), half.labels.begin(), half.labels.end());
-    check_mesh(whole);
+    mesh::check_mesh(whole);
     return whole;
 }
 
-TetMesh side_by_side(const TetMesh& mesh, int copies)
+mesh::TetMesh side_by_side(const mesh::TetMesh& mesh, int copies)
 {
-    TetMesh all;
+    mesh::TetMesh all;
     all.nodes_per_tet = mesh.nodes_per_tet;
     const Eigen::Index n = mesh.vertices.rows();
     all.vertices.resize(n * copies, 3);
@@ -168,7 +168,7 @@ TetMesh side_by_side(const TetMesh& mesh, int copies)
     return all;
 }
 
-Held hold_boundary(const TetMesh& mesh, const std::function<Vec3(const Vec3&)>& field)
+Held hold_boundary(const mesh::TetMesh& mesh, const std::function<Vec3(const Vec3&)>& field)
 {
     Held held = hold_nothing(mesh);
     const auto set = [&](VertexId v) {
@@ -176,17 +176,17 @@ Held hold_boundary(const TetMesh& mesh, const std::function<Vec3(const Vec3&)>& 
         for (int axis = 0; axis < 3; ++axis)
             hold(held, v, axis, value[axis]);
     };
-    for (const TetFace& face : boundary_faces(mesh)) {
-        for (const VertexId v : face_vertices(mesh, face))
+    for (const mesh::TetFace& face : mesh::boundary_faces(mesh)) {
+        for (const VertexId v : mesh::face_vertices(mesh, face))
             set(v);
-        for (std::size_t e = 0; mesh.nodes_per_tet == 10 && e < kTetEdges.size(); ++e)
-            if (kTetEdges[e][0] != face.corner && kTetEdges[e][1] != face.corner)
+        for (std::size_t e = 0; mesh.nodes_per_tet == 10 && e < mesh::kTetEdges.size(); ++e)
+            if (mesh::kTetEdges[e][0] != face.corner && mesh::kTetEdges[e][1] != face.corner)
                 set(mesh.tet(face.tet)[4 + e]);
     }
     return held;
 }
 
-Eigen::VectorXd nodal_values(const TetMesh& mesh, const std::function<Vec3(const Vec3&)>& field)
+Eigen::VectorXd nodal_values(const mesh::TetMesh& mesh, const std::function<Vec3(const Vec3&)>& field)
 {
     Eigen::VectorXd u(3 * mesh.vertices.rows());
     for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
@@ -194,10 +194,10 @@ Eigen::VectorXd nodal_values(const TetMesh& mesh, const std::function<Vec3(const
     return u;
 }
 
-double l2_error(const TetMesh& mesh, const Eigen::VectorXd& u_h, const std::function<Vec3(const Vec3&)>& u)
+double l2_error(const mesh::TetMesh& mesh, const Eigen::VectorXd& u_h, const std::function<Vec3(const Vec3&)>& u)
 {
     double sum = 0.0;
-    integrate(mesh, [&](auto nodes, const Eigen::VectorXd& values, const Vec3& position, double weight) {
+    fem::integrate(mesh, [&](auto nodes, const Eigen::VectorXd& values, const Vec3& position, double weight) {
         Vec3 difference = -u(position);
         for (std::size_t a = 0; a < nodes.size(); ++a)
             difference += values[static_cast<Eigen::Index>(a)]
@@ -207,4 +207,4 @@ double l2_error(const TetMesh& mesh, const Eigen::VectorXd& u_h, const std::func
     return std::sqrt(sum);
 }
 
-} // namespace retractor
+} // namespace retractor::verification

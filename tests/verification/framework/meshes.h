@@ -8,49 +8,49 @@
 #include <functional>
 #include <vector>
 
-namespace retractor {
+namespace retractor::verification {
 
 /// One per unknown, 1 = prescribed; and where, three per node.
 struct Held {
     std::vector<std::uint8_t> prescribed;
     Eigen::VectorXd target;
 };
-Held hold_nothing(const TetMesh& mesh);
+Held hold_nothing(const mesh::TetMesh& mesh);
 void hold(Held& held, VertexId vertex, int axis, double value = 0.0);
 
 /// A box of kuhn cells from the origin, mapped; midpoints of ten-node elements are mapped too and lie on the curve.
-TetMesh mapped_box(int nodes_per_tet, int nx, int ny, int nz, const std::function<Vec3(const Vec3&)>& map);
+mesh::TetMesh mapped_box(int nodes_per_tet, int nx, int ny, int nz, const std::function<Vec3(const Vec3&)>& map);
 
 /// Boundary faces whose corners all satisfy the predicate.
-std::vector<TetFace> faces_where(const TetMesh& mesh, const std::function<bool(const Vec3&)>& inside);
+std::vector<mesh::TetFace> faces_where(const mesh::TetMesh& mesh, const std::function<bool(const Vec3&)>& inside);
 
 /// A quarter of a thick-walled tube in plane strain, round z, with symmetry planes x = 0 and y = 0.
 struct QuarterTube {
-    TetMesh mesh;
+    mesh::TetMesh mesh;
     Held held;
     std::vector<VertexId> inner; ///< nodes on the inner wall
-    std::vector<TetFace> inner_faces;
+    std::vector<mesh::TetFace> inner_faces;
 };
 QuarterTube quarter_tube(int nodes_per_tet, double inner, double outer, int around, int through, int along);
 /// Mean radial displacement of the inner wall.
 double inner_displacement(const QuarterTube& tube, const Eigen::VectorXd& u);
 
 /// Kuhn box with its inner vertices moved at random by up to `share` of the spacing; the same on every machine.
-TetMesh distorted_box(int n, double spacing, double share, unsigned seed);
+mesh::TetMesh distorted_box(int n, double spacing, double share, unsigned seed);
 /// A distorted box in which one inner vertex lies nearly on the opposite face of one of its elements: that element has
 /// `height` of the volume it had.
-TetMesh box_with_sliver(double height);
+mesh::TetMesh box_with_sliver(double height);
 /// A body and its mirror image beyond the plane where this axis is zero; what lies in the plane is shared, where
 /// `shared` says so of it. Four-node elements.
-TetMesh mirrored(const TetMesh& half, int axis, const std::function<bool(const Vec3&)>& shared);
+mesh::TetMesh mirrored(const mesh::TetMesh& half, int axis, const std::function<bool(const Vec3&)>& shared);
 /// Copies of a mesh, 10 mm apart along x.
-TetMesh side_by_side(const TetMesh& mesh, int copies);
+mesh::TetMesh side_by_side(const mesh::TetMesh& mesh, int copies);
 
 /// All unknowns on the boundary held where `field` moves them.
-Held hold_boundary(const TetMesh& mesh, const std::function<Vec3(const Vec3&)>& field);
+Held hold_boundary(const mesh::TetMesh& mesh, const std::function<Vec3(const Vec3&)>& field);
 /// A field's values, three per node.
-Eigen::VectorXd nodal_values(const TetMesh& mesh, const std::function<Vec3(const Vec3&)>& field);
+Eigen::VectorXd nodal_values(const mesh::TetMesh& mesh, const std::function<Vec3(const Vec3&)>& field);
 /// Square root of the integral of |u_h - u|^2.
-double l2_error(const TetMesh& mesh, const Eigen::VectorXd& u_h, const std::function<Vec3(const Vec3&)>& u);
+double l2_error(const mesh::TetMesh& mesh, const Eigen::VectorXd& u_h, const std::function<Vec3(const Vec3&)>& u);
 
-} // namespace retractor
+} // namespace retractor::verification

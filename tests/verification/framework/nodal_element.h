@@ -5,10 +5,10 @@
 
 #include "fem/element/locking_free.h"
 
-namespace retractor {
+namespace retractor::verification {
 
 /// Elements of one law round each node, in the order of the nodes; each domain is a patch of its own.
-std::vector<AveragingDomain> nodal_domains(
-    const TetMesh& mesh, const std::vector<std::int32_t>& law_of_element, const std::vector<double>& volume);
+std::vector<fem::AveragingDomain> nodal_domains(
+    const mesh::TetMesh& mesh, const std::vector<std::int32_t>& law_of_element, const std::vector<double>& volume);
 
-} // namespace retractor
+} // namespace retractor::verification

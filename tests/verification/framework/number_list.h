@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::verification {
 
 /// Those of a line or an element's text, divided by commas or blanks, up to the first that is none.
 inline std::vector<double> number_list(std::string text)
@@ -19,4 +19,4 @@ inline std::vector<double> number_list(std::string text)
     return values;
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 std::string element_name(VerificationElement element)
 {
@@ -44,26 +44,26 @@ std::vector<VerificationRow> run_verification(
 
 VerificationLaw linear_law(double youngs_modulus, double poissons_ratio)
 {
-    return { "linear", Elasticity::linear, lame({ "solid", youngs_modulus, poissons_ratio, 1e-9, "reference" }), {},
-        {} };
+    return { "linear", fem::Elasticity::linear,
+        fem::lame({ "solid", youngs_modulus, poissons_ratio, 1e-9, "reference" }), {}, {} };
 }
 
-VerificationLaw hyperelastic_law(std::string name, const Hyperelastic& law)
+VerificationLaw hyperelastic_law(std::string name, const fem::Hyperelastic& law)
 {
-    return { std::move(name), Elasticity::hyperelastic, {}, law, {} };
+    return { std::move(name), fem::Elasticity::hyperelastic, {}, law, {} };
 }
 
-ElasticBody make_body(const TetMesh& mesh, VerificationElement element, const VerificationLaw& law)
+fem::ElasticBody make_body(const mesh::TetMesh& mesh, VerificationElement element, const VerificationLaw& law)
 {
     const auto build = [&] {
-        if (law.model != Elasticity::hyperelastic)
-            return ElasticBody(mesh, law.model, std::vector<Lame>(mesh.tet_count(), law.lame));
-        HyperelasticTissue tissue = uniform_tissue(mesh, law.hyperelastic);
+        if (law.model != fem::Elasticity::hyperelastic)
+            return fem::ElasticBody(mesh, law.model, std::vector<fem::Lame>(mesh.tet_count(), law.lame));
+        fem::HyperelasticTissue tissue = fem::uniform_tissue(mesh, law.hyperelastic);
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            tissue.fibres.push_back(element_fibres(mesh, t, { law.hyperelastic, law.fibres, law.around }));
-        return ElasticBody(mesh, std::move(tissue));
+            tissue.fibres.push_back(fem::element_fibres(mesh, t, { law.hyperelastic, law.fibres, law.around }));
+        return fem::ElasticBody(mesh, std::move(tissue));
     };
-    ElasticBody body = build();
+    fem::ElasticBody body = build();
     if (element == VerificationElement::locking_free)
         body.avoid_locking();
     if (element == VerificationElement::nodal)
@@ -71,12 +71,12 @@ ElasticBody make_body(const TetMesh& mesh, VerificationElement element, const Ve
     return body;
 }
 
-VerificationSolve solve_problem(ElasticBody& body, const std::vector<std::uint8_t>& prescribed,
-    const Eigen::VectorXd& target, const EquilibriumOptions& options, const Job& job)
+VerificationSolve solve_problem(fem::ElasticBody& body, const std::vector<std::uint8_t>& prescribed,
+    const Eigen::VectorXd& target, const fem::EquilibriumOptions& options, const Job& job)
 {
     const Stopwatch watch;
     const Eigen::VectorXd rest = Eigen::VectorXd::Zero(3 * body.mesh().vertices.rows());
-    EquilibriumSolver solver;
+    fem::EquilibriumSolver solver;
     VerificationSolve solve { solver.solve(body, prescribed, target.size() == 0 ? rest : target, rest, options, job),
         0.0 };
     solve.seconds = watch.seconds();
@@ -84,7 +84,7 @@ VerificationSolve solve_problem(ElasticBody& body, const std::vector<std::uint8_
 }
 
 VerificationRow make_row(std::string problem, VerificationElement element, const VerificationLaw& law,
-    const TetMesh& mesh, const VerificationSolve& solve)
+    const mesh::TetMesh& mesh, const VerificationSolve& solve)
 {
     VerificationRow row;
     row.problem = std::move(problem);
@@ -94,7 +94,7 @@ VerificationRow make_row(std::string problem, VerificationElement element, const
     row.tets = mesh.tet_count();
     row.residual = solve.equilibrium.residual;
     row.seconds = solve.seconds;
-    if (solve.equilibrium.status != EquilibriumStatus::converged) {
+    if (solve.equilibrium.status != fem::EquilibriumStatus::converged) {
         row.note = solve.equilibrium.message.empty() ? "not converged" : solve.equilibrium.message;
         row.error = std::numeric_limits<double>::quiet_NaN();
     }
@@ -218,4 +218,4 @@ void append_series(std::vector<VerificationRow>& rows, std::vector<VerificationR
     rows.insert(rows.end(), series.begin(), series.end());
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::verification {
 
 /// `locking_free`: edge_patch_domains(); `nodal`: nodal_domains().
 enum class VerificationElement { p1, p2, locking_free, nodal };
@@ -87,29 +87,29 @@ std::vector<VerificationRow> run_verification(
 /// The material of a whole problem.
 struct VerificationLaw {
     std::string name;
-    Elasticity model = Elasticity::linear;
-    Lame lame {};
-    Hyperelastic hyperelastic {};
-    FibreDirections fibres {}; ///< or
-    std::optional<FibresAround> around {};
+    fem::Elasticity model = fem::Elasticity::linear;
+    fem::Lame lame {};
+    fem::Hyperelastic hyperelastic {};
+    fem::FibreDirections fibres {}; ///< or
+    std::optional<fem::FibresAround> around {};
 };
 VerificationLaw linear_law(double youngs_modulus, double poissons_ratio);
-VerificationLaw hyperelastic_law(std::string name, const Hyperelastic& law);
+VerificationLaw hyperelastic_law(std::string name, const fem::Hyperelastic& law);
 
 /// A body on a mesh of the element's nodes; locking-free where asked for.
-ElasticBody make_body(const TetMesh& mesh, VerificationElement element, const VerificationLaw& law);
+fem::ElasticBody make_body(const mesh::TetMesh& mesh, VerificationElement element, const VerificationLaw& law);
 
 struct VerificationSolve {
-    Equilibrium equilibrium;
+    fem::Equilibrium equilibrium;
     double seconds = 0.0;
 };
 /// Solves from rest. @param target of prescribed unknowns; empty: zero.
-VerificationSolve solve_problem(ElasticBody& body, const std::vector<std::uint8_t>& prescribed,
-    const Eigen::VectorXd& target, const EquilibriumOptions& options, const Job& job);
+VerificationSolve solve_problem(fem::ElasticBody& body, const std::vector<std::uint8_t>& prescribed,
+    const Eigen::VectorXd& target, const fem::EquilibriumOptions& options, const Job& job);
 
 /// Fills in mesh, value, error relative to |expected|, residual and time.
 VerificationRow make_row(std::string problem, VerificationElement element, const VerificationLaw& law,
-    const TetMesh& mesh, const VerificationSolve& solve);
+    const mesh::TetMesh& mesh, const VerificationSolve& solve);
 void compare(VerificationRow& row, std::string quantity, double value, double expected);
 /// Marks a row that has no bound, and says why in its note.
 void show_only(VerificationRow& row, const std::string& why);
@@ -139,4 +139,4 @@ void judge_orders(std::vector<VerificationRow>& series, double expected, const O
 void append_series(std::vector<VerificationRow>& rows, std::vector<VerificationRow>& series, double expected,
     double bound, const OrderRule& rule = {});
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -62,4 +62,4 @@ double bore_stretch(const PressedRing& ring, double pressure, double low, double
     return 0.5 * (low + high);
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -4,7 +4,7 @@
 
 #include <functional>
 
-namespace retractor {
+namespace retractor::verification {
 
 struct RingStretch {
     double hoop = 1.0, radial = 1.0;
@@ -26,4 +26,4 @@ struct PressedRing {
 /// @param low, high stretches that it lies between.
 double bore_stretch(const PressedRing& ring, double pressure, double low, double high);
 
-} // namespace retractor
+} // namespace retractor::verification

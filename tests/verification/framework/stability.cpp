@@ -8,7 +8,7 @@
 #include <exception>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 std::string outcome_name(StabilityOutcome outcome)
 {
@@ -98,7 +98,7 @@ void refuse(StabilityRow& row, std::string reason)
     row.reason = std::move(reason);
 }
 
-double residual_of(const Equilibrium& equilibrium, const std::vector<std::uint8_t>& prescribed)
+double residual_of(const fem::Equilibrium& equilibrium, const std::vector<std::uint8_t>& prescribed)
 {
     double free = 0.0;
     for (std::size_t i = 0; i < prescribed.size(); ++i)
@@ -117,10 +117,10 @@ namespace {
         ~ConditionWatch() { row.condition_seconds += watch.seconds(); }
     };
 
-    void estimate_into(StabilityRow& row, const BlockMatrix& K, const std::vector<std::uint8_t>& prescribed)
+    void estimate_into(StabilityRow& row, const fem::BlockMatrix& K, const std::vector<std::uint8_t>& prescribed)
     {
         try {
-            const ConditionEstimate estimate = estimate_condition(K, prescribed);
+            const fem::ConditionEstimate estimate = fem::estimate_condition(K, prescribed);
             row.condition = estimate.number;
             row.scaled_condition = estimate.scaled;
             row.unconditioned = Unconditioned::unsaid; // whatever the family said beforehand
@@ -131,22 +131,23 @@ namespace {
 
 } // namespace
 
-void set_condition(StabilityRow& row, const BlockMatrix& K, const std::vector<std::uint8_t>& prescribed)
+void set_condition(StabilityRow& row, const fem::BlockMatrix& K, const std::vector<std::uint8_t>& prescribed)
 {
     const ConditionWatch watch { row };
     estimate_into(row, K, prescribed);
 }
 
-void set_condition(StabilityRow& row, const ElasticProblem& problem, Elasticity elasticity, const Points& displacement)
+void set_condition(
+    StabilityRow& row, const fem::ElasticProblem& problem, fem::Elasticity elasticity, const Points& displacement)
 {
     const ConditionWatch watch { row };
-    ElasticBody body = tissue_body(problem.mesh, problem.material_of_label, { .elasticity = elasticity });
+    fem::ElasticBody body = fem::tissue_body(problem.mesh, problem.material_of_label, { .elasticity = elasticity });
     if (!problem.supports.bedded.empty())
-        body.set_bed(bed_stiffness(problem.mesh, problem.supports));
+        body.set_bed(fem::bed_stiffness(problem.mesh, problem.supports));
     Eigen::VectorXd u = Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows());
     if (displacement.size() > 0)
         u = Eigen::Map<const Eigen::VectorXd>(displacement.data(), displacement.size());
-    estimate_into(row, body.stiffness(u, 0.0), prescribe(problem.mesh, problem.supports, problem.hooks).flag);
+    estimate_into(row, body.stiffness(u, 0.0), fem::prescribe(problem.mesh, problem.supports, problem.hooks).flag);
 }
 
 std::vector<StabilityRow> run_stability(const std::vector<StabilityCase>& cases, const Job& job)
@@ -162,4 +163,4 @@ std::vector<StabilityRow> run_stability(const std::vector<StabilityCase>& cases,
     return rows;
 }
 
-} // namespace retractor
+} // namespace retractor::verification

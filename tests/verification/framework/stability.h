@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::verification {
 
 enum class StabilityOutcome {
     answered,
@@ -86,11 +86,11 @@ public:
 void refuse(StabilityRow& row, std::string reason);
 /// Largest force that is left at a free unknown over the largest force anywhere: not rounded to zero where it is
 /// round-off, as Equilibrium::residual is.
-double residual_of(const Equilibrium& equilibrium, const std::vector<std::uint8_t>& prescribed);
+double residual_of(const fem::Equilibrium& equilibrium, const std::vector<std::uint8_t>& prescribed);
 /// Condition numbers of a stiffness; none where it has no factor.
-void set_condition(StabilityRow& row, const BlockMatrix& K, const std::vector<std::uint8_t>& prescribed);
+void set_condition(StabilityRow& row, const fem::BlockMatrix& K, const std::vector<std::uint8_t>& prescribed);
 /// Of the stiffness at a displacement (n x 3; empty: at rest), supports and hooks held.
 void set_condition(
-    StabilityRow& row, const ElasticProblem& problem, Elasticity elasticity, const Points& displacement = {});
+    StabilityRow& row, const fem::ElasticProblem& problem, fem::Elasticity elasticity, const Points& displacement = {});
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -1,7 +1,7 @@
 #pragma once
 // The vessel of several problems, an aorta: a thick tube under inner pressure, plane strain. Units mm, MPa.
 
-namespace retractor {
+namespace retractor::verification {
 
 constexpr double kVesselInner = 12.5, kVesselOuter = 14.5; // mm, radii
 constexpr double kPulse = 16.0 / 3.0 * 1e-3; // MPa: 40 mmHg
@@ -14,4 +14,4 @@ constexpr double vessel_displacement(double youngs_modulus, double poissons_rati
         * ((1.0 - 2.0 * poissons_ratio) * kVesselInner + outer / kVesselInner);
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -104,7 +104,7 @@ CalculixModel read_calculix(const std::filesystem::path& file)
     if (deck.elements.empty() || deck.elastic.size() != 2)
         throw IoError("the deck needs ten-node elements and one elastic material", file.string());
     CalculixModel model;
-    TetMesh& mesh = model.mesh;
+    mesh::TetMesh& mesh = model.mesh;
     mesh.nodes_per_tet = 10;
     mesh.vertices.resize(static_cast<Eigen::Index>(deck.nodes.size()), 3);
     for (const auto& [number, p] : deck.nodes) {
@@ -118,7 +118,7 @@ CalculixModel read_calculix(const std::filesystem::path& file)
             mesh.nodes.push_back(vertex(model, number, file));
         mesh.labels.push_back(1);
     }
-    check_mesh(mesh);
+    mesh::check_mesh(mesh);
     model.held = hold_nothing(mesh);
     for (const std::string& line : deck.boundary) {
         const auto [nodes, values] = nodes_and_numbers(deck, line);
@@ -132,7 +132,7 @@ CalculixModel read_calculix(const std::filesystem::path& file)
         for (const int number : nodes)
             model.loads[3 * vertex(model, number, file) + static_cast<int>(values.at(0)) - 1] += values.at(1);
     }
-    model.lame = lame({ "CalculiX", deck.elastic[0], deck.elastic[1], 1e-9, file.string() });
+    model.lame = fem::lame({ "CalculiX", deck.elastic[0], deck.elastic[1], 1e-9, file.string() });
     return model;
 }
 
@@ -149,4 +149,4 @@ std::vector<Vec3> read_calculix_displacements(const std::filesystem::path& file,
     return all;
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -7,14 +7,14 @@
 #include <filesystem>
 #include <map>
 
-namespace retractor {
+namespace retractor::verification {
 
 struct CalculixModel {
-    TetMesh mesh;
+    mesh::TetMesh mesh;
     std::map<int, VertexId> vertex_of_number;
     Held held;
     Eigen::VectorXd loads;
-    Lame lame;
+    fem::Lame lame;
 };
 
 /// @throws IoError naming the file when it cannot be read or names what it does not define.
@@ -23,4 +23,4 @@ CalculixModel read_calculix(const std::filesystem::path& file);
 /// One per vertex. @throws IoError when a vertex is missing.
 std::vector<Vec3> read_calculix_displacements(const std::filesystem::path& file, const CalculixModel& model);
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -1,7 +1,7 @@
 #include "tests/verification/reference/febio_reference.h"
 
-#include "fem/material/material.h"
 #include "fem/io/xml_element.h"
+#include "fem/material/material.h"
 #include "mesh/base/error.h"
 #include "tests/verification/framework/number_list.h"
 
@@ -12,11 +12,11 @@
 #include <set>
 #include <sstream>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
-    using Tag = XmlElement;
+    using Tag = fem::XmlElement;
 
     class Model {
     public:
@@ -70,9 +70,9 @@ namespace {
             return all;
         }
 
-        TetMesh mesh()
+        mesh::TetMesh mesh()
         {
-            TetMesh mesh;
+            mesh::TetMesh mesh;
             const Tag& nodes = child(section("Mesh"), "Nodes");
             mesh.vertices.resize(static_cast<Eigen::Index>(nodes.children.size()), 3);
             for (std::size_t i = 0; i < nodes.children.size(); ++i) {
@@ -89,11 +89,11 @@ namespace {
                 mesh.nodes.insert(mesh.nodes.end(), corners.begin(), corners.end());
                 mesh.labels.push_back(1);
             }
-            check_mesh(mesh);
+            mesh::check_mesh(mesh);
             return mesh;
         }
 
-        Held held(const TetMesh& mesh) const
+        Held held(const mesh::TetMesh& mesh) const
         {
             Held held = hold_nothing(mesh);
             const std::array<std::string, 3> axes { "x", "y", "z" };
@@ -121,7 +121,7 @@ namespace {
             throw IoError("there is no such load curve", file_);
         }
 
-        Eigen::VectorXd loads(const TetMesh& mesh) const
+        Eigen::VectorXd loads(const mesh::TetMesh& mesh) const
         {
             Eigen::VectorXd loads = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
             for (const Tag& section : root_.children) {
@@ -137,7 +137,7 @@ namespace {
                         const Tag& scale = child(load, "scale");
                         const std::vector<double> t = number_list(child(load, "traction").text);
                         loads += number(load, "scale") * at_the_end(scale)
-                            * traction_loads(
+                            * fem::traction_loads(
                                 mesh, surface(mesh, attribute(load, "surface")), Vec3(t.at(0), t.at(1), t.at(2)));
                     }
                 }
@@ -145,16 +145,16 @@ namespace {
             return loads;
         }
 
-        std::vector<TetFace> surface(const TetMesh& mesh, const std::string& name) const
+        std::vector<mesh::TetFace> surface(const mesh::TetMesh& mesh, const std::string& name) const
         {
             std::set<std::set<VertexId>> wanted;
             for (const Tag& face : named("Surface", name).children) {
                 const std::vector<VertexId> corners = vertices(face.text);
                 wanted.insert({ corners.begin(), corners.end() });
             }
-            std::vector<TetFace> faces;
-            for (const TetFace& face : boundary_faces(mesh)) {
-                const auto corners = face_vertices(mesh, face);
+            std::vector<mesh::TetFace> faces;
+            for (const mesh::TetFace& face : mesh::boundary_faces(mesh)) {
+                const auto corners = mesh::face_vertices(mesh, face);
                 if (wanted.contains({ corners.begin(), corners.end() }))
                     faces.push_back(face);
             }
@@ -166,10 +166,10 @@ namespace {
             const Tag& material = child(section("Material"), "material");
             model.law_name = attribute(material, "type");
             if (model.law_name == "neo-Hookean") {
-                const Lame l = lame({ "FEBio", number(material, "E"), number(material, "v"), 1e-9, file_ });
-                model.law = NeoHookean { l.mu, l.lambda };
+                const fem::Lame l = fem::lame({ "FEBio", number(material, "E"), number(material, "v"), 1e-9, file_ });
+                model.law = fem::NeoHookean { l.mu, l.lambda };
             } else if (model.law_name == "Mooney-Rivlin") {
-                model.law = MooneyRivlin { number(material, "c1"), number(material, "c2"), number(material, "k") };
+                model.law = fem::MooneyRivlin { number(material, "c1"), number(material, "c2"), number(material, "k") };
             } else {
                 throw IoError("the material '" + model.law_name + "' is not known", file_);
             }
@@ -184,7 +184,7 @@ namespace {
     Tag parse_named(const std::string& text, const std::filesystem::path& file)
     {
         try {
-            return parse_xml(text);
+            return fem::parse_xml(text);
         } catch (const InputError& error) {
             throw IoError(error.what(), file.string() + ", " + error.where());
         }
@@ -209,4 +209,4 @@ FebioModel read_febio(const std::filesystem::path& file)
     return model;
 }
 
-} // namespace retractor
+} // namespace retractor::verification

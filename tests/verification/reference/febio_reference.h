@@ -8,17 +8,17 @@
 
 #include <filesystem>
 
-namespace retractor {
+namespace retractor::verification {
 
 struct FebioModel {
-    TetMesh mesh;
+    mesh::TetMesh mesh;
     Held held; ///< at the end of the step
     Eigen::VectorXd loads; ///< nodal, at the end of the step
-    Hyperelastic law;
+    fem::Hyperelastic law;
     std::string law_name;
 };
 
 /// @throws IoError naming the file when it cannot be read, and the tag that is missing.
 FebioModel read_febio(const std::filesystem::path& file);
 
-} // namespace retractor
+} // namespace retractor::verification

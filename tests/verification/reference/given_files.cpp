@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -28,8 +28,8 @@ namespace {
             return skipped("CalculiX beam10p", file);
         const CalculixModel model = read_calculix(file);
         const std::vector<Vec3> printed = read_calculix_displacements(folder / "beam10p.dat.ref", model);
-        VerificationLaw law { "linear", Elasticity::linear, model.lame, {}, {} };
-        ElasticBody body = make_body(model.mesh, VerificationElement::p2, law);
+        VerificationLaw law { "linear", fem::Elasticity::linear, model.lame, {}, {} };
+        fem::ElasticBody body = make_body(model.mesh, VerificationElement::p2, law);
         body.set_loads({ model.loads, {} });
         const VerificationSolve solve
             = solve_problem(body, model.held.prescribed, model.held.target, { .tolerance = 1e-10 }, job);
@@ -55,7 +55,7 @@ namespace {
     VerificationRow febio_model(const FebioModel& model, const FebioCase& c, const Job& job)
     {
         const VerificationLaw law = hyperelastic_law(model.law_name, model.law);
-        ElasticBody body = make_body(model.mesh, c.element, law);
+        fem::ElasticBody body = make_body(model.mesh, c.element, law);
         body.set_loads({ model.loads, {} });
         const VerificationSolve solve = solve_problem(body, model.held.prescribed, model.held.target,
             { .load_steps = 10, .max_newton_iterations = 60, .tolerance = 1e-6 }, job);
@@ -108,4 +108,4 @@ VerificationProblem febio_problem()
         "such a mesh may be, and takes longer than all the rest" };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

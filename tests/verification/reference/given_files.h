@@ -3,9 +3,9 @@
 
 #include "tests/verification/framework/problem.h"
 
-namespace retractor {
+namespace retractor::verification {
 
 VerificationProblem calculix_problem();
 VerificationProblem febio_problem();
 
-} // namespace retractor
+} // namespace retractor::verification

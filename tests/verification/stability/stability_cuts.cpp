@@ -18,32 +18,32 @@
 #include <numbers>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
-    const Material kCutTissue { "tissue", 0.04, 0.45, 1e-9, "verification" };
-    const std::vector<Material> kTissues { kCutTissue, kCutTissue };
+    const fem::Material kCutTissue { "tissue", 0.04, 0.45, 1e-9, "verification" };
+    const std::vector<fem::Material> kTissues { kCutTissue, kCutTissue };
 
     /// What a cut leaves is sound, whatever was cut: no refusal.
-    void expect_sound(const TetMesh& mesh)
+    void expect_sound(const mesh::TetMesh& mesh)
     {
         try {
-            check_mesh(mesh);
+            mesh::check_mesh(mesh);
         } catch (const Error& error) {
             throw PromiseNotKept(std::string("the mesh after the cut: ") + error.what() + " [" + error.where() + "]");
         }
     }
 
-    double volume(const TetMesh& mesh)
+    double volume(const mesh::TetMesh& mesh)
     {
         double sum = 0.0;
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            sum += tet_volume(mesh, t);
+            sum += mesh::tet_volume(mesh, t);
         return sum;
     }
 
-    std::vector<VertexId> bottom(const TetMesh& mesh)
+    std::vector<VertexId> bottom(const mesh::TetMesh& mesh)
     {
         std::vector<VertexId> found;
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
@@ -53,7 +53,7 @@ namespace {
     }
 
     /// Horizontal, from end to end: the top half comes off.
-    Blade severing_blade(const IncisedBlock& block)
+    mesh::Blade severing_blade(const IncisedBlock& block)
     {
         const double z = 0.62 * block.size.z();
         return { .line = { Vec3(-5.0, -2.0, z), Vec3(block.size.x() + 5.0, -2.0, z) },
@@ -62,9 +62,9 @@ namespace {
     }
 
     /// Vertices of a mesh as those of a hook that pulls them.
-    OnlineHook hook_on(const TetMesh& mesh, const Vec3& pull, const std::function<bool(const Vec3&)>& inside)
+    fem::OnlineHook hook_on(const mesh::TetMesh& mesh, const Vec3& pull, const std::function<bool(const Vec3&)>& inside)
     {
-        OnlineHook hook;
+        fem::OnlineHook hook;
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
             if (inside(mesh.vertices.row(v).transpose()))
                 hook.nodes.push_back(v);
@@ -73,9 +73,9 @@ namespace {
     }
 
     /// A patch in the middle of the top.
-    OnlineHook top_hook(const IncisedBlock& block, const Vec3& pull)
+    fem::OnlineHook top_hook(const IncisedBlock& block, const Vec3& pull)
     {
-        OnlineHook hook = hook_on(uncut_block(block), pull, [&](const Vec3& p) {
+        fem::OnlineHook hook = hook_on(uncut_block(block), pull, [&](const Vec3& p) {
             return p.z() > block.size.z() - 1e-6 && (p - 0.5 * block.size).head<2>().cwiseAbs().maxCoeff() < 5.1;
         });
         hook.name = "middle";
@@ -83,9 +83,9 @@ namespace {
     }
 
     /// One whole side, drawn away from the middle.
-    OnlineHook side_hook(const IncisedBlock& block, const TetMesh& mesh)
+    fem::OnlineHook side_hook(const IncisedBlock& block, const mesh::TetMesh& mesh)
     {
-        OnlineHook hook = hook_on(
+        fem::OnlineHook hook = hook_on(
             mesh, Vec3(0.0, 3.0, 0.0), [&](const Vec3& p) { return p.y() > block.size.y() - 1e-6 && p.z() > 1e-6; });
         hook.name = "side";
         hook.side = 1;
@@ -94,13 +94,13 @@ namespace {
 
     /// The block, held below and by a hook, that is cut. A session's first ids are those of its mesh.
     struct HookedOnline {
-        TetMesh mesh;
-        CutSession session;
-        Supports supports;
-        OnlineOpening opening;
-        OnlineHook hook;
+        mesh::TetMesh mesh;
+        mesh::CutSession session;
+        fem::Supports supports;
+        fem::OnlineOpening opening;
+        fem::OnlineHook hook;
 
-        HookedOnline(const IncisedBlock& block, OnlineHook held)
+        HookedOnline(const IncisedBlock& block, fem::OnlineHook held)
             : mesh(uncut_block(block))
             , session(mesh)
             , supports { bottom(mesh), {} }
@@ -110,32 +110,32 @@ namespace {
             (void)opening.attach(hook);
         }
 
-        CutResult cut(const Blade& blade)
+        mesh::CutResult cut(const mesh::Blade& blade)
         {
-            CutResult made = session.cut(blade);
-            if (made.status == CutStatus::done)
+            mesh::CutResult made = session.cut(blade);
+            if (made.status == mesh::CutStatus::done)
                 opening.follow(made.delta);
             return made;
         }
 
         /// The whole answer, its residual and condition in the row.
-        OnlineAnswer answer(StabilityRow& row)
+        fem::OnlineAnswer answer(StabilityRow& row)
         {
-            OnlineAnswer answer = opening.answer();
+            fem::OnlineAnswer answer = opening.answer();
             opening.complete(answer);
-            set_condition(row, problem_now(session, kTissues, supports, { hook }), Elasticity::linear);
+            set_condition(row, problem_now(session, kTissues, supports, { hook }), fem::Elasticity::linear);
             row.residual = answer.residual;
             return answer;
         }
 
         /// The same against the problem set up anew.
-        void judge(StabilityRow& row, const OnlineAnswer& answer)
+        void judge(StabilityRow& row, const fem::OnlineAnswer& answer)
         {
-            if (answer.status != OnlineStatus::solved)
+            if (answer.status != fem::OnlineStatus::solved)
                 return refuse(row, answer.message);
-            OnlineOpening anew(session, kTissues, supports, {});
+            fem::OnlineOpening anew(session, kTissues, supports, {});
             (void)anew.attach(hook);
-            OnlineAnswer expected = anew.answer();
+            fem::OnlineAnswer expected = anew.answer();
             anew.complete(expected);
             row.quantity = "displacement against a fresh factorisation, relative";
             row.error = (answer.displacement - expected.displacement).cwiseAbs().maxCoeff()
@@ -147,21 +147,21 @@ namespace {
     void severed_whole(StabilityRow& row, const IncisedBlock& block, const Job& job)
     {
         const Incision cut = incise(uncut_block(block), severing_blade(block));
-        set_condition(row, { cut.mesh, kTissues, { bottom(cut.mesh), {} }, {} }, Elasticity::linear);
-        Opening opening(cut.mesh, kTissues, { bottom(cut.mesh), {} }, {});
+        set_condition(row, { cut.mesh, kTissues, { bottom(cut.mesh), {} }, {} }, fem::Elasticity::linear);
+        fem::Opening opening(cut.mesh, kTissues, { bottom(cut.mesh), {} }, {});
         row.residual = opening.open({}, job).residual;
     }
 
     void severed_online(StabilityRow& row, const IncisedBlock& block)
     {
-        const TetMesh mesh = uncut_block(block);
-        CutSession session(mesh);
-        OnlineOpening opening(session, kTissues, { bottom(mesh), {} }, {});
-        const CutResult cut = session.cut(severing_blade(block));
+        const mesh::TetMesh mesh = uncut_block(block);
+        mesh::CutSession session(mesh);
+        fem::OnlineOpening opening(session, kTissues, { bottom(mesh), {} }, {});
+        const mesh::CutResult cut = session.cut(severing_blade(block));
         opening.follow(cut.delta);
-        const OnlineAnswer answer = opening.answer();
-        set_condition(row, problem_now(session, kTissues, { bottom(mesh), {} }, {}), Elasticity::linear);
-        if (answer.status == OnlineStatus::unsupported)
+        const fem::OnlineAnswer answer = opening.answer();
+        set_condition(row, problem_now(session, kTissues, { bottom(mesh), {} }, {}), fem::Elasticity::linear);
+        if (answer.status == fem::OnlineStatus::unsupported)
             refuse(row, answer.message);
     }
 
@@ -170,24 +170,24 @@ namespace {
     {
         HookedOnline online(block, top_hook(block, Vec3(0.0, 1.0, 3.0)));
         (void)online.cut(severing_blade(block));
-        const OnlineAnswer answer = online.answer(row);
-        if (answer.status != OnlineStatus::solved)
+        const fem::OnlineAnswer answer = online.answer(row);
+        if (answer.status != fem::OnlineStatus::solved)
             return refuse(row, answer.message);
         row.quantity = "hook force of a piece that hangs free, N";
         row.error = answer.hook_forces_N.front().norm();
         row.bound = 1e-9; // it moves as one; round-off of forces of 1 N
     }
 
-    ElasticProblem pulled_aside(const IncisedBlock& block, const TetMesh& mesh)
+    fem::ElasticProblem pulled_aside(const IncisedBlock& block, const mesh::TetMesh& mesh)
     {
-        const OnlineHook hook = side_hook(block, mesh);
+        const fem::OnlineHook hook = side_hook(block, mesh);
         return { mesh, kTissues, { bottom(mesh), {} },
             { { hook.name, hook.side, hook.nodes, hook.drive.displacement } } };
     }
 
     struct GridCut {
         const char* name;
-        Blade blade;
+        mesh::Blade blade;
         double lip_area; ///< mm^2, of one lip
     };
 
@@ -195,7 +195,7 @@ namespace {
     {
         const double x = block.size.x(), y = 0.5 * block.size.y(), z = block.size.z(), h = block.cell;
         const auto blade = [](const Vec3& a, const Vec3& b, const Vec3& direction, double depth) {
-            return Blade { .line = { a, b }, .directions = { direction }, .depth_mm = depth };
+            return mesh::Blade { .line = { a, b }, .directions = { direction }, .depth_mm = depth };
         };
         const Vec3 diagonal = Vec3(0.0, -1.0, -1.0) / std::numbers::sqrt2;
         return {
@@ -216,21 +216,21 @@ namespace {
 
     void grid_cut(StabilityRow& row, const IncisedBlock& block, const GridCut& cut, const Job& job)
     {
-        const TetMesh before = uncut_block(block);
+        const mesh::TetMesh before = uncut_block(block);
         const Incision incision = incise(before, cut.blade);
         expect_sound(incision.mesh);
         row.quantity = "volume and area of the lips, relative";
         row.error = std::max(std::abs(volume(incision.mesh) / volume(before) - 1.0),
             std::abs(incision.report.lip_area_mm2 / cut.lip_area - 1.0));
         row.bound = 1e-12; // round-off
-        const ElasticProblem problem = pulled_aside(block, incision.mesh);
-        Opening opening(problem.mesh, problem.material_of_label, problem.supports, {});
-        const OpeningResult result = opening.open(problem.hooks, job);
+        const fem::ElasticProblem problem = pulled_aside(block, incision.mesh);
+        fem::Opening opening(problem.mesh, problem.material_of_label, problem.supports, {});
+        const fem::OpeningResult result = opening.open(problem.hooks, job);
         row.residual = result.residual;
         row.reason = formatted("%zu elements, smallest angle of those born %.1f degrees", incision.mesh.tet_count(),
             incision.report.worst_dihedral_deg);
-        set_condition(row, problem, Elasticity::corotational, result.displacement);
-        if (result.status != OpeningStatus::converged)
+        set_condition(row, problem, fem::Elasticity::corotational, result.displacement);
+        if (result.status != fem::OpeningStatus::converged)
             refuse(row, result.message);
     }
 
@@ -238,7 +238,7 @@ namespace {
     {
         HookedOnline online(block, top_hook(block, Vec3(0.0, 2.0, 1.0)));
         (void)online.cut(incision_blade(block));
-        const OnlineAnswer answer = online.answer(row);
+        const fem::OnlineAnswer answer = online.answer(row);
         row.reason = formatted("hook force %.3f N; it keeps the vertices it had, their copies on the other lip go free",
             answer.hook_forces_N.front().norm());
         online.judge(row, answer);
@@ -253,9 +253,9 @@ namespace {
     };
 
     /// Straight down, in the middle of the top, beside the planes of the grid.
-    Blade hundredth_blade(const IncisedBlock& block, int i, Hundred series)
+    mesh::Blade hundredth_blade(const IncisedBlock& block, int i, Hundred series)
     {
-        Blade blade = incision_blade(block);
+        mesh::Blade blade = incision_blade(block);
         const Vec3 middle = 0.5 * (blade.line[0] + blade.line[1]);
         switch (series) {
         case Hundred::slices:
@@ -283,29 +283,29 @@ namespace {
     constexpr double kVolumeKept = 1e-9; ///< what moves of the skin's vertices add up to; a plane is kept to round-off
 
     /// Sound, of the volume it had, and all of it to be undone. @return the relative change of volume.
-    double expect_undone(CutSession& session, const TetMesh& before, double kept = kVolumeKept)
+    double expect_undone(mesh::CutSession& session, const mesh::TetMesh& before, double kept = kVolumeKept)
     {
-        const TetMesh mesh = session.compact_mesh();
+        const mesh::TetMesh mesh = session.compact_mesh();
         expect_sound(mesh);
         const double change = std::abs(volume(mesh) / volume(before) - 1.0);
         if (!(change <= kept))
             throw PromiseNotKept(formatted("the cuts changed the volume by %.1e of it", change));
         while (session.can_undo())
             (void)session.undo();
-        const TetMesh after = session.compact_mesh();
+        const mesh::TetMesh after = session.compact_mesh();
         if (after.vertices != before.vertices || after.nodes != before.nodes)
             throw PromiseNotKept("undoing the cuts did not give the first mesh back");
         return change;
     }
 
     /// All blades go straight down: nothing pulls across them when the block is stretched upright.
-    void stretch_upright(StabilityRow& row, const CutSession& session, double bound, const Job& job)
+    void stretch_upright(StabilityRow& row, const mesh::CutSession& session, double bound, const Job& job)
     {
-        SlotMap map;
-        const TetMesh mesh = session.compact_mesh(&map);
+        mesh::SlotMap map;
+        const mesh::TetMesh mesh = session.compact_mesh(&map);
         std::vector<VertexId> lips;
-        for (const LipFace& lip : session.lips()) {
-            const MeshDelta::Tet tet = session.tet(lip.face.tet);
+        for (const mesh::LipFace& lip : session.lips()) {
+            const mesh::MeshDelta::Tet tet = session.tet(lip.face.tet);
             for (std::size_t a = 0; a < 4; ++a)
                 if (static_cast<int>(a) != lip.face.corner)
                     lips.push_back(map.compact_vertex[static_cast<std::size_t>(tet.nodes[a])]);
@@ -313,9 +313,9 @@ namespace {
         stretch_along(row, mesh, lips, 2, bound, job);
     }
 
-    std::string mesh_text(const CutSession& session)
+    std::string mesh_text(const mesh::CutSession& session)
     {
-        const std::vector<int> piece = connected_pieces(session.compact_mesh());
+        const std::vector<int> piece = mesh::connected_pieces(session.compact_mesh());
         return formatted(
             "%zu elements, %d piece(s)", session.tet_count(), 1 + *std::max_element(piece.begin(), piece.end()));
     }
@@ -323,19 +323,19 @@ namespace {
     /// The first is made, the others are refused by name and change nothing.
     void same_cut(StabilityRow& row, const IncisedBlock& block)
     {
-        const TetMesh before = uncut_block(block);
+        const mesh::TetMesh before = uncut_block(block);
         HookedOnline online(block, side_hook(block, before));
-        if (online.cut(incision_blade(block)).status != CutStatus::done)
+        if (online.cut(incision_blade(block)).status != mesh::CutStatus::done)
             throw PromiseNotKept("the first cut was not made");
-        const TetMesh once = online.session.compact_mesh();
+        const mesh::TetMesh once = online.session.compact_mesh();
         std::string said;
         for (int i = 1; i < kCuts; ++i) {
-            const CutResult again = online.cut(incision_blade(block));
-            if (again.status != CutStatus::missed_body || again.message.find("cut already") == std::string::npos)
+            const mesh::CutResult again = online.cut(incision_blade(block));
+            if (again.status != mesh::CutStatus::missed_body || again.message.find("cut already") == std::string::npos)
                 throw PromiseNotKept(formatted("cut %d of the same was not refused as one: ", i + 1) + again.message);
             said = again.message;
         }
-        const TetMesh now = online.session.compact_mesh();
+        const mesh::TetMesh now = online.session.compact_mesh();
         if (now.vertices != once.vertices || now.nodes != once.nodes)
             throw PromiseNotKept("a cut that was refused changed the mesh");
         online.judge(row, online.answer(row));
@@ -347,12 +347,12 @@ namespace {
     /// All are made.
     void hundred_cuts(StabilityRow& row, const IncisedBlock& block, const Job& job)
     {
-        const TetMesh before = uncut_block(block);
+        const mesh::TetMesh before = uncut_block(block);
         HookedOnline online(block, side_hook(block, before));
         int made = 0;
         for (; made < kCuts && !job.cancelled(); ++made) {
-            const CutResult result = online.cut(hundredth_blade(block, made, Hundred::fan));
-            if (result.status != CutStatus::done)
+            const mesh::CutResult result = online.cut(hundredth_blade(block, made, Hundred::fan));
+            if (result.status != mesh::CutStatus::done)
                 throw PromiseNotKept(formatted("cut %d of %d was not made: ", made + 1, kCuts) + result.message);
         }
         row.reason = formatted("%d of %d cuts made, ", made, kCuts) + mesh_text(online.session);
@@ -368,15 +368,15 @@ namespace {
     void cut_until_refused(StabilityRow& row, const IncisedBlock& block, Hundred series, double bound, const Job& job)
     {
         constexpr std::size_t kMostElements = 10'000; // four times as many as there are before
-        const TetMesh before = uncut_block(block);
-        CutSession session(before);
+        const mesh::TetMesh before = uncut_block(block);
+        mesh::CutSession session(before);
         std::string said;
         int made = 0;
         for (; made < kCuts && said.empty() && !job.cancelled(); made += said.empty() ? 1 : 0)
             try {
-                const CutResult result
+                const mesh::CutResult result
                     = session.cut(hundredth_blade(block, made, series), { .element_limit = kMostElements });
-                if (result.status != CutStatus::done)
+                if (result.status != mesh::CutStatus::done)
                     throw PromiseNotKept(formatted("cut %d of %d was not made: ", made + 1, kCuts) + result.message);
             } catch (const SolverError& error) {
                 said = error.what() + (" [" + error.where() + "]");
@@ -448,4 +448,4 @@ StabilityCase hundred_cuts_case()
         } };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

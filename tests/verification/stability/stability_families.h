@@ -3,7 +3,7 @@
 
 #include "tests/verification/framework/stability.h"
 
-namespace retractor {
+namespace retractor::verification {
 
 StabilityCase incompressible_case();
 StabilityCase bone_beside_fat_case();
@@ -21,4 +21,4 @@ StabilityCase high_pressure_case();
 StabilityCase spring_step_case();
 StabilityCase strange_case();
 
-} // namespace retractor
+} // namespace retractor::verification

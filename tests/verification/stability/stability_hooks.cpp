@@ -16,31 +16,31 @@
 #include <cstdio>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
-    const Material kTissue { "tissue", 0.04, 0.45, 1e-9, "verification" };
+    const fem::Material kTissue { "tissue", 0.04, 0.45, 1e-9, "verification" };
 
-    std::string name_of(Elasticity elasticity)
+    std::string name_of(fem::Elasticity elasticity)
     {
         switch (elasticity) {
-        case Elasticity::linear:
+        case fem::Elasticity::linear:
             return "P1, linear";
-        case Elasticity::corotational:
+        case fem::Elasticity::corotational:
             return "P1, corotational";
-        case Elasticity::hyperelastic:
+        case fem::Elasticity::hyperelastic:
             return "P1, neo-Hookean"; // what tissue without a law of its own is
-        case Elasticity::bounded:
+        case fem::Elasticity::bounded:
             break; // refused by Opening
         }
         return {};
     }
 
     /// Why an opening is no answer, the reason first: the solver's own word comes after it.
-    std::string reason_of(const OpeningResult& result, std::size_t elements)
+    std::string reason_of(const fem::OpeningResult& result, std::size_t elements)
     {
-        if (result.status != OpeningStatus::inverted)
+        if (result.status != fem::OpeningStatus::inverted)
             return result.message;
         std::array<char, 256> text {};
         (void)std::snprintf(text.data(), text.size(),
@@ -51,19 +51,19 @@ namespace {
     }
 
     /// An answer in which elements are inside out is none, and has to say so.
-    void open(StabilityRow& row, const Vec3& pull, const OpeningOptions& options, const Job& job)
+    void open(StabilityRow& row, const Vec3& pull, const fem::OpeningOptions& options, const Job& job)
     {
         const IncisedBlock block;
-        const ElasticProblem problem
+        const fem::ElasticProblem problem
             = hooked_open(block, incise(uncut_block(block), incision_blade(block)), kTissue, pull);
-        Opening opening(problem.mesh, problem.material_of_label, problem.supports, options);
-        const OpeningResult result = opening.open(problem.hooks, job);
+        fem::Opening opening(problem.mesh, problem.material_of_label, problem.supports, options);
+        const fem::OpeningResult result = opening.open(problem.hooks, job);
         row.residual = result.residual;
         row.quantity = "elements inside out";
         row.error = result.inverted_elements;
         const bool finite = result.displacement.allFinite();
         set_condition(row, problem, options.elasticity, finite ? result.displacement : Points());
-        if (result.status != OpeningStatus::converged || !finite)
+        if (result.status != fem::OpeningStatus::converged || !finite)
             return refuse(row, reason_of(result, problem.mesh.tet_count()));
         row.bound = 0.0;
         std::array<char, 256> text {};
@@ -74,11 +74,11 @@ namespace {
         row.reason = text.data();
     }
 
-    StabilityRow far_row(const char* name, const Vec3& pull, Elasticity elasticity, const Job& job)
+    StabilityRow far_row(const char* name, const Vec3& pull, fem::Elasticity elasticity, const Job& job)
     {
         // A law whose energy is infinite where tissue turns over cannot come to that: where it ends before, it says so.
-        const std::string named
-            = elasticity == Elasticity::hyperelastic ? "of the hooks' displacement" : "elements would be inside out";
+        const std::string named = elasticity == fem::Elasticity::hyperelastic ? "of the hooks' displacement"
+                                                                              : "elements would be inside out";
         return expect_answer_or_refusal(name, name_of(elasticity), named,
             [&](StabilityRow& r) { open(r, pull, { .elasticity = elasticity }, job); });
     }
@@ -86,21 +86,21 @@ namespace {
     /// A session's cut block with the hooks of hooked_open(), by the session's ids.
     struct OnlineIncision {
         IncisedBlock block;
-        CutSession session { uncut_block(block) };
-        std::vector<Material> materials { kTissue, kTissue };
-        Supports supports;
-        std::vector<OnlineHook> hooks;
+        mesh::CutSession session { uncut_block(block) };
+        std::vector<fem::Material> materials { kTissue, kTissue };
+        fem::Supports supports;
+        std::vector<fem::OnlineHook> hooks;
 
         OnlineIncision()
         {
-            const CutResult cut = session.cut(incision_blade(block));
-            if (cut.status != CutStatus::done)
+            const mesh::CutResult cut = session.cut(incision_blade(block));
+            if (cut.status != mesh::CutStatus::done)
                 throw SolverError("the incision was not made: " + cut.message);
-            SlotMap map;
+            mesh::SlotMap map;
             Incision incision { session.compact_mesh(&map), session.lips(), cut.report };
-            for (LipFace& lip : incision.lips)
+            for (mesh::LipFace& lip : incision.lips)
                 lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
-            const ElasticProblem problem = hooked_open(block, incision, kTissue, Vec3::Zero());
+            const fem::ElasticProblem problem = hooked_open(block, incision, kTissue, Vec3::Zero());
             const auto of_session = [&](const std::vector<VertexId>& compact) {
                 std::vector<VertexId> ids;
                 for (const VertexId v : compact)
@@ -108,34 +108,34 @@ namespace {
                 return ids;
             };
             supports.fixed = of_session(problem.supports.fixed);
-            for (const HookPatch& hook : problem.hooks)
+            for (const fem::HookPatch& hook : problem.hooks)
                 hooks.push_back({ .name = hook.name, .side = hook.side, .nodes = of_session(hook.nodes), .drive = {} });
         }
     };
 
     /// Hooks on the two lips, while a session is open: they stop where the lips meet, and what is answered there is an
     /// equilibrium, by a solve and by the columns of a drag alike.
-    void push_together(StabilityRow& row, const HookDrive& right, const HookDrive& left)
+    void push_together(StabilityRow& row, const fem::HookDrive& right, const fem::HookDrive& left)
     {
         constexpr double kResidual = 1e-8, kSame = 1e-6; // as answers promise; of the largest displacement
         constexpr double kMet = 2e-6; // mm: what rest_of_hooks_apart() leaves of a crossing
         OnlineIncision cut;
-        OnlineOpening opening(cut.session, cut.materials, cut.supports, {});
+        fem::OnlineOpening opening(cut.session, cut.materials, cut.supports, {});
         cut.hooks[0].drive = right;
         cut.hooks[1].drive = left;
-        for (const OnlineHook& hook : cut.hooks)
+        for (const fem::OnlineHook& hook : cut.hooks)
             (void)opening.attach(hook);
-        OnlineAnswer answer = opening.answer();
-        if (answer.status == OnlineStatus::solved)
+        fem::OnlineAnswer answer = opening.answer();
+        if (answer.status == fem::OnlineStatus::solved)
             opening.complete(answer);
-        if (answer.status != OnlineStatus::solved)
+        if (answer.status != fem::OnlineStatus::solved)
             return refuse(row, answer.message);
         if (answer.meeting.size() != 1)
             throw PromiseNotKept("the hooks did not meet");
         row.residual = answer.residual;
         row.quantity = "lips past each other, or apart, mm";
         row.error = std::abs(
-            crossing_mm(answer.meeting[0], answer.hook_displacements.at(0), answer.hook_displacements.at(1)));
+            fem::crossing_mm(answer.meeting[0], answer.hook_displacements.at(0), answer.hook_displacements.at(1)));
         row.bound = kMet;
         (void)opening.prepare_drag();
         const double apart = (opening.drag_answer().displacement - answer.displacement).cwiseAbs().maxCoeff();
@@ -144,7 +144,7 @@ namespace {
             throw PromiseNotKept("no equilibrium where the hooks meet, or not the one that a drag finds");
         for (std::size_t i = 0; i < 2; ++i)
             cut.hooks[i].drive = { .displacement = answer.hook_displacements[i] };
-        set_condition(row, problem_now(cut.session, cut.materials, cut.supports, cut.hooks), Elasticity::linear);
+        set_condition(row, problem_now(cut.session, cut.materials, cut.supports, cut.hooks), fem::Elasticity::linear);
         std::array<char, 160> text {};
         (void)std::snprintf(text.data(), text.size(),
             "stopped where the lips meet; tissue bears %.3g and %.3g N under them; a drag differs by %.1e of the "
@@ -157,30 +157,31 @@ namespace {
     /// Start states in which one vertex has been drawn out through the far side of its elements.
     void start_inside_out(StabilityRow& row, const VerificationLaw& law, const Job& job)
     {
-        const TetMesh mesh = kuhn_box(4, 4, 4, 1.0);
+        const mesh::TetMesh mesh = mesh::kuhn_box(4, 4, 4, 1.0);
         const Held held = hold_boundary(mesh, [](const Vec3&) { return Vec3(Vec3::Zero()); });
-        ElasticBody body = make_body(mesh, VerificationElement::p1, law);
+        fem::ElasticBody body = make_body(mesh, VerificationElement::p1, law);
         Eigen::VectorXd start = Eigen::VectorXd::Zero(held.target.size());
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
             if (mesh.vertices.row(v) == Eigen::RowVector3d(2.0, 2.0, 2.0))
                 start.segment<3>(3 * v) = Vec3(1.3, 0.4, -1.2);
         row.unconditioned = Unconditioned::no_matrix; // a law without an energy there has no stiffness either
-        EquilibriumSolver solver;
-        const Equilibrium rest = solver.solve(body, held.prescribed, held.target, start, { .tolerance = 1e-9 }, job);
+        fem::EquilibriumSolver solver;
+        const fem::Equilibrium rest
+            = solver.solve(body, held.prescribed, held.target, start, { .tolerance = 1e-9 }, job);
         row.residual = rest.residual;
         row.quantity = "distance from rest, mm";
         row.error = rest.displacement.cwiseAbs().maxCoeff();
         row.bound = 1e-6; // a tolerance of 1e-9 on forces of a body that was strained by 1
-        if (rest.status != EquilibriumStatus::converged)
+        if (rest.status != fem::EquilibriumStatus::converged)
             return refuse(row, "not converged: " + rest.message);
         set_condition(row, body.stiffness(rest.displacement, 0.0), held.prescribed);
     }
 
     void mesh_inside_out(StabilityRow& row)
     {
-        TetMesh mesh = kuhn_box(2, 2, 2, 1.0);
+        mesh::TetMesh mesh = mesh::kuhn_box(2, 2, 2, 1.0);
         std::swap(mesh.nodes[4], mesh.nodes[5]);
-        const Opening opening(mesh, std::vector<Material>(2, kTissue), { { 0, 1, 2 }, {} });
+        const fem::Opening opening(mesh, std::vector<fem::Material>(2, kTissue), { { 0, 1, 2 }, {} });
         row.residual = row.error = 0.0;
     }
 
@@ -191,8 +192,8 @@ StabilityCase far_hook_case()
     return { "hook pulled by 200 mm", "an incision of 30 mm: an answer without elements inside out, or a refusal",
         [](const Job& job) {
             std::vector<StabilityRow> rows;
-            for (const Elasticity elasticity :
-                { Elasticity::linear, Elasticity::corotational, Elasticity::hyperelastic }) {
+            for (const fem::Elasticity elasticity :
+                { fem::Elasticity::linear, fem::Elasticity::corotational, fem::Elasticity::hyperelastic }) {
                 rows.push_back(far_row("hooks pulled aside by 200 mm", Vec3(0.0, 200.0, 0.0), elasticity, job));
                 rows.push_back(far_row("hooks pulled out by 200 mm", Vec3(0.0, 20.0, 200.0), elasticity, job));
             }
@@ -205,14 +206,14 @@ StabilityCase crossing_hooks_case()
     return { "hooks pulled through each other", "lips do not pass through each other: refused, by name and distance",
         [](const Job& job) {
             std::vector<StabilityRow> rows;
-            for (const Elasticity elasticity : { Elasticity::linear, Elasticity::corotational })
+            for (const fem::Elasticity elasticity : { fem::Elasticity::linear, fem::Elasticity::corotational })
                 rows.push_back(expect_refusal("hooks pulled through each other", name_of(elasticity),
                     "would pass through each other",
                     [&](StabilityRow& r) { open(r, Vec3(0.0, -8.0, 0.0), { .elasticity = elasticity }, job); }));
             rows.push_back(expect_refusal("hooks pulled through each other", "P1, corotational, contact",
                 "of the hooks' displacement", [&](StabilityRow& r) {
                     open(r, Vec3(0.0, -8.0, 0.0),
-                        { .elasticity = Elasticity::corotational, .contact = ContactOptions {} }, job);
+                        { .elasticity = fem::Elasticity::corotational, .contact = fem::ContactOptions {} }, job);
                 }));
             return rows;
         } };
@@ -226,7 +227,7 @@ StabilityCase meeting_hooks_case()
             const auto along = [](double mm) -> Vec3 { return { 0.0, mm, 0.0 }; };
             struct Pair {
                 const char* kind;
-                HookDrive right, left; ///< the right lip lies at smaller y
+                fem::HookDrive right, left; ///< the right lip lies at smaller y
             };
             const Pair pairs[] = {
                 { "drawn", { .displacement = along(3.0) }, { .displacement = along(-1.0) } },
@@ -247,19 +248,19 @@ StabilityCase inverted_start_case()
 {
     return { "start inside out", "laws that have an energy there come back to rest; the others say so",
         [](const Job& job) {
-            const Lame l = linear_law(1.0, 0.3).lame;
+            const fem::Lame l = linear_law(1.0, 0.3).lame;
             const auto start = [&](const VerificationLaw& law) {
                 return [&job, law](StabilityRow& row) { start_inside_out(row, law, job); };
             };
             return std::vector<StabilityRow> {
                 attempt("start inside out", "P1, linear", start(linear_law(1.0, 0.3))),
                 attempt("start inside out", "P1, corotational",
-                    start({ "corotational", Elasticity::corotational, l, {}, {} })),
+                    start({ "corotational", fem::Elasticity::corotational, l, {}, {} })),
                 expect_refusal("start inside out", "P1, neo-Hookean", "turned over",
-                    start(hyperelastic_law("neo-Hookean", NeoHookean { l.mu, l.lambda }))),
+                    start(hyperelastic_law("neo-Hookean", fem::NeoHookean { l.mu, l.lambda }))),
                 expect_refusal("mesh with an element inside out", "opening", "is not positive", mesh_inside_out),
             };
         } };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

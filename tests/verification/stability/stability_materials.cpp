@@ -16,7 +16,7 @@
 #include <numbers>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -28,7 +28,7 @@ namespace {
     /// Two layers under inner pressure, plane strain: in each u = a r + b / r [Lame].
     class LayeredTube {
     public:
-        LayeredTube(const Lame& inside, const Lame& outside)
+        LayeredTube(const fem::Lame& inside, const fem::Lame& outside)
             : layers_ { inside, outside }
         {
             const auto stress = [&](std::size_t k, double r, Eigen::Index row, double sign, Eigen::Matrix4d& m) {
@@ -56,37 +56,40 @@ namespace {
         }
 
     private:
-        std::array<Lame, 2> layers_;
+        std::array<fem::Lame, 2> layers_;
         Eigen::Vector4d c_;
     };
 
     struct Layers {
-        Lame inside, outside;
+        fem::Lame inside, outside;
     };
-    Lame solid(double youngs_modulus, double poissons_ratio) { return linear_law(youngs_modulus, poissons_ratio).lame; }
+    fem::Lame solid(double youngs_modulus, double poissons_ratio)
+    {
+        return linear_law(youngs_modulus, poissons_ratio).lame;
+    }
 
-    ElasticBody layered_body(const TetMesh& mesh, VerificationElement element, const Layers& layers,
+    fem::ElasticBody layered_body(const mesh::TetMesh& mesh, VerificationElement element, const Layers& layers,
         const std::function<bool(const Vec3&)>& is_outside)
     {
-        std::vector<Lame> lame;
+        std::vector<fem::Lame> lame;
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
             Vec3 middle = Vec3::Zero();
             for (std::size_t a = 0; a < 4; ++a)
                 middle += 0.25 * mesh.vertices.row(mesh.tet(t)[a]).transpose();
             lame.push_back(is_outside(middle) ? layers.outside : layers.inside);
         }
-        ElasticBody body(mesh, Elasticity::linear, std::move(lame));
+        fem::ElasticBody body(mesh, fem::Elasticity::linear, std::move(lame));
         if (element == VerificationElement::locking_free)
             body.avoid_locking();
         return body;
     }
 
-    void measure(StabilityRow& row, const TetMesh& mesh, const VerificationSolve& solve, ElasticBody& body,
+    void measure(StabilityRow& row, const mesh::TetMesh& mesh, const VerificationSolve& solve, fem::ElasticBody& body,
         const Held& held, const std::function<Vec3(const Vec3&)>& field)
     {
         row.residual = residual_of(solve.equilibrium, held.prescribed);
         set_condition(row, body.stiffness(solve.equilibrium.displacement, 0.0), held.prescribed);
-        if (solve.equilibrium.status != EquilibriumStatus::converged)
+        if (solve.equilibrium.status != fem::EquilibriumStatus::converged)
             return refuse(row, formatted("residual %.1e", row.residual));
         const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(solve.equilibrium.displacement.size());
         row.quantity = "displacement in L2, relative";
@@ -96,9 +99,9 @@ namespace {
     void press(StabilityRow& row, VerificationElement element, const Layers& layers, const Job& job)
     {
         const QuarterTube tube = quarter_tube(nodes_per_tet(element), kVesselInner, kVesselOuter, kAround, kThrough, 1);
-        ElasticBody body = layered_body(
+        fem::ElasticBody body = layered_body(
             tube.mesh, element, layers, [](const Vec3& p) { return std::hypot(p.x(), p.y()) > kMiddle; });
-        body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, kPulse) } });
+        body.set_loads({ {}, { fem::FollowerPressure(tube.mesh, tube.inner_faces, kPulse) } });
         const VerificationSolve solve = solve_problem(body, tube.held.prescribed, {}, { .tolerance = 1e-9 }, job);
         const LayeredTube exact(layers.inside, layers.outside);
         measure(row, tube.mesh, solve, body, tube.held, [&](const Vec3& p) { return exact.displacement(p); });
@@ -107,7 +110,7 @@ namespace {
     /// Two layers of the unit box, stiff below soft or the other way round, sheared along x: u = f(z) sin(pi y),
     /// without change of volume; f and mu f' go through the interface without a jump. Held everywhere on the boundary.
     struct ShearedLayers {
-        Lame below, above;
+        fem::Lame below, above;
         static constexpr double kInterface = 0.5, kBelow = std::numbers::pi / 2, kAbove = 2.0;
 
         /// f and its second derivative; what lies below is as much stiffer as its strain is smaller.
@@ -141,12 +144,12 @@ namespace {
         constexpr int kCells = 6;
         const ShearedLayers exact { layers.inside, layers.outside };
         const auto field = [&](const Vec3& p) { return exact.displacement(p); };
-        const TetMesh mesh = mapped_box(
+        const mesh::TetMesh mesh = mapped_box(
             nodes_per_tet(element), kCells, kCells, kCells, [&](const Vec3& p) -> Vec3 { return p / kCells; });
         const auto is_above = [](const Vec3& p) { return p.z() > ShearedLayers::kInterface; };
         const Held held = hold_boundary(mesh, field);
-        ElasticBody body = layered_body(mesh, element, layers, is_above);
-        body.set_loads({ body_force_loads(mesh, [&](const Vec3& p) { return exact.force(p); }), {} });
+        fem::ElasticBody body = layered_body(mesh, element, layers, is_above);
+        body.set_loads({ fem::body_force_loads(mesh, [&](const Vec3& p) { return exact.force(p); }), {} });
         const VerificationSolve solve = solve_problem(body, held.prescribed, held.target, { .tolerance = 1e-9 }, job);
         measure(row, mesh, solve, body, held, field);
     }
@@ -216,10 +219,10 @@ namespace {
     void overload(StabilityRow& row, VerificationElement element, double mmHg, const Job& job)
     {
         constexpr double mu = 1.0 / 3.0;
-        const VerificationLaw law = hyperelastic_law("neo-Hookean", MooneyRivlin { 0.5 * mu, 0.0, 1e4 * mu });
+        const VerificationLaw law = hyperelastic_law("neo-Hookean", fem::MooneyRivlin { 0.5 * mu, 0.0, 1e4 * mu });
         const QuarterTube tube = quarter_tube(nodes_per_tet(element), kVesselInner, kVesselOuter, 12, 1, 1);
-        ElasticBody body = make_body(tube.mesh, element, law);
-        body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, mmHg * kMmHg) } });
+        fem::ElasticBody body = make_body(tube.mesh, element, law);
+        body.set_loads({ {}, { fem::FollowerPressure(tube.mesh, tube.inner_faces, mmHg * kMmHg) } });
         const VerificationSolve solve
             = solve_problem(body, tube.held.prescribed, {}, { .load_steps = 6, .tolerance = 1e-6 }, job);
         row.residual = residual_of(solve.equilibrium, tube.held.prescribed);
@@ -229,7 +232,7 @@ namespace {
         row.bound = 0.1; // the limit is that of a bore without end; one layer of elements and steps end before
         set_condition(row, body.stiffness(solve.equilibrium.displacement, 0.0), tube.held.prescribed);
         const double stretch = 1.0 + inner_displacement(tube, solve.equilibrium.displacement) / kVesselInner;
-        if (solve.equilibrium.status != EquilibriumStatus::converged)
+        if (solve.equilibrium.status != fem::EquilibriumStatus::converged)
             refuse(row,
                 formatted("%s; found up to %.0f mmHg, the bore stretched %.2f times; closed form %.0f mmHg, of a bore "
                           "stretched without end",
@@ -240,16 +243,16 @@ namespace {
     void stiffened(StabilityRow& row, const Job& job)
     {
         constexpr double mu = 1.0 / 3.0;
-        VerificationLaw law
-            = hyperelastic_law("Holzapfel-Gasser-Ogden", HolzapfelGasserOgden { mu, 0.5, 2.0, 1.0 / 3.0, 100.0 * mu });
+        VerificationLaw law = hyperelastic_law(
+            "Holzapfel-Gasser-Ogden", fem::HolzapfelGasserOgden { mu, 0.5, 2.0, 1.0 / 3.0, 100.0 * mu });
         const QuarterTube tube = quarter_tube(10, kVesselInner, kVesselOuter, 12, 1, 1);
-        ElasticBody body = make_body(tube.mesh, VerificationElement::p2, law);
-        body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, 1000.0 * kMmHg) } });
+        fem::ElasticBody body = make_body(tube.mesh, VerificationElement::p2, law);
+        body.set_loads({ {}, { fem::FollowerPressure(tube.mesh, tube.inner_faces, 1000.0 * kMmHg) } });
         const VerificationSolve solve
             = solve_problem(body, tube.held.prescribed, {}, { .load_steps = 10, .tolerance = 1e-6 }, job);
         row.residual = residual_of(solve.equilibrium, tube.held.prescribed);
         set_condition(row, body.stiffness(solve.equilibrium.displacement, 0.0), tube.held.prescribed);
-        if (solve.equilibrium.status != EquilibriumStatus::converged)
+        if (solve.equilibrium.status != fem::EquilibriumStatus::converged)
             return refuse(row, solve.equilibrium.message);
         // Plane strain: what the pressure does over the bore, the walls carry. No closed form of the law is needed.
         const double stretch = 1.0 + inner_displacement(tube, solve.equilibrium.displacement) / kVesselInner;
@@ -291,7 +294,7 @@ StabilityCase bone_beside_fat_case()
         [](const Job& job) {
             std::vector<StabilityRow> rows;
             constexpr double kFat = 0.01, kBone = 1e4; // MPa
-            const Lame fat = solid(kFat, 0.45), bone = solid(kBone, 0.3);
+            const fem::Lame fat = solid(kFat, 0.45), bone = solid(kBone, 0.3);
             const Layers mild { fat, solid(kFat, 0.3) };
             const LayeredSeries sheared { shear, "linear", "sheared layers, E 1 : 1", mild,
                 { { "sheared, bone below fat", { bone, fat } }, { "sheared, fat below bone", { fat, bone } } } };
@@ -323,4 +326,4 @@ StabilityCase high_pressure_case()
         } };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

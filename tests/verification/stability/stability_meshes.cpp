@@ -13,7 +13,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
@@ -28,21 +28,21 @@ namespace {
 
     std::vector<VerificationLaw> laws()
     {
-        const Lame l = linear_law(1.0, 0.3).lame;
-        return { linear_law(1.0, 0.3), { "corotational", Elasticity::corotational, l, {}, {} },
-            hyperelastic_law("neo-Hookean", NeoHookean { l.mu, l.lambda }) };
+        const fem::Lame l = linear_law(1.0, 0.3).lame;
+        return { linear_law(1.0, 0.3), { "corotational", fem::Elasticity::corotational, l, {}, {} },
+            hyperelastic_law("neo-Hookean", fem::NeoHookean { l.mu, l.lambda }) };
     }
 
     /// @param bound of the largest error over the largest displacement.
-    void patch_test(StabilityRow& row, const TetMesh& mesh, VerificationElement element, const VerificationLaw& law,
-        double bound, const Job& job)
+    void patch_test(StabilityRow& row, const mesh::TetMesh& mesh, VerificationElement element,
+        const VerificationLaw& law, double bound, const Job& job)
     {
         const Held held = hold_boundary(mesh, slanted_field);
-        ElasticBody body = make_body(mesh, element, law);
+        fem::ElasticBody body = make_body(mesh, element, law);
         const VerificationSolve solve = solve_problem(body, held.prescribed, held.target, { .tolerance = 1e-9 }, job);
         row.residual = residual_of(solve.equilibrium, held.prescribed);
         set_condition(row, body.stiffness(solve.equilibrium.displacement, 0.0), held.prescribed);
-        if (solve.equilibrium.status != EquilibriumStatus::converged)
+        if (solve.equilibrium.status != fem::EquilibriumStatus::converged)
             return refuse(row, "not converged at " + std::to_string(100.0 * solve.equilibrium.load) + " %");
         const Eigen::VectorXd exact = nodal_values(mesh, slanted_field);
         row.quantity = "linear field, largest error over largest value";
@@ -55,20 +55,20 @@ namespace {
         return element_name(element) + ", " + law.name;
     }
 
-    TetMesh mesh_for(const TetMesh& mesh, VerificationElement element)
+    mesh::TetMesh mesh_for(const mesh::TetMesh& mesh, VerificationElement element)
     {
-        return nodes_per_tet(element) == 10 ? with_midpoints(mesh) : mesh;
+        return nodes_per_tet(element) == 10 ? mesh::with_midpoints(mesh) : mesh;
     }
 
     /// One layer of a box is a billionth as thick as the others.
-    TetMesh box_with_thin_layer()
+    mesh::TetMesh box_with_thin_layer()
     {
         return mapped_box(4, 4, 4, 4, [](const Vec3& p) -> Vec3 {
             return { p.x(), p.y(), p.z() < 1.5 ? p.z() : p.z() - 1.0 + kRatio };
         });
     }
 
-    std::string angle_text(const CutReport& report)
+    std::string angle_text(const mesh::CutReport& report)
     {
         std::array<char, 96> text {};
         (void)std::snprintf(text.data(), text.size(),
@@ -78,9 +78,9 @@ namespace {
     }
 
     /// Grazes a plane of the grid, 0.03 mm beside it: with nothing moved out of the way, slivers are left.
-    Blade grazing_blade(const IncisedBlock& block)
+    mesh::Blade grazing_blade(const IncisedBlock& block)
     {
-        Blade blade = incision_blade(block);
+        mesh::Blade blade = incision_blade(block);
         constexpr double kOff = 0.03; // mm
         for (Vec3& p : blade.line)
             p.y() += kOff;
@@ -90,8 +90,8 @@ namespace {
     void stretch_sharp(StabilityRow& row, const Incision& cut, double bound, const Job& job)
     {
         std::vector<VertexId> lips;
-        for (const LipFace& lip : cut.lips)
-            for (const VertexId v : face_vertices(cut.mesh, lip.face))
+        for (const mesh::LipFace& lip : cut.lips)
+            for (const VertexId v : mesh::face_vertices(cut.mesh, lip.face))
                 lips.push_back(v);
         row.reason = angle_text(cut.report);
         stretch_along(row, cut.mesh, lips, 0, bound, job);
@@ -101,17 +101,18 @@ namespace {
 
     /// Opens the wound; hook forces beside those of the same cut with good angles.
     void open_sharp(
-        StabilityRow& row, const IncisedBlock& block, const Incision& sharp, Elasticity elasticity, const Job& job)
+        StabilityRow& row, const IncisedBlock& block, const Incision& sharp, fem::Elasticity elasticity, const Job& job)
     {
-        const Material tissue { "tissue", 0.04, 0.45, 1e-9, "verification" };
+        const fem::Material tissue { "tissue", 0.04, 0.45, 1e-9, "verification" };
         const Vec3 pull(0.0, 4.0, 1.0);
-        const auto opened = [&](const ElasticProblem& problem) {
-            Opening opening(problem.mesh, problem.material_of_label, problem.supports, { .elasticity = elasticity });
+        const auto opened = [&](const fem::ElasticProblem& problem) {
+            fem::Opening opening(
+                problem.mesh, problem.material_of_label, problem.supports, { .elasticity = elasticity });
             return opening.open(problem.hooks, job);
         };
         const Incision good = incise(uncut_block(block), grazing_blade(block));
-        const ElasticProblem problem = hooked_open(block, sharp, tissue, pull);
-        const OpeningResult result = opened(problem);
+        const fem::ElasticProblem problem = hooked_open(block, sharp, tissue, pull);
+        const fem::OpeningResult result = opened(problem);
         const double measured = result.hook_forces_N[1].norm();
         const double expected = opened(hooked_open(block, good, tissue, pull)).hook_forces_N[1].norm();
         set_condition(row, problem, elasticity, result.displacement);
@@ -120,15 +121,15 @@ namespace {
         row.error = std::abs(measured / expected - 1.0);
         row.bound = 0.05; // the two cuts differ by the width of a sliver, and by what elements are stiff
         row.reason = angle_text(sharp.report);
-        if (result.status == OpeningStatus::inverted) // it says so; the force asked for here is right all the same
+        if (result.status == fem::OpeningStatus::inverted) // it says so; the force asked for here is right all the same
             row.reason += "; " + std::to_string(result.inverted_elements) + " elements inside out";
-        else if (result.status != OpeningStatus::converged)
+        else if (result.status != fem::OpeningStatus::converged)
             refuse(row, result.message);
     }
 
 } // namespace
 
-void stretch_along(StabilityRow& row, const TetMesh& mesh, const std::vector<VertexId>& lip_vertices, int axis,
+void stretch_along(StabilityRow& row, const mesh::TetMesh& mesh, const std::vector<VertexId>& lip_vertices, int axis,
     double bound, const Job& job)
 {
     constexpr double kNu = 0.3, kStrain = 0.01;
@@ -146,7 +147,7 @@ void stretch_along(StabilityRow& row, const TetMesh& mesh, const std::vector<Ver
             if (a != axis || !pulled) // where a wound opens at an end, it is pulled there, and slides
                 held.prescribed[3 * static_cast<std::size_t>(v) + static_cast<std::size_t>(a)] = 0;
     }
-    ElasticBody body = make_body(mesh, VerificationElement::p1, linear_law(1.0, kNu));
+    fem::ElasticBody body = make_body(mesh, VerificationElement::p1, linear_law(1.0, kNu));
     const VerificationSolve solve = solve_problem(body, held.prescribed, held.target, { .tolerance = 1e-9 }, job);
     row.residual = residual_of(solve.equilibrium, held.prescribed);
     const Eigen::VectorXd exact = nodal_values(mesh, field);
@@ -182,18 +183,18 @@ StabilityCase sharp_angles_case()
     return { "angles under a degree", "a cut that grazes the grid, nothing moved out of its way", [](const Job& job) {
                 std::vector<StabilityRow> rows;
                 const IncisedBlock block;
-                CutOptions raw;
+                mesh::CutOptions raw;
                 raw.snap = 0.0;
                 const Incision sharp = incise(uncut_block(block), grazing_blade(block), raw);
                 constexpr double kBound = 1e-10; // round-off times the slivers' shapes
                 rows.push_back(attempt("pulled along a grazing cut", "P1, linear",
                     [&](StabilityRow& row) { stretch_sharp(row, sharp, kBound, job); }));
-                for (const auto& [name, elasticity] : { std::pair { "P1, linear", Elasticity::linear },
-                         std::pair { "P1, corotational", Elasticity::corotational } })
+                for (const auto& [name, elasticity] : { std::pair { "P1, linear", fem::Elasticity::linear },
+                         std::pair { "P1, corotational", fem::Elasticity::corotational } })
                     rows.push_back(attempt("opened after a grazing cut", name,
                         [&, e = elasticity](StabilityRow& row) { open_sharp(row, block, sharp, e, job); }));
                 return rows;
             } };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -11,16 +11,17 @@
 #include <cstdio>
 #include <limits>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
     struct Springs {
-        TetMesh mesh = kuhn_box(4, 4, 4, 2.0);
-        std::vector<Material> materials = std::vector<Material>(2, { "tissue", 0.04, 0.45, 1e-9, "verification" });
-        SpringNetwork network { mesh, materials };
+        mesh::TetMesh mesh = mesh::kuhn_box(4, 4, 4, 2.0);
+        std::vector<fem::Material> materials
+            = std::vector<fem::Material>(2, { "tissue", 0.04, 0.45, 1e-9, "verification" });
+        fem::SpringNetwork network { mesh, materials };
         Springs()
         {
             std::vector<VertexId> bottom;
@@ -31,7 +32,7 @@ namespace {
         }
     };
 
-    std::string step_text(const StabilityBound& bound)
+    std::string step_text(const fem::StabilityBound& bound)
     {
         std::array<char, 96> text {};
         (void)std::snprintf(text.data(), text.size(), "bound %.4g us; certain one %.4g us", 1e6 * bound.stable_step,
@@ -43,7 +44,7 @@ namespace {
     void swing(StabilityRow& row, double share)
     {
         Springs springs;
-        SpringDynamics dynamics(springs.network, springs.materials, 0.0);
+        fem::SpringDynamics dynamics(springs.network, springs.materials, 0.0);
         const Eigen::Index n = dynamics.displacement().size();
         Eigen::VectorXd plucked(n);
         for (Eigen::Index i = 0; i < n; ++i)
@@ -64,10 +65,10 @@ namespace {
         row.reason = step_text(dynamics.bound());
     }
 
-    void step_by(StabilityRow& row, const std::function<double(const StabilityBound&)>& dt)
+    void step_by(StabilityRow& row, const std::function<double(const fem::StabilityBound&)>& dt)
     {
         Springs springs;
-        SpringDynamics dynamics(springs.network, springs.materials, 0.0);
+        fem::SpringDynamics dynamics(springs.network, springs.materials, 0.0);
         row.unconditioned = Unconditioned::explicit_steps;
         dynamics.step(dt(dynamics.bound()));
         row.residual = row.error = 0.0;
@@ -84,7 +85,7 @@ StabilityCase spring_step_case()
                      std::pair { "0.99 of the bound", 0.99 }, std::pair { "the bound itself", 1.0 } })
                 rows.push_back(attempt(std::string("time step: ") + name, "springs, explicit",
                     [s = share](StabilityRow& row) { swing(row, s); }));
-            using Bound = const StabilityBound&;
+            using Bound = const fem::StabilityBound&;
             const auto refused = [&](const char* name, const std::function<double(Bound)>& dt) {
                 rows.push_back(expect_refusal(std::string("time step: ") + name, "springs, explicit",
                     "where the explicit scheme is stable", [&](StabilityRow& row) { step_by(row, dt); }));
@@ -98,4 +99,4 @@ StabilityCase spring_step_case()
         } };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

@@ -1,5 +1,5 @@
-// Cases that nobody lists: other units, tissue of hardly any stiffness, hooks that contradict each other, a hooked piece
-// that comes off.
+// Cases that nobody lists: other units, tissue of hardly any stiffness, hooks that contradict each other, a hooked
+// piece that comes off.
 
 #include "tests/verification/stability/stability_families.h"
 
@@ -15,83 +15,83 @@
 #include <tuple>
 #include <utility>
 
-namespace retractor {
+namespace retractor::verification {
 
 namespace {
 
-    Material strange_tissue(double youngs_modulus = 0.04)
+    fem::Material strange_tissue(double youngs_modulus = 0.04)
     {
         return { "tissue", youngs_modulus, 0.45, 1e-9, "verification" };
     }
 
-    ElasticProblem opened_block(const Vec3& pull = Vec3(0.0, 2.0, 0.5))
+    fem::ElasticProblem opened_block(const Vec3& pull = Vec3(0.0, 2.0, 0.5))
     {
         const IncisedBlock block;
         return hooked_open(block, incise(uncut_block(block), incision_blade(block)), strange_tissue(), pull);
     }
 
-    OpeningResult open(const ElasticProblem& problem, Elasticity elasticity, const Job& job)
+    fem::OpeningResult open(const fem::ElasticProblem& problem, fem::Elasticity elasticity, const Job& job)
     {
-        Opening opening(
+        fem::Opening opening(
             problem.mesh, problem.material_of_label, problem.supports, { .elasticity = elasticity, .tolerance = 1e-6 });
         return opening.open(problem.hooks, job);
     }
 
     /// The same body in other units of length: places and ways scale alike.
-    void scaled(StabilityRow& row, double scale, Elasticity elasticity, const Job& job)
+    void scaled(StabilityRow& row, double scale, fem::Elasticity elasticity, const Job& job)
     {
-        const ElasticProblem problem = opened_block();
-        ElasticProblem other = problem;
+        const fem::ElasticProblem problem = opened_block();
+        fem::ElasticProblem other = problem;
         other.mesh.vertices *= scale;
-        for (HookPatch& hook : other.hooks)
+        for (fem::HookPatch& hook : other.hooks)
             hook.displacement *= scale;
-        const OpeningResult expected = open(problem, elasticity, job), result = open(other, elasticity, job);
+        const fem::OpeningResult expected = open(problem, elasticity, job), result = open(other, elasticity, job);
         row.residual = result.residual;
         set_condition(row, other, elasticity, result.displacement);
         row.quantity = "displacement against the same body in millimetres, over the largest";
         row.error = (result.displacement / scale - expected.displacement).cwiseAbs().maxCoeff()
             / expected.displacement.cwiseAbs().maxCoeff();
-        row.bound = elasticity == Elasticity::linear ? 1e-10 : 1e-3; // what the tolerance leaves
-        if (result.status != OpeningStatus::converged)
+        row.bound = elasticity == fem::Elasticity::linear ? 1e-10 : 1e-3; // what the tolerance leaves
+        if (result.status != fem::OpeningStatus::converged)
             refuse(row, result.message);
     }
 
     /// One element of its own label, next to nothing stiff.
     void soft_element(StabilityRow& row, double youngs_modulus, const Job& job)
     {
-        ElasticProblem problem = opened_block();
+        fem::ElasticProblem problem = opened_block();
         problem.mesh.labels.at(problem.mesh.tet_count() / 2) = 2;
         problem.material_of_label.resize(3, strange_tissue(youngs_modulus));
         problem.material_of_label[2] = strange_tissue(youngs_modulus);
-        const OpeningResult result = open(problem, Elasticity::corotational, job);
+        const fem::OpeningResult result = open(problem, fem::Elasticity::corotational, job);
         row.residual = result.residual;
-        set_condition(row, problem, Elasticity::corotational, result.displacement);
+        set_condition(row, problem, fem::Elasticity::corotational, result.displacement);
         row.quantity = "hook force against the whole block's, relative";
-        row.error = std::abs(
-            result.hook_forces_N[0].norm() / open(opened_block(), Elasticity::corotational, job).hook_forces_N[0].norm()
+        row.error = std::abs(result.hook_forces_N[0].norm()
+                / open(opened_block(), fem::Elasticity::corotational, job).hook_forces_N[0].norm()
             - 1.0);
         row.bound = 0.05; // one of some thousand elements
-        if (result.status != OpeningStatus::converged)
+        if (result.status != fem::OpeningStatus::converged)
             refuse(row, result.message);
     }
 
     /// Two hooks on the same vertices.
     void contradicting(StabilityRow& row, const Job& job)
     {
-        ElasticProblem problem = opened_block();
+        fem::ElasticProblem problem = opened_block();
         problem.hooks.push_back(problem.hooks[1]);
         problem.hooks.back().name = "another";
         problem.hooks.back().displacement *= 2.0;
-        row.residual = open(problem, Elasticity::corotational, job).residual;
+        row.residual = open(problem, fem::Elasticity::corotational, job).residual;
         row.error = 0.0;
     }
 
     struct OnlineBlock {
         IncisedBlock block;
-        TetMesh mesh = uncut_block(block);
-        CutSession session { mesh };
-        Supports supports;
-        OnlineHook hook;
+        mesh::TetMesh mesh = uncut_block(block);
+        mesh::CutSession session { mesh };
+        fem::Supports supports;
+        fem::OnlineHook hook;
 
         OnlineBlock()
         {
@@ -104,22 +104,25 @@ namespace {
             }
             hook.name = "one";
         }
-        OnlineOpening opening() { return { session, std::vector<Material>(2, strange_tissue()), supports, {} }; }
+        fem::OnlineOpening opening()
+        {
+            return { session, std::vector<fem::Material>(2, strange_tissue()), supports, {} };
+        }
     };
 
     void contradicting_online(StabilityRow& row)
     {
         OnlineBlock scene;
-        OnlineOpening opening = scene.opening();
+        fem::OnlineOpening opening = scene.opening();
         scene.hook.drive.displacement = Vec3(0.0, 0.0, 1.0);
         (void)opening.attach(scene.hook);
         scene.hook.name = "another";
         scene.hook.drive.displacement = Vec3(0.0, 0.0, -1.0);
         (void)opening.attach(scene.hook);
-        const OnlineAnswer answer = opening.answer();
+        const fem::OnlineAnswer answer = opening.answer();
         row.residual = answer.residual;
         row.error = 0.0;
-        if (answer.status != OnlineStatus::solved)
+        if (answer.status != fem::OnlineStatus::solved)
             refuse(row, answer.message);
     }
 
@@ -127,19 +130,20 @@ namespace {
     void freed_by_force(StabilityRow& row)
     {
         OnlineBlock scene;
-        OnlineOpening opening = scene.opening();
+        fem::OnlineOpening opening = scene.opening();
         scene.hook.drive.force_N = Vec3(0.0, 0.2, 0.5);
         (void)opening.attach(scene.hook);
         const double z = 0.62 * scene.block.size.z();
-        const CutResult cut
+        const mesh::CutResult cut
             = scene.session.cut({ .line = { Vec3(-5.0, -2.0, z), Vec3(scene.block.size.x() + 5.0, -2.0, z) },
                 .directions = { Vec3::UnitY() },
                 .depth_mm = scene.block.size.y() + 10.0 });
         opening.follow(cut.delta);
-        set_condition(row, problem_now(scene.session, std::vector<Material>(2, strange_tissue()), scene.supports, {}),
-            Elasticity::linear);
-        OnlineAnswer answer = opening.answer();
-        if (answer.status != OnlineStatus::solved)
+        set_condition(row,
+            problem_now(scene.session, std::vector<fem::Material>(2, strange_tissue()), scene.supports, {}),
+            fem::Elasticity::linear);
+        fem::OnlineAnswer answer = opening.answer();
+        if (answer.status != fem::OnlineStatus::solved)
             return refuse(row, answer.message);
         opening.complete(answer);
         row.residual = answer.residual;
@@ -163,12 +167,12 @@ StabilityCase strange_case()
         [](const Job& job) {
             std::vector<StabilityRow> rows;
             // The ways of hooks are divided into steps of at most 3 mm: 1e3 times as large would be 800 of them.
-            for (const auto& [scale, elasticity, name] : { std::tuple { 1e-3, Elasticity::linear, "P1, linear" },
-                     std::tuple { 1e-6, Elasticity::linear, "P1, linear" },
-                     std::tuple { 1e3, Elasticity::linear, "P1, linear" },
-                     std::tuple { 1e-3, Elasticity::corotational, "P1, corotational" },
-                     std::tuple { 1e-6, Elasticity::corotational, "P1, corotational" },
-                     std::tuple { 1e2, Elasticity::corotational, "P1, corotational" } })
+            for (const auto& [scale, elasticity, name] : { std::tuple { 1e-3, fem::Elasticity::linear, "P1, linear" },
+                     std::tuple { 1e-6, fem::Elasticity::linear, "P1, linear" },
+                     std::tuple { 1e3, fem::Elasticity::linear, "P1, linear" },
+                     std::tuple { 1e-3, fem::Elasticity::corotational, "P1, corotational" },
+                     std::tuple { 1e-6, fem::Elasticity::corotational, "P1, corotational" },
+                     std::tuple { 1e2, fem::Elasticity::corotational, "P1, corotational" } })
                 rows.push_back(attempt(scale_name(scale), name,
                     [&, s = scale, e = elasticity](StabilityRow& row) { scaled(row, s, e, job); }));
             rows.push_back(attempt("one element with E = 1e-12 MPa", "P1, corotational",
@@ -183,4 +187,4 @@ StabilityCase strange_case()
         } };
 }
 
-} // namespace retractor
+} // namespace retractor::verification

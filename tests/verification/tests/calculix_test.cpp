@@ -8,10 +8,10 @@
 #include <cstdlib>
 #include <filesystem>
 
-namespace retractor {
+namespace retractor::verification {
 namespace calculix_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     std::filesystem::path shared_data()
     {
@@ -27,8 +27,10 @@ namespace calculix_test {
                          << ": set RETRACTOR_SHARED_DATA";
         const CalculixModel model = read_calculix(folder / "beam10p.inp");
         ASSERT_EQ(model.mesh.tet_count(), 31U);
-        ElasticBody body(model.mesh, Elasticity::linear, std::vector<Lame>(model.mesh.tet_count(), model.lame));
-        const Eigen::VectorXd u = solve_linear(body, model.held.prescribed, model.held.target, model.loads);
+        fem::ElasticBody body(
+            model.mesh, fem::Elasticity::linear, std::vector<fem::Lame>(model.mesh.tet_count(), model.lame));
+        const Eigen::VectorXd u
+            = test_support::solve_linear(body, model.held.prescribed, model.held.target, model.loads);
         const std::vector<Vec3> printed = read_calculix_displacements(folder / "beam10p.dat.ref", model);
         constexpr double kLargest = 0.0877863;
         constexpr double kTol = 1e-6 * kLargest; // the file prints seven digits
@@ -38,4 +40,4 @@ namespace calculix_test {
     }
 
 } // namespace calculix_test
-} // namespace retractor
+} // namespace retractor::verification

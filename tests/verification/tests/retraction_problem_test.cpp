@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-namespace retractor {
+namespace retractor::verification {
 namespace retraction_problem_test {
 
     TEST(RetractionProblem, ForcesAreJudgedByTheNearerEndOfWhatWasMeasured)
@@ -41,4 +41,4 @@ namespace retraction_problem_test {
     }
 
 } // namespace retraction_problem_test
-} // namespace retractor
+} // namespace retractor::verification

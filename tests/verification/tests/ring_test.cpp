@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::verification {
 namespace ring_test {
 
     constexpr double kInner = 10.0, kOuter = 12.0; // mm
@@ -15,17 +15,18 @@ namespace ring_test {
     constexpr double kFirm = 1e4 * kMu; // bulk modulus, MPa
 
     /// Principal first Piola stresses by the law that elements have, the fibres in the wall.
-    RingStress stress_of(const Hyperelastic& law, double angle_deg, const RingStretch& ring)
+    RingStress stress_of(const fem::Hyperelastic& law, double angle_deg, const RingStretch& ring)
     {
         const double angle = angle_deg * std::numbers::pi / 180.0;
-        const FibreDirections fibres { Vec3(0.0, std::cos(angle), std::sin(angle)),
+        const fem::FibreDirections fibres { Vec3(0.0, std::cos(angle), std::sin(angle)),
             Vec3(0.0, std::cos(angle), -std::sin(angle)) };
-        const Mat3 F = Vec3(ring.radial, ring.hoop, 1.0).asDiagonal(), P = evaluate_point(law, fibres, F, false).stress;
+        const Mat3 F = Vec3(ring.radial, ring.hoop, 1.0).asDiagonal(),
+                   P = fem::evaluate_point(law, fibres, F, false).stress;
         return { P(1, 1), P(0, 0) };
     }
 
     /// d/dl of the energy where the volume is kept: mu/2 (l^2 + l^-2 - 2) + k1/k2 (exp(k2 e^2) - 1), two families.
-    double slope(const HolzapfelGasserOgden& law, double angle_deg, double l)
+    double slope(const fem::HolzapfelGasserOgden& law, double angle_deg, double l)
     {
         const double round = std::pow(std::cos(angle_deg * std::numbers::pi / 180.0), 2);
         const double along = 1.0 - 3.0 * law.dispersion;
@@ -36,7 +37,7 @@ namespace ring_test {
 
     /// Of a tube that keeps its volume: the integral of slope / (l^2 - 1) over the stretches from the outer wall to the
     /// bore [Holzapfel, Gasser, Ogden 2000, doi 10.1023/A:1010835316564], by Simpson's rule.
-    double pressure(const HolzapfelGasserOgden& law, double angle_deg, double bore)
+    double pressure(const fem::HolzapfelGasserOgden& law, double angle_deg, double bore)
     {
         const double outer = std::sqrt(1.0 + (bore * bore - 1.0) * std::pow(kInner / kOuter, 2));
         constexpr int kSteps = 200;
@@ -55,7 +56,9 @@ namespace ring_test {
         for (const double k1 : { 0.0, 0.06 })
             for (const double angle_deg : { 0.0, 40.0 })
                 for (const double bore : { 1.05, 1.2 }) {
-                    const HolzapfelGasserOgden law { .mu = kMu, .k1 = k1, .k2 = 4.0, .dispersion = 0.1, .bulk = kFirm };
+                    const fem::HolzapfelGasserOgden law {
+                        .mu = kMu, .k1 = k1, .k2 = 4.0, .dispersion = 0.1, .bulk = kFirm
+                    };
                     const double found = bore_stretch(
                         { kInner, kOuter, [&](const RingStretch& ring) { return stress_of(law, angle_deg, ring); } },
                         pressure(law, angle_deg, bore), 1.0, 1.3);
@@ -64,4 +67,4 @@ namespace ring_test {
     }
 
 } // namespace ring_test
-} // namespace retractor
+} // namespace retractor::verification

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor {
+namespace retractor::verification {
 namespace stability_test {
 
     std::vector<StabilityRow> rows_of(const StabilityCase& c)
@@ -128,4 +128,4 @@ namespace stability_test {
     }
 
 } // namespace stability_test
-} // namespace retractor
+} // namespace retractor::verification

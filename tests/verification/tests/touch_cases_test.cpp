@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string>
 
-namespace retractor {
+namespace retractor::verification {
 namespace touch_cases_test {
 
     TEST(TouchCases, EndInARightAnswerOrInARefusalThatSaysWhy)
@@ -26,4 +26,4 @@ namespace touch_cases_test {
     }
 
 } // namespace touch_cases_test
-} // namespace retractor
+} // namespace retractor::verification

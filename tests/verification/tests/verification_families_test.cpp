@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::verification {
 namespace verification_families_test {
 
     /// Of rows whose problem, element and quantity begin so. The smaller the error, the better: no lower limit, but for
@@ -297,4 +297,4 @@ namespace verification_families_test {
     }
 
 } // namespace verification_families_test
-} // namespace retractor
+} // namespace retractor::verification

@@ -19,7 +19,7 @@
 #include <fstream>
 #include <stdexcept>
 
-namespace retractor {
+namespace retractor::verification {
 namespace verification_test {
 
     std::filesystem::path shared_data()
@@ -53,14 +53,14 @@ namespace verification_test {
             EXPECT_TRUE(row.passed()) << row.problem << ", " << row.element << ", " << row.tets
                                       << " tets: " << row.error;
             // The mesh that was solved is the cut one: its lips have doubled vertices.
-            SheetProblem sheet { .around = static_cast<int>(std::lround(1.0 / row.size)) };
+            fem::SheetProblem sheet { .around = static_cast<int>(std::lround(1.0 / row.size)) };
             if (row.element.find("while cut") != std::string::npos)
                 sheet.radius = 600.0;
-            const CutMesh cut = retractor::cut(sheet_mesh(sheet), sheet_blade(sheet));
-            ASSERT_EQ(cut.status, CutStatus::done) << cut.message;
+            const mesh::CutMesh cut = retractor::mesh::cut(fem::sheet_mesh(sheet), fem::sheet_blade(sheet));
+            ASSERT_EQ(cut.status, mesh::CutStatus::done) << cut.message;
             EXPECT_EQ(row.tets, cut.mesh.tet_count());
-            EXPECT_EQ(
-                row.nodes, row.element == "P2" ? with_midpoints(cut.mesh).vertex_count() : cut.mesh.vertex_count());
+            EXPECT_EQ(row.nodes,
+                row.element == "P2" ? mesh::with_midpoints(cut.mesh).vertex_count() : cut.mesh.vertex_count());
         }
     }
 
@@ -106,22 +106,22 @@ namespace verification_test {
         EXPECT_TRUE(refused.passed()) << "what is refused as input has no matrix yet";
         EXPECT_EQ(unconditioned_name(refused.unconditioned), "no matrix");
 
-        const ElasticProblem loose { kuhn_box(1, 1, 1, 1.0), std::vector<Material>(2, { "tissue", 1.0, 0.3, 1e-9, "" }),
-            {}, {} };
-        const auto conditioned = [](const ElasticProblem& problem) {
+        const fem::ElasticProblem loose { mesh::kuhn_box(1, 1, 1, 1.0),
+            std::vector<fem::Material>(2, { "tissue", 1.0, 0.3, 1e-9, "" }), {}, {} };
+        const auto conditioned = [](const fem::ElasticProblem& problem) {
             return attempt("case", "model", [&](StabilityRow& row) {
                 row.residual = row.error = 0.0;
-                set_condition(row, problem, Elasticity::linear);
+                set_condition(row, problem, fem::Elasticity::linear);
             });
         };
         EXPECT_EQ(unconditioned_name(conditioned(loose).unconditioned), "no factor");
-        ElasticProblem held = loose;
+        fem::ElasticProblem held = loose;
         held.supports.fixed = { 0, 1, 2, 3 };
         EXPECT_GT(conditioned(held).condition, 1.0);
         EXPECT_TRUE(conditioned(held).passed());
         const StabilityRow foretold = attempt("case", "model", [&](StabilityRow& row) {
             row.unconditioned = Unconditioned::no_matrix; // should it come to none
-            set_condition(row, held, Elasticity::linear);
+            set_condition(row, held, fem::Elasticity::linear);
         });
         EXPECT_GT(foretold.condition, 1.0);
         EXPECT_EQ(unconditioned_name(foretold.unconditioned), "") << "it has one";
@@ -133,16 +133,16 @@ namespace verification_test {
 
     TEST(Stability, SecondsAreWithoutTheConditionNumbers)
     {
-        ElasticProblem problem { kuhn_box(12, 12, 12, 1.0), std::vector<Material>(2, { "tissue", 1.0, 0.3, 1e-9, "" }),
-            {}, {} };
+        fem::ElasticProblem problem { mesh::kuhn_box(12, 12, 12, 1.0),
+            std::vector<fem::Material>(2, { "tissue", 1.0, 0.3, 1e-9, "" }), {}, {} };
         problem.supports.fixed = { 0, 1, 13, 169 };
         constexpr double kRest = 0.005; // of the whole; body and stiffness alone take several times as much
         // Wall times: a busy machine may halt the process between two looks at the clock, but not in every attempt.
         constexpr int kAttempts = 20;
         bool without = false;
         for (int i = 0; i < kAttempts && !without; ++i) {
-            const StabilityRow row
-                = attempt("case", "model", [&](StabilityRow& r) { set_condition(r, problem, Elasticity::linear); });
+            const StabilityRow row = attempt(
+                "case", "model", [&](StabilityRow& r) { set_condition(r, problem, fem::Elasticity::linear); });
             ASSERT_GT(row.condition, 1.0);
             without = row.seconds < kRest * row.condition_seconds;
         }
@@ -204,7 +204,7 @@ namespace verification_test {
             GTEST_SKIP() << "no reference file " << file << ": set RETRACTOR_SHARED_DATA";
         const FebioModel model = read_febio(file);
         EXPECT_EQ(model.mesh.tet_count(), 1U);
-        ElasticBody body(model.mesh, uniform_tissue(model.mesh, model.law));
+        fem::ElasticBody body(model.mesh, fem::uniform_tissue(model.mesh, model.law));
         body.set_loads({ model.loads, {} });
         const VerificationSolve solve
             = solve_problem(body, model.held.prescribed, model.held.target, { .tolerance = 1e-10 }, Job {});
@@ -232,4 +232,4 @@ namespace verification_test {
     }
 
 } // namespace verification_test
-} // namespace retractor
+} // namespace retractor::verification

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace retractor::cli {
+namespace retractor::verification {
 namespace verify_tables_test {
 
     VerificationRow solved(const std::string& problem, double size, double error, double seconds)
@@ -56,7 +56,7 @@ namespace verify_tables_test {
         row.order = 1.5;
         row.expected_order = 1.0;
         row.order_verdict = OrderVerdict::reached;
-        const Json document = row_document(row);
+        const ui::cli::Json document = row_document(row);
         EXPECT_TRUE(document.at("bound").is_null()) << "JSON has no infinity";
         EXPECT_EQ(document.at("order"), 1.5);
         EXPECT_EQ(document.at("order_verdict"), "reached");
@@ -89,7 +89,7 @@ namespace verify_tables_test {
         rows.push_back(solved("no series", 0.0, 0.1, 1.0));
         other.note = "skipped: not there";
         rows.push_back(other);
-        const ChartPicture picture = charts(rows);
+        const ui::ChartPicture picture = charts(rows);
         ASSERT_EQ(picture.panels.size(), 2U);
         EXPECT_EQ(picture.panels[0].title, "punch, force");
         EXPECT_EQ(picture.panels[1].title, "punch, sinking");
@@ -101,4 +101,4 @@ namespace verify_tables_test {
     }
 
 } // namespace verify_tables_test
-} // namespace retractor::cli
+} // namespace retractor::verification

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-namespace retractor {
+namespace retractor::verification {
 namespace viscous_problem_test {
 
     TEST(ViscousProblem, ElementsCreepAndRelaxAsTheClosedFormsWithTheOrderOfTheStep)
@@ -37,4 +37,4 @@ namespace viscous_problem_test {
     }
 
 } // namespace viscous_problem_test
-} // namespace retractor
+} // namespace retractor::verification

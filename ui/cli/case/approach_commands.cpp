@@ -1,12 +1,12 @@
 #include "mesh/base/text.h"
-#include "ui/cli/framework/arguments.h"
 #include "ui/cli/commands.h"
+#include "ui/cli/framework/arguments.h"
 
 #include "fem/statics/driven_opening.h"
 #include "mesh/base/error.h"
 #include "planner/approach/approach_templates.h"
-#include "planner/case/case_io.h"
 #include "planner/approach/hooks.h"
+#include "planner/case/case_io.h"
 #include "planner/case/patient.h"
 #include "ui/cli/framework/open_case.h"
 
@@ -15,7 +15,7 @@
 #include <optional>
 #include <utility>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -26,41 +26,42 @@ namespace {
         std::vector<std::string> points, retracted, ablations;
         double length_mm = 0.0, depth_mm = 0.0, opening_mm = 0.0;
         std::optional<double> edge_mm, coarse_mm, region_mm;
-        HookPull pull {};
+        planner::HookPull pull {};
         bool right = false, opening_given = false;
     };
 
-    Json approach_document(const Approach& approach)
+    Json approach_document(const planner::Approach& approach)
     {
         Json ablations = Json::array();
-        for (const AblationSpec& ablation : approach.ablations)
-            ablations.push_back(Json::parse(ablation_to_json(ablation)));
+        for (const planner::AblationSpec& ablation : approach.ablations)
+            ablations.push_back(Json::parse(planner::ablation_to_json(ablation)));
         return { { "name", approach.name }, { "template", approach.template_name },
-            { "incision_length_mm", incision_length(approach) }, { "depth_mm", approach.depth_mm },
+            { "incision_length_mm", planner::incision_length(approach) }, { "depth_mm", approach.depth_mm },
             { "hooks", approach.hooks.size() }, { "retracted", approach.retracted }, { "ablations", ablations },
             { "loose_pieces", to_string(approach.loose_pieces) }, { "rationale", approach.rationale } };
     }
 
-    std::string approach_line(const Approach& approach)
+    std::string approach_line(const planner::Approach& approach)
     {
-        std::string text = formatted("%-18s %-16s incision %4.0f mm, depth %3.0f mm, %zu hooks, target %s\n",
-            approach.name.c_str(), approach.template_name.c_str(), incision_length(approach), approach.depth_mm,
-            approach.hooks.size(), approach.target.is_sphere() ? "sphere" : approach.target.label.c_str());
-        for (const AblationSpec& ablation : approach.ablations)
-            text += "  takes out " + ablation_text(ablation, incision_length(approach)) + "\n";
-        if (!approach.ablations.empty() || approach.loose_pieces != LoosePieces::held)
+        std::string text
+            = formatted("%-18s %-16s incision %4.0f mm, depth %3.0f mm, %zu hooks, target %s\n", approach.name.c_str(),
+                approach.template_name.c_str(), planner::incision_length(approach), approach.depth_mm,
+                approach.hooks.size(), approach.target.is_sphere() ? "sphere" : approach.target.label.c_str());
+        for (const planner::AblationSpec& ablation : approach.ablations)
+            text += "  takes out " + planner::ablation_text(ablation, planner::incision_length(approach)) + "\n";
+        if (!approach.ablations.empty() || approach.loose_pieces != planner::LoosePieces::held)
             text += "  loose pieces are " + std::string(to_string(approach.loose_pieces)) + "\n";
         return text;
     }
 
-    void check_ablated_label(const LabelTable& table, const std::string& label, const std::string& where)
+    void check_ablated_label(const mesh::LabelTable& table, const std::string& label, const std::string& where)
     {
-        const LabelInfo* info = find_label(table, label);
-        if (label.empty() || (info != nullptr && info->role == Role::wall))
+        const mesh::LabelInfo* info = mesh::find_label(table, label);
+        if (label.empty() || (info != nullptr && info->role == mesh::Role::wall))
             return;
         std::string known;
-        for (const LabelInfo& other : table)
-            if (other.role == Role::wall)
+        for (const mesh::LabelInfo& other : table)
+            if (other.role == mesh::Role::wall)
                 known += (known.empty() ? "" : ", ") + other.name;
         throw InputError((info != nullptr ? "only tissue of the wall can be removed, and \"" + label + "\" is none"
                                           : "there is no label \"" + label + "\"")
@@ -68,9 +69,9 @@ namespace {
             where);
     }
 
-    std::vector<AblationSpec> parse_ablations(const ApproachOptions& options, const LabelTable& table)
+    std::vector<planner::AblationSpec> parse_ablations(const ApproachOptions& options, const mesh::LabelTable& table)
     {
-        std::vector<AblationSpec> ablations;
+        std::vector<planner::AblationSpec> ablations;
         for (const std::string& text : options.ablations) {
             ablations.push_back(parse_ablation(text));
             check_ablated_label(table, ablations.back().label, "--ablate " + text);
@@ -79,11 +80,11 @@ namespace {
     }
 
     /// What is to be taken out lies along the incision.
-    void check_ablations_along(const ApproachOptions& options, const Approach& approach)
+    void check_ablations_along(const ApproachOptions& options, const planner::Approach& approach)
     {
-        const double length = incision_length(approach);
+        const double length = planner::incision_length(approach);
         for (std::size_t n = 0; n < approach.ablations.size(); ++n) {
-            const AblationSpec& ablation = approach.ablations[n];
+            const planner::AblationSpec& ablation = approach.ablations[n];
             if (ablation.along_from_mm.value_or(0.0) >= 0.0 && ablation.along_to_mm.value_or(length) <= length)
                 continue;
             throw InputError(
@@ -91,9 +92,10 @@ namespace {
         }
     }
 
-    Approach approach_from_options(const ApproachOptions& options, Patient& patient, std::string& remark)
+    planner::Approach approach_from_options(
+        const ApproachOptions& options, planner::Patient& patient, std::string& remark)
     {
-        ApproachRequest request;
+        planner::ApproachRequest request;
         request.name = options.name;
         request.target = parse_target(options.target);
         request.left = !options.right;
@@ -104,12 +106,13 @@ namespace {
         request.sizing.region_mm = options.region_mm.value_or(request.sizing.region_mm);
         if (options.points.empty()) {
             request.template_name = options.template_name;
-            return approach_from_template(*patient.labels(), *patient.anatomy(), request);
+            return planner::approach_from_template(*patient.labels(), *patient.anatomy(), request);
         }
         std::vector<Vec3> points;
         for (const std::string& text : options.points)
             points.push_back(parse_point(text, "--points"));
-        const PointsApproach by_points = approach_from_points(*patient.labels(), points, request, options.depth_mm);
+        const planner::PointsApproach by_points
+            = planner::approach_from_points(*patient.labels(), points, request, options.depth_mm);
         double furthest = 0.0;
         for (const double moved : by_points.moved_mm)
             furthest = std::max(furthest, moved);
@@ -119,7 +122,7 @@ namespace {
 
     void check_hook_options(const ApproachOptions& options)
     {
-        check_pull(options.pull, "hooks: ");
+        planner::check_pull(options.pull, "hooks: ");
         if (options.pull.force_N && options.opening_mm > 0.0)
             throw InputError("a hook that pulls with a force goes as far as that takes it: leave one of the two out",
                 "--opening, --hook-force");
@@ -142,34 +145,34 @@ namespace {
     {
         if (options.points.empty() == options.template_name.empty())
             throw InputError("give either --template or --points", "command line");
-        Case planned_case = open_case(options.case_file);
+        planner::Case planned_case = open_case(options.case_file);
         check_hook_options(options);
-        std::vector<AblationSpec> ablations = parse_ablations(options, planned_case.label_table);
-        Patient patient(planned_case, job);
+        std::vector<planner::AblationSpec> ablations = parse_ablations(options, planned_case.label_table);
+        planner::Patient patient(planned_case, job);
         Outcome outcome;
-        Approach approach = approach_from_options(options, patient, outcome.text);
+        planner::Approach approach = approach_from_options(options, patient, outcome.text);
         approach.ablations = std::move(ablations);
-        approach.loose_pieces = loose_pieces_from_string(options.loose).value();
+        approach.loose_pieces = planner::loose_pieces_from_string(options.loose).value();
         check_ablations_along(options, approach);
         const std::string name = approach.name;
         for (const std::string& organ : options.retracted)
             if (std::find(approach.retracted.begin(), approach.retracted.end(), organ) == approach.retracted.end())
                 approach.retracted.push_back(organ);
-        add_approach(planned_case, std::move(approach));
+        planner::add_approach(planned_case, std::move(approach));
         if (options.opening_mm > 0.0 || !options.pull.prescribes())
-            set_hooks(planned_case, name, options.hooks, options.opening_mm, options.pull);
-        write_case(planned_case);
-        outcome.document = approach_document(find_approach(planned_case, name));
-        outcome.text += approach_line(find_approach(planned_case, name));
+            planner::set_hooks(planned_case, name, options.hooks, options.opening_mm, options.pull);
+        planner::write_case(planned_case);
+        outcome.document = approach_document(planner::find_approach(planned_case, name));
+        outcome.text += approach_line(planner::find_approach(planned_case, name));
         return outcome;
     }
 
     Outcome list(const std::string& case_file)
     {
-        const Case planned_case = open_case(case_file);
+        const planner::Case planned_case = open_case(case_file);
         Outcome outcome;
         outcome.document["approaches"] = Json::array();
-        for (const Approach& approach : planned_case.approaches) {
+        for (const planner::Approach& approach : planned_case.approaches) {
             outcome.document["approaches"].push_back(approach_document(approach));
             outcome.text += approach_line(approach);
         }
@@ -180,9 +183,9 @@ namespace {
 
     Outcome remove(const std::string& case_file, const std::string& name)
     {
-        Case planned_case = open_case(case_file);
-        remove_approach(planned_case, name);
-        write_case(planned_case);
+        planner::Case planned_case = open_case(case_file);
+        planner::remove_approach(planned_case, name);
+        planner::write_case(planned_case);
         Outcome outcome;
         outcome.document["removed"] = name;
         return outcome;
@@ -190,15 +193,15 @@ namespace {
 
     Outcome change_hooks(const ApproachOptions& options)
     {
-        Case planned_case = open_case(options.case_file);
+        planner::Case planned_case = open_case(options.case_file);
         check_hook_options(options);
         if (!options.pull.force_N && !options.opening_given)
             throw InputError("give --opening or --hook-force", "command line");
-        set_hooks(planned_case, options.name, options.hooks, options.opening_mm, options.pull);
-        write_case(planned_case);
+        planner::set_hooks(planned_case, options.name, options.hooks, options.opening_mm, options.pull);
+        planner::write_case(planned_case);
         Outcome outcome;
-        outcome.document = approach_document(find_approach(planned_case, options.name));
-        outcome.text = approach_line(find_approach(planned_case, options.name));
+        outcome.document = approach_document(planner::find_approach(planned_case, options.name));
+        outcome.text = approach_line(planner::find_approach(planned_case, options.name));
         return outcome;
     }
 
@@ -248,7 +251,7 @@ void add_approach_commands(Commands& commands)
     add_command->add_flag("--right", options->right, "Intercostal: on the patient's right");
     add_command->add_option("--hooks", options->hooks, "Hook template: 2, 4, 8 or blade")->capture_default_str();
     add_command->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm; 0: no hooks yet")
-        ->check(in_range(0.0, 2.0 * kFarthestHookMm));
+        ->check(in_range(0.0, 2.0 * fem::kFarthestHookMm));
     add_hook_options(*add_command, *options);
     add_command->add_option(
         "--edge", options->edge_mm, "Mesh edges in the corridor round the incision, mm (default: the case's)");
@@ -283,7 +286,7 @@ void add_hooks_command(Commands& commands)
     command->add_option("--approach", options->name, "Name of the approach")->required();
     command->add_option("--template", options->hooks, "2, 4, 8 or blade")->capture_default_str();
     CLI::Option* opening = command->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm")
-                               ->check(in_range(0.0, 2.0 * kFarthestHookMm));
+                               ->check(in_range(0.0, 2.0 * fem::kFarthestHookMm));
     add_hook_options(*command, *options);
     command->callback([&commands, options, opening] {
         options->opening_given = opening->count() > 0;
@@ -291,4 +294,4 @@ void add_hooks_command(Commands& commands)
     });
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

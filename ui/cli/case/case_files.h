@@ -6,19 +6,19 @@
 
 #include <filesystem>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 /// read_import() and write_import() of one CT with one label map.
 /// @throws InputError, IoError; SolverError when the job was cancelled.
-Case make_case(const std::filesystem::path& ct, const std::filesystem::path& labels,
+planner::Case make_case(const std::filesystem::path& ct, const std::filesystem::path& labels,
     const std::filesystem::path& case_file, const Job& job);
 
 /// Series, grids, values, labels with volumes and pieces, structures, notes and warnings: what --json prints.
-Json import_document(const ImportedCase& imported);
+Json import_document(const planner::ImportedCase& imported);
 /// The same for people.
-std::string import_text(const ImportedCase& imported);
+std::string import_text(const planner::ImportedCase& imported);
 
-Json series_document(const std::vector<DicomSeries>& series);
-std::string series_text(const std::vector<DicomSeries>& series);
+Json series_document(const std::vector<datasets::DicomSeries>& series);
+std::string series_text(const std::vector<datasets::DicomSeries>& series);
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -13,7 +13,7 @@
 #include <memory>
 #include <optional>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -22,14 +22,14 @@ namespace {
     struct ImportOptions {
         std::string input, preset, series, out;
         std::vector<std::string> labels;
-        double spacing_mm = AutosegmentOptions {}.spacing_mm;
+        double spacing_mm = datasets::AutosegmentOptions {}.spacing_mm;
         bool autosegment = false, repair_labels = false, keep_tilt = false, with_identity = false;
         bool list_series = false, contact_sheet = true, replace = false;
     };
 
-    ImportRequest request_of(const ImportOptions& options)
+    planner::ImportRequest request_of(const ImportOptions& options)
     {
-        ImportRequest request;
+        planner::ImportRequest request;
         request.ct = options.input;
         request.labels.assign(options.labels.begin(), options.labels.end());
         request.preset = options.preset;
@@ -42,28 +42,28 @@ namespace {
         return request;
     }
 
-    ContactSheetOptions sheet_options(const ImportedCase& imported)
+    ContactSheetOptions sheet_options(const planner::ImportedCase& imported)
     {
         ContactSheetOptions sheet;
         sheet.warnings = imported.warnings;
-        for (const FoundStructure& structure : imported.structures)
+        for (const datasets::FoundStructure& structure : imported.structures)
             if (structure.rough) {
                 sheet.rough.insert(structure.name);
                 sheet.notes.push_back("rough: " + structure.name + ": " + structure.how);
             }
-        for (const LabelFragments& f : imported.fragments)
+        for (const datasets::LabelFragments& f : imported.fragments)
             if (f.stray_voxels > f.voxels / 50 || f.hole_voxels > f.voxels / 50) // specks are in the printed list
                 sheet.notes.push_back(f.name + ": " + std::to_string(f.pieces) + " pieces, "
                     + std::to_string(f.stray_voxels) + " of " + std::to_string(f.voxels)
                     + " voxels outside the largest, " + std::to_string(f.hole_voxels) + " in holes");
-        for (const LabelFragments& f : imported.repaired)
+        for (const datasets::LabelFragments& f : imported.repaired)
             sheet.notes.push_back("repaired: " + f.name + ": " + std::to_string(f.stray_voxels)
                 + " stray voxels removed, " + std::to_string(f.hole_voxels) + " voxels of holes filled");
         sheet.notes.insert(sheet.notes.end(), imported.notes.begin(), imported.notes.end());
         return sheet;
     }
 
-    Image draw_contact_sheet(const ImportedCase& imported, const Job& job)
+    Image draw_contact_sheet(const planner::ImportedCase& imported, const Job& job)
     {
         job.report("contact sheet", 0.0);
         OffscreenRenderer renderer(make_offscreen_context(), job);
@@ -80,7 +80,7 @@ namespace {
         try {
             approaches = read_case(case_file, { .verify_checksums = false }).approaches.size();
         } catch (const Error&) {
-            if (case_file.filename() == kCaseFileName)
+            if (case_file.filename() == planner::kCaseFileName)
                 return; // what cannot be read is told when it is replaced
             throw InputError(
                 "the file that is there is no case: name another one, or give --replace", case_file.string());
@@ -98,7 +98,7 @@ namespace {
         if (!fs::exists(case_file, error))
             return std::nullopt;
         try {
-            const Case old = read_case(case_file, { .verify_checksums = false });
+            const planner::Case old = read_case(case_file, { .verify_checksums = false });
             return "replaced the case that was there, with its " + std::to_string(old.approaches.size())
                 + " approach(es); its images are still there where they differ";
         } catch (const Error&) {
@@ -113,15 +113,15 @@ namespace {
                 "lists what a folder holds and imports nothing: leave out the other options", "--list-series");
         if (!fs::is_directory(options.input))
             throw InputError("is no folder of DICOM files", options.input);
-        std::vector<DicomSeries> series;
+        std::vector<datasets::DicomSeries> series;
         try {
-            series = list_dicom_series(options.input);
+            series = datasets::list_dicom_series(options.input);
         } catch (const Error&) {
-            rethrow_without_identity(options.input);
+            datasets::rethrow_without_identity(options.input);
         }
-        const std::vector<PatientIdentity> identities = dicom_identities(options.input);
-        for (DicomSeries& s : series)
-            s.description = without_identity(s.description, identities);
+        const std::vector<datasets::PatientIdentity> identities = datasets::dicom_identities(options.input);
+        for (datasets::DicomSeries& s : series)
+            s.description = datasets::without_identity(s.description, identities);
         Outcome outcome;
         outcome.document["series"] = series_document(series);
         outcome.text = series_text(series);
@@ -132,7 +132,7 @@ namespace {
     {
         if (options.out.empty())
             throw InputError("is missing: the case file to write, e.g. patient/case.json", "--out");
-        check_case_file_name(options.out);
+        planner::check_case_file_name(options.out);
         // A plan or a cut that is written into the case's folder would take the case file's place.
         for (const char* written : { "metrics.json", "report.json" })
             if (fs::path(options.out).filename() == written)
@@ -149,9 +149,9 @@ namespace {
         const fs::path case_file = options.out;
         if (!options.replace)
             refuse_to_replace_approaches(case_file);
-        ImportedCase imported = read_import(request_of(options), job);
+        planner::ImportedCase imported = planner::read_import(request_of(options), job);
         refuse_if_cancelled(job);
-        if (const auto warning = identity_warning(options.input, case_file))
+        if (const auto warning = planner::identity_warning(options.input, case_file))
             imported.warnings.push_back(*warning);
         std::optional<Image> sheet;
         if (options.contact_sheet)
@@ -162,7 +162,7 @@ namespace {
         if (const auto replaced = replaced_case(case_file))
             imported.notes.push_back(*replaced);
         job.report("write case", 0.0);
-        write_import(imported, case_file);
+        planner::write_import(imported, case_file);
         Outcome outcome;
         outcome.document["case"] = options.out;
         outcome.document.update(import_document(imported));
@@ -180,7 +180,7 @@ namespace {
     std::string preset_help()
     {
         std::string text = "Names and roles of the labels of another tool:";
-        for (const std::string& name : label_preset_names())
+        for (const std::string& name : datasets::label_preset_names())
             text += " " + name;
         return text;
     }
@@ -203,7 +203,8 @@ void add_import_command(Commands& commands)
             "ones correct earlier ones")
         ->check(CLI::ExistingPath)
         ->allow_extra_args(false);
-    command->add_option("--preset", options->preset, preset_help())->check(CLI::IsMember(label_preset_names()));
+    command->add_option("--preset", options->preset, preset_help())
+        ->check(CLI::IsMember(datasets::label_preset_names()));
     command->add_flag("--autosegment", options->autosegment,
         "Find bones, lungs, heart, vessels and the layers of the wall in a chest CT; --labels are then taken as right");
     command->add_option("--spacing", options->spacing_mm, "Of the labels that --autosegment finds, mm")
@@ -230,4 +231,4 @@ void add_import_command(Commands& commands)
         [&commands, options] { commands.run = [options](const Job& job) { return import_images(*options, job); }; });
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -3,10 +3,10 @@
 #include "datasets/phantoms/abdomen_phantom.h"
 #include "datasets/phantoms/aorta_phantom.h"
 #include "mesh/base/error.h"
-#include "ui/cli/framework/arguments.h"
-#include "ui/cli/commands.h"
-#include "ui/cli/framework/out_folder.h"
 #include "ui/cli/case/touchable_phantoms.h"
+#include "ui/cli/commands.h"
+#include "ui/cli/framework/arguments.h"
+#include "ui/cli/framework/out_folder.h"
 
 #include <Eigen/Geometry>
 
@@ -14,15 +14,15 @@
 #include <numbers>
 #include <optional>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
     struct PhantomOptions {
         std::string kind, out, spacing, shift = "0,0,0", turn = "0,0,0";
-        ThoraxParameters thorax;
-        BlockParameters block;
-        AortaParameters aorta;
+        datasets::ThoraxParameters thorax;
+        datasets::BlockParameters block;
+        datasets::AortaParameters aorta;
         std::string shape = "arch", region = "30x360";
         std::optional<double> edge_mm;
         bool nrrd = false, touchable = false;
@@ -37,7 +37,7 @@ namespace {
     }
 
     /// "30x120": length in mm and angle in degrees; "none".
-    StiffRegion parse_region(const std::string& text)
+    datasets::StiffRegion parse_region(const std::string& text)
     {
         if (text == "none")
             return { 0.0, 360.0 };
@@ -59,16 +59,17 @@ namespace {
     Outcome make_aorta(PhantomOptions options, const Job& job)
     {
         refuse_voxel_options(options);
-        options.aorta.shape = options.shape == "arch" ? AortaParameters::Shape::arch : AortaParameters::Shape::tube;
+        options.aorta.shape
+            = options.shape == "arch" ? datasets::AortaParameters::Shape::arch : datasets::AortaParameters::Shape::tube;
         options.aorta.region = parse_region(options.region);
         job.report("mesh", 0.0);
-        const PalpationScene scene = make_aorta_phantom(options.aorta);
+        const datasets::PalpationScene scene = datasets::make_aorta_phantom(options.aorta);
         make_folder(options.out);
         const std::filesystem::path file = std::filesystem::path(options.out) / "aorta.json";
-        write_palpation_scene(file, scene);
+        datasets::write_palpation_scene(file, scene);
         Outcome outcome;
         Json sites = Json::array();
-        for (const TouchSite& site : scene.sites)
+        for (const datasets::TouchSite& site : scene.sites)
             sites.push_back(site.name);
         outcome.document
             = { { "scene", file.string() }, { "mesh", (std::filesystem::path(options.out) / "aorta.vtu").string() },
@@ -83,35 +84,36 @@ namespace {
     Outcome make_touchable(const PhantomOptions& options, const Job& job)
     {
         refuse_voxel_options(options);
-        const PalpationScene scene = options.kind == "liver" ? make_liver_scene(options.edge_mm.value_or(12.0), job)
-            : options.kind == "abdomen"                      ? make_abdomen_scene(options.edge_mm.value_or(16.0), job)
-                                                             : make_sheet_scene();
+        const datasets::PalpationScene scene = options.kind == "liver"
+            ? make_liver_scene(options.edge_mm.value_or(12.0), job)
+            : options.kind == "abdomen" ? make_abdomen_scene(options.edge_mm.value_or(16.0), job)
+                                        : make_sheet_scene();
         make_folder(options.out);
         const std::filesystem::path file = std::filesystem::path(options.out) / (options.kind + ".json");
-        write_palpation_scene(file, scene);
+        datasets::write_palpation_scene(file, scene);
         Outcome outcome;
         outcome.document
             = { { "scene", file.string() }, { "frame", "LPS" }, { "vertices", scene.body.mesh.vertex_count() },
                   { "tets", scene.body.mesh.tet_count() }, { "sites", Json::array() } };
-        for (const TouchSite& site : scene.sites)
+        for (const datasets::TouchSite& site : scene.sites)
             outcome.document["sites"].push_back(site.name);
         outcome.text = "scene: " + file.string() + "\n" + std::to_string(scene.body.mesh.vertex_count()) + " vertices, "
             + std::to_string(scene.body.mesh.tet_count()) + " tetrahedra\n";
         return outcome;
     }
 
-    Phantom make_voxels(const PhantomOptions& options, const Job& job)
+    datasets::Phantom make_voxels(const PhantomOptions& options, const Job& job)
     {
         if (options.kind == "thorax")
-            return make_thorax_phantom(options.thorax, job);
+            return datasets::make_thorax_phantom(options.thorax, job);
         if (options.kind == "block")
-            return make_block_phantom(options.block, job);
-        AbdomenParameters abdomen;
+            return datasets::make_block_phantom(options.block, job);
+        datasets::AbdomenParameters abdomen;
         if (!options.spacing.empty())
             abdomen.spacing_mm = options.block.spacing_mm;
         abdomen.noise_hu = options.thorax.noise_hu;
         abdomen.seed = options.thorax.seed;
-        return make_abdomen_phantom(abdomen, job);
+        return datasets::make_abdomen_phantom(abdomen, job);
     }
 
     Outcome make_phantom(PhantomOptions options, const Job& job)
@@ -126,11 +128,11 @@ namespace {
             options.thorax.spacing_mm = options.block.spacing_mm = parse_point(options.spacing, "--spacing");
         options.block.noise_hu = options.thorax.noise_hu;
         options.block.seed = options.thorax.seed;
-        Phantom phantom = make_voxels(options, job);
+        datasets::Phantom phantom = make_voxels(options, job);
         const Vec3 shift = parse_point(options.shift, "--shift");
         const Vec3 turn = parse_point(options.turn, "--turn");
         if (!shift.isZero(0.0) || !turn.isZero(0.0))
-            phantom = transformed(phantom, rotation_of(turn), shift);
+            phantom = datasets::transformed(phantom, rotation_of(turn), shift);
         const PhantomFiles files = write_phantom(options.out, phantom, options.nrrd, job);
         Outcome outcome;
         outcome.document = { { "ct", files.ct.string() }, { "labels", files.labels.string() }, { "frame", "LPS" },
@@ -141,17 +143,18 @@ namespace {
 
 } // namespace
 
-PhantomFiles write_phantom(const std::filesystem::path& folder, const Phantom& phantom, bool as_nrrd, const Job& job)
+PhantomFiles write_phantom(
+    const std::filesystem::path& folder, const datasets::Phantom& phantom, bool as_nrrd, const Job& job)
 {
     make_folder(folder);
     PhantomFiles files { as_nrrd ? folder / "ct.nrrd" : folder / "ct", folder / "labels.nrrd" };
     job.report("write phantom", 0.0);
     if (as_nrrd)
-        write_volume(files.ct, phantom.ct);
+        datasets::write_volume(files.ct, phantom.ct);
     else
-        write_dicom_series(files.ct, phantom.ct);
+        datasets::write_dicom_series(files.ct, phantom.ct);
     job.report("write phantom", 0.7);
-    write_label_volume(files.labels, phantom.labels);
+    datasets::write_label_volume(files.labels, phantom.labels);
     return files;
 }
 
@@ -200,4 +203,4 @@ void add_phantom_command(Commands& commands)
         [&commands, options] { commands.run = [options](const Job& job) { return make_phantom(*options, job); }; });
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

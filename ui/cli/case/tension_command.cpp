@@ -1,5 +1,5 @@
-#include "ui/cli/framework/arguments.h"
 #include "ui/cli/commands.h"
+#include "ui/cli/framework/arguments.h"
 
 #include "fem/model/pre_strain.h"
 #include "mesh/base/error.h"
@@ -11,7 +11,7 @@
 #include <memory>
 #include <optional>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -21,30 +21,30 @@ namespace {
         bool none = false;
     };
 
-    bool is_in_wall(const Case& planned_case, const std::string& material)
+    bool is_in_wall(const planner::Case& planned_case, const std::string& material)
     {
         return std::any_of(planned_case.label_table.begin(), planned_case.label_table.end(),
-            [&](const LabelInfo& info) { return info.role == Role::wall && info.material == material; });
+            [&](const mesh::LabelInfo& info) { return info.role == mesh::Role::wall && info.material == material; });
     }
 
-    Outcome list(const Case& planned_case)
+    Outcome list(const planner::Case& planned_case)
     {
         Outcome outcome;
         outcome.document["tension"] = Json::array();
-        for (const Material& material : planned_case.materials) {
+        for (const fem::Material& material : planned_case.materials) {
             if (!is_in_wall(planned_case, material.name))
                 continue;
-            const std::string text = pre_strain_text(material.pre_strain);
+            const std::string text = planner::pre_strain_text(material.pre_strain);
             outcome.document["tension"].push_back({ { "material", material.name }, { "pre_strain", text } });
             outcome.text += material.name + ": " + text + "\n";
         }
         return outcome;
     }
 
-    Material& material_of_wall(Case& planned_case, const std::string& name)
+    fem::Material& material_of_wall(planner::Case& planned_case, const std::string& name)
     {
         std::string known;
-        for (Material& material : planned_case.materials) {
+        for (fem::Material& material : planned_case.materials) {
             if (!is_in_wall(planned_case, material.name))
                 continue;
             if (material.name == name)
@@ -56,7 +56,7 @@ namespace {
     }
 
     /// As case.json has it: without strain across the tissue is free to narrow.
-    PreStrain asked_for(const TensionOptions& options)
+    fem::PreStrain asked_for(const TensionOptions& options)
     {
         if (options.none) {
             if (options.along || options.across || !options.direction.empty() || !options.normal.empty())
@@ -66,7 +66,8 @@ namespace {
         }
         if (!options.along)
             throw InputError("give --along, or --none", "command line");
-        PreStrain tension { .kind = options.across ? PreStrainKind::biaxial : PreStrainKind::uniaxial_stress,
+        fem::PreStrain tension { .kind
+            = options.across ? fem::PreStrainKind::biaxial : fem::PreStrainKind::uniaxial_stress,
             .strain = *options.along,
             .across = options.across.value_or(0.0) };
         if (!options.direction.empty())
@@ -77,7 +78,7 @@ namespace {
                 throw InputError("a direction must not be zero", "--normal");
         }
         try {
-            check_pre_strain(tension);
+            fem::check_pre_strain(tension);
         } catch (const InputError& error) {
             throw InputError(error.what(), "--" + error.where());
         }
@@ -86,7 +87,7 @@ namespace {
 
     Outcome change(const TensionOptions& options)
     {
-        Case planned_case = open_case(options.case_file);
+        planner::Case planned_case = open_case(options.case_file);
         if (options.material.empty()) {
             if (options.none || options.along || options.across || !options.direction.empty()
                 || !options.normal.empty())
@@ -94,7 +95,7 @@ namespace {
             return list(planned_case);
         }
         material_of_wall(planned_case, options.material).pre_strain = asked_for(options);
-        write_case(planned_case);
+        planner::write_case(planned_case);
         return list(planned_case);
     }
 
@@ -113,11 +114,11 @@ void add_tension_command(Commands& commands)
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option("--material", options->material, "A material of the wall (default: list them)");
     command->add_option("--along", options->along, "Strain along the direction, 0 to 0.5 (skin: 0.02 to 0.06)")
-        ->check(in_range(0.0, kLargestPreStrain));
+        ->check(in_range(0.0, fem::kLargestPreStrain));
     command
         ->add_option("--across", options->across,
             "Strain across it in the tissue's plane (default: free to narrow, no stress across)")
-        ->check(in_range(0.0, kLargestPreStrain));
+        ->check(in_range(0.0, fem::kLargestPreStrain));
     command->add_option("--direction", options->direction,
         "x,y,z, patient LPS: put into the tissue's plane; not needed where both strains are the same");
     command->add_option(
@@ -126,4 +127,4 @@ void add_tension_command(Commands& commands)
     command->callback([&commands, options] { commands.run = [options](const Job&) { return change(*options); }; });
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -11,13 +11,13 @@
 #include <array>
 #include <limits>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
-    TouchSite site_on(const std::string& name, const TriMesh& surface, const Vec3& from)
+    datasets::TouchSite site_on(const std::string& name, const TriMesh& surface, const Vec3& from)
     {
-        const NearestOnSurface at = nearest_on_surface(from, surface.vertices, surface.triangles);
+        const haptics::NearestOnSurface at = haptics::nearest_on_surface(from, surface.vertices, surface.triangles);
         const auto& [a, b, c] = surface.triangles[at.triangle];
         const Vec3 pa = surface.vertices.row(a).transpose(), pb = surface.vertices.row(b).transpose(),
                    pc = surface.vertices.row(c).transpose();
@@ -25,9 +25,9 @@ namespace {
     }
 
     /// The foremost point of the surface at x, z.
-    TouchSite site_in_front(const std::string& name, const TriMesh& surface, double x, double z)
+    datasets::TouchSite site_in_front(const std::string& name, const TriMesh& surface, double x, double z)
     {
-        TouchSite site { name, Vec3(x, std::numeric_limits<double>::infinity(), z), Vec3(0.0, -1.0, 0.0) };
+        datasets::TouchSite site { name, Vec3(x, std::numeric_limits<double>::infinity(), z), Vec3(0.0, -1.0, 0.0) };
         for (const auto& triangle : surface.triangles) {
             std::array<Vec3, 3> at;
             for (std::size_t i = 0; i < 3; ++i)
@@ -48,42 +48,43 @@ namespace {
         return site;
     }
 
-    TriMesh boundary(const TetMesh& mesh)
+    TriMesh boundary(const mesh::TetMesh& mesh)
     {
         TriMesh surface { mesh.vertices, {}, {} };
-        for (const TetFace& face : boundary_faces(mesh))
-            surface.triangles.push_back(face_vertices(mesh, face));
+        for (const mesh::TetFace& face : mesh::boundary_faces(mesh))
+            surface.triangles.push_back(mesh::face_vertices(mesh, face));
         return surface;
     }
 
     /// @throws SolverError naming the organ when there is no mesh of it.
-    TetMesh meshed(const std::string& organ, const LabelVolume& labels, double edge_mm, const Job& job)
+    mesh::TetMesh meshed(const std::string& organ, const mesh::LabelVolume& labels, double edge_mm, const Job& job)
     {
-        MeshSizing sizing;
+        mesh::MeshSizing sizing;
         sizing.coarse_edge_mm = edge_mm;
-        HybridModel model = build_hybrid_model(labels, sizing, job);
-        if (model.status != MeshStatus::done)
+        mesh::HybridModel model = mesh::build_hybrid_model(labels, sizing, job);
+        if (model.status != mesh::MeshStatus::done)
             throw SolverError("the " + organ + " was not meshed: " + model.message);
         return std::move(model.wall);
     }
 
 } // namespace
 
-PalpationScene make_liver_scene(double edge_mm, const Job& job)
+datasets::PalpationScene make_liver_scene(double edge_mm, const Job& job)
 {
     if (!(edge_mm >= 4.0 && edge_mm <= 40.0))
         throw InputError("a liver is meshed with edges of 4 to 40 mm, got " + std::to_string(edge_mm), "--edge");
-    AbdomenParameters parameters;
+    datasets::AbdomenParameters parameters;
     parameters.spacing_mm = Vec3(2.5, 2.5, 2.5);
-    const Phantom phantom = make_liver_phantom(parameters, job);
-    PalpationScene scene;
+    const datasets::Phantom phantom = datasets::make_liver_phantom(parameters, job);
+    datasets::PalpationScene scene;
     scene.name = "liver";
     scene.body.mesh = meshed(scene.name, phantom.labels, edge_mm, job);
-    const TetMesh& mesh = scene.body.mesh;
+    const mesh::TetMesh& mesh = scene.body.mesh;
     constexpr double kBare = 12.0; // mm: the bare area, by which a liver hangs at the diaphragm
     const double back = mesh.vertices.col(1).maxCoeff() - kBare;
     for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
-        scene.body.roles.push_back(mesh.vertices(v, 1) > back ? VertexRole::fixed : VertexRole::free);
+        scene.body.roles.push_back(
+            mesh.vertices(v, 1) > back ? datasets::VertexRole::fixed : datasets::VertexRole::free);
     scene.body.youngs_modulus.assign(mesh.tet_count(), 0.0054);
     scene.body.poissons_ratio.assign(mesh.tet_count(), 0.49);
     const TriMesh surface = boundary(mesh);
@@ -96,34 +97,34 @@ PalpationScene make_liver_scene(double edge_mm, const Job& job)
     return scene;
 }
 
-PalpationScene make_abdomen_scene(double edge_mm, const Job& job)
+datasets::PalpationScene make_abdomen_scene(double edge_mm, const Job& job)
 {
     if (!(edge_mm >= 8.0 && edge_mm <= 40.0))
         throw InputError("an abdomen is meshed with edges of 8 to 40 mm, got " + std::to_string(edge_mm), "--edge");
-    AbdomenParameters parameters;
+    datasets::AbdomenParameters parameters;
     parameters.spacing_mm = Vec3(3.0, 3.0, 3.0);
-    Phantom phantom = make_abdomen_phantom(parameters, job);
-    for (LabelInfo& info : phantom.labels.table)
-        info.role = Role::wall;
-    PalpationScene scene;
+    datasets::Phantom phantom = datasets::make_abdomen_phantom(parameters, job);
+    for (mesh::LabelInfo& info : phantom.labels.table)
+        info.role = mesh::Role::wall;
+    datasets::PalpationScene scene;
     scene.name = "abdomen";
     scene.body.mesh = meshed(scene.name, phantom.labels, edge_mm, job);
-    const TetMesh& mesh = scene.body.mesh;
-    const LabelTable& table = phantom.labels.table;
-    scene.body.roles.assign(mesh.vertex_count(), VertexRole::free);
+    const mesh::TetMesh& mesh = scene.body.mesh;
+    const mesh::LabelTable& table = phantom.labels.table;
+    scene.body.roles.assign(mesh.vertex_count(), datasets::VertexRole::free);
     for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
-        const std::string& organ = find_label(table, mesh.labels[t])->name;
+        const std::string& organ = mesh::find_label(table, mesh.labels[t])->name;
         // Liver and bowel at rest, muscle for walls: fem/material.h's sources.
         const double modulus = organ == "liver" ? 0.0054 : organ == "bowel" ? 0.003 : 0.04;
         scene.body.youngs_modulus.push_back(modulus);
         scene.body.poissons_ratio.push_back(0.48);
         if (organ == "spine")
             for (const VertexId v : mesh.tet(static_cast<TetId>(t)))
-                scene.body.roles[static_cast<std::size_t>(v)] = VertexRole::fixed;
+                scene.body.roles[static_cast<std::size_t>(v)] = datasets::VertexRole::fixed;
     }
     for (const auto& [label, name] : { std::pair { "liver", "liver" }, { "stomach", "stomach" }, { "bowel", "bowel" },
              { "abdominal_wall", "skin" } })
-        scene.organs.push_back({ find_label(table, label)->id, name });
+        scene.organs.push_back({ mesh::find_label(table, label)->id, name });
     const TriMesh skin = boundary(mesh);
     // Three fingers of either hand: over the liver, where it lies against the wall, and over the stomach.
     constexpr std::array<std::array<double, 2>, 6> kFingers { { { -80.0, 10.0 }, { -55.0, 30.0 }, { -25.0, 50.0 },
@@ -134,16 +135,16 @@ PalpationScene make_abdomen_scene(double edge_mm, const Job& job)
     return scene;
 }
 
-PalpationScene make_sheet_scene()
+datasets::PalpationScene make_sheet_scene()
 {
-    PalpationScene scene;
+    datasets::PalpationScene scene;
     scene.name = "sheet";
-    scene.body.mesh = kuhn_box(12, 12, 4, 2.0);
-    TetMesh& mesh = scene.body.mesh;
+    scene.body.mesh = mesh::kuhn_box(12, 12, 4, 2.0);
+    mesh::TetMesh& mesh = scene.body.mesh;
     mesh.vertices.rowwise() -= Eigen::RowVector3d(12.0, 12.0, 8.0);
     for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
         const bool side = std::abs(mesh.vertices(v, 0)) == 12.0 || std::abs(mesh.vertices(v, 1)) == 12.0;
-        scene.body.roles.push_back(side ? VertexRole::fixed : VertexRole::free);
+        scene.body.roles.push_back(side ? datasets::VertexRole::fixed : datasets::VertexRole::free);
     }
     scene.body.youngs_modulus.assign(mesh.tet_count(), 0.02);
     scene.body.poissons_ratio.assign(mesh.tet_count(), 0.45);
@@ -152,4 +153,4 @@ PalpationScene make_sheet_scene()
     return scene;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 enum class Health {
     ok,
@@ -40,4 +40,4 @@ std::vector<Finding> check_references();
 /// Libraries of haptic devices.
 std::vector<Finding> check_devices();
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

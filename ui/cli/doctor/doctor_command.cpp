@@ -4,7 +4,7 @@
 
 #include <memory>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -68,4 +68,4 @@ void add_doctor_command(Commands& commands)
     });
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

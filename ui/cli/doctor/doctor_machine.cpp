@@ -16,7 +16,7 @@
 
 #include <sched.h>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -183,10 +183,12 @@ std::vector<Finding> check_linear_algebra() { return { check_product(), check_fa
 
 std::vector<Finding> check_images()
 {
-    std::vector<Finding> findings { { .topic = "images", .name = "libraries", .found = image_library_versions() } };
+    std::vector<Finding> findings {
+        { .topic = "images", .name = "libraries", .found = datasets::image_library_versions() }
+    };
     std::error_code error;
     const fs::path folder = fs::temp_directory_path(error);
-    for (const FormatCheck& format : check_formats(error ? fs::path(".") : folder)) {
+    for (const datasets::FormatCheck& format : datasets::check_formats(error ? fs::path(".") : folder)) {
         Finding finding { .topic = "images", .name = format.format, .found = "read without loss" };
         finding.essential = format.format == "DICOM uncompressed" || format.format == "NRRD";
         if (!format.works) {
@@ -202,7 +204,7 @@ std::vector<Finding> check_images()
 std::vector<Finding> check_devices()
 {
     std::vector<Finding> findings;
-    for (const HdFinding& hd : diagnose_hd())
+    for (const haptics::HdFinding& hd : haptics::diagnose_hd())
         findings.push_back({ .topic = "devices",
             .name = "Touch " + hd.name,
             .health = hd.ok ? Health::ok : Health::missing,
@@ -211,4 +213,4 @@ std::vector<Finding> check_devices()
     return findings;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

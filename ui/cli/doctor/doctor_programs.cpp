@@ -13,7 +13,7 @@
 #include <filesystem>
 #include <memory>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -42,7 +42,7 @@ namespace {
         constexpr double kRadiusMm = 40.0;
         Scene scene;
         scene.surfaces.push_back({ .name = "ball",
-            .mesh = std::make_shared<const TriMesh>(sphere_surface(Vec3::Zero(), kRadiusMm)),
+            .mesh = std::make_shared<const TriMesh>(planner::sphere_surface(Vec3::Zero(), kRadiusMm)),
             .look = { .color = { 0.9, 0.9, 0.9 } } });
         scene.camera = { .parallel = true, .half_height_mm = 60.0 };
         scene.background_low = scene.background_high = { 0.0, 0.0, 0.0 };
@@ -177,4 +177,4 @@ std::vector<Finding> check_references()
     return { finding };
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -14,7 +14,7 @@
 #include <cmath>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -49,10 +49,10 @@ BlasCheck check_blas()
     // The name CHOLMOD calls, looked up as the dynamic linker does it; the rates differ by ten between libraries.
     BlasCheck check;
     check.library = library_of(::dlsym(RTLD_DEFAULT, "dgemm_"));
-    check.description = blas_description();
+    check.description = fem::blas_description();
     check.is_openblas
         = !check.library.empty() && check.library == library_of(reinterpret_cast<const void*>(&openblas_get_config));
-    const ScopedBlasThreads one(1);
+    const fem::ScopedBlasThreads one(1);
     check.gflops = measured_gflops();
     return check;
 }
@@ -61,10 +61,10 @@ SolverCheck check_solver()
 {
     constexpr int kCubes = 10;
     constexpr double kSpacing = 2.0, kStretch = 0.1; // mm
-    const TetMesh bar = kuhn_box(kCubes, kCubes, kCubes, kSpacing);
+    const mesh::TetMesh bar = mesh::kuhn_box(kCubes, kCubes, kCubes, kSpacing);
     const double length = kCubes * kSpacing;
-    Supports supports;
-    HookPatch hook { .name = "end", .side = 1, .nodes = {}, .displacement = Vec3(0.0, 0.0, kStretch) };
+    fem::Supports supports;
+    fem::HookPatch hook { .name = "end", .side = 1, .nodes = {}, .displacement = Vec3(0.0, 0.0, kStretch) };
     for (VertexId v = 0; v < static_cast<VertexId>(bar.vertex_count()); ++v) {
         if (bar.vertices(v, 2) == 0.0)
             supports.fixed.push_back(v);
@@ -72,15 +72,15 @@ SolverCheck check_solver()
             hook.nodes.push_back(v);
     }
     // Without lateral contraction the answer is E A u / L, on any mesh.
-    const Material rubber { .name = "rubber",
+    const fem::Material rubber { .name = "rubber",
         .youngs_modulus_MPa = 1.0,
         .poissons_ratio = 0.0,
         .density_tonne_per_mm3 = 1e-9,
         .source = "a check" };
-    const std::vector<Material> materials(2, rubber);
+    const std::vector<fem::Material> materials(2, rubber);
     const Stopwatch watch;
-    Opening opening(bar, materials, supports, { .elasticity = Elasticity::linear, .tolerance = 1e-9 });
-    const OpeningResult result = opening.open(std::vector { hook });
+    fem::Opening opening(bar, materials, supports, { .elasticity = fem::Elasticity::linear, .tolerance = 1e-9 });
+    const fem::OpeningResult result = opening.open(std::vector { hook });
     const double force = length * length * kStretch / length;
     std::array<int, 3> version {};
     cholmod_version(version.data());
@@ -91,4 +91,4 @@ SolverCheck check_solver()
         .relative_error = std::abs(result.hook_forces_N.at(0).norm() / force - 1.0) };
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 struct BlasCheck {
     std::string library; ///< file the dynamic linker bound dgemm to
@@ -22,4 +22,4 @@ struct SolverCheck {
 /// Stretches a bar of 6,000 tetrahedra. @throws SolverError when the factorisation fails.
 SolverCheck check_solver();
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

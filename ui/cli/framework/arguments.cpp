@@ -9,7 +9,7 @@
 #include <cmath>
 #include <sstream>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
     constexpr int kLargestPictureEdge = 16384;
@@ -45,9 +45,9 @@ Vec3 parse_point(const std::string& text, const std::string& where)
     return { n[0], n[1], n[2] };
 }
 
-TargetSpec parse_target(const std::string& text)
+planner::TargetSpec parse_target(const std::string& text)
 {
-    TargetSpec target;
+    planner::TargetSpec target;
     if (text.find(',') == std::string::npos) {
         target.label = text;
         return target;
@@ -60,7 +60,7 @@ TargetSpec parse_target(const std::string& text)
     return target;
 }
 
-AblationSpec parse_ablation(const std::string& text)
+planner::AblationSpec parse_ablation(const std::string& text)
 {
     const std::string where = "--ablate " + text;
     const std::vector<std::string> parts = split(text, ':');
@@ -69,7 +69,7 @@ AblationSpec parse_ablation(const std::string& text)
         throw InputError("give LABEL:FROM,TO, LABEL:FROM,TO:ALONG_FROM,ALONG_TO, ball:X,Y,Z,RADIUS or "
                          "ball:X,Y,Z,RADIUS:LABEL",
             where);
-    AblationSpec ablation;
+    planner::AblationSpec ablation;
     if (parts[0] == "ball") {
         const std::vector<double> n = parse_numbers(parts[1], 4, where);
         ablation.centre = { n[0], n[1], n[2] };
@@ -123,4 +123,4 @@ CLI::Validator in_range(double low, double high)
         "FLOAT in [" + words + "]");
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -9,16 +9,16 @@
 #include <string>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 /// "x,y,z": exactly `count` finite numbers.
 std::vector<double> parse_numbers(const std::string& text, std::size_t count, const std::string& where);
 Vec3 parse_point(const std::string& text, const std::string& where);
 /// A label name, or "x,y,z,r" for a sphere (mm, patient LPS).
-TargetSpec parse_target(const std::string& text);
+planner::TargetSpec parse_target(const std::string& text);
 /// "label:from,to[:along_from,along_to]" for a segment (mm across and along the incision), or
 /// "ball:x,y,z,radius[:label]". Whether the label is there and the incision as long is left to the caller.
-AblationSpec parse_ablation(const std::string& text);
+planner::AblationSpec parse_ablation(const std::string& text);
 /// "1280x960".
 std::pair<int, int> parse_size(const std::string& text);
 /// "a,b,c".
@@ -27,4 +27,4 @@ std::vector<std::string> split(const std::string& text, char separator);
 /// A number from low to high; unlike CLI::Range it refuses NaN.
 CLI::Validator in_range(double low, double high);
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

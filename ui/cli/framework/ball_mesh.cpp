@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -73,4 +73,4 @@ TriMesh ball_mesh(const Vec3& centre, double radius, int divisions)
     return ball_meshes(centre.transpose(), radius, divisions);
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -3,7 +3,7 @@
 
 #include "mesh/base/geometry.h"
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 /// An icosahedron, each triangle divided into four `divisions` times, on a sphere. @pre 0 <= divisions <= 6
 TriMesh ball_mesh(const Vec3& centre, double radius, int divisions);
@@ -11,4 +11,4 @@ TriMesh ball_mesh(const Vec3& centre, double radius, int divisions);
 /// Many of one size in one mesh.
 TriMesh ball_meshes(const Points& centres, double radius, int divisions);
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

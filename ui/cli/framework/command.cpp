@@ -20,7 +20,7 @@
 #include <string_view>
 #include <thread>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -84,7 +84,7 @@ namespace {
                                                  : std::max<std::size_t>(1, std::thread::hardware_concurrency());
         job.threads = static_cast<int>(threads);
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        set_solver_threads(job.threads);
+        fem::set_solver_threads(job.threads);
         try {
             Outcome outcome = commands.run(job);
             progress.clear();
@@ -148,4 +148,4 @@ int run_command_line(const Program& program, int argc, char** argv)
     return run_chosen(program, commands, options);
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -10,7 +10,7 @@
 #include <functional>
 #include <string>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 /// Ordered: documents are read by people too.
 using Json = nlohmann::ordered_json;
@@ -47,4 +47,4 @@ struct Program {
 /// Parses, runs and prints; the whole program. @return its exit code.
 int run_command_line(const Program& program, int argc, char** argv);
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <iterator>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -78,4 +78,4 @@ std::string option_hint(const CLI::App& app, const std::vector<std::string>& fie
     return count == 0 ? std::string() : (count == 1 ? " (option " : " (options ") + options + ")";
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <numeric>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -123,4 +123,4 @@ std::string misspelling(const CLI::App& app, const std::vector<std::string>& arg
     return {};
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 /// The first command or option of the arguments that does not exist, with the most similar one that does:
 /// "unknown command 'plna': did you mean 'plan'?", "plan: unknown option '--opning': did you mean '--opening'?".
@@ -14,4 +14,4 @@ namespace retractor::cli {
 /// @param arguments without the program's name. @return empty where every command and option exists.
 std::string misspelling(const CLI::App& app, const std::vector<std::string>& arguments);
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 /// One number as printf's format for a double writes it, cut at 63 characters.
 inline std::string number(const char* format, double value)
@@ -14,4 +14,4 @@ inline std::string number(const char* format, double value)
     return text.data();
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

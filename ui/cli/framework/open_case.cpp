@@ -3,9 +3,9 @@
 #include "mesh/base/error.h"
 #include "planner/case/case_io.h"
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
-Case open_case(const std::string& path)
+planner::Case open_case(const std::string& path)
 {
     try {
         return read_case(path);
@@ -16,4 +16,4 @@ Case open_case(const std::string& path)
     }
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

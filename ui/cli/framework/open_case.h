@@ -5,10 +5,10 @@
 
 #include <string>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 /// read_case(), its checksums verified; a refusal names the file and the place in it: "case.json#/labels/sha256".
 /// @throws InputError, IoError.
-Case open_case(const std::string& path);
+planner::Case open_case(const std::string& path);
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -9,7 +9,7 @@
 
 #include <unistd.h>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 void make_folder(const std::filesystem::path& folder)
 {
@@ -45,4 +45,4 @@ void refuse_if_cancelled(const Job& job)
         throw SolverError("cancelled; earlier results were left as they are");
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

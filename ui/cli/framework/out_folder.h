@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 /// Creates the folder. @throws IoError naming it.
 void make_folder(const std::filesystem::path& folder);
@@ -27,4 +27,4 @@ private:
 /// @throws SolverError "cancelled" when it was: nothing of an unfinished run replaces earlier results.
 void refuse_if_cancelled(const Job& job);
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -4,7 +4,7 @@
 
 #include <unistd.h>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
     constexpr double kRedrawSeconds = 0.1;
@@ -47,4 +47,4 @@ void ProgressLine::clear()
     drawn_ = false;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 class ProgressLine {
 public:
@@ -26,4 +26,4 @@ private:
     bool drawn_ = false;
 };
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

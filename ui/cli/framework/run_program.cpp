@@ -13,7 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -114,4 +114,4 @@ std::filesystem::path program_on_path(const std::string& name)
     return {};
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 struct ProgramRun {
     int exit_code = -1; ///< -1: it died, was killed or could not be started
@@ -24,4 +24,4 @@ ProgramRun run_program(const std::vector<std::string>& words, std::chrono::milli
 /// The first executable file of this name in the folders of PATH; empty: there is none.
 std::filesystem::path program_on_path(const std::string& name);
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

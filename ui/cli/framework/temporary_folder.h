@@ -8,7 +8,7 @@
 #include <string>
 #include <system_error>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 struct TemporaryFolder {
     /// @throws IoError when it cannot be made.
@@ -29,4 +29,4 @@ struct TemporaryFolder {
     std::filesystem::path path;
 };
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -1,8 +1,8 @@
 #include "ui/cli/palpation/palpate_command.h"
 
 #include "mesh/base/error.h"
-#include "planner/palpation/palpable.h"
 #include "planner/case/patient.h"
+#include "planner/palpation/palpable.h"
 #include "ui/cli/framework/arguments.h"
 #include "ui/cli/framework/open_case.h"
 #include "ui/cli/framework/out_folder.h"
@@ -12,14 +12,14 @@
 #include <memory>
 #include <system_error>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
     struct PalpableOptions {
         std::string case_file, structure, out, held;
         std::vector<std::string> stiff, sites;
-        PalpableRequest request;
+        planner::PalpableRequest request;
         double heart_rate = 75.0;
         std::string pressure = "80,120";
     };
@@ -33,9 +33,9 @@ namespace {
         return { text.substr(0, at), text.substr(at + 1) };
     }
 
-    PalpableRequest request_of(const PalpableOptions& options)
+    planner::PalpableRequest request_of(const PalpableOptions& options)
     {
-        PalpableRequest request = options.request;
+        planner::PalpableRequest request = options.request;
         request.structure = split(options.structure, '+');
         if (!options.held.empty())
             request.held = split(options.held, ',');
@@ -59,7 +59,8 @@ namespace {
         return pressures;
     }
 
-    void set_pulse(PalpationScene& scene, const std::vector<double>& pressures, const PalpableOptions& options)
+    void set_pulse(
+        datasets::PalpationScene& scene, const std::vector<double>& pressures, const PalpableOptions& options)
     {
         scene.diastolic_mmHg = scene.rest_mmHg = pressures[0];
         scene.systolic_mmHg = pressures[1];
@@ -76,28 +77,30 @@ namespace {
 
     Outcome make_palpable_scene(const PalpableOptions& options, const Job& job)
     {
-        const PalpableRequest request = request_of(options);
+        const planner::PalpableRequest request = request_of(options);
         const std::vector<double> pressures = pressures_of(options);
         job.report("read case", 0.0);
-        Patient patient(open_case(options.case_file), job);
+        planner::Patient patient(open_case(options.case_file), job);
         if (request.structure.empty())
             throw InputError(
-                "names what to palpate; there are " + names_of(patient.planned_case().label_table), "--structure");
+                "names what to palpate; there are " + planner::names_of(patient.planned_case().label_table),
+                "--structure");
         const std::filesystem::path case_file = patient.planned_case().file();
         make_folder(options.out);
-        Palpable made = make_palpable(*patient.labels(), patient.planned_case().materials, request, job);
+        planner::Palpable made
+            = planner::make_palpable(*patient.labels(), patient.planned_case().materials, request, job);
         set_pulse(made.scene, pressures, options);
         const std::filesystem::path file = std::filesystem::path(options.out) / (file_stem(made.scene.name) + ".json");
         if (std::error_code none; std::filesystem::equivalent(file, case_file, none))
             throw InputError("the scene would take the place of the case file: give another folder", "--out");
-        write_palpation_scene(file, made.scene);
-        const bool hollow = has_inner_wall(made.scene.body);
+        datasets::write_palpation_scene(file, made.scene);
+        const bool hollow = datasets::has_inner_wall(made.scene.body);
         Outcome outcome;
         outcome.document = { { "scene", file.string() }, { "frame", "LPS" },
             { "vertices", made.scene.body.mesh.vertex_count() }, { "tets", made.scene.body.mesh.tet_count() },
             { "hollow", hollow }, { "sites", Json::array() }, { "notes", made.notes } };
         std::string sites;
-        for (const TouchSite& site : made.scene.sites) {
+        for (const datasets::TouchSite& site : made.scene.sites) {
             outcome.document["sites"].push_back(site.name);
             sites += (sites.empty() ? "" : ", ") + site.name;
         }
@@ -151,4 +154,4 @@ void add_palpable_command(Commands& commands)
     });
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

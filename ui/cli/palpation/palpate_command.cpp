@@ -6,8 +6,8 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text.h"
 #include "planner/case/case_io.h"
-#include "planner/palpation/palpable.h"
 #include "planner/case/patient.h"
+#include "planner/palpation/palpable.h"
 #include "ui/cli/framework/arguments.h"
 #include "ui/cli/framework/open_case.h"
 #include "ui/cli/palpation/palpate_pictures.h"
@@ -20,7 +20,7 @@
 #include <memory>
 #include <optional>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -29,12 +29,12 @@ namespace {
     struct PalpateOptions {
         std::string scene, structure, press, pinch, out = "palpation.csv", plot, record, hand;
         std::vector<std::string> devices { "fixed" };
-        TissueChoice tissue;
+        planner::TissueChoice tissue;
         PressPlan plan;
     };
 
     /// "a,b+c": a, then b and c together.
-    std::vector<Press> presses(const PalpationScene& scene, const PalpateOptions& options)
+    std::vector<Press> presses(const datasets::PalpationScene& scene, const PalpateOptions& options)
     {
         std::vector<Press> list;
         if (!options.pinch.empty())
@@ -47,7 +47,7 @@ namespace {
                     list.back().sites.push_back(scene.site(name));
             }
         else
-            for (const TouchSite& site : scene.sites)
+            for (const datasets::TouchSite& site : scene.sites)
                 if (!site.name.ends_with("-opposite"))
                     list.push_back({ site.name, { site } });
         if (list.empty())
@@ -109,12 +109,13 @@ namespace {
     }
 
     /// How far the surface of each organ is displaced at most when the fingers are deepest.
-    Json organs_moved(const PressLog& log, const PalpationScene& scene, const TissueResponse& tissue, std::string& text)
+    Json organs_moved(const PressLog& log, const datasets::PalpationScene& scene, const haptics::TissueResponse& tissue,
+        std::string& text)
     {
         Json moved = Json::array();
         const TriMesh& surface = tissue.surface();
         for (std::size_t o = 0; o < scene.organs.size() && !surface.labels.empty(); ++o) {
-            const Label label = surface_label(scene, o, tissue);
+            const Label label = planner::surface_label(scene, o, tissue);
             double most = 0.0;
             for (std::size_t t = 0; t < surface.triangles.size(); ++t)
                 for (const VertexId v : surface.triangles[t])
@@ -137,9 +138,9 @@ namespace {
             + formatted("force gain %.3g", options.tissue.force_gain);
     }
 
-    void write_files(const PalpateOptions& options, const PalpationScene& scene, const std::vector<Press>& list,
-        const std::vector<PressLog>& logs, const TissueResponse& tissue, const std::array<HandModel, 2>* hands,
-        Outcome& outcome, const Job& job)
+    void write_files(const PalpateOptions& options, const datasets::PalpationScene& scene,
+        const std::vector<Press>& list, const std::vector<PressLog>& logs, const haptics::TissueResponse& tissue,
+        const std::array<haptics::HandModel, 2>* hands, Outcome& outcome, const Job& job)
     {
         const fs::path out = options.out;
         fs::path plot = options.plot, view = out;
@@ -150,15 +151,15 @@ namespace {
         write_palpation_chart(plot, logs, options.tissue.force_gain, job);
         write_palpation_view(view, logs, list, scene, tissue, view_note(options), hands, job);
         if (!options.record.empty())
-            write_motion(options.record, logs.front().motion);
+            haptics::write_motion(options.record, logs.front().motion);
         outcome.document["csv"] = out.string();
         outcome.document["plot"] = plot.string();
         outcome.document["view"] = view.string();
         outcome.text += "forces: " + out.string() + "\nplot:   " + plot.string() + "\nview:   " + view.string() + "\n";
     }
 
-    void describe_tissue(const PalpateOptions& options, const PalpationScene& scene, const ChosenTissue& tissue,
-        const PulsePressure* pressure, Outcome& outcome)
+    void describe_tissue(const PalpateOptions& options, const datasets::PalpationScene& scene,
+        const planner::ChosenTissue& tissue, const haptics::PulsePressure* pressure, Outcome& outcome)
     {
         outcome.document = { { "scene", scene.name }, { "model", std::string(tissue.response->name()) },
             { "vertices", tissue.response->surface().vertices.rows() }, { "force_gain", options.tissue.force_gain },
@@ -187,35 +188,37 @@ namespace {
     }
 
     /// The scene that is given, or of a case's structure; what is to be said of it goes to `notes`.
-    PalpationScene scene_of(const PalpateOptions& options, std::vector<std::string>& notes, const Job& job)
+    datasets::PalpationScene scene_of(const PalpateOptions& options, std::vector<std::string>& notes, const Job& job)
     {
-        if (is_palpation_scene(options.scene)) {
+        if (datasets::is_palpation_scene(options.scene)) {
             if (!options.structure.empty())
                 throw InputError("is for cases, and this is a palpation scene", "--structure");
-            return read_palpation_scene(options.scene);
+            return datasets::read_palpation_scene(options.scene);
         }
         if (options.structure.empty() && !is_case(options.scene))
-            return read_palpation_scene(options.scene); // to say what is wrong with it
-        Patient patient(open_case(options.scene), job);
+            return datasets::read_palpation_scene(options.scene); // to say what is wrong with it
+        planner::Patient patient(open_case(options.scene), job);
         if (options.structure.empty())
             throw InputError("is a case: name what to palpate by --structure; there are "
-                    + names_of(patient.planned_case().label_table),
+                    + planner::names_of(patient.planned_case().label_table),
                 options.scene);
-        PalpableRequest request;
+        planner::PalpableRequest request;
         request.structure = split(options.structure, '+');
-        Palpable made = make_palpable(*patient.labels(), patient.planned_case().materials, request, job);
+        planner::Palpable made
+            = planner::make_palpable(*patient.labels(), patient.planned_case().materials, request, job);
         notes = std::move(made.notes);
         return std::move(made.scene);
     }
 
-    using Hands = std::array<HandModel, 2>; // right and left
+    using Hands = std::array<haptics::HandModel, 2>; // right and left
 
     std::optional<Hands> hands_of(const PalpateOptions& options)
     {
         if (options.hand.empty())
             return {};
-        const auto hand
-            = [&](bool left) { return options.hand == "built-in" ? make_hand(left) : read_hand(options.hand, left); };
+        const auto hand = [&](bool left) {
+            return options.hand == "built-in" ? haptics::make_hand(left) : haptics::read_hand(options.hand, left);
+        };
         return Hands { hand(false), hand(true) };
     }
 
@@ -238,7 +241,7 @@ namespace {
         refuse_early(options);
         job.report("read scene", 0.0);
         std::vector<std::string> notes;
-        const PalpationScene scene = scene_of(options, notes, job);
+        const datasets::PalpationScene scene = scene_of(options, notes, job);
         const std::vector<Press> list = presses(scene, options);
         if (!options.record.empty() && list.size() > 1)
             throw InputError("one press is recorded at a time: name it by --press", "--record");
@@ -246,11 +249,11 @@ namespace {
         static_cast<void>(one_per_finger(options.devices, list.front())); // refuses before the tissue is made
         options.tissue.radius_mm = options.plan.radius_mm;
         options.tissue.depth_mm = options.plan.depth_mm;
-        ChosenTissue tissue = make_tissue(scene, options.tissue, job);
+        planner::ChosenTissue tissue = make_tissue(scene, options.tissue, job);
         tissue.notes.insert(tissue.notes.begin(), notes.begin(), notes.end());
-        std::unique_ptr<PulsePressure> pressure;
-        if (has_inner_wall(scene.body))
-            pressure = std::make_unique<PulsePressure>(pulse_of(scene, options.tissue));
+        std::unique_ptr<haptics::PulsePressure> pressure;
+        if (datasets::has_inner_wall(scene.body))
+            pressure = std::make_unique<haptics::PulsePressure>(planner::pulse_of(scene, options.tissue));
         Outcome outcome;
         describe_tissue(options, scene, tissue, pressure.get(), outcome);
         const double servo_gain = options.tissue.model == "fem" ? 1.0 : options.tissue.force_gain;
@@ -277,12 +280,12 @@ namespace {
 
     void add_tissue_options(CLI::App* command, PalpateOptions& options)
     {
-        TissueChoice& tissue = options.tissue;
+        planner::TissueChoice& tissue = options.tissue;
         command
             ->add_option("--model", tissue.model,
                 "Which tissue answers: fem (condensed finite elements), springs (the body's edges) or spheres (solid "
                 "organs)")
-            ->check(CLI::IsMember(tissue_models()))
+            ->check(CLI::IsMember(planner::tissue_models()))
             ->capture_default_str();
         command->add_option("--element", tissue.element, "fem: p1 (the source's, too stiff), locking-free or p2")
             ->check(CLI::IsMember({ "p1", "locking-free", "p2" }))
@@ -367,4 +370,4 @@ void add_palpate_command(Commands& commands)
         [&commands, options] { commands.run = [options](const Job& job) { return palpate(*options, job); }; });
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

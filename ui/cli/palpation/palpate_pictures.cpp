@@ -14,7 +14,7 @@
 #include <optional>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -45,7 +45,8 @@ namespace {
         return look;
     }
 
-    void add_body(Scene& view, const PressLog& log, const PalpationScene& scene, const TissueResponse& tissue)
+    void add_body(
+        Scene& view, const PressLog& log, const datasets::PalpationScene& scene, const haptics::TissueResponse& tissue)
     {
         auto surface = std::make_shared<TriMesh>(tissue.surface());
         surface->vertices = log.deformed;
@@ -63,15 +64,15 @@ namespace {
         view.surfaces.push_back(item);
     }
 
-    void add_organs(
-        Scene& view, const PressLog& log, const PalpationScene& scene, const TissueResponse& tissue, bool with_skin)
+    void add_organs(Scene& view, const PressLog& log, const datasets::PalpationScene& scene,
+        const haptics::TissueResponse& tissue, bool with_skin)
     {
         for (std::size_t o = 0; o < scene.organs.size(); ++o) {
             const std::string& name = scene.organs[o].name;
             if (!with_skin && (name == "skin" || name == "bowel"))
                 continue;
             SurfaceItem item { .name = name,
-                .mesh = part_of(tissue.surface(), log.deformed, surface_label(scene, o, tissue)) };
+                .mesh = part_of(tissue.surface(), log.deformed, planner::surface_label(scene, o, tissue)) };
             item.look = look_of(name);
             if (!item.mesh->triangles.empty())
                 view.surfaces.push_back(item);
@@ -82,7 +83,7 @@ namespace {
     Vec3 view_direction(const Press& press)
     {
         Vec3 out = Vec3::Zero();
-        for (const TouchSite& site : press.sites)
+        for (const datasets::TouchSite& site : press.sites)
             out += site.outward;
         out = out.norm() > 0.1 ? Vec3(out.normalized()) : press.sites[0].outward;
         Vec3 aside = out.cross(Vec3::UnitZ());
@@ -92,13 +93,13 @@ namespace {
         return -(0.7 * aside.normalized() + frontal * out + 0.25 * Vec3::UnitZ()).normalized();
     }
 
-    void add_hands(Scene& view, const PressLog& log, const Press& press, const std::array<HandModel, 2>& hands,
+    void add_hands(Scene& view, const PressLog& log, const Press& press, const std::array<haptics::HandModel, 2>& hands,
         const Vec3& look, const Vec3& up)
     {
-        std::vector<ShownFinger> fingers;
+        std::vector<haptics::ShownFinger> fingers;
         for (std::size_t f = 0; f < log.deepest.size(); ++f)
             fingers.push_back({ log.deepest[f].position, log.deepest[f].radius, press.sites[f].outward });
-        const auto places = place_hands(hands, fingers, look, up);
+        const auto places = haptics::place_hands(hands, fingers, look, up);
         for (std::size_t h = 0; h < hands.size(); ++h) {
             if (!places[h])
                 continue;
@@ -111,8 +112,9 @@ namespace {
         }
     }
 
-    Scene view_of(const PressLog& log, const Press& press, const PalpationScene& scene, const TissueResponse& tissue,
-        const std::string& note, bool with_skin, const std::array<HandModel, 2>* hands)
+    Scene view_of(const PressLog& log, const Press& press, const datasets::PalpationScene& scene,
+        const haptics::TissueResponse& tissue, const std::string& note, bool with_skin,
+        const std::array<haptics::HandModel, 2>* hands)
     {
         Scene view;
         view.title = log.name;
@@ -124,7 +126,7 @@ namespace {
         else
             add_body(view, log, scene, tissue);
         constexpr int kDivisions = 3;
-        for (const Fingertip& tip : log.deepest)
+        for (const haptics::Fingertip& tip : log.deepest)
             view.surfaces.push_back({ .name = "finger",
                 .mesh = std::make_shared<TriMesh>(ball_mesh(tip.position, tip.radius, kDivisions)),
                 .look = { .color = { 0.85, 0.70, 0.60 }, .finish = Finish::skin } });
@@ -145,7 +147,8 @@ std::string palpation_csv(const std::vector<PressLog>& logs)
     for (const PressLog& log : logs)
         for (std::size_t f = 0; f < log.fingers.size(); ++f) {
             const FingerLog& finger = log.fingers[f];
-            const std::string who = csv_field(log.name) + "," + std::to_string(f) + "," + csv_field(finger.site);
+            const std::string who
+                = haptics::csv_field(log.name) + "," + std::to_string(f) + "," + haptics::csv_field(finger.site);
             for (std::size_t i = 0; i < finger.time.size(); ++i) {
                 const Vec3 &p = finger.position[i], &force = finger.force[i];
                 text += who
@@ -183,13 +186,13 @@ void write_palpation_chart(
 }
 
 void write_palpation_view(const std::filesystem::path& file, const std::vector<PressLog>& logs,
-    const std::vector<Press>& presses, const PalpationScene& scene, const TissueResponse& tissue,
-    const std::string& note, const std::array<HandModel, 2>* hands, const Job& job)
+    const std::vector<Press>& presses, const datasets::PalpationScene& scene, const haptics::TissueResponse& tissue,
+    const std::string& note, const std::array<haptics::HandModel, 2>* hands, const Job& job)
 {
     std::vector<Scene> views;
     for (std::size_t i = 0; i < logs.size(); ++i) {
         views.push_back(view_of(logs[i], presses[i], scene, tissue, note, true, hands));
-        const auto is_skin = [](const TouchedOrgan& organ) { return organ.name == "skin"; };
+        const auto is_skin = [](const datasets::TouchedOrgan& organ) { return organ.name == "skin"; };
         if (std::none_of(scene.organs.begin(), scene.organs.end(), is_skin))
             continue;
         views.push_back(view_of(logs[i], presses[i], scene, tissue, note, false, hands));
@@ -207,4 +210,4 @@ void write_palpation_view(const std::filesystem::path& file, const std::vector<P
     write_png(file, renderer.render(picture));
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

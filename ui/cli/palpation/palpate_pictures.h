@@ -6,7 +6,7 @@
 
 #include <filesystem>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 std::string palpation_csv(const std::vector<PressLog>& logs);
 
@@ -17,7 +17,7 @@ void write_palpation_chart(
 /// One picture per press; of several organs a second one without the outermost. @param hands right and left, three
 /// fingers each, shown on the fingertips; null: fingertips alone
 void write_palpation_view(const std::filesystem::path& file, const std::vector<PressLog>& logs,
-    const std::vector<Press>& presses, const PalpationScene& scene, const TissueResponse& tissue,
-    const std::string& note, const std::array<HandModel, 2>* hands, const Job& job);
+    const std::vector<Press>& presses, const datasets::PalpationScene& scene, const haptics::TissueResponse& tissue,
+    const std::string& note, const std::array<haptics::HandModel, 2>* hands, const Job& job);
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

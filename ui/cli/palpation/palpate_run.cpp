@@ -1,7 +1,7 @@
 #include "ui/cli/palpation/palpate_run.h"
 
-#include "haptics/servo/servo.h"
 #include "haptics/device/udp_bridge.h"
+#include "haptics/servo/servo.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Geometry>
@@ -13,7 +13,7 @@
 #include <optional>
 #include <thread>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -31,9 +31,9 @@ namespace {
     double cycle(const PressPlan& plan) { return kApproach + plan.seconds + kRelease; }
 
     /// Every tick of a servo, kept: it ticks on the servo's thread, is read when that has stopped.
-    class TickLog : public Ticked {
+    class TickLog : public haptics::Ticked {
     public:
-        TickLog(Servo& servo, std::size_t fingers, std::size_t room)
+        TickLog(haptics::Servo& servo, std::size_t fingers, std::size_t room)
             : servo_(servo)
             , fingers_(fingers)
         {
@@ -41,15 +41,15 @@ namespace {
         }
         struct Entry {
             double time = 0.0;
-            Fingertip finger;
-            FingerContact contact;
+            haptics::Fingertip finger;
+            haptics::FingerContact contact;
             double hand_force = 0.0;
         };
 
         void tick(double time_s, double step_s) noexcept override
         {
             servo_.tick(time_s, step_s);
-            const ServoState& state = servo_.latest();
+            const haptics::ServoState& state = servo_.latest();
             double depth = 0.0;
             for (std::size_t f = 0; f < fingers_; ++f) {
                 depth += state.contacts[f].touching ? state.contacts[f].depth : 0.0;
@@ -67,30 +67,30 @@ namespace {
         // Any thread.
         double depth() const noexcept { return depth_.load(std::memory_order_relaxed); }
         double time() const noexcept { return time_.load(std::memory_order_relaxed); }
-        FaultKind fault_kind() const noexcept { return kind_.load(std::memory_order_acquire); }
+        haptics::FaultKind fault_kind() const noexcept { return kind_.load(std::memory_order_acquire); }
 
         // When no tick runs.
         const std::vector<Entry>& entries() const { return entries_; }
-        const Fault& fault() const { return fault_; }
+        const haptics::Fault& fault() const { return fault_; }
 
     private:
-        Servo& servo_;
+        haptics::Servo& servo_;
         std::size_t fingers_;
         std::vector<Entry> entries_;
-        Fault fault_;
+        haptics::Fault fault_;
         std::atomic<double> depth_ { 0.0 }, time_ { 0.0 };
-        std::atomic<FaultKind> kind_ { FaultKind::none };
+        std::atomic<haptics::FaultKind> kind_ { haptics::FaultKind::none };
     };
 
-    long late_columns(const TissueResponse& tissue)
+    long late_columns(const haptics::TissueResponse& tissue)
     {
-        const auto* condensed = dynamic_cast<const CondensedTissue*>(&tissue);
+        const auto* condensed = dynamic_cast<const haptics::CondensedTissue*>(&tissue);
         return condensed == nullptr ? 0 : condensed->late_ticks();
     }
 
     /// What the simulation thread sees while the servo ticks.
     struct Follower {
-        TissueResponse& tissue;
+        haptics::TissueResponse& tissue;
         PressLog& log;
         double deepest = -1.0;
         Points deformed;
@@ -110,9 +110,9 @@ namespace {
     void run_steps(TickLog& ticks, Follower& follower, std::uint64_t count, const std::string& name, const Job& job)
     {
         for (std::uint64_t tick = 0; tick < count && !job.cancelled(); ++tick) {
-            run_ticks(ticks, 1, kPalpateStep, tick);
-            if (ticks.fault_kind() != FaultKind::none)
-                throw SolverError("the servo let go: " + describe(ticks.fault()), name);
+            haptics::run_ticks(ticks, 1, kPalpateStep, tick);
+            if (ticks.fault_kind() != haptics::FaultKind::none)
+                throw SolverError("the servo let go: " + haptics::describe(ticks.fault()), name);
             if (tick % kFollowEvery != 0)
                 continue;
             follower.follow(ticks.depth(), ticks.time());
@@ -120,13 +120,15 @@ namespace {
         }
     }
 
-    bool passes(FaultKind kind)
+    bool passes(haptics::FaultKind kind)
     {
-        return kind == FaultKind::late || kind == FaultKind::silent || kind == FaultKind::over_limit;
+        return kind == haptics::FaultKind::late || kind == haptics::FaultKind::silent
+            || kind == haptics::FaultKind::over_limit;
     }
 
     /// Real time: faults that pass are counted and the force comes back; others end it.
-    void run_live(TickLog& ticks, Servo& servo, Follower& follower, HandDevices& hands, double seconds, const Job& job)
+    void run_live(
+        TickLog& ticks, haptics::Servo& servo, Follower& follower, HandDevices& hands, double seconds, const Job& job)
     {
         using Clock = std::chrono::steady_clock;
         constexpr std::chrono::milliseconds kFrame(16), kRearm(200), kFade(150);
@@ -137,31 +139,33 @@ namespace {
         while (since() < seconds && !job.cancelled()) {
             std::this_thread::sleep_for(kFrame);
             follower.follow(ticks.depth(), ticks.time());
-            const FaultKind fault = ticks.fault_kind();
-            if (fault != FaultKind::none && !passes(fault))
+            const haptics::FaultKind fault = ticks.fault_kind();
+            if (fault != haptics::FaultKind::none && !passes(fault))
                 break;
-            if (fault != FaultKind::none && Clock::now() > rearmed + kRearm) {
+            if (fault != haptics::FaultKind::none && Clock::now() > rearmed + kRearm) {
                 follower.log.faults += 1;
                 servo.rearm();
                 rearmed = Clock::now();
             }
             job.report("palpate " + follower.log.name, since() / seconds);
         }
-        const FaultKind fault = ticks.fault_kind();
+        const haptics::FaultKind fault = ticks.fault_kind();
         servo.let_go();
         std::this_thread::sleep_for(kFade);
         hands.rig().source().stop();
         follower.log.device_problems = hands.take_problems();
-        if (fault != FaultKind::none && !passes(fault))
-            follower.log.fault = describe(ticks.fault());
-        for (const Device* device : hands.devices())
-            if (const auto* far = dynamic_cast<const UdpDevice*>(device); far != nullptr && far->received() == 0)
+        if (fault != haptics::FaultKind::none && !passes(fault))
+            follower.log.fault = haptics::describe(ticks.fault());
+        for (const haptics::Device* device : hands.devices())
+            if (const auto* far = dynamic_cast<const haptics::UdpDevice*>(device);
+                far != nullptr && far->received() == 0)
                 throw IoError("nothing was heard from the other computer: does retractor relay run there, with this "
                               "one's address?",
                     "udp port " + std::to_string(far->port()));
     }
 
-    void keep(PressLog& log, const TickLog& ticks, const PulsePressure* pressure, double gain, double deepest_time)
+    void keep(
+        PressLog& log, const TickLog& ticks, const haptics::PulsePressure* pressure, double gain, double deepest_time)
     {
         const std::size_t fingers = log.fingers.size();
         log.deepest.resize(fingers);
@@ -169,7 +173,7 @@ namespace {
             const TickLog::Entry& entry = ticks.entries()[i];
             FingerLog& finger = log.fingers[i % fingers];
             finger.time.push_back(entry.time);
-            finger.pressure_mmHg.push_back(pressure == nullptr ? 0.0 : pressure->at(entry.time) / kMPaPerMmHg);
+            finger.pressure_mmHg.push_back(pressure == nullptr ? 0.0 : pressure->at(entry.time) / haptics::kMPaPerMmHg);
             finger.position.push_back(entry.finger.position);
             finger.depth.push_back(entry.contact.touching ? entry.contact.depth : 0.0);
             finger.stiffness.push_back(entry.contact.stiffness);
@@ -182,16 +186,16 @@ namespace {
     }
 
     struct Line {
-        std::vector<ServoDevice> devices;
-        ServoOptions options;
+        std::vector<haptics::ServoDevice> devices;
+        haptics::ServoOptions options;
     };
 
     /// Of a replay that is to be played where it was; nothing: it is placed as any device.
-    std::optional<SceneFrame> frame_to_keep(const HandDevices& hands, std::size_t f, ReplayAt at)
+    std::optional<haptics::SceneFrame> frame_to_keep(const HandDevices& hands, std::size_t f, ReplayAt at)
     {
         if (!hands.is_replay(f) || at == ReplayAt::site)
             return {};
-        const std::optional<SceneFrame> frame = hands.recorded_frame(f);
+        const std::optional<haptics::SceneFrame> frame = hands.recorded_frame(f);
         if (at == ReplayAt::recorded && !frame)
             throw InputError("its recording does not tell where it was made: only --replay-at site can place it",
                 "finger " + std::to_string(f + 1));
@@ -204,12 +208,12 @@ namespace {
         const double radius = plan.radius_mm;
         Line line;
         for (std::size_t f = 0; f < press.sites.size(); ++f) {
-            const TouchSite& site = press.sites[f];
+            const datasets::TouchSite& site = press.sites[f];
             const double above = hands.is_live(f) ? radius + kLiveClear : 0.0;
             line.options.fingers.push_back({ .device = f, .radius = radius });
             if (const auto frame = frame_to_keep(hands, f, plan.replay_at)) {
                 line.devices.push_back(
-                    { hands.devices()[f], mapping_of(*frame, hands.devices()[f]->info().workspace) });
+                    { hands.devices()[f], haptics::mapping_of(*frame, hands.devices()[f]->info().workspace) });
                 line.devices.back().mapping.mirrored = line.devices.back().mapping.mirrored != hands.is_mirrored(f);
                 continue;
             }
@@ -224,18 +228,18 @@ namespace {
 
 } // namespace
 
-HandPath press_path(const PressPlan& plan)
+haptics::HandPath press_path(const PressPlan& plan)
 {
     const auto up = [](double y) { return Vec3(0.0, y, 0.0); };
     const Vec3 away = up(plan.radius_mm + kClear), down = up(plan.radius_mm - plan.depth_mm);
-    std::vector<HandKey> keys { { 0.0, away, 0 } };
+    std::vector<haptics::HandKey> keys { { 0.0, away, 0 } };
     for (int i = 0; i < plan.times; ++i) {
         const auto [from, to] = held_between(plan, i);
         keys.push_back({ from, down, 0 });
         keys.push_back({ to, down, 0 });
         keys.push_back({ to + kRelease, away, 0 });
     }
-    return HandPath(keys);
+    return haptics::HandPath(keys);
 }
 
 std::pair<double, double> held_between(const PressPlan& plan, int time)
@@ -257,20 +261,20 @@ std::vector<std::string> one_per_finger(const std::vector<std::string>& names, c
     return std::vector<std::string>(press.sites.size(), names[0]);
 }
 
-PressLog run_press(const Press& press, TissueResponse& tissue, const std::vector<std::string>& device_names,
-    const PressPlan& plan, const PulsePressure* pressure, double force_gain, const Job& job)
+PressLog run_press(const Press& press, haptics::TissueResponse& tissue, const std::vector<std::string>& device_names,
+    const PressPlan& plan, const haptics::PulsePressure* pressure, double force_gain, const Job& job)
 {
     HandDevices hands(one_per_finger(device_names, press), press_path(plan));
     Line line = line_of(press, hands, plan, force_gain);
     PressLog log;
     log.name = press.name;
-    for (const TouchSite& site : press.sites)
+    for (const datasets::TouchSite& site : press.sites)
         log.fingers.push_back({ site.name, {}, {}, {}, {}, {}, {}, {} });
     const double seconds = std::max(plan.times * cycle(plan), hands.replay_seconds());
     const auto ticks = static_cast<std::uint64_t>(std::llround(seconds / kPalpateStep));
-    Servo servo(line.devices, tissue, line.options);
+    haptics::Servo servo(line.devices, tissue, line.options);
     constexpr std::size_t kSpare = 1000; // ticks while a live run fades
-    MotionRecorder recorder(servo.recorded_devices(), 1.0 / kPalpateStep, ticks + kSpare);
+    haptics::MotionRecorder recorder(servo.recorded_devices(), 1.0 / kPalpateStep, ticks + kSpare);
     servo.record_to(&recorder);
     TickLog tick_log(servo, press.sites.size(), ticks + kSpare);
     Follower follower { tissue, log, -1.0, {} };
@@ -285,4 +289,4 @@ PressLog run_press(const Press& press, TissueResponse& tissue, const std::vector
     return log;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

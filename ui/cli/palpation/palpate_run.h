@@ -12,7 +12,7 @@
 
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 /// What one finger does and feels over time; all of one length.
 struct FingerLog {
@@ -26,18 +26,18 @@ struct PressLog {
     std::string name;
     std::vector<FingerLog> fingers;
     Points deformed;
-    std::vector<Fingertip> deepest; ///< fingers, then
+    std::vector<haptics::Fingertip> deepest; ///< fingers, then
     long ticks = 0, late_ticks = 0;
     int faults = 0; ///< that passed: late ticks, silence
     std::string fault; ///< that ended it; empty: none
     std::vector<std::string> device_problems; ///< as Touches reported them
-    MotionRecording motion; ///< of its devices
+    haptics::MotionRecording motion; ///< of its devices
 };
 
 /// Sites that are pressed at the same time.
 struct Press {
     std::string name;
-    std::vector<TouchSite> sites; ///< one per finger
+    std::vector<datasets::TouchSite> sites; ///< one per finger
 };
 
 /// Where a recorded motion is played.
@@ -58,7 +58,7 @@ struct PressPlan {
 constexpr double kPalpateStep = 1e-3; ///< s
 
 /// Up and down along y, the site at the origin.
-HandPath press_path(const PressPlan& plan);
+haptics::HandPath press_path(const PressPlan& plan);
 /// From when to when the fingertip is to be down, s: press `time` of the plan.
 std::pair<double, double> held_between(const PressPlan& plan, int time);
 
@@ -70,7 +70,7 @@ std::vector<std::string> one_per_finger(const std::vector<std::string>& names, c
 /// @param force_gain of the servo
 /// @throws InputError on another number of devices, and on a recording that does not tell where it was made when that
 /// is asked for; SolverError when a press with simulated hands is let go.
-PressLog run_press(const Press& press, TissueResponse& tissue, const std::vector<std::string>& device_names,
-    const PressPlan& plan, const PulsePressure* pressure, double force_gain, const Job& job);
+PressLog run_press(const Press& press, haptics::TissueResponse& tissue, const std::vector<std::string>& device_names,
+    const PressPlan& plan, const haptics::PulsePressure* pressure, double force_gain, const Job& job);
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -12,7 +12,7 @@
 #include <memory>
 #include <thread>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -26,11 +26,11 @@ namespace {
     };
 
     /// Every device has a relay of its own; one source ticks them all.
-    class Relays : public Ticked {
+    class Relays : public haptics::Ticked {
     public:
-        void add(Device& device, const UdpRelayOptions& options)
+        void add(haptics::Device& device, const haptics::UdpRelayOptions& options)
         {
-            relays_.push_back(std::make_unique<UdpRelay>(device, options));
+            relays_.push_back(std::make_unique<haptics::UdpRelay>(device, options));
         }
         void tick(double time_s, double step_s) noexcept override
         {
@@ -41,14 +41,14 @@ namespace {
         double share(std::size_t i) const { return relays_[i]->share(); }
 
     private:
-        std::vector<std::unique_ptr<UdpRelay>> relays_;
+        std::vector<std::unique_ptr<haptics::UdpRelay>> relays_;
     };
 
     /// "192.168.0.7:4000".
-    UdpRelayOptions address_of(const std::string& text)
+    haptics::UdpRelayOptions address_of(const std::string& text)
     {
         const std::size_t colon = text.rfind(':');
-        UdpRelayOptions options;
+        haptics::UdpRelayOptions options;
         if (colon != std::string::npos) {
             options.servo_address = text.substr(0, colon);
             const char *first = text.data() + colon + 1, *last = text.data() + text.size();
@@ -76,8 +76,8 @@ namespace {
         Relays relays;
         for (std::size_t i = 0; i < options.devices.size(); ++i)
             relays.add(*hands.devices()[i], address_of(options.to[i]));
-        TickThread thread;
-        TickSource& source = hands.any_live() ? hands.rig().source() : thread;
+        haptics::TickThread thread;
+        haptics::TickSource& source = hands.any_live() ? hands.rig().source() : thread;
         source.start(relays);
         const auto begun = std::chrono::steady_clock::now();
         const auto since
@@ -89,7 +89,7 @@ namespace {
             job.report("relay", options.seconds > 0.0 ? since() / until : 0.0);
         }
         source.stop();
-        const TickTimes& times = hands.any_live() ? hands.rig().times() : thread.times();
+        const haptics::TickTimes& times = hands.any_live() ? hands.rig().times() : thread.times();
         Outcome outcome;
         outcome.document = { { "ticks", times.ticks }, { "missed", times.missed }, { "devices", Json::array() } };
         outcome.text = std::to_string(times.ticks) + " ticks, " + std::to_string(times.missed) + " missed\n";
@@ -126,4 +126,4 @@ void add_relay_command(Commands& commands)
         [&commands, options] { commands.run = [options](const Job& job) { return relay(*options, job); }; });
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -10,8 +10,8 @@
 #include "mesh/cutting/cut_journal.h"
 #include "mesh/generation/hybrid_model.h"
 #include "mesh/tetrahedra/mesh_io.h"
-#include "planner/measures/metrics.h"
 #include "planner/case/patient.h"
+#include "planner/measures/metrics.h"
 #include "planner/wall/wall_cut.h"
 
 #include <algorithm>
@@ -21,7 +21,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -33,11 +33,11 @@ namespace {
         bool finish = false, abandon = false;
     };
 
-    const std::map<std::string, Subdivision> kSubdivisions { { "adaptive", Subdivision::adaptive },
-        { "intermediate11", Subdivision::intermediate_11 }, { "intermediate5", Subdivision::intermediate_5 },
-        { "general", Subdivision::general } };
+    const std::map<std::string, mesh::Subdivision> kSubdivisions { { "adaptive", mesh::Subdivision::adaptive },
+        { "intermediate11", mesh::Subdivision::intermediate_11 },
+        { "intermediate5", mesh::Subdivision::intermediate_5 }, { "general", mesh::Subdivision::general } };
 
-    Json report_document(const CutReport& r)
+    Json report_document(const mesh::CutReport& r)
     {
         return { { "tets_crossed", r.tets_crossed }, { "tets_before", r.tets_before }, { "tets_after", r.tets_after },
             { "tets_created", r.tets_created }, { "tets_removed", r.tets_removed },
@@ -50,7 +50,7 @@ namespace {
             { "seconds", r.seconds } };
     }
 
-    Json piece_document(const WallPiece& piece)
+    Json piece_document(const planner::WallPiece& piece)
     {
         Json labels = Json::object();
         for (const auto& [name, volume] : piece.labels)
@@ -76,7 +76,7 @@ namespace {
     }
 
     /// Before anything is written to the journal: can the open stroke be ended as wanted, and are there cuts enough?
-    void check_ending(const KnifeOptions& options, const CutSession& session)
+    void check_ending(const KnifeOptions& options, const mesh::CutSession& session)
     {
         const bool open = session.stroke_open(), ends = options.finish || options.abandon;
         if (ends && !open)
@@ -92,7 +92,7 @@ namespace {
     }
 
     /// A stroke that cannot be finished stays open.
-    CutResult finish_stroke(CutSession& session, const Job& job)
+    mesh::CutResult finish_stroke(mesh::CutSession& session, const Job& job)
     {
         try {
             return session.finish_stroke(job);
@@ -103,7 +103,7 @@ namespace {
     }
 
     /// An open stroke is what a crash leaves: whoever replays says what becomes of it.
-    void end_open_stroke(const KnifeOptions& options, CutSession& session, Json& document, const Job& job)
+    void end_open_stroke(const KnifeOptions& options, mesh::CutSession& session, Json& document, const Job& job)
     {
         const auto say = [&](const std::string& text) {
             document["message"]
@@ -112,9 +112,9 @@ namespace {
         if (!session.stroke_open())
             return;
         if (options.finish) {
-            const CutResult result = finish_stroke(session, job);
+            const mesh::CutResult result = finish_stroke(session, job);
             refuse_if_cancelled(job);
-            if (result.status != CutStatus::done) // it is over, and nothing is left to take back
+            if (result.status != mesh::CutStatus::done) // it is over, and nothing is left to take back
                 throw SolverError(result.message, "--finish");
             document["report"] = report_document(result.report);
             say("it is now finished");
@@ -127,13 +127,13 @@ namespace {
     }
 
     /// A session on the mesh, with a journal where one is wanted.
-    CutSession begin(const KnifeOptions& options, const TetMesh& mesh, Json& document, const Job& job)
+    mesh::CutSession begin(const KnifeOptions& options, const mesh::TetMesh& mesh, Json& document, const Job& job)
     {
         if (options.replay.empty())
-            return options.journal.empty() ? CutSession(mesh) : start_journal(options.journal, mesh);
+            return options.journal.empty() ? mesh::CutSession(mesh) : mesh::start_journal(options.journal, mesh);
         const bool goes_on = !options.journal.empty();
-        ReplayedJournal replayed
-            = goes_on ? open_journal(options.replay, mesh, job) : replay_journal(options.replay, mesh, job);
+        mesh::ReplayedJournal replayed
+            = goes_on ? mesh::open_journal(options.replay, mesh, job) : mesh::replay_journal(options.replay, mesh, job);
         refuse_if_cancelled(job);
         document["replayed"] = replayed.operations;
         if (!replayed.message.empty())
@@ -142,19 +142,19 @@ namespace {
     }
 
     /// @return what its ablations took.
-    std::vector<RemovedTissue> add_cut(const KnifeOptions& options, const Approach& approach, const LabelTable& table,
-        CutSession& session, Json& document, const Job& job)
+    std::vector<planner::RemovedTissue> add_cut(const KnifeOptions& options, const planner::Approach& approach,
+        const mesh::LabelTable& table, mesh::CutSession& session, Json& document, const Job& job)
     {
-        CutOptions cut = cut_options_of(approach, table);
+        mesh::CutOptions cut = planner::cut_options_of(approach, table);
         cut.subdivision = kSubdivisions.at(options.subdivision);
-        const PlannedCut planned = cut_as_planned(session, approach, table, cut, job);
+        const planner::PlannedCut planned = planner::cut_as_planned(session, approach, table, cut, job);
         refuse_if_cancelled(job);
-        if (planned.status != CutStatus::done)
+        if (planned.status != mesh::CutStatus::done)
             throw SolverError(planned.message, "approach " + approach.name);
         document["report"] = report_document(planned.report);
         document["removed_skin_mm2"] = planned.removed_skin_mm2;
         document["removed"] = Json::array();
-        for (const RemovedTissue& tissue : planned.removed)
+        for (const planner::RemovedTissue& tissue : planned.removed)
             document["removed"].push_back(
                 { { "what", tissue.what }, { "label", tissue.label }, { "volume_mm3", tissue.volume_mm3 } });
         if (!planned.message.empty())
@@ -163,7 +163,7 @@ namespace {
     }
 
     /// Per element: the element of the uncut mesh it is a part of.
-    std::vector<double> origins(const CutSession& session, const SlotMap& map)
+    std::vector<double> origins(const mesh::CutSession& session, const mesh::SlotMap& map)
     {
         std::vector<double> origin;
         for (const TetId slot : map.tet_slot)
@@ -172,10 +172,10 @@ namespace {
     }
 
     /// Per element: its piece.
-    std::vector<double> piece_numbers(const TetMesh& wall, const std::vector<WallPiece>& pieces)
+    std::vector<double> piece_numbers(const mesh::TetMesh& wall, const std::vector<planner::WallPiece>& pieces)
     {
         std::vector<double> number(wall.tet_count(), 0.0);
-        for (const WallPiece& p : pieces)
+        for (const planner::WallPiece& p : pieces)
             for (const TetId t : p.tets)
                 number[static_cast<std::size_t>(t)] = p.number;
         return number;
@@ -183,20 +183,20 @@ namespace {
 
     /// What the cuts in force changed, the first first, an open stroke last. The session is used up for it; its journal
     /// stays as it is.
-    std::vector<MeshDelta> deltas_in_force(CutSession session)
+    std::vector<mesh::MeshDelta> deltas_in_force(mesh::CutSession session)
     {
         session.set_witness({});
-        std::vector<MeshDelta> deltas;
+        std::vector<mesh::MeshDelta> deltas;
         if (session.stroke_open())
-            deltas.push_back(inverse(session.abandon_stroke()));
+            deltas.push_back(mesh::inverse(session.abandon_stroke()));
         while (session.can_undo())
-            deltas.push_back(inverse(session.undo()));
+            deltas.push_back(mesh::inverse(session.undo()));
         std::reverse(deltas.begin(), deltas.end());
         return deltas;
     }
 
-    std::string summary(const Json& document, const std::vector<RemovedTissue>& removed,
-        const std::vector<WallPiece>& pieces, const fs::path& file)
+    std::string summary(const Json& document, const std::vector<planner::RemovedTissue>& removed,
+        const std::vector<planner::WallPiece>& pieces, const fs::path& file)
     {
         std::string text = file.string() + ": " + std::to_string(document.at("tets").get<std::size_t>()) + " elements, "
             + std::to_string(document.at("cuts").get<std::size_t>()) + " cut(s) in force\n";
@@ -207,16 +207,16 @@ namespace {
                 r.at("tets_crossed").get<std::size_t>(), r.at("mean_increase").get<double>(),
                 r.at("worst_dihedral_deg").get<double>(), r.at("p01_dihedral_deg").get<double>());
         }
-        if (const std::string taken = removed_text(removed); !taken.empty())
+        if (const std::string taken = planner::removed_text(removed); !taken.empty())
             text += taken + "\n";
         std::size_t crumbs = 0;
-        for (const WallPiece& piece : pieces)
-            if (is_crumb(piece))
+        for (const planner::WallPiece& piece : pieces)
+            if (planner::is_crumb(piece))
                 ++crumbs;
             else
-                text += piece_text(piece) + (piece.held ? "" : " (has no support)") + "\n";
+                text += planner::piece_text(piece) + (piece.held ? "" : " (has no support)") + "\n";
         if (crumbs > 0)
-            text += crumbs_text(crumbs) + "\n";
+            text += planner::crumbs_text(crumbs) + "\n";
         if (document.contains("message"))
             text += document.at("message").get<std::string>() + "\n";
         return text;
@@ -225,14 +225,14 @@ namespace {
     Outcome knife(const KnifeOptions& options, const Job& job)
     {
         check_journal(options);
-        const Case planned_case = open_case(options.case_file);
-        const Approach approach = find_approach(planned_case, options.approach);
-        const LabelTable& table = planned_case.label_table;
-        Patient patient(planned_case, job);
-        const MeshSizing sizing = mesh_sizing_of(approach, table);
-        const HybridModel model = build_hybrid_model(*patient.labels(), sizing, job);
+        const planner::Case planned_case = open_case(options.case_file);
+        const planner::Approach approach = planner::find_approach(planned_case, options.approach);
+        const mesh::LabelTable& table = planned_case.label_table;
+        planner::Patient patient(planned_case, job);
+        const mesh::MeshSizing sizing = planner::mesh_sizing_of(approach, table);
+        const mesh::HybridModel model = mesh::build_hybrid_model(*patient.labels(), sizing, job);
         refuse_if_cancelled(job);
-        if (model.status != MeshStatus::done)
+        if (model.status != mesh::MeshStatus::done)
             throw SolverError(model.message, "approach " + approach.name);
         const fs::path folder = options.out;
         const OutFolder made(folder);
@@ -242,8 +242,8 @@ namespace {
         document["approach"] = approach.name;
         document["frame"] = "LPS";
         document["uncut_mesh"] = { { "tets", model.wall.tet_count() }, { "vertices", model.wall.vertex_count() } };
-        CutSession session = begin(options, model.wall, document, job);
-        std::vector<RemovedTissue> removed;
+        mesh::CutSession session = begin(options, model.wall, document, job);
+        std::vector<planner::RemovedTissue> removed;
         if (!options.replay.empty())
             check_ending(options, session);
         else
@@ -259,25 +259,26 @@ namespace {
         end_open_stroke(options, session, document, job);
         for (int i = 0; i < options.undo; ++i)
             static_cast<void>(session.undo());
-        SlotMap map;
-        const TetMesh wall = session.compact_mesh(&map);
+        mesh::SlotMap map;
+        const mesh::TetMesh wall = session.compact_mesh(&map);
         document["tets"] = wall.tet_count();
         document["vertices"] = wall.vertex_count();
         document["cuts"] = session.cut_count();
         document["lip_faces"] = session.lips().size();
-        const SessionBytes bytes = session.bytes();
+        const mesh::SessionBytes bytes = session.bytes();
         document["bytes"] = { { "mesh", bytes.mesh }, { "undo", bytes.journal } };
-        MeshFields fields;
+        mesh::MeshFields fields;
         fields.cell_scalars["origin"] = origins(session, map);
-        const Supports supports = carried_supports(
-            supports_of(model.wall, *patient.labels(), planned_case, sizing), deltas_in_force(std::move(session)), map);
-        const std::vector<WallPiece> pieces = find_wall_pieces(wall, table, supports, {});
+        const fem::Supports supports
+            = planner::carried_supports(planner::supports_of(model.wall, *patient.labels(), planned_case, sizing),
+                deltas_in_force(std::move(session)), map);
+        const std::vector<planner::WallPiece> pieces = planner::find_wall_pieces(wall, table, supports, {});
         fields.cell_scalars["piece"] = piece_numbers(wall, pieces);
         document["pieces"] = Json::array();
-        for (const WallPiece& piece : pieces)
+        for (const planner::WallPiece& piece : pieces)
             document["pieces"].push_back(piece_document(piece));
         const fs::path file = folder / (approach.name + "-cut.vtu");
-        write_vtu(file, wall, fields);
+        mesh::write_vtu(file, wall, fields);
         write_file_atomically(
             folder / "report.json", document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
         outcome.text = summary(document, removed, pieces, file);
@@ -311,4 +312,4 @@ void add_cut_command(Commands& commands)
         [&commands, options] { commands.run = [options](const Job& job) { return knife(*options, job); }; });
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

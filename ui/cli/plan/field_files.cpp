@@ -4,8 +4,8 @@
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text.h"
-#include "mesh/tetrahedra/mesh_io.h"
 #include "mesh/surface/wound_surface.h"
+#include "mesh/tetrahedra/mesh_io.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
 #include "ui/plan_scene/case_picture.h"
@@ -23,7 +23,7 @@
 #include <iterator>
 #include <set>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -55,11 +55,12 @@ namespace {
     };
 
     /// " 62.3 %" or "     57.9": the unit of lengths, areas and forces stands in the column's head.
-    std::string cell(const Column& column, const FieldMetrics& field)
+    std::string cell(const Column& column, const planner::FieldMetrics& field)
     {
-        const MetricField& metric = metric_field(column.key);
-        const std::string text = metric.unit == MetricUnit::percent ? metric_text(metric, metric.of(field))
-                                                                    : metric_number(metric, metric.of(field));
+        const planner::MetricField& metric = planner::metric_field(column.key);
+        const std::string text = metric.unit == planner::MetricUnit::percent
+            ? planner::metric_text(metric, metric.of(field))
+            : planner::metric_number(metric, metric.of(field));
         return right_aligned(text, column.width);
     }
 
@@ -72,7 +73,7 @@ namespace {
         return "Slices through the target, with the incision projected onto them (cyan).";
     }
 
-    std::vector<std::string> report_limits(bool has_spine, const Case& planned_case, std::string stiffness)
+    std::vector<std::string> report_limits(bool has_spine, const planner::Case& planned_case, std::string stiffness)
     {
         std::vector<std::string> limits {
             std::move(stiffness),
@@ -88,52 +89,52 @@ namespace {
             "Hooks are rigid blades that bear on bone close behind them and slip only where they have a force limit or "
             "a soft grip. Tissue does not tear. Inverted elements, where they are counted, are errors of the solution.",
         };
-        if (under_pressure(planned_case))
+        if (planner::under_pressure(planned_case))
             limits.emplace_back("Pressure acts on the wall as the images show it, taken as free of stress: what the "
                                 "patient was under in the scanner must not be in it.");
         return limits;
     }
 
-    std::string residual_text(const FieldMetrics& field)
+    std::string residual_text(const planner::FieldMetrics& field)
     {
         return formatted("; relative residual %.1e", field.residual);
     }
 
     /// What holds for each way of solving that was met.
-    std::string stiffness_limit(const std::vector<PlannedField>& fields)
+    std::string stiffness_limit(const std::vector<planner::PlannedField>& fields)
     {
         std::string text = "Tissue has published mean stiffness, not this patient's, the same everywhere in a "
                            "material; forces follow the stiffness in proportion.";
-        for (const PlannedField& field : fields)
-            if (field.metrics.solution.choice.element == ElementKind::p1)
+        for (const planner::PlannedField& field : fields)
+            if (field.metrics.solution.choice.element == planner::ElementKind::p1)
                 return text + " Poisson's ratios are taken as at most 0.45: the elements used here lock above it.";
         return text;
     }
 
     /// What presses on a face of each element; 0: nothing.
-    std::vector<double> pressed_elements(const PlannedField& field)
+    std::vector<double> pressed_elements(const planner::PlannedField& field)
     {
         std::vector<double> pressed(field.wall.tet_count(), 0.0);
-        for (const SurfacePressure& pressure : field.problem.pressures)
-            for (const TetFace& face : pressure.faces)
-                pressed[static_cast<std::size_t>(face.tet)] = pressure.pressure / kKiloPascal;
+        for (const fem::SurfacePressure& pressure : field.problem.pressures)
+            for (const mesh::TetFace& face : pressure.faces)
+                pressed[static_cast<std::size_t>(face.tet)] = pressure.pressure / fem::kKiloPascal;
         return pressed;
     }
 
-    std::string_view status_word(PlanStatus status)
+    std::string_view status_word(planner::PlanStatus status)
     {
         switch (status) {
-        case PlanStatus::done:
+        case planner::PlanStatus::done:
             return "done";
-        case PlanStatus::nothing_to_mesh:
+        case planner::PlanStatus::nothing_to_mesh:
             return "no wall tissue near the incision";
-        case PlanStatus::cut_missed:
+        case planner::PlanStatus::cut_missed:
             return "the blade does not meet the wall";
-        case PlanStatus::not_converged:
+        case planner::PlanStatus::not_converged:
             return "not fully opened";
-        case PlanStatus::inverted:
+        case planner::PlanStatus::inverted:
             return "opened with elements inside out";
-        case PlanStatus::cancelled:
+        case planner::PlanStatus::cancelled:
             return "cancelled";
         }
         return "unknown";
@@ -141,50 +142,51 @@ namespace {
 
 } // namespace
 
-bool is_measured(const PlannedField& field)
+bool is_measured(const planner::PlannedField& field)
 {
-    return field.status == PlanStatus::done || field.status == PlanStatus::not_converged
-        || field.status == PlanStatus::inverted;
+    return field.status == planner::PlanStatus::done || field.status == planner::PlanStatus::not_converged
+        || field.status == planner::PlanStatus::inverted;
 }
 
-int exit_code_of(const std::vector<PlannedField>& fields)
+int exit_code_of(const std::vector<planner::PlannedField>& fields)
 {
-    for (const PlannedField& field : fields)
-        if (field.status != PlanStatus::done
+    for (const planner::PlannedField& field : fields)
+        if (field.status != planner::PlanStatus::done
             || (field.metrics.second_opinion && field.metrics.second_opinion->status != "agrees"))
             return 1;
     return 0;
 }
 
-void write_field_meshes(const std::filesystem::path& folder, Patient& patient, const std::vector<PlannedField>& fields)
+void write_field_meshes(
+    const std::filesystem::path& folder, planner::Patient& patient, const std::vector<planner::PlannedField>& fields)
 {
     std::set<std::string> targets;
-    for (const PlannedField& field : fields) {
+    for (const planner::PlannedField& field : fields) {
         if (!is_measured(field))
             continue;
-        MeshFields values;
+        mesh::MeshFields values;
         values.point_vectors["displacement_mm"] = field.opening.displacement;
         values.cell_scalars["strain"] = field.opening.strain;
         if (!field.problem.pressures.empty())
             values.cell_scalars["pressure_kPa"] = pressed_elements(field);
-        values.texts["solution"] = solution_text(field.metrics.solution.choice);
-        write_vtu(folder / (field.approach.name + ".vtu"), field.wall, values);
-        write_vtp(
-            folder / (field.approach.name + "-opened.vtp"), deformed_boundary(field.wall, field.opening.displacement));
+        values.texts["solution"] = planner::solution_text(field.metrics.solution.choice);
+        mesh::write_vtu(folder / (field.approach.name + ".vtu"), field.wall, values);
+        mesh::write_vtp(folder / (field.approach.name + "-opened.vtp"),
+            mesh::deformed_boundary(field.wall, field.opening.displacement));
         const std::string target
             = field.approach.target.is_sphere() ? "sphere-" + field.approach.name : field.metrics.target;
         if (targets.insert(target).second)
-            write_vtp(folder / ("target-" + target + ".vtp"), *patient.target(field.approach.target));
+            mesh::write_vtp(folder / ("target-" + target + ".vtp"), *patient.target(field.approach.target));
     }
 }
 
-std::vector<ReportPicture> render_fields(const std::filesystem::path& folder, Patient& patient,
-    std::vector<PlannedField>& fields, const PictureRequest& request, const Job& job)
+std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& folder, planner::Patient& patient,
+    std::vector<planner::PlannedField>& fields, const PictureRequest& request, const Job& job)
 {
     OffscreenRenderer renderer(make_offscreen_context(), job);
-    std::vector<ReportPicture> pictures;
+    std::vector<planner::ReportPicture> pictures;
     const double total = static_cast<double>(fields.size() * request.views.size());
-    for (PlannedField& field : fields) {
+    for (planner::PlannedField& field : fields) {
         if (!is_measured(field))
             continue;
         const Stopwatch watch;
@@ -203,12 +205,12 @@ std::vector<ReportPicture> render_fields(const std::filesystem::path& folder, Pa
     return pictures;
 }
 
-std::vector<ReportPicture> render_slices(
-    const std::filesystem::path& folder, Patient& patient, const PictureRequest& request, const Job& job)
+std::vector<planner::ReportPicture> render_slices(
+    const std::filesystem::path& folder, planner::Patient& patient, const PictureRequest& request, const Job& job)
 {
     OffscreenRenderer renderer(make_offscreen_context(), job);
-    std::vector<ReportPicture> pictures;
-    for (const Approach& approach : patient.planned_case().approaches) {
+    std::vector<planner::ReportPicture> pictures;
+    for (const planner::Approach& approach : patient.planned_case().approaches) {
         if (job.cancelled())
             return pictures;
         const std::filesystem::path file = folder / (approach.name + "-slices.png");
@@ -218,11 +220,11 @@ std::vector<ReportPicture> render_slices(
     return pictures;
 }
 
-std::vector<ReportPicture> render_case_views(const std::filesystem::path& folder, Patient& patient,
-    const std::optional<TargetSpec>& target, const PictureRequest& request, const Job& job)
+std::vector<planner::ReportPicture> render_case_views(const std::filesystem::path& folder, planner::Patient& patient,
+    const std::optional<planner::TargetSpec>& target, const PictureRequest& request, const Job& job)
 {
     OffscreenRenderer renderer(make_offscreen_context(), job);
-    std::vector<ReportPicture> pictures;
+    std::vector<planner::ReportPicture> pictures;
     for (const std::string& view : request.views) {
         if (job.cancelled())
             return pictures;
@@ -237,22 +239,22 @@ std::vector<ReportPicture> render_case_views(const std::filesystem::path& folder
     return pictures;
 }
 
-Json refused_document(const std::vector<PlannedField>& fields)
+Json refused_document(const std::vector<planner::PlannedField>& fields)
 {
     Json refused = Json::array();
-    for (const PlannedField& field : fields)
+    for (const planner::PlannedField& field : fields)
         if (!is_measured(field))
             refused.push_back({ { "name", field.approach.name }, { "status", status_word(field.status) },
                 { "message", field.message } });
     return refused;
 }
 
-Computation computation_now(const Case& planned_case)
+planner::Computation computation_now(const planner::Case& planned_case)
 {
-    return computation_of(planned_case, "retractor " RETRACTOR_VERSION, std::chrono::system_clock::now());
+    return planner::computation_of(planned_case, "retractor " RETRACTOR_VERSION, std::chrono::system_clock::now());
 }
 
-std::string keep_earlier_metrics(const std::filesystem::path& folder, const std::vector<PlannedField>& fields)
+std::string keep_earlier_metrics(const std::filesystem::path& folder, const std::vector<planner::PlannedField>& fields)
 {
     std::ifstream in(folder / "metrics.json", std::ios::binary);
     const std::string content { std::istreambuf_iterator<char>(in), {} };
@@ -266,10 +268,10 @@ std::string keep_earlier_metrics(const std::filesystem::path& folder, const std:
     std::string lost;
     for (const Json& approach : earlier.at("approaches")) {
         const std::string name = word(approach, "name");
-        const auto now = std::find_if(
-            fields.begin(), fields.end(), [&](const PlannedField& field) { return field.approach.name == name; });
+        const auto now = std::find_if(fields.begin(), fields.end(),
+            [&](const planner::PlannedField& field) { return field.approach.name == name; });
         if (now == fields.end()
-            || (now->status != PlanStatus::done && word(approach, "mechanics_status") == "converged"))
+            || (now->status != planner::PlanStatus::done && word(approach, "mechanics_status") == "converged"))
             lost += (lost.empty() ? "" : ", ") + name;
     }
     if (lost.empty())
@@ -279,16 +281,16 @@ std::string keep_earlier_metrics(const std::filesystem::path& folder, const std:
     return file.string() + " keeps the earlier results of " + lost + "\n";
 }
 
-Json write_metrics(
-    const std::filesystem::path& folder, const Computation& computed, const std::vector<PlannedField>& fields)
+Json write_metrics(const std::filesystem::path& folder, const planner::Computation& computed,
+    const std::vector<planner::PlannedField>& fields)
 {
-    std::vector<FieldMetrics> metrics;
-    for (const PlannedField& field : fields)
+    std::vector<planner::FieldMetrics> metrics;
+    for (const planner::PlannedField& field : fields)
         if (is_measured(field))
             metrics.push_back(field.metrics);
     Json document;
-    document["computed"] = computation_document(computed);
-    document.update(metrics_document(metrics));
+    document["computed"] = planner::computation_document(computed);
+    document.update(planner::metrics_document(metrics));
     const Json refused = refused_document(fields);
     if (!refused.empty())
         document["refused"] = refused;
@@ -296,69 +298,70 @@ Json write_metrics(
     return document;
 }
 
-void write_field_report(const std::filesystem::path& folder, Patient& patient, const Computation& computed,
-    const std::vector<PlannedField>& fields, const std::vector<ReportPicture>& pictures)
+void write_field_report(const std::filesystem::path& folder, planner::Patient& patient,
+    const planner::Computation& computed, const std::vector<planner::PlannedField>& fields,
+    const std::vector<planner::ReportPicture>& pictures)
 {
-    Report report;
+    planner::Report report;
     report.title = "Planned surgical fields";
     report.computed = computed;
     const auto labels = patient.labels();
     report.patient = formatted("Labels of %d x %d x %d voxels at %.2f x %.2f x %.2f mm, patient frame LPS.",
         labels->grid.size[0], labels->grid.size[1], labels->grid.size[2], labels->grid.spacing.x(),
         labels->grid.spacing.y(), labels->grid.spacing.z());
-    for (const PlannedField& field : fields)
+    for (const planner::PlannedField& field : fields)
         if (is_measured(field))
             report.fields.push_back(field.metrics);
     report.pictures = pictures;
-    for (const PlannedField& field : fields)
+    for (const planner::PlannedField& field : fields)
         if (!is_measured(field))
             report.refused.push_back(field.approach.name
                 + " could not be planned: " + std::string(status_word(field.status)) + ". " + field.message);
     report.limits = report_limits(
         !patient.planned_case().supports.labels.empty(), patient.planned_case(), stiffness_limit(fields));
-    write_report(folder / "report.html", report);
+    planner::write_report(folder / "report.html", report);
 }
 
-std::string field_table(const std::vector<PlannedField>& fields)
+std::string field_table(const std::vector<planner::PlannedField>& fields)
 {
     std::string text = formatted("%-16s", "approach");
     for (const Column& column : kColumns)
         text += right_aligned(column.head, column.width);
     text += right_aligned("tets", kTetsWidth) + "\n";
-    for (const PlannedField& field : fields) {
+    for (const planner::PlannedField& field : fields) {
         if (!is_measured(field)) {
             text += field.approach.name + ": " + std::string(status_word(field.status))
                 + (field.message.empty() ? "" : ": " + field.message) + "\n";
             continue;
         }
-        const FieldMetrics& m = field.metrics;
+        const planner::FieldMetrics& m = field.metrics;
         text += formatted("%-16s", m.name.c_str());
         for (const Column& column : kColumns)
             text += cell(column, m);
         text += right_aligned(std::to_string(m.tets), kTetsWidth) + "\n";
-        if (field.status != PlanStatus::done)
+        if (field.status != planner::PlanStatus::done)
             text += "  " + m.mechanics_status + "\n";
         else if (!field.message.empty())
             text += "  " + field.message + "\n";
-        for (const std::string& remark : { removed_text(m.removed), skin_hole_text(m) })
+        for (const std::string& remark : { planner::removed_text(m.removed), planner::skin_hole_text(m) })
             if (!remark.empty())
                 text += "  " + remark + "\n";
-        if (const std::string hooks = hooks_text(m); !hooks.empty())
+        if (const std::string hooks = planner::hooks_text(m); !hooks.empty())
             text += "  " + hooks + "\n";
-        text += "  " + solution_text(m) + residual_text(m) + "\n";
-        for (const PressureMetrics& pressure : m.pressures)
-            text += "  " + pressure_text(pressure) + "\n";
+        text += "  " + planner::solution_text(m) + residual_text(m) + "\n";
+        for (const planner::PressureMetrics& pressure : m.pressures)
+            text += "  " + planner::pressure_text(pressure) + "\n";
         if (m.tension)
-            text += "  " + tension_text(m) + "\n";
-        text += "  " + error_text(m) + "\n";
+            text += "  " + planner::tension_text(m) + "\n";
+        text += "  " + planner::error_text(m) + "\n";
         if (m.local)
-            text += "  " + local_text(m) + "\n";
-        if (const std::string caution = local_caution(m); !caution.empty())
+            text += "  " + planner::local_text(m) + "\n";
+        if (const std::string caution = planner::local_caution(m); !caution.empty())
             text += "  caution: " + caution + "\n";
         if (m.contact)
-            text += "  " + contact_text(m) + "\n";
+            text += "  " + planner::contact_text(m) + "\n";
         if (m.second_opinion)
-            text += "  " + opinion_text(*m.second_opinion) + "\n";
+            text += "  " + planner::opinion_text(*m.second_opinion) + "\n";
         if (m.inverted_elements > 0)
             text += formatted(
                 "  caution: %d element(s) are turned over, tissue is stretched to %.1f times its volume: strain and "
@@ -368,4 +371,4 @@ std::string field_table(const std::vector<PlannedField>& fields)
     return text;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -1,17 +1,17 @@
 #pragma once
 // What `plan`, `render` and `demo` write: meshes, numbers, pictures, the report page.
 
-#include "planner/measures/computation.h"
 #include "planner/case/patient.h"
-#include "planner/plan/planned_field.h"
+#include "planner/measures/computation.h"
 #include "planner/measures/report.h"
+#include "planner/plan/planned_field.h"
 #include "ui/cli/framework/command.h"
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 struct PictureRequest {
     std::vector<std::string> views; ///< "surgeon", "overview", "slices"
@@ -20,48 +20,50 @@ struct PictureRequest {
 
 /// <name>.vtu (cut wall with displacement, strain, material labels), <name>-opened.vtp (its deformed surface) and
 /// target-<name>.vtp, for every field that was measured.
-void write_field_meshes(const std::filesystem::path& folder, Patient& patient, const std::vector<PlannedField>& fields);
+void write_field_meshes(
+    const std::filesystem::path& folder, planner::Patient& patient, const std::vector<planner::PlannedField>& fields);
 
 /// Renders the views of every measured field to <name>-<view>.png; slices only when the case has a CT.
 /// Adds the time to each field's seconds ("render").
-std::vector<ReportPicture> render_fields(const std::filesystem::path& folder, Patient& patient,
-    std::vector<PlannedField>& fields, const PictureRequest& request, const Job& job);
+std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& folder, planner::Patient& patient,
+    std::vector<planner::PlannedField>& fields, const PictureRequest& request, const Job& job);
 
 /// <name>-slices.png of every approach of a case that has a CT, without planning them.
-std::vector<ReportPicture> render_slices(
-    const std::filesystem::path& folder, Patient& patient, const PictureRequest& request, const Job& job);
+std::vector<planner::ReportPicture> render_slices(
+    const std::filesystem::path& folder, planner::Patient& patient, const PictureRequest& request, const Job& job);
 
 /// slices.png and overview.png of a case without looking at its approaches, see case_picture().
-std::vector<ReportPicture> render_case_views(const std::filesystem::path& folder, Patient& patient,
-    const std::optional<TargetSpec>& target, const PictureRequest& request, const Job& job);
+std::vector<planner::ReportPicture> render_case_views(const std::filesystem::path& folder, planner::Patient& patient,
+    const std::optional<planner::TargetSpec>& target, const PictureRequest& request, const Job& job);
 
 /// The case as this program computes it now.
-Computation computation_now(const Case& planned_case);
+planner::Computation computation_now(const planner::Case& planned_case);
 
 /// A metrics.json in the folder with approaches that are not among these, or that were solved there and are not now, is
 /// copied to metrics-earlier.json before it is replaced. @return a line that says so; empty where nothing would be
 /// lost.
-std::string keep_earlier_metrics(const std::filesystem::path& folder, const std::vector<PlannedField>& fields);
+std::string keep_earlier_metrics(const std::filesystem::path& folder, const std::vector<planner::PlannedField>& fields);
 
 /// metrics.json; returns the document.
-Json write_metrics(
-    const std::filesystem::path& folder, const Computation& computed, const std::vector<PlannedField>& fields);
+Json write_metrics(const std::filesystem::path& folder, const planner::Computation& computed,
+    const std::vector<planner::PlannedField>& fields);
 
 /// report.html from what was planned and drawn.
-void write_field_report(const std::filesystem::path& folder, Patient& patient, const Computation& computed,
-    const std::vector<PlannedField>& fields, const std::vector<ReportPicture>& pictures);
+void write_field_report(const std::filesystem::path& folder, planner::Patient& patient,
+    const planner::Computation& computed, const std::vector<planner::PlannedField>& fields,
+    const std::vector<planner::ReportPicture>& pictures);
 
 /// A table for people; says which approaches could not be planned, and why.
-std::string field_table(const std::vector<PlannedField>& fields);
+std::string field_table(const std::vector<planner::PlannedField>& fields);
 
 /// The fields that could not be planned: name, status, message.
-Json refused_document(const std::vector<PlannedField>& fields);
+Json refused_document(const std::vector<planner::PlannedField>& fields);
 
 /// Whether a field has numbers to show.
-bool is_measured(const PlannedField& field);
+bool is_measured(const planner::PlannedField& field);
 
 /// 0 when every field is done, 1 when one is refused, did not converge, or a second opinion that was asked for does not
 /// agree.
-int exit_code_of(const std::vector<PlannedField>& fields);
+int exit_code_of(const std::vector<planner::PlannedField>& fields);
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

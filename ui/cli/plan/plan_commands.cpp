@@ -1,8 +1,8 @@
 #include "mesh/generation/hybrid_model.h"
-#include "ui/cli/framework/arguments.h"
 #include "ui/cli/commands.h"
-#include "ui/cli/plan/field_files.h"
+#include "ui/cli/framework/arguments.h"
 #include "ui/cli/framework/out_folder.h"
+#include "ui/cli/plan/field_files.h"
 
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
@@ -26,7 +26,7 @@
 
 #include <unistd.h>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -41,14 +41,14 @@ namespace {
         std::optional<std::string> export_formats;
         double reference_limit_s = 600.0;
         std::optional<double> near_mm; ///< where it was given, also 0
-        LocalPlan local {};
+        planner::LocalPlan local {};
         bool render = false, contact = false;
         bool parallel = false;
     };
 
-    void refuse_without_wall(const Case& planned_case, const std::string& case_file)
+    void refuse_without_wall(const planner::Case& planned_case, const std::string& case_file)
     {
-        if (!has_soft_wall(planned_case.label_table))
+        if (!planner::has_soft_wall(planned_case.label_table))
             throw InputError("no label has the role wall (bones alone are none): there is nothing to cut; the case can "
                              "be looked at with retractor render --views slices,overview",
                 case_file + "#/labels/table");
@@ -70,41 +70,41 @@ namespace {
 
     /// FEBio files are written for neo-Hookean tissue without tension; a law that the plan does not use is no
     /// hindrance.
-    void refuse_unwritable_tissue(const Case& planned_case, const PlanOptions& options)
+    void refuse_unwritable_tissue(const planner::Case& planned_case, const PlanOptions& options)
     {
         const std::vector<std::string> formats = export_formats(options);
         if (std::find(formats.begin(), formats.end(), "feb") == formats.end())
             return;
-        if (under_pressure(planned_case))
+        if (planner::under_pressure(planned_case))
             throw InputError("FEBio files are written without pressure, and the wall is under some: leave feb out, or "
                              "the pressure (--pressure LABEL=0)",
                 "--export");
-        for (const LabelInfo& info : planned_case.label_table) {
-            if (info.role != Role::wall)
+        for (const mesh::LabelInfo& info : planned_case.label_table) {
+            if (info.role != mesh::Role::wall)
                 continue;
-            const Material& material = find_material(planned_case.materials, info.material);
-            if (under_tension(material))
+            const fem::Material& material = fem::find_material(planned_case.materials, info.material);
+            if (planner::under_tension(material))
                 throw InputError("FEBio files are written for tissue without tension, and the material \""
                         + material.name
                         + "\" is under some: leave feb out, or take the tension off (retractor tension)",
                     "--export");
-            if (material.law && planned_case.solution.elasticity == Elasticity::hyperelastic)
+            if (material.law && planned_case.solution.elasticity == fem::Elasticity::hyperelastic)
                 throw InputError("FEBio files are written for neo-Hookean tissue, and the material \"" + material.name
-                        + "\" has the law " + std::string(law_name(material.law->law))
+                        + "\" has the law " + std::string(fem::law_name(material.law->law))
                         + ": leave feb out, or plan with another elasticity",
                     "--export");
         }
     }
 
     /// In place of what the case has of these labels.
-    void set_pressures(Case& planned_case, const std::vector<std::string>& texts)
+    void set_pressures(planner::Case& planned_case, const std::vector<std::string>& texts)
     {
-        std::vector<PressureSpec> given;
+        std::vector<planner::PressureSpec> given;
         const auto of = [](const std::string& label) {
-            return [&label](const PressureSpec& spec) { return spec.label == label; };
+            return [&label](const planner::PressureSpec& spec) { return spec.label == label; };
         };
         for (const std::string& text : texts) {
-            given.push_back(pressure_from_text(text));
+            given.push_back(planner::pressure_from_text(text));
             const std::string& label = given.back().label;
             if (std::count_if(given.begin(), given.end(), of(label)) > 1)
                 throw InputError("the label \"" + label + "\" comes twice", "--pressure");
@@ -115,21 +115,21 @@ namespace {
 
     /// The case with only the wanted approach, or all of them. What contradicts itself is refused before the patient is
     /// read.
-    Case chosen_case(const PlanOptions& options)
+    planner::Case chosen_case(const PlanOptions& options)
     {
-        Case planned_case = open_case(options.case_file);
+        planner::Case planned_case = open_case(options.case_file);
         refuse_without_wall(planned_case, options.case_file);
         if (!options.approach.empty())
-            planned_case.approaches = { find_approach(planned_case, options.approach) };
+            planned_case.approaches = { planner::find_approach(planned_case, options.approach) };
         planned_case.contact = planned_case.contact || options.contact;
-        SolutionChoice& solution = planned_case.solution; // what is not named here stays as the case has it
+        planner::SolutionChoice& solution = planned_case.solution; // what is not named here stays as the case has it
         if (!options.elasticity.empty())
-            solution.elasticity = elasticity_from_string(options.elasticity).value();
+            solution.elasticity = planner::elasticity_from_string(options.elasticity).value();
         if (!options.element.empty())
-            solution.element = element_from_string(options.element).value();
+            solution.element = planner::element_from_string(options.element).value();
         solution.near_mm = options.near_mm.value_or(solution.near_mm);
         set_pressures(planned_case, options.pressures);
-        check_local(planned_case, options.local);
+        planner::check_local(planned_case, options.local);
         refuse_unwritable_tissue(planned_case, options);
         if (planned_case.approaches.empty())
             throw InputError(
@@ -137,14 +137,15 @@ namespace {
         return planned_case;
     }
 
-    PictureRequest picture_request(const PlanOptions& options, const Case& planned_case)
+    PictureRequest picture_request(const PlanOptions& options, const planner::Case& planned_case)
     {
         const auto [width, height] = parse_size(options.size);
         PictureRequest request { .views = options.views.empty() ? planned_case.views : split(options.views, ','),
             .width = width,
             .height = height };
         for (const std::string& view : request.views)
-            if (std::find(std::begin(kViewNames), std::end(kViewNames), view) == std::end(kViewNames))
+            if (std::find(std::begin(planner::kViewNames), std::end(planner::kViewNames), view)
+                == std::end(planner::kViewNames))
                 throw InputError("there is no view \"" + view + "\"; there are surgeon, overview, slices", "--views");
         return request;
     }
@@ -160,41 +161,41 @@ namespace {
             fields = plan_all(patient, job, options.local);
             refuse_if_cancelled(job);
         }
-        Patient patient;
+        planner::Patient patient;
         PictureRequest request;
         fs::path folder;
         OutFolder made;
-        std::vector<PlannedField> fields;
+        std::vector<planner::PlannedField> fields;
     };
 
     void ask_for_second_opinions(
-        const PlanOptions& options, const fs::path& ccx, std::vector<PlannedField>& fields, const Job& job)
+        const PlanOptions& options, const fs::path& ccx, std::vector<planner::PlannedField>& fields, const Job& job)
     {
         const auto limit = std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * options.reference_limit_s));
-        for (PlannedField& field : fields)
+        for (planner::PlannedField& field : fields)
             if (is_measured(field))
                 field.metrics.second_opinion
                     = second_opinion(field.problem, ccx, options.out, field.approach.name, limit, job);
     }
 
     /// The problem without the laws that its elasticity takes no notice of.
-    ElasticProblem as_solved(const PlannedField& field)
+    fem::ElasticProblem as_solved(const planner::PlannedField& field)
     {
-        ElasticProblem problem = field.problem;
-        if (field.metrics.solution.choice.elasticity != Elasticity::hyperelastic)
-            for (Material& material : problem.material_of_label)
+        fem::ElasticProblem problem = field.problem;
+        if (field.metrics.solution.choice.elasticity != fem::Elasticity::hyperelastic)
+            for (fem::Material& material : problem.material_of_label)
                 material.law.reset();
         return problem;
     }
 
     /// A deck's own elasticity, where it is not the plan's.
-    std::string export_remark(const std::string& format, const PlannedField& field)
+    std::string export_remark(const std::string& format, const planner::PlannedField& field)
     {
-        const Elasticity elasticity = field.metrics.solution.choice.elasticity;
-        if (format == "feb" && elasticity != Elasticity::hyperelastic)
+        const fem::Elasticity elasticity = field.metrics.solution.choice.elasticity;
+        if (format == "feb" && elasticity != fem::Elasticity::hyperelastic)
             return " (neo-Hookean, of the same small-strain stiffness: the plan is "
                 + std::string(to_string(elasticity)) + ")";
-        if (format == "ccx" && elasticity != Elasticity::linear)
+        if (format == "ccx" && elasticity != fem::Elasticity::linear)
             return " (linear: the plan is " + std::string(to_string(elasticity)) + ")";
         return {};
     }
@@ -206,18 +207,18 @@ namespace {
         const std::vector<std::string> formats = export_formats(options);
         PlannedCase planned(options, job);
         auto& [patient, request, folder, made, fields] = planned;
-        const Computation computed = computation_now(patient.planned_case());
+        const planner::Computation computed = computation_now(patient.planned_case());
         write_field_meshes(folder, patient, fields);
         std::string exported;
         for (const std::string& format : formats)
-            for (const PlannedField& field : fields)
+            for (const planner::PlannedField& field : fields)
                 if (is_measured(field))
                     exported += export_problem(as_solved(field), format, folder, field.approach.name).string()
                         + export_remark(format, field) + "\n";
         if (!ccx.empty())
             ask_for_second_opinions(options, ccx, fields, job);
         if (options.render) {
-            const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
+            const std::vector<planner::ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
             refuse_if_cancelled(job);
             write_field_report(folder, patient, computed, fields, pictures);
         }
@@ -233,11 +234,11 @@ namespace {
         return outcome;
     }
 
-    Outcome picture_outcome(const std::vector<ReportPicture>& pictures)
+    Outcome picture_outcome(const std::vector<planner::ReportPicture>& pictures)
     {
         Outcome outcome;
         outcome.document["pictures"] = Json::array();
-        for (const ReportPicture& picture : pictures) {
+        for (const planner::ReportPicture& picture : pictures) {
             outcome.document["pictures"].push_back({ { "approach", picture.approach },
                 { "file", picture.file.string() }, { "caption", picture.caption } });
             outcome.text += picture.file.string() + "\n";
@@ -249,7 +250,7 @@ namespace {
     {
         PlannedCase planned(options, job);
         auto& [patient, request, folder, made, fields] = planned;
-        const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
+        const std::vector<planner::ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
         refuse_if_cancelled(job);
         Outcome outcome = picture_outcome(pictures);
         if (const Json refused = refused_document(fields); !refused.empty())
@@ -263,18 +264,18 @@ namespace {
     /// Slices of approaches, which need no plan.
     Outcome render_slices_of(const PlanOptions& options, const Job& job)
     {
-        Patient patient(chosen_case(options), job);
+        planner::Patient patient(chosen_case(options), job);
         const PictureRequest request = picture_request(options, patient.planned_case());
         if (!patient.has_ct())
             throw InputError("slices need a CT, and the case has none", options.case_file + "#/ct");
         make_folder(options.out);
-        const std::vector<ReportPicture> pictures = render_slices(options.out, patient, request, job);
+        const std::vector<planner::ReportPicture> pictures = render_slices(options.out, patient, request, job);
         refuse_if_cancelled(job);
         return picture_outcome(pictures);
     }
 
     /// The case as it is, without an approach or without a wall to plan one through.
-    Outcome render_case(const PlanOptions& options, Case planned_case, const Job& job)
+    Outcome render_case(const PlanOptions& options, planner::Case planned_case, const Job& job)
     {
         const bool asked = !options.views.empty();
         PictureRequest request = picture_request(options, planned_case);
@@ -287,8 +288,8 @@ namespace {
                                  "approach add --help",
                     options.case_file + "#/approaches");
             }
-        Patient patient(std::move(planned_case), job);
-        const std::optional<TargetSpec> target
+        planner::Patient patient(std::move(planned_case), job);
+        const std::optional<planner::TargetSpec> target
             = options.target.empty() ? default_target(patient) : parse_target(options.target);
         if (!patient.has_ct()) {
             if (asked && std::find(request.views.begin(), request.views.end(), "slices") != request.views.end())
@@ -296,28 +297,31 @@ namespace {
             std::erase(request.views, "slices");
         }
         make_folder(options.out);
-        const std::vector<ReportPicture> pictures = render_case_views(options.out, patient, target, request, job);
+        const std::vector<planner::ReportPicture> pictures
+            = render_case_views(options.out, patient, target, request, job);
         refuse_if_cancelled(job);
         return picture_outcome(pictures);
     }
 
     Outcome render(const PlanOptions& options, const Job& job)
     {
-        Case planned_case = open_case(options.case_file);
+        planner::Case planned_case = open_case(options.case_file);
         if (!options.approach.empty())
-            static_cast<void>(find_approach(planned_case, options.approach)); // refuses a name that is not there
-        if (planned_case.approaches.empty() || !has_soft_wall(planned_case.label_table) || !options.target.empty())
+            static_cast<void>(
+                planner::find_approach(planned_case, options.approach)); // refuses a name that is not there
+        if (planned_case.approaches.empty() || !planner::has_soft_wall(planned_case.label_table)
+            || !options.target.empty())
             return render_case(options, std::move(planned_case), job);
         if (const auto views = split(options.views, ','); views == std::vector<std::string> { "slices" })
             return render_slices_of(options, job);
         return render_fields_of(options, job);
     }
 
-    Json statistics_document(const MeshStatistics& s, const LabelTable& table)
+    Json statistics_document(const mesh::MeshStatistics& s, const mesh::LabelTable& table)
     {
         Json fit = Json::array();
-        for (const LabelFit& label : s.fit) {
-            const LabelInfo* info = find_label(table, label.label);
+        for (const mesh::LabelFit& label : s.fit) {
+            const mesh::LabelInfo* info = mesh::find_label(table, label.label);
             fit.push_back({ { "label", info != nullptr ? info->name : std::to_string(label.label) },
                 { "voxel_volume_mm3", label.voxel_volume_mm3 }, { "mesh_volume_mm3", label.mesh_volume_mm3 },
                 { "corridor_voxel_volume_mm3", label.corridor_voxel_volume_mm3 },
@@ -333,21 +337,22 @@ namespace {
 
     Outcome mesh(const PlanOptions& options, const Job& job)
     {
-        Case planned_case = open_case(options.case_file);
+        planner::Case planned_case = open_case(options.case_file);
         refuse_without_wall(planned_case, options.case_file);
-        MeshSizing sizing;
+        mesh::MeshSizing sizing;
         std::string name = "wall";
         if (!options.approach.empty()) {
-            sizing = mesh_sizing_of(find_approach(planned_case, options.approach), planned_case.label_table);
+            sizing = planner::mesh_sizing_of(
+                planner::find_approach(planned_case, options.approach), planned_case.label_table);
             name = options.approach + "-uncut";
         } else {
             sizing.coarse_edge_mm = planned_case.sizing.coarse_edge_mm;
         }
         sizing.deterministic = !options.parallel;
-        Patient patient(std::move(planned_case), job);
-        const HybridModel model = build_hybrid_model(*patient.labels(), sizing, job);
+        planner::Patient patient(std::move(planned_case), job);
+        const mesh::HybridModel model = mesh::build_hybrid_model(*patient.labels(), sizing, job);
         Outcome outcome;
-        if (model.status != MeshStatus::done) {
+        if (model.status != mesh::MeshStatus::done) {
             outcome.document = { { "error", model.message }, { "where", options.case_file } };
             outcome.text = model.message + "\n";
             outcome.exit_code = 1;
@@ -359,7 +364,7 @@ namespace {
         if (!options.out.empty()) {
             const fs::path folder = options.out;
             make_folder(folder);
-            write_vtu(folder / (name + ".vtu"), model.wall);
+            mesh::write_vtu(folder / (name + ".vtu"), model.wall);
             write_file_atomically(folder / (name + "-statistics.json"), outcome.document.dump(2) + "\n");
         }
         outcome.text = outcome.document.dump(2) + "\n";
@@ -484,4 +489,4 @@ void add_render_command(Commands& commands)
     });
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

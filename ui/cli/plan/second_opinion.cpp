@@ -13,7 +13,7 @@
 #include <sstream>
 #include <system_error>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -28,16 +28,16 @@ namespace {
             throw SolverError("cancelled; there is no second opinion");
     }
 
-    OpeningResult own_answer(const ElasticProblem& problem, const Job& job)
+    fem::OpeningResult own_answer(const fem::ElasticProblem& problem, const Job& job)
     {
-        OpeningOptions options;
-        options.elasticity = Elasticity::linear;
+        fem::OpeningOptions options;
+        options.elasticity = fem::Elasticity::linear;
         options.tolerance = kOwnTolerance;
-        Opening opening(problem, options);
-        OpeningResult answer = opening.open(problem.hooks, job);
+        fem::Opening opening(problem, options);
+        fem::OpeningResult answer = opening.open(problem.hooks, job);
         refuse_when_cancelled(job);
-        if (answer.status != OpeningStatus::converged
-            && answer.status != OpeningStatus::inverted) // the linear equations do not know of it
+        if (answer.status != fem::OpeningStatus::converged
+            && answer.status != fem::OpeningStatus::inverted) // the linear equations do not know of it
             throw SolverError("our own linear answer to compare with: " + answer.message);
         return answer;
     }
@@ -65,15 +65,15 @@ namespace {
     }
 
     struct Answer {
-        CalculixAnswer values;
+        fem::CalculixAnswer values;
         double seconds = 0.0;
         std::string failure; ///< empty: there is an answer
     };
 
-    Answer ask_calculix(const ElasticProblem& problem, const fs::path& ccx, const fs::path& place,
+    Answer ask_calculix(const fem::ElasticProblem& problem, const fs::path& ccx, const fs::path& place,
         std::chrono::milliseconds limit, const Job& job)
     {
-        write_file_atomically(place / "wound.inp", calculix_deck(problem));
+        write_file_atomically(place / "wound.inp", fem::calculix_deck(problem));
         std::error_code ignored; // an answer of an earlier run must not be taken for this one's
         fs::remove(place / "wound.dat", ignored);
         const Stopwatch watch;
@@ -95,7 +95,7 @@ namespace {
                 + complaint_of(run.out);
         } else {
             try {
-                answer.values = read_calculix_answer(content_of(place / "wound.dat"), problem);
+                answer.values = fem::read_calculix_answer(content_of(place / "wound.dat"), problem);
             } catch (const InputError& error) {
                 const std::string complaint = complaint_of(run.out);
                 answer.failure
@@ -110,8 +110,8 @@ namespace {
         return vectors.rows() > 0 ? vectors.rowwise().norm().maxCoeff() : 0.0;
     }
 
-    void compare(
-        const ElasticProblem& problem, const OpeningResult& own, const CalculixAnswer& other, SecondOpinion& opinion)
+    void compare(const fem::ElasticProblem& problem, const fem::OpeningResult& own, const fem::CalculixAnswer& other,
+        planner::SecondOpinion& opinion)
     {
         std::vector<std::uint8_t> in_element(problem.mesh.vertex_count(), 0);
         for (const VertexId v : problem.mesh.nodes)
@@ -123,10 +123,10 @@ namespace {
         opinion.largest_displacement_mm = largest_norm(own.displacement);
         opinion.displacement_difference
             = opinion.largest_displacement_mm > 0.0 ? difference / opinion.largest_displacement_mm : difference;
-        const Prescribed prescribed = prescribe(problem.mesh, problem.supports, problem.hooks);
+        const fem::Prescribed prescribed = fem::prescribe(problem.mesh, problem.supports, problem.hooks);
         const Eigen::VectorXd reactions
             = Eigen::Map<const Eigen::VectorXd>(other.reaction.data(), other.reaction.size());
-        const std::vector<Vec3> forces = hook_forces(reactions, prescribed, problem.hooks.size());
+        const std::vector<Vec3> forces = fem::hook_forces(reactions, prescribed, problem.hooks.size());
         double force_difference = 0.0, largest_force = 0.0;
         for (std::size_t h = 0; h < forces.size(); ++h) {
             opinion.hook_forces_N.push_back(forces[h].norm());
@@ -149,14 +149,14 @@ fs::path find_calculix()
     return ccx;
 }
 
-SecondOpinion second_opinion(const ElasticProblem& problem, const fs::path& ccx, const fs::path& folder,
+planner::SecondOpinion second_opinion(const fem::ElasticProblem& problem, const fs::path& ccx, const fs::path& folder,
     const std::string& name, std::chrono::milliseconds limit, const Job& job)
 {
-    SecondOpinion opinion;
+    planner::SecondOpinion opinion;
     opinion.program = "CalculiX (ccx)";
     job.report("second opinion", 0.0);
     Stopwatch watch;
-    const OpeningResult own = own_answer(problem, job);
+    const fem::OpeningResult own = own_answer(problem, job);
     opinion.own_seconds = watch.seconds();
     job.report("second opinion", 0.2);
     const fs::path place = folder / (name + "-ccx");
@@ -179,15 +179,15 @@ SecondOpinion second_opinion(const ElasticProblem& problem, const fs::path& ccx,
 }
 
 fs::path export_problem(
-    const ElasticProblem& problem, const std::string& format, const fs::path& folder, const std::string& name)
+    const fem::ElasticProblem& problem, const std::string& format, const fs::path& folder, const std::string& name)
 {
     const fs::path file = folder / (name + (format == "feb" ? ".feb" : ".inp"));
-    write_file_atomically(file, format == "feb" ? febio_file(problem) : calculix_deck(problem));
+    write_file_atomically(file, format == "feb" ? fem::febio_file(problem) : fem::calculix_deck(problem));
     if (format == "feb")
-        if (const std::string difference = first_difference(problem, read_febio_file(content_of(file)));
+        if (const std::string difference = fem::first_difference(problem, fem::read_febio_file(content_of(file)));
             !difference.empty())
             throw IoError("the file does not read back as what was written: " + difference, file.string());
     return file;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

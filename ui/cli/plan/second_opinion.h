@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <string>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 /// The program ccx. @throws IoError saying how to install it when there is none on the PATH.
 std::filesystem::path find_calculix();
@@ -22,12 +22,12 @@ inline constexpr double kReferenceAgreement = 1e-6;
 /// when it answered and kept, with its output in ccx.log, when it did not. A ccx that fails, does not end within
 /// `limit` or writes no whole answer is a status of the result.
 /// @throws SolverError when our own solution fails or the job is cancelled, IoError when the folder cannot be written.
-SecondOpinion second_opinion(const ElasticProblem& problem, const std::filesystem::path& ccx,
+planner::SecondOpinion second_opinion(const fem::ElasticProblem& problem, const std::filesystem::path& ccx,
     const std::filesystem::path& folder, const std::string& name, std::chrono::milliseconds limit, const Job& job);
 
 /// Writes <name>.inp ("ccx") or <name>.feb ("feb"), which is read back and compared. @returns the file.
 /// @throws IoError when it cannot be written or does not read back as what was written.
-std::filesystem::path export_problem(const ElasticProblem& problem, const std::string& format,
+std::filesystem::path export_problem(const fem::ElasticProblem& problem, const std::string& format,
     const std::filesystem::path& folder, const std::string& name);
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -18,7 +18,7 @@
 #include <memory>
 #include <random>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
@@ -47,7 +47,7 @@ namespace {
 
     Outcome keep(const TrainOptions& options, const Job&)
     {
-        TrialStore store(options.store);
+        haptics::TrialStore store(options.store);
         store.keep({ options.name, options.person, date_of(options), options.modulus_MPa, options.poissons_ratio });
         Outcome outcome;
         outcome.document = { { "name", options.name }, { "youngs_modulus_MPa", options.modulus_MPa },
@@ -59,10 +59,10 @@ namespace {
 
     Outcome list(const TrainOptions& options, const Job&)
     {
-        const TrialStore store(options.store);
+        const haptics::TrialStore store(options.store);
         Outcome outcome;
         outcome.document = { { "elasticities", Json::array() } };
-        for (const NamedElasticity& e : store.elasticities()) {
+        for (const haptics::NamedElasticity& e : store.elasticities()) {
             outcome.document["elasticities"].push_back({ { "name", e.name }, { "youngs_modulus_MPa", e.modulus_MPa },
                 { "poissons_ratio", e.poissons_ratio }, { "expert", e.expert }, { "date", e.date } });
             outcome.text += e.name + ": " + number("%.3g MPa", e.modulus_MPa) + " (" + e.expert + ", " + e.date + ")\n";
@@ -83,12 +83,12 @@ namespace {
             if (options.device.empty())
                 return;
             if (options.scene.empty()) {
-                AortaParameters tube;
-                tube.shape = AortaParameters::Shape::tube;
+                datasets::AortaParameters tube;
+                tube.shape = datasets::AortaParameters::Shape::tube;
                 tube.region.length_mm = 0.0; // one elasticity
-                scene_ = make_aorta_phantom(tube);
+                scene_ = datasets::make_aorta_phantom(tube);
             } else {
-                scene_ = read_palpation_scene(options.scene);
+                scene_ = datasets::read_palpation_scene(options.scene);
             }
             if (scene_.sites.empty())
                 throw InputError("has no site to press", scene_.name);
@@ -102,10 +102,10 @@ namespace {
                              "are felt here.\n";
                 return;
             }
-            ElasticModel& body = scene_.body;
+            datasets::ElasticModel& body = scene_.body;
             body.youngs_modulus.assign(body.youngs_modulus.size(), offered_[static_cast<std::size_t>(place - 1)]);
-            const TissueChoice choice { .radius_mm = options_.plan.radius_mm };
-            const ChosenTissue tissue = make_tissue(scene_, choice, job_);
+            const planner::TissueChoice choice { .radius_mm = options_.plan.radius_mm };
+            const planner::ChosenTissue tissue = make_tissue(scene_, choice, job_);
             std::cerr << "Model " << place << " lies under the finger.\n";
             const PressLog log = run_press({ "model " + std::to_string(place), { scene_.sites[0] } }, *tissue.response,
                 { options_.device }, options_.plan, nullptr, 1.0, job_);
@@ -119,7 +119,7 @@ namespace {
         const TrainOptions& options_;
         std::vector<double> offered_; ///< MPa, in the order of the test
         const Job& job_;
-        PalpationScene scene_;
+        datasets::PalpationScene scene_;
         std::vector<int> touched_;
     };
 
@@ -148,17 +148,17 @@ namespace {
     /// Test stage: models in a random order, by number alone; then the learning stage: which ones were right.
     Outcome test(const TrainOptions& options, const Job& job)
     {
-        TrialStore store(options.store);
+        haptics::TrialStore store(options.store);
         if (options.person.empty())
             throw InputError("who is tested?", "--trainee");
-        const Instruction instruction = instruction_of(options.instruction);
-        const std::vector<double> models = trial_models(options.models);
-        if (models.back() < kScleroticMPa - 1e-9)
+        const haptics::Instruction instruction = haptics::instruction_of(options.instruction);
+        const std::vector<double> models = haptics::trial_models(options.models);
+        if (models.back() < haptics::kScleroticMPa - 1e-9)
             std::cerr << "These models end at " << models.back() << " MPa: only normal tissue is asked for.\n";
         std::uint64_t seed = options.seed;
         if (seed == 0)
             seed = (static_cast<std::uint64_t>(std::random_device {}()) << 32) | std::random_device {}();
-        const std::vector<int> order = trial_order(options.models, seed);
+        const std::vector<int> order = haptics::trial_order(options.models, seed);
         const int session = store.next_session(options.person);
         // What the operator sets up, model by model, where the trainee does not see it.
         if (!options.out.empty()) {
@@ -175,12 +175,12 @@ namespace {
         for (const int model : order)
             offered.push_back(models[static_cast<std::size_t>(model)]);
         FeltModels felt(options, offered, job);
-        std::vector<ElasticityTrial> trials;
+        std::vector<haptics::ElasticityTrial> trials;
         Outcome outcome;
         outcome.document = { { "trainee", options.person }, { "session", session },
             { "order_seed", std::to_string(seed) }, { "choices", Json::array() } };
-        for (const Tissue tissue : { Tissue::normal, Tissue::sclerotic }) {
-            const double right = tissue == Tissue::normal ? kNormalMPa : kScleroticMPa;
+        for (const haptics::Tissue tissue : { haptics::Tissue::normal, haptics::Tissue::sclerotic }) {
+            const double right = tissue == haptics::Tissue::normal ? haptics::kNormalMPa : haptics::kScleroticMPa;
             if (right > models.back() + 1e-9)
                 continue;
             const int place
@@ -190,7 +190,7 @@ namespace {
         }
         store.add(trials);
         outcome.document["felt"] = felt.touched();
-        for (const ElasticityTrial& trial : trials) { // the learning stage
+        for (const haptics::ElasticityTrial& trial : trials) { // the learning stage
             const auto at = std::find_if(order.begin(), order.end(),
                 [&](int model) { return std::abs(models[static_cast<std::size_t>(model)] - trial.right_MPa) < 1e-9; });
             const auto shown = at - order.begin() + 1;
@@ -205,17 +205,17 @@ namespace {
 
     Outcome simulate(const TrainOptions& options, const Job&)
     {
-        TrialStore store(options.store);
+        haptics::TrialStore store(options.store);
         const std::uint64_t seed = options.seed == 0 ? 1 : options.seed;
-        std::vector<ElasticityTrial> trials = options.study == 1 ? simulate_modelling_study(seed)
-            : options.study == 2                                 ? simulate_recognition_study(seed)
-                                                                 : simulate_learning_study(seed);
+        std::vector<haptics::ElasticityTrial> trials = options.study == 1 ? haptics::simulate_modelling_study(seed)
+            : options.study == 2                                          ? haptics::simulate_recognition_study(seed)
+                                                                          : haptics::simulate_learning_study(seed);
         // Nobody may take them for people, nor the people of one study for those of another.
         const std::string prefix = "simulated-" + std::to_string(options.study) + "-" + std::to_string(seed) + "-";
-        for (const ElasticityTrial& kept : store.trials())
+        for (const haptics::ElasticityTrial& kept : store.trials())
             if (kept.trainee.starts_with(prefix))
                 throw InputError("this study is in the file already; give another --seed", options.store);
-        for (ElasticityTrial& trial : trials)
+        for (haptics::ElasticityTrial& trial : trials)
             trial.trainee = prefix + trial.trainee;
         store.add(trials);
         Outcome outcome;
@@ -236,7 +236,7 @@ namespace {
 
     Outcome questionnaire(const TrainOptions& options, const Job&)
     {
-        TrialStore store(options.store);
+        haptics::TrialStore store(options.store);
         for (const std::string& text : options.answers) {
             const std::size_t colon = text.find(':');
             const std::vector<std::string> words
@@ -245,7 +245,7 @@ namespace {
                 throw InputError("answers are PERSON:AUTHENTIC,EASY,STABLE, got " + text, "--answer");
             store.answer({ text.substr(0, colon), yes(words[0], text), yes(words[1], text), yes(words[2], text) });
         }
-        const QualityVerdict verdict = judge(store.answers());
+        const haptics::QualityVerdict verdict = haptics::judge(store.answers());
         Outcome outcome;
         outcome.document = { { "persons", verdict.persons }, { "authenticity", verdict.authenticity },
             { "ease", verdict.ease }, { "stability", verdict.stability }, { "passes", verdict.passes() } };
@@ -324,4 +324,4 @@ void add_train_command(Commands& commands)
     quality->add_option("--answer", options->answers, "PERSON:AUTHENTIC,EASY,STABLE, each yes or no (repeatable)");
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

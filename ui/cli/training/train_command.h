@@ -3,8 +3,8 @@
 
 #include "ui/cli/framework/command.h"
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 void add_train_command(Commands& commands);
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

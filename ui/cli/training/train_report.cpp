@@ -12,20 +12,20 @@
 #include <array>
 #include <map>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
-    std::vector<double> chosen(const std::vector<ElasticityTrial>& trials, auto which)
+    std::vector<double> chosen(const std::vector<haptics::ElasticityTrial>& trials, auto which)
     {
         std::vector<double> values;
-        for (const ElasticityTrial& trial : trials)
+        for (const haptics::ElasticityTrial& trial : trials)
             if (which(trial))
                 values.push_back(trial.chosen_MPa);
         return values;
     }
 
-    Json box_document(const BoxNumbers& box)
+    Json box_document(const haptics::BoxNumbers& box)
     {
         return { { "count", box.count }, { "low", box.low }, { "lower_quartile", box.lower_quartile },
             { "median", box.median }, { "upper_quartile", box.upper_quartile }, { "high", box.high } };
@@ -44,16 +44,16 @@ namespace {
     Json spread_test(const std::vector<double>& a, const std::vector<double>& b)
     {
         return test_document([&]() -> Json {
-            const FTest test = f_test(a, b);
+            const haptics::FTest test = haptics::f_test(a, b);
             return { { "F", test.F }, { "p", test.p }, { "freedom", { test.freedom_a, test.freedom_b } } };
         });
     }
 
     /// Of the same people in two sessions; whoever has not exactly one trial in each is left out and counted.
-    Json learning_test(const std::vector<ElasticityTrial>& trials, Tissue tissue, int from, int to)
+    Json learning_test(const std::vector<haptics::ElasticityTrial>& trials, haptics::Tissue tissue, int from, int to)
     {
         std::map<std::string, std::array<std::vector<double>, 2>> deviations;
-        for (const ElasticityTrial& trial : trials)
+        for (const haptics::ElasticityTrial& trial : trials)
             if (trial.tissue == tissue && (trial.session == from || trial.session == to))
                 deviations[trial.trainee][trial.session == from ? 0 : 1].push_back(
                     std::abs(trial.chosen_MPa - trial.right_MPa));
@@ -65,16 +65,19 @@ namespace {
             }
         const std::size_t left_out = deviations.size() - before.size();
         return test_document([&]() -> Json {
-            const TTest test = paired_t_test(before, after);
+            const haptics::TTest test = haptics::paired_t_test(before, after);
             return { { "sessions", { from, to } }, { "people", before.size() }, { "left_out", left_out },
                 { "t", test.t }, { "p", test.p }, { "freedom", test.freedom },
                 { "deviation_falls_by_MPa", test.difference } };
         });
     }
 
-    constexpr std::array kTissues { Tissue::normal, Tissue::sclerotic };
+    constexpr std::array kTissues { haptics::Tissue::normal, haptics::Tissue::sclerotic };
 
-    double right_of(Tissue tissue) { return tissue == Tissue::normal ? kNormalMPa : kScleroticMPa; }
+    double right_of(haptics::Tissue tissue)
+    {
+        return tissue == haptics::Tissue::normal ? haptics::kNormalMPa : haptics::kScleroticMPa;
+    }
 
     struct Findings {
         std::vector<BoxSeries> by_instruction, by_session;
@@ -82,20 +85,22 @@ namespace {
     };
 
     /// The first session, by what people were told before.
-    void add_instructions(Findings& findings, const std::vector<ElasticityTrial>& trials, Tissue tissue)
+    void add_instructions(
+        Findings& findings, const std::vector<haptics::ElasticityTrial>& trials, haptics::Tissue tissue)
     {
         BoxSeries boxes { .title = std::string(to_string(tissue)) + " by instruction, first session",
             .target = right_of(tissue),
             .boxes = {},
             .labels = {} };
         std::array<std::vector<double>, 3> of;
-        for (const Instruction one : { Instruction::none, Instruction::verbal, Instruction::haptic }) {
+        for (const haptics::Instruction one :
+            { haptics::Instruction::none, haptics::Instruction::verbal, haptics::Instruction::haptic }) {
             auto& values = of[static_cast<std::size_t>(one)];
             values = chosen(
                 trials, [&](const auto& t) { return t.tissue == tissue && t.instruction == one && t.session == 1; });
             if (values.empty())
                 continue;
-            boxes.boxes.push_back(box_numbers(values));
+            boxes.boxes.push_back(haptics::box_numbers(values));
             boxes.labels.push_back(std::string(to_string(one)));
             findings.instructions.push_back({ { "tissue", to_string(tissue) }, { "instruction", to_string(one) },
                 { "box_MPa", box_document(boxes.boxes.back()) } });
@@ -103,17 +108,19 @@ namespace {
         for (const auto& [a, b] : { std::pair<std::size_t, std::size_t> { 0, 1 }, { 0, 2 }, { 1, 2 } })
             if (!of[a].empty() && !of[b].empty())
                 findings.spreads.push_back({ { "tissue", to_string(tissue) },
-                    { "between", { to_string(static_cast<Instruction>(a)), to_string(static_cast<Instruction>(b)) } },
+                    { "between",
+                        { to_string(static_cast<haptics::Instruction>(a)),
+                            to_string(static_cast<haptics::Instruction>(b)) } },
                     { "F_test", spread_test(of[a], of[b]) } });
         if (!boxes.boxes.empty())
             findings.by_instruction.push_back(boxes);
     }
 
     /// All, by session.
-    void add_sessions(Findings& findings, const std::vector<ElasticityTrial>& trials, Tissue tissue)
+    void add_sessions(Findings& findings, const std::vector<haptics::ElasticityTrial>& trials, haptics::Tissue tissue)
     {
         int last = 1;
-        for (const ElasticityTrial& trial : trials)
+        for (const haptics::ElasticityTrial& trial : trials)
             last = std::max(last, trial.session);
         BoxSeries curve { .title = std::string(to_string(tissue)) + " by session",
             .target = right_of(tissue),
@@ -124,7 +131,7 @@ namespace {
                 = chosen(trials, [&](const auto& t) { return t.tissue == tissue && t.session == session; });
             if (values.empty())
                 continue;
-            curve.boxes.push_back(box_numbers(values));
+            curve.boxes.push_back(haptics::box_numbers(values));
             curve.labels.push_back(std::to_string(session));
             findings.sessions.push_back({ { "tissue", to_string(tissue) }, { "session", session },
                 { "box_MPa", box_document(curve.boxes.back()) } });
@@ -166,7 +173,7 @@ namespace {
         return text;
     }
 
-    std::string text_of(const QualityVerdict& verdict)
+    std::string text_of(const haptics::QualityVerdict& verdict)
     {
         if (verdict.persons == 0)
             return {};
@@ -176,7 +183,7 @@ namespace {
             + (verdict.passes() ? ": passes\n" : ": does not pass (8 of 10 are needed)\n");
     }
 
-    Json document_of(const QualityVerdict& verdict)
+    Json document_of(const haptics::QualityVerdict& verdict)
     {
         return { { "persons", verdict.persons }, { "authenticity", verdict.authenticity }, { "ease", verdict.ease },
             { "stability", verdict.stability }, { "passes", verdict.passes() } };
@@ -186,16 +193,16 @@ namespace {
 
 Outcome train_report(const std::filesystem::path& store_file, const std::filesystem::path& out, const Job& job)
 {
-    const TrialStore store(store_file);
-    const std::vector<ElasticityTrial> trials = store.trials();
+    const haptics::TrialStore store(store_file);
+    const std::vector<haptics::ElasticityTrial> trials = store.trials();
     if (trials.empty())
         throw InputError("there are no trials yet", store_file.string());
     Findings findings;
-    for (const Tissue tissue : kTissues) {
+    for (const haptics::Tissue tissue : kTissues) {
         add_instructions(findings, trials, tissue);
         add_sessions(findings, trials, tissue);
     }
-    const QualityVerdict verdict = judge(store.answers());
+    const haptics::QualityVerdict verdict = haptics::judge(store.answers());
     Outcome outcome;
     outcome.document
         = { { "store", store_file.string() }, { "trials", trials.size() }, { "by_instruction", findings.instructions },
@@ -205,7 +212,7 @@ Outcome train_report(const std::filesystem::path& store_file, const std::filesys
     if (out.empty())
         return outcome;
     make_folder(out);
-    write_file_atomically(out / "trials.csv", trials_csv(trials));
+    write_file_atomically(out / "trials.csv", haptics::trials_csv(trials));
     write_file_atomically(out / "trials.json", outcome.document.dump(2) + "\n");
     if (!findings.by_instruction.empty())
         write_box_chart(out / "instruction.png", findings.by_instruction, "instruction", job);
@@ -215,4 +222,4 @@ Outcome train_report(const std::filesystem::path& store_file, const std::filesys
     return outcome;
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

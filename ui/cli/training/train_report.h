@@ -5,10 +5,10 @@
 
 #include <filesystem>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 /// @param out folder for trials.csv, trials.json and the charts; empty: none. @throws InputError when there is no
 /// trial.
 Outcome train_report(const std::filesystem::path& store, const std::filesystem::path& out, const Job& job);
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

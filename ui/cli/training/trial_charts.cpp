@@ -4,14 +4,14 @@
 
 #include <algorithm>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 namespace {
 
     constexpr double kHalf = 0.3; ///< of a box's width
 
     /// Low and high ends, box from quartile to quartile, median: each a curve, all of one name.
-    void add_box(ChartPanel& panel, double x, const BoxNumbers& box)
+    void add_box(ChartPanel& panel, double x, const haptics::BoxNumbers& box)
     {
         const auto curve = [&](std::vector<double> xs, std::vector<double> ys) {
             panel.series.push_back({ .name = "quartiles, median, ends",
@@ -67,4 +67,4 @@ void write_box_chart(
     write_png(file, renderer.render(chart));
 }
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

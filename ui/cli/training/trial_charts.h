@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 
 /// Boxes side by side, with the value that was right as a line.
 struct BoxSeries {
     std::string title;
     double target = 0.0; ///< MPa
-    std::vector<BoxNumbers> boxes;
+    std::vector<haptics::BoxNumbers> boxes;
     std::vector<std::string> labels; ///< one per box
 };
 
@@ -22,4 +22,4 @@ struct BoxSeries {
 void write_box_chart(const std::filesystem::path& file, const std::vector<BoxSeries>& series,
     const std::string& x_title, const Job& job);
 
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -23,7 +23,7 @@
 #include <numbers>
 #include <string>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -363,4 +363,4 @@ void fill_marker(vtkRenderer& marker, vtkRenderer& main)
     observe_start(marker, follow_main_camera, &main, nullptr);
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -5,7 +5,7 @@
 
 class vtkRenderer;
 
-namespace retractor {
+namespace retractor::ui {
 
 /// Adds title, notes and legend, sized so that they are read at arm's length and stay inside the view.
 /// @param width, height of the view in pixels.
@@ -30,4 +30,4 @@ char anatomical_letter(const Vec3& direction);
 /// The longest of 1, 2, 5, 10, 20, 50 ... mm that is not longer than `longest_mm`.
 double round_length(double longest_mm);
 
-} // namespace retractor
+} // namespace retractor::ui

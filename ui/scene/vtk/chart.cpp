@@ -23,7 +23,7 @@
 #include <limits>
 #include <map>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -277,4 +277,4 @@ ChartView::ChartView(vtkRenderWindow& window, const ChartPicture& picture)
 
 ChartView::~ChartView() { state_->window->RemoveRenderer(state_->renderer); }
 
-} // namespace retractor
+} // namespace retractor::ui

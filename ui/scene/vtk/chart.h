@@ -9,7 +9,7 @@
 
 class vtkRenderWindow;
 
-namespace retractor {
+namespace retractor::ui {
 
 /// A curve; values that are not finite, and on a logarithmic axis not positive, are left out.
 struct ChartSeries {
@@ -50,4 +50,4 @@ private:
     std::unique_ptr<State> state_;
 };
 
-} // namespace retractor
+} // namespace retractor::ui

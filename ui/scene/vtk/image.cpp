@@ -15,7 +15,7 @@
 #include <limits>
 #include <string_view>
 
-namespace retractor {
+namespace retractor::ui {
 
 void write_png(const std::filesystem::path& path, const Image& image)
 {
@@ -78,4 +78,4 @@ double psnr_db(const Image& a, const Image& b)
     return 10.0 * std::log10(255.0 * 255.0 * static_cast<double>(a.rgb.size()) / sum);
 }
 
-} // namespace retractor
+} // namespace retractor::ui

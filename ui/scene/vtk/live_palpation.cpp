@@ -18,7 +18,7 @@
 
 #include <cmath>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -176,4 +176,4 @@ std::vector<vtkProp*> LivePalpation::props() const
     return all;
 }
 
-} // namespace retractor
+} // namespace retractor::ui

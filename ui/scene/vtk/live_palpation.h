@@ -7,7 +7,7 @@
 #include <array>
 #include <span>
 
-namespace retractor {
+namespace retractor::ui {
 
 struct ShownBall {
     Vec3 centre = Vec3::Zero();
@@ -41,4 +41,4 @@ private:
     std::unique_ptr<State> state_;
 };
 
-} // namespace retractor
+} // namespace retractor::ui

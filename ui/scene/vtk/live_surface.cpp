@@ -19,7 +19,7 @@
 #include <cmath>
 #include <string>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -300,4 +300,4 @@ std::vector<vtkProp*> LiveSurface::props() const
     return all;
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -10,7 +10,7 @@
 
 class vtkProp;
 
-namespace retractor {
+namespace retractor::ui {
 
 /// What changes only when something is cut. Vertices are rows of the positions.
 struct LiveTopology {
@@ -60,4 +60,4 @@ private:
     std::unique_ptr<State> state_;
 };
 
-} // namespace retractor
+} // namespace retractor::ui

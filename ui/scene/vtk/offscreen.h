@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace retractor {
+namespace retractor::ui {
 
 /// An OpenGL context without a window. Use it from one thread at a time.
 class OffscreenContext {
@@ -28,4 +28,4 @@ public:
 /// Defined by the provider that is linked. @throws IoError naming the step when no context can be made.
 std::unique_ptr<OffscreenContext> make_offscreen_context();
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -10,7 +10,7 @@
 #include <array>
 #include <string>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -97,4 +97,4 @@ namespace {
 
 std::unique_ptr<OffscreenContext> make_offscreen_context() { return std::make_unique<EglContext>(); }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -27,7 +27,7 @@ __attribute__((visibility("default"), used)) GlFunction glXGetProcAddress(const 
 }
 }
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -87,4 +87,4 @@ namespace {
 
 std::unique_ptr<OffscreenContext> make_offscreen_context() { return std::make_unique<OsmesaContext>(); }
 
-} // namespace retractor
+} // namespace retractor::ui

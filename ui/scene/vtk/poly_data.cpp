@@ -4,7 +4,7 @@
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 
-namespace retractor {
+namespace retractor::ui {
 
 vtkSmartPointer<vtkPolyData> poly_data(const TriMesh& mesh, PointType type)
 {
@@ -24,4 +24,4 @@ vtkSmartPointer<vtkPolyData> poly_data(const TriMesh& mesh, PointType type)
     return data;
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -7,7 +7,7 @@
 
 class vtkPolyData;
 
-namespace retractor {
+namespace retractor::ui {
 
 enum class PointType {
     single_precision, ///< what graphics cards take
@@ -17,4 +17,4 @@ enum class PointType {
 /// Vertices (mm) and triangles alone. @pre triangles name vertices of the mesh.
 vtkSmartPointer<vtkPolyData> poly_data(const TriMesh& mesh, PointType type);
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -19,7 +19,7 @@
 #include <algorithm>
 #include <string>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -205,4 +205,4 @@ TargetPixels OffscreenRenderer::target_pixels(const Scene& scene, int width, int
     return pixels;
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -11,7 +11,7 @@
 #include <memory>
 #include <vector>
 
-namespace retractor {
+namespace retractor::ui {
 
 /// Red, green, blue per pixel; the first row is the top one.
 struct Image {
@@ -62,4 +62,4 @@ Image read_png(const std::filesystem::path& path);
 /// @throws InputError when the sizes differ.
 double psnr_db(const Image& a, const Image& b);
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -15,7 +15,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -192,4 +192,4 @@ Camera SceneView::camera() const
 
 vtkRenderer& SceneView::renderer() { return *state_->main; }
 
-} // namespace retractor
+} // namespace retractor::ui

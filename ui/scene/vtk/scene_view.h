@@ -9,7 +9,7 @@
 class vtkRenderer;
 class vtkRenderWindow;
 
-namespace retractor {
+namespace retractor::ui {
 
 /// One rectangle of a window. Needs the window's size to be set, and its context to exist when shown.
 class SceneView {
@@ -32,4 +32,4 @@ private:
     std::unique_ptr<State> state_;
 };
 
-} // namespace retractor
+} // namespace retractor::ui

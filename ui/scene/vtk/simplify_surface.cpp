@@ -12,7 +12,7 @@
 #include <limits>
 #include <string>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -76,4 +76,4 @@ TriMesh with_edges_at_most(const TriMesh& surface, double longest_mm)
     return bare_surface(*subdivision->GetOutput());
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -4,7 +4,7 @@
 
 #include "mesh/base/geometry.h"
 
-namespace retractor {
+namespace retractor::ui {
 
 /// @param share of the triangles that is kept, 0 to 1; 1 gives the surface itself. Quadric error decimation [Garland,
 /// Heckbert 1997]; borders may recede by about a triangle. Labels are dropped: faces do not survive.
@@ -15,4 +15,4 @@ TriMesh simplified(const TriMesh& surface, double share);
 /// @throws InputError on a length that is not positive, indices out of range or coordinates that are not finite.
 TriMesh with_edges_at_most(const TriMesh& surface, double longest_mm);
 
-} // namespace retractor
+} // namespace retractor::ui

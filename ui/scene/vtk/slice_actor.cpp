@@ -13,7 +13,7 @@
 #include <cmath>
 #include <optional>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -23,9 +23,9 @@ namespace {
     constexpr double kPixelsPerVoxel = 2.0;
 
     /// Trilinear; nothing outside the grid.
-    std::optional<double> value_at(const Volume& image, const Vec3& world)
+    std::optional<double> value_at(const mesh::Volume& image, const Vec3& world)
     {
-        const ImageGrid& grid = image.grid;
+        const mesh::ImageGrid& grid = image.grid;
         const Vec3 at = grid.index(world);
         std::array<int, 3> low {};
         std::array<double, 3> share {};
@@ -55,7 +55,7 @@ namespace {
     /// The rectangle of the plane that covers the grid, as pixels.
     SliceImage frame_of(const SliceItem& slice)
     {
-        const ImageGrid& grid = slice.image->grid;
+        const mesh::ImageGrid& grid = slice.image->grid;
         Vec3 low = grid.world(Vec3(-0.5, -0.5, -0.5)), high = low;
         for (int corner = 1; corner < 8; ++corner) {
             const Vec3 p = grid.world(Vec3((corner & 1) != 0 ? grid.size[0] - 0.5 : -0.5,
@@ -91,7 +91,8 @@ namespace {
         labels.reserve(static_cast<std::size_t>(image.columns) * static_cast<std::size_t>(image.rows));
         for (int row = 0; row < image.rows; ++row)
             for (int column = 0; column < image.columns; ++column)
-                labels.push_back(label_at(*slice.labels, image.corner + column * image.across + row * image.upward));
+                labels.push_back(
+                    mesh::label_at(*slice.labels, image.corner + column * image.across + row * image.upward));
         return labels;
     }
 
@@ -169,4 +170,4 @@ vtkSmartPointer<vtkActor> slice_actor(const SliceItem& slice)
     return actor;
 }
 
-} // namespace retractor
+} // namespace retractor::ui

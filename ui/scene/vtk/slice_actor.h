@@ -10,7 +10,7 @@
 
 class vtkActor;
 
-namespace retractor {
+namespace retractor::ui {
 
 /// A slice as pixels. Pixel (column, row) has its centre at corner + column * across + row * upward.
 struct SliceImage {
@@ -24,4 +24,4 @@ struct SliceImage {
 SliceImage sample_slice(const SliceItem& slice);
 vtkSmartPointer<vtkActor> slice_actor(const SliceItem& slice);
 
-} // namespace retractor
+} // namespace retractor::ui

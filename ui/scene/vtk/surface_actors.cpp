@@ -23,7 +23,7 @@
 #include <map>
 #include <utility>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -194,4 +194,4 @@ vtkSmartPointer<vtkActor> hook_actor(const HookItem& item)
     return surface_actors(surface).front();
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -9,7 +9,7 @@
 
 class vtkActor;
 
-namespace retractor {
+namespace retractor::ui {
 
 /// One actor per look that the surface has.
 std::vector<vtkSmartPointer<vtkActor>> surface_actors(const SurfaceItem& item);
@@ -18,4 +18,4 @@ vtkSmartPointer<vtkActor> flat_actor(const TriMesh& mesh, const Color& color);
 vtkSmartPointer<vtkActor> line_actor(const LineItem& item, double picture_height_px);
 vtkSmartPointer<vtkActor> hook_actor(const HookItem& item);
 
-} // namespace retractor
+} // namespace retractor::ui

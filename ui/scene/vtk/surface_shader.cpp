@@ -6,7 +6,7 @@
 
 #include <string>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -166,4 +166,4 @@ void apply_look(vtkActor& actor, const Look& look, bool highlighted)
         add_texture(shader, v, look.texture);
 }
 
-} // namespace retractor
+} // namespace retractor::ui

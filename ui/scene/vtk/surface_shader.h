@@ -5,8 +5,8 @@
 
 class vtkActor;
 
-namespace retractor {
+namespace retractor::ui {
 
 void apply_look(vtkActor& actor, const Look& look, bool highlighted);
 
-} // namespace retractor
+} // namespace retractor::ui

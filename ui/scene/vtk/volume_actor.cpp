@@ -17,7 +17,7 @@
 #include <array>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -110,21 +110,21 @@ namespace {
 
     /// A grid of right-handed axes over the same voxels: a left-handed one is read backwards along k.
     struct Placed {
-        ImageGrid grid;
+        mesh::ImageGrid grid;
         bool reversed_k = false;
     };
 
-    Placed right_handed(const ImageGrid& grid)
+    Placed right_handed(const mesh::ImageGrid& grid)
     {
         if (grid.direction.determinant() > 0.0)
             return { grid, false };
-        ImageGrid mirrored = grid;
+        mesh::ImageGrid mirrored = grid;
         mirrored.origin = grid.world(Vec3(0, 0, grid.size[2] - 1));
         mirrored.direction.col(2) *= -1.0;
         return { mirrored, true };
     }
 
-    vtkSmartPointer<vtkMatrix4x4> pose_of(const ImageGrid& grid)
+    vtkSmartPointer<vtkMatrix4x4> pose_of(const mesh::ImageGrid& grid)
     {
         auto matrix = vtkSmartPointer<vtkMatrix4x4>::New();
         for (int r = 0; r < 3; ++r) {
@@ -137,7 +137,7 @@ namespace {
 
     /// One pass of (1 2 1) / 4 along each axis: shading by gradients turns CT noise into grain. It reaches one voxel
     /// far, as far as hide_voxels() hides beyond the mask.
-    void smooth_noise(std::vector<std::int16_t>& voxels, const ImageGrid& grid)
+    void smooth_noise(std::vector<std::int16_t>& voxels, const mesh::ImageGrid& grid)
     {
         std::size_t stride = 1;
         for (const int size : grid.size) {
@@ -162,7 +162,7 @@ namespace {
     }
 
     /// Sets every voxel with a non-zero neighbour along `axis`.
-    void spread(std::vector<std::uint8_t>& flags, const ImageGrid& grid, std::size_t axis)
+    void spread(std::vector<std::uint8_t>& flags, const mesh::ImageGrid& grid, std::size_t axis)
     {
         std::size_t stride = 1;
         for (std::size_t a = 0; a < axis; ++a)
@@ -184,7 +184,7 @@ namespace {
     }
 
     /// One byte per voxel of `grid`, non-zero = hidden by the mask or beside such a voxel.
-    std::vector<std::uint8_t> hidden_in(const ImageGrid& grid, const VoxelMask& mask)
+    std::vector<std::uint8_t> hidden_in(const mesh::ImageGrid& grid, const VoxelMask& mask)
     {
         const auto [nx, ny, nz] = grid.size;
         std::vector<std::uint8_t> hidden(grid.voxel_count(), 0);
@@ -221,7 +221,7 @@ namespace {
         std::array<int, 3> low {}, high {}; ///< inclusive
     };
 
-    IndexBox visible_box(const Volume& image, const std::vector<std::uint8_t>& hidden, double above)
+    IndexBox visible_box(const mesh::Volume& image, const std::vector<std::uint8_t>& hidden, double above)
     {
         constexpr int kMargin = 3;
         const auto [nx, ny, nz] = image.grid.size;
@@ -247,13 +247,13 @@ namespace {
     }
 
     /// What is drawn: without noise, hidden voxels as air, and no more of the image than can show.
-    Volume shown_part(const VolumeItem& item)
+    mesh::Volume shown_part(const VolumeItem& item)
     {
-        const Volume& image = *item.image;
+        const mesh::Volume& image = *item.image;
         const std::vector<std::uint8_t> hidden
             = item.mask != nullptr ? hidden_in(image.grid, *item.mask) : std::vector<std::uint8_t> {};
         const IndexBox box = visible_box(image, hidden, clear_below(item.preset));
-        Volume part { image.grid, {} };
+        mesh::Volume part { image.grid, {} };
         part.grid.origin = image.grid.world(Vec3(box.low[0], box.low[1], box.low[2]));
         for (std::size_t a = 0; a < 3; ++a)
             part.grid.size[a] = box.high[a] - box.low[a] + 1;
@@ -273,9 +273,9 @@ namespace {
         return part;
     }
 
-    vtkSmartPointer<vtkImageData> image_of(const Volume& shown, bool reversed_k)
+    vtkSmartPointer<vtkImageData> image_of(const mesh::Volume& shown, bool reversed_k)
     {
-        const ImageGrid& grid = shown.grid;
+        const mesh::ImageGrid& grid = shown.grid;
         auto scalars = vtkSmartPointer<vtkShortArray>::New();
         scalars->SetNumberOfValues(static_cast<vtkIdType>(shown.voxels.size()));
         const std::size_t layer = static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[1]);
@@ -314,7 +314,7 @@ namespace {
 
 } // namespace
 
-std::vector<std::int16_t> hide_voxels(const Volume& image, const VoxelMask& mask)
+std::vector<std::int16_t> hide_voxels(const mesh::Volume& image, const VoxelMask& mask)
 {
     const std::vector<std::uint8_t> hidden = hidden_in(image.grid, mask);
     std::vector<std::int16_t> shown = image.voxels;
@@ -368,7 +368,7 @@ vtkSmartPointer<vtkVolume> VolumeCache::volume(const VolumeItem& item)
             return entry.volume;
         }
     const Stopwatch watch;
-    const Volume shown = shown_part(item);
+    const mesh::Volume shown = shown_part(item);
     const Placed placed = right_handed(shown.grid);
     const auto data = image_of(shown, placed.reversed_k);
     auto mapper = vtkSmartPointer<vtkOpenGLGPUVolumeRayCastMapper>::New();
@@ -403,4 +403,4 @@ void VolumeCache::set_interactive(bool interactive)
         state_->set_quality(entry);
 }
 
-} // namespace retractor
+} // namespace retractor::ui

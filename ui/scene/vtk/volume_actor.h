@@ -12,11 +12,11 @@
 
 class vtkVolume;
 
-namespace retractor {
+namespace retractor::ui {
 
 /// The image with hidden voxels, and those half filled at their border, turned to air. Voxels of `image` whose
 /// centre lies in a hidden voxel of `mask`, and their neighbours, are hidden.
-std::vector<std::int16_t> hide_voxels(const Volume& image, const VoxelMask& mask);
+std::vector<std::int16_t> hide_voxels(const mesh::Volume& image, const VoxelMask& mask);
 
 /// The volumes of the views of one window. A volume whose image, mask, crop box, preset and opacity were shown before
 /// is not built again; those that no view has asked for since the last sweep() are let go.
@@ -38,4 +38,4 @@ private:
     std::unique_ptr<State> state_;
 };
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <mutex>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -79,4 +79,4 @@ void VtkErrorTrap::throw_if_error(const std::string& doing) const
         throw IoError(doing + ": the drawing library reports: " + text, "vtk");
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace retractor {
+namespace retractor::ui {
 
 class VtkErrorTrap {
 public:
@@ -22,4 +22,4 @@ private:
     State* state_;
 };
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -21,7 +21,7 @@
 #include <limits>
 #include <utility>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -37,7 +37,7 @@ namespace {
     /// What is taken out round the place that is pointed at, mm; 0: the piece that was cut free there.
     constexpr std::array kRemovalRadiiMm { 0, 5, 10, 20, 40 };
 
-    QString left_out_text(const CutEntry& cut)
+    QString left_out_text(const planner::CutEntry& cut)
     {
         if (cut.left_out.empty())
             return {};
@@ -46,7 +46,7 @@ namespace {
     }
 
     /// Why flat elements were left; empty when there are none.
-    QString angle_remark(const CutReport& report)
+    QString angle_remark(const mesh::CutReport& report)
     {
         if (report.worst_dihedral_deg >= kFlatDeg)
             return {};
@@ -62,7 +62,7 @@ namespace {
     }
 
     /// When no retractor pulls so hard; empty else.
-    QString force_remark(const HookReport& report)
+    QString force_remark(const planner::HookReport& report)
     {
         if (std::max(report.side_N[0], report.side_N[1]) <= kStrongestN)
             return {};
@@ -72,7 +72,7 @@ namespace {
     }
 
     /// When the wound is opened beyond what its tissue bears; empty else.
-    QString strain_remark(const HookReport& report)
+    QString strain_remark(const planner::HookReport& report)
     {
         if (report.hooks.empty() || !report.settled || report.strain.p99 <= kTearingStrain)
             return {};
@@ -81,7 +81,7 @@ namespace {
     }
 
     /// When hooks hold each other back; empty else.
-    QString meeting_remark(const HookReport& report)
+    QString meeting_remark(const planner::HookReport& report)
     {
         if (report.meeting.empty())
             return {};
@@ -89,7 +89,7 @@ namespace {
     }
 
     /// When the picture shows what contact would not let happen; empty else.
-    QString overlap_remark(const HookReport& report)
+    QString overlap_remark(const planner::HookReport& report)
     {
         constexpr double kSaidMm = 0.5; // less is not seen
         if (report.hooks.empty() || report.lip_overlap_mm < kSaidMm)
@@ -99,7 +99,7 @@ namespace {
             .arg(report.lip_overlap_mm, 0, 'f', 1);
     }
 
-    QString remarks(const HookReport& report)
+    QString remarks(const planner::HookReport& report)
     {
         QStringList said { meeting_remark(report), overlap_remark(report), force_remark(report),
             strain_remark(report) };
@@ -110,9 +110,9 @@ namespace {
     QString newtons(double force_N) { return QString("%1 N").arg(force_N, 0, 'f', force_N < 10.0 ? 2 : 1); }
 
     /// "left 1   12.3 of 15.0 mm, 60.0 N: yields"
-    QString hook_text(const HookState& hook)
+    QString hook_text(const planner::HookState& hook)
     {
-        const HookDrive& drive = hook.drive;
+        const fem::HookDrive& drive = hook.drive;
         QString text
             = QString("%1   %2").arg(QString::fromStdString(hook.name)).arg(hook.displacement.norm(), 0, 'f', 1);
         if (!drive.force_N && (hook.yielded || std::isfinite(drive.grip_N_per_mm)))
@@ -131,16 +131,16 @@ namespace {
     }
 
     /// "2.1 cm³ of skin"
-    QString taken_out_text(const CutEntry& cut)
+    QString taken_out_text(const planner::CutEntry& cut)
     {
         return QString("%1 cm³%2 %3")
             .arg(cut.report.removed_volume_mm3 / 1000.0, 0, 'f', 1)
             .arg(cut.several_tissues ? ", mostly" : " of", QString::fromStdString(cut.taken_out));
     }
 
-    QString entry_text(const CutEntry& cut)
+    QString entry_text(const planner::CutEntry& cut)
     {
-        const CutReport& r = cut.report;
+        const mesh::CutReport& r = cut.report;
         if (cut.restored && !cut.taken_out.empty())
             return QString("Taken out %1   restored\n").arg(cut.number) + taken_out_text(cut);
         if (cut.restored)
@@ -177,7 +177,7 @@ KnifePanel::KnifePanel(QWidget* parent)
     depth_->setRange(1.0, kDeepestMm);
     depth_->setDecimals(0);
     depth_->setSingleStep(5.0);
-    depth_->setValue(KnifeSettings {}.depth_mm);
+    depth_->setValue(planner::KnifeSettings {}.depth_mm);
     depth_->setSuffix(" mm");
     depth_->setToolTip("How far below the skin the blade reaches");
     form->addRow("Depth", depth_);
@@ -387,14 +387,14 @@ QString KnifePanel::opening_text(int value) const
 
 /// The slider follows where hooks were drawn by the mouse, or as planned: all of them together. Hooks that pull with a
 /// force go by it as their plan does.
-void KnifePanel::show_opening(const std::vector<HookState>& hooks)
+void KnifePanel::show_opening(const std::vector<planner::HookState>& hooks)
 {
-    if (const std::optional<double> share = share_of_plan(hooks)) {
+    if (const std::optional<double> share = planner::share_of_plan(hooks)) {
         set_opening(static_cast<int>(std::lround(100.0 * *share)), true);
         return;
     }
     double mm = 0.0;
-    for (const HookState& hook : hooks)
+    for (const planner::HookState& hook : hooks)
         mm += hook.drive.displacement.dot(hook.seat.pull) / static_cast<double>(hooks.size());
     set_opening(static_cast<int>(std::lround(mm)), false);
 }
@@ -412,16 +412,16 @@ void KnifePanel::set_opening(int value, bool by_share)
     opening_text_->setText(opening_text(opening_->value()));
 }
 
-void KnifePanel::show_hooks(const SessionSnapshot* snapshot)
+void KnifePanel::show_hooks(const planner::SessionSnapshot* snapshot)
 {
-    const bool ready = snapshot != nullptr && snapshot->phase == SessionSnapshot::Phase::ready;
-    const HookReport report = ready ? snapshot->hooks : HookReport {};
+    const bool ready = snapshot != nullptr && snapshot->phase == planner::SessionSnapshot::Phase::ready;
+    const planner::HookReport report = ready ? snapshot->hooks : planner::HookReport {};
     const auto count = static_cast<int>(report.hooks.size());
     while (hooks_->count() > count)
         delete hooks_->takeItem(hooks_->count() - 1);
     hook_ids_.clear();
     for (int i = 0; i < count; ++i) {
-        const HookState& hook = report.hooks[static_cast<std::size_t>(i)];
+        const planner::HookState& hook = report.hooks[static_cast<std::size_t>(i)];
         if (hooks_->count() <= i)
             hooks_->addItem(QString());
         hooks_->item(i)->setText(hook_text(hook));
@@ -429,7 +429,8 @@ void KnifePanel::show_hooks(const SessionSnapshot* snapshot)
     }
     hooks_->setVisible(count > 0);
     const bool wound = ready
-        && std::any_of(snapshot->cuts.begin(), snapshot->cuts.end(), [](const CutEntry& cut) { return cut.in_force; });
+        && std::any_of(
+            snapshot->cuts.begin(), snapshot->cuts.end(), [](const planner::CutEntry& cut) { return cut.in_force; });
     planned_->setEnabled(wound && !snapshot->stroke_open && snapshot->planned_hooks > 0);
     planned_->setToolTip(!ready || snapshot->planned_hooks > 0 ? "The approach's hooks, opened as it says"
                                                                : "The approach has no hooks");
@@ -437,7 +438,7 @@ void KnifePanel::show_hooks(const SessionSnapshot* snapshot)
     hook_off_->setEnabled(count > 0);
     hooks_off_->setEnabled(count > 0);
     // The unit at once, or a slider in mm would move hooks that are driven by their share of the plan.
-    const bool other_unit = share_of_plan(report.hooks).has_value() != by_share_;
+    const bool other_unit = planner::share_of_plan(report.hooks).has_value() != by_share_;
     if (count == 0 || other_unit || (report.settled && !opening_->isSliderDown()))
         show_opening(report.hooks);
     const QString warning = report.refusal.empty() ? remarks(report) : QString::fromStdString(report.refusal);
@@ -447,23 +448,23 @@ void KnifePanel::show_hooks(const SessionSnapshot* snapshot)
     if (count == 0)
         return;
     const Vec3& at = report.strain.where;
-    numbers_->setText(
-        QString("%1 on one side, %2 on the other\n%3\n%6\n%4frame %5 ms")
-            .arg(newtons(report.side_N[0]))
-            .arg(newtons(report.side_N[1]))
-            .arg(report.settled ? QString("strain %1 % (p99) at (%2, %3, %4) mm")
-                                      .arg(100.0 * report.strain.p99, 0, 'f', 0)
-                                      .arg(at.x(), 0, 'f', 0)
-                                      .arg(at.y(), 0, 'f', 0)
-                                      .arg(at.z(), 0, 'f', 0)
-                                : QString("strain when the hand rests"))
-            .arg(report.shown == ShownAnswer::linear_since ? QString() // a sum of two answers
-                                                           : QString("residual %1, ").arg(report.residual, 0, 'e', 0))
-            .arg(report.frame_ms, 0, 'f', 0)
-            .arg(QString::fromStdString(report.shown_text)));
+    numbers_->setText(QString("%1 on one side, %2 on the other\n%3\n%6\n%4frame %5 ms")
+                          .arg(newtons(report.side_N[0]))
+                          .arg(newtons(report.side_N[1]))
+                          .arg(report.settled ? QString("strain %1 % (p99) at (%2, %3, %4) mm")
+                                                    .arg(100.0 * report.strain.p99, 0, 'f', 0)
+                                                    .arg(at.x(), 0, 'f', 0)
+                                                    .arg(at.y(), 0, 'f', 0)
+                                                    .arg(at.z(), 0, 'f', 0)
+                                              : QString("strain when the hand rests"))
+                          .arg(report.shown == planner::ShownAnswer::linear_since
+                                  ? QString() // a sum of two answers
+                                  : QString("residual %1, ").arg(report.residual, 0, 'e', 0))
+                          .arg(report.frame_ms, 0, 'f', 0)
+                          .arg(QString::fromStdString(report.shown_text)));
 }
 
-KnifeSettings KnifePanel::settings() const
+planner::KnifeSettings KnifePanel::settings() const
 {
     return { .depth_mm = depth_->value(), .through_wall = through_->isChecked(), .cuts_bone = bone_->isChecked() };
 }
@@ -500,10 +501,10 @@ void KnifePanel::offer_case_tension(double strain)
         tension_->setCurrentIndex(case_tension_item_);
 }
 
-void KnifePanel::show_snapshot(const SessionSnapshot* snapshot, double draw_ms)
+void KnifePanel::show_snapshot(const planner::SessionSnapshot* snapshot, double draw_ms)
 {
-    const bool ready = snapshot != nullptr && snapshot->phase == SessionSnapshot::Phase::ready;
-    const bool asking = snapshot != nullptr && snapshot->phase == SessionSnapshot::Phase::asking;
+    const bool ready = snapshot != nullptr && snapshot->phase == planner::SessionSnapshot::Phase::ready;
+    const bool asking = snapshot != nullptr && snapshot->phase == planner::SessionSnapshot::Phase::asking;
     question_->setVisible(asking);
     if (asking)
         question_text_->setText(snapshot->kept_cuts == 0
@@ -517,7 +518,7 @@ void KnifePanel::show_snapshot(const SessionSnapshot* snapshot, double draw_ms)
     while (cuts_->count() > count)
         delete cuts_->takeItem(cuts_->count() - 1);
     for (int i = 0; i < count; ++i) {
-        const CutEntry& cut = snapshot->cuts[static_cast<std::size_t>(i)];
+        const planner::CutEntry& cut = snapshot->cuts[static_cast<std::size_t>(i)];
         if (cuts_->count() <= i)
             cuts_->addItem(QString());
         QListWidgetItem* item = cuts_->item(i);
@@ -538,4 +539,4 @@ void KnifePanel::show_snapshot(const SessionSnapshot* snapshot, double draw_ms)
                             .arg(draw_ms, 0, 'f', 0));
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -17,20 +17,20 @@ class QListWidget;
 class QPushButton;
 class QSlider;
 
-namespace retractor {
+namespace retractor::ui {
 
 class KnifePanel : public QWidget {
 public:
     explicit KnifePanel(QWidget* parent = nullptr);
 
-    KnifeSettings settings() const;
+    planner::KnifeSettings settings() const;
     double removal_radius_mm() const; ///< of what is taken out; 0: a piece that was cut free
     double tension() const; ///< strain
     void set_tension(double strain); ///< one of those offered
     /// Among the others, and takes it: what the case's plans are made with. 0: the case has none.
     void offer_case_tension(double strain);
     /// @param snapshot null: there is no table laid out.
-    void show_snapshot(const SessionSnapshot* snapshot, double draw_ms);
+    void show_snapshot(const planner::SessionSnapshot* snapshot, double draw_ms);
 
     // Set by the owner; called when something is pressed or set.
     std::function<void(surgery::Command)> on_command;
@@ -63,8 +63,8 @@ private:
     QWidget* make_hooks();
     void give(surgery::Command command);
     void take_off_chosen_hook();
-    void show_hooks(const SessionSnapshot* snapshot);
-    void show_opening(const std::vector<HookState>& hooks);
+    void show_hooks(const planner::SessionSnapshot* snapshot);
+    void show_opening(const std::vector<planner::HookState>& hooks);
     void set_opening(int value, bool by_share);
     QString opening_text(int value) const;
     QDoubleSpinBox* depth_ = nullptr;
@@ -83,9 +83,9 @@ private:
     bool by_share_ = false; ///< the slider is in per cent of the plan, not in mm
     QDoubleSpinBox* yield_ = nullptr;
     QListWidget* hooks_ = nullptr;
-    std::vector<HookId> hook_ids_; ///< per entry of the list
+    std::vector<fem::HookId> hook_ids_; ///< per entry of the list
     QPushButton *planned_ = nullptr, *hook_off_ = nullptr, *hooks_off_ = nullptr;
     QLabel *numbers_ = nullptr, *refusal_ = nullptr;
 };
 
-} // namespace retractor
+} // namespace retractor::ui

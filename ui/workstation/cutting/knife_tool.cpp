@@ -12,7 +12,7 @@
 #include <utility>
 #include <variant>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -27,7 +27,7 @@ namespace {
     constexpr Color kCutSkin { 0.80, 0.36, 0.33 };
 
     /// Where its patch is now.
-    Vec3 shown_centre(const HookState& hook, const WallPicture& picture)
+    Vec3 shown_centre(const planner::HookState& hook, const planner::WallPicture& picture)
     {
         Vec3 sum = Vec3::Zero();
         int count = 0;
@@ -39,7 +39,7 @@ namespace {
         return count > 0 ? Vec3(sum / count) : hook.seat.centre;
     }
 
-    TriMesh steel_of(const HookState& hook, const WallPicture& picture)
+    TriMesh steel_of(const planner::HookState& hook, const planner::WallPicture& picture)
     {
         return hook_mesh({ .name = hook.name,
             .position = shown_centre(hook, picture),
@@ -68,12 +68,12 @@ namespace {
         return look;
     }
 
-    LiveTopology topology_of(const WallSurface& surface, const std::map<Label, Look>& looks)
+    LiveTopology topology_of(const planner::WallSurface& surface, const std::map<Label, Look>& looks)
     {
         LiveTopology topology;
         topology.triangles = surface.triangles;
         topology.rest = surface.rest;
-        topology.rims = wound_rims(surface);
+        topology.rims = planner::wound_rims(surface);
         std::map<std::pair<Label, bool>, int> number_of;
         // All looks from the start: their number stays the same when the first lip appears.
         for (const auto& [label, look] : looks)
@@ -139,15 +139,15 @@ void KnifeTool::lay_out(std::size_t approach, std::function<KnifeTable(const Job
     leave();
     Table& table = tables_[approach];
     shown_ = approach;
-    if (table.worker == nullptr || table.snapshot->phase == SessionSnapshot::Phase::failed) {
-        table.snapshot = std::make_shared<const SessionSnapshot>();
+    if (table.worker == nullptr || table.snapshot->phase == planner::SessionSnapshot::Phase::failed) {
+        table.snapshot = std::make_shared<const planner::SessionSnapshot>();
         table.surroundings = std::make_shared<Scene>();
         auto lay = [prepare = std::move(prepare), surroundings = table.surroundings](const Job& job) {
             KnifeTable laid = prepare(job);
             *surroundings = std::move(laid.surroundings);
             return std::move(laid.table);
         };
-        table.worker = std::make_unique<KnifeWorker>(std::move(lay), [this, approach] {
+        table.worker = std::make_unique<planner::KnifeWorker>(std::move(lay), [this, approach] {
             QMetaObject::invokeMethod(
                 this, [this, approach] { take_snapshot(approach); }, Qt::QueuedConnection);
         });
@@ -226,17 +226,21 @@ void KnifeTool::say(const std::string& text, bool refused) const
 std::shared_ptr<const Scene> KnifeTool::scene() const
 {
     const Table* table = shown();
-    return table != nullptr && table->snapshot->phase == SessionSnapshot::Phase::ready ? table->surroundings : nullptr;
+    return table != nullptr && table->snapshot->phase == planner::SessionSnapshot::Phase::ready ? table->surroundings
+                                                                                                : nullptr;
 }
 
-const SessionSnapshot* KnifeTool::snapshot() const { return shown() != nullptr ? shown()->snapshot.get() : nullptr; }
+const planner::SessionSnapshot* KnifeTool::snapshot() const
+{
+    return shown() != nullptr ? shown()->snapshot.get() : nullptr;
+}
 
 QString KnifeTool::waiting_for() const
 {
-    const SessionSnapshot* now = snapshot();
-    if (now != nullptr && now->phase == SessionSnapshot::Phase::asking)
+    const planner::SessionSnapshot* now = snapshot();
+    if (now != nullptr && now->phase == planner::SessionSnapshot::Phase::asking)
         return QString("Restore last cuts (%1)? Answer on the right.").arg(now->kept_cuts);
-    if (now == nullptr || now->phase != SessionSnapshot::Phase::preparing)
+    if (now == nullptr || now->phase != planner::SessionSnapshot::Phase::preparing)
         return {};
     return "Laying the wall out for the knife"
         + (now->stage.empty() ? QString(" …")
@@ -248,7 +252,8 @@ QString KnifeTool::waiting_for() const
 bool KnifeTool::idle() const
 {
     return std::all_of(tables_.begin(), tables_.end(), [](const auto& entry) {
-        return entry.second.worker->idle() && entry.second.snapshot->phase != SessionSnapshot::Phase::preparing;
+        return entry.second.worker->idle()
+            && entry.second.snapshot->phase != planner::SessionSnapshot::Phase::preparing;
     });
 }
 
@@ -260,11 +265,11 @@ void KnifeTool::take_snapshot(std::size_t approach)
     found->second.snapshot = found->second.worker->snapshot();
     if (shown_ != approach)
         return;
-    const SessionSnapshot& snapshot = *found->second.snapshot;
+    const planner::SessionSnapshot& snapshot = *found->second.snapshot;
     if (snapshot.case_tension > 0.0 && !std::exchange(case_tension_offered_, true))
         panel_.offer_case_tension(snapshot.case_tension);
     show_picture();
-    if (snapshot.phase == SessionSnapshot::Phase::failed)
+    if (snapshot.phase == planner::SessionSnapshot::Phase::failed)
         say(snapshot.failure, true);
     if (std::exchange(answers_, snapshot.answers) != snapshot.answers)
         say(snapshot.answer, snapshot.refused);
@@ -279,7 +284,7 @@ void KnifeTool::take_snapshot(std::size_t approach)
 
 void KnifeTool::show_picture()
 {
-    const SessionSnapshot& snapshot = *shown()->snapshot;
+    const planner::SessionSnapshot& snapshot = *shown()->snapshot;
     panel_.show_snapshot(&snapshot, view_.draw_ms());
     if (snapshot.picture == nullptr)
         return;
@@ -301,7 +306,7 @@ void KnifeTool::show_picture()
 
 void KnifeTool::show_beyond()
 {
-    const SessionSnapshot& snapshot = *shown()->snapshot;
+    const planner::SessionSnapshot& snapshot = *shown()->snapshot;
     if (snapshot.beyond != nullptr) {
         beyond_.vertices = snapshot.beyond->shown(*snapshot.picture);
         drawn_.beyond.set_positions(beyond_.vertices);
@@ -311,16 +316,17 @@ void KnifeTool::show_beyond()
     drawn_.beyond.set_line(
         show_plan ? planned.front().points : std::vector<Vec3> {}, incision_color(), kPlannedWidthPx);
     const bool cutting = mode_ == KnifeMode::freehand || mode_ == KnifeMode::line || mode_ == KnifeMode::take_out;
-    drawn_.wall.set_outline(cutting && snapshot.outline != nullptr ? shown_places(*snapshot.outline, *snapshot.picture)
-                                                                   : std::vector<Vec3> {},
+    drawn_.wall.set_outline(cutting && snapshot.outline != nullptr
+            ? planner::shown_places(*snapshot.outline, *snapshot.picture)
+            : std::vector<Vec3> {},
         kOutlineColor, kOutlineWidthPx);
 }
 
 void KnifeTool::show_steel()
 {
-    const SessionSnapshot& snapshot = *shown()->snapshot;
+    const planner::SessionSnapshot& snapshot = *shown()->snapshot;
     TriMesh steel;
-    for (const HookState& hook : snapshot.hooks.hooks)
+    for (const planner::HookState& hook : snapshot.hooks.hooks)
         append(steel, steel_of(hook, *snapshot.picture));
     drawn_.wall.set_steel(steel);
 }
@@ -331,7 +337,7 @@ void KnifeTool::show_line()
     view_.draw_soon();
 }
 
-std::optional<Touch> KnifeTool::feel_wall(const QPointF& at) const
+std::optional<planner::Touch> KnifeTool::feel_wall(const QPointF& at) const
 {
     const Table* table = shown();
     if (table == nullptr || table->snapshot->picture == nullptr || view_.scenes().size() != 1)
@@ -339,7 +345,7 @@ std::optional<Touch> KnifeTool::feel_wall(const QPointF& at) const
     return touch(*table->snapshot->picture, view_.ray_at(at));
 }
 
-std::optional<Touch> KnifeTool::feel(const QPointF& at, std::string& why_not) const
+std::optional<planner::Touch> KnifeTool::feel(const QPointF& at, std::string& why_not) const
 {
     const auto refuse = [&](std::string text) {
         why_not = std::move(text);
@@ -349,14 +355,15 @@ std::optional<Touch> KnifeTool::feel(const QPointF& at, std::string& why_not) co
     const Table* table = shown();
     if (table == nullptr || table->snapshot->picture == nullptr || view_.scenes().size() != 1)
         return refuse("the wall is not laid out yet");
-    const Ray ray = view_.ray_at(at);
-    const std::optional<Touch> found = touch(*table->snapshot->picture, ray);
+    const planner::Ray ray = view_.ray_at(at);
+    const std::optional<planner::Touch> found = touch(*table->snapshot->picture, ray);
     const auto before = [&](const TriMesh& mesh) {
-        const auto hit = first_hit(mesh, ray);
+        const auto hit = planner::first_hit(mesh, ray);
         return hit && (!found || *hit < found->distance);
     };
     if (before(beyond_))
-        return refuse(outside_the_outline(taking_out ? "nothing can be taken out here" : "the knife cannot cut here"));
+        return refuse(
+            planner::outside_the_outline(taking_out ? "nothing can be taken out here" : "the knife cannot cut here"));
     for (const SurfaceItem& item : table->surroundings->surfaces)
         if (item.target && before(*item.mesh))
             return refuse("that is the target, not the wall");
@@ -366,19 +373,20 @@ std::optional<Touch> KnifeTool::feel(const QPointF& at, std::string& why_not) co
     return found;
 }
 
-const HookState* KnifeTool::hook_under(const Ray& ray, const std::optional<Touch>& touched) const
+const planner::HookState* KnifeTool::hook_under(
+    const planner::Ray& ray, const std::optional<planner::Touch>& touched) const
 {
-    const SessionSnapshot& snapshot = *shown()->snapshot;
-    const HookState* nearest = nullptr;
+    const planner::SessionSnapshot& snapshot = *shown()->snapshot;
+    const planner::HookState* nearest = nullptr;
     double least = touched ? touched->distance : std::numeric_limits<double>::infinity();
-    for (const HookState& hook : snapshot.hooks.hooks)
-        if (const auto hit = first_hit(steel_of(hook, *snapshot.picture), ray); hit && *hit < least) {
+    for (const planner::HookState& hook : snapshot.hooks.hooks)
+        if (const auto hit = planner::first_hit(steel_of(hook, *snapshot.picture), ray); hit && *hit < least) {
             least = *hit;
             nearest = &hook;
         }
     if (nearest != nullptr || !touched)
         return nearest;
-    for (const HookState& hook : snapshot.hooks.hooks) // tissue that it holds
+    for (const planner::HookState& hook : snapshot.hooks.hooks) // tissue that it holds
         for (const VertexId v : touched->triangle)
             if (std::find(hook.seat.nodes.begin(), hook.seat.nodes.end(), v) != hook.seat.nodes.end())
                 return &hook;
@@ -398,10 +406,10 @@ void KnifeTool::take_hook(const QPointF& at)
 {
     if (shown() == nullptr || shown()->snapshot->picture == nullptr || view_.scenes().size() != 1)
         return say("the wall is not laid out yet", true);
-    const std::optional<Touch> touched = feel_wall(at);
-    const Ray ray = view_.ray_at(at);
+    const std::optional<planner::Touch> touched = feel_wall(at);
+    const planner::Ray ray = view_.ray_at(at);
     say({}, false);
-    if (const HookState* hook = hook_under(ray, touched))
+    if (const planner::HookState* hook = hook_under(ray, touched))
         grip_ = Grip { hook->id, shown_centre(*hook, *shown()->snapshot->picture),
             hook->drive.force_N ? hook->displacement : hook->drive.displacement, Vec3::Zero() };
     else if (touched)
@@ -421,7 +429,7 @@ Vec3 KnifeTool::in_hand(const QPointF& at) const
 {
     const Camera camera = view_.camera();
     const Vec3 sight = (camera.aim - camera.eye).normalized();
-    const Ray ray = view_.ray_at(at);
+    const planner::Ray ray = view_.ray_at(at);
     return ray.origin + (grip_->centre - ray.origin).dot(sight) / ray.direction.dot(sight) * ray.direction;
 }
 
@@ -512,4 +520,4 @@ void KnifeTool::cut_straight(const QPointF& to)
     end_stroke();
 }
 
-} // namespace retractor
+} // namespace retractor::ui

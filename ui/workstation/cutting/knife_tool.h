@@ -6,8 +6,8 @@
 #include "planner/session/surgery_command.h"
 #include "ui/scene/vtk/live_surface.h"
 #include "ui/workstation/cutting/knife_panel.h"
-#include "ui/workstation/view/picture_view.h"
 #include "ui/workstation/planning/planning_backend.h"
+#include "ui/workstation/view/picture_view.h"
 
 #include <QObject>
 
@@ -18,7 +18,7 @@
 #include <optional>
 #include <vector>
 
-namespace retractor {
+namespace retractor::ui {
 
 enum class KnifeMode {
     away, ///< the mouse turns the camera
@@ -53,7 +53,7 @@ public:
     /// Of the table that is shown; null: none is, or it is not ready.
     std::shared_ptr<const Scene> scene() const;
     /// Of the table that is shown; null: none is. Valid until the window's next event.
-    const SessionSnapshot* snapshot() const;
+    const planner::SessionSnapshot* snapshot() const;
     /// What a table is waited for, in words; empty: nothing.
     QString waiting_for() const;
     /// Nothing is being prepared or cut.
@@ -66,8 +66,8 @@ public:
 
 private:
     struct Table {
-        std::unique_ptr<KnifeWorker> worker;
-        std::shared_ptr<const SessionSnapshot> snapshot; ///< the newest that was taken
+        std::unique_ptr<planner::KnifeWorker> worker;
+        std::shared_ptr<const planner::SessionSnapshot> snapshot; ///< the newest that was taken
         /// Filled by the worker's thread before a snapshot says that the table is ready; read only then.
         std::shared_ptr<Scene> surroundings;
     };
@@ -84,9 +84,9 @@ private:
     void show_beyond();
     void show_line();
     /// What the knife touches there; says why when it is nothing that can be cut.
-    std::optional<Touch> feel(const QPointF& at, std::string& why_not) const;
+    std::optional<planner::Touch> feel(const QPointF& at, std::string& why_not) const;
     /// The same for a stroke that has begun, whatever hides the wall.
-    std::optional<Touch> feel_wall(const QPointF& at) const;
+    std::optional<planner::Touch> feel_wall(const QPointF& at) const;
     void draw_between(const QPointF& from, const QPointF& to);
     void set_first(const QPointF& at);
     void cut_straight(const QPointF& to);
@@ -94,7 +94,7 @@ private:
     void take_out(const QPointF& at);
     void take_hook(const QPointF& at);
     /// The hook whose steel, or the tissue that it holds, is seen there; null: none.
-    const HookState* hook_under(const Ray& ray, const std::optional<Touch>& touched) const;
+    const planner::HookState* hook_under(const planner::Ray& ray, const std::optional<planner::Touch>& touched) const;
     Vec3 in_hand(const QPointF& at) const;
     void drag_hook(const QPointF& to);
     void show_steel();
@@ -107,7 +107,7 @@ private:
         [[nodiscard]] std::vector<vtkProp*> props() const override;
     };
     Props drawn_;
-    std::shared_ptr<const WallSurface> drawn_surface_; ///< what drawn_.wall was made of
+    std::shared_ptr<const planner::WallSurface> drawn_surface_; ///< what drawn_.wall was made of
     TriMesh beyond_; ///< as shown
     std::map<std::size_t, Table> tables_;
     std::optional<std::size_t> shown_;
@@ -117,7 +117,7 @@ private:
     QPointF last_; ///< where the mouse was
     std::optional<QPointF> first_; ///< line mode: the first click
     struct Grip {
-        HookId hook = 0;
+        fem::HookId hook = 0;
         Vec3 centre = Vec3::Zero(); ///< of its patch when it was taken, as shown
         Vec3 asked = Vec3::Zero(); ///< how far it was drawn then, mm from rest
         Vec3 from = Vec3::Zero(); ///< where the hand took it
@@ -128,4 +128,4 @@ private:
     bool case_tension_offered_ = false; ///< by the panel, for the case that is open
 };
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -3,8 +3,8 @@
 
 #include "planner/session/palpation_session.h"
 
-namespace retractor {
+namespace retractor::ui {
 
-PalpationBackend palpation_backend();
+planner::PalpationBackend palpation_backend();
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -17,7 +17,7 @@
 #include <cmath>
 #include <utility>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -122,7 +122,7 @@ QWidget* PalpationPanel::make_fingers()
     auto* box = new QWidget;
     auto* column = new QVBoxLayout(box);
     column->setSpacing(2);
-    for (std::size_t f = 0; f < kMostFingers; ++f) {
+    for (std::size_t f = 0; f < planner::kMostFingers; ++f) {
         FingerRow& row = rows_[f];
         row.row = new QWidget;
         auto* line = new QHBoxLayout(row.row);
@@ -323,7 +323,7 @@ void PalpationPanel::show_organs(const std::vector<std::string>& organs)
     organs_->setVisible(organs.size() > 1);
 }
 
-void PalpationPanel::begin(const PalpationSetup& setup, double depth, double deepest)
+void PalpationPanel::begin(const planner::PalpationSetup& setup, double depth, double deepest)
 {
     quiet_ = true;
     known_ = setup;
@@ -336,9 +336,9 @@ void PalpationPanel::begin(const PalpationSetup& setup, double depth, double dee
     show_snapshot({}, {});
 }
 
-PalpationSetup PalpationPanel::setup() const
+planner::PalpationSetup PalpationPanel::setup() const
 {
-    PalpationSetup setup = known_;
+    planner::PalpationSetup setup = known_;
     setup.model = model_->currentData().toString().toStdString();
     setup.force_gain = gain_->value();
     setup.press_mm = depth_->value();
@@ -348,10 +348,11 @@ PalpationSetup PalpationPanel::setup() const
     return setup;
 }
 
-ElasticTemplate PalpationPanel::chosen_template() const
+haptics::ElasticTemplate PalpationPanel::chosen_template() const
 {
-    ElasticTemplate chosen;
-    chosen.shape = shape_->currentIndex() == 0 ? ElasticTemplate::Shape::sphere : ElasticTemplate::Shape::box;
+    haptics::ElasticTemplate chosen;
+    chosen.shape
+        = shape_->currentIndex() == 0 ? haptics::ElasticTemplate::Shape::sphere : haptics::ElasticTemplate::Shape::box;
     for (int i = 0; i < 3; ++i)
         chosen.half_size[i] = size_[static_cast<std::size_t>(i)]->value();
     if (changes_modulus_->isChecked())
@@ -359,7 +360,7 @@ ElasticTemplate PalpationPanel::chosen_template() const
     if (changes_ratio_->isChecked())
         chosen.poissons_ratio = ratio_->value();
     if (role_->currentIndex() > 0)
-        chosen.role = role_->currentIndex() == 1 ? VertexRole::fixed : VertexRole::free;
+        chosen.role = role_->currentIndex() == 1 ? datasets::VertexRole::fixed : datasets::VertexRole::free;
     return chosen;
 }
 
@@ -387,9 +388,10 @@ void PalpationPanel::show_depth(double mm)
     depth_->setValue(mm);
 }
 
-void PalpationPanel::show_snapshot(const PalpationSnapshot& snapshot, const std::vector<std::string>& scene_notes)
+void PalpationPanel::show_snapshot(
+    const planner::PalpationSnapshot& snapshot, const std::vector<std::string>& scene_notes)
 {
-    const bool ready = snapshot.phase == PalpationSnapshot::Phase::ready;
+    const bool ready = snapshot.phase == planner::PalpationSnapshot::Phase::ready;
     quiet_ = true;
     if (ready) {
         known_ = snapshot.setup;
@@ -399,7 +401,7 @@ void PalpationPanel::show_snapshot(const PalpationSnapshot& snapshot, const std:
                 gain_->setValue(snapshot.setup.force_gain);
             if (!heart_rate_->hasFocus())
                 heart_rate_->setValue(snapshot.heart_rate);
-            for (std::size_t f = 0; f < kMostFingers; ++f)
+            for (std::size_t f = 0; f < planner::kMostFingers; ++f)
                 if (QComboBox* device = rows_[f].device; !device->hasFocus() && !device->lineEdit()->hasFocus())
                     device->setCurrentText(f < snapshot.setup.devices.size()
                             ? QString::fromStdString(snapshot.setup.devices[f])
@@ -408,7 +410,7 @@ void PalpationPanel::show_snapshot(const PalpationSnapshot& snapshot, const std:
         show_organs(snapshot.abilities.organs);
     }
     quiet_ = false;
-    for (std::size_t f = 0; f < kMostFingers; ++f)
+    for (std::size_t f = 0; f < planner::kMostFingers; ++f)
         rows_[f].row->setVisible(f < std::max<std::size_t>(snapshot.fingers, 1));
     setEnabled(ready);
     can_edit_ = ready && snapshot.abilities.edits;
@@ -429,12 +431,12 @@ void PalpationPanel::show_snapshot(const PalpationSnapshot& snapshot, const std:
     edits_ = snapshot.edits.size();
 }
 
-void PalpationPanel::show_frame(
-    const PalpationFrame& frame, std::size_t finger_in_hand, const std::array<bool, kMostFingers>& out)
+void PalpationPanel::show_frame(const planner::PalpationFrame& frame, std::size_t finger_in_hand,
+    const std::array<bool, planner::kMostFingers>& out)
 {
-    const ServoState& state = frame.servo;
-    for (std::size_t f = 0; f < std::min(state.finger_count, kMostFingers); ++f) {
-        const FingerContact& contact = state.contacts[f];
+    const haptics::ServoState& state = frame.servo;
+    for (std::size_t f = 0; f < std::min(state.finger_count, planner::kMostFingers); ++f) {
+        const haptics::FingerContact& contact = state.contacts[f];
         const double force = contact.force.allFinite() ? contact.force.norm() : 0.0;
         rows_[f].name->setText(QString("%1%2").arg(f + 1).arg(f == finger_in_hand ? " \u25c2" : ""));
         rows_[f].name->setToolTip(f == finger_in_hand ? "In hand" : "");
@@ -443,7 +445,7 @@ void PalpationPanel::show_frame(
                 : out[f]                         ? QString("above")
                                                  : QString("away"));
     }
-    const ServoHealth& health = frame.health;
+    const planner::ServoHealth& health = frame.health;
     servo_->setText(QString("%1 Hz, %2 of %3 ticks missed\n%4 µs a tick, worst %5 µs%6")
                         .arg(health.rate_hz, 0, 'f', 0)
                         .arg(health.missed)
@@ -457,11 +459,11 @@ void PalpationPanel::show_frame(
         why += (why.isEmpty() ? "" : "\n")
             + QString::fromStdString("Last problem of a Touch: " + health.device_problem);
     servo_->setToolTip(why);
-    const bool fault = state.fault.kind != FaultKind::none;
+    const bool fault = state.fault.kind != haptics::FaultKind::none;
     fault_->setVisible(fault);
     rearm_->setVisible(fault);
     if (fault)
-        fault_->setText("The servo has let go: " + QString::fromStdString(describe(state.fault)));
+        fault_->setText("The servo has let go: " + QString::fromStdString(haptics::describe(state.fault)));
     edit_state_->setText(frame.stiffness_pending ? QString("The new stiffness is being worked out …")
             : edits_ > 0 ? QString(edits_ == 1 ? "%1 edit in force" : "%1 edits in force").arg(edits_)
                          : QString());
@@ -475,4 +477,4 @@ QString PalpationPanel::force_text(std::size_t finger) const { return rows_[fing
 QString PalpationPanel::servo_text() const { return servo_->text(); }
 QString PalpationPanel::fault_text() const { return fault_->isHidden() ? QString() : fault_->text(); }
 
-} // namespace retractor
+} // namespace retractor::ui

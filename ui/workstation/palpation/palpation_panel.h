@@ -19,22 +19,23 @@ class QLabel;
 class QPushButton;
 class QVBoxLayout;
 
-namespace retractor {
+namespace retractor::ui {
 
 class PalpationPanel : public QWidget {
 public:
     explicit PalpationPanel(std::vector<std::string> models, QWidget* parent = nullptr);
 
     /// For a newly opened scene: what is to be set, before anything is known of it.
-    void begin(const PalpationSetup& setup, double depth, double deepest);
+    void begin(const planner::PalpationSetup& setup, double depth, double deepest);
     /// @param scene_notes what is to be said of the scene, before what is to be said of the tissue.
-    void show_snapshot(const PalpationSnapshot& snapshot, const std::vector<std::string>& scene_notes);
-    void show_frame(const PalpationFrame& frame, std::size_t finger_in_hand, const std::array<bool, kMostFingers>& out);
+    void show_snapshot(const planner::PalpationSnapshot& snapshot, const std::vector<std::string>& scene_notes);
+    void show_frame(const planner::PalpationFrame& frame, std::size_t finger_in_hand,
+        const std::array<bool, planner::kMostFingers>& out);
     void show_depth(double mm);
 
-    [[nodiscard]] PalpationSetup setup() const; ///< as chosen
+    [[nodiscard]] planner::PalpationSetup setup() const; ///< as chosen
     /// As chosen, without a place.
-    [[nodiscard]] ElasticTemplate chosen_template() const;
+    [[nodiscard]] haptics::ElasticTemplate chosen_template() const;
     [[nodiscard]] bool wants_spheres() const;
     [[nodiscard]] bool wants_hands() const;
     [[nodiscard]] std::set<Label> hidden_organs() const;
@@ -82,7 +83,7 @@ private:
     void call(const std::function<void()>& function) const;
     void show_organs(const std::vector<std::string>& organs);
 
-    std::array<FingerRow, kMostFingers> rows_;
+    std::array<FingerRow, planner::kMostFingers> rows_;
     QLabel *servo_ = nullptr, *fault_ = nullptr, *notes_ = nullptr, *edit_state_ = nullptr;
     QPushButton *rearm_ = nullptr, *place_ = nullptr, *apply_ = nullptr, *record_ = nullptr;
     QDoubleSpinBox *depth_ = nullptr, *heart_rate_ = nullptr, *gain_ = nullptr, *modulus_ = nullptr, *ratio_ = nullptr;
@@ -94,9 +95,9 @@ private:
     QVBoxLayout* organ_rows_ = nullptr;
     std::vector<QCheckBox*> organ_boxes_;
     std::vector<std::string> organ_names_;
-    PalpationSetup known_;
+    planner::PalpationSetup known_;
     std::size_t edits_ = 0;
     bool placed_ = false, can_edit_ = false, quiet_ = false, unwritten_ = false;
 };
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <span>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -54,7 +54,7 @@ namespace {
         return mixed(organ, { 1.0, 0.95, 0.45 }, 1.0 / (1.0 + 0.5 * layer));
     }
 
-    std::map<Label, double> mean_modulus(const ElasticModel& body)
+    std::map<Label, double> mean_modulus(const datasets::ElasticModel& body)
     {
         std::map<Label, std::pair<double, double>> sums;
         for (std::size_t t = 0; t < body.youngs_modulus.size(); ++t) {
@@ -70,7 +70,7 @@ namespace {
 
 } // namespace
 
-Scene palpation_scene(const PalpationScene& scene, const std::vector<std::string>& notes)
+Scene palpation_scene(const datasets::PalpationScene& scene, const std::vector<std::string>& notes)
 {
     Scene picture;
     picture.title = scene.name;
@@ -78,7 +78,7 @@ Scene palpation_scene(const PalpationScene& scene, const std::vector<std::string
     const Points& p = scene.body.mesh.vertices;
     const Box box { p.colwise().minCoeff().transpose(), p.colwise().maxCoeff().transpose() };
     Vec3 outward = Vec3::Zero();
-    for (const TouchSite& site : scene.sites)
+    for (const datasets::TouchSite& site : scene.sites)
         if (!site.name.ends_with("-opposite"))
             outward += site.outward;
     constexpr double kAgree = 0.1; // sites all round have no side of their own
@@ -89,30 +89,30 @@ Scene palpation_scene(const PalpationScene& scene, const std::vector<std::string
     const Vec3 look = -(outward + 0.4 * aside.normalized()).normalized();
     picture.camera = camera_for_box(box, look, std::abs(look.z()) > 0.8 ? Vec3(Vec3::UnitY()) : Vec3(Vec3::UnitZ()));
     const double off = 0.02 * (box.high - box.low).norm();
-    for (const TouchSite& site : scene.sites)
+    for (const datasets::TouchSite& site : scene.sites)
         if (!site.name.ends_with("-opposite"))
             picture.words.push_back({ site.name, site.point + off * site.outward, { 0.9, 0.95, 1.0 } });
     return picture;
 }
 
-std::array<Vec3, kMaxFingers> shown_fingertips(const PalpationFrame& frame)
+std::array<Vec3, haptics::kMaxFingers> shown_fingertips(const planner::PalpationFrame& frame)
 {
-    std::array<Vec3, kMaxFingers> shown;
+    std::array<Vec3, haptics::kMaxFingers> shown;
     for (std::size_t f = 0; f < frame.servo.finger_count; ++f) {
-        const FingerContact& contact = frame.servo.contacts[f];
-        const Fingertip& tip = frame.servo.fingers[f];
+        const haptics::FingerContact& contact = frame.servo.contacts[f];
+        const haptics::Fingertip& tip = frame.servo.fingers[f];
         shown[f] = tip.position;
         if (!contact.touching)
             continue;
         // Where the tissue holds it: at the bottom of its dent, not inside.
         const bool held_back = (contact.proxy - tip.position).dot(contact.normal) >= contact.depth;
         const Vec3 from = held_back ? Vec3(contact.proxy - contact.depth * contact.normal) : tip.position;
-        shown[f] = seated_on(frame.shown, frame.surface->triangles, from, tip.radius, contact.normal);
+        shown[f] = planner::seated_on(frame.shown, frame.surface->triangles, from, tip.radius, contact.normal);
     }
     return shown;
 }
 
-PalpationPicture::PalpationPicture(const PalpationScene& scene, const std::vector<std::string>& organs)
+PalpationPicture::PalpationPicture(const datasets::PalpationScene& scene, const std::vector<std::string>& organs)
     : name_(scene.name)
     , organs_(organs)
     , modulus_of_(mean_modulus(scene.body))
@@ -121,7 +121,7 @@ PalpationPicture::PalpationPicture(const PalpationScene& scene, const std::vecto
 }
 
 int PalpationPicture::shade_of(
-    const TriMesh& surface, std::size_t triangle, const std::vector<ElasticTemplate>& edits) const
+    const TriMesh& surface, std::size_t triangle, const std::vector<haptics::ElasticTemplate>& edits) const
 {
     const Label label = surface.labels.empty() ? Label {} : surface.labels[triangle];
     const auto found = modulus_of_.find(label);
@@ -129,14 +129,14 @@ int PalpationPicture::shade_of(
     Vec3 centre = Vec3::Zero();
     for (const VertexId v : surface.triangles[triangle])
         centre += surface.vertices.row(v).transpose() / 3.0;
-    for (const ElasticTemplate& edit : edits)
+    for (const haptics::ElasticTemplate& edit : edits)
         if (edit.youngs_modulus && edit.contains(centre))
             modulus = *edit.youngs_modulus;
     const int shade = kUsualShade + static_cast<int>(std::lround(2.0 * std::log2(modulus / usual_modulus_)));
     return std::clamp(shade, 0, kShades - 1);
 }
 
-void PalpationPicture::show_surface(const PalpationFrame& frame, const PalpationWishes& wishes)
+void PalpationPicture::show_surface(const planner::PalpationFrame& frame, const PalpationWishes& wishes)
 {
     const TriMesh& surface = *frame.surface;
     if (surface_ != frame.surface || hidden_ != wishes.hidden_organs || edits_ != wishes.edits
@@ -166,7 +166,7 @@ void PalpationPicture::show_surface(const PalpationFrame& frame, const Palpation
     live_.surface().set_positions(frame.shown);
 }
 
-void PalpationPicture::show_spheres(const PalpationFrame& frame, const PalpationWishes& wishes)
+void PalpationPicture::show_spheres(const planner::PalpationFrame& frame, const PalpationWishes& wishes)
 {
     std::vector<ShownBall> balls;
     if (wishes.spheres && frame.spheres != nullptr)
@@ -188,7 +188,7 @@ void PalpationPicture::set_hands(const ShownHands& hands)
         live_.set_hand(h, hands_[h].surface);
 }
 
-void PalpationPicture::show_hands(const PalpationWishes& wishes, const std::vector<ShownFinger>& fingers)
+void PalpationPicture::show_hands(const PalpationWishes& wishes, const std::vector<haptics::ShownFinger>& fingers)
 {
     if (!wishes.hands) {
         for (std::size_t h = 0; h < hands_.size(); ++h)
@@ -197,10 +197,10 @@ void PalpationPicture::show_hands(const PalpationWishes& wishes, const std::vect
     }
     if (hands_[0].surface.triangles.empty())
         for (std::size_t h = 0; h < hands_.size(); ++h) {
-            hands_[h] = make_hand(h == 1);
+            hands_[h] = haptics::make_hand(h == 1);
             live_.set_hand(h, hands_[h].surface);
         }
-    const auto places = place_hands(hands_, fingers, wishes.sight, wishes.up);
+    const auto places = haptics::place_hands(hands_, fingers, wishes.sight, wishes.up);
     for (std::size_t h = 0; h < hands_.size(); ++h)
         if (places[h])
             live_.place_hand(h, places[h]->turn, places[h]->shift);
@@ -208,24 +208,24 @@ void PalpationPicture::show_hands(const PalpationWishes& wishes, const std::vect
             live_.hide_hand(h);
 }
 
-void PalpationPicture::show(const PalpationFrame& frame, const PalpationWishes& wishes)
+void PalpationPicture::show(const planner::PalpationFrame& frame, const PalpationWishes& wishes)
 {
     show_surface(frame, wishes);
     show_spheres(frame, wishes);
-    const std::array<Vec3, kMaxFingers> at = shown_fingertips(frame);
+    const std::array<Vec3, haptics::kMaxFingers> at = shown_fingertips(frame);
     std::vector<ShownBall> tips;
-    std::vector<ShownFinger> fingers;
-    for (std::size_t f = 0; f < std::min(frame.servo.finger_count, kMostFingers); ++f) {
+    std::vector<haptics::ShownFinger> fingers;
+    for (std::size_t f = 0; f < std::min(frame.servo.finger_count, planner::kMostFingers); ++f) {
         if (!wishes.fingers[f])
             continue;
         tips.push_back({ at[f], frame.servo.fingers[f].radius, color_of(f) });
-        const FingerContact& contact = frame.servo.contacts[f];
+        const haptics::FingerContact& contact = frame.servo.contacts[f];
         fingers.push_back(
             { at[f], frame.servo.fingers[f].radius, contact.touching ? contact.normal : Vec3(-wishes.sight) });
     }
     live_.set_fingertips(tips);
     show_hands(wishes, fingers);
-    live_.set_marks(wishes.mark ? outline_of(*wishes.mark) : std::vector<std::array<Vec3, 2>> {}, kMarkColor);
+    live_.set_marks(wishes.mark ? planner::outline_of(*wishes.mark) : std::vector<std::array<Vec3, 2>> {}, kMarkColor);
 }
 
-} // namespace retractor
+} // namespace retractor::ui

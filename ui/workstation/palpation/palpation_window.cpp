@@ -1,8 +1,8 @@
 #include "ui/workstation/palpation/palpation_window.h"
 
 #include "haptics/hand/hand_file.h"
-#include "ui/workstation/view/png_file.h"
 #include "ui/workstation/planning/session_model.h"
+#include "ui/workstation/view/png_file.h"
 #include "ui/workstation/view/theme.h"
 
 #include <QCheckBox>
@@ -19,7 +19,7 @@
 #include <exception>
 #include <utility>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -32,7 +32,7 @@ namespace {
 
 } // namespace
 
-PalpationWindow::PalpationWindow(PalpationBackend backend, QWidget* parent)
+PalpationWindow::PalpationWindow(planner::PalpationBackend backend, QWidget* parent)
     : QMainWindow(parent)
     , backend_(std::move(backend))
 {
@@ -127,7 +127,7 @@ void PalpationWindow::make_panel_calls()
         };
     };
     panel_->on_setup = with_worker([this] {
-        PalpationSetup setup = panel_->setup();
+        planner::PalpationSetup setup = panel_->setup();
         if (view_->is_drawn()) {
             const Camera camera = view_->camera();
             const Vec3 out = (camera.eye - camera.aim).normalized(), right = camera.up.cross(out).normalized();
@@ -180,7 +180,7 @@ void PalpationWindow::make_actions()
     add(file, "Record or stop", Qt::Key_R, [this] { record_or_stop(); });
     file->addSeparator();
     add(file, "Quit", QKeySequence::Quit, [this] { close(); });
-    for (std::size_t f = 0; f < kMostFingers; ++f)
+    for (std::size_t f = 0; f < planner::kMostFingers; ++f)
         add(fingers, QString("Take finger %1").arg(f + 1), QKeySequence(Qt::Key_1 + static_cast<int>(f)),
             [this, f] { take_finger(f); });
     add(fingers, "Grip", Qt::Key_G, [this] { panel_->grip_box().click(); });
@@ -192,7 +192,8 @@ void PalpationWindow::make_actions()
     add(show, "The whole again", Qt::Key_0, [this] { show_scene(); });
 }
 
-void PalpationWindow::open(PalpationScene scene, const PalpationSetup& setup, std::vector<std::string> notes)
+void PalpationWindow::open(
+    datasets::PalpationScene scene, const planner::PalpationSetup& setup, std::vector<std::string> notes)
 {
     tool_->touch(nullptr, 0, 1.0);
     view_->set_live(nullptr);
@@ -200,17 +201,17 @@ void PalpationWindow::open(PalpationScene scene, const PalpationSetup& setup, st
     surface_.reset();
     frame_ = nullptr;
     worker_.reset();
-    snapshot_ = std::make_shared<const PalpationSnapshot>();
+    snapshot_ = std::make_shared<const planner::PalpationSnapshot>();
     answers_ = 0;
     mark_.reset();
     grips_ = {};
     scene_ = std::move(scene);
     scene_notes_ = std::move(notes);
     say({}, false);
-    const double radius = fingertip_radius(scene_);
+    const double radius = planner::fingertip_radius(scene_);
     panel_->begin(setup, kPressShare * radius, 3.0 * radius);
     setWindowTitle("Retractor - palpation of " + QString::fromStdString(scene_.name));
-    worker_ = std::make_unique<PalpationWorker>(scene_, setup, backend_);
+    worker_ = std::make_unique<planner::PalpationWorker>(scene_, setup, backend_);
     show_scene();
     view_->show_note("Making the tissue …");
     poll_timer_.start();
@@ -219,7 +220,7 @@ void PalpationWindow::open(PalpationScene scene, const PalpationSetup& setup, st
 void PalpationWindow::open_file(const std::filesystem::path& path)
 {
     try {
-        open(read_palpation_scene(path));
+        open(datasets::read_palpation_scene(path));
     } catch (...) {
         const std::string why = to_string(with_controls(current_failure()));
         say(why, true);
@@ -242,8 +243,9 @@ bool PalpationWindow::idle() const
     if (worker_ == nullptr)
         return true;
     const auto now = worker_->snapshot();
-    return now->phase != PalpationSnapshot::Phase::preparing && !now->busy && snapshot_->phase == now->phase
-        && snapshot_->answers == now->answers && (now->phase == PalpationSnapshot::Phase::failed || frame_ != nullptr);
+    return now->phase != planner::PalpationSnapshot::Phase::preparing && !now->busy && snapshot_->phase == now->phase
+        && snapshot_->answers == now->answers
+        && (now->phase == planner::PalpationSnapshot::Phase::failed || frame_ != nullptr);
 }
 
 void PalpationWindow::poll()
@@ -251,7 +253,7 @@ void PalpationWindow::poll()
     if (worker_ == nullptr)
         return;
     take_snapshot();
-    if (snapshot_->phase == PalpationSnapshot::Phase::ready && worker_->has_frame()) {
+    if (snapshot_->phase == planner::PalpationSnapshot::Phase::ready && worker_->has_frame()) {
         frame_ = &worker_->frame();
         draw();
     }
@@ -259,26 +261,26 @@ void PalpationWindow::poll()
 
 void PalpationWindow::take_snapshot()
 {
-    const bool was_ready = snapshot_->phase == PalpationSnapshot::Phase::ready;
+    const bool was_ready = snapshot_->phase == planner::PalpationSnapshot::Phase::ready;
     const std::string model = snapshot_->setup.model;
     snapshot_ = worker_->snapshot();
     if (std::exchange(answers_, snapshot_->answers) != snapshot_->answers)
         say(snapshot_->answer, snapshot_->refused);
     panel_->show_snapshot(*snapshot_, scene_notes_);
     switch (snapshot_->phase) {
-    case PalpationSnapshot::Phase::preparing:
+    case planner::PalpationSnapshot::Phase::preparing:
         view_->show_note("Making the tissue"
             + (snapshot_->stage.empty() ? QString(" …")
                                         : QString(": %1 %2 %")
                                               .arg(QString::fromStdString(snapshot_->stage))
                                               .arg(static_cast<int>(100.0 * snapshot_->fraction))));
         return;
-    case PalpationSnapshot::Phase::failed:
+    case planner::PalpationSnapshot::Phase::failed:
         view_->show_note(QString::fromStdString(snapshot_->failure));
         say(snapshot_->failure, true);
         poll_timer_.stop();
         return;
-    case PalpationSnapshot::Phase::ready:
+    case planner::PalpationSnapshot::Phase::ready:
         break;
     }
     if (!snapshot_->busy)
@@ -292,7 +294,7 @@ void PalpationWindow::take_snapshot()
     surface_.reset();
     grips_ = {};
     const double depth = panel_->depth().value(); // before the tool tells its own
-    tool_->touch(worker_.get(), snapshot_->fingers, fingertip_radius(scene_));
+    tool_->touch(worker_.get(), snapshot_->fingers, planner::fingertip_radius(scene_));
     tool_->set_depth(depth);
 }
 
@@ -310,7 +312,7 @@ void PalpationWindow::ask_for_hand()
     if (file.isEmpty())
         return;
     try {
-        show_hands({ read_hand(file.toStdString(), false), read_hand(file.toStdString(), true) });
+        show_hands({ haptics::read_hand(file.toStdString(), false), haptics::read_hand(file.toStdString(), true) });
     } catch (...) {
         say(to_string(with_controls(current_failure())), true);
     }
@@ -324,7 +326,7 @@ PalpationWishes PalpationWindow::wishes() const
     wishes.hidden_organs = panel_->hidden_organs();
     wishes.edits = snapshot_->edits;
     wishes.mark = mark_;
-    for (std::size_t f = 0; f < kMostFingers; ++f) {
+    for (std::size_t f = 0; f < planner::kMostFingers; ++f) {
         const bool mouse = f >= snapshot_->setup.devices.size() || snapshot_->setup.devices[f] == "mouse";
         wishes.fingers[f] = !mouse || tool_->is_out(f);
     }
@@ -364,7 +366,7 @@ void PalpationWindow::take_finger(std::size_t finger) { tool_->take_finger(finge
 
 void PalpationWindow::lift_all()
 {
-    for (std::size_t f = 0; f < kMostFingers; ++f)
+    for (std::size_t f = 0; f < planner::kMostFingers; ++f)
         if (std::exchange(grips_[f], false) && worker_ != nullptr)
             worker_->run(palpation::Grip { f, false });
     tool_->ask_for_place(nullptr);
@@ -376,7 +378,7 @@ void PalpationWindow::ask_for_place()
     if (worker_ == nullptr || !snapshot_->abilities.edits)
         return;
     say("Click on the tissue where the template's middle is to be", false);
-    tool_->ask_for_place([this](const SurfacePlace& place) { place_template(place.point); });
+    tool_->ask_for_place([this](const planner::SurfacePlace& place) { place_template(place.point); });
 }
 
 void PalpationWindow::place_template(const Vec3& centre)
@@ -392,7 +394,7 @@ void PalpationWindow::apply_template()
 {
     if (worker_ == nullptr || !mark_)
         return;
-    ElasticTemplate edit = panel_->chosen_template();
+    haptics::ElasticTemplate edit = panel_->chosen_template();
     edit.centre = mark_->centre;
     worker_->run(palpation::EditTissue { edit });
 }
@@ -442,4 +444,4 @@ void PalpationWindow::save_screenshot(const std::filesystem::path& path)
     write_png_file(path, grab().toImage());
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -19,16 +19,17 @@
 
 class QLabel;
 
-namespace retractor {
+namespace retractor::ui {
 
 class PalpationWindow : public QMainWindow {
 public:
-    explicit PalpationWindow(PalpationBackend backend, QWidget* parent = nullptr);
+    explicit PalpationWindow(planner::PalpationBackend backend, QWidget* parent = nullptr);
     /// Lets go and ends the palpation.
     ~PalpationWindow() override;
 
     /// In place of what was palpated. @param notes what is to be said of the scene, beside what its tissue says
-    void open(PalpationScene scene, const PalpationSetup& setup = {}, std::vector<std::string> notes = {});
+    void open(
+        datasets::PalpationScene scene, const planner::PalpationSetup& setup = {}, std::vector<std::string> notes = {});
     /// Says in the window what is wrong with a file; what was palpated goes on.
     void open_file(const std::filesystem::path& path);
 
@@ -53,9 +54,9 @@ public:
     StripChart& chart() { return *chart_; }
     TouchTool& tool() { return *tool_; }
     /// The newest that was taken.
-    const PalpationSnapshot& snapshot() const { return *snapshot_; }
+    const planner::PalpationSnapshot& snapshot() const { return *snapshot_; }
     /// The newest that was drawn. @pre snapshot().phase is ready
-    const PalpationFrame& frame() const { return *frame_; }
+    const planner::PalpationFrame& frame() const { return *frame_; }
     /// What the status line says went wrong; empty: nothing.
     std::string error_line() const { return error_; }
 
@@ -75,18 +76,18 @@ private:
     void ask_for_place();
     void say(const std::string& text, bool refused);
 
-    PalpationBackend backend_;
-    PalpationScene scene_;
+    planner::PalpationBackend backend_;
+    datasets::PalpationScene scene_;
     std::vector<std::string> scene_notes_;
-    std::unique_ptr<PalpationWorker> worker_; ///< null: nothing is open
-    std::shared_ptr<const PalpationSnapshot> snapshot_ = std::make_shared<const PalpationSnapshot>();
-    const PalpationFrame* frame_ = nullptr; ///< the worker's newest
+    std::unique_ptr<planner::PalpationWorker> worker_; ///< null: nothing is open
+    std::shared_ptr<const planner::PalpationSnapshot> snapshot_ = std::make_shared<const planner::PalpationSnapshot>();
+    const planner::PalpationFrame* frame_ = nullptr; ///< the worker's newest
     std::unique_ptr<PalpationPicture> picture_;
     std::optional<ShownHands> hands_; ///< of a file
     std::shared_ptr<const TriMesh> surface_;
     std::size_t answers_ = 0;
-    std::optional<ElasticTemplate> mark_;
-    std::array<bool, kMostFingers> grips_ {};
+    std::optional<haptics::ElasticTemplate> mark_;
+    std::array<bool, planner::kMostFingers> grips_ {};
     std::string error_;
 
     PictureView* view_ = nullptr;
@@ -97,4 +98,4 @@ private:
     QTimer poll_timer_;
 };
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -29,7 +29,7 @@ namespace {
 
 QColor finger_color(std::size_t finger)
 {
-    static const std::array<QColor, kMostFingers> colors { QColor(0x5a, 0xb4, 0xff), QColor(0xff, 0xd2, 0x4a),
+    static const std::array<QColor, planner::kMostFingers> colors { QColor(0x5a, 0xb4, 0xff), QColor(0xff, 0xd2, 0x4a),
         QColor(0x7a, 0xe0, 0x7a), QColor(0xe0, 0x8a, 0xf0), QColor(0xff, 0x9a, 0x50), QColor(0xf0, 0xf0, 0xf0) };
     return colors[finger % colors.size()];
 }
@@ -41,7 +41,8 @@ StripChart::StripChart(QWidget* parent)
     setAccessibleName("Pressure and force over time");
 }
 
-void StripChart::show_samples(std::vector<StripSample> samples, std::size_t fingers, bool pulse, double force_gain)
+void StripChart::show_samples(
+    std::vector<planner::StripSample> samples, std::size_t fingers, bool pulse, double force_gain)
 {
     samples_ = std::move(samples);
     fingers_ = fingers;
@@ -53,8 +54,8 @@ void StripChart::show_samples(std::vector<StripSample> samples, std::size_t fing
 void StripChart::draw_plot(QPainter& painter, const QRectF& box, const QString& title, double low, double high,
     const std::vector<Curve>& curves) const
 {
-    const double newest = samples_.empty() ? PalpationFrame::kStripSeconds : samples_.back().time_s;
-    const double span = PalpationFrame::kStripSeconds;
+    const double newest = samples_.empty() ? planner::PalpationFrame::kStripSeconds : samples_.back().time_s;
+    const double span = planner::PalpationFrame::kStripSeconds;
     const auto x_of = [&](double time) { return box.right() - box.width() * (newest - time) / span; };
     const auto y_of = [&](double value) { return box.bottom() - box.height() * (value - low) / (high - low); };
     painter.setPen(QColor(0xe4, 0xe8, 0xeb));
@@ -98,7 +99,7 @@ void StripChart::paintEvent(QPaintEvent*)
     if (pulse_) {
         Curve pressure { kPressureColor, {} };
         double low = 80.0, high = 120.0;
-        for (const StripSample& s : samples_) {
+        for (const planner::StripSample& s : samples_) {
             pressure.values.push_back(s.pressure_mmHg);
             low = std::min(low, s.pressure_mmHg);
             high = std::max(high, s.pressure_mmHg);
@@ -113,7 +114,7 @@ void StripChart::paintEvent(QPaintEvent*)
     std::vector<Curve> forces;
     for (std::size_t f = 0; f < fingers_; ++f) {
         forces.push_back({ finger_color(f), {} });
-        for (const StripSample& s : samples_) {
+        for (const planner::StripSample& s : samples_) {
             forces.back().values.push_back(s.force[f]);
             most = std::max(most, s.force[f]);
         }
@@ -125,8 +126,9 @@ void StripChart::paintEvent(QPaintEvent*)
         forces);
     painter.setPen(QColor(0xa4, 0xad, 0xb5));
     const QRectF foot(kMarginLeft, height() - kMarginBottom, across, kMarginBottom);
-    painter.drawText(foot, Qt::AlignLeft | Qt::AlignVCenter, QString("%1 s ago").arg(PalpationFrame::kStripSeconds));
+    painter.drawText(
+        foot, Qt::AlignLeft | Qt::AlignVCenter, QString("%1 s ago").arg(planner::PalpationFrame::kStripSeconds));
     painter.drawText(foot, Qt::AlignRight | Qt::AlignVCenter, "now");
 }
 
-} // namespace retractor
+} // namespace retractor::ui

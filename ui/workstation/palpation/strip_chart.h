@@ -10,7 +10,7 @@
 
 class QPainter;
 
-namespace retractor {
+namespace retractor::ui {
 
 /// The same in the picture, the panel and the chart.
 QColor finger_color(std::size_t finger);
@@ -20,8 +20,8 @@ public:
     explicit StripChart(QWidget* parent = nullptr);
 
     /// @param pulse whether there is a pressure to be drawn
-    void show_samples(std::vector<StripSample> samples, std::size_t fingers, bool pulse, double force_gain);
-    const std::vector<StripSample>& samples() const { return samples_; }
+    void show_samples(std::vector<planner::StripSample> samples, std::size_t fingers, bool pulse, double force_gain);
+    const std::vector<planner::StripSample>& samples() const { return samples_; }
 
 protected:
     void paintEvent(QPaintEvent* event) override;
@@ -34,10 +34,10 @@ private:
     void draw_plot(QPainter& painter, const QRectF& box, const QString& title, double low, double high,
         const std::vector<Curve>& curves) const;
 
-    std::vector<StripSample> samples_;
+    std::vector<planner::StripSample> samples_;
     std::size_t fingers_ = 0;
     bool pulse_ = false;
     double force_gain_ = 1.0;
 };
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -22,7 +22,7 @@ TouchTool::TouchTool(PictureView& view)
 
 TouchTool::~TouchTool() { view_.set_tool(nullptr); }
 
-void TouchTool::touch(PalpationWorker* worker, std::size_t fingers, double radius)
+void TouchTool::touch(planner::PalpationWorker* worker, std::size_t fingers, double radius)
 {
     worker_ = worker;
     fingers_ = worker != nullptr ? fingers : 0;
@@ -39,9 +39,9 @@ void TouchTool::touch(PalpationWorker* worker, std::size_t fingers, double radiu
 void TouchTool::set_surface(std::shared_ptr<const TriMesh> surface)
 {
     surface_ = std::move(surface);
-    normals_ = vertex_normals(*surface_);
+    normals_ = mesh::vertex_normals(*surface_);
     away_ = surface_->vertices.colwise().maxCoeff().transpose().array() + kFarAway;
-    for (std::size_t f = 0; f < kMostFingers; ++f)
+    for (std::size_t f = 0; f < planner::kMostFingers; ++f)
         if (!hands_[f].at)
             put(f, true);
 }
@@ -52,11 +52,11 @@ void TouchTool::changed() const
         on_change();
 }
 
-std::optional<SurfacePlace> TouchTool::under(const QPointF& at) const
+std::optional<planner::SurfacePlace> TouchTool::under(const QPointF& at) const
 {
     if (surface_ == nullptr || !view_.is_drawn())
         return std::nullopt;
-    return place_under(*surface_, normals_, view_.ray_at(at));
+    return planner::place_under(*surface_, normals_, view_.ray_at(at));
 }
 
 /// Tells the finger's device where it is to be now.
@@ -65,7 +65,7 @@ void TouchTool::put(std::size_t finger, bool hops)
     if (worker_ == nullptr)
         return;
     const Hand& hand = hands_[finger];
-    PointerDevice& pointer = worker_->pointer(finger);
+    haptics::PointerDevice& pointer = worker_->pointer(finger);
     if (!hand.at)
         return pointer.hop_to(away_);
     const double height = radius_ + (hand.pressed ? -hand.depth : kHoverShare * radius_);
@@ -100,7 +100,7 @@ void TouchTool::take_finger(std::size_t finger)
 
 void TouchTool::lift_all()
 {
-    for (std::size_t f = 0; f < kMostFingers; ++f) {
+    for (std::size_t f = 0; f < planner::kMostFingers; ++f) {
         hands_[f] = {};
         put(f, true);
     }
@@ -160,4 +160,4 @@ bool TouchTool::wheel(double notches)
     return true;
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -13,7 +13,7 @@
 #include <optional>
 #include <string>
 
-namespace retractor {
+namespace retractor::ui {
 
 class TouchTool : private PictureTool {
 public:
@@ -22,7 +22,7 @@ public:
     ~TouchTool() override;
 
     /// Null: nothing is touched. The worker must be taken away before it ends.
-    void touch(PalpationWorker* worker, std::size_t fingers, double radius);
+    void touch(planner::PalpationWorker* worker, std::size_t fingers, double radius);
     /// What the eye's rays meet: the tissue at rest.
     void set_surface(std::shared_ptr<const TriMesh> surface);
 
@@ -35,10 +35,10 @@ public:
     void lift_all();
     /// The finger lies on the tissue or above it.
     bool is_out(std::size_t finger) const { return hands_[finger].at.has_value(); }
-    const std::optional<SurfacePlace>& place(std::size_t finger) const { return hands_[finger].at; }
+    const std::optional<planner::SurfacePlace>& place(std::size_t finger) const { return hands_[finger].at; }
 
     /// The next press says where instead of touching.
-    void ask_for_place(std::function<void(const SurfacePlace&)> answer) { asked_ = std::move(answer); }
+    void ask_for_place(std::function<void(const planner::SurfacePlace&)> answer) { asked_ = std::move(answer); }
 
     // Set by the owner.
     std::function<void()> on_change; ///< depth, finger in hand, or a finger came or went
@@ -46,7 +46,7 @@ public:
 
 private:
     struct Hand {
-        std::optional<SurfacePlace> at; ///< where it is aimed, on the surface at rest
+        std::optional<planner::SurfacePlace> at; ///< where it is aimed, on the surface at rest
         bool pressed = false;
         double depth = 0.0; ///< mm, when it was pressed last
     };
@@ -56,20 +56,20 @@ private:
     void release(const QPointF& at) override;
     bool wheel(double notches) override;
 
-    std::optional<SurfacePlace> under(const QPointF& at) const;
+    std::optional<planner::SurfacePlace> under(const QPointF& at) const;
     void put(std::size_t finger, bool hops);
     void changed() const;
 
     PictureView& view_;
-    PalpationWorker* worker_ = nullptr;
+    planner::PalpationWorker* worker_ = nullptr;
     std::shared_ptr<const TriMesh> surface_;
     Points normals_;
     Vec3 away_ = Vec3::Zero(); ///< where fingers are that touch nothing
-    std::array<Hand, kMostFingers> hands_;
+    std::array<Hand, planner::kMostFingers> hands_;
     std::size_t fingers_ = 0, finger_ = 0;
     double radius_ = 4.0, depth_ = 1.5;
     bool held_ = false; ///< the left button is down
-    std::function<void(const SurfacePlace&)> asked_;
+    std::function<void(const planner::SurfacePlace&)> asked_;
 };
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -6,7 +6,7 @@
 #include <QSignalBlocker>
 #include <QStyledItemDelegate>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -118,4 +118,4 @@ void ApproachList::show_model(const SessionModel& model)
     setCurrentRow(model.selected() ? static_cast<int>(*model.selected()) : -1);
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -5,7 +5,7 @@
 
 #include <QListWidget>
 
-namespace retractor {
+namespace retractor::ui {
 
 class ApproachList : public QListWidget {
 public:
@@ -15,4 +15,4 @@ public:
     void show_model(const SessionModel& model);
 };
 
-} // namespace retractor
+} // namespace retractor::ui

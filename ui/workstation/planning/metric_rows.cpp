@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -31,29 +31,32 @@ namespace {
     constexpr const char* kBar = " ±: what finer elements would change.";
 
     /// "58.0 ± 1.2 mm" where there is an estimate, else "58.0 mm".
-    MetricRow metric_row(const FieldMetrics& field, const MetricField& metric)
+    MetricRow metric_row(const planner::FieldMetrics& field, const planner::MetricField& metric)
     {
-        const int digits = metric.group == MetricGroup::distances ? 0 : metric.unit == MetricUnit::none ? 2 : 1;
-        MetricRow row { metric.caption, metric_text(metric, metric.of(field), digits), metric.meaning };
-        if (const auto error = metric_error(metric, field)) {
-            row.value = metric_number(metric, metric.of(field), digits) + " ± " + metric_text(metric, *error, digits);
+        const int digits = metric.group == planner::MetricGroup::distances ? 0
+            : metric.unit == planner::MetricUnit::none                     ? 2
+                                                                           : 1;
+        MetricRow row { metric.caption, planner::metric_text(metric, metric.of(field), digits), metric.meaning };
+        if (const auto error = planner::metric_error(metric, field)) {
+            row.value = planner::metric_number(metric, metric.of(field), digits) + " ± "
+                + planner::metric_text(metric, *error, digits);
             row.meaning += kBar;
         }
         return row;
     }
 
     /// The numbers of a group, in the order of the table.
-    void add_rows(MetricSection& section, const FieldMetrics& field, MetricGroup group)
+    void add_rows(MetricSection& section, const planner::FieldMetrics& field, planner::MetricGroup group)
     {
-        for (const MetricField& metric : metric_fields())
+        for (const planner::MetricField& metric : planner::metric_fields())
             if (metric.group == group)
                 section.rows.push_back(metric_row(field, metric));
     }
 
-    MetricSection sight_section(const FieldMetrics& field)
+    MetricSection sight_section(const planner::FieldMetrics& field)
     {
         MetricSection section { "Sight", { { "Target", field.target, "What the surgeon wants to see." } } };
-        add_rows(section, field, MetricGroup::sight);
+        add_rows(section, field, planner::MetricGroup::sight);
         section.rows.push_back({ "Bone in sight", joined(field.bone_in_sight),
             "Bones that are first to block lines of sight to the target." });
         section.rows.push_back(
@@ -64,19 +67,19 @@ namespace {
         return section;
     }
 
-    MetricSection opening_section(const FieldMetrics& field)
+    MetricSection opening_section(const planner::FieldMetrics& field)
     {
         MetricSection section { "Opening", {} };
-        add_rows(section, field, MetricGroup::opening);
-        add_rows(section, field, MetricGroup::distances);
+        add_rows(section, field, planner::MetricGroup::opening);
+        add_rows(section, field, planner::MetricGroup::distances);
         return section;
     }
 
-    MetricSection force_section(const FieldMetrics& field)
+    MetricSection force_section(const planner::FieldMetrics& field)
     {
         MetricSection section { "Force and strain", {} };
-        add_rows(section, field, MetricGroup::force);
-        add_rows(section, field, MetricGroup::strain);
+        add_rows(section, field, planner::MetricGroup::force);
+        add_rows(section, field, planner::MetricGroup::strain);
         if (field.strain_p99_at) {
             const Vec3& at = *field.strain_p99_at;
             section.rows.push_back(
@@ -94,18 +97,19 @@ namespace {
         return section;
     }
 
-    MetricSection model_section(const FieldMetrics& field)
+    MetricSection model_section(const planner::FieldMetrics& field)
     {
         double seconds = 0.0;
         for (const auto& [stage, time] : field.seconds)
             seconds += time;
-        MetricRow volume_ratio = metric_row(field, metric_field("max_volume_ratio"));
+        MetricRow volume_ratio = metric_row(field, planner::metric_field("max_volume_ratio"));
         volume_ratio.warning = field.max_volume_ratio > kDoubtfulVolumeRatio;
         MetricSection section { "Model",
             {
                 { "Equilibrium", field.mechanics_status, "Whether the mechanical solution converged.",
                     field.mechanics_status != "converged" },
-                { "Solved as", solution_text(field.solution.choice), "Fields solved differently do not compare." },
+                { "Solved as", planner::solution_text(field.solution.choice),
+                    "Fields solved differently do not compare." },
                 { "Tetrahedra", std::to_string(field.tets), {} },
                 { "Inverted", std::to_string(field.inverted_elements),
                     "Elements turned inside out: the numbers are then wrong near them.", field.inverted_elements > 0 },
@@ -115,24 +119,24 @@ namespace {
         if (field.tension)
             section.rows.push_back({ field.pressures.empty() ? "Gapes by itself" : "Gapes under pressure, no hooks",
                 field.tension->message.empty() ? number(field.tension->gape_mm, 1, "mm") : "not told",
-                tension_text(field) + "." });
-        for (const PressureMetrics& pressure : field.pressures)
+                planner::tension_text(field) + "." });
+        for (const planner::PressureMetrics& pressure : field.pressures)
             section.rows.push_back(
-                { "Pressure", number(pressure.pressure_kPa, 2, "kPa"), pressure_text(pressure) + "." });
+                { "Pressure", number(pressure.pressure_kPa, 2, "kPa"), planner::pressure_text(pressure) + "." });
         return section;
     }
 
     /// A number of the table that is known before anything is planned.
     MetricRow asked_row(const char* key, double value)
     {
-        const MetricField& metric = metric_field(key);
-        return { metric.caption, metric_text(metric, value, 0), metric.meaning };
+        const planner::MetricField& metric = planner::metric_field(key);
+        return { metric.caption, planner::metric_text(metric, value, 0), metric.meaning };
     }
 
     /// What drives the hook: a force, or a way that a limit and a grip may cut short.
-    MetricRow hook_row(const HookSpec& hook)
+    MetricRow hook_row(const planner::HookSpec& hook)
     {
-        const HookPull& pull = hook.pull;
+        const planner::HookPull& pull = hook.pull;
         if (pull.force_N)
             return { "Hook " + hook.name, number(*pull.force_N, 1, "N"),
                 "The force it pulls its lip with, however far that goes." };
@@ -152,12 +156,12 @@ namespace {
 
 } // namespace
 
-std::vector<MetricSection> field_rows(const FieldMetrics& field)
+std::vector<MetricSection> field_rows(const planner::FieldMetrics& field)
 {
     return { sight_section(field), opening_section(field), force_section(field), model_section(field) };
 }
 
-std::vector<MetricSection> approach_rows(const Approach& approach)
+std::vector<MetricSection> approach_rows(const planner::Approach& approach)
 {
     std::vector<MetricSection> sections { { "Approach",
         {
@@ -166,28 +170,30 @@ std::vector<MetricSection> approach_rows(const Approach& approach)
                 approach.target.is_sphere() ? "sphere of " + number(approach.target.radius_mm, 0, "mm")
                                             : approach.target.label,
                 {} },
-            asked_row("incision_length_mm", incision_length(approach)),
+            asked_row("incision_length_mm", planner::incision_length(approach)),
             asked_row("cut_depth_mm", approach.depth_mm),
             { "Held aside", joined(approach.retracted), "Organs that this approach takes as retracted." },
         } } };
     MetricSection hooks { "Hooks", {} };
-    for (const HookSpec& hook : approach.hooks)
+    for (const planner::HookSpec& hook : approach.hooks)
         hooks.rows.push_back(hook_row(hook));
     if (!hooks.rows.empty())
         sections.push_back(std::move(hooks));
     return sections;
 }
 
-std::string field_summary(const FieldMetrics& field)
+std::string field_summary(const planner::FieldMetrics& field)
 {
-    const auto text = [&](const char* key) { return metric_text(metric_field(key), metric_field(key).of(field), 0); };
+    const auto text = [&](const char* key) {
+        return planner::metric_text(planner::metric_field(key), planner::metric_field(key).of(field), 0);
+    };
     return text("visible_fraction") + " seen, " + text("hook_force_N") + ", " + text("opening_area_mm2");
 }
 
-std::string approach_summary(const Approach& approach)
+std::string approach_summary(const planner::Approach& approach)
 {
-    return approach.template_name + ", " + number(incision_length(approach), 0, "mm") + ", "
+    return approach.template_name + ", " + number(planner::incision_length(approach), 0, "mm") + ", "
         + std::to_string(approach.hooks.size()) + (approach.hooks.size() == 1 ? " hook" : " hooks");
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::ui {
 
 struct MetricRow {
     std::string key, value;
@@ -21,11 +21,11 @@ struct MetricSection {
 };
 
 /// Of a planned field.
-std::vector<MetricSection> field_rows(const FieldMetrics& field);
+std::vector<MetricSection> field_rows(const planner::FieldMetrics& field);
 /// Of an approach that is not planned yet: what was asked for.
-std::vector<MetricSection> approach_rows(const Approach& approach);
+std::vector<MetricSection> approach_rows(const planner::Approach& approach);
 /// One line for the list: "62 % seen, 41 N" once planned.
-std::string field_summary(const FieldMetrics& field);
-std::string approach_summary(const Approach& approach);
+std::string field_summary(const planner::FieldMetrics& field);
+std::string approach_summary(const planner::Approach& approach);
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -8,7 +8,7 @@
 #include <QScrollBar>
 #include <QVBoxLayout>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -91,7 +91,7 @@ namespace {
         return {};
     }
 
-    void add_unplanned(QVBoxLayout& column, const Approach& approach, const ApproachState& state)
+    void add_unplanned(QVBoxLayout& column, const planner::Approach& approach, const ApproachState& state)
     {
         column.addWidget(label(state_in_words(state.status), kFaint));
         if (state.failure)
@@ -140,4 +140,4 @@ void MetricsPanel::show_model(const SessionModel* model)
     verticalScrollBar()->setValue(scrolled);
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -5,7 +5,7 @@
 
 #include <QScrollArea>
 
-namespace retractor {
+namespace retractor::ui {
 
 class MetricsPanel : public QScrollArea {
 public:
@@ -15,4 +15,4 @@ public:
     void show_model(const SessionModel* model);
 };
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -16,11 +16,11 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
-    PlanOutcome planned_outcome(Patient& patient, const PlannedField& field)
+    PlanOutcome planned_outcome(planner::Patient& patient, const planner::PlannedField& field)
     {
         PlanOutcome outcome;
         outcome.field.metrics = field.metrics;
@@ -36,45 +36,46 @@ namespace {
     }
 
     /// What the plan does otherwise than the hooks under the knife; empty: nothing to say.
-    std::string not_as_planned(const Case& planned_case)
+    std::string not_as_planned(const planner::Case& planned_case)
     {
         std::string text;
-        if (under_pressure(planned_case))
+        if (planner::under_pressure(planned_case))
             remark(text, "the pressure on the wall acts in plans, not under the knife");
-        const std::vector<Material> here = materials_as_solved(planned_case, ElementKind::p1),
-                                    planned = materials_as_solved(planned_case);
-        const auto stiffer = std::find_if(planned.begin(), planned.end(), [&](const Material& material) {
+        const std::vector<fem::Material> here = planner::materials_as_solved(planned_case, planner::ElementKind::p1),
+                                         planned = planner::materials_as_solved(planned_case);
+        const auto stiffer = std::find_if(planned.begin(), planned.end(), [&](const fem::Material& material) {
             return material.poissons_ratio > here[static_cast<std::size_t>(&material - planned.data())].poissons_ratio;
         });
         if (stiffer != planned.end())
             remark(text,
                 "hooks under the knife take Poisson's ratios as at most "
-                    + in_words(largest_poissons_ratio(ElementKind::p1), 2) + ", plans of this case as they are ("
-                    + stiffer->name + " " + in_words(stiffer->poissons_ratio, 2) + ")");
+                    + in_words(planner::largest_poissons_ratio(planner::ElementKind::p1), 2)
+                    + ", plans of this case as they are (" + stiffer->name + " " + in_words(stiffer->poissons_ratio, 2)
+                    + ")");
         return text;
     }
 
     /// The wall is meshed as plan_approach() meshes it: the same elements are cut by hand and planned.
-    KnifeTable lay_table(Patient& patient, const Approach& approach, const Job& job)
+    KnifeTable lay_table(planner::Patient& patient, const planner::Approach& approach, const Job& job)
     {
-        check_approach(approach);
-        const Case& planned_case = patient.planned_case();
+        planner::check_approach(approach);
+        const planner::Case& planned_case = patient.planned_case();
         const auto labels = patient.labels();
-        const MeshSizing sizing = mesh_sizing_of(approach, planned_case.label_table);
-        HybridModel model = build_hybrid_model(*labels, sizing, job);
-        if (model.status != MeshStatus::done)
+        const mesh::MeshSizing sizing = planner::mesh_sizing_of(approach, planned_case.label_table);
+        mesh::HybridModel model = mesh::build_hybrid_model(*labels, sizing, job);
+        if (model.status != mesh::MeshStatus::done)
             throw InputError(
                 model.message.empty() ? "there is no wall to cut" : model.message, "approach " + approach.name);
         KnifeTable laid;
-        OperatingTable& table = laid.table;
-        Supports supports = supports_of(model.wall, *labels, planned_case, sizing);
+        planner::OperatingTable& table = laid.table;
+        fem::Supports supports = planner::supports_of(model.wall, *labels, planned_case, sizing);
         table.held = std::move(supports.fixed);
-        table.cut_off = cut_off_vertices(model.wall, *labels);
+        table.cut_off = planner::cut_off_vertices(model.wall, *labels);
         table.bedded = std::move(supports.bedded);
         table.approach = approach;
         table.labels = planned_case.label_table;
-        table.journal = cuts_journal(planned_case.file(), approach.name);
-        table.materials = materials_as_solved(planned_case, ElementKind::p1);
+        table.journal = planner::cuts_journal(planned_case.file(), approach.name);
+        table.materials = planner::materials_as_solved(planned_case, planner::ElementKind::p1);
         table.caution = not_as_planned(planned_case);
         Vec3 inward = Vec3::Zero();
         for (const Vec3& direction : approach.directions)
@@ -89,26 +90,26 @@ namespace {
 
 } // namespace
 
-PlanningBackend make_planning_backend(const Case& planned_case)
+PlanningBackend make_planning_backend(const planner::Case& planned_case)
 {
-    const auto patient = std::make_shared<Patient>(planned_case);
+    const auto patient = std::make_shared<planner::Patient>(planned_case);
     PlanningBackend backend;
     backend.closed_scene
-        = [patient](const Approach& approach, const Job&) { return planning_scene(*patient, approach); };
+        = [patient](const planner::Approach& approach, const Job&) { return planning_scene(*patient, approach); };
     backend.operating_table
-        = [patient](const Approach& approach, const Job& job) { return lay_table(*patient, approach, job); };
-    backend.plan = [patient](const Approach& approach, const Job& job) -> PlanOutcome {
-        const PlannedField field = plan_approach(*patient, approach, job);
+        = [patient](const planner::Approach& approach, const Job& job) { return lay_table(*patient, approach, job); };
+    backend.plan = [patient](const planner::Approach& approach, const Job& job) -> PlanOutcome {
+        const planner::PlannedField field = planner::plan_approach(*patient, approach, job);
         switch (field.status) {
-        case PlanStatus::done:
-        case PlanStatus::not_converged:
-        case PlanStatus::inverted:
+        case planner::PlanStatus::done:
+        case planner::PlanStatus::not_converged:
+        case planner::PlanStatus::inverted:
             job.report("pictures", 0.0);
             return planned_outcome(*patient, field);
-        case PlanStatus::cancelled:
+        case planner::PlanStatus::cancelled:
             return { .status = PlanOutcome::Status::cancelled, .message = {}, .field = {} };
-        case PlanStatus::nothing_to_mesh:
-        case PlanStatus::cut_missed:
+        case planner::PlanStatus::nothing_to_mesh:
+        case planner::PlanStatus::cut_missed:
             break;
         }
         return { .status = PlanOutcome::Status::refused, .message = field.message, .field = {} };
@@ -116,4 +117,4 @@ PlanningBackend make_planning_backend(const Case& planned_case)
     return backend;
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -8,7 +8,7 @@
 #include <functional>
 #include <string>
 
-namespace retractor {
+namespace retractor::ui {
 
 struct PlanOutcome {
     enum class Status { planned, refused, cancelled };
@@ -19,19 +19,19 @@ struct PlanOutcome {
 
 /// What the window lays out for the knife.
 struct KnifeTable {
-    OperatingTable table;
+    planner::OperatingTable table;
     Scene surroundings; ///< drawn, not cut; with the camera of the overview
 };
 
 struct PlanningBackend {
     /// The patient with the incision drawn on the closed skin.
-    std::function<Scene(const Approach&, const Job&)> closed_scene;
-    std::function<PlanOutcome(const Approach&, const Job&)> plan;
+    std::function<Scene(const planner::Approach&, const Job&)> closed_scene;
+    std::function<PlanOutcome(const planner::Approach&, const Job&)> plan;
     /// The wall round the approach's incision, uncut, for the knife. Throws when there is none.
-    std::function<KnifeTable(const Approach&, const Job&)> operating_table;
+    std::function<KnifeTable(const planner::Approach&, const Job&)> operating_table;
 };
 
 /// The planner itself. Reads nothing before it is asked to; keeps what it has read.
-PlanningBackend make_planning_backend(const Case& planned_case);
+PlanningBackend make_planning_backend(const planner::Case& planned_case);
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -38,9 +38,9 @@ namespace {
     }
 
     /// Point and unit blade direction half way along the incision.
-    std::pair<Vec3, Vec3> incision_middle(const Approach& approach)
+    std::pair<Vec3, Vec3> incision_middle(const planner::Approach& approach)
     {
-        const double half = incision_length(approach) / 2.0;
+        const double half = planner::incision_length(approach) / 2.0;
         double walked = 0.0;
         for (std::size_t i = 0; i + 1 < approach.incision.size(); ++i) {
             const double step = (approach.incision[i + 1] - approach.incision[i]).norm();
@@ -90,7 +90,7 @@ Failure case_failure(const std::filesystem::path& file, const Error& error)
     return { error.what(), error.where().empty() ? name : name + ": " + error.where() };
 }
 
-SessionModel::SessionModel(Case planned_case)
+SessionModel::SessionModel(planner::Case planned_case)
     : case_(std::move(planned_case))
     , states_(case_.approaches.size())
 {
@@ -106,7 +106,7 @@ void SessionModel::select(std::size_t index)
 
 void SessionModel::select(std::string_view name)
 {
-    const Approach& found = find_approach(case_, name);
+    const planner::Approach& found = planner::find_approach(case_, name);
     select(static_cast<std::size_t>(&found - case_.approaches.data()));
 }
 
@@ -234,7 +234,7 @@ std::vector<Scene> SessionModel::shown_scenes() const
     return { std::move(scene) };
 }
 
-Camera surgeon_camera(const Approach& approach, const Vec3& up)
+Camera surgeon_camera(const planner::Approach& approach, const Vec3& up)
 {
     // The incision fills about half of the picture's height, so that the body round it tells where it is.
     constexpr double kHeightPerLength = 2.0;
@@ -243,7 +243,7 @@ Camera surgeon_camera(const Approach& approach, const Vec3& up)
     Camera camera;
     camera.eye = middle - approach.view.eye_distance_mm * into;
     camera.aim = middle;
-    const double height = std::max(kSmallestHeightMm, kHeightPerLength * incision_length(approach));
+    const double height = std::max(kSmallestHeightMm, kHeightPerLength * planner::incision_length(approach));
     camera.view_angle_deg = 2.0 * std::atan(height / 2.0 / approach.view.eye_distance_mm) * 180.0 / std::numbers::pi;
     camera.up = (up - up.dot(into) * into);
     // Looked at from straight above or below, `up` says nothing: the head is then as good as any.
@@ -253,4 +253,4 @@ Camera surgeon_camera(const Approach& approach, const Vec3& up)
     return camera;
 }
 
-} // namespace retractor
+} // namespace retractor::ui

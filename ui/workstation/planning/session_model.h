@@ -17,7 +17,7 @@
 #include <string_view>
 #include <vector>
 
-namespace retractor {
+namespace retractor::ui {
 
 enum class ViewPreset { surgeon, overview, slices };
 
@@ -27,7 +27,7 @@ std::optional<ViewPreset> view_from_string(std::string_view text);
 
 /// An opened field as it is shown: numbers and pictures.
 struct FieldPictures {
-    FieldMetrics metrics;
+    planner::FieldMetrics metrics;
     Scene surgeon, overview;
     std::vector<Scene> slices;
     std::string warning; ///< what limits the result, e.g. "not converged"; empty: nothing
@@ -68,11 +68,11 @@ struct ShownSource {
 class SessionModel {
 public:
     /// Selects the first approach, if there is one.
-    explicit SessionModel(Case planned_case);
+    explicit SessionModel(planner::Case planned_case);
 
-    const Case& planned_case() const { return case_; }
+    const planner::Case& planned_case() const { return case_; }
     std::size_t approach_count() const { return states_.size(); }
-    const Approach& approach(std::size_t index) const { return case_.approaches.at(index); }
+    const planner::Approach& approach(std::size_t index) const { return case_.approaches.at(index); }
     const ApproachState& state(std::size_t index) const { return states_.at(index); }
 
     std::optional<std::size_t> selected() const { return selected_; }
@@ -114,7 +114,7 @@ public:
     std::vector<Scene> shown_scenes() const;
 
 private:
-    Case case_;
+    planner::Case case_;
     std::vector<ApproachState> states_;
     std::optional<std::size_t> selected_;
     ViewPreset view_ = ViewPreset::surgeon;
@@ -126,6 +126,6 @@ private:
 
 /// From where the surgeon will look: along the blade direction at the middle of the incision.
 /// @param up the picture's up where it is not along the line of sight.
-Camera surgeon_camera(const Approach& approach, const Vec3& up);
+Camera surgeon_camera(const planner::Approach& approach, const Vec3& up);
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -19,7 +19,7 @@
 #include <numbers>
 #include <utility>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -172,7 +172,7 @@ void PictureView::set_tool(PictureTool* tool)
     setCursor(tool != nullptr ? Qt::CrossCursor : Qt::ArrowCursor);
 }
 
-Ray PictureView::ray_at(const QPointF& at) const
+planner::Ray PictureView::ray_at(const QPointF& at) const
 {
     const Camera camera = this->camera();
     const Vec3 sight = (camera.aim - camera.eye).normalized();
@@ -316,4 +316,4 @@ std::vector<Viewport> arrange_scenes(const std::vector<Scene>& scenes, double wi
     return viewports;
 }
 
-} // namespace retractor
+} // namespace retractor::ui

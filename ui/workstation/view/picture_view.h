@@ -17,7 +17,7 @@
 class QLabel;
 class QMouseEvent;
 
-namespace retractor {
+namespace retractor::ui {
 
 class LiveProps;
 
@@ -57,7 +57,7 @@ public:
     /// has the mouse to itself. The tool must be taken away before it ends.
     void set_tool(PictureTool* tool);
     /// From the eye through a point of the widget, into the first scene. @pre one scene is shown and drawn.
-    Ray ray_at(const QPointF& at) const;
+    planner::Ray ray_at(const QPointF& at) const;
 
     /// A line over the picture, e.g. what is being waited for; empty: none.
     void show_note(const QString& note);
@@ -108,4 +108,4 @@ private:
 /// Where scenes of a grid go: one fills everything; more fill rows of two from the top left. Slices are fitted.
 std::vector<Viewport> arrange_scenes(const std::vector<Scene>& scenes, double width_px, double height_px);
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -6,7 +6,7 @@
 #include <QBuffer>
 #include <QImage>
 
-namespace retractor {
+namespace retractor::ui {
 
 void write_png_file(const std::filesystem::path& path, const QImage& image)
 {
@@ -18,4 +18,4 @@ void write_png_file(const std::filesystem::path& path, const QImage& image)
     write_file_atomically(path, std::string_view(bytes.constData(), static_cast<std::size_t>(bytes.size())));
 }
 
-} // namespace retractor
+} // namespace retractor::ui

@@ -5,9 +5,9 @@
 
 class QImage;
 
-namespace retractor {
+namespace retractor::ui {
 
 /// Replaces what was there, atomically. @throws IoError naming the path.
 void write_png_file(const std::filesystem::path& path, const QImage& image);
 
-} // namespace retractor
+} // namespace retractor::ui

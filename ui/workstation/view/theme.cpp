@@ -5,7 +5,7 @@
 #include <QPalette>
 #include <QStyleFactory>
 
-namespace retractor {
+namespace retractor::ui {
 
 namespace {
 
@@ -53,4 +53,4 @@ void apply_theme(QApplication& application)
     application.setStyleSheet(kSheet);
 }
 
-} // namespace retractor
+} // namespace retractor::ui

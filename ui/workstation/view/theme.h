@@ -3,11 +3,11 @@
 
 class QApplication;
 
-namespace retractor {
+namespace retractor::ui {
 
 /// Style of words beside what matters.
 inline constexpr const char* kFaint = "color: #a4adb5;";
 
 void apply_theme(QApplication& application);
 
-} // namespace retractor
+} // namespace retractor::ui

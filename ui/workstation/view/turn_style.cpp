@@ -4,7 +4,7 @@
 #include <vtkObjectFactory.h>
 #include <vtkRenderer.h>
 
-namespace retractor {
+namespace retractor::ui {
 
 vtkStandardNewMacro(TurnStyle);
 
@@ -29,4 +29,4 @@ void TurnStyle::Spin()
         vtkInteractorStyleTrackballCamera::Spin();
 }
 
-} // namespace retractor
+} // namespace retractor::ui

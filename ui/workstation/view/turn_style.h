@@ -4,7 +4,7 @@
 
 #include <vtkInteractorStyleTrackballCamera.h>
 
-namespace retractor {
+namespace retractor::ui {
 
 class TurnStyle : public vtkInteractorStyleTrackballCamera {
 public:
@@ -17,4 +17,4 @@ private:
     bool on_slice() const;
 };
 
-} // namespace retractor
+} // namespace retractor::ui

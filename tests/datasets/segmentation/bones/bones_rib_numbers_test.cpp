@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 namespace bones_rib_numbers_test {
 
     constexpr double kPitch = 25.0, kHighest = 0.0; // mm: of two levels; of the uppermost rib's head
@@ -68,7 +68,7 @@ namespace bones_rib_numbers_test {
     Numbered number(std::vector<RibTrack> ribs, double above, double below)
     {
         const double lowest = ribs.back().line.front().z();
-        ImageGrid grid;
+        mesh::ImageGrid grid;
         grid.size = { 10, 10, static_cast<int>(kHighest + above - (lowest - below)) + 1 };
         grid.origin = Vec3(0.0, 0.0, lowest - below);
         grid.spacing = Vec3::Ones();
@@ -159,4 +159,4 @@ namespace bones_rib_numbers_test {
     }
 
 } // namespace bones_rib_numbers_test
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

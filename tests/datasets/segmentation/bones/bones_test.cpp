@@ -11,7 +11,7 @@
 #include <map>
 #include <string>
 
-namespace retractor {
+namespace retractor::datasets {
 
 namespace bones_test {
 
@@ -40,13 +40,14 @@ namespace bones_test {
     }
 
     struct Masks {
-        Mask body, lungs;
+        segmentation::Mask body, lungs;
     };
-    Masks true_masks(const LabelVolume& labels)
+    Masks true_masks(const mesh::LabelVolume& labels)
     {
-        Masks masks { Mask(labels.voxels.size(), 0), Mask(labels.voxels.size(), 0) };
+        Masks masks { segmentation::Mask(labels.voxels.size(), 0), segmentation::Mask(labels.voxels.size(), 0) };
         for (std::size_t v = 0; v < labels.voxels.size(); ++v) {
-            const LabelInfo* info = labels.voxels[v] != 0 ? find_label(labels.table, labels.voxels[v]) : nullptr;
+            const mesh::LabelInfo* info
+                = labels.voxels[v] != 0 ? mesh::find_label(labels.table, labels.voxels[v]) : nullptr;
             masks.body[v] = info != nullptr;
             masks.lungs[v] = info != nullptr && (info->name.starts_with("lung_") || info->name == "trachea");
         }
@@ -60,12 +61,12 @@ namespace bones_test {
     };
     bool is_bone(const std::string& name) { return !name.empty() && name != "costal_cartilages"; }
 
-    std::map<std::string, Overlap> overlaps(const Bones& bones, const LabelVolume& truth)
+    std::map<std::string, Overlap> overlaps(const segmentation::Bones& bones, const mesh::LabelVolume& truth)
     {
         std::map<Label, std::string> found_name, true_name;
-        for (const LabelInfo& info : bones.table)
+        for (const mesh::LabelInfo& info : bones.table)
             found_name[info.id] = info.name;
-        for (const LabelInfo& info : truth.table)
+        for (const mesh::LabelInfo& info : truth.table)
             if (info.material == "bone" || info.name == "costal_cartilages")
                 true_name[info.id] = info.name;
         std::map<std::string, Overlap> result;
@@ -86,11 +87,11 @@ namespace bones_test {
         return result;
     }
 
-    Bones segment(const Phantom& phantom, const Job& job = {})
+    segmentation::Bones segment(const Phantom& phantom, const Job& job = {})
     {
-        const WorkingImage image { phantom.ct.grid, phantom.ct.voxels };
+        const segmentation::WorkingImage image { phantom.ct.grid, phantom.ct.voxels };
         const Masks masks = true_masks(phantom.labels);
-        return segment_bones({ image, masks.body, masks.lungs, nullptr }, job);
+        return segmentation::segment_bones({ image, masks.body, masks.lungs, nullptr }, job);
     }
 
     /// The patient without these bones: muscle in their place, and no bright rim left of them.
@@ -98,28 +99,29 @@ namespace bones_test {
     {
         constexpr double kRim = 4.5; // mm, two voxels of blur
         constexpr std::int16_t kMuscle = 40, kBright = 60; // HU
-        Mask gone(patient.labels.voxels.size());
+        segmentation::Mask gone(patient.labels.voxels.size());
         for (const std::string& name : names) {
-            const Label id = find_label(patient.labels.table, name)->id;
+            const Label id = mesh::find_label(patient.labels.table, name)->id;
             for (std::size_t v = 0; v < gone.size(); ++v)
                 if (patient.labels.voxels[v] == id) {
                     gone[v] = 1;
                     patient.ct.voxels[v] = kMuscle;
                 }
         }
-        const ImageGrid& grid = patient.ct.grid;
-        const Mask rim = dilated({ grid.size, { grid.spacing.x(), grid.spacing.y(), grid.spacing.z() } }, gone, kRim);
+        const mesh::ImageGrid& grid = patient.ct.grid;
+        const segmentation::Mask rim = segmentation::dilated(
+            { grid.size, { grid.spacing.x(), grid.spacing.y(), grid.spacing.z() } }, gone, kRim);
         for (std::size_t v = 0; v < rim.size(); ++v) {
-            const LabelInfo* info = find_label(patient.labels.table, patient.labels.voxels[v]);
+            const mesh::LabelInfo* info = mesh::find_label(patient.labels.table, patient.labels.voxels[v]);
             if (rim[v] && patient.ct.voxels[v] > kBright && info != nullptr && info->material != "bone")
                 patient.ct.voxels[v] = kMuscle;
             if (gone[v])
-                patient.labels.voxels[v] = find_label(patient.labels.table, "muscle")->id;
+                patient.labels.voxels[v] = mesh::find_label(patient.labels.table, "muscle")->id;
         }
         return patient;
     }
 
-    bool warns(const Bones& bones, const std::string& text)
+    bool warns(const segmentation::Bones& bones, const std::string& text)
     {
         return std::any_of(bones.warnings.begin(), bones.warnings.end(),
             [&](const std::string& warning) { return warning.find(text) != std::string::npos; });
@@ -131,7 +133,7 @@ namespace bones_test {
     {
         const Shape& shape = kShapes[static_cast<std::size_t>(GetParam().first)];
         const Phantom patient = phantom(shape, GetParam().second);
-        const Bones bones = segment(patient);
+        const segmentation::Bones bones = segment(patient);
         auto overlap = overlaps(bones, patient.labels);
 
         constexpr double kAllBone = 0.85, kRib = 0.7; // what planning needs: an incision beside the right rib
@@ -150,25 +152,25 @@ namespace bones_test {
             overlap["clavicle_left"].dice(), overlap["clavicle_right"].dice());
     }
 
-    TEST(Bones, EachRibIsOnePieceThatTouchesNoOtherRibNorTheSpine)
+    TEST(segmentation::Bones, EachRibIsOnePieceThatTouchesNoOtherRibNorTheSpine)
     {
         const Phantom patient = phantom(kShapes[0], 20.0);
-        const Bones bones = segment(patient);
+        const segmentation::Bones bones = segment(patient);
         std::map<Label, std::string> name;
-        for (const LabelInfo& info : bones.table)
+        for (const mesh::LabelInfo& info : bones.table)
             name[info.id] = info.name;
-        const ImageGrid& grid = patient.ct.grid;
-        const Extent extent { grid.size, { grid.spacing.x(), grid.spacing.y(), grid.spacing.z() } };
-        for (const LabelInfo& info : bones.table) {
+        const mesh::ImageGrid& grid = patient.ct.grid;
+        const segmentation::Extent extent { grid.size, { grid.spacing.x(), grid.spacing.y(), grid.spacing.z() } };
+        for (const mesh::LabelInfo& info : bones.table) {
             if (!info.name.starts_with("rib_") && info.name != "spine" && info.name != "sternum")
                 continue;
-            Mask mask(bones.labels.size());
+            segmentation::Mask mask(bones.labels.size());
             for (std::size_t v = 0; v < mask.size(); ++v)
                 mask[v] = bones.labels[v] == info.id;
-            EXPECT_EQ(connected_pieces(extent, mask).voxels.size(), 1U) << info.name;
+            EXPECT_EQ(segmentation::connected_pieces(extent, mask).voxels.size(), 1U) << info.name;
             EXPECT_EQ(std::count(mask.begin(), mask.end(), 1),
                 [&] {
-                    const Mask filled = holes_filled(extent, mask);
+                    const segmentation::Mask filled = segmentation::holes_filled(extent, mask);
                     return std::count(filled.begin(), filled.end(), 1);
                 }())
                 << info.name << " is hollow";
@@ -190,28 +192,28 @@ namespace bones_test {
             ADD_FAILURE() << pair << " share " << faces << " faces";
     }
 
-    TEST(Bones, CartilagesCloseTheRing)
+    TEST(segmentation::Bones, CartilagesCloseTheRing)
     {
         const Phantom patient = phantom(kShapes[0], 20.0);
-        const Bones bones = segment(patient);
+        const segmentation::Bones bones = segment(patient);
         constexpr double kCartilage = 0.6; // thin, and barely denser than what is round it
         EXPECT_GE(overlaps(bones, patient.labels)["costal_cartilages"].dice(), kCartilage);
         // Each of the upper ribs hangs together with the sternum over its cartilage.
         std::map<std::string, Label> id;
-        for (const LabelInfo& info : bones.table)
+        for (const mesh::LabelInfo& info : bones.table)
             id[info.name] = info.id;
-        const ImageGrid& grid = patient.ct.grid;
-        const Extent extent { grid.size, { grid.spacing.x(), grid.spacing.y(), grid.spacing.z() } };
+        const mesh::ImageGrid& grid = patient.ct.grid;
+        const segmentation::Extent extent { grid.size, { grid.spacing.x(), grid.spacing.y(), grid.spacing.z() } };
         for (const char* side : { "left", "right" })
             for (int n = 1; n <= 7; ++n) {
                 const std::string rib = std::string("rib_") + side + "_" + std::to_string(n);
-                Mask ring(bones.labels.size()), seed(bones.labels.size());
+                segmentation::Mask ring(bones.labels.size()), seed(bones.labels.size());
                 for (std::size_t v = 0; v < ring.size(); ++v) {
                     const Label l = bones.labels[v];
                     seed[v] = l == id[rib];
                     ring[v] = l != 0 && (l == id[rib] || l == id["costal_cartilages"] || l == id["sternum"]);
                 }
-                const Mask reached = reached_from(extent, ring, seed);
+                const segmentation::Mask reached = segmentation::reached_from(extent, ring, seed);
                 bool sternum = false;
                 for (std::size_t v = 0; v < ring.size() && !sternum; ++v)
                     sternum = reached[v] && bones.labels[v] == id["sternum"];
@@ -219,17 +221,17 @@ namespace bones_test {
             }
     }
 
-    TEST(Bones, GivenBonesAreTakenAsTheyAre)
+    TEST(segmentation::Bones, GivenBonesAreTakenAsTheyAre)
     {
         const Phantom patient = phantom(kShapes[0], 20.0);
-        LabelVolume given { patient.ct.grid, std::vector<Label>(patient.labels.voxels.size(), 0),
-            { { 7, "sternum", "bone", Role::wall } } };
-        const Label real = find_label(patient.labels.table, "sternum")->id;
+        mesh::LabelVolume given { patient.ct.grid, std::vector<Label>(patient.labels.voxels.size(), 0),
+            { { 7, "sternum", "bone", mesh::Role::wall } } };
+        const Label real = mesh::find_label(patient.labels.table, "sternum")->id;
         for (std::size_t v = 0; v < given.voxels.size(); ++v)
             given.voxels[v] = patient.labels.voxels[v] == real ? 7 : 0;
-        const WorkingImage image { patient.ct.grid, patient.ct.voxels };
+        const segmentation::WorkingImage image { patient.ct.grid, patient.ct.voxels };
         const Masks masks = true_masks(patient.labels);
-        const Bones bones = segment_bones({ image, masks.body, masks.lungs, &given });
+        const segmentation::Bones bones = segmentation::segment_bones({ image, masks.body, masks.lungs, &given });
         EXPECT_DOUBLE_EQ(overlaps(bones, patient.labels)["sternum"].dice(), 1.0);
         for (const FoundStructure& found : bones.structures) {
             if (found.name == "sternum") {
@@ -238,10 +240,10 @@ namespace bones_test {
         }
     }
 
-    TEST(Bones, AMissingRibDoesNotShiftTheNumbersBelowIt)
+    TEST(segmentation::Bones, AMissingRibDoesNotShiftTheNumbersBelowIt)
     {
         const Phantom patient = without(phantom(kShapes[0], 20.0), { "rib_left_4" });
-        const Bones bones = segment(patient);
+        const segmentation::Bones bones = segment(patient);
         auto overlap = overlaps(bones, patient.labels);
         constexpr double kRib = 0.7;
         for (const char* name : { "rib_left_3", "rib_left_5", "rib_left_8", "rib_left_12", "rib_right_4" })
@@ -251,40 +253,41 @@ namespace bones_test {
         EXPECT_FALSE(warns(bones, "one too low"));
     }
 
-    TEST(Bones, FirstRibsThatAreNotFoundAreMissedWithTheNeckInView)
+    TEST(segmentation::Bones, FirstRibsThatAreNotFoundAreMissedWithTheNeckInView)
     {
-        const Bones bones = segment(without(phantom(kShapes[0], 20.0), { "rib_left_1", "rib_right_1" }));
+        const segmentation::Bones bones = segment(without(phantom(kShapes[0], 20.0), { "rib_left_1", "rib_right_1" }));
         EXPECT_TRUE(warns(bones, "rib numbers may be one too low: the first rib was not recognised"));
     }
 
-    TEST(Bones, AChestWithoutRibsIsNoticed)
+    TEST(segmentation::Bones, AChestWithoutRibsIsNoticed)
     {
         std::vector<std::string> ribs;
         for (const char* side : { "left", "right" })
             for (int n = 1; n <= 12; ++n)
                 ribs.push_back(std::string("rib_") + side + "_" + std::to_string(n));
-        const Bones bones = segment(without(phantom(kShapes[0], 0.0), ribs));
+        const segmentation::Bones bones = segment(without(phantom(kShapes[0], 0.0), ribs));
         EXPECT_TRUE(warns(bones, "no rib was found"));
     }
 
-    TEST(Bones, WithoutASpineThereAreWarningsAndNoBones)
+    TEST(segmentation::Bones, WithoutASpineThereAreWarningsAndNoBones)
     {
         const Phantom patient = phantom(kShapes[0], 0.0);
         const std::vector<std::int16_t> soft(patient.ct.voxels.size(), 40);
         const Masks masks = true_masks(patient.labels);
-        const Bones bones = segment_bones({ { patient.ct.grid, soft }, masks.body, masks.lungs, nullptr });
+        const segmentation::Bones bones
+            = segmentation::segment_bones({ { patient.ct.grid, soft }, masks.body, masks.lungs, nullptr });
         EXPECT_TRUE(bones.table.empty());
         ASSERT_EQ(bones.warnings.size(), 1U);
         EXPECT_NE(bones.warnings[0].find("spine not found"), std::string::npos) << bones.warnings[0];
     }
 
-    TEST(Bones, GivenLabelsOnAnotherGridAreRefused)
+    TEST(segmentation::Bones, GivenLabelsOnAnotherGridAreRefused)
     {
         const Phantom patient = phantom(kShapes[0], 0.0);
-        const LabelVolume given { patient.ct.grid, std::vector<Label>(5, 0), {} };
-        const WorkingImage image { patient.ct.grid, patient.ct.voxels };
+        const mesh::LabelVolume given { patient.ct.grid, std::vector<Label>(5, 0), {} };
+        const segmentation::WorkingImage image { patient.ct.grid, patient.ct.voxels };
         const Masks masks = true_masks(patient.labels);
-        EXPECT_THROW(segment_bones({ image, masks.body, masks.lungs, &given }), InputError);
+        EXPECT_THROW(segmentation::segment_bones({ image, masks.body, masks.lungs, &given }), InputError);
     }
 
     INSTANTIATE_TEST_SUITE_P(ShapesAndNoise, PhantomBones,
@@ -292,4 +295,4 @@ namespace bones_test {
             std::pair(1, 20.0), std::pair(1, 40.0), std::pair(2, 5.0), std::pair(2, 20.0), std::pair(2, 40.0)));
 
 } // namespace bones_test
-} // namespace retractor
+} // namespace retractor::datasets

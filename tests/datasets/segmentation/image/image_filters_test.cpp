@@ -10,7 +10,7 @@
 #include <numeric>
 #include <random>
 
-namespace retractor::segmentation {
+namespace retractor::datasets::segmentation {
 namespace image_filters_test {
 
     // Uneven on purpose: radii are mm, not voxels.
@@ -284,4 +284,4 @@ namespace image_filters_test {
     }
 
 } // namespace image_filters_test
-} // namespace retractor::segmentation
+} // namespace retractor::datasets::segmentation

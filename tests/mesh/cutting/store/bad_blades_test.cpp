@@ -1,7 +1,7 @@
 // Blades with zero, negative or infinite lengths and NaN: each is refused.
 
-#include "mesh/cutting/store/blade.h"
 #include "mesh/cutting/cut_session.h"
+#include "mesh/cutting/store/blade.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 #include "tests/support/refusals.h"
 
@@ -10,16 +10,16 @@
 #include <functional>
 #include <limits>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace bad_blades_test {
 
-    using namespace fixtures;
+    using namespace test_support;
 
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-    SpoiltCalls bad_cuts()
+    test_support::SpoiltCalls bad_cuts()
     {
-        SpoiltCalls all;
+        test_support::SpoiltCalls all;
         const TetMesh block = kuhn_box(12, 8, 4, 5.0); // 60 x 40 x 20 mm
         const Blade good {
             .line = { { 15.0, 20.0, 20.0 }, { 45.0, 20.0, 20.0 } }, .directions = { -Vec3::UnitZ() }, .depth_mm = 10.0
@@ -41,7 +41,7 @@ namespace bad_blades_test {
         return all;
     }
 
-    TEST(BadBlades, AreRefused) { expect_all_refused(bad_cuts()); }
+    TEST(BadBlades, AreRefused) { test_support::expect_all_refused(bad_cuts()); }
 
 } // namespace bad_blades_test
-} // namespace retractor
+} // namespace retractor::mesh

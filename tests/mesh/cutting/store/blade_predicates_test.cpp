@@ -14,7 +14,7 @@
 #include <random>
 #include <string>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace blade_predicates_test {
 
     using Exact = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -111,4 +111,4 @@ namespace blade_predicates_test {
         [](const auto& each) { return std::string(shapes()[each.param].name); });
 
 } // namespace blade_predicates_test
-} // namespace retractor
+} // namespace retractor::mesh

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <random>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace blade_test {
 
     // Coordinates of some tens of mm: a generous multiple of round-off.
@@ -189,4 +189,4 @@ namespace blade_test {
     }
 
 } // namespace blade_test
-} // namespace retractor
+} // namespace retractor::mesh

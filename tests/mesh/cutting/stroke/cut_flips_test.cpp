@@ -12,7 +12,7 @@
 #include <random>
 #include <set>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace cut_flips_test {
 
     constexpr double kRoundOff = 1e-13; // relative, of a few additions
@@ -266,7 +266,7 @@ namespace cut_flips_test {
 
     TEST(Flips, TakeNothingFromAMeshAndItsWorstAngleNeverFalls)
     {
-        TetMesh mesh = three_layers(5, 5, 6, 2.0);
+        TetMesh mesh = test_support::three_layers(5, 5, 6, 2.0);
         std::mt19937 random(5);
         const Eigen::RowVector3d top = mesh.vertices.colwise().maxCoeff();
         for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
@@ -350,4 +350,4 @@ namespace cut_flips_test {
     }
 
 } // namespace cut_flips_test
-} // namespace retractor
+} // namespace retractor::mesh

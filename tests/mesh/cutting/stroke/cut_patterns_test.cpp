@@ -1,5 +1,5 @@
-#include "mesh/cutting/stroke/cut_patterns.h"
 #include "mesh/cutting/cut_session.h"
+#include "mesh/cutting/stroke/cut_patterns.h"
 
 #include "mesh/base/error.h"
 
@@ -10,7 +10,7 @@
 #include <map>
 #include <numeric>
 
-namespace retractor {
+namespace retractor::mesh {
 namespace cut_patterns_test {
 
     constexpr double kRoundOff = 1e-12; // of a sum of some hundred volumes
@@ -229,4 +229,4 @@ namespace cut_patterns_test {
     }
 
 } // namespace cut_patterns_test
-} // namespace retractor
+} // namespace retractor::mesh

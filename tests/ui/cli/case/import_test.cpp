@@ -2,8 +2,8 @@
 
 #include "datasets/dicom/dicom.h"
 #include "datasets/io/label_table.h"
-#include "datasets/phantoms/phantom.h"
 #include "datasets/io/volume_io.h"
+#include "datasets/phantoms/phantom.h"
 #include "tests/support/command_run.h"
 
 #include <gtest/gtest.h>
@@ -19,16 +19,17 @@
 #include <string>
 #include <vector>
 
-namespace retractor {
+namespace retractor::ui {
 namespace import_test {
 
     namespace fs = std::filesystem;
     using Json = nlohmann::json;
 
     /// @param with_errors standard error as well
-    CommandRun run(const std::string& arguments, bool with_errors = false)
+    test_support::CommandRun run(const std::string& arguments, bool with_errors = false)
     {
-        return run_line(std::string(RETRACTOR_PROGRAM) + " " + arguments + (with_errors ? " 2>&1" : " 2>/dev/null"));
+        return test_support::run_line(
+            std::string(RETRACTOR_PROGRAM) + " " + arguments + (with_errors ? " 2>&1" : " 2>/dev/null"));
     }
 
     std::string lower(std::string text)
@@ -68,28 +69,29 @@ namespace import_test {
             folder = fs::path(testing::TempDir()) / "import_command";
             fs::remove_all(folder);
             fs::create_directories(folder / "in");
-            BlockParameters parameters;
+            datasets::BlockParameters parameters;
             parameters.size_mm = { 80.0, 70.0, 80.0 };
             parameters.bone_bar = true;
-            phantom = make_block_phantom(parameters);
-            write_volume(folder / "in" / "ct.nrrd", phantom.ct);
-            write_label_volume(folder / "in" / "labels.nrrd", phantom.labels);
-            DicomOptions named;
+            phantom = datasets::make_block_phantom(parameters);
+            datasets::write_volume(folder / "in" / "ct.nrrd", phantom.ct);
+            datasets::write_label_volume(folder / "in" / "labels.nrrd", phantom.labels);
+            datasets::DicomOptions named;
             named.patient_name = std::string(kFamily) + "^" + kGiven;
             named.patient_id = kId;
             named.series_description = std::string("Thorax of ") + kFamily;
-            write_dicom_series(folder / "dicom", phantom.ct, named);
+            datasets::write_dicom_series(folder / "dicom", phantom.ct, named);
         }
         static std::string in(const char* name) { return (folder / "in" / name).string(); }
         static std::string at(const std::string& name) { return (folder / name).string(); }
         static std::string with_labels() { return in("ct.nrrd") + " --labels " + in("labels.nrrd"); }
         static inline fs::path folder;
-        static inline Phantom phantom;
+        static inline datasets::Phantom phantom;
     };
 
     TEST_F(Import, SaysWhatItFound)
     {
-        const CommandRun import = run("--json import " + with_labels() + " --out " + at("said/case.json"));
+        const test_support::CommandRun import
+            = run("--json import " + with_labels() + " --out " + at("said/case.json"));
         ASSERT_EQ(import.exit_code, 0);
         const Json document = import.json();
         EXPECT_EQ(document.at("frame"), "LPS");
@@ -107,14 +109,16 @@ namespace import_test {
         EXPECT_GT(fs::file_size(document.at("contact_sheet").get<std::string>()), 20000u);
         EXPECT_TRUE(fs::exists(folder / "said" / "contact_sheet.png"));
 
-        const CommandRun text = run("import " + with_labels() + " --no-contact-sheet --out " + at("plain/case.json"));
+        const test_support::CommandRun text
+            = run("import " + with_labels() + " --no-contact-sheet --out " + at("plain/case.json"));
         EXPECT_NE(text.out.find("skin"), std::string::npos);
         EXPECT_FALSE(fs::exists(folder / "plain" / "contact_sheet.png"));
     }
 
     TEST_F(Import, WithoutLabelsTellsTheTwoWaysToGetThem)
     {
-        const CommandRun import = run("--json import " + in("ct.nrrd") + " --out " + at("none/case.json"));
+        const test_support::CommandRun import
+            = run("--json import " + in("ct.nrrd") + " --out " + at("none/case.json"));
         EXPECT_EQ(import.exit_code, 2);
         const std::string error = import.json().at("error");
         EXPECT_NE(error.find("--labels"), std::string::npos);
@@ -148,7 +152,7 @@ namespace import_test {
                  in("nothing.nrrd") + " --labels " + in("labels.nrrd") + out,
                  at("dicom") + " --series 99 --labels " + in("labels.nrrd") + out,
              }) {
-            const CommandRun import = run("--json import " + arguments);
+            const test_support::CommandRun import = run("--json import " + arguments);
             EXPECT_EQ(import.exit_code, 2) << arguments;
             ASSERT_TRUE(Json::accept(import.out)) << arguments << "\n" << import.out;
             EXPECT_FALSE(import.json().at("error").get<std::string>().empty()) << arguments;
@@ -162,10 +166,11 @@ namespace import_test {
         const std::string out = " --no-contact-sheet --out " + at("kept/case.json");
         ASSERT_EQ(run("import " + with_labels() + out).exit_code, 0);
         const std::string before = content_of(folder / "kept" / "case.json");
-        LabelVolume away = phantom.labels;
+        mesh::LabelVolume away = phantom.labels;
         away.grid.origin.x() += 5000.0;
-        write_label_volume(folder / "in" / "away.nrrd", away);
-        const CommandRun import = run("--json import " + in("ct.nrrd") + " --labels " + in("away.nrrd") + out);
+        datasets::write_label_volume(folder / "in" / "away.nrrd", away);
+        const test_support::CommandRun import
+            = run("--json import " + in("ct.nrrd") + " --labels " + in("away.nrrd") + out);
         EXPECT_EQ(import.exit_code, 2);
         EXPECT_NE(import.json().at("error").get<std::string>().find("inside the CT"), std::string::npos);
         EXPECT_EQ(content_of(folder / "kept" / "case.json"), before);
@@ -180,7 +185,7 @@ namespace import_test {
         ASSERT_EQ(
             run("approach add " + case_file + " --name a --points 1.3,0,-25 1.3,0,25 --target target").exit_code, 0);
         const std::string before = content_of(folder / "planned" / "case.json");
-        const CommandRun refused = run(import);
+        const test_support::CommandRun refused = run(import);
         EXPECT_EQ(refused.exit_code, 2);
         EXPECT_EQ(refused.json().at("where"), case_file);
         const std::string error = refused.json().at("error");
@@ -197,7 +202,7 @@ namespace import_test {
         const std::string notes = at("foreign/notes.json"), text = "{ \"mine\": 1 }";
         std::ofstream(notes) << text;
         const std::string import = "--json import " + with_labels() + " --no-contact-sheet --out " + notes;
-        const CommandRun refused = run(import);
+        const test_support::CommandRun refused = run(import);
         EXPECT_EQ(refused.exit_code, 2);
         EXPECT_EQ(refused.json().at("where"), notes);
         EXPECT_EQ(content_of(notes), text);
@@ -207,11 +212,11 @@ namespace import_test {
 
     TEST_F(Import, LongNamesAreListedWhole)
     {
-        LabelVolume labels = phantom.labels;
+        mesh::LabelVolume labels = phantom.labels;
         const std::string name(700, 'n');
         labels.table.front().name = name;
-        write_label_volume(folder / "in" / "long.nrrd", labels);
-        const CommandRun import = run("import " + in("ct.nrrd") + " --labels " + in("long.nrrd")
+        datasets::write_label_volume(folder / "in" / "long.nrrd", labels);
+        const test_support::CommandRun import = run("import " + in("ct.nrrd") + " --labels " + in("long.nrrd")
             + " --no-contact-sheet --out " + at("long/case.json"));
         ASSERT_EQ(import.exit_code, 0) << import.out;
         const std::size_t row = import.out.find(name);
@@ -222,11 +227,11 @@ namespace import_test {
 
     TEST_F(Import, FragmentsAreToldAndRepairedOnlyWhenAsked)
     {
-        LabelVolume broken = phantom.labels;
-        const LabelInfo* target = find_label(broken.table, "target");
+        mesh::LabelVolume broken = phantom.labels;
+        const mesh::LabelInfo* target = mesh::find_label(broken.table, "target");
         const std::size_t stray = broken.grid.offset(8, 30, 8);
         broken.voxels[stray] = target->id;
-        write_label_volume(folder / "in" / "broken.nrrd", broken);
+        datasets::write_label_volume(folder / "in" / "broken.nrrd", broken);
         const std::string import
             = "--json import " + in("ct.nrrd") + " --labels " + in("broken.nrrd") + " --no-contact-sheet --out ";
         const Json told = run(import + at("broken/case.json")).json();
@@ -234,16 +239,16 @@ namespace import_test {
         EXPECT_EQ(told.at("fragments").at(0).at("name"), "target");
         EXPECT_EQ(told.at("fragments").at(0).at("stray_voxels"), 1);
         EXPECT_TRUE(told.at("repaired").empty());
-        EXPECT_EQ(read_label_volume(folder / "broken" / "labels.nrrd").voxels[stray], target->id);
+        EXPECT_EQ(datasets::read_label_volume(folder / "broken" / "labels.nrrd").voxels[stray], target->id);
         const Json mended = run(import + at("mended/case.json") + " --repair-labels").json();
         EXPECT_TRUE(mended.at("fragments").empty()) << mended.at("fragments");
         EXPECT_FALSE(mended.at("repaired").empty());
-        EXPECT_EQ(read_label_volume(folder / "mended" / "labels.nrrd").voxels, phantom.labels.voxels);
+        EXPECT_EQ(datasets::read_label_volume(folder / "mended" / "labels.nrrd").voxels, phantom.labels.voxels);
     }
 
     TEST_F(Import, SeriesAreListedAndNothingElseIsDone)
     {
-        const CommandRun list = run("--json import " + at("dicom") + " --list-series", true);
+        const test_support::CommandRun list = run("--json import " + at("dicom") + " --list-series", true);
         ASSERT_EQ(list.exit_code, 0) << list.out;
         ASSERT_EQ(list.json().at("series").size(), 1u);
         EXPECT_EQ(list.json().at("series").at(0).at("frames"), phantom.ct.grid.size[2]);
@@ -256,7 +261,7 @@ namespace import_test {
     {
         std::string said;
         const auto step = [&](const std::string& arguments) {
-            const CommandRun command = run(arguments, true);
+            const test_support::CommandRun command = run(arguments, true);
             EXPECT_EQ(command.exit_code, 0) << arguments << "\n" << command.out;
             said += command.out;
         };
@@ -277,7 +282,7 @@ namespace import_test {
 
     TEST_F(Import, IdentityIsKeptInTheCaseFileAloneWhenAsked)
     {
-        const CommandRun import = run("--json import " + at("dicom") + " --labels " + in("labels.nrrd")
+        const test_support::CommandRun import = run("--json import " + at("dicom") + " --labels " + in("labels.nrrd")
                 + " --with-identity --out " + at("named/case.json"),
             true);
         ASSERT_EQ(import.exit_code, 0) << import.out;
@@ -293,8 +298,8 @@ namespace import_test {
     {
         fs::create_directories(folder / "inside");
         fs::copy(folder / "dicom", folder / "inside" / "ct", fs::copy_options::recursive);
-        const CommandRun import = run("--json import " + at("inside/ct") + " --labels " + in("labels.nrrd")
-            + " --no-contact-sheet --out " + at("inside/case.json"));
+        const test_support::CommandRun import = run("--json import " + at("inside/ct") + " --labels "
+            + in("labels.nrrd") + " --no-contact-sheet --out " + at("inside/case.json"));
         ASSERT_EQ(import.exit_code, 0);
         ASSERT_EQ(import.json().at("warnings").size(), 1u);
         EXPECT_NE(import.json().at("warnings").at(0).get<std::string>().find("name and id"), std::string::npos);
@@ -303,12 +308,12 @@ namespace import_test {
 
     TEST_F(Import, LabelsThatTheCtContradictsAreWarnedOf)
     {
-        LabelVolume wrong = phantom.labels;
-        for (LabelInfo& info : wrong.table)
+        mesh::LabelVolume wrong = phantom.labels;
+        for (mesh::LabelInfo& info : wrong.table)
             if (info.name == "cavity")
-                info = { info.id, "spine", "bone", Role::wall }; // bone where the CT shows lung
-        write_label_volume(folder / "in" / "wrong.nrrd", wrong);
-        const CommandRun import = run("--json import " + in("ct.nrrd") + " --labels " + in("wrong.nrrd")
+                info = { info.id, "spine", "bone", mesh::Role::wall }; // bone where the CT shows lung
+        datasets::write_label_volume(folder / "in" / "wrong.nrrd", wrong);
+        const test_support::CommandRun import = run("--json import " + in("ct.nrrd") + " --labels " + in("wrong.nrrd")
             + " --no-contact-sheet --out " + at("odd/case.json"));
         ASSERT_EQ(import.exit_code, 0);
         ASSERT_EQ(import.json().at("warnings").size(), 1u);
@@ -317,18 +322,19 @@ namespace import_test {
 
     TEST_F(Import, ACaseWithoutAWallIsShownAndNotPlanned)
     {
-        LabelVolume organs = phantom.labels;
-        std::erase_if(organs.table, [](const LabelInfo& info) { return info.role == Role::wall; });
+        mesh::LabelVolume organs = phantom.labels;
+        std::erase_if(organs.table, [](const mesh::LabelInfo& info) { return info.role == mesh::Role::wall; });
         for (Label& label : organs.voxels)
-            label = find_label(organs.table, label) == nullptr ? 0 : label;
-        write_label_volume(folder / "in" / "organs.nrrd", organs);
+            label = mesh::find_label(organs.table, label) == nullptr ? 0 : label;
+        datasets::write_label_volume(folder / "in" / "organs.nrrd", organs);
         const std::string case_file = at("crop/case.json");
         const Json imported
             = run("--json import " + in("ct.nrrd") + " --labels " + in("organs.nrrd") + " --out " + case_file).json();
         EXPECT_EQ(imported.at("warnings").size(), 1u);
 
         const std::string size = " --size 480x320 --out " + at("crop/pictures");
-        const CommandRun render = run("--json --profile render " + case_file + " --views slices,overview" + size);
+        const test_support::CommandRun render
+            = run("--json --profile render " + case_file + " --views slices,overview" + size);
         ASSERT_EQ(render.exit_code, 0);
         ASSERT_EQ(render.json().at("pictures").size(), 2u);
         for (const Json& picture : render.json().at("pictures"))
@@ -340,7 +346,7 @@ namespace import_test {
 
         for (const std::string& command : { "plan " + case_file + " --out " + at("crop/plan"), "mesh " + case_file,
                  "render " + case_file + " --views surgeon" + size }) {
-            const CommandRun refused = run("--json " + command);
+            const test_support::CommandRun refused = run("--json " + command);
             EXPECT_EQ(refused.exit_code, 2) << command;
             EXPECT_NE(
                 refused.json().at("error").get<std::string>().find("no label has the role wall"), std::string::npos)
@@ -350,10 +356,10 @@ namespace import_test {
 
     TEST_F(Import, LabelsAreFoundInAChestAndSayHow)
     {
-        ThoraxParameters small;
+        datasets::ThoraxParameters small;
         small.spacing_mm = { 3.0, 3.0, 3.0 };
-        write_volume(folder / "in" / "chest.nrrd", make_thorax_phantom(small).ct);
-        const CommandRun import
+        datasets::write_volume(folder / "in" / "chest.nrrd", datasets::make_thorax_phantom(small).ct);
+        const test_support::CommandRun import
             = run("--json import " + in("chest.nrrd") + " --autosegment --spacing 3 --out " + at("chest/case.json"));
         ASSERT_EQ(import.exit_code, 0) << import.out;
         const Json document = import.json();
@@ -365,10 +371,10 @@ namespace import_test {
         }
         EXPECT_TRUE(rough); // the skin of a 3 mm grid is no layer that was seen
         // A target where no label is: a sphere.
-        const CommandRun add
+        const test_support::CommandRun add
             = run("approach add " + at("chest/case.json") + " --template median --target 40,-20,60,15");
         EXPECT_EQ(add.exit_code, 0);
     }
 
 } // namespace import_test
-} // namespace retractor
+} // namespace retractor::ui

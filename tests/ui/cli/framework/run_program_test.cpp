@@ -7,7 +7,7 @@
 
 #include <unistd.h>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 namespace run_program_test {
 
     using namespace std::chrono_literals;
@@ -70,4 +70,4 @@ namespace run_program_test {
     }
 
 } // namespace run_program_test
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

@@ -7,13 +7,14 @@
 #include <numbers>
 
 using namespace retractor;
-using retractor::cli::ball_mesh;
+using namespace retractor::ui;
+using retractor::ui::cli::ball_mesh;
 
 TEST(BallMesh, isClosedAndNearlyRound)
 {
-    const TriMesh ball = ball_mesh(Vec3(1.0, 2.0, 3.0), 5.0, 3);
+    const TriMesh ball = cli::ball_mesh(Vec3(1.0, 2.0, 3.0), 5.0, 3);
     EXPECT_EQ(ball.triangles.size(), 20U * 64U);
-    EXPECT_NO_THROW(SurfaceLocator { ball });
+    EXPECT_NO_THROW(haptics::SurfaceLocator { ball });
     const double volume = 4.0 / 3.0 * std::numbers::pi * 125.0;
-    EXPECT_NEAR(enclosed_volume(ball.vertices, ball.triangles), volume, 0.02 * volume); // facets lie inside
+    EXPECT_NEAR(haptics::enclosed_volume(ball.vertices, ball.triangles), volume, 0.02 * volume); // facets lie inside
 }

@@ -16,7 +16,7 @@
 #include <string>
 #include <utility>
 
-namespace retractor {
+namespace retractor::ui {
 namespace cut_replay_test {
 
     namespace fs = std::filesystem;
@@ -26,23 +26,24 @@ namespace cut_replay_test {
         /// Three steps of 5 mm along the planned line, 12 mm deep.
         void SetUp() override
         {
-            const Phantom phantom = make_block_phantom(small_block());
-            Case planned_case = block_case("open_stroke", phantom);
-            const Approach approach = block_approach(phantom.labels, Eigen::Isometry3d::Identity(), 20.0);
+            const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+            planner::Case planned_case = test_support::block_case("open_stroke", phantom);
+            const planner::Approach approach
+                = test_support::block_approach(phantom.labels, Eigen::Isometry3d::Identity(), 20.0);
             planned_case.approaches = { approach };
-            write_case(planned_case);
+            planner::write_case(planned_case);
             case_file_ = (planned_case.folder / "case.json").string();
             journal_ = (planned_case.folder / "open.jsonl").string();
             out_ = (planned_case.folder / "out").string();
             fs::remove(journal_);
             fs::remove_all(out_);
-            Patient patient(planned_case);
-            const HybridModel model
-                = build_hybrid_model(*patient.labels(), mesh_sizing_of(approach, planned_case.label_table));
-            ASSERT_EQ(model.status, MeshStatus::done);
+            planner::Patient patient(planned_case);
+            const mesh::HybridModel model = mesh::build_hybrid_model(
+                *patient.labels(), planner::mesh_sizing_of(approach, planned_case.label_table));
+            ASSERT_EQ(model.status, mesh::MeshStatus::done);
             wall_ = model.wall;
             uncut_ = wall_.tet_count();
-            CutSession session = start_journal(journal_, wall_);
+            mesh::CutSession session = mesh::start_journal(journal_, wall_);
             blade_ = { .line = { approach.incision[1] }, .directions = { approach.directions[1] } };
             blade_.depth_mm = 12.0;
             for (int step = 0; step < 3; ++step) {
@@ -61,27 +62,27 @@ namespace cut_replay_test {
             std::ifstream file(journal_, std::ios::binary);
             return { std::istreambuf_iterator<char>(file), {} };
         }
-        CommandRun replay(const std::string& rest) const
+        test_support::CommandRun replay(const std::string& rest) const
         {
-            return run_line(std::string(RETRACTOR_PROGRAM) + " --json cut " + case_file_ + " --approach straight --out "
-                + out_ + " --replay " + journal_ + " " + rest + " 2>/dev/null");
+            return test_support::run_line(std::string(RETRACTOR_PROGRAM) + " --json cut " + case_file_
+                + " --approach straight --out " + out_ + " --replay " + journal_ + " " + rest + " 2>/dev/null");
         }
         std::string case_file_, journal_, out_;
-        TetMesh wall_;
-        Blade blade_;
+        mesh::TetMesh wall_;
+        mesh::Blade blade_;
         std::size_t uncut_ = 0;
     };
 
     TEST_F(CutReplay, SaysThatAStrokeIsOpenAndHowToEndIt)
     {
-        const CommandRun as_it_is = replay("");
+        const test_support::CommandRun as_it_is = replay("");
         ASSERT_EQ(as_it_is.exit_code, 0) << as_it_is.out;
         const std::string message = as_it_is.json().at("message").get<std::string>();
         EXPECT_NE(message.find("--finish"), std::string::npos) << message;
         EXPECT_NE(message.find("--abandon"), std::string::npos) << message;
         EXPECT_EQ(as_it_is.json().at("cuts").get<int>(), 0);
         EXPECT_GT(as_it_is.json().at("tets").get<std::size_t>(), uncut_);
-        const CommandRun undone = replay("--undo 1");
+        const test_support::CommandRun undone = replay("--undo 1");
         EXPECT_EQ(undone.exit_code, 2);
         EXPECT_NE(undone.error().find("add --finish or --abandon"), std::string::npos) << undone.out;
         EXPECT_EQ(replay("--finish --abandon").exit_code, 2);
@@ -89,13 +90,13 @@ namespace cut_replay_test {
 
     TEST_F(CutReplay, FinishesItAndTheJournalToo)
     {
-        const CommandRun finished = replay("--finish");
+        const test_support::CommandRun finished = replay("--finish");
         ASSERT_EQ(finished.exit_code, 0) << finished.out;
         EXPECT_EQ(finished.json().at("cuts").get<int>(), 1);
         // 15 x 12 mm; the knife's promise is a tenth of an edge, of 5 mm.
         EXPECT_NEAR(finished.json().at("report").at("lip_area_mm2").get<double>(), 180.0, 0.5 * (15.0 + 2.0 * 12.0));
         EXPECT_EQ(replay("").json().at("cuts").get<int>(), 0) << "without --journal the file stays as it is";
-        const CommandRun kept = replay("--journal " + journal_ + " --finish --undo 1");
+        const test_support::CommandRun kept = replay("--journal " + journal_ + " --finish --undo 1");
         ASSERT_EQ(kept.exit_code, 0) << kept.out;
         EXPECT_EQ(kept.json().at("tets").get<std::size_t>(), uncut_);
         EXPECT_EQ(replay("--finish").exit_code, 2) << "it is finished";
@@ -107,7 +108,7 @@ namespace cut_replay_test {
         ASSERT_FALSE(before.empty());
         for (const auto& [rest, refusal] : { std::pair { " --finish --undo 2", "there is only 1 cut to undo" },
                  { " --abandon --undo 1", "there is no cut to undo" } }) {
-            const CommandRun run = replay("--journal " + journal_ + rest);
+            const test_support::CommandRun run = replay("--journal " + journal_ + rest);
             EXPECT_EQ(run.exit_code, 2) << run.out;
             EXPECT_NE(run.error().find(refusal), std::string::npos) << run.out;
             EXPECT_EQ(journal_bytes(), before) << rest;
@@ -117,12 +118,12 @@ namespace cut_replay_test {
     TEST_F(CutReplay, SaysHowToGoOnWhenItCannotBeFinished)
     {
         {
-            ReplayedJournal on = open_journal(journal_, wall_);
+            mesh::ReplayedJournal on = mesh::open_journal(journal_, wall_);
             grow(0.01); // crosses nothing more; but its end has to divide elements
-            ASSERT_EQ(on.session.extend_stroke(blade_, { .element_limit = 1 }).status, CutStatus::done);
+            ASSERT_EQ(on.session.extend_stroke(blade_, { .element_limit = 1 }).status, mesh::CutStatus::done);
         }
         const std::string before = journal_bytes();
-        const CommandRun run = replay("--finish --journal " + journal_);
+        const test_support::CommandRun run = replay("--finish --journal " + journal_);
         EXPECT_NE(run.exit_code, 0);
         EXPECT_NE(run.error().find("element_limit"), std::string::npos) << run.out;
         EXPECT_NE(run.error().find("--abandon takes the stroke back"), std::string::npos) << run.out;
@@ -134,13 +135,13 @@ namespace cut_replay_test {
     {
         fs::remove(journal_);
         {
-            CutSession session = start_journal(journal_, wall_);
+            mesh::CutSession session = mesh::start_journal(journal_, wall_);
             for (Vec3& p : blade_.line)
                 p.x() += 1000.0;
-            ASSERT_EQ(session.extend_stroke(blade_).status, CutStatus::done);
+            ASSERT_EQ(session.extend_stroke(blade_).status, mesh::CutStatus::done);
             ASSERT_TRUE(session.stroke_open());
         }
-        const CommandRun run = replay("--finish --journal " + journal_);
+        const test_support::CommandRun run = replay("--finish --journal " + journal_);
         EXPECT_NE(run.exit_code, 0);
         EXPECT_NE(run.error().find("misses the body"), std::string::npos) << run.out;
         EXPECT_EQ(run.error().find("--abandon"), std::string::npos) << run.out;
@@ -149,14 +150,14 @@ namespace cut_replay_test {
 
     TEST_F(CutReplay, TakesItBackAndTheJournalToo)
     {
-        const CommandRun abandoned = replay("--abandon --journal " + journal_);
+        const test_support::CommandRun abandoned = replay("--abandon --journal " + journal_);
         ASSERT_EQ(abandoned.exit_code, 0) << abandoned.out;
         EXPECT_EQ(abandoned.json().at("cuts").get<int>(), 0);
         EXPECT_EQ(abandoned.json().at("tets").get<std::size_t>(), uncut_);
-        const CommandRun again = replay("--abandon");
+        const test_support::CommandRun again = replay("--abandon");
         EXPECT_EQ(again.exit_code, 2);
         EXPECT_NE(again.error().find("no stroke is open"), std::string::npos) << again.out;
     }
 
 } // namespace cut_replay_test
-} // namespace retractor
+} // namespace retractor::ui

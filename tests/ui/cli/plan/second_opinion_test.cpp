@@ -12,7 +12,7 @@
 #include <fstream>
 #include <string>
 
-namespace retractor::cli {
+namespace retractor::ui::cli {
 namespace second_opinion_test {
 
     namespace fs = std::filesystem;
@@ -44,8 +44,8 @@ namespace second_opinion_test {
             GTEST_SKIP() << "CalculiX (ccx) is not installed: apt install calculix-ccx";
         const fs::path folder = empty_folder("agrees");
         for (const int nodes_per_tet : { 4, 10 }) { // two tissues, two beds, two hooks
-            const ElasticProblem problem = retractor::fixtures::hooked_block(2, nodes_per_tet);
-            const SecondOpinion opinion = second_opinion(problem, ccx, folder, "block", kPlenty, {});
+            const fem::ElasticProblem problem = retractor::test_support::hooked_block(2, nodes_per_tet);
+            const planner::SecondOpinion opinion = second_opinion(problem, ccx, folder, "block", kPlenty, {});
             EXPECT_EQ(opinion.status, "agrees") << opinion.message;
             EXPECT_LE(opinion.displacement_difference, kReferenceAgreement);
             EXPECT_LE(opinion.force_difference, kReferenceAgreement);
@@ -63,11 +63,13 @@ namespace second_opinion_test {
         if (ccx.empty())
             GTEST_SKIP() << "CalculiX (ccx) is not installed: apt install calculix-ccx";
         for (const int nodes_per_tet : { 4, 10 }) { // on all of the surface: held, hooked and free
-            ElasticProblem problem = retractor::fixtures::hooked_block(2, nodes_per_tet);
-            const SecondOpinion slack = second_opinion(problem, ccx, empty_folder("loads"), "block", kPlenty, {});
-            for (const TetFace& face : boundary_faces(problem.mesh))
+            fem::ElasticProblem problem = retractor::test_support::hooked_block(2, nodes_per_tet);
+            const planner::SecondOpinion slack
+                = second_opinion(problem, ccx, empty_folder("loads"), "block", kPlenty, {});
+            for (const mesh::TetFace& face : mesh::boundary_faces(problem.mesh))
                 problem.loads.push_back({ face, Vec3(0.001, 0.0, 0.002) });
-            const SecondOpinion opinion = second_opinion(problem, ccx, empty_folder("loads"), "block", kPlenty, {});
+            const planner::SecondOpinion opinion
+                = second_opinion(problem, ccx, empty_folder("loads"), "block", kPlenty, {});
             EXPECT_EQ(opinion.status, "agrees") << opinion.message << opinion.displacement_difference;
             EXPECT_LE(opinion.force_difference, kReferenceAgreement);
             EXPECT_GT(std::abs(opinion.hook_forces_N[0] - slack.hook_forces_N[0]), 0.01);
@@ -80,12 +82,14 @@ namespace second_opinion_test {
         if (ccx.empty())
             GTEST_SKIP() << "CalculiX (ccx) is not installed: apt install calculix-ccx";
         for (const int nodes_per_tet : { 4, 10 }) {
-            ElasticProblem problem = retractor::fixtures::hooked_block(2, nodes_per_tet);
-            const SecondOpinion slack = second_opinion(problem, ccx, empty_folder("pressed"), "block", kPlenty, {});
-            std::vector<TetFace> faces = boundary_faces(problem.mesh);
+            fem::ElasticProblem problem = retractor::test_support::hooked_block(2, nodes_per_tet);
+            const planner::SecondOpinion slack
+                = second_opinion(problem, ccx, empty_folder("pressed"), "block", kPlenty, {});
+            std::vector<mesh::TetFace> faces = mesh::boundary_faces(problem.mesh);
             faces.resize(faces.size() / 2);
             problem.pressures = { { "gas", std::move(faces), 0.002 } };
-            const SecondOpinion opinion = second_opinion(problem, ccx, empty_folder("pressed"), "block", kPlenty, {});
+            const planner::SecondOpinion opinion
+                = second_opinion(problem, ccx, empty_folder("pressed"), "block", kPlenty, {});
             EXPECT_EQ(opinion.status, "agrees") << opinion.message << opinion.displacement_difference;
             EXPECT_LE(opinion.force_difference, kReferenceAgreement);
             EXPECT_GT(std::abs(opinion.hook_forces_N[0] - slack.hook_forces_N[0]), 0.01);
@@ -101,20 +105,20 @@ namespace second_opinion_test {
         const fs::path folder = empty_folder("differs");
         const fs::path liar
             = script(folder, "sed -i 's/^0.04,0.45/0.0401,0.45/' wound.inp; exec " + ccx.string() + " \"$@\"");
-        const SecondOpinion opinion
-            = second_opinion(retractor::fixtures::hooked_block(2, 4), liar, folder, "block", kPlenty, {});
+        const planner::SecondOpinion opinion
+            = second_opinion(retractor::test_support::hooked_block(2, 4), liar, folder, "block", kPlenty, {});
         EXPECT_EQ(opinion.status, "differs") << opinion.message;
         EXPECT_GT(opinion.force_difference, 1e-4);
     }
 
     TEST(SecondOpinionTest, AProgramThatFailsIsAStatusThatSaysWhy)
     {
-        const ElasticProblem problem = retractor::fixtures::hooked_block(2, 4);
+        const fem::ElasticProblem problem = retractor::test_support::hooked_block(2, 4);
         const fs::path folder = empty_folder("fails");
         const auto ask = [&](const std::string& text, std::chrono::milliseconds limit) {
             return second_opinion(problem, script(folder, text), folder, "block", limit, {});
         };
-        SecondOpinion opinion = ask("echo ' *ERROR in something: singular'; echo bye; exit 3", kPlenty);
+        planner::SecondOpinion opinion = ask("echo ' *ERROR in something: singular'; echo bye; exit 3", kPlenty);
         EXPECT_EQ(opinion.status, "failed");
         EXPECT_NE(opinion.message.find("exit code 3: *ERROR in something: singular"), std::string::npos)
             << opinion.message;
@@ -145,7 +149,8 @@ namespace second_opinion_test {
             if (stage == "second opinion" && done > 0.0)
                 cancel = true; // just before ccx begins
         };
-        EXPECT_THROW((void)second_opinion(retractor::fixtures::hooked_block(2, 4), slow, folder, "block", kPlenty, job),
+        EXPECT_THROW(
+            (void)second_opinion(retractor::test_support::hooked_block(2, 4), slow, folder, "block", kPlenty, job),
             SolverError);
     }
 
@@ -167,7 +172,7 @@ namespace second_opinion_test {
     TEST(SecondOpinionTest, ExportsAreWrittenBesideEachOther)
     {
         const fs::path folder = empty_folder("exports");
-        const ElasticProblem problem = retractor::fixtures::hooked_block(2, 10);
+        const fem::ElasticProblem problem = retractor::test_support::hooked_block(2, 10);
         EXPECT_EQ(export_problem(problem, "ccx", folder, "block"), folder / "block.inp");
         EXPECT_EQ(export_problem(problem, "feb", folder, "block"), folder / "block.feb");
         EXPECT_GT(fs::file_size(folder / "block.inp"), 10000u);
@@ -176,4 +181,4 @@ namespace second_opinion_test {
     }
 
 } // namespace second_opinion_test
-} // namespace retractor::cli
+} // namespace retractor::ui::cli

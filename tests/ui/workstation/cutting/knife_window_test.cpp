@@ -3,15 +3,15 @@
 #include "tests/support/synthetic_patient.h"
 #include "tests/support/window_help.h"
 
-#include "datasets/phantoms/phantom.h"
 #include "datasets/io/volume_io.h"
+#include "datasets/phantoms/phantom.h"
 #include "planner/approach/approach_templates.h"
 #include "planner/case/case.h"
 #include "planner/case/case_io.h"
-#include "ui/workstation/planning/approach_list.h"
 #include "ui/workstation/main_window.h"
-#include "ui/workstation/view/picture_view.h"
+#include "ui/workstation/planning/approach_list.h"
 #include "ui/workstation/planning/planning_backend.h"
+#include "ui/workstation/view/picture_view.h"
 
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@
 #include <filesystem>
 #include <memory>
 
-namespace retractor {
+namespace retractor::ui {
 namespace knife_window_test {
 
     namespace fs = std::filesystem;
@@ -55,8 +55,8 @@ namespace knife_window_test {
         KnifeWindowTest() { make_window(); }
         void open_synthetic()
         {
-            show_window(*window_);
-            window_->open(synthetic_case());
+            test_support::show_window(*window_);
+            window_->open(test_support::synthetic_case());
             wait_until_idle();
         }
         void take_knife()
@@ -67,7 +67,7 @@ namespace knife_window_test {
             ASSERT_NE(window_->knife().scene(), nullptr) << window_->error_line();
             window_->view().picture();
         }
-        void wait_until_idle() { retractor::wait_until_idle(*window_); }
+        void wait_until_idle() { retractor::test_support::wait_until_idle(*window_); }
         void press(Qt::Key key, Qt::KeyboardModifiers modifiers = {})
         {
             QTest::keyClick(window_.get(), key, modifiers);
@@ -106,14 +106,15 @@ namespace knife_window_test {
             for (int i = 1; i <= 10; ++i)
                 mouse_to(pixel(x0 + (x1 - x0) * i / 10.0, z0 + (z1 - z0) * i / 10.0));
         }
-        const SessionSnapshot& snapshot() { return *window_->knife().snapshot(); }
+        const planner::SessionSnapshot& snapshot() { return *window_->knife().snapshot(); }
         std::string error() const { return window_->error_line(); }
 
-        std::shared_ptr<SyntheticControl> control_ = std::make_shared<SyntheticControl>();
+        std::shared_ptr<test_support::SyntheticControl> control_ = std::make_shared<test_support::SyntheticControl>();
         void make_window()
         {
             window_.reset(); // the old one first: it holds the journal
-            window_ = std::make_unique<MainWindow>([this](const Case&) { return synthetic_backend(control_); });
+            window_ = std::make_unique<MainWindow>(
+                [this](const planner::Case&) { return test_support::synthetic_backend(control_); });
         }
         std::unique_ptr<MainWindow> window_;
     };
@@ -124,9 +125,9 @@ namespace knife_window_test {
         const QImage before = window_->view().picture();
         draw(-35.0, 10.0, 25.0, -8.0);
         ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
-        const WallSurface& surface = *snapshot().picture->surface;
+        const planner::WallSurface& surface = *snapshot().picture->surface;
         double west = 1e9, east = -1e9;
-        for (const auto& rim : wound_rims(surface))
+        for (const auto& rim : planner::wound_rims(surface))
             for (const VertexId v : rim) {
                 const double x = surface.rest(v, 0);
                 west = std::min(west, x);
@@ -198,7 +199,8 @@ namespace knife_window_test {
         begin(50.0, 20.0, 50.0, -20.0); // on bone
         mouse_up(pixel(50.0, -20.0));
         begin(-30.0, 0.0, 0.0, 0.0); // before anything is heard of it
-        ASSERT_TRUE(QTest::qWaitFor([&] { return error().find("rib") != std::string::npos; }, kPatienceMs));
+        ASSERT_TRUE(
+            QTest::qWaitFor([&] { return error().find("rib") != std::string::npos; }, test_support::kPatienceMs));
         mouse_to(pixel(30.0, 0.0));
         mouse_up(pixel(30.0, 0.0));
         wait_until_idle();
@@ -297,11 +299,11 @@ namespace knife_window_test {
             mouse_to(pixel(0.0, 1.0 + i));
         mouse_up(pixel(0.0, 9.0));
         wait_until_idle();
-        const HookReport drawn = snapshot().hooks;
+        const planner::HookReport drawn = snapshot().hooks;
         ASSERT_EQ(drawn.hooks.size(), 2U) << error();
         EXPECT_NEAR(drawn.hooks[0].displacement.z(), 8.0, kDrawnToleranceMm);
         EXPECT_EQ(drawn.hooks[1].displacement.norm(), 0.0);
-        EXPECT_EQ(drawn.shown, ShownAnswer::nonlinear) << drawn.shown_text;
+        EXPECT_EQ(drawn.shown, planner::ShownAnswer::nonlinear) << drawn.shown_text;
         EXPECT_LT(drawn.residual, 1e-6);
         EXPECT_TRUE(drawn.settled);
         EXPECT_NE(window_->view().picture(), closed);
@@ -321,17 +323,17 @@ namespace knife_window_test {
         ASSERT_EQ(snapshot().cuts.size(), 2U) << error();
         EXPECT_EQ(snapshot().hooks.hooks.size(), 2U);
         EXPECT_EQ(snapshot().hooks.refusal, "");
-        EXPECT_EQ(snapshot().hooks.shown, ShownAnswer::nonlinear);
+        EXPECT_EQ(snapshot().hooks.shown, planner::ShownAnswer::nonlinear);
         EXPECT_LT(snapshot().hooks.residual, 1e-6);
         EXPECT_NEAR(snapshot().hooks.hooks[0].displacement.z(), 6.0, 1e-9);
         // Off and on again: the same wound, linear and not.
         window_->knife_panel().nonlinear_box().setChecked(false);
         wait_until_idle();
-        EXPECT_EQ(snapshot().hooks.shown, ShownAnswer::linear);
+        EXPECT_EQ(snapshot().hooks.shown, planner::ShownAnswer::linear);
         EXPECT_LT(snapshot().hooks.residual, 1e-8);
         window_->knife_panel().nonlinear_box().setChecked(true);
         wait_until_idle();
-        EXPECT_EQ(snapshot().hooks.shown, ShownAnswer::nonlinear);
+        EXPECT_EQ(snapshot().hooks.shown, planner::ShownAnswer::nonlinear);
         window_->save_screenshot(picture_folder() / "workstation_hooks_cut.png");
         press(Qt::Key_Z, Qt::ControlModifier);
         wait_until_idle();
@@ -414,14 +416,16 @@ namespace knife_window_test {
             open_synthetic();
             press(Qt::Key_K);
             ASSERT_TRUE(QTest::qWaitFor(
-                [&] { return window_->knife().snapshot()->phase == SessionSnapshot::Phase::asking; }, kPatienceMs));
+                [&] { return window_->knife().snapshot()->phase == planner::SessionSnapshot::Phase::asking; },
+                test_support::kPatienceMs));
             wait_until_idle();
             EXPECT_EQ(snapshot().kept_cuts, 2U);
             window_->save_screenshot(picture_folder() / "workstation_knife_restore.png");
             KnifePanel& panel = window_->knife_panel();
             QTest::mouseClick(wanted ? &panel.restore_button() : &panel.discard_button(), Qt::LeftButton);
             ASSERT_TRUE(QTest::qWaitFor(
-                [&] { return window_->knife().snapshot()->phase == SessionSnapshot::Phase::ready; }, kPatienceMs));
+                [&] { return window_->knife().snapshot()->phase == planner::SessionSnapshot::Phase::ready; },
+                test_support::kPatienceMs));
             wait_until_idle();
             EXPECT_EQ(snapshot().cuts.size(), wanted ? 2U : 0U);
             EXPECT_EQ(error(), "");
@@ -475,9 +479,9 @@ namespace knife_window_test {
     TEST(KnifePanelText, FlatElementsAreMarkedWithTheReason)
     {
         KnifePanel panel;
-        SessionSnapshot snapshot;
-        snapshot.phase = SessionSnapshot::Phase::ready;
-        CutEntry fine { .number = 1 }, grazing { .number = 2 }, flat_before { .number = 3 };
+        planner::SessionSnapshot snapshot;
+        snapshot.phase = planner::SessionSnapshot::Phase::ready;
+        planner::CutEntry fine { .number = 1 }, grazing { .number = 2 }, flat_before { .number = 3 };
         fine.report.worst_dihedral_deg = 6.0;
         grazing.report.worst_dihedral_deg = 1.2;
         grazing.report.tets_below_half_parent = 4;
@@ -495,8 +499,8 @@ namespace knife_window_test {
     {
         KnifePanel panel;
         panel.show();
-        SessionSnapshot snapshot;
-        snapshot.phase = SessionSnapshot::Phase::ready;
+        planner::SessionSnapshot snapshot;
+        snapshot.phase = planner::SessionSnapshot::Phase::ready;
         snapshot.planned_hooks = 2;
         snapshot.cuts = { { .number = 1, .in_force = false } };
         panel.show_snapshot(&snapshot, 0.0);
@@ -520,7 +524,7 @@ namespace knife_window_test {
         panel.show_snapshot(&snapshot, 0.0);
         EXPECT_FALSE(panel.hook_warning().contains("tissue bears"));
         EXPECT_TRUE(panel.hook_numbers().contains("residual"));
-        snapshot.hooks.shown = ShownAnswer::linear_since;
+        snapshot.hooks.shown = planner::ShownAnswer::linear_since;
         panel.show_snapshot(&snapshot, 0.0);
         EXPECT_FALSE(panel.hook_numbers().contains("residual")) << panel.hook_numbers().toStdString();
     }
@@ -529,24 +533,25 @@ namespace knife_window_test {
     {
         KnifePanel panel;
         panel.show();
-        SessionSnapshot snapshot;
-        snapshot.phase = SessionSnapshot::Phase::ready;
-        const HookDrive force { .force_N = Vec3(0.0, 0.0, 30.0) };
-        const HookDrive limit { .displacement = Vec3(0.0, 0.0, 15.0), .force_limit_N = 60.0 };
-        const HookDrive grip { .displacement = Vec3(0.0, 0.0, 15.0), .grip_N_per_mm = 5.0 };
-        const auto add = [&](const std::string& name, const HookDrive& drive, const std::optional<HookDrive>& planned) {
-            HookState& hook = snapshot.hooks.hooks.emplace_back();
-            hook.name = name;
-            hook.seat.pull = Vec3::UnitZ();
-            hook.drive = drive;
-            hook.planned = planned;
-        };
+        planner::SessionSnapshot snapshot;
+        snapshot.phase = planner::SessionSnapshot::Phase::ready;
+        const fem::HookDrive force { .force_N = Vec3(0.0, 0.0, 30.0) };
+        const fem::HookDrive limit { .displacement = Vec3(0.0, 0.0, 15.0), .force_limit_N = 60.0 };
+        const fem::HookDrive grip { .displacement = Vec3(0.0, 0.0, 15.0), .grip_N_per_mm = 5.0 };
+        const auto add
+            = [&](const std::string& name, const fem::HookDrive& drive, const std::optional<fem::HookDrive>& planned) {
+                  planner::HookState& hook = snapshot.hooks.hooks.emplace_back();
+                  hook.name = name;
+                  hook.seat.pull = Vec3::UnitZ();
+                  hook.drive = drive;
+                  hook.planned = planned;
+              };
         add("hand", { .displacement = Vec3(0.0, 0.0, 8.0) }, {});
-        add("pulls", between({}, force, 0.5), force);
+        add("pulls", fem::between({}, force, 0.5), force);
         add("limited", limit, limit);
         add("grips", grip, grip);
         snapshot.hooks.hooks[2].yielded = true;
-        for (HookState& hook : snapshot.hooks.hooks) {
+        for (planner::HookState& hook : snapshot.hooks.hooks) {
             hook.displacement = Vec3(0.0, 0.0, 8.0);
             hook.force_N = Vec3(0.0, 0.0, 60.0);
         }
@@ -601,44 +606,44 @@ namespace knife_window_test {
     }
 
     /// A block on disk, with a straight approach.
-    Case block_on_disk(const char* name, const Vec3& size_mm, double edge_mm)
+    planner::Case block_on_disk(const char* name, const Vec3& size_mm, double edge_mm)
     {
         const fs::path folder = picture_folder() / name;
         fs::remove_all(folder);
         fs::create_directories(folder);
-        BlockParameters block;
+        datasets::BlockParameters block;
         block.size_mm = size_mm;
-        const Phantom phantom = make_block_phantom(block);
-        write_label_volume(folder / "labels.nrrd", phantom.labels);
-        Case planned_case;
+        const datasets::Phantom phantom = datasets::make_block_phantom(block);
+        datasets::write_label_volume(folder / "labels.nrrd", phantom.labels);
+        planner::Case planned_case;
         planned_case.folder = folder;
         planned_case.label_table = phantom.labels.table;
         planned_case.supports.labels.clear();
-        planned_case.labels = make_reference(folder, folder / "labels.nrrd");
-        ApproachRequest request;
+        planned_case.labels = planner::make_reference(folder, folder / "labels.nrrd");
+        planner::ApproachRequest request;
         request.name = "straight";
         request.target.label = "target";
         request.sizing.corridor_edge_mm = edge_mm;
         request.sizing.coarse_edge_mm = edge_mm + 4.0;
         const std::vector<Vec3> points { { 0.0, 0.0, 30.0 }, { 0.0, 0.0, -30.0 } };
-        planned_case.approaches = { approach_from_points(phantom.labels, points, request).approach };
+        planned_case.approaches = { planner::approach_from_points(phantom.labels, points, request).approach };
         return planned_case;
     }
 
     TEST(KnifeOnAPatient, HooksSolveThePlansMaterialsOrSayWhichOthers)
     {
-        Case planned_case = block_on_disk("materials_case", { 100.0, 80.0, 100.0 }, 14.0);
-        const Approach& approach = planned_case.approaches.front();
-        const OperatingTable alike = make_planning_backend(planned_case).operating_table(approach, {}).table;
+        planner::Case planned_case = block_on_disk("materials_case", { 100.0, 80.0, 100.0 }, 14.0);
+        const planner::Approach& approach = planned_case.approaches.front();
+        const planner::OperatingTable alike = make_planning_backend(planned_case).operating_table(approach, {}).table;
         EXPECT_EQ(alike.caution, "");
-        const std::vector<Material> planned = materials_as_solved(planned_case);
+        const std::vector<fem::Material> planned = planner::materials_as_solved(planned_case);
         ASSERT_EQ(alike.materials.size(), planned.size());
         for (std::size_t label = 0; label < planned.size(); ++label) {
             EXPECT_EQ(alike.materials[label].name, planned[label].name);
             EXPECT_EQ(alike.materials[label].poissons_ratio, planned[label].poissons_ratio) << planned[label].name;
         }
-        planned_case.solution.element = ElementKind::p2;
-        const OperatingTable other = make_planning_backend(planned_case).operating_table(approach, {}).table;
+        planned_case.solution.element = planner::ElementKind::p2;
+        const planner::OperatingTable other = make_planning_backend(planned_case).operating_table(approach, {}).table;
         EXPECT_EQ(other.caution,
             "hooks under the knife take Poisson's ratios as at most 0.45, plans of this case as they are (skin 0.48)");
     }
@@ -647,11 +652,11 @@ namespace knife_window_test {
     /// rim, the wound is as open in the picture as it is; beyond the rim there is none to be made.
     TEST(KnifeOnAPatient, AWoundNearTheRimIsSeenOpenAndBeyondItThereIsNone)
     {
-        Case planned_case = block_on_disk("rim_case", { 200.0, 80.0, 160.0 }, 6.0);
+        planner::Case planned_case = block_on_disk("rim_case", { 200.0, 80.0, 160.0 }, 6.0);
         const double skin = planned_case.approaches.front().incision.front().y();
 
         MainWindow window(make_planning_backend);
-        show_window(window);
+        test_support::show_window(window);
         window.open(std::move(planned_case));
         const auto wait = [&] { wait_until_idle(window); };
         wait();
@@ -671,15 +676,15 @@ namespace knife_window_test {
             wait();
         };
         draw({ 40.0, skin, 20.0 }, { 40.0, skin, -20.0 });
-        const SessionSnapshot& snapshot = *window.knife().snapshot();
+        const planner::SessionSnapshot& snapshot = *window.knife().snapshot();
         ASSERT_EQ(snapshot.cuts.size(), 1U) << window.error_line();
         const QImage after = view.picture();
         window.save_screenshot(picture_folder() / "workstation_knife_rim.png");
         // The lips' edges on the skin, and what is seen between them: everywhere in the wound's middle, from lip to
         // lip.
-        const WallSurface& surface = *snapshot.picture->surface;
+        const planner::WallSurface& surface = *snapshot.picture->surface;
         double west = 1e9, east = -1e9;
-        for (const auto& rim : wound_rims(surface))
+        for (const auto& rim : planner::wound_rims(surface))
             for (const VertexId v : rim)
                 if (std::abs(surface.rest(v, 1) - skin) < 1.0 && std::abs(surface.rest(v, 2)) < 5.0) {
                     west = std::min(west, snapshot.picture->shown(v, 0));
@@ -720,7 +725,7 @@ namespace knife_window_test {
     {
         take_knife();
         begin(-30.0, 0.0, 30.0, 0.0);
-        window_->open(synthetic_case());
+        window_->open(test_support::synthetic_case());
         wait_until_idle();
         EXPECT_EQ(error(), "");
         EXPECT_TRUE(window_->knife().snapshot() == nullptr || snapshot().cuts.empty());
@@ -734,4 +739,4 @@ namespace knife_window_test {
     }
 
 } // namespace knife_window_test
-} // namespace retractor
+} // namespace retractor::ui

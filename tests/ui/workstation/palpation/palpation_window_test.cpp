@@ -1,7 +1,6 @@
 // Palpation in its window, driven by mouse and keyboard events. main() is in main_window_test.cpp.
 
 #include "tests/planner/session/touchable_tube.h"
-#include "tests/planner/session/touchable_tube.h"
 #include "tests/support/window_help.h"
 
 #include "haptics/recording/motion_file.h"
@@ -28,7 +27,7 @@
 #include <memory>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::ui {
 namespace palpation_window_test {
 
     namespace fs = std::filesystem;
@@ -43,19 +42,19 @@ namespace palpation_window_test {
 
     class PalpationWindowTest : public testing::Test {
     protected:
-        void open(const PalpationSetup& setup = {})
+        void open(const planner::PalpationSetup& setup = {})
         {
-            window_ = std::make_unique<PalpationWindow>(tube_backend(control_));
-            show_window(*window_);
-            window_->open(tube_scene(), setup);
+            window_ = std::make_unique<PalpationWindow>(planner::tube_backend(control_));
+            test_support::show_window(*window_);
+            window_->open(planner::tube_scene(), setup);
             wait_until_idle(*window_);
-            ASSERT_EQ(window_->snapshot().phase, PalpationSnapshot::Phase::ready) << window_->error_line();
+            ASSERT_EQ(window_->snapshot().phase, planner::PalpationSnapshot::Phase::ready) << window_->error_line();
             ASSERT_TRUE(until([&] { return window_->frame().servo.ticks > 0; }));
             window_->view().picture();
         }
         bool until(const std::function<bool()>& so)
         {
-            return QTest::qWaitFor([&] { return so(); }, kPatienceMs);
+            return QTest::qWaitFor([&] { return so(); }, test_support::kPatienceMs);
         }
         double force(std::size_t finger = 0) const { return window_->frame().servo.contacts[finger].force.norm(); }
 
@@ -71,7 +70,10 @@ namespace palpation_window_test {
             return { static_cast<int>(std::lround(0.5 * view.width() + per * from.dot(right))),
                 static_cast<int>(std::lround(0.5 * view.height() - per * from.dot(up))) };
         }
-        QPoint site(const Vec3& aside = Vec3::Zero()) const { return pixel(tube_scene().site("centre").point + aside); }
+        QPoint site(const Vec3& aside = Vec3::Zero()) const
+        {
+            return pixel(planner::tube_scene().site("centre").point + aside);
+        }
         void down(const QPoint& at) { QTest::mousePress(&window_->view(), Qt::LeftButton, {}, at); }
         void up(const QPoint& at) { QTest::mouseRelease(&window_->view(), Qt::LeftButton, {}, at); }
         void move(const QPoint& at, Qt::MouseButtons held = Qt::NoButton)
@@ -101,7 +103,7 @@ namespace palpation_window_test {
             return force();
         }
 
-        std::shared_ptr<TubeControl> control_ = std::make_shared<TubeControl>();
+        std::shared_ptr<planner::TubeControl> control_ = std::make_shared<planner::TubeControl>();
         std::unique_ptr<PalpationWindow> window_;
     };
 
@@ -114,7 +116,7 @@ namespace palpation_window_test {
         EXPECT_EQ(force(), 0.0) << "it hovers";
         down(site());
         const double pressed = settled_force();
-        const Vec3 outward = tube_scene().site("centre").outward;
+        const Vec3 outward = planner::tube_scene().site("centre").outward;
         const Eigen::VectorXd moved = (window_->frame().shown - window_->frame().surface->vertices) * outward;
         EXPECT_LT(moved.minCoeff(), -0.3) << "mm";
         EXPECT_TRUE(until([&] { return window_->panel().force_text(0) == QString("%1 N").arg(pressed, 0, 'f', 3); }))
@@ -123,7 +125,7 @@ namespace palpation_window_test {
         window_->save_screenshot(picture_folder() / "palpation_press.png");
         EXPECT_NE(window_->view().picture(), before);
         // The ball that is drawn lies on the tissue that is drawn.
-        const std::array<Vec3, kMaxFingers> tips = shown_fingertips(window_->frame());
+        const std::array<Vec3, haptics::kMaxFingers> tips = shown_fingertips(window_->frame());
         EXPECT_GE((tips[0] - window_->frame().servo.fingers[0].position).dot(outward), -1e-9);
         wheel(site(), 2);
         EXPECT_NEAR(window_->panel().depth().value(), 2.0, 1e-9) << "0.25 mm a notch";
@@ -163,7 +165,7 @@ namespace palpation_window_test {
         open();
         constexpr double kApart = 12.0, kPixels = 2.0; // mm
         const Vec3 aside(0.0, 0.0, kApart);
-        const double z = tube_scene().site("centre").point.z();
+        const double z = planner::tube_scene().site("centre").point.z();
         down(site());
         ASSERT_TRUE(until([&] { return force() > kPressedN; }));
         press_key(Qt::Key_2);
@@ -181,7 +183,7 @@ namespace palpation_window_test {
         const fs::path file = fs::temp_directory_path() / "palpation_window_hop.motion";
         window_->stop_recording(file);
         ASSERT_TRUE(until([&] { return window_->frame().recorded_s < 0.0 && window_->idle(); }));
-        const MotionRecording recording = read_motion(file);
+        const haptics::MotionRecording recording = haptics::read_motion(file);
         std::size_t between = 0;
         for (std::size_t tick = 0; tick < recording.tick_count(); ++tick) {
             const double along = recording.at(tick, 0).position.z() - z;
@@ -272,7 +274,7 @@ namespace palpation_window_test {
         ASSERT_TRUE(until([&] { return force() > kPressedN; }));
         window_->stop_recording(file);
         ASSERT_TRUE(until([&] { return window_->frame().recorded_s < 0.0 && window_->idle(); }));
-        const MotionRecording recording = read_motion(file);
+        const haptics::MotionRecording recording = haptics::read_motion(file);
         EXPECT_EQ(recording.devices.size(), 2U);
         double most = 0.0;
         for (std::size_t tick = 0; tick < recording.tick_count(); ++tick)
@@ -293,11 +295,11 @@ namespace palpation_window_test {
         };
         open();
         EXPECT_FALSE(shown());
-        window_->open(tube_scene(), {}, { note });
+        window_->open(planner::tube_scene(), {}, { note });
         ASSERT_TRUE(until([&] { return window_->idle(); }));
-        ASSERT_EQ(window_->snapshot().phase, PalpationSnapshot::Phase::ready) << window_->error_line();
+        ASSERT_EQ(window_->snapshot().phase, planner::PalpationSnapshot::Phase::ready) << window_->error_line();
         EXPECT_TRUE(shown());
-        window_->open(tube_scene());
+        window_->open(planner::tube_scene());
         ASSERT_TRUE(until([&] { return window_->idle(); }));
         EXPECT_FALSE(shown());
     }
@@ -307,7 +309,7 @@ namespace palpation_window_test {
         open();
         const fs::path file = fs::temp_directory_path() / "palpation_window_test.json";
         std::ofstream(file) << "{ \"format\": \"retractor palpation scene\", \"schema\": 7, \"frame\": \"LPS\" }";
-        EXPECT_TRUE(is_palpation_scene(file));
+        EXPECT_TRUE(datasets::is_palpation_scene(file));
         window_->open_file(file);
         EXPECT_NE(window_->error_line().find("palpation_window_test.json#/schema: must be 1"), std::string::npos)
             << window_->error_line();
@@ -320,4 +322,4 @@ namespace palpation_window_test {
     }
 
 } // namespace palpation_window_test
-} // namespace retractor
+} // namespace retractor::ui

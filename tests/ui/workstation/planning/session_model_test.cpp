@@ -10,14 +10,14 @@
 #include <limits>
 #include <numbers>
 
-namespace retractor {
+namespace retractor::ui {
 namespace session_model_test {
 
     constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon(); // a few operations on unit vectors
 
-    Approach straight_approach(const std::string& name)
+    planner::Approach straight_approach(const std::string& name)
     {
-        Approach approach;
+        planner::Approach approach;
         approach.name = name;
         approach.template_name = "points";
         approach.incision = { { -30.0, 0.0, 0.0 }, { 10.0, 0.0, 0.0 }, { 30.0, 0.0, 0.0 } };
@@ -27,9 +27,9 @@ namespace session_model_test {
         return approach;
     }
 
-    Case three_approaches()
+    planner::Case three_approaches()
     {
-        Case planned_case;
+        planner::Case planned_case;
         for (const char* name : { "median", "lateral", "distal" })
             planned_case.approaches.push_back(straight_approach(name));
         return planned_case;
@@ -65,7 +65,7 @@ namespace session_model_test {
 
     TEST(SessionModel, ACaseWithoutApproachesShowsNothingAndHasNoWork)
     {
-        SessionModel model { Case {} };
+        SessionModel model { planner::Case {} };
         EXPECT_FALSE(model.selected());
         EXPECT_TRUE(model.shown_scenes().empty());
         EXPECT_FALSE(model.begin_closed());
@@ -251,7 +251,7 @@ namespace session_model_test {
 
     TEST(SurgeonCamera, LooksAlongTheBladeAtTheMiddleOfTheIncision)
     {
-        const Approach approach = straight_approach("median");
+        const planner::Approach approach = straight_approach("median");
         const Camera camera = surgeon_camera(approach, Vec3::UnitZ());
         EXPECT_NEAR((camera.aim - Vec3::Zero()).norm(), 0.0, kRounding * 100.0);
         EXPECT_NEAR((camera.eye - Vec3(0.0, -approach.view.eye_distance_mm, 0.0)).norm(), 0.0, kRounding * 400.0);
@@ -288,7 +288,7 @@ namespace session_model_test {
 
     TEST(MetricRows, SayTheNumbersWithTheirUnits)
     {
-        FieldMetrics field;
+        planner::FieldMetrics field;
         field.visible_fraction = 0.6234;
         field.opening_area_mm2 = 4210.0;
         field.hook_force_N = 41.26;
@@ -302,7 +302,7 @@ namespace session_model_test {
         EXPECT_EQ(field_summary(field), "62 % seen, 41 N, 42 cm²");
         field.opening_width_mm = 57.9;
         field.strain_p99_at = Vec3(12.4, -80.6, 33.0);
-        ErrorBars& bars = field.error.emplace();
+        planner::ErrorBars& bars = field.error.emplace();
         bars.opening_width_mm = 1.24;
         bars.hook_force_N = 10.5;
         bars.hook_forces_N = { 5.25 };
@@ -317,7 +317,7 @@ namespace session_model_test {
 
     TEST(MetricRows, SayWhatTheWoundGapesByAndWhatPresses)
     {
-        FieldMetrics field;
+        planner::FieldMetrics field;
         field.tension.emplace().gape_mm = 8.04;
         EXPECT_EQ(row_of(field_rows(field), "Gapes by itself").value, "8.0 mm");
         field.pressures = { { .label = "lung_left", .pressure_kPa = 1.333 } };
@@ -332,7 +332,7 @@ namespace session_model_test {
 
     TEST(MetricRows, WarnWhenTheModelIsInDoubt)
     {
-        FieldMetrics field;
+        planner::FieldMetrics field;
         field.mechanics_status = "converged";
         EXPECT_FALSE(row_of(field_rows(field), "Equilibrium").warning);
         EXPECT_FALSE(row_of(field_rows(field), "Inverted").warning);
@@ -346,7 +346,7 @@ namespace session_model_test {
 
     TEST(MetricRows, AnUnplannedApproachSaysWhatWasAskedFor)
     {
-        Approach approach = straight_approach("median");
+        planner::Approach approach = straight_approach("median");
         approach.hooks = { { .name = "left 1", .side = 1, .opening_mm = 30.0 } };
         EXPECT_EQ(row_of(approach_rows(approach), "Incision length").value, "60 mm");
         EXPECT_EQ(row_of(approach_rows(approach), "Hook left 1").value, "30 mm");
@@ -355,7 +355,7 @@ namespace session_model_test {
 
     TEST(MetricRows, AHookIsShownByWhatDrivesIt)
     {
-        Approach approach = straight_approach("median");
+        planner::Approach approach = straight_approach("median");
         approach.hooks = { { .name = "pulls", .pull = { .force_N = 25.0 } },
             { .name = "yields", .opening_mm = 30.0, .pull = { .force_limit_N = 40.0, .grip_N_per_mm = 2.5 } } };
         const std::vector<MetricSection> rows = approach_rows(approach);
@@ -366,4 +366,4 @@ namespace session_model_test {
     }
 
 } // namespace session_model_test
-} // namespace retractor
+} // namespace retractor::ui

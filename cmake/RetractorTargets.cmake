@@ -10,9 +10,7 @@ target_compile_features(retractor_options INTERFACE cxx_std_20)
 set(retractor_warnings
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor -Woverloaded-virtual -Werror
   # GCC 12 warns falsely of "text" + std::string (its bug 105651).
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
-  # Of types in a source's unnamed namespace, where several sources are compiled as one (CMAKE_UNITY_BUILD).
-  $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wno-subobject-linkage>)
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
 target_compile_options(retractor_options INTERFACE "$<BUILD_INTERFACE:${retractor_warnings}>")
 target_include_directories(retractor_options INTERFACE "$<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>")
 target_link_libraries(retractor_options INTERFACE Eigen3::Eigen Threads::Threads)
@@ -22,11 +20,30 @@ if(RETRACTOR_SANITIZE)
   target_link_options(retractor_options INTERFACE "$<BUILD_INTERFACE:-fsanitize=${RETRACTOR_SANITIZE}>")
 endif()
 
+# Headers that most sources include, compiled once for all targets that name them. A source still includes what it uses.
+set(retractor_precompiled_standard
+  <algorithm> <array> <cmath> <cstdint> <cstdio> <filesystem> <fstream> <functional> <limits> <map> <memory> <numbers> <optional>
+  <set> <span> <sstream> <string> <string_view> <utility> <vector>)
+set(retractor_precompiled_eigen <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU>)
+
+# retractor_precompiled(numerics <vector> ...): a target that compiles these headers once. Another target of the same
+# compile options takes them by target_precompile_headers(other REUSE_FROM retractor_precompiled_numerics).
+function(retractor_precompiled name)
+  set(source "${CMAKE_BINARY_DIR}/precompiled/${name}.cpp")
+  file(CONFIGURE OUTPUT "${source}" CONTENT "// The headers of retractor_precompiled_${name} are compiled with this source.\n")
+  add_library(retractor_precompiled_${name} OBJECT "${source}")
+  target_link_libraries(retractor_precompiled_${name} PRIVATE retractor_options)
+  target_precompile_headers(retractor_precompiled_${name} PRIVATE ${ARGN})
+endfunction()
+retractor_precompiled(standard ${retractor_precompiled_standard})
+retractor_precompiled(numerics ${retractor_precompiled_standard} ${retractor_precompiled_eigen})
+
 # retractor_library(mesh a.cpp b.cpp ...): static library retractor_mesh with the alias retractor::mesh.
 function(retractor_library name)
   add_library(retractor_${name} STATIC ${ARGN})
   add_library(retractor::${name} ALIAS retractor_${name})
   target_link_libraries(retractor_${name} PUBLIC retractor_options)
+  target_precompile_headers(retractor_${name} REUSE_FROM retractor_precompiled_numerics)
 endfunction()
 
 # retractor_link_external(target lib...): headers of other projects are not held to our warnings.

@@ -26,6 +26,10 @@
 #include <utility>
 #include <vector>
 
+namespace retractor::fem {
+class SpringNetwork;
+}
+
 namespace retractor::planner {
 
 /// What the knife is laid out for: one approach's wall.
@@ -75,7 +79,6 @@ struct CutEntry {
     bool restored = false;
 };
 
-class SpringNetwork;
 struct LipsOfCut;
 
 class CuttingDesk {

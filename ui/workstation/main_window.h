@@ -23,12 +23,15 @@ class QProgressBar;
 class QPushButton;
 class QTabWidget;
 
+namespace retractor::planner {
+struct Palpable;
+}
+
 namespace retractor::ui {
 
 class ApproachList;
 class MetricsPanel;
 class PictureView;
-struct Palpable;
 
 class MainWindow : public QMainWindow {
 public:

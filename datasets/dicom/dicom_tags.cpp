@@ -173,7 +173,6 @@ namespace {
         file.identity = name + '\n' + id + '\n' + text(DC::StudyInstanceUID) + '\n' + file.series_number + '\n'
             + file.description;
         file.sop_instance = text(DC::SOPInstanceUID);
-        file.instance_number = text(DC::InstanceNumber);
         file.frame_of_reference = text(DC::FrameOfReferenceUID);
         file.transfer_syntax = text(DC::TransferSyntaxUID);
         file.photometric = text(DC::PhotometricInterpretation);

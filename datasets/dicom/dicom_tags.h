@@ -46,7 +46,6 @@ struct DicomFile {
     std::string modality;
     std::string identity; ///< tells series apart that have no UID; never shown
     std::string sop_instance;
-    std::string instance_number;
     std::string frame_of_reference;
     std::string transfer_syntax;
     std::string photometric;

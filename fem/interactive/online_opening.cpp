@@ -4,7 +4,6 @@
 #include "fem/interactive/dissected_wound.h"
 #include "fem/linear_algebra/blas_threads.h"
 #include "mesh/base/error.h"
-#include "mesh/base/job.h"
 
 #include <cblas.h>
 #include <malloc.h>
@@ -343,7 +342,6 @@ void OnlineOpening::drive(HookId hook, const HookDrive& drive)
 OnlineAnswer OnlineOpening::answer()
 {
     State& s = *state_;
-    const Stopwatch watch;
     OnlineAnswer answer;
     answer.message = s.prepare();
     if (!answer.message.empty()) {
@@ -360,7 +358,6 @@ OnlineAnswer OnlineOpening::answer()
         answer.hook_forces_N.push_back(near.hook_forces.col(0).segment<3>(3 * static_cast<Eigen::Index>(h)));
     answer.displacement = near.displacement.col(0);
     answer.reciprocal_condition = s.solver->reciprocal_condition();
-    answer.corridor_seconds = watch.seconds();
     return answer;
 }
 
@@ -371,7 +368,6 @@ void OnlineOpening::complete(OnlineAnswer& answer)
         return;
     if (!s.solver->ready() || answer.displacement.size() != 3 * static_cast<Eigen::Index>(s.body.K.slot_count()))
         throw InputError("the answer is of an earlier state: ask for another");
-    const Stopwatch watch;
     answer.displacement = s.solver->whole_field(answer.displacement).col(0);
     answer.whole = true;
     const double load = right_side(s.body, stacked(answer.hook_displacements).col(0)).norm();
@@ -400,7 +396,6 @@ void OnlineOpening::complete(OnlineAnswer& answer)
         answer.status = OnlineStatus::inaccurate;
         answer.message = text.str();
     }
-    answer.whole_seconds = watch.seconds();
 }
 
 double OnlineOpening::prepare_drag()
@@ -458,7 +453,6 @@ OnlineAnswer OnlineOpening::drag_answer()
     State& s = *state_;
     if (s.columns.rows() == 0)
         throw InputError("dragging needs prepare_drag() after the last change");
-    const Stopwatch watch;
     OnlineAnswer answer;
     answer.message = partly_lost(s.body);
     s.place_hooks(answer, s.column_forces);
@@ -469,7 +463,6 @@ OnlineAnswer OnlineOpening::drag_answer()
     answer.whole = true;
     answer.residual = s.column_residual;
     answer.reciprocal_condition = s.solver->reciprocal_condition();
-    answer.whole_seconds = watch.seconds();
     return answer;
 }
 

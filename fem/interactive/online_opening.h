@@ -55,7 +55,6 @@ struct [[nodiscard]] OnlineAnswer {
     double residual = 0.0; ///< of the whole field: set by complete()
     int refinements = 0;
     double reciprocal_condition = 0.0; ///< estimate for the system solved anew
-    double corridor_seconds = 0.0, whole_seconds = 0.0; ///< by answer() and by complete()
 };
 
 /// For programs that factor again and again: memory that is freed is kept, not handed back to the system and fetched

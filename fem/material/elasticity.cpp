@@ -197,16 +197,6 @@ SignedSvd signed_svd(const Mat3& F)
     return svd;
 }
 
-double energy_density(Elasticity model, const Lame& l, const Mat3& F)
-{
-    if (model != Elasticity::linear)
-        return principal_energy(model, l, signed_svd(F).sigma);
-    const Mat3 e = small_strain(F);
-    return l.mu * e.squaredNorm() + 0.5 * l.lambda * e.trace() * e.trace();
-}
-
-Mat3 first_piola(Elasticity model, const Lame& l, const Mat3& F) { return evaluate_point(model, l, F, false).stress; }
-
 Tangent tangent(Elasticity model, const Lame& l, const Mat3& F, double projected)
 {
     return model == Elasticity::linear ? linear_tangent(l) : rotating_tangent(model, l, signed_svd(F), projected);

@@ -53,10 +53,6 @@ struct Tangent {
 /// Row and column 3 i + j stand for F(i, j).
 using TangentMatrix = Eigen::Matrix<double, 9, 9>;
 
-/// Energy per rest volume, N mm / mm^3.
-double energy_density(Elasticity model, const Lame& lame, const Mat3& F);
-/// First Piola stress, the derivative of the energy density by F.
-Mat3 first_piola(Elasticity model, const Lame& lame, const Mat3& F);
 /// Derivative of the stress, its negative eigenvalues lifted by the share `projected` of their size: 0 leaves it as it
 /// is, 1 gives the nearest positive semidefinite matrix. On the measure-zero
 /// set sigma1 + sigma2 = 0, where the energy has a kink, the unprojected tangent is cut off at a large finite value.
@@ -65,8 +61,8 @@ TangentMatrix tangent_matrix(const Tangent& tangent);
 
 /// Energy and stress by one decomposition.
 struct PointResponse {
-    double energy = 0.0;
-    Mat3 stress;
+    double energy = 0.0; ///< per rest volume, N mm / mm^3
+    Mat3 stress; ///< first Piola: the derivative of the energy density by F
     Tangent tangent; ///< set when asked for, projected
     double volume_ratio = 1.0; ///< det F
 };

@@ -221,26 +221,6 @@ std::vector<Vec3> surface_normals(
     return sum;
 }
 
-Eigen::VectorXd pre_stress_forces(const mesh::TetMesh& mesh, std::span<const Mat3> stresses)
-{
-    must_match(mesh, stresses);
-    Eigen::VectorXd forces = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
-    NodeGradients rest(mesh.nodes_per_tet, 3);
-    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
-        const auto nodes = mesh.tet(t);
-        for (std::size_t a = 0; a < nodes.size(); ++a)
-            rest.row(static_cast<Eigen::Index>(a)) = mesh.vertices.row(nodes[a]);
-        for (const QuadraturePoint& point : quadrature(mesh.nodes_per_tet)) {
-            const ShapeGradients shape = shape_gradients(rest, point);
-            for (std::size_t a = 0; a < nodes.size(); ++a)
-                forces.segment<3>(3 * static_cast<Eigen::Index>(nodes[a])) += shape.volume
-                    * (stresses[static_cast<std::size_t>(t)]
-                        * shape.gradients.row(static_cast<Eigen::Index>(a)).transpose());
-        }
-    }
-    return forces;
-}
-
 std::vector<FaceTraction> released_tractions(
     const mesh::TetMesh& mesh, std::span<const mesh::TetFace> lips, std::span<const Mat3> stresses)
 {

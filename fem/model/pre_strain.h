@@ -43,10 +43,6 @@ std::vector<Mat3> pre_stress(const mesh::TetMesh& mesh, std::span<const Material
 std::vector<Vec3> surface_normals(
     const mesh::TetMesh& mesh, std::span<const Label> seeds = {}, std::span<const VertexId> held = {});
 
-/// Internal nodal forces (three per node) of the stresses at rest: the integral of B^T sigma0. P1 and P2.
-/// @throws InputError on a wrong number of stresses.
-Eigen::VectorXd pre_stress_forces(const mesh::TetMesh& mesh, std::span<const Mat3> stress_of_element);
-
 /// What opens the wound: the tractions -sigma0 n on the faces of the lips.
 /// @throws InputError on a face out of range, a wrong number of stresses.
 std::vector<FaceTraction> released_tractions(

@@ -448,21 +448,6 @@ std::vector<VertexId> vertices_near_wound(const SpringNetwork& network, double r
     return active;
 }
 
-namespace {
-
-    /// Largest unbalanced force of those that are free, N.
-    double rim_force(const SpringNetwork& network, std::vector<VertexId> vertices)
-    {
-        std::erase_if(vertices, [&](VertexId v) { return network.is_fixed(v) || network.elements(v).empty(); });
-        if (vertices.empty())
-            return 0.0;
-        std::sort(vertices.begin(), vertices.end());
-        const SpringPatch rim(network, std::move(vertices));
-        return largest_nodal_norm(rim.response(rim.displacement()).forces);
-    }
-
-} // namespace
-
 RelaxResult relax(SpringNetwork& network, const RelaxOptions& options, const Job& job)
 {
     check_options(options);
@@ -478,8 +463,6 @@ RelaxResult relax(SpringNetwork& network, const RelaxOptions& options, const Job
     const double first = largest_nodal_norm(patch.response(patch.displacement()).forces);
     const double scale = released > 0.0 ? released : first; // a wound that was taken back: from where it stood
     descend(patch, scale, options, result, network, job);
-    if (scale > 0.0)
-        result.rim_residual = rim_force(network, patch.rim()) / scale;
     result.gape_mm = widest_gape(network);
     result.seconds = watch.seconds();
     return result;

@@ -27,8 +27,6 @@ public:
     SpringPatch(const SpringNetwork& network, std::vector<VertexId> active);
 
     const std::vector<VertexId>& active() const { return active_; }
-    /// Vertices that are not active themselves, but have a spring to one that is.
-    const std::vector<VertexId>& rim() const { return rim_; }
 
     struct Response {
         double energy = 0.0; ///< N mm, against the rest state, less the work of the loads on the lips
@@ -99,7 +97,7 @@ struct RelaxOptions {
     int max_iterations = 5000; ///< of conjugate gradients, all Newton steps together: the budget of a frame
     /// Only vertices within this distance of the wound, along edges at rest, move; 0: all. A wound draws on tissue as
     /// far away as it is long: of the gape of an 80 mm cut in a free sheet a reach of 10, 20, 40 mm gives 12, 23, 47 %
-    /// (`retractor-bench gape`), so this is for a first glance only. `rim_residual` tells what the others would feel.
+    /// (`retractor-bench gape`), so this is for a first glance only.
     double reach_mm = 0.0;
 };
 
@@ -109,7 +107,6 @@ struct [[nodiscard]] RelaxResult {
     RelaxStatus status = RelaxStatus::converged;
     std::string message;
     double residual = 0.0; ///< as in RelaxOptions::tolerance
-    double rim_residual = 0.0; ///< likewise, of the free vertices next to those that were let move
     double energy = 0.0; ///< N mm, never above that at the start
     int iterations = 0, newton_steps = 0;
     std::size_t active = 0; ///< vertices

@@ -545,7 +545,7 @@ struct NearField::State {
         return NearStatus::not_settled;
     }
 
-    NearFrame frame(const Stopwatch& watch, int iterations_before, int factorisations_before)
+    NearFrame frame(int iterations_before, int factorisations_before)
     {
         NearFrame f;
         f.residual = residual();
@@ -555,7 +555,6 @@ struct NearField::State {
         f.hook_forces_N = hook_forces();
         f.hook_yielded = yielded;
         f.meeting = meeting;
-        f.near_seconds = watch.seconds();
         f.displacement = whole_field(beyond ? beyond->field(now.u.tail(rim_size())) : Eigen::VectorXd(), now.u);
         return f;
     }
@@ -668,7 +667,6 @@ NearFrame NearField::drag(std::span<const HookDrive> drives)
     State& s = *state_;
     s.check_drives(drives);
     (void)prepare();
-    const Stopwatch watch;
     const int iterations = s.iterations, factorisations = s.factorisations;
     const Eigen::VectorXd begin = s.now.u, begin_far_force = s.now.far_force;
     const std::vector<Vec3> begin_at = s.at;
@@ -677,7 +675,7 @@ NearFrame NearField::drag(std::span<const HookDrive> drives)
     s.last_u = begin;
     s.last_far_force = begin_far_force;
     s.last_at = begin_at;
-    NearFrame frame = s.frame(watch, iterations, factorisations);
+    NearFrame frame = s.frame(iterations, factorisations);
     frame.reached = reached;
     if (!reached)
         frame.message = "the hooks stop short of where elements would turn over";
@@ -688,7 +686,6 @@ NearFrame NearField::settle(const Job& job)
 {
     (void)prepare();
     State& s = *state_;
-    const Stopwatch watch;
     const int iterations = s.iterations, factorisations = s.factorisations;
     NearStatus status = s.come_to_rest(job);
     // Hooks that do not simply go where they are told are drawn on until they stay where they are.
@@ -711,7 +708,7 @@ NearFrame NearField::settle(const Job& job)
             status = s.come_to_rest(job);
     }
     s.last_u.resize(0);
-    NearFrame frame = s.frame(watch, iterations, factorisations);
+    NearFrame frame = s.frame(iterations, factorisations);
     frame.status = status;
     std::ostringstream text;
     text << (status == NearStatus::settled    ? "settled"

@@ -69,7 +69,6 @@ struct [[nodiscard]] NearFrame {
     std::vector<FacingHooks> meeting {}; ///< hooks that hold each other back: their lips have met
     double residual = 0.0; ///< as NearFieldOptions::tolerance
     int iterations = 0, factorisations = 0;
-    double near_seconds = 0.0; ///< without the far field
 };
 
 /// What the far tissue's own law would change at an answer, to first order.

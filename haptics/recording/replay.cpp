@@ -3,29 +3,28 @@
 #include "mesh/base/error.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace retractor::haptics {
 
-ReplayDevice::ReplayDevice(MotionRecording recording, std::size_t device, const ReplayOptions& options)
+namespace {
+    constexpr double kOwnDamping = 5e-3; ///< N s/mm: what a stylus in a hand is taken to dissipate
+} // namespace
+
+ReplayDevice::ReplayDevice(MotionRecording recording, std::size_t device)
     : recording_(std::move(recording))
     , device_(device)
-    , options_(options)
 {
     if (device_ >= recording_.devices.size())
         throw InputError("the recording has " + std::to_string(recording_.devices.size()) + " devices, none of number "
             + std::to_string(device_));
     if (recording_.tick_count() == 0)
         throw InputError("the recording is empty");
-    if (!(options.stylus_mass > 0.0) || !(options.stylus_damping >= 0.0))
-        throw InputError("the stylus' mass must be positive, its damping not negative");
     const RecordedDevice& recorded = recording_.devices[device_];
     info_.name = recorded.name;
     info_.model = "replay of " + recorded.model;
     info_.serial = recorded.serial;
     info_.rate_hz = recording_.rate_hz;
-    info_.limits.own_damping = options.stylus_damping;
-    position_ = recording_.at(0, device_).position;
+    info_.limits.own_damping = kOwnDamping;
 }
 
 double ReplayDevice::duration_s() const noexcept { return recording_.times_s.back() - recording_.times_s.front(); }
@@ -34,8 +33,6 @@ MotionSample ReplayDevice::sample_at(double time_s) noexcept
 {
     const std::vector<double>& times = recording_.times_s;
     double time = times.front() + time_s;
-    if (options_.repeat && duration_s() > 0.0)
-        time = times.front() + std::fmod(time_s, duration_s());
     // Recorded times carry rounding: a tick that is due within a millionth of a step has come.
     time += 1e-6 / recording_.rate_hz;
     if (time < times[cursor_])
@@ -52,33 +49,21 @@ MotionSample ReplayDevice::sample_at(double time_s) noexcept
     sample.position += share * (next.position - sample.position);
     sample.velocity += share * (next.velocity - sample.velocity);
     sample.orientation = sample.orientation.slerp(share, next.orientation);
-    sample.applied_force += share * (next.applied_force - sample.applied_force);
     return sample;
 }
 
-DeviceReading ReplayDevice::read(double time_s, double step_s) noexcept
+DeviceReading ReplayDevice::read(double time_s, double /*step_s*/) noexcept
 {
     const MotionSample sample = sample_at(time_s);
-    DeviceReading reading { .position = sample.position,
+    return { .position = sample.position,
         .velocity = sample.velocity,
         .orientation = sample.orientation.toRotationMatrix(),
         .buttons = sample.buttons };
-    if (options_.mode == ReplayMode::force) {
-        const Vec3 push = force_ - sample.applied_force;
-        // Damping implicitly: it may be stiff beside so small a mass.
-        velocity_ = (velocity_ + step_s / options_.stylus_mass * push)
-            / (1.0 + step_s * options_.stylus_damping / options_.stylus_mass);
-        position_ += step_s * velocity_;
-        reading.position = position_;
-        reading.velocity = velocity_;
-    }
-    return reading;
 }
 
 Vec3 ReplayDevice::write(const Vec3& force) noexcept
 {
-    force_ = force.allFinite() ? clamped(force, info_.limits.max_force) : Vec3(Vec3::Zero());
-    return force_;
+    return force.allFinite() ? clamped(force, info_.limits.max_force) : Vec3(Vec3::Zero());
 }
 
 } // namespace retractor::haptics

@@ -7,27 +7,14 @@
 
 namespace retractor::haptics {
 
-namespace {
-
-    void check_share(double share, const char* where)
-    {
-        if (!(share >= 0.0) || !(share <= 1.0))
-            throw InputError("a share of the device's range lies between 0 and 1", where);
-    }
-
-} // namespace
-
 FingerCoupling::FingerCoupling(const CouplingOptions& options, const DeviceLimits& limits, double step_s, double gain)
-    : kind_(options.kind)
-    , resolution_(limits.resolution)
+    : resolution_(limits.resolution)
     , proxy_velocity_(limits.resolution)
 {
-    check_share(options.stiffness_share, "stiffness_share");
-    check_share(options.damping_share, "damping_share");
+    if (!(options.damping_share >= 0.0) || !(options.damping_share <= 1.0))
+        throw InputError("a share of the device's range lies between 0 and 1", "damping_share");
     // The tissue's own stiffness is rendered as it is, up to the device's end.
-    const double stiffness
-        = kind_ == CouplingKind::proxy ? options.stiffness_share * limits.max_stiffness : limits.max_stiffness;
-    coupling_ = { stiffness / gain, options.damping_share * limits.max_damping / gain };
+    coupling_ = { limits.max_stiffness / gain, options.damping_share * limits.max_damping / gain };
     if (options.within_limits)
         coupling_ = within_limits(coupling_, limits, step_s, gain);
 }
@@ -51,9 +38,7 @@ Vec3 FingerCoupling::force(const Fingertip& finger, const FingerContact& contact
     const Vec3 proxy_velocity = proxy_velocity_.update(contact.proxy, step_s);
     const Vec3& normal = contact.normal;
     Vec3 force = contact.force;
-    if (kind_ == CouplingKind::proxy)
-        force = coupling_.stiffness * (contact.proxy - finger.position);
-    else if (contact.stiffness > coupling_.stiffness) {
+    if (contact.stiffness > coupling_.stiffness) {
         // A spring Kc in series makes both together as stiff as may be: k Kc / (k + Kc) = K. The tissue was asked at
         // `held_back_`; where the two forces agree, with the tissue linear in between, is where it is asked next.
         const double k = contact.stiffness, series = k * coupling_.stiffness / (k - coupling_.stiffness);

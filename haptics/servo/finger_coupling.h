@@ -7,24 +7,17 @@
 
 namespace retractor::haptics {
 
-enum class CouplingKind {
-    tissue, ///< the tissue's own force; where it is stiffer than the device can render, a spring in series with it
-    proxy, ///< F = K (proxy - finger) + D (proxy' - finger'), whatever the tissue's force is: the mass-spring seed's
-           ///< way
-};
-
 struct CouplingOptions {
-    CouplingKind kind = CouplingKind::tissue;
-    double stiffness_share = 0.15; ///< K of the device's range, for `proxy`; the source's value
     double damping_share = 0.9; ///< D of the device's range; the source's value, less where passivity asks for it
     bool within_limits = true; ///< off only to measure what the limits do
 };
 
-/// One finger. Servo thread; allocates nothing.
+/// One finger feels the tissue's own force; where the tissue is stiffer than the device can render, a spring in series
+/// with it. Servo thread; allocates nothing.
 class FingerCoupling {
 public:
     /// @param limits of the finger's device; `gain` as in within_limits()
-    /// @throws InputError when a share is not between 0 and 1
+    /// @throws InputError when the share is not between 0 and 1
     FingerCoupling(const CouplingOptions& options, const DeviceLimits& limits, double step_s, double gain);
 
     /// Where the tissue is to be asked: the finger, held back by the spring in series when there is one, less a little,
@@ -38,11 +31,10 @@ public:
         held_back_.setZero();
         was_touching_ = false;
     }
-    /// What is in force, after the device's limits, for `proxy`; for `tissue`, the stiffest that is rendered.
+    /// The damping, and the stiffest that is rendered, after the device's limits.
     [[nodiscard]] const Coupling& coupling() const noexcept { return coupling_; }
 
 private:
-    CouplingKind kind_;
     Coupling coupling_;
     double resolution_; ///< of the finger's place, mm
     Vec3 held_back_ = Vec3::Zero(); ///< asked() minus the finger's place

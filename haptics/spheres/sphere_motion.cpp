@@ -465,14 +465,6 @@ std::vector<SphereMotion::Volume> SphereMotion::volumes() const
     return volumes;
 }
 
-void SphereMotion::scale_stiffness(double factor)
-{
-    if (!(factor > 0.0) || !std::isfinite(factor))
-        throw InputError("the factor on the stiffness must be positive, got " + std::to_string(factor));
-    for (SphereOrgan& organ : organs_)
-        organ.stiffness *= factor;
-}
-
 double calibrate_sphere_force(double sphere_radius, const SphereLaw& law, double youngs_modulus_MPa,
     double poissons_ratio, double finger_radius, double depth)
 {

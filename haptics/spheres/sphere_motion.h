@@ -96,8 +96,6 @@ public:
     int layer(std::size_t i) const { return layer_[i] == kUntouched ? -1 : layer_[i]; }
     double reach_of(std::size_t sphere) const { return reach_[sphere]; }
     const SphereLaw& law() const { return law_; }
-    /// Scales every organ's stiffness.
-    void scale_stiffness(double factor);
 
 private:
     static constexpr std::uint8_t kUntouched = 255;

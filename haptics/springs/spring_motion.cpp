@@ -184,14 +184,6 @@ double SpringMotion::largest_speed() const noexcept
     return std::sqrt(squared);
 }
 
-double SpringMotion::kinetic_energy() const noexcept
-{
-    double energy = 0.0;
-    for (std::size_t v = 0; v < body_.mass.size(); ++v)
-        energy += 0.5 * body_.mass[v] * velocity(static_cast<VertexId>(v)).squaredNorm();
-    return energy;
-}
-
 void SpringMotion::stop() noexcept { std::fill(velocity_.begin(), velocity_.end(), 0.0); }
 
 double SpringMotion::energy() const noexcept
@@ -253,8 +245,6 @@ std::size_t SpringMotion::set_ring_load(VertexId v, const Vec3& force)
         set_load(other, share * force);
     return around.size() + 1;
 }
-
-void SpringMotion::clear_loads() noexcept { std::fill(load_.begin(), load_.end(), 0.0); }
 
 void SpringMotion::place(VertexId v, const Vec3& position)
 {

@@ -78,7 +78,6 @@ public:
         return Eigen::Map<const Vec3>(&velocity_[3 * static_cast<std::size_t>(v)]);
     }
     double largest_speed() const noexcept; ///< mm/s
-    double kinetic_energy() const noexcept; ///< N mm
     /// All velocities become zero: towards an equilibrium, whenever the kinetic energy has peaked.
     void stop() noexcept;
     double energy() const noexcept; ///< kinetic, of springs and arms, and of gravity from the rest positions; N mm
@@ -88,8 +87,6 @@ public:
     /// The same force shared evenly by the particle and the particles one structural spring (its shortest) away: the
     /// source's figs 15 and 16. @returns how many share it.
     std::size_t set_ring_load(VertexId v, const Vec3& force);
-    void clear_loads() noexcept;
-    void set_gravity(const Vec3& gravity) noexcept { law_.gravity = gravity; }
     /// Puts a particle somewhere, at rest: for tests and for loading. @throws InputError as set_load().
     void place(VertexId v, const Vec3& position);
     /// What held it lets go, or holds it where it is. @throws InputError on an id out of range.

@@ -76,22 +76,6 @@ FTest f_test(std::span<const double> a, std::span<const double> b)
     return test;
 }
 
-TTest welch_t_test(std::span<const double> a, std::span<const double> b)
-{
-    check(a, 2);
-    check(b, 2);
-    const double na = static_cast<double>(a.size()), nb = static_cast<double>(b.size());
-    const double ea = variance(a) / na, eb = variance(b) / nb;
-    if (!(ea + eb > 0.0))
-        throw InputError("a t-test needs samples that vary");
-    TTest test;
-    test.difference = mean(a) - mean(b);
-    test.t = test.difference / std::sqrt(ea + eb);
-    test.freedom = (ea + eb) * (ea + eb) / (ea * ea / (na - 1.0) + eb * eb / (nb - 1.0));
-    test.p = two_sided(test.t, test.freedom);
-    return test;
-}
-
 TTest paired_t_test(std::span<const double> a, std::span<const double> b)
 {
     if (a.size() != b.size())
@@ -111,14 +95,6 @@ TTest paired_t_test(std::span<const double> a, std::span<const double> b)
     test.t = test.difference / std::sqrt(v / static_cast<double>(a.size()));
     test.p = two_sided(test.t, test.freedom);
     return test;
-}
-
-std::vector<double> absolute_deviations(std::span<const double> values, double right)
-{
-    std::vector<double> deviations;
-    for (const double v : values)
-        deviations.push_back(std::abs(v - right));
-    return deviations;
 }
 
 } // namespace retractor::haptics

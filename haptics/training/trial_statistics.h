@@ -25,14 +25,10 @@ FTest f_test(std::span<const double> a, std::span<const double> b);
 struct TTest {
     double t = 0.0, p = 1.0; ///< two-sided
     double freedom = 0.0;
-    double difference = 0.0; ///< mean of a less mean of b
+    double difference = 0.0; ///< mean of a - b
 };
-/// Two samples of different people, whose variances may differ [Welch 1947]. @throws InputError as f_test().
-TTest welch_t_test(std::span<const double> a, std::span<const double> b);
-/// The same people twice, in the same order. @throws InputError on different lengths, or differences that do not vary.
+/// The same people twice, in the same order. @throws InputError on different lengths, fewer than two
+/// values, or differences that do not vary.
 TTest paired_t_test(std::span<const double> a, std::span<const double> b);
-
-/// |v - right| of each.
-std::vector<double> absolute_deviations(std::span<const double> values, double right);
 
 } // namespace retractor::haptics

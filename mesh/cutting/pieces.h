@@ -1,6 +1,6 @@
 #pragma once
 // The pieces of a body that is being cut, and marking what an ablation removes: a piece, or elements of some labels in
-// a ball, in a box or between two blades. Element ids are the session's. Units mm; frame patient LPS (rest
+// a ball. Element ids are the session's. Units mm; frame patient LPS (rest
 // configuration).
 //
 // Pieces are joined by faces and found on demand, at the cost of the whole mesh. An element is in a region when its
@@ -26,19 +26,8 @@ struct Piece {
 /// All pieces, by number: the one with most elements is 0 (among equal ones, that with the smallest id).
 std::vector<Piece> find_pieces(const CutSession& session);
 
-/// The number of the piece whose tissue holds the point.
-/// @throws InputError when there is no tissue at the point.
-std::size_t piece_at(const CutSession& session, std::span<const Piece> pieces, const Vec3& point);
-
-/// Elements (by id) of these labels with the centroid in the region; no labels: of all.
-/// @throws InputError on NaN, an empty box, a radius that is not positive.
+/// Elements (by id) of these labels with the centroid in the ball; no labels: of all.
+/// @throws InputError on NaN, a radius that is not positive.
 std::vector<TetId> mark_ball(
     const CutSession& session, const Vec3& centre, double radius_mm, std::span<const Label> labels = {});
-std::vector<TetId> mark_box(
-    const CutSession& session, const Eigen::AlignedBox3d& box, std::span<const Label> labels = {});
-/// Between two blades: on the side of each (extended) blade on which the middle of the other one lies.
-/// @throws InputError when the middle of one lies on the other.
-std::vector<TetId> mark_between(
-    const CutSession& session, const SweptBlade& a, const SweptBlade& b, std::span<const Label> labels = {});
-
 } // namespace retractor::mesh

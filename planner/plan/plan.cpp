@@ -64,7 +64,6 @@ namespace {
     /// Takes over what was cut; returns false (with status and message set) when the blade does not meet it.
     bool take_cut(PlannedField& field, CutWall& cut)
     {
-        field.cut_report = cut.report;
         if (cut.status != mesh::CutStatus::done) {
             field.status = cut.status == mesh::CutStatus::cancelled ? PlanStatus::cancelled : PlanStatus::cut_missed;
             field.message = cut.message;

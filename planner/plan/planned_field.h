@@ -34,7 +34,6 @@ struct [[nodiscard]] PlannedField {
     std::string message;
     Approach approach;
     mesh::MeshStatistics mesh_statistics;
-    mesh::CutReport cut_report;
 
     mesh::TetMesh wall; ///< cut, at rest
     std::vector<mesh::LipFace> lips; ///< faces of `wall` on the two sides of the incision

@@ -3,6 +3,8 @@
 
 #include "mesh/cutting/cut_session.h"
 
+#include <Eigen/Geometry>
+
 #include <random>
 #include <vector>
 
@@ -25,6 +27,22 @@ mesh::TetMesh three_layers(int nx, int ny, int nz, double spacing);
 
 /// A blade from above through a box of this extent, or past it.
 mesh::Blade random_stroke(std::mt19937& random, const Vec3& extent);
+
+/// Elements whose centroid lies in the box.
+inline std::vector<TetId> elements_in(const mesh::CutSession& session, const Eigen::AlignedBox3d& box)
+{
+    std::vector<TetId> inside;
+    for (TetId t = 0; t < static_cast<TetId>(session.tet_slots()); ++t) {
+        if (!session.has_tet(t))
+            continue;
+        Vec3 centroid = Vec3::Zero();
+        for (const VertexId v : session.tet(t).nodes)
+            centroid += 0.25 * session.position(v);
+        if (box.contains(centroid))
+            inside.push_back(t);
+    }
+    return inside;
+}
 
 /// Elements round a random place: a ball of this radius.
 std::vector<TetId> random_marks(

@@ -14,7 +14,7 @@ namespace retractor::datasets::segmentation {
 namespace {
 
     constexpr int kLastToSternum = 7, kLast = 10;
-    constexpr double kSeenLow = 78.0, kSeenHigh = 320.0; ///< HU: cartilage, calcified too; muscle is 50 to 60
+    constexpr double kSeenLow = 78.0; ///< HU: cartilage, calcified too; muscle is 50 to 60
     constexpr double kInnerShell = -6.0, kOuterShell = 18.0; ///< mm outside the lungs' hull
 
     /// Relative cost of a millimetre.

@@ -134,7 +134,7 @@ namespace {
                 if (worst >= cost_[i][j])
                     continue;
                 for (const auto& nodes : elements({ ring_[i], ring_[k], ring_[j] }, edge_))
-                    worst = std::max(worst, retractor::cosine(store_, nodes, least_));
+                    worst = std::max(worst, mesh::cosine(store_, nodes, least_));
                 if (worst < cost_[i][j]) {
                     cost_[i][j] = worst;
                     third_[i][j] = k;

@@ -20,6 +20,15 @@ namespace elasticity_test {
     constexpr double kEps = 2.220446049250313e-16;
     const Lame kSoft = lame(test_support::material(1.0, 0.4));
 
+    double energy_density(Elasticity model, const Lame& l, const Mat3& F)
+    {
+        return evaluate_point(model, l, F, false).energy;
+    }
+    Mat3 first_piola(Elasticity model, const Lame& l, const Mat3& F)
+    {
+        return evaluate_point(model, l, F, false).stress;
+    }
+
     Mat3 random_matrix(std::mt19937& random)
     {
         std::uniform_real_distribution<double> entry(-1.0, 1.0);

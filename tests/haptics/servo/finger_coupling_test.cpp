@@ -52,16 +52,6 @@ namespace finger_coupling_test {
         EXPECT_NEAR(coupling.force(finger, contact, kStep).y(), 0.5 * limits.max_stiffness, 1e-12);
     }
 
-    TEST(FingerCoupling, TheProxySpringHasItsShareOfTheDevicesRange)
-    {
-        const DeviceLimits limits;
-        FingerCoupling coupling({ .kind = CouplingKind::proxy, .stiffness_share = 0.15 }, limits, kStep, 1.0);
-        EXPECT_DOUBLE_EQ(coupling.coupling().stiffness, 0.15 * limits.max_stiffness);
-        EXPECT_DOUBLE_EQ(coupling.coupling().damping, 0.9 * limits.max_damping);
-        EXPECT_NEAR(held_force(coupling, 7.0, Vec3(0.0, -2.0, 0.0)).y(), 0.15 * limits.max_stiffness * 2.0, 1e-12)
-            << "whatever the wall is made of";
-    }
-
     TEST(FingerCoupling, DampsTheWayInAndNeverPullsOnTheWayOut)
     {
         const DeviceLimits limits;
@@ -81,8 +71,8 @@ namespace finger_coupling_test {
         const auto message = [](const CouplingOptions& options) {
             return test_support::message_of([&] { FingerCoupling(options, DeviceLimits {}, kStep, 1.0); });
         };
-        EXPECT_EQ(message({ .stiffness_share = 1.5 }),
-            "a share of the device's range lies between 0 and 1 [stiffness_share]");
+        EXPECT_EQ(
+            message({ .damping_share = 1.5 }), "a share of the device's range lies between 0 and 1 [damping_share]");
         EXPECT_EQ(
             message({ .damping_share = NAN }), "a share of the device's range lies between 0 and 1 [damping_share]");
     }

@@ -80,7 +80,6 @@ namespace bad_touch_parameters_test {
             hand([=](SimulatedHandOptions& o) { o.stylus_damping = bad; });
             hand([=](SimulatedHandOptions& o) { o.friction = bad; });
             servo([=](ServoOptions& o, MappingOptions&) { o.force_gain = bad; });
-            servo([=](ServoOptions& o, MappingOptions&) { o.coupling.stiffness_share = bad; });
             servo([=](ServoOptions& o, MappingOptions&) { o.coupling.damping_share = bad; });
         }
         hand([](SimulatedHandOptions& o) { o.substeps = 0; });

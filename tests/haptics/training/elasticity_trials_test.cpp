@@ -112,8 +112,12 @@ TEST(LearningStudy, spreadNarrowsAndTheMedianComesToTheTarget)
         const auto of = [&](Tissue tissue, int session) {
             return chosen(trials, [=](const auto& t) { return t.tissue == tissue && t.session == session; });
         };
-        const auto deviation
-            = [&](int session) { return absolute_deviations(of(Tissue::normal, session), kNormalMPa); };
+        const auto deviation = [&](int session) {
+            std::vector<double> values = of(Tissue::normal, session);
+            for (double& v : values)
+                v = std::abs(v - kNormalMPa);
+            return values;
+        };
         const TTest test = paired_t_test(deviation(1), deviation(7));
         improves += test.difference > 0.0 && test.p < 0.05 ? 1 : 0;
         EXPECT_NEAR(box_numbers(of(Tissue::normal, 7)).median, 1.0, 0.21);

@@ -3,8 +3,11 @@
 #include "mesh/cutting/pieces.h"
 #include "tests/support/session_state.h"
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -152,9 +155,6 @@ namespace cut_ablation_test {
         EXPECT_NEAR((pieces[1].centroid - Vec3(7.5, 7.3, 9.0 - depth / 3.0)).norm(), 0.0, 1e-9);
         ASSERT_EQ(pieces[1].labels.size(), 2u);
         EXPECT_EQ(pieces[1].labels[0].first, 3);
-        EXPECT_EQ(piece_at(session, pieces, Vec3(7.0, 7.3, 8.5)), 1u);
-        EXPECT_EQ(piece_at(session, pieces, Vec3(7.0, 1.0, 8.5)), 0u);
-        EXPECT_THROW(static_cast<void>(piece_at(session, pieces, Vec3(7.0, 1.0, 9.5))), InputError);
         const CutResult result = session.ablate(pieces[1].tets);
         ASSERT_EQ(result.status, CutStatus::done);
         EXPECT_NEAR(result.report.removed_volume_mm3, half * depth * length, 1e-9);
@@ -180,8 +180,8 @@ namespace cut_ablation_test {
         for (const double x : { 8.3, 14.3 })
             ASSERT_EQ(session.cut(saw(x), { .snap = 0.0, .uncut_labels = { 1 } }).status, CutStatus::done);
         EXPECT_EQ(find_pieces(session).size(), 1u);
-        const std::vector<Label> bone { 7 };
-        const std::vector<TetId> marked = mark_between(session, SweptBlade(saw(8.3)), SweptBlade(saw(14.3)), bone);
+        const Eigen::AlignedBox3d between(Vec3(8.3, 6.0, 3.0), Vec3(14.3, 9.0, 6.0));
+        const std::vector<TetId> marked = test_support::elements_in(session, between);
         const CutResult result = session.ablate(marked);
         ASSERT_EQ(result.status, CutStatus::done);
         EXPECT_NEAR(result.report.removed_volume_mm3, 6.0 * 3.0 * 3.0, 1e-9);
@@ -190,15 +190,13 @@ namespace cut_ablation_test {
             if (std::find(marked.begin(), marked.end(), tet.id) != marked.end()) {
                 EXPECT_EQ(tet.label, 7);
             }
-        EXPECT_THROW(
-            static_cast<void>(mark_between(session, SweptBlade(saw(8.3)), SweptBlade(saw(8.3)), bone)), InputError);
     }
 
     TEST(Ablation, BaredFacesAreFaceToFaceWithWhatWent)
     {
         CutSession session(test_support::three_layers(5, 5, 3, 3.0));
         const Eigen::AlignedBox3d box(Vec3(2.5, 2.5, 2.5), Vec3(9.5, 9.5, 9.5));
-        const std::vector<TetId> marked = mark_box(session, box);
+        const std::vector<TetId> marked = test_support::elements_in(session, box);
         std::map<std::array<VertexId, 3>, int> faces;
         for (const TetId t : marked)
             for (int corner = 0; corner < 4; ++corner)
@@ -241,7 +239,6 @@ namespace cut_ablation_test {
         EXPECT_THROW(static_cast<void>(mark_ball(session, Vec3(nan, 0, 0), 1.0)), InputError);
         EXPECT_THROW(static_cast<void>(mark_ball(session, Vec3(0, 0, 0), nan)), InputError);
         EXPECT_THROW(static_cast<void>(mark_ball(session, Vec3(0, 0, 0), 0.0)), InputError);
-        EXPECT_THROW(static_cast<void>(mark_box(session, Eigen::AlignedBox3d())), InputError);
         EXPECT_TRUE(test_support::SessionState(session) == before);
         const std::atomic<bool> cancel { true };
         Job job;

@@ -1,10 +1,12 @@
 #include "mesh/tetrahedra/tet_mesh.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/triangle.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -21,6 +23,21 @@ namespace tet_mesh_test {
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
             volume += tet_volume(mesh, t);
         return volume;
+    }
+
+    TEST(TetMesh, CornersComeInNodeOrder)
+    {
+        TetMesh mesh;
+        mesh.vertices.resize(4, 3);
+        mesh.vertices << 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3;
+        mesh.nodes = { 1, 2, 0, 3 };
+        mesh.labels = { 1 };
+        const std::array<Vec3, 4> corners = tet_corners(mesh, 0);
+        for (std::size_t c = 0; c < 4; ++c)
+            EXPECT_EQ(corners[c], Vec3(mesh.vertices.row(mesh.nodes[c]).transpose())) << c;
+        const std::array<Vec3, 3> face = triangle_corners(mesh.vertices, { 3, 0, 2 });
+        EXPECT_EQ(face[0], Vec3(0, 0, 3));
+        EXPECT_EQ(face[2], Vec3(0, 2, 0));
     }
 
     TEST(TetMesh, KuhnBoxFillsItsBoxWithPositiveElements)

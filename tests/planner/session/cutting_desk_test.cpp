@@ -1,9 +1,9 @@
 #include "planner/session/cutting_desk.h"
 
 #include "mesh/base/error.h"
-#include "mesh/cutting/pieces.h"
 #include "planner/session/knife_worker.h"
 #include "tests/planner/session/layered_wall.h"
+#include "tests/support/session_state.h"
 
 #include <gtest/gtest.h>
 
@@ -347,7 +347,8 @@ namespace cutting_desk_test {
         std::vector<mesh::MeshDelta> cuts { session.cut(blade).delta };
         if (without_side)
             cuts.push_back(
-                session.ablate(mesh::mark_box(session, { Vec3(0.0, 0.0, 30.0), Vec3(15.0, 30.0, 90.0) })).delta);
+                session.ablate(test_support::elements_in(session, { Vec3(0.0, 0.0, 30.0), Vec3(15.0, 30.0, 90.0) }))
+                    .delta);
         return { std::move(table), std::move(session), cuts };
     }
 

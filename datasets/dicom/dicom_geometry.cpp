@@ -1,6 +1,7 @@
 #include "datasets/dicom/dicom_geometry.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "mesh/base/statistics.h"
 
 #include <algorithm>
@@ -22,7 +23,7 @@ namespace {
 
     std::string vector_text(const Vec3& v)
     {
-        return "(" + mm_text(v.x()) + ", " + mm_text(v.y()) + ", " + mm_text(v.z()) + ")";
+        return formatted("(%s, %s, %s)", mm_text(v.x()).c_str(), mm_text(v.y()).c_str(), mm_text(v.z()).c_str());
     }
 
     /// "12 slices from a.dcm to b.dcm (normal ...), 3 slices from ..."

@@ -781,7 +781,8 @@ namespace cutting_desk_test {
             },
             [&] { ++told; });
         wait_for(worker);
-        SessionSnapshot snapshot = *worker.snapshot();
+        const std::shared_ptr<const SessionSnapshot> held = worker.snapshot();
+        const SessionSnapshot& snapshot = *held;
         ASSERT_EQ(snapshot.phase, SessionSnapshot::Phase::ready);
         EXPECT_EQ(snapshot.labels.size(), 4U);
         const auto touched = [&](double x, double z) { return *touch(*snapshot.picture, ray_down(x, z)); };
@@ -794,6 +795,7 @@ namespace cutting_desk_test {
         ASSERT_EQ(cut.cuts.size(), 1U);
         EXPECT_TRUE(cut.can_undo);
         EXPECT_NE(cut.picture->surface, snapshot.picture->surface);
+        EXPECT_TRUE(held->cuts.empty()) << "a snapshot that was handed out stays as it was";
         worker.run(surgery::Undo {});
         worker.run(surgery::Undo {}); // one too many: nothing happens
         wait_for(worker);

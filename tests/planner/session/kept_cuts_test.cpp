@@ -237,6 +237,27 @@ namespace kept_cuts_test {
         }
     }
 
+    TEST_F(KeptCutsTest, CommandsWaitForTheAnswer)
+    {
+        {
+            KnifeWorker worker([&](const Job&) { return table(); }, [] {});
+            const SessionSnapshot snapshot = settled(worker);
+            worker.run(surgery::BeginStroke { *touch(*snapshot.picture, ray_down(20.0, 62.0)) });
+            for (double x = 24.0; x <= 80.0; x += 4.0)
+                worker.run(surgery::DrawTo { *touch(*snapshot.picture, ray_down(x, 62.0)) });
+        }
+        KnifeWorker worker([&](const Job&) { return table(); }, [] {});
+        ASSERT_EQ(settled(worker).phase, SessionSnapshot::Phase::asking);
+        worker.run(surgery::SetTension { 0.04 });
+        EXPECT_FALSE(worker.idle()) << "the command waits";
+        worker.restore(true);
+        const SessionSnapshot ready = settled(worker);
+        EXPECT_EQ(ready.phase, SessionSnapshot::Phase::ready);
+        EXPECT_EQ(ready.cuts.size(), 1U);
+        EXPECT_EQ(ready.tension, 0.04);
+        EXPECT_GT(ready.gape_mm, 0.0) << "the restored cut gapes under it";
+    }
+
     TEST_F(KeptCutsTest, TheWorkerSaysWhatTheTableDoesNotFeel)
     {
         KnifeWorker worker(

@@ -49,7 +49,7 @@ CondensedWound::CondensedWound(const OnlineBody& body, std::unique_ptr<Condensed
     , options_(options)
     , condensed_(std::move(condensed))
     , base_load_(std::move(load))
-    , base_(view_of(*condensed_))
+    , base_(condensed_state_of(*condensed_))
 {
     base_.reference = std::move(touched);
     if (body_.K.loaded())
@@ -216,7 +216,7 @@ void CondensedWound::keep_also_here(const std::vector<VertexId>& missing)
     hooks_changed();
 }
 
-bool CondensedWound::changed_since(const KeptView& state, VertexId v) const
+bool CondensedWound::changed_since(const CondensedState& state, VertexId v) const
 {
     const auto was = state.reference.find(v);
     return was != state.reference.end() && !(body_.K.row(v) == was->second);
@@ -227,7 +227,7 @@ std::vector<VertexId> CondensedWound::wanted_back() const
 {
     const std::set<VertexId> held = held_vertices(body_);
     std::vector<VertexId> wanted;
-    for (const VertexId v : folded_->behind.vertices)
+    for (const VertexId v : folded_->eliminated_added.vertices)
         if (held.contains(v) || changed_since(*folded_, v))
             wanted.push_back(v);
     return wanted;
@@ -236,10 +236,10 @@ std::vector<VertexId> CondensedWound::wanted_back() const
 /// The folded state still stands for all that has left it.
 bool CondensedWound::folded_holds() const
 {
-    if (folded_->left.empty())
+    if (folded_->dropped.empty())
         return true;
     const std::set<VertexId> held = held_vertices(body_);
-    return wanted_back().empty() && std::none_of(folded_->left.begin(), folded_->left.end(), [&](VertexId v) {
+    return wanted_back().empty() && std::none_of(folded_->dropped.begin(), folded_->dropped.end(), [&](VertexId v) {
         return held.contains(v) || changed_since(*folded_, v);
     });
 }
@@ -254,7 +254,7 @@ void CondensedWound::prepare(const std::vector<VertexId>& needed)
 
 /// The folded state where that costs less than the other ways, else the body as it was condensed. Drops a folded one
 /// that no longer stands.
-const KeptView& CondensedWound::cheapest_view(double work_from_base)
+const CondensedState& CondensedWound::cheapest_view(double work_from_base)
 {
     if (folded_ && !folded_holds())
         drop_folded_state();
@@ -375,11 +375,11 @@ NearAnswer CondensedWound::solve_under(const Eigen::VectorXd& load, const Eigen:
     const Eigen::Index cases = hook_displacement.cols();
     const NearLoads loads = near_loads(load, cases);
     const LocalSystem::Solution solution = local_->solve(
-        loads.kept, loads.newborn, hook_displacement, loads.on_left ? loads.on_left->response : Eigen::MatrixXd());
+        loads.kept, loads.added, hook_displacement, loads.on_dropped ? loads.on_dropped->response : Eigen::MatrixXd());
     NearAnswer near { Eigen::MatrixXd::Zero(rows_of(body_.K.slot_count()), cases), {} };
     Eigen::MatrixXd& x = near.displacement;
     put(body_, view_->vertices, solution.kept, x);
-    put(body_, change_->newborn, solution.newborn, x);
+    put(body_, change_->added, solution.added, x);
     find_those_left(solution.kept_forces, loads, x);
     for (const HeldVertex& h : body_.held)
         x.middleRows(3 * h.vertex, 3) = hook_displacement.middleRows(3 * h.hook, 3);
@@ -392,12 +392,12 @@ NearAnswer CondensedWound::solve_under(const Eigen::VectorXd& load, const Eigen:
 Eigen::VectorXd CondensedWound::felt_beside_those_behind(const Eigen::VectorXd& load) const
 {
     Eigen::VectorXd felt = load;
-    const LeftBehind& behind = view_->behind;
-    if (behind.vertices.empty())
+    const EliminatedAdded& eliminated_added = view_->eliminated_added;
+    if (eliminated_added.vertices.empty())
         return felt;
-    const Eigen::MatrixXd alone = behind.factor.solve(at(behind.vertices, load));
-    for (std::size_t z = 0; z < behind.vertices.size(); ++z)
-        for_blocks(body_.K, behind.vertices[z], [&](VertexId v, const auto& block) {
+    const Eigen::MatrixXd alone = eliminated_added.factor.solve(at(eliminated_added.vertices, load));
+    for (std::size_t z = 0; z < eliminated_added.vertices.size(); ++z)
+        for_blocks(body_.K, eliminated_added.vertices[z], [&](VertexId v, const auto& block) {
             felt.segment<3>(3 * v) -= block.transpose() * alone.col(0).segment<3>(rows_of(z));
         });
     return felt;
@@ -406,17 +406,17 @@ Eigen::VectorXd CondensedWound::felt_beside_those_behind(const Eigen::VectorXd& 
 CondensedWound::NearLoads CondensedWound::near_loads(const Eigen::VectorXd& load, Eigen::Index cases) const
 {
     NearLoads loads { Eigen::MatrixXd::Zero(rows_of(view_->vertices.size()), cases),
-        Eigen::MatrixXd::Zero(rows_of(change_->newborn.size()), cases), {} };
+        Eigen::MatrixXd::Zero(rows_of(change_->added.size()), cases), {} };
     if (load.size() == 0)
         return loads;
     const Eigen::VectorXd felt = felt_beside_those_behind(load);
     loads.kept.colwise() += at(view_->vertices, felt).col(0);
     clear_inactive(body_, view_->vertices, loads.kept);
-    loads.newborn.colwise() += at(change_->newborn, felt).col(0);
-    if (!view_->left.empty()) {
-        Eigen::MatrixXd on_left = at(condensed_->kept(), felt);
-        clear_inactive(body_, condensed_->kept(), on_left);
-        loads.on_left = view_->load_on_left(*condensed_, Eigen::MatrixXd(on_left.replicate(1, cases)));
+    loads.added.colwise() += at(change_->added, felt).col(0);
+    if (!view_->dropped.empty()) {
+        Eigen::MatrixXd on_dropped = at(condensed_->kept(), felt);
+        clear_inactive(body_, condensed_->kept(), on_dropped);
+        loads.on_dropped = view_->load_on_dropped(*condensed_, Eigen::MatrixXd(on_dropped.replicate(1, cases)));
     }
     return loads;
 }
@@ -425,27 +425,28 @@ CondensedWound::NearLoads CondensedWound::near_loads(const Eigen::VectorXd& load
 void CondensedWound::find_those_left(
     const Eigen::MatrixXd& kept_forces, const NearLoads& loads, Eigen::MatrixXd& x) const
 {
-    if (view_->left.empty())
+    if (view_->dropped.empty())
         return;
-    const Eigen::MatrixXd of_body = view_->carried_back(kept_forces, loads.on_left ? &*loads.on_left : nullptr);
-    for (const VertexId v : view_->left)
+    const Eigen::MatrixXd of_body = view_->carried_back(kept_forces, loads.on_dropped ? &*loads.on_dropped : nullptr);
+    for (const VertexId v : view_->dropped)
         x.middleRows(3 * v, 3) = of_body.middleRows(3 * condensed_->place(v), 3);
 }
 
 /// Those that cuts had added and that are condensed again. @param x of all others near by.
 void CondensedWound::find_those_behind(const Eigen::VectorXd& load, Eigen::MatrixXd& x) const
 {
-    const LeftBehind& behind = view_->behind;
-    if (behind.vertices.empty())
+    const EliminatedAdded& eliminated_added = view_->eliminated_added;
+    if (eliminated_added.vertices.empty())
         return;
-    Eigen::MatrixXd pull = load.size() != 0 ? Eigen::MatrixXd(at(behind.vertices, load).replicate(1, x.cols()))
-                                            : Eigen::MatrixXd::Zero(rows_of(behind.vertices.size()), x.cols());
-    for (std::size_t z = 0; z < behind.vertices.size(); ++z)
-        for_blocks(body_.K, behind.vertices[z], [&](VertexId v, const auto& block) {
-            if (!behind.place.contains(v))
+    Eigen::MatrixXd pull = load.size() != 0
+        ? Eigen::MatrixXd(at(eliminated_added.vertices, load).replicate(1, x.cols()))
+        : Eigen::MatrixXd::Zero(rows_of(eliminated_added.vertices.size()), x.cols());
+    for (std::size_t z = 0; z < eliminated_added.vertices.size(); ++z)
+        for_blocks(body_.K, eliminated_added.vertices[z], [&](VertexId v, const auto& block) {
+            if (!eliminated_added.place.contains(v))
                 pull.middleRows(rows_of(z), 3) -= block * x.middleRows(3 * v, 3);
         });
-    put(body_, behind.vertices, behind.factor.solve(pull), x);
+    put(body_, eliminated_added.vertices, eliminated_added.factor.solve(pull), x);
 }
 
 Eigen::MatrixXd CondensedWound::forces_of_hooks(
@@ -476,7 +477,7 @@ std::size_t CondensedWound::bytes() const
             add((*compliance)->columns);
     if (folded_) {
         add(folded_->compliance());
-        sum += folded_->behind.factor.bytes() + folded_->step_bytes();
+        sum += folded_->eliminated_added.factor.bytes() + folded_->step_bytes();
     }
     if (folding_) // what it will be, at most
         add(*folding_->source->compliance);

@@ -1,14 +1,14 @@
 #pragma once
 // A wound in a body condensed once onto the vertices where it is cut and held (CondensedBody). What cuts change is a
 // small dense system on these (CutChange, LocalSystem), set up against the body as it was factored or against a state
-// that a stroke has been folded into (KeptView), whichever costs less. Exact. Units mm, N.
+// that a stroke has been folded into (CondensedState), whichever costs less. Exact. Units mm, N.
 
 #include "fem/interactive/condensed_body.h"
+#include "fem/interactive/condensed_state.h"
 #include "fem/interactive/cut_change.h"
-#include "fem/interactive/kept_view.h"
 #include "fem/interactive/local_system.h"
+#include "fem/interactive/low_rank_update.h"
 #include "fem/interactive/online_options.h"
-#include "fem/interactive/view_fold.h"
 #include "fem/interactive/wound_solver.h"
 
 #include <future>
@@ -43,7 +43,7 @@ public:
     Eigen::VectorXd correction(const Eigen::VectorXd& residual) const override;
     std::string route() const override;
     bool folded() const override { return local_ && folded_ && view_ == &*folded_; }
-    std::size_t left_vertices() const override { return folded() ? folded_->left.size() : 0; }
+    std::size_t dropped_vertices() const override { return folded() ? folded_->dropped.size() : 0; }
     std::size_t corridor_vertices() const override { return condensed_->kept().size(); }
     double factor_entries() const override { return condensed_->factor_entries(); }
     std::size_t bytes() const override;
@@ -52,15 +52,15 @@ private:
     /// A stroke's change on its way into a state of its own, on a thread of its own.
     struct Folding {
         std::shared_ptr<const FoldSource> source;
-        std::future<KeptView> result;
+        std::future<CondensedState> result;
         ReferenceRows reference; ///< rows touched since it was begun
         std::vector<AddedVertices> added; ///< kept in addition since
         int deltas_left = 0;
     };
     /// Loads on what is near, one column per case.
     struct NearLoads {
-        Eigen::MatrixXd kept, newborn;
-        std::optional<LoadOnLeft> on_left;
+        Eigen::MatrixXd kept, added;
+        std::optional<LoadOnDropped> on_dropped;
     };
 
     bool worth_folding() const;
@@ -72,10 +72,10 @@ private:
     std::vector<VertexId> missing_of(const std::vector<VertexId>& vertices) const;
     void keep_also_here(const std::vector<VertexId>& missing);
     void make_local();
-    const KeptView& cheapest_view(double work_from_base);
+    const CondensedState& cheapest_view(double work_from_base);
     HookCompliance& compliance_of_hooks();
 
-    bool changed_since(const KeptView& state, VertexId v) const;
+    bool changed_since(const CondensedState& state, VertexId v) const;
     std::vector<VertexId> wanted_back() const;
     bool folded_holds() const;
 
@@ -94,15 +94,15 @@ private:
     const OnlineOptions& options_;
     std::unique_ptr<CondensedBody> condensed_;
     Eigen::VectorXd base_load_, base_field_; ///< loads of the body when it was condensed, and its field under them
-    KeptView base_; ///< of the body as it was condensed
+    CondensedState base_; ///< of the body as it was condensed
     bool leaving_ = true; ///< vertices behind the knife may leave the folded state
-    std::optional<KeptView> folded_; ///< what a stroke has changed so far is in it
+    std::optional<CondensedState> folded_; ///< what a stroke has changed so far is in it
     std::optional<Folding> folding_;
     std::set<VertexId> newborn_; ///< alive and free, but not in the body as it was condensed
 
     // Made by prepare(), dropped when what they are made of changes.
     std::optional<HookCompliance> base_compliance_, folded_compliance_;
-    const KeptView* view_ = nullptr; ///< that the next two are set up against
+    const CondensedState* view_ = nullptr; ///< that the next two are set up against
     std::optional<CutChange> change_;
     std::optional<LocalSystem> local_;
 };

@@ -26,7 +26,7 @@ namespace {
 
     /// Rows of the change, before the newborn are eliminated. A vertex that is gone, or fixed now, is put on a spring
     /// of its own: it stays where it is and nothing feels it.
-    void add_change(const OnlineStiffness& K, const KeptView& view, const std::vector<std::uint8_t>& active,
+    void add_change(const OnlineStiffness& K, const CondensedState& view, const std::vector<std::uint8_t>& active,
         const Places& place, CutChange& change)
     {
         const auto is_active = [&](VertexId v) { return active[static_cast<std::size_t>(v)] != 0; };
@@ -54,15 +54,15 @@ namespace {
 
     void eliminate_newborn(const OnlineStiffness& K, const Places& place, CutChange& change)
     {
-        if (change.newborn.empty())
+        if (change.added.empty())
             return;
         std::set<std::int32_t> beside;
-        for (const VertexId v : change.newborn)
+        for (const VertexId v : change.added)
             for (const VertexId other : K.row(v).column)
                 if (const std::int32_t at = find(place, other); at >= 0)
                     beside.insert(at);
-        std::vector<VertexId> vertices = change.newborn;
-        Places number = change.newborn_place;
+        std::vector<VertexId> vertices = change.added;
+        Places number = change.added_place;
         for (const std::int32_t at : beside) {
             const VertexId v = change.changed[static_cast<std::size_t>(at)];
             number.emplace(v, static_cast<std::int32_t>(vertices.size()));
@@ -73,7 +73,7 @@ namespace {
         const auto number_of = [&](VertexId v) { return find(number, v); };
         SparseMatrix matrix = vertex_matrix(rows_of(K), vertices, number_of);
         change.condensing.analyse_in_order(std::move(matrix.pattern),
-            condensing_order(rows_of(K), vertices, number_of, change.newborn.size(), Ordering::minimum_degree));
+            condensing_order(rows_of(K), vertices, number_of, change.added.size(), Ordering::minimum_degree));
         change.taken = change.condensing.condense(matrix.values, static_cast<Eigen::Index>(change.beside.size()));
     }
 
@@ -81,7 +81,7 @@ namespace {
 
 Eigen::MatrixXd CutChange::newborn_following(const Eigen::MatrixXd& beside_displacement) const
 {
-    const auto rows = 3 * static_cast<Eigen::Index>(newborn.size());
+    const auto rows = 3 * static_cast<Eigen::Index>(added.size());
     if (rows == 0)
         return Eigen::MatrixXd::Zero(0, beside_displacement.cols());
     Eigen::MatrixXd x(rows + beside_displacement.rows(), beside_displacement.cols());
@@ -93,7 +93,7 @@ Eigen::MatrixXd CutChange::newborn_following(const Eigen::MatrixXd& beside_displ
 CutChange::Pushed CutChange::newborn_alone(const Eigen::MatrixXd& load) const
 {
     const auto besides = static_cast<Eigen::Index>(beside.size());
-    if (newborn.empty())
+    if (added.empty())
         return { load, Eigen::MatrixXd::Zero(besides, load.cols()) };
     Eigen::MatrixXd x(load.rows() + besides, load.cols());
     x.topRows(load.rows()) = load;
@@ -122,7 +122,7 @@ Eigen::MatrixXd changed_stiffness(const CutChange& change)
     return stiffness;
 }
 
-std::vector<VertexId> changed_vertices(const OnlineStiffness& K, const KeptView& view)
+std::vector<VertexId> changed_vertices(const OnlineStiffness& K, const CondensedState& view)
 {
     std::vector<VertexId> changed;
     for (const auto& [v, row] : view.reference)
@@ -131,8 +131,8 @@ std::vector<VertexId> changed_vertices(const OnlineStiffness& K, const KeptView&
     return changed;
 }
 
-CutChange make_cut_change(const OnlineStiffness& K, const KeptView& view, const std::vector<std::uint8_t>& active,
-    const std::set<VertexId>& newborn, const std::set<VertexId>& held)
+CutChange make_cut_change(const OnlineStiffness& K, const CondensedState& view, const std::vector<std::uint8_t>& active,
+    const std::set<VertexId>& added, const std::set<VertexId>& held)
 {
     CutChange change;
     change.changed = changed_vertices(K, view);
@@ -140,10 +140,10 @@ CutChange make_cut_change(const OnlineStiffness& K, const KeptView& view, const 
     Places place;
     for (std::size_t i = 0; i < change.changed.size(); ++i)
         place.emplace(change.changed[i], static_cast<std::int32_t>(i));
-    for (const VertexId v : newborn)
+    for (const VertexId v : added)
         if (!held.contains(v)) {
-            change.newborn_place.emplace(v, static_cast<std::int32_t>(change.newborn.size()));
-            change.newborn.push_back(v);
+            change.added_place.emplace(v, static_cast<std::int32_t>(change.added.size()));
+            change.added.push_back(v);
         }
     add_change(K, view, active, place, change);
     eliminate_newborn(K, place, change);

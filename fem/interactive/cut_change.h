@@ -3,7 +3,7 @@
 // vertices that cuts have added since (they hang on the kept ones alone) eliminated. A function of the mesh, not of its
 // history: where a cut was undone there is no change. Units N/mm; three rows per vertex.
 
-#include "fem/interactive/kept_view.h"
+#include "fem/interactive/condensed_state.h"
 #include "fem/interactive/vertex_matrix.h"
 
 namespace retractor::fem {
@@ -19,8 +19,8 @@ struct CutChange {
     std::vector<Block> blocks;
     Eigen::MatrixXd stiffness; ///< the whole change, where it is wanted as one matrix: see changed_stiffness()
 
-    std::vector<VertexId> newborn; ///< free vertices that were not there, rising
-    std::map<VertexId, std::int32_t> newborn_place;
+    std::vector<VertexId> added; ///< free vertices that were not there, rising
+    std::map<VertexId, std::int32_t> added_place;
     std::vector<std::int32_t> beside; ///< rows of `stiffness` that the newborn couple to
     Eigen::MatrixXd taken; ///< lower triangle on `beside`: what the newborn, eliminated, add there
     SparseCholesky condensing; ///< factor of newborn, condensed onto those beside
@@ -35,7 +35,7 @@ struct CutChange {
 };
 
 /// Kept vertices whose rows differ from the reference.
-std::vector<VertexId> changed_vertices(const OnlineStiffness& K, const KeptView& view);
+std::vector<VertexId> changed_vertices(const OnlineStiffness& K, const CondensedState& view);
 
 /// The whole change as one dense matrix on the changed unknowns.
 Eigen::MatrixXd changed_stiffness(const CutChange& change);
@@ -45,7 +45,7 @@ Eigen::MatrixXd changed_stiffness(const CutChange& change);
 /// not eliminated.
 /// @pre all vertices whose rows changed are kept, newborn or fixed.
 /// @throws SolverError when newborn vertices are not held by the kept ones.
-CutChange make_cut_change(const OnlineStiffness& K, const KeptView& view, const std::vector<std::uint8_t>& active,
-    const std::set<VertexId>& newborn, const std::set<VertexId>& held);
+CutChange make_cut_change(const OnlineStiffness& K, const CondensedState& view, const std::vector<std::uint8_t>& active,
+    const std::set<VertexId>& added, const std::set<VertexId>& held);
 
 } // namespace retractor::fem

@@ -2,8 +2,8 @@
 // A wound in a body taken apart (DissectedBody): the parts that cuts touch are factored anew, and an answer is the
 // whole field. Units mm, N.
 
+#include "fem/interactive/condensed_state.h"
 #include "fem/interactive/dissected_body.h"
-#include "fem/interactive/kept_view.h"
 #include "fem/interactive/wound_solver.h"
 
 #include <memory>

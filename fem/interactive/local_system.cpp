@@ -20,7 +20,7 @@ namespace {
                 to(rows[i], c) += factor * from(static_cast<Eigen::Index>(i), c);
     }
 
-    Rows kept_rows(const KeptView& view, const std::vector<HeldVertex>& held)
+    Rows kept_rows(const CondensedState& view, const std::vector<HeldVertex>& held)
     {
         Rows rows;
         for (const HeldVertex& h : held)
@@ -34,7 +34,7 @@ namespace {
 
 } // namespace
 
-HookCompliance make_hook_compliance(const KeptView& view, const std::vector<HeldVertex>& held)
+HookCompliance make_hook_compliance(const CondensedState& view, const std::vector<HeldVertex>& held)
 {
     HookCompliance hooks { kept_rows(view, held), {}, {} };
     const Eigen::MatrixXd& C = view.compliance();
@@ -60,7 +60,7 @@ double dense_work(std::size_t kept_vertices, std::size_t held_vertices)
     return free * free * free / 3.0;
 }
 
-LocalSystem::LocalSystem(const OnlineStiffness& K, const KeptView& view, const CutChange& change,
+LocalSystem::LocalSystem(const OnlineStiffness& K, const CondensedState& view, const CutChange& change,
     const HookCompliance& hooks, const std::vector<HeldVertex>& held)
     : K_(&K)
     , view_(&view)
@@ -74,7 +74,7 @@ LocalSystem::LocalSystem(const OnlineStiffness& K, const KeptView& view, const C
     prepare_low_rank();
 }
 
-LocalSystem::LocalSystem(const OnlineStiffness& K, const KeptView& view, const CutChange& change,
+LocalSystem::LocalSystem(const OnlineStiffness& K, const CondensedState& view, const CutChange& change,
     const Eigen::MatrixXd& stiffness, const std::vector<HeldVertex>& held)
     : K_(&K)
     , view_(&view)
@@ -249,7 +249,7 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
             const Eigen::MatrixXd pull = block.transpose() * hook_displacement.middleRows(3 * h.hook, 3);
             if (const std::int32_t place = view_->place(row.column[k]); place >= 0)
                 load.middleRows(3 * place, 3) -= pull;
-            else if (const auto n = change.newborn_place.find(row.column[k]); n != change.newborn_place.end())
+            else if (const auto n = change.added_place.find(row.column[k]); n != change.added_place.end())
                 newborn_load.middleRows(3 * n->second, 3) -= pull;
         }
     }
@@ -273,15 +273,15 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
     Eigen::MatrixXd forces;
     s.kept = route() == LocalRoute::low_rank ? low_rank_kept(load, given, elsewhere, forces, s.kept_forces)
                                              : dense_kept(load, given, forces);
-    s.newborn = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(change.newborn.size()), cases);
-    if (!change.newborn.empty()) {
+    s.added = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(change.added.size()), cases);
+    if (!change.added.empty()) {
         Eigen::MatrixXd beside(static_cast<Eigen::Index>(change.beside.size()), cases);
         for (std::size_t b = 0; b < change.beside.size(); ++b)
             beside.row(static_cast<Eigen::Index>(b))
                 = s.kept.row(change.kept_rows[static_cast<std::size_t>(change.beside[b])]);
-        s.newborn = change.newborn_following(beside);
+        s.added = change.newborn_following(beside);
         if (pushed)
-            s.newborn += alone.displacement;
+            s.added += alone.displacement;
     }
     s.held_forces = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(held_->size()), cases);
     next = 0;

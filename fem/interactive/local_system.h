@@ -19,7 +19,7 @@ struct HookCompliance {
     Eigen::MatrixXd columns; ///< C_kh L^-T; C - columns columns^T is the compliance with the hooks held still
 };
 /// @param held only those that the view keeps count. @throws SolverError when two held vertices cannot be told apart.
-HookCompliance make_hook_compliance(const KeptView& view, const std::vector<HeldVertex>& held);
+HookCompliance make_hook_compliance(const CondensedState& view, const std::vector<HeldVertex>& held);
 
 enum class LocalRoute { low_rank, dense };
 
@@ -31,10 +31,10 @@ class LocalSystem {
 public:
     // All are referred to as long as this lives.
     /// By the low-rank route. @param change with its matrix.
-    LocalSystem(const OnlineStiffness& K, const KeptView& view, const CutChange& change, const HookCompliance& hooks,
-        const std::vector<HeldVertex>& held);
+    LocalSystem(const OnlineStiffness& K, const CondensedState& view, const CutChange& change,
+        const HookCompliance& hooks, const std::vector<HeldVertex>& held);
     /// By the dense route. @param stiffness of the kept vertices in the view's state.
-    LocalSystem(const OnlineStiffness& K, const KeptView& view, const CutChange& change,
+    LocalSystem(const OnlineStiffness& K, const CondensedState& view, const CutChange& change,
         const Eigen::MatrixXd& stiffness, const std::vector<HeldVertex>& held);
 
     LocalRoute route() const { return stiffness_ == nullptr ? LocalRoute::low_rank : LocalRoute::dense; }
@@ -49,11 +49,11 @@ public:
     struct Solution {
         Eigen::MatrixXd kept; ///< displacement of the view's vertices
         Eigen::MatrixXd kept_forces; ///< low-rank route: that give it in the view's state, less `elsewhere`
-        Eigen::MatrixXd newborn; ///< of CutChange::newborn
+        Eigen::MatrixXd added; ///< of CutChange::newborn
         Eigen::MatrixXd held_forces; ///< three rows per held vertex that is kept: the force that the hook applies there
     };
     /// @param load_kept, load_newborn forces; @param hook_displacement three rows per hook. @param elsewhere what loads
-    /// on vertices that have left the view do to those it keeps (LoadOnLeft::response); empty: none.
+    /// on vertices that have left the view do to those it keeps (LoadOnDropped::response); empty: none.
     Solution solve(const Eigen::MatrixXd& load_kept, const Eigen::MatrixXd& load_newborn,
         const Eigen::MatrixXd& hook_displacement, const Eigen::MatrixXd& elsewhere = {}) const;
 
@@ -66,7 +66,7 @@ private:
     void prepare_dense();
 
     const OnlineStiffness* K_;
-    const KeptView* view_;
+    const CondensedState* view_;
     const Eigen::MatrixXd* stiffness_;
     const CutChange* change_;
     const HookCompliance* hooks_; ///< null by the dense route

@@ -518,7 +518,7 @@ bool OnlineOpening::fixed(VertexId v) const { return state_->body.is_fixed(v); }
 std::size_t OnlineOpening::corridor_vertices() const { return state_->solver->corridor_vertices(); }
 std::string OnlineOpening::route() const { return state_->solver->route(); }
 bool OnlineOpening::folded() const { return state_->solver->folded(); }
-std::size_t OnlineOpening::left_vertices() const { return state_->solver->left_vertices(); }
+std::size_t OnlineOpening::dropped_vertices() const { return state_->solver->dropped_vertices(); }
 double OnlineOpening::factor_entries() const { return state_->solver->factor_entries(); }
 
 std::size_t OnlineOpening::bytes() const

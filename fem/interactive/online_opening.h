@@ -122,7 +122,7 @@ public:
     std::size_t corridor_vertices() const; ///< now, with those added
     std::string route() const; ///< how the last answer was found: "low rank", "dense", "dissected"
     bool folded() const; ///< the last answer was set up against a state that a stroke was folded into
-    std::size_t left_vertices() const; ///< of the corridor, behind the knife: that this state does without
+    std::size_t dropped_vertices() const; ///< of the corridor, behind the knife: that this state does without
     double factor_entries() const;
     std::size_t bytes() const; ///< memory held: matrix, factor, dense systems, columns
 

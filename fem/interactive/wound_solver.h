@@ -54,7 +54,7 @@ public:
 
     virtual std::string route() const = 0;
     virtual bool folded() const { return false; }
-    virtual std::size_t left_vertices() const { return 0; }
+    virtual std::size_t dropped_vertices() const { return 0; }
     virtual std::size_t corridor_vertices() const = 0;
     virtual double factor_entries() const = 0;
     virtual std::size_t bytes() const = 0;

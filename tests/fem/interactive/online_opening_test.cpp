@@ -336,7 +336,7 @@ namespace online_opening_test {
             const Eigen::VectorXd fresh = fresh_solution(session, kTissues, hooks, moved,
                 opening->stiffness().loaded() ? opening->stiffness().load() : Eigen::VectorXd());
             EXPECT_LT(difference(answer.displacement, fresh), kSameAnswer);
-            most_left = std::max(most_left, opening->left_vertices());
+            most_left = std::max(most_left, opening->dropped_vertices());
         }
 
         mesh::TetMesh bar;
@@ -397,7 +397,7 @@ namespace online_opening_test {
                 stroke->step();
                 stroke->expect_exact();
             }
-            EXPECT_GT(stroke->opening->left_vertices(), 30U);
+            EXPECT_GT(stroke->opening->dropped_vertices(), 30U);
             return stroke;
         };
         { // a hook on vertices that have left

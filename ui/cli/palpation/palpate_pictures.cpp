@@ -112,7 +112,7 @@ namespace {
         }
     }
 
-    Scene view_of(const PressLog& log, const Press& press, const datasets::PalpationScene& scene,
+    Scene condensed_state_of(const PressLog& log, const Press& press, const datasets::PalpationScene& scene,
         const haptics::TissueResponse& tissue, const std::string& note, bool with_skin,
         const std::array<haptics::HandModel, 2>* hands)
     {
@@ -191,11 +191,11 @@ void write_palpation_view(const std::filesystem::path& file, const std::vector<P
 {
     std::vector<Scene> views;
     for (std::size_t i = 0; i < logs.size(); ++i) {
-        views.push_back(view_of(logs[i], presses[i], scene, tissue, note, true, hands));
+        views.push_back(condensed_state_of(logs[i], presses[i], scene, tissue, note, true, hands));
         const auto is_skin = [](const datasets::TouchedOrgan& organ) { return organ.name == "skin"; };
         if (std::none_of(scene.organs.begin(), scene.organs.end(), is_skin))
             continue;
-        views.push_back(view_of(logs[i], presses[i], scene, tissue, note, false, hands));
+        views.push_back(condensed_state_of(logs[i], presses[i], scene, tissue, note, false, hands));
         views.back().title += ", beneath the skin";
     }
     const auto count = static_cast<double>(views.size());

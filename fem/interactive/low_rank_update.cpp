@@ -1,4 +1,4 @@
-#include "fem/interactive/view_fold.h"
+#include "fem/interactive/low_rank_update.h"
 
 #include "fem/linear_algebra/dense_algebra.h"
 
@@ -9,27 +9,27 @@
 
 namespace retractor::fem {
 
-FoldSource fold_source(
-    const KeptView& view, const CutChange& change, const OnlineStiffness& K, std::set<VertexId> held, bool leaving)
+FoldSource fold_source(const CondensedState& view, const CutChange& change, const OnlineStiffness& K,
+    std::set<VertexId> held, bool leaving)
 {
     FoldSource source { .compliance = view.shared_compliance(),
         .vertices = view.vertices,
-        .newborn = view.newborn,
-        .behind = { view.behind.vertices.begin(), view.behind.vertices.end() },
+        .added = view.added,
+        .eliminated_added = { view.eliminated_added.vertices.begin(), view.eliminated_added.vertices.end() },
         .rows = {},
         .held = std::move(held),
         .origin = !leaving         ? nullptr
             : view.body != nullptr ? view.shared_compliance()
                                    : view.origin,
         .steps = view.steps,
-        .passed = view.passed,
-        .left = view.left,
+        .stale = view.stale,
+        .dropped = view.dropped,
         .of_view = { view.vertices.begin(), view.vertices.end() } };
-    for (const VertexId v : source.newborn)
+    for (const VertexId v : source.added)
         source.rows.emplace(v, K.row(v));
-    for (const VertexId v : source.behind)
+    for (const VertexId v : source.eliminated_added)
         source.rows.emplace(v, K.row(v));
-    for (const VertexId v : change.newborn)
+    for (const VertexId v : change.added)
         source.rows.emplace(v, K.row(v));
     return source;
 }
@@ -59,36 +59,37 @@ namespace {
     }
 
     /// Who stays, is left behind, or leaves. @param staying their rows before.
-    void sort_out(const FoldSource& source, const CutChange& change, KeptView& next, std::vector<std::int32_t>& staying)
+    void sort_out(
+        const FoldSource& source, const CutChange& change, CondensedState& next, std::vector<std::int32_t>& staying)
     {
         const std::set<VertexId> changed(change.changed.begin(), change.changed.end());
-        next.left = source.left;
-        next.behind.vertices.assign(source.behind.begin(), source.behind.end());
+        next.dropped = source.dropped;
+        next.eliminated_added.vertices.assign(source.eliminated_added.begin(), source.eliminated_added.end());
         for (std::size_t i = 0; i < source.vertices.size(); ++i) {
             const VertexId v = source.vertices[i];
-            const bool newborn = source.newborn.contains(v), is_held = source.held.contains(v);
-            if (newborn && !is_held) {
+            const bool added = source.added.contains(v), is_held = source.held.contains(v);
+            if (added && !is_held) {
                 if (!source.rows.at(v).column.empty())
-                    next.behind.vertices.push_back(v);
+                    next.eliminated_added.vertices.push_back(v);
                 continue;
             }
-            if (source.origin && !newborn && !is_held && source.passed.contains(v) && !changed.contains(v)) {
-                next.left.insert(v);
+            if (source.origin && !added && !is_held && source.stale.contains(v) && !changed.contains(v)) {
+                next.dropped.insert(v);
                 continue;
             }
             for (std::int32_t axis = 0; axis < 3; ++axis)
                 staying.push_back(3 * static_cast<std::int32_t>(i) + axis);
             next.keep(v);
-            if (newborn)
-                next.newborn.insert(v);
-            else if (changed.contains(v) || source.passed.contains(v))
-                next.passed.insert(v);
+            if (added)
+                next.added.insert(v);
+            else if (changed.contains(v) || source.stale.contains(v))
+                next.stale.insert(v);
         }
-        for (const VertexId v : change.newborn) {
+        for (const VertexId v : change.added) {
             next.keep(v);
-            next.newborn.insert(v);
+            next.added.insert(v);
         }
-        std::sort(next.behind.vertices.begin(), next.behind.vertices.end());
+        std::sort(next.eliminated_added.vertices.begin(), next.eliminated_added.vertices.end());
     }
 
     /// Of those that stay and of the newborn, which follow those beside them; sets what the step has of that.
@@ -97,7 +98,7 @@ namespace {
     {
         const Eigen::MatrixXd& C = *source.compliance;
         const auto old = static_cast<Eigen::Index>(step.staying.size());
-        const auto fresh = 3 * static_cast<Eigen::Index>(change.newborn.size());
+        const auto fresh = 3 * static_cast<Eigen::Index>(change.added.size());
         Eigen::MatrixXd own(old + fresh, old + fresh);
         copy_lower(C, step.staying, own.topLeftCorner(old, old));
         const Eigen::MatrixXd columns = corrected.columns(step.staying, Eigen::all),
@@ -129,14 +130,15 @@ namespace {
 
 } // namespace
 
-KeptView fold(const FoldSource& source, const CutChange& change)
+CondensedState fold(const FoldSource& source, const CutChange& change)
 {
     Correction corrected = correction(*source.compliance, change);
-    KeptView next;
+    CondensedState next;
     auto step = std::make_shared<FoldStep>();
     sort_out(source, change, next, step->staying);
     next.own = std::make_shared<const Eigen::MatrixXd>(folded_compliance(source, change, corrected, *step));
-    next.behind.number_and_factor([&](VertexId v) -> const OnlineStiffness::Row& { return source.rows.at(v); });
+    next.eliminated_added.number_and_factor(
+        [&](VertexId v) -> const OnlineStiffness::Row& { return source.rows.at(v); });
     if (source.origin) {
         step->changed = change.kept_rows;
         step->columns = std::move(corrected.columns);

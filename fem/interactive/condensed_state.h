@@ -26,7 +26,7 @@ namespace retractor::fem {
 using ReferenceRows = std::map<VertexId, OnlineStiffness::Row>;
 
 /// Vertices that cuts have added and that are condensed again, behind the knife: what is needed to find them.
-struct LeftBehind {
+struct EliminatedAdded {
     std::vector<VertexId> vertices; ///< rising
     std::map<VertexId, std::int32_t> place;
     mutable SparseCholesky factor; ///< of their rows and columns; solving uses its work space
@@ -48,24 +48,24 @@ struct FoldStep {
 };
 
 /// Loads on vertices that have left a view, and what they do.
-struct LoadOnLeft {
+struct LoadOnDropped {
     Eigen::MatrixXd load; ///< rows of the body's kept vertices
     Eigen::MatrixXd response; ///< of the view's vertices
     std::vector<Eigen::MatrixXd> of_changed; ///< per step: response of the rows it changed, before it did
 };
 
-struct KeptView {
+struct CondensedState {
     std::vector<VertexId> vertices;
     std::vector<std::int32_t> places; ///< per vertex id: place in `vertices`, or -1; shorter: -1
     const CondensedBody* body = nullptr; ///< the compliance is this body's, or
     std::shared_ptr<const Eigen::MatrixXd> own;
     ReferenceRows reference;
-    std::set<VertexId> newborn; ///< those of `vertices` that cuts have added since the body was factored
-    LeftBehind behind;
+    std::set<VertexId> added; ///< those of `vertices` that cuts have added since the body was factored
+    EliminatedAdded eliminated_added;
     std::shared_ptr<const Eigen::MatrixXd> origin; ///< compliance of the body, which `steps` lead back to; may be null
     std::vector<std::shared_ptr<const FoldStep>> steps; ///< from the body's own view to this one
-    std::set<VertexId> passed; ///< of `vertices`: changed by a fold before; they leave with the next that does not
-    std::set<VertexId> left; ///< with the steps
+    std::set<VertexId> stale; ///< of `vertices`: changed by a fold before; they leave with the next that does not
+    std::set<VertexId> dropped; ///< with the steps
 
     std::shared_ptr<const Eigen::MatrixXd> shared_compliance() const
     {
@@ -77,28 +77,28 @@ struct KeptView {
         return v >= 0 && static_cast<std::size_t>(v) < places.size() ? places[static_cast<std::size_t>(v)] : -1;
     }
     /// @param load rows of the body's kept vertices; what it has on others than those left does not count.
-    LoadOnLeft load_on_left(const CondensedBody& of, const Eigen::MatrixXd& load) const;
+    LoadOnDropped load_on_dropped(const CondensedBody& of, const Eigen::MatrixXd& load) const;
     /// Displacements of all vertices that the body keeps. @param forces on the rows of this view. @param load null:
     /// none.
-    Eigen::MatrixXd carried_back(Eigen::MatrixXd forces, const LoadOnLeft* load) const;
+    Eigen::MatrixXd carried_back(Eigen::MatrixXd forces, const LoadOnDropped* load) const;
     std::size_t step_bytes() const;
     /// Kept or left behind: no newborn vertex of a later cut.
-    bool has(VertexId v) const { return place(v) >= 0 || behind.place.contains(v); }
+    bool has(VertexId v) const { return place(v) >= 0 || eliminated_added.place.contains(v); }
     void keep(VertexId v); ///< appends it to `vertices` and `places`; the compliance is the caller's
 };
 
 /// The body as it was factored; referred to as long as the view lives.
-KeptView view_of(const CondensedBody& body);
+CondensedState condensed_state_of(const CondensedBody& body);
 
 /// Keeps vertices again that were left behind. @pre no vertex has left. @param K the stiffness now; rows changed since
 /// are in the reference.
-void fetch_back(KeptView& view, const OnlineStiffness& K, const std::vector<VertexId>& vertices);
+void fetch_back(CondensedState& view, const OnlineStiffness& K, const std::vector<VertexId>& vertices);
 
 /// Keeps what the body keeps now in addition. @pre no vertex has left. @param added as CondensedBody::keep_also()
 /// returned it.
-void keep_also(KeptView& view, const AddedVertices& added);
+void keep_also(CondensedState& view, const AddedVertices& added);
 
 /// Rows three per vertex at these places.
-std::vector<std::int32_t> rows_of_vertices(const KeptView& view, const std::vector<VertexId>& vertices);
+std::vector<std::int32_t> rows_of_vertices(const CondensedState& view, const std::vector<VertexId>& vertices);
 
 } // namespace retractor::fem

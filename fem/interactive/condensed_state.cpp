@@ -1,4 +1,4 @@
-#include "fem/interactive/kept_view.h"
+#include "fem/interactive/condensed_state.h"
 
 #include "fem/linear_algebra/dense_algebra.h"
 
@@ -35,7 +35,7 @@ namespace {
 
 } // namespace
 
-void LeftBehind::number_and_factor(const RowOf& row)
+void EliminatedAdded::number_and_factor(const RowOf& row)
 {
     place.clear();
     for (std::size_t i = 0; i < vertices.size(); ++i)
@@ -50,7 +50,7 @@ void LeftBehind::number_and_factor(const RowOf& row)
     factor.factorise(matrix.values);
 }
 
-void KeptView::keep(VertexId v)
+void CondensedState::keep(VertexId v)
 {
     if (static_cast<std::size_t>(v) >= places.size())
         places.resize(static_cast<std::size_t>(v) + 1, -1);
@@ -58,16 +58,16 @@ void KeptView::keep(VertexId v)
     vertices.push_back(v);
 }
 
-KeptView view_of(const CondensedBody& body)
+CondensedState condensed_state_of(const CondensedBody& body)
 {
-    KeptView view;
+    CondensedState view;
     for (const VertexId v : body.kept())
         view.keep(v);
     view.body = &body;
     return view;
 }
 
-std::vector<std::int32_t> rows_of_vertices(const KeptView& view, const std::vector<VertexId>& vertices)
+std::vector<std::int32_t> rows_of_vertices(const CondensedState& view, const std::vector<VertexId>& vertices)
 {
     std::vector<std::int32_t> rows;
     rows.reserve(3 * vertices.size());
@@ -77,10 +77,10 @@ std::vector<std::int32_t> rows_of_vertices(const KeptView& view, const std::vect
     return rows;
 }
 
-LoadOnLeft KeptView::load_on_left(const CondensedBody& of, const Eigen::MatrixXd& load) const
+LoadOnDropped CondensedState::load_on_dropped(const CondensedBody& of, const Eigen::MatrixXd& load) const
 {
-    LoadOnLeft loaded { Eigen::MatrixXd::Zero(load.rows(), load.cols()), {}, {} };
-    for (const VertexId v : left)
+    LoadOnDropped loaded { Eigen::MatrixXd::Zero(load.rows(), load.cols()), {}, {} };
+    for (const VertexId v : dropped)
         loaded.load.middleRows(3 * of.place(v), 3) = load.middleRows(3 * of.place(v), 3);
     Eigen::MatrixXd& x = loaded.response = product(*origin, loaded.load);
     for (const auto& step : steps) {
@@ -96,7 +96,7 @@ LoadOnLeft KeptView::load_on_left(const CondensedBody& of, const Eigen::MatrixXd
     return loaded;
 }
 
-Eigen::MatrixXd KeptView::carried_back(Eigen::MatrixXd forces, const LoadOnLeft* load) const
+Eigen::MatrixXd CondensedState::carried_back(Eigen::MatrixXd forces, const LoadOnDropped* load) const
 {
     for (std::size_t i = steps.size(); i-- > 0;) {
         const FoldStep& s = *steps[i];
@@ -122,7 +122,7 @@ Eigen::MatrixXd KeptView::carried_back(Eigen::MatrixXd forces, const LoadOnLeft*
     return product(*origin, forces);
 }
 
-std::size_t KeptView::step_bytes() const
+std::size_t CondensedState::step_bytes() const
 {
     std::size_t entries = 0;
     for (const auto& step : steps)
@@ -130,7 +130,7 @@ std::size_t KeptView::step_bytes() const
     return entries * sizeof(double);
 }
 
-void fetch_back(KeptView& view, const OnlineStiffness& K, const std::vector<VertexId>& vertices)
+void fetch_back(CondensedState& view, const OnlineStiffness& K, const std::vector<VertexId>& vertices)
 {
     if (vertices.empty())
         return;
@@ -138,16 +138,16 @@ void fetch_back(KeptView& view, const OnlineStiffness& K, const std::vector<Vert
         const auto found = view.reference.find(v);
         return found == view.reference.end() ? K.row(v) : found->second;
     };
-    LeftBehind& behind = view.behind;
+    EliminatedAdded& eliminated_added = view.eliminated_added;
     std::vector<std::int32_t> wanted;
     for (const VertexId v : vertices)
-        wanted.push_back(behind.place.at(v));
-    const auto size = 3 * static_cast<Eigen::Index>(behind.vertices.size());
+        wanted.push_back(eliminated_added.place.at(v));
+    const auto size = 3 * static_cast<Eigen::Index>(eliminated_added.vertices.size());
     const Eigen::MatrixXd unit = unit_columns(size, wanted);
-    const Eigen::MatrixXd alone = behind.factor.solve(unit); // K_zz^-1 E_w
+    const Eigen::MatrixXd alone = eliminated_added.factor.solve(unit); // K_zz^-1 E_w
     Eigen::MatrixXd pull = Eigen::MatrixXd::Zero(view.compliance().rows(), alone.cols()); // K_kz K_zz^-1 E_w
-    for (std::size_t z = 0; z < behind.vertices.size(); ++z) {
-        const OnlineStiffness::Row& full = row(behind.vertices[z]);
+    for (std::size_t z = 0; z < eliminated_added.vertices.size(); ++z) {
+        const OnlineStiffness::Row& full = row(eliminated_added.vertices[z]);
         for (std::size_t k = 0; k < full.column.size(); ++k)
             if (const std::int32_t at = view.place(full.column[k]); at >= 0)
                 pull.middleRows(3 * at, 3) += RowBlock(full.value.data() + 9 * k).transpose()
@@ -159,13 +159,13 @@ void fetch_back(KeptView& view, const OnlineStiffness& K, const std::vector<Vert
     view.body = nullptr;
     for (const VertexId v : vertices) {
         view.keep(v);
-        view.newborn.insert(v);
-        std::erase(behind.vertices, v);
+        view.added.insert(v);
+        std::erase(eliminated_added.vertices, v);
     }
-    behind.number_and_factor(row);
+    eliminated_added.number_and_factor(row);
 }
 
-void keep_also(KeptView& view, const AddedVertices& added)
+void keep_also(CondensedState& view, const AddedVertices& added)
 {
     const std::vector<std::int32_t> before = rows_of_vertices(view, added.before);
     const Eigen::MatrixXd of_before = view.compliance()(before, Eigen::all);

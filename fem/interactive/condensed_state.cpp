@@ -99,7 +99,7 @@ LoadOnDropped CondensedState::load_on_dropped(const CondensedBody& of, const Eig
 Eigen::MatrixXd CondensedState::carried_back(Eigen::MatrixXd forces, const LoadOnDropped* load) const
 {
     for (std::size_t i = steps.size(); i-- > 0;) {
-        const FoldStep& s = *steps[i];
+        const LowRankUpdate& s = *steps[i];
         Eigen::MatrixXd before = Eigen::MatrixXd::Zero(s.columns.rows(), forces.cols());
         for (std::size_t k = 0; k < s.staying.size(); ++k)
             before.row(s.staying[k]) = forces.row(static_cast<Eigen::Index>(k));

@@ -3,8 +3,8 @@
 // all others condensed, and what their rows of the stiffness were. The first is that of the body as it was factored.
 // While a stroke goes on, what it has changed so far is folded into another, so that each step costs what the step
 // changes, not what the stroke has changed. What lies behind the knife leaves the folded state: its compliance is not
-// kept up to date, and its displacements are found from the forces, back through the folds (FoldStep). Exact but for
-// round-off, which adds up slowly; residuals tell. Units mm, N; three rows per vertex.
+// kept up to date, and its displacements are found from the forces, back through the folds (LowRankUpdate). Exact but
+// for round-off, which adds up slowly; residuals tell. Units mm, N; three rows per vertex.
 
 #include "fem/interactive/condensed_body.h"
 #include "fem/interactive/online_stiffness.h"
@@ -38,7 +38,7 @@ struct EliminatedAdded {
 
 /// How a folded state follows from the one before, where vertices leave it: enough to carry forces back and
 /// displacements on.
-struct FoldStep {
+struct LowRankUpdate {
     std::vector<std::int32_t> staying; ///< rows before of what this state keeps first
     std::vector<std::int32_t> changed; ///< rows before whose stiffness was changed
     Eigen::MatrixXd columns; ///< compliance before, columns `changed`
@@ -63,7 +63,7 @@ struct CondensedState {
     std::set<VertexId> added; ///< those of `vertices` that cuts have added since the body was factored
     EliminatedAdded eliminated_added;
     std::shared_ptr<const Eigen::MatrixXd> origin; ///< compliance of the body, which `steps` lead back to; may be null
-    std::vector<std::shared_ptr<const FoldStep>> steps; ///< from the body's own view to this one
+    std::vector<std::shared_ptr<const LowRankUpdate>> steps; ///< from the body's own view to this one
     std::set<VertexId> stale; ///< of `vertices`: changed by a fold before; they leave with the next that does not
     std::set<VertexId> dropped; ///< with the steps
 

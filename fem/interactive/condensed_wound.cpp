@@ -63,78 +63,78 @@ CondensedWound::CondensedWound(const OnlineBody& body, std::unique_ptr<Condensed
 
 void CondensedWound::before_delta()
 {
-    if (folding_ && --folding_->deltas_left <= 0)
-        swap_folded_in();
-    if (worth_folding())
-        start_folding();
+    if (pending_update_ && --pending_update_->deltas_left <= 0)
+        swap_updated_in();
+    if (is_update_worthwhile())
+        start_update();
 }
 
 /// Once the local system has grown to several steps' size, what it stands for becomes a state for later ones to be set
 /// up against.
-bool CondensedWound::worth_folding() const
+bool CondensedWound::is_update_worthwhile() const
 {
-    if (folding_ || !local_ || local_->route() != LocalRoute::low_rank
-        || change_->changed.size() < options_.fold_vertices)
+    if (pending_update_ || !local_ || local_->route() != LocalRoute::low_rank
+        || change_->changed.size() < options_.update_vertices)
         return false;
     const std::set<VertexId> hooked = hooked_vertices(body_);
     return std::none_of(hooked.begin(), hooked.end(), // a hook on a lip that is not in the view yet
         [&](VertexId v) { return body_.is_active(v) && !view_->has(v); });
 }
 
-void CondensedWound::start_folding()
+void CondensedWound::start_update()
 {
-    auto source
-        = std::make_shared<const FoldSource>(fold_source(*view_, *change_, body_.K, hooked_vertices(body_), leaving_));
+    auto source = std::make_shared<const UpdateSource>(
+        update_source(*view_, *change_, body_.K, hooked_vertices(body_), leaving_));
     local_.reset(); // it refers to the change, which the fold uses up
     auto taken = std::make_shared<const CutChange>(std::move(*change_));
     change_.reset();
-    folding_.emplace();
-    folding_->source = source;
-    folding_->deltas_left = options_.fold_deltas;
-    folding_->result = std::async(options_.fold_deltas > 0 ? std::launch::async : std::launch::deferred,
-        [source, taken] { return fold(*source, *taken); });
-    if (options_.fold_deltas <= 0)
-        swap_folded_in();
+    pending_update_.emplace();
+    pending_update_->source = source;
+    pending_update_->deltas_left = options_.update_deltas;
+    pending_update_->result = std::async(options_.update_deltas > 0 ? std::launch::async : std::launch::deferred,
+        [source, taken] { return apply_update(*source, *taken); });
+    if (options_.update_deltas <= 0)
+        swap_updated_in();
 }
 
-void CondensedWound::swap_folded_in()
+void CondensedWound::swap_updated_in()
 {
-    Folding done = std::move(*folding_);
-    folding_.reset();
-    drop_folded();
-    folded_ = done.result.get();
-    folded_->reference = std::move(done.reference);
+    PendingUpdate done = std::move(*pending_update_);
+    pending_update_.reset();
+    drop_updated();
+    updated_ = done.result.get();
+    updated_->reference = std::move(done.reference);
     for (const AddedVertices& added : done.added)
-        keep_also(*folded_, added);
+        keep_also(*updated_, added);
 }
 
-void CondensedWound::drop_folded_state()
+void CondensedWound::drop_updated_state()
 {
     folded_compliance_.reset();
-    folded_.reset();
+    updated_.reset();
 }
 
-void CondensedWound::drop_folded()
+void CondensedWound::drop_updated()
 {
     drop_answer();
-    drop_folded_state();
+    drop_updated_state();
 }
 
 void CondensedWound::row_touched(VertexId v, const OnlineStiffness::Row& before)
 {
-    if (folded_)
-        folded_->reference.try_emplace(v, before);
-    if (folding_)
-        folding_->reference.try_emplace(v, before);
+    if (updated_)
+        updated_->reference.try_emplace(v, before);
+    if (pending_update_)
+        pending_update_->reference.try_emplace(v, before);
     base_.reference.try_emplace(v, before);
 }
 
 void CondensedWound::vertex_born(VertexId v)
 {
-    if (folded_ && folded_->has(v))
-        drop_folded(); // an id that lives again is another vertex
-    if (folding_ && folding_->source->has(v))
-        folding_.reset();
+    if (updated_ && updated_->has(v))
+        drop_updated(); // an id that lives again is another vertex
+    if (pending_update_ && pending_update_->source->has(v))
+        pending_update_.reset();
     if (!body_.is_fixed(v) && !condensed_->has(v))
         newborn_.insert(v);
 }
@@ -201,18 +201,18 @@ void CondensedWound::keep_also_here(const std::vector<VertexId>& missing)
 {
     if (missing.empty())
         return;
-    if ((folding_ && folding_->source->origin) || (folded_ && folded_->origin)) {
+    if ((pending_update_ && pending_update_->source->origin) || (updated_ && updated_->origin)) {
         leaving_ = false; // such a stroke goes outside the corridor; the next step would do the same again
-        folding_.reset();
-        drop_folded();
+        pending_update_.reset();
+        drop_updated();
     }
     const AddedVertices added = condensed_->keep_also(missing);
     for (const VertexId v : added.vertices)
         base_.keep(v);
-    if (folded_)
-        keep_also(*folded_, added);
-    if (folding_)
-        folding_->added.push_back(added);
+    if (updated_)
+        keep_also(*updated_, added);
+    if (pending_update_)
+        pending_update_->added.push_back(added);
     hooks_changed();
 }
 
@@ -227,20 +227,20 @@ std::vector<VertexId> CondensedWound::wanted_back() const
 {
     const std::set<VertexId> held = held_vertices(body_);
     std::vector<VertexId> wanted;
-    for (const VertexId v : folded_->eliminated_added.vertices)
-        if (held.contains(v) || changed_since(*folded_, v))
+    for (const VertexId v : updated_->eliminated_added.vertices)
+        if (held.contains(v) || changed_since(*updated_, v))
             wanted.push_back(v);
     return wanted;
 }
 
 /// The folded state still stands for all that has left it.
-bool CondensedWound::folded_holds() const
+bool CondensedWound::updated_state_holds() const
 {
-    if (folded_->dropped.empty())
+    if (updated_->dropped.empty())
         return true;
     const std::set<VertexId> held = held_vertices(body_);
-    return wanted_back().empty() && std::none_of(folded_->dropped.begin(), folded_->dropped.end(), [&](VertexId v) {
-        return held.contains(v) || changed_since(*folded_, v);
+    return wanted_back().empty() && std::none_of(updated_->dropped.begin(), updated_->dropped.end(), [&](VertexId v) {
+        return held.contains(v) || changed_since(*updated_, v);
     });
 }
 
@@ -256,13 +256,13 @@ void CondensedWound::prepare(const std::vector<VertexId>& needed)
 /// that no longer stands.
 const CondensedState& CondensedWound::cheapest_view(double work_from_base)
 {
-    if (folded_ && !folded_holds())
-        drop_folded_state();
-    if (!folded_)
+    if (updated_ && !updated_state_holds())
+        drop_updated_state();
+    if (!updated_)
         return base_;
-    fetch_back(*folded_, body_.K, wanted_back());
-    const double from_folded = low_rank_work(changed_vertices(body_.K, *folded_).size(), body_.held.size());
-    return from_folded < work_from_base ? *folded_ : base_;
+    fetch_back(*updated_, body_.K, wanted_back());
+    const double from_updated = low_rank_work(changed_vertices(body_.K, *updated_).size(), body_.held.size());
+    return from_updated < work_from_base ? *updated_ : base_;
 }
 
 HookCompliance& CondensedWound::compliance_of_hooks()
@@ -292,7 +292,7 @@ void CondensedWound::make_local()
             fresh.insert(v);
     change_ = make_cut_change(body_.K, *view_, active_vertices(body_), fresh, held_vertices(body_));
     if (view_ == &base_)
-        drop_folded_state();
+        drop_updated_state();
     if (by_dense) {
         local_.emplace(body_.K, *view_, *change_, condensed_->stiffness(), body_.held);
         return;
@@ -475,12 +475,12 @@ std::size_t CondensedWound::bytes() const
     for (const auto* compliance : { &base_compliance_, &folded_compliance_ })
         if (*compliance)
             add((*compliance)->columns);
-    if (folded_) {
-        add(folded_->compliance());
-        sum += folded_->eliminated_added.factor.bytes() + folded_->step_bytes();
+    if (updated_) {
+        add(updated_->compliance());
+        sum += updated_->eliminated_added.factor.bytes() + updated_->step_bytes();
     }
-    if (folding_) // what it will be, at most
-        add(*folding_->source->compliance);
+    if (pending_update_) // what it will be, at most
+        add(*pending_update_->source->compliance);
     if (change_) {
         add(change_->stiffness);
         add(change_->taken);

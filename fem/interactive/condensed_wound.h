@@ -42,16 +42,16 @@ public:
     Eigen::MatrixXd whole_field(const Eigen::MatrixXd& near) const override;
     Eigen::VectorXd correction(const Eigen::VectorXd& residual) const override;
     std::string route() const override;
-    bool folded() const override { return local_ && folded_ && view_ == &*folded_; }
-    std::size_t dropped_vertices() const override { return folded() ? folded_->dropped.size() : 0; }
+    bool is_updated() const override { return local_ && updated_ && view_ == &*updated_; }
+    std::size_t dropped_vertices() const override { return is_updated() ? updated_->dropped.size() : 0; }
     std::size_t corridor_vertices() const override { return condensed_->kept().size(); }
     double factor_entries() const override { return condensed_->factor_entries(); }
     std::size_t bytes() const override;
 
 private:
     /// A stroke's change on its way into a state of its own, on a thread of its own.
-    struct Folding {
-        std::shared_ptr<const FoldSource> source;
+    struct PendingUpdate {
+        std::shared_ptr<const UpdateSource> source;
         std::future<CondensedState> result;
         ReferenceRows reference; ///< rows touched since it was begun
         std::vector<AddedVertices> added; ///< kept in addition since
@@ -63,11 +63,11 @@ private:
         std::optional<LoadOnDropped> on_dropped;
     };
 
-    bool worth_folding() const;
-    void start_folding();
-    void swap_folded_in();
-    void drop_folded_state();
-    void drop_folded();
+    bool is_update_worthwhile() const;
+    void start_update();
+    void swap_updated_in();
+    void drop_updated_state();
+    void drop_updated();
 
     std::vector<VertexId> missing_of(const std::vector<VertexId>& vertices) const;
     void keep_also_here(const std::vector<VertexId>& missing);
@@ -77,7 +77,7 @@ private:
 
     bool changed_since(const CondensedState& state, VertexId v) const;
     std::vector<VertexId> wanted_back() const;
-    bool folded_holds() const;
+    bool updated_state_holds() const;
 
     NearLoads near_loads(const Eigen::VectorXd& load, Eigen::Index cases) const;
     Eigen::VectorXd felt_beside_those_behind(const Eigen::VectorXd& load) const;
@@ -96,8 +96,8 @@ private:
     Eigen::VectorXd base_load_, base_field_; ///< loads of the body when it was condensed, and its field under them
     CondensedState base_; ///< of the body as it was condensed
     bool leaving_ = true; ///< vertices behind the knife may leave the folded state
-    std::optional<CondensedState> folded_; ///< what a stroke has changed so far is in it
-    std::optional<Folding> folding_;
+    std::optional<CondensedState> updated_; ///< what a stroke has changed so far is in it
+    std::optional<PendingUpdate> pending_update_;
     std::set<VertexId> newborn_; ///< alive and free, but not in the body as it was condensed
 
     // Made by prepare(), dropped when what they are made of changes.

@@ -9,10 +9,10 @@
 
 namespace retractor::fem {
 
-FoldSource fold_source(const CondensedState& view, const CutChange& change, const OnlineStiffness& K,
+UpdateSource update_source(const CondensedState& view, const CutChange& change, const OnlineStiffness& K,
     std::set<VertexId> held, bool leaving)
 {
-    FoldSource source { .compliance = view.shared_compliance(),
+    UpdateSource source { .compliance = view.shared_compliance(),
         .vertices = view.vertices,
         .added = view.added,
         .eliminated_added = { view.eliminated_added.vertices.begin(), view.eliminated_added.vertices.end() },
@@ -60,7 +60,7 @@ namespace {
 
     /// Who stays, is left behind, or leaves. @param staying their rows before.
     void sort_out(
-        const FoldSource& source, const CutChange& change, CondensedState& next, std::vector<std::int32_t>& staying)
+        const UpdateSource& source, const CutChange& change, CondensedState& next, std::vector<std::int32_t>& staying)
     {
         const std::set<VertexId> changed(change.changed.begin(), change.changed.end());
         next.dropped = source.dropped;
@@ -94,7 +94,7 @@ namespace {
 
     /// Of those that stay and of the newborn, which follow those beside them; sets what the step has of that.
     Eigen::MatrixXd folded_compliance(
-        const FoldSource& source, const CutChange& change, const Correction& corrected, FoldStep& step)
+        const UpdateSource& source, const CutChange& change, const Correction& corrected, LowRankUpdate& step)
     {
         const Eigen::MatrixXd& C = *source.compliance;
         const auto old = static_cast<Eigen::Index>(step.staying.size());
@@ -130,11 +130,11 @@ namespace {
 
 } // namespace
 
-CondensedState fold(const FoldSource& source, const CutChange& change)
+CondensedState apply_update(const UpdateSource& source, const CutChange& change)
 {
     Correction corrected = correction(*source.compliance, change);
     CondensedState next;
-    auto step = std::make_shared<FoldStep>();
+    auto step = std::make_shared<LowRankUpdate>();
     sort_out(source, change, next, step->staying);
     next.own = std::make_shared<const Eigen::MatrixXd>(folded_compliance(source, change, corrected, *step));
     next.eliminated_added.number_and_factor(

@@ -517,7 +517,7 @@ const OnlineStiffness& OnlineOpening::stiffness() const { return state_->body.K;
 bool OnlineOpening::fixed(VertexId v) const { return state_->body.is_fixed(v); }
 std::size_t OnlineOpening::corridor_vertices() const { return state_->solver->corridor_vertices(); }
 std::string OnlineOpening::route() const { return state_->solver->route(); }
-bool OnlineOpening::folded() const { return state_->solver->folded(); }
+bool OnlineOpening::is_updated() const { return state_->solver->is_updated(); }
 std::size_t OnlineOpening::dropped_vertices() const { return state_->solver->dropped_vertices(); }
 double OnlineOpening::factor_entries() const { return state_->solver->factor_entries(); }
 

@@ -121,7 +121,7 @@ public:
     bool fixed(VertexId v) const; ///< held where it is
     std::size_t corridor_vertices() const; ///< now, with those added
     std::string route() const; ///< how the last answer was found: "low rank", "dense", "dissected"
-    bool folded() const; ///< the last answer was set up against a state that a stroke was folded into
+    bool is_updated() const; ///< the last answer was set up against a state that a stroke was folded into
     std::size_t dropped_vertices() const; ///< of the corridor, behind the knife: that this state does without
     double factor_entries() const;
     std::size_t bytes() const; ///< memory held: matrix, factor, dense systems, columns

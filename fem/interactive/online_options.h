@@ -21,10 +21,10 @@ struct OnlineOptions {
     std::size_t part_vertices = kPartVertices; ///< of a body taken apart, as dissect() takes it
     /// What a stroke has changed is folded into the state that later steps are set up against once so many vertices
     /// are changed: about two steps of 5 mm through elements of 4 mm. On a thread of its own.
-    std::size_t fold_vertices = 100;
+    std::size_t update_vertices = 100;
     /// The folded state is swapped in when so many deltas have been followed since, whenever it is ready: so the bits
     /// do not depend on how fast the thread is. One that is not ready then is waited for.
-    int fold_deltas = 2;
+    int update_deltas = 2;
     /// Tension (MPa) per element of the session's first mesh, which cuts set free (pre_strain.h); empty: none.
     std::vector<Mat3> stress_of_element {};
 };

@@ -53,7 +53,7 @@ public:
     virtual Eigen::VectorXd correction(const Eigen::VectorXd& residual) const = 0;
 
     virtual std::string route() const = 0;
-    virtual bool folded() const { return false; }
+    virtual bool is_updated() const { return false; }
     virtual std::size_t dropped_vertices() const { return 0; }
     virtual std::size_t corridor_vertices() const = 0;
     virtual double factor_entries() const = 0;

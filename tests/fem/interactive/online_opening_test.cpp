@@ -201,8 +201,9 @@ namespace online_opening_test {
     {
         // The body taken apart; folding after every step, never, and as it comes.
         std::vector<OnlineOptions> ways { taken_apart() };
-        for (const std::size_t fold : { std::size_t { 1 }, std::size_t { 100000 }, OnlineOptions {}.fold_vertices })
-            ways.push_back({ .fold_vertices = fold });
+        for (const std::size_t apply_update :
+            { std::size_t { 1 }, std::size_t { 100000 }, OnlineOptions {}.update_vertices })
+            ways.push_back({ .update_vertices = apply_update });
         for (const OnlineOptions& options : ways) {
             int solved = 0;
             for (unsigned seed = 1; seed <= 3; ++seed) {
@@ -227,7 +228,7 @@ namespace online_opening_test {
 
     TEST(OnlineOpening, AFreehandStrokeIsExactAfterEachStepAndFirstInTheCorridor)
     {
-        Wound wound(layered_box(), kTissues, { .fold_vertices = 20 });
+        Wound wound(layered_box(), kTissues, { .update_vertices = 20 });
         const mesh::Blade blade = middle_blade();
         mesh::Blade drawn = blade;
         drawn.line = { blade.line[0] };
@@ -254,9 +255,9 @@ namespace online_opening_test {
     TEST(OnlineOpening, FoldingOnAThreadOfItsOwnDoesNotTouchTheBits)
     {
         // Folded at once, and in the background with the steps quick or slow after each other.
-        const auto stroke = [](int fold_deltas, int wait_ms, int& folded) {
+        const auto stroke = [](int update_deltas, int wait_ms, int& is_updated) {
             // So many kept vertices that their dense system never pays.
-            Wound wound(layered_box(), kTissues, { .fold_vertices = 10, .fold_deltas = fold_deltas },
+            Wound wound(layered_box(), kTissues, { .update_vertices = 10, .update_deltas = update_deltas },
                 Vec3(0.0, 3.0, 1.0), true);
             std::vector<Eigen::VectorXd> fields;
             const mesh::Blade blade = middle_blade(9.0, 3.0, 29.0);
@@ -270,7 +271,7 @@ namespace online_opening_test {
                 wound.opening.follow(result.delta);
                 const OnlineAnswer answer = whole_answer(wound.opening);
                 EXPECT_EQ(answer.status, OnlineStatus::solved);
-                folded += wound.opening.folded() ? 1 : 0;
+                is_updated += wound.opening.is_updated() ? 1 : 0;
                 fields.push_back(answer.displacement);
                 wound.expect_exact();
                 // What is tested: that time, which the background thread has or has not, changes no bit.
@@ -293,11 +294,11 @@ namespace online_opening_test {
     /// A bar that a stroke goes along, under tension across where it is asked for; far more of it in the corridor than
     /// a step touches, so that what lies behind the knife leaves the folded state.
     struct LongStroke {
-        explicit LongStroke(bool under_tension, int fold_deltas = 0)
+        explicit LongStroke(bool under_tension, int update_deltas = 0)
             : bar(mesh::kuhn_box(18, 6, 4, 4.0))
             , session(bar)
         {
-            OnlineOptions options { .fold_vertices = 10, .fold_deltas = fold_deltas };
+            OnlineOptions options { .update_vertices = 10, .update_deltas = update_deltas };
             Mat3 tension = Mat3::Zero();
             tension(1, 1) = 0.002;
             if (under_tension)
@@ -353,9 +354,9 @@ namespace online_opening_test {
     TEST(OnlineOpening, WhatLiesBehindTheKnifeLeavesAndTheAnswerStaysExact)
     {
         for (const bool under_tension : { false, true })
-            for (const int fold_deltas : { 0, 2 }) {
-                SCOPED_TRACE(std::to_string(under_tension) + " " + std::to_string(fold_deltas));
-                LongStroke stroke(under_tension, fold_deltas);
+            for (const int update_deltas : { 0, 2 }) {
+                SCOPED_TRACE(std::to_string(under_tension) + " " + std::to_string(update_deltas));
+                LongStroke stroke(under_tension, update_deltas);
                 for (int i = 0; i < 13; ++i) {
                     stroke.step();
                     stroke.expect_exact();
@@ -605,8 +606,8 @@ namespace online_opening_test {
 
     TEST(OnlineOpening, HooksOnALipThatIsThenCutThrough)
     {
-        for (const std::size_t fold : { std::size_t { 1 }, std::size_t { 100000 } }) {
-            Wound wound(layered_box(), kTissues, { .fold_vertices = fold });
+        for (const std::size_t apply_update : { std::size_t { 1 }, std::size_t { 100000 } }) {
+            Wound wound(layered_box(), kTissues, { .update_vertices = apply_update });
             wound.cut(middle_blade(9.0, 5.0, 15.0));
             wound.expect_exact();
             wound.cut(middle_blade(9.0, 14.0, 27.0));
@@ -795,7 +796,7 @@ namespace online_opening_test {
         Mat3 tension = Mat3::Zero();
         tension(1, 1) = 0.01;
         for (OnlineOptions options :
-            { OnlineOptions { .fold_vertices = 1 }, OnlineOptions { .fold_vertices = 100000 }, taken_apart() }) {
+            { OnlineOptions { .update_vertices = 1 }, OnlineOptions { .update_vertices = 100000 }, taken_apart() }) {
             const mesh::TetMesh box = layered_box();
             for (const Label label : box.labels)
                 options.stress_of_element.push_back(label == 2 ? tension : Mat3(Mat3::Zero()));

@@ -1,7 +1,7 @@
 #include "fem/interactive/online_opening.h"
 
-#include "fem/interactive/condensed_wound.h"
-#include "fem/interactive/dissected_wound.h"
+#include "fem/interactive/multifrontal_wound_solver.h"
+#include "fem/interactive/schur_wound_solver.h"
 #include "fem/linear_algebra/blas_threads.h"
 #include "mesh/base/error.h"
 
@@ -22,7 +22,7 @@ namespace {
     /// Factored as it was at one time: one of the two.
     struct Factored {
         std::unique_ptr<CondensedBody> condensed;
-        std::unique_ptr<DissectedBody> parts;
+        std::unique_ptr<MultifrontalFactor> parts;
     };
 
     Factored factored(const OnlineStiffness& K, const std::vector<std::uint8_t>& fixed,
@@ -39,7 +39,7 @@ namespace {
         if (options.body == BodyKept::dissected || (options.body == BodyKept::by_cost && dense > kWorthAsking)) {
             const Dissection dissection = dissect(K, fixed, corridor, options.part_vertices);
             if (options.body == BodyKept::dissected || dissection.work < kMuchLess * dense)
-                return { nullptr, std::make_unique<DissectedBody>(K, dissection) };
+                return { nullptr, std::make_unique<MultifrontalFactor>(K, dissection) };
         }
         return { std::make_unique<CondensedBody>(K, fixed, corridor), nullptr };
     }
@@ -92,9 +92,9 @@ struct OnlineOpening::State {
     {
         drop_columns();
         if (fresh.parts)
-            solver = std::make_unique<DissectedWound>(body, std::move(fresh.parts), touched);
+            solver = std::make_unique<MultifrontalWoundSolver>(body, std::move(fresh.parts), touched);
         else
-            solver = std::make_unique<CondensedWound>(
+            solver = std::make_unique<SchurWoundSolver>(
                 body, std::move(fresh.condensed), std::move(touched), std::move(load), options);
     }
 

@@ -3,10 +3,11 @@
 // its deltas and answers hooks at once. Exact: every answer satisfies the equations of the mesh as it is now, carries
 // its residual, and is refined when that is too large. How: the body is factored once, condensed onto the vertices
 // where it will be cut and held (CondensedBody); cuts change a small dense system on these (CutChange, LocalSystem);
-// the displacements there are the first answer, the far field follows by half a solve (CondensedWound). A cut elsewhere
-// costs a solve per unknown it touches, and beyond a limit a new factorisation; neither needs asking for. Where the
-// corridor is so large that its dense system costs more than the whole body's sparse one, the body is taken apart
-// instead, and the parts that cuts change are factored anew (DissectedWound); the first answer is then the whole field.
+// the displacements there are the first answer, the far field follows by half a solve (SchurWoundSolver). A cut
+// elsewhere costs a solve per unknown it touches, and beyond a limit a new factorisation; neither needs asking for.
+// Where the corridor is so large that its dense system costs more than the whole body's sparse one, the body is taken
+// apart instead, and the parts that cuts change are factored anew (MultifrontalWoundSolver); the first answer is then
+// the whole field.
 //
 // What costs what (box of 67,000 elements, 530 vertices in the corridor; `retractor-bench open` measures it):
 // construction a factorisation; follow() and answer() what the cut is large; complete() half a solve of the whole;

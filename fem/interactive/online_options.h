@@ -1,7 +1,7 @@
 #pragma once
 // How an opening is solved while it is cut (OnlineOpening).
 
-#include "fem/interactive/dissected_body.h"
+#include "fem/interactive/multifrontal_factor.h"
 #include "mesh/base/geometry.h"
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 namespace retractor::fem {
 
 /// How the body is kept between cuts: condensed onto the corridor's dense system (CondensedBody), or, where so much is
-/// touched that this would cost more, taken apart (DissectedBody).
+/// touched that this would cost more, taken apart (MultifrontalFactor).
 enum class BodyKept { by_cost, condensed, dissected };
 
 struct OnlineOptions {

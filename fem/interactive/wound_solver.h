@@ -1,6 +1,6 @@
 #pragma once
-// What OnlineOpening asks of a way to solve a body again after every cut: CondensedWound on the corridor's dense
-// system, DissectedWound part by part. Vertices by the session's ids. Units mm, N.
+// What OnlineOpening asks of a way to solve a body again after every cut: SchurWoundSolver on the corridor's dense
+// system, MultifrontalWoundSolver part by part. Vertices by the session's ids. Units mm, N.
 
 #include "fem/interactive/online_body.h"
 

@@ -36,10 +36,10 @@ Dissection dissect(const OnlineStiffness& stiffness, const std::vector<std::uint
 inline constexpr std::size_t kPartVertices
     = 50; ///< measured on a graded chest wall: 100 takes a fifth longer, 30 no less
 
-class DissectedBody {
+class MultifrontalFactor {
 public:
     /// Condenses the closed vertices. @throws SolverError when the body is not held.
-    DissectedBody(const OnlineStiffness& stiffness, const Dissection& dissection);
+    MultifrontalFactor(const OnlineStiffness& stiffness, const Dissection& dissection);
 
     bool has(VertexId v) const { return part_of(v) >= 0; } ///< free, as far as this knows
     bool closed(VertexId v) const { return closed_.contains(v); }

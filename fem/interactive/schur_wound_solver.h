@@ -18,11 +18,11 @@
 
 namespace retractor::fem {
 
-class CondensedWound final : public WoundSolver {
+class SchurWoundSolver final : public WoundSolver {
 public:
     /// @param body, options referred to as long as this lives. @param touched rows touched since `condensed` was
     /// factored, as they were then. @param load of the body then.
-    CondensedWound(const OnlineBody& body, std::unique_ptr<CondensedBody> condensed, ReferenceRows touched,
+    SchurWoundSolver(const OnlineBody& body, std::unique_ptr<CondensedBody> condensed, ReferenceRows touched,
         Eigen::VectorXd load, const OnlineOptions& options);
 
     void before_delta() override;

@@ -1,19 +1,20 @@
 #pragma once
-// A wound in a body taken apart (DissectedBody): the parts that cuts touch are factored anew, and an answer is the
+// A wound in a body taken apart (MultifrontalFactor): the parts that cuts touch are factored anew, and an answer is the
 // whole field. Units mm, N.
 
 #include "fem/interactive/condensed_state.h"
-#include "fem/interactive/dissected_body.h"
+#include "fem/interactive/multifrontal_factor.h"
 #include "fem/interactive/wound_solver.h"
 
 #include <memory>
 
 namespace retractor::fem {
 
-class DissectedWound final : public WoundSolver {
+class MultifrontalWoundSolver final : public WoundSolver {
 public:
     /// @param body referred to as long as this lives. @param touched rows touched since `parts` was factored.
-    DissectedWound(const OnlineBody& body, std::unique_ptr<DissectedBody> parts, const ReferenceRows& touched);
+    MultifrontalWoundSolver(
+        const OnlineBody& body, std::unique_ptr<MultifrontalFactor> parts, const ReferenceRows& touched);
 
     void row_touched(VertexId v, const OnlineStiffness::Row& before) override;
     void vertex_born(VertexId v) override { parts_->touch(v, {}); }
@@ -36,7 +37,7 @@ private:
     NearAnswer solve_under(const Eigen::VectorXd& load, const Eigen::MatrixXd& hook_displacement) const;
 
     const OnlineBody& body_;
-    std::unique_ptr<DissectedBody> parts_;
+    std::unique_ptr<MultifrontalFactor> parts_;
     bool ready_ = false; ///< they are up to date
 };
 

@@ -1,4 +1,4 @@
-#include "fem/interactive/condensed_wound.h"
+#include "fem/interactive/schur_wound_solver.h"
 
 #include "fem/linear_algebra/dense_algebra.h"
 
@@ -43,8 +43,8 @@ namespace {
 
 } // namespace
 
-CondensedWound::CondensedWound(const OnlineBody& body, std::unique_ptr<CondensedBody> condensed, ReferenceRows touched,
-    Eigen::VectorXd load, const OnlineOptions& options)
+SchurWoundSolver::SchurWoundSolver(const OnlineBody& body, std::unique_ptr<CondensedBody> condensed,
+    ReferenceRows touched, Eigen::VectorXd load, const OnlineOptions& options)
     : body_(body)
     , options_(options)
     , condensed_(std::move(condensed))
@@ -61,7 +61,7 @@ CondensedWound::CondensedWound(const OnlineBody& body, std::unique_ptr<Condensed
 
 // ---- Following ----
 
-void CondensedWound::before_delta()
+void SchurWoundSolver::before_delta()
 {
     if (pending_update_ && --pending_update_->deltas_left <= 0)
         swap_updated_in();
@@ -71,7 +71,7 @@ void CondensedWound::before_delta()
 
 /// Once the local system has grown to several steps' size, what it stands for becomes a state for later ones to be set
 /// up against.
-bool CondensedWound::is_update_worthwhile() const
+bool SchurWoundSolver::is_update_worthwhile() const
 {
     if (pending_update_ || !local_ || local_->route() != LocalRoute::low_rank
         || change_->changed.size() < options_.update_vertices)
@@ -81,7 +81,7 @@ bool CondensedWound::is_update_worthwhile() const
         [&](VertexId v) { return body_.is_active(v) && !view_->has(v); });
 }
 
-void CondensedWound::start_update()
+void SchurWoundSolver::start_update()
 {
     auto source = std::make_shared<const UpdateSource>(
         update_source(*view_, *change_, body_.K, hooked_vertices(body_), leaving_));
@@ -97,7 +97,7 @@ void CondensedWound::start_update()
         swap_updated_in();
 }
 
-void CondensedWound::swap_updated_in()
+void SchurWoundSolver::swap_updated_in()
 {
     PendingUpdate done = std::move(*pending_update_);
     pending_update_.reset();
@@ -108,19 +108,19 @@ void CondensedWound::swap_updated_in()
         keep_also(*updated_, added);
 }
 
-void CondensedWound::drop_updated_state()
+void SchurWoundSolver::drop_updated_state()
 {
     folded_compliance_.reset();
     updated_.reset();
 }
 
-void CondensedWound::drop_updated()
+void SchurWoundSolver::drop_updated()
 {
     drop_answer();
     drop_updated_state();
 }
 
-void CondensedWound::row_touched(VertexId v, const OnlineStiffness::Row& before)
+void SchurWoundSolver::row_touched(VertexId v, const OnlineStiffness::Row& before)
 {
     if (updated_)
         updated_->reference.try_emplace(v, before);
@@ -129,7 +129,7 @@ void CondensedWound::row_touched(VertexId v, const OnlineStiffness::Row& before)
     base_.reference.try_emplace(v, before);
 }
 
-void CondensedWound::vertex_born(VertexId v)
+void SchurWoundSolver::vertex_born(VertexId v)
 {
     if (updated_ && updated_->has(v))
         drop_updated(); // an id that lives again is another vertex
@@ -139,20 +139,20 @@ void CondensedWound::vertex_born(VertexId v)
         newborn_.insert(v);
 }
 
-void CondensedWound::hooks_changed()
+void SchurWoundSolver::hooks_changed()
 {
     base_compliance_.reset();
     folded_compliance_.reset();
     drop_answer(); // newborn vertices may be held now, or free again
 }
 
-void CondensedWound::drop_answer()
+void SchurWoundSolver::drop_answer()
 {
     change_.reset();
     local_.reset();
 }
 
-bool CondensedWound::take_appended(HookId hook)
+bool SchurWoundSolver::take_appended(HookId hook)
 {
     const std::vector<VertexId>& nodes = body_.hooks.at(hook).nodes;
     if (!local_ || local_->route() != LocalRoute::dense
@@ -164,14 +164,14 @@ bool CondensedWound::take_appended(HookId hook)
 
 // ---- What is kept ----
 
-std::vector<VertexId> CondensedWound::corridor() const
+std::vector<VertexId> SchurWoundSolver::corridor() const
 {
     std::vector<VertexId> vertices(newborn_.begin(), newborn_.end());
     vertices.insert(vertices.end(), condensed_->kept().begin(), condensed_->kept().end());
     return vertices;
 }
 
-std::vector<VertexId> CondensedWound::changed_elsewhere() const
+std::vector<VertexId> SchurWoundSolver::changed_elsewhere() const
 {
     const OnlineStiffness& K = body_.K;
     std::vector<VertexId> found;
@@ -182,7 +182,7 @@ std::vector<VertexId> CondensedWound::changed_elsewhere() const
     return found;
 }
 
-std::vector<VertexId> CondensedWound::missing_of(const std::vector<VertexId>& vertices) const
+std::vector<VertexId> SchurWoundSolver::missing_of(const std::vector<VertexId>& vertices) const
 {
     std::vector<VertexId> missing;
     for (const VertexId v : vertices)
@@ -191,13 +191,13 @@ std::vector<VertexId> CondensedWound::missing_of(const std::vector<VertexId>& ve
     return missing;
 }
 
-bool CondensedWound::outgrown(const std::vector<VertexId>& needed) const
+bool SchurWoundSolver::outgrown(const std::vector<VertexId>& needed) const
 {
     const std::size_t missing = missing_of(needed).size();
     return missing > 0 && condensed_->added() + missing > options_.added_vertices;
 }
 
-void CondensedWound::keep_also_here(const std::vector<VertexId>& missing)
+void SchurWoundSolver::keep_also_here(const std::vector<VertexId>& missing)
 {
     if (missing.empty())
         return;
@@ -216,14 +216,14 @@ void CondensedWound::keep_also_here(const std::vector<VertexId>& missing)
     hooks_changed();
 }
 
-bool CondensedWound::changed_since(const CondensedState& state, VertexId v) const
+bool SchurWoundSolver::changed_since(const CondensedState& state, VertexId v) const
 {
     const auto was = state.reference.find(v);
     return was != state.reference.end() && !(body_.K.row(v) == was->second);
 }
 
 /// Those that were left behind and that a cut or a hook has come back to.
-std::vector<VertexId> CondensedWound::wanted_back() const
+std::vector<VertexId> SchurWoundSolver::wanted_back() const
 {
     const std::set<VertexId> held = held_vertices(body_);
     std::vector<VertexId> wanted;
@@ -234,7 +234,7 @@ std::vector<VertexId> CondensedWound::wanted_back() const
 }
 
 /// The folded state still stands for all that has left it.
-bool CondensedWound::updated_state_holds() const
+bool SchurWoundSolver::updated_state_holds() const
 {
     if (updated_->dropped.empty())
         return true;
@@ -246,7 +246,7 @@ bool CondensedWound::updated_state_holds() const
 
 // ---- The local system ----
 
-void CondensedWound::prepare(const std::vector<VertexId>& needed)
+void SchurWoundSolver::prepare(const std::vector<VertexId>& needed)
 {
     keep_also_here(missing_of(needed));
     make_local();
@@ -254,7 +254,7 @@ void CondensedWound::prepare(const std::vector<VertexId>& needed)
 
 /// The folded state where that costs less than the other ways, else the body as it was condensed. Drops a folded one
 /// that no longer stands.
-const CondensedState& CondensedWound::cheapest_view(double work_from_base)
+const CondensedState& SchurWoundSolver::cheapest_view(double work_from_base)
 {
     if (updated_ && !updated_state_holds())
         drop_updated_state();
@@ -265,7 +265,7 @@ const CondensedState& CondensedWound::cheapest_view(double work_from_base)
     return from_updated < work_from_base ? *updated_ : base_;
 }
 
-HookCompliance& CondensedWound::compliance_of_hooks()
+HookCompliance& SchurWoundSolver::compliance_of_hooks()
 {
     std::optional<HookCompliance>& compliance = view_ == &base_ ? base_compliance_ : folded_compliance_;
     std::size_t held_rows = 0;
@@ -278,7 +278,7 @@ HookCompliance& CondensedWound::compliance_of_hooks()
 }
 
 /// Sets the local system up against the state, and by the route, that cost least.
-void CondensedWound::make_local()
+void SchurWoundSolver::make_local()
 {
     const auto held = static_cast<std::size_t>(std::count_if(
         body_.held.begin(), body_.held.end(), [&](const HeldVertex& h) { return condensed_->place(h.vertex) >= 0; }));
@@ -301,14 +301,14 @@ void CondensedWound::make_local()
     local_.emplace(body_.K, *view_, *change_, compliance_of_hooks(), body_.held);
 }
 
-std::string CondensedWound::route() const
+std::string SchurWoundSolver::route() const
 {
     return !local_ ? "none" : local_->route() == LocalRoute::low_rank ? "low rank" : "dense";
 }
 
 // ---- Answers ----
 
-Eigen::VectorXd CondensedWound::grown(const Eigen::VectorXd& by_id) const
+Eigen::VectorXd SchurWoundSolver::grown(const Eigen::VectorXd& by_id) const
 {
     Eigen::VectorXd v = Eigen::VectorXd::Zero(rows_of(body_.K.slot_count()));
     v.head(by_id.size()) = by_id;
@@ -317,19 +317,19 @@ Eigen::VectorXd CondensedWound::grown(const Eigen::VectorXd& by_id) const
 
 /// The loads that the system near by sees: those now, less those whose field is added at the end, more what holds that
 /// field back.
-NearAnswer CondensedWound::solve(const Eigen::MatrixXd& hook_displacement) const
+NearAnswer SchurWoundSolver::solve(const Eigen::MatrixXd& hook_displacement) const
 {
     if (!body_.K.loaded())
         return solve_under({}, hook_displacement);
     return solve_under(held_back(body_.K.load() - grown(base_load_), grown(base_field_)), hook_displacement);
 }
 
-Eigen::MatrixXd CondensedWound::whole_field(const Eigen::MatrixXd& near) const
+Eigen::MatrixXd SchurWoundSolver::whole_field(const Eigen::MatrixXd& near) const
 {
     return extended(near, body_.K.loaded() ? grown(base_field_) : Eigen::VectorXd());
 }
 
-Eigen::VectorXd CondensedWound::held_back(Eigen::VectorXd load, const Eigen::VectorXd& field) const
+Eigen::VectorXd SchurWoundSolver::held_back(Eigen::VectorXd load, const Eigen::VectorXd& field) const
 {
     const Eigen::MatrixXd forces = product(condensed_->stiffness(), at(condensed_->kept(), field));
     for (std::size_t i = 0; i < condensed_->kept().size(); ++i)
@@ -338,7 +338,7 @@ Eigen::VectorXd CondensedWound::held_back(Eigen::VectorXd load, const Eigen::Vec
 }
 
 /// Extends a near field to the whole body. @param field of the loads held back; empty: none.
-Eigen::MatrixXd CondensedWound::extended(const Eigen::MatrixXd& near, const Eigen::VectorXd& field) const
+Eigen::MatrixXd SchurWoundSolver::extended(const Eigen::MatrixXd& near, const Eigen::VectorXd& field) const
 {
     Eigen::MatrixXd kept = at(condensed_->kept(), near);
     if (field.size() != 0)
@@ -354,7 +354,7 @@ Eigen::MatrixXd CondensedWound::extended(const Eigen::MatrixXd& near, const Eige
 }
 
 /// For most of the residual where what is condensed away has next to none of it, as after answers: that costs a fifth.
-Eigen::VectorXd CondensedWound::correction(const Eigen::VectorXd& residual) const
+Eigen::VectorXd SchurWoundSolver::correction(const Eigen::VectorXd& residual) const
 {
     const Eigen::MatrixXd still = Eigen::MatrixXd::Zero(rows_of(body_.hooks.size()), 1);
     constexpr double kNextToNone = 1e-2;
@@ -370,7 +370,7 @@ Eigen::VectorXd CondensedWound::correction(const Eigen::VectorXd& residual) cons
 }
 
 /// @param load by vertex id, the same in all cases, on vertices near by; empty: none.
-NearAnswer CondensedWound::solve_under(const Eigen::VectorXd& load, const Eigen::MatrixXd& hook_displacement) const
+NearAnswer SchurWoundSolver::solve_under(const Eigen::VectorXd& load, const Eigen::MatrixXd& hook_displacement) const
 {
     const Eigen::Index cases = hook_displacement.cols();
     const NearLoads loads = near_loads(load, cases);
@@ -389,7 +389,7 @@ NearAnswer CondensedWound::solve_under(const Eigen::VectorXd& load, const Eigen:
 }
 
 /// Those left behind hand their load on to their neighbours, as much as these take of it.
-Eigen::VectorXd CondensedWound::felt_beside_those_behind(const Eigen::VectorXd& load) const
+Eigen::VectorXd SchurWoundSolver::felt_beside_those_behind(const Eigen::VectorXd& load) const
 {
     Eigen::VectorXd felt = load;
     const EliminatedAdded& eliminated_added = view_->eliminated_added;
@@ -403,7 +403,7 @@ Eigen::VectorXd CondensedWound::felt_beside_those_behind(const Eigen::VectorXd& 
     return felt;
 }
 
-CondensedWound::NearLoads CondensedWound::near_loads(const Eigen::VectorXd& load, Eigen::Index cases) const
+SchurWoundSolver::NearLoads SchurWoundSolver::near_loads(const Eigen::VectorXd& load, Eigen::Index cases) const
 {
     NearLoads loads { Eigen::MatrixXd::Zero(rows_of(view_->vertices.size()), cases),
         Eigen::MatrixXd::Zero(rows_of(change_->added.size()), cases), {} };
@@ -422,7 +422,7 @@ CondensedWound::NearLoads CondensedWound::near_loads(const Eigen::VectorXd& load
 }
 
 /// Those that have left the view.
-void CondensedWound::find_those_left(
+void SchurWoundSolver::find_those_left(
     const Eigen::MatrixXd& kept_forces, const NearLoads& loads, Eigen::MatrixXd& x) const
 {
     if (view_->dropped.empty())
@@ -433,7 +433,7 @@ void CondensedWound::find_those_left(
 }
 
 /// Those that cuts had added and that are condensed again. @param x of all others near by.
-void CondensedWound::find_those_behind(const Eigen::VectorXd& load, Eigen::MatrixXd& x) const
+void SchurWoundSolver::find_those_behind(const Eigen::VectorXd& load, Eigen::MatrixXd& x) const
 {
     const EliminatedAdded& eliminated_added = view_->eliminated_added;
     if (eliminated_added.vertices.empty())
@@ -449,7 +449,7 @@ void CondensedWound::find_those_behind(const Eigen::VectorXd& load, Eigen::Matri
     put(body_, eliminated_added.vertices, eliminated_added.factor.solve(pull), x);
 }
 
-Eigen::MatrixXd CondensedWound::forces_of_hooks(
+Eigen::MatrixXd SchurWoundSolver::forces_of_hooks(
     const LocalSystem::Solution& solution, const Eigen::VectorXd& load, const Eigen::MatrixXd& x) const
 {
     Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(rows_of(body_.hooks.size()), x.cols());
@@ -468,7 +468,7 @@ Eigen::MatrixXd CondensedWound::forces_of_hooks(
     return forces;
 }
 
-std::size_t CondensedWound::bytes() const
+std::size_t SchurWoundSolver::bytes() const
 {
     std::size_t sum = condensed_->bytes();
     const auto add = [&](const Eigen::MatrixXd& a) { sum += static_cast<std::size_t>(a.size()) * sizeof(double); };

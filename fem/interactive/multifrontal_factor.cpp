@@ -1,4 +1,4 @@
-#include "fem/interactive/dissected_body.h"
+#include "fem/interactive/multifrontal_factor.h"
 
 #include "fem/interactive/vertex_matrix.h"
 #include "fem/linear_algebra/two_halves.h"
@@ -33,7 +33,7 @@ namespace {
         {
             for (const VertexId v : open)
                 open_[static_cast<std::size_t>(v)] = 1;
-            take_apart(std::move(free), -1);
+            dissect(std::move(free), -1);
         }
         std::vector<Dissection::Part> parts;
 
@@ -48,7 +48,7 @@ namespace {
             parts.push_back(std::move(leaf));
         }
 
-        void take_apart(std::vector<VertexId> vertices, std::int32_t parent)
+        void dissect(std::vector<VertexId> vertices, std::int32_t parent)
         {
             const auto opened = static_cast<std::size_t>(
                 std::count_if(vertices.begin(), vertices.end(), [&](VertexId v) { return is_open(v); }));
@@ -79,8 +79,8 @@ namespace {
             vertices = {};
             const auto self = static_cast<std::int32_t>(parts.size());
             parts.push_back({ parent, {}, std::move(split[2]) });
-            take_apart(std::move(split[0]), self);
-            take_apart(std::move(split[1]), self);
+            dissect(std::move(split[0]), self);
+            dissect(std::move(split[1]), self);
         }
 
         const OnlineStiffness& K_;
@@ -157,7 +157,7 @@ Dissection dissect(const OnlineStiffness& stiffness, const std::vector<std::uint
     return dissection;
 }
 
-DissectedBody::DissectedBody(const OnlineStiffness& stiffness, const Dissection& dissection)
+MultifrontalFactor::MultifrontalFactor(const OnlineStiffness& stiffness, const Dissection& dissection)
     : part_(stiffness.slot_count(), -1)
 {
     fronts_.resize(dissection.parts.size());
@@ -189,7 +189,7 @@ DissectedBody::DissectedBody(const OnlineStiffness& stiffness, const Dissection&
     share_out(); // now that it is known what each front costs
 }
 
-std::vector<VertexId> DissectedBody::open_vertices() const
+std::vector<VertexId> MultifrontalFactor::open_vertices() const
 {
     std::vector<VertexId> open;
     for (const Front& front : fronts_)
@@ -199,7 +199,7 @@ std::vector<VertexId> DissectedBody::open_vertices() const
     return open;
 }
 
-std::size_t DissectedBody::open_count() const
+std::size_t MultifrontalFactor::open_count() const
 {
     std::size_t count = 0;
     for (const Front& front : fronts_)
@@ -207,7 +207,7 @@ std::size_t DissectedBody::open_count() const
     return count;
 }
 
-void DissectedBody::touch(VertexId v, const OnlineStiffness::Row& before)
+void MultifrontalFactor::touch(VertexId v, const OnlineStiffness::Row& before)
 {
     if (closed(v))
         reference_.try_emplace(v, before);
@@ -216,7 +216,7 @@ void DissectedBody::touch(VertexId v, const OnlineStiffness::Row& before)
     touched_.insert(v);
 }
 
-std::vector<VertexId> DissectedBody::changed_but_closed(const OnlineStiffness& stiffness) const
+std::vector<VertexId> MultifrontalFactor::changed_but_closed(const OnlineStiffness& stiffness) const
 {
     std::vector<VertexId> changed;
     for (const auto& [v, row] : reference_)
@@ -225,7 +225,7 @@ std::vector<VertexId> DissectedBody::changed_but_closed(const OnlineStiffness& s
     return changed;
 }
 
-void DissectedBody::open(const OnlineStiffness& stiffness, const std::vector<VertexId>& vertices)
+void MultifrontalFactor::open(const OnlineStiffness& stiffness, const std::vector<VertexId>& vertices)
 {
     std::set<std::int32_t> leaves;
     for (const VertexId v : vertices) {
@@ -244,7 +244,7 @@ void DissectedBody::open(const OnlineStiffness& stiffness, const std::vector<Ver
         condense(stiffness, fronts_[static_cast<std::size_t>(leaf)]);
 }
 
-void DissectedBody::condense(const OnlineStiffness& stiffness, Front& front)
+void MultifrontalFactor::condense(const OnlineStiffness& stiffness, Front& front)
 {
     front.dirty = true;
     front.beside.clear();
@@ -274,7 +274,7 @@ void DissectedBody::condense(const OnlineStiffness& stiffness, Front& front)
     front.condensing.keep_factor_only();
 }
 
-void DissectedBody::put(VertexId v, std::int32_t part)
+void MultifrontalFactor::put(VertexId v, std::int32_t part)
 {
     if (static_cast<std::size_t>(v) >= part_.size())
         part_.resize(static_cast<std::size_t>(v) + 1, -1);
@@ -289,7 +289,7 @@ void DissectedBody::put(VertexId v, std::int32_t part)
     }
 }
 
-std::int32_t DissectedBody::meet(std::int32_t a, std::int32_t b) const
+std::int32_t MultifrontalFactor::meet(std::int32_t a, std::int32_t b) const
 {
     const auto at = [&](std::int32_t p) -> const Front& { return fronts_[static_cast<std::size_t>(p)]; };
     while (a != b)
@@ -297,14 +297,14 @@ std::int32_t DissectedBody::meet(std::int32_t a, std::int32_t b) const
     return a;
 }
 
-bool DissectedBody::comparable(std::int32_t a, std::int32_t b) const
+bool MultifrontalFactor::comparable(std::int32_t a, std::int32_t b) const
 {
     const std::int32_t both = meet(a, b);
     return both == a || both == b;
 }
 
 /// Into the deepest of its neighbours' parts, or above all of them where these are strangers to each other.
-void DissectedBody::place_newborn(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active)
+void MultifrontalFactor::place_newborn(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active)
 {
     std::vector<VertexId> waiting;
     for (const VertexId v : touched_) {
@@ -341,7 +341,7 @@ void DissectedBody::place_newborn(const OnlineStiffness& stiffness, const std::v
 
 /// Neighbours must lie on one way to the root: where they do not, the one that came later goes up. A vertex that is
 /// higher than it need be costs time, nothing else.
-void DissectedBody::raise_strangers(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active)
+void MultifrontalFactor::raise_strangers(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active)
 {
     std::set<VertexId> look = touched_;
     while (!look.empty()) {
@@ -361,7 +361,7 @@ void DissectedBody::raise_strangers(const OnlineStiffness& stiffness, const std:
 }
 
 /// Who is eliminated in a front, and what lies beyond.
-void DissectedBody::collect(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active,
+void MultifrontalFactor::collect(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active,
     std::int32_t number, std::vector<std::int32_t>& place)
 {
     Front& front = fronts_[static_cast<std::size_t>(number)];
@@ -400,7 +400,7 @@ void DissectedBody::collect(const OnlineStiffness& stiffness, const std::vector<
         place[static_cast<std::size_t>(front.bound[i])] = static_cast<std::int32_t>(front.own.size() + i);
 }
 
-bool DissectedBody::factor(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active,
+bool MultifrontalFactor::factor(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active,
     std::int32_t number, std::vector<std::int32_t>& place, Cores cores)
 {
     Front& front = fronts_[static_cast<std::size_t>(number)];
@@ -457,7 +457,7 @@ bool DissectedBody::factor(const OnlineStiffness& stiffness, const std::vector<s
 }
 
 /// Which fronts two cores work on side by side, and which come after them.
-void DissectedBody::share_out()
+void MultifrontalFactor::share_out()
 {
     constexpr double kMuch = 1.0 / 6.0;
     std::vector<double> work(fronts_.size(), 0.0);
@@ -502,7 +502,7 @@ void DissectedBody::share_out()
         (where[p] == above ? above_ : below_[where[p] == first ? 0 : 1]).push_back(static_cast<std::int32_t>(p));
 }
 
-bool DissectedBody::update(
+bool MultifrontalFactor::update(
     const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active, const std::set<VertexId>& held)
 {
     part_.resize(std::max(part_.size(), stiffness.slot_count()), -1);
@@ -544,7 +544,7 @@ bool DissectedBody::update(
     return true;
 }
 
-double DissectedBody::reciprocal_condition() const
+double MultifrontalFactor::reciprocal_condition() const
 {
     double worst = 1.0;
     for (const Front& front : fronts_)
@@ -556,7 +556,7 @@ double DissectedBody::reciprocal_condition() const
     return worst;
 }
 
-Eigen::MatrixXd DissectedBody::solve(const Eigen::MatrixXd& load) const
+Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& load) const
 {
     Eigen::MatrixXd x = load;
     const auto at = [&](std::int32_t number) -> const Front& { return fronts_[static_cast<std::size_t>(number)]; };
@@ -631,7 +631,7 @@ Eigen::MatrixXd DissectedBody::solve(const Eigen::MatrixXd& load) const
     return x;
 }
 
-double DissectedBody::factor_entries() const
+double MultifrontalFactor::factor_entries() const
 {
     double entries = 0.0;
     for (const Front& front : fronts_)
@@ -640,7 +640,7 @@ double DissectedBody::factor_entries() const
     return entries;
 }
 
-std::size_t DissectedBody::bytes() const
+std::size_t MultifrontalFactor::bytes() const
 {
     std::size_t sum = 0;
     for (const Front& front : fronts_)

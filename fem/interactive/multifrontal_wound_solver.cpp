@@ -1,4 +1,4 @@
-#include "fem/interactive/dissected_wound.h"
+#include "fem/interactive/multifrontal_wound_solver.h"
 
 #include "mesh/base/error.h"
 
@@ -6,8 +6,8 @@
 
 namespace retractor::fem {
 
-DissectedWound::DissectedWound(
-    const OnlineBody& body, std::unique_ptr<DissectedBody> parts, const ReferenceRows& touched)
+MultifrontalWoundSolver::MultifrontalWoundSolver(
+    const OnlineBody& body, std::unique_ptr<MultifrontalFactor> parts, const ReferenceRows& touched)
     : body_(body)
     , parts_(std::move(parts))
 {
@@ -18,13 +18,13 @@ DissectedWound::DissectedWound(
             parts_->touch(v, {});
 }
 
-void DissectedWound::row_touched(VertexId v, const OnlineStiffness::Row& before)
+void MultifrontalWoundSolver::row_touched(VertexId v, const OnlineStiffness::Row& before)
 {
     if (!(body_.K.row(v) == before))
         parts_->touch(v, before);
 }
 
-void DissectedWound::prepare(const std::vector<VertexId>& needed)
+void MultifrontalWoundSolver::prepare(const std::vector<VertexId>& needed)
 {
     parts_->open(body_.K, needed);
     if (!parts_->update(body_.K, active_vertices(body_), held_vertices(body_)))
@@ -32,19 +32,20 @@ void DissectedWound::prepare(const std::vector<VertexId>& needed)
     ready_ = true;
 }
 
-NearAnswer DissectedWound::solve(const Eigen::MatrixXd& hook_displacement) const
+NearAnswer MultifrontalWoundSolver::solve(const Eigen::MatrixXd& hook_displacement) const
 {
     return solve_under(body_.K.loaded() ? body_.K.load() : Eigen::VectorXd(), hook_displacement);
 }
 
-Eigen::VectorXd DissectedWound::correction(const Eigen::VectorXd& residual) const
+Eigen::VectorXd MultifrontalWoundSolver::correction(const Eigen::VectorXd& residual) const
 {
     const Eigen::MatrixXd still = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(body_.hooks.size()), 1);
     return solve_under(residual, still).displacement.col(0);
 }
 
 /// @param load empty: none.
-NearAnswer DissectedWound::solve_under(const Eigen::VectorXd& load, const Eigen::MatrixXd& hook_displacement) const
+NearAnswer MultifrontalWoundSolver::solve_under(
+    const Eigen::VectorXd& load, const Eigen::MatrixXd& hook_displacement) const
 {
     const Eigen::Index cases = hook_displacement.cols(), rows = 3 * static_cast<Eigen::Index>(body_.K.slot_count());
     Eigen::MatrixXd b = Eigen::MatrixXd::Zero(rows, cases);

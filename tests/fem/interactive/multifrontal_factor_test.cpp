@@ -1,4 +1,4 @@
-#include "fem/interactive/dissected_body.h"
+#include "fem/interactive/multifrontal_factor.h"
 
 #include "mesh/base/error.h"
 #include "tests/support/random_entries.h"
@@ -79,10 +79,10 @@ namespace dissected_body_test {
         EXPECT_DOUBLE_EQ(whole.work, std::pow(3.0 * static_cast<double>(box.open.size()), 3) / 3.0); // one dense front
     }
 
-    TEST(DissectedBody, SolvesLoadsAnywhereWithSomeVerticesHeldAndOthersOpenedLater)
+    TEST(MultifrontalFactor, SolvesLoadsAnywhereWithSomeVerticesHeldAndOthersOpenedLater)
     {
         const Box box;
-        DissectedBody body(box.K, dissect(box.K, box.fixed, box.open, kSmallParts));
+        MultifrontalFactor body(box.K, dissect(box.K, box.fixed, box.open, kSmallParts));
         const auto rows = 3 * static_cast<Eigen::Index>(box.K.slot_count());
         constexpr Eigen::Index kCases = 2;
         const std::vector<std::uint8_t> active = box.free();
@@ -118,10 +118,10 @@ namespace dissected_body_test {
         EXPECT_GT(body.bytes(), 0U);
     }
 
-    TEST(DissectedBody, ClosedVerticesThatChangeAreNamedUntilTheyAreAsTheyWere)
+    TEST(MultifrontalFactor, ClosedVerticesThatChangeAreNamedUntilTheyAreAsTheyWere)
     {
         Box box;
-        DissectedBody body(box.K, dissect(box.K, box.fixed, box.open, kSmallParts));
+        MultifrontalFactor body(box.K, dissect(box.K, box.fixed, box.open, kSmallParts));
         VertexId closed = 0;
         while (!body.closed(closed))
             ++closed;
@@ -135,7 +135,7 @@ namespace dissected_body_test {
         EXPECT_TRUE(body.changed_but_closed(box.K).empty());
     }
 
-    TEST(DissectedBody, ABodyThatNothingHoldsIsRefused)
+    TEST(MultifrontalFactor, ABodyThatNothingHoldsIsRefused)
     {
         Box box;
         std::fill(box.fixed.begin(), box.fixed.end(), std::uint8_t { 0 });
@@ -143,7 +143,7 @@ namespace dissected_body_test {
         box.fixed[corner] = 1; // it still turns round this vertex
         std::erase(box.open, static_cast<VertexId>(corner));
         try {
-            const DissectedBody body(box.K, dissect(box.K, box.fixed, box.open, kSmallParts));
+            const MultifrontalFactor body(box.K, dissect(box.K, box.fixed, box.open, kSmallParts));
             EXPECT_LT(body.reciprocal_condition(), 1e-11); // or round-off is taken for stiffness
         } catch (const SolverError& error) {
             EXPECT_NE(std::string(error.what()).find("not positive definite"), std::string::npos);

@@ -53,24 +53,24 @@ KeptCuts read_kept_cuts(const std::filesystem::path& journal, const mesh::TetMes
     return kept;
 }
 
-CuttingDesk restore_desk(OperatingTable table, const KeptCuts& kept, const Job& job)
+SurgerySession restore_desk(SurgerySetup table, const KeptCuts& kept, const Job& job)
 {
     mesh::ReplayedJournal opened = mesh::open_journal(table.journal, table.wall, job);
     if (opened.status == mesh::CutStatus::cancelled)
         throw InputError("reading the kept cuts was cancelled", table.journal.string());
     if (opened.session.stroke_open())
         (void)opened.session.finish_stroke();
-    return CuttingDesk(std::move(table), std::move(opened.session), kept.deltas, job);
+    return SurgerySession(std::move(table), std::move(opened.session), kept.deltas, job);
 }
 
-CuttingDesk fresh_desk(OperatingTable table, const Job& job)
+SurgerySession fresh_desk(SurgerySetup table, const Job& job)
 {
     std::error_code error;
     std::filesystem::create_directories(table.journal.parent_path(), error);
     if (error)
         throw IoError("the folder for cuts cannot be made: " + error.message(), table.journal.parent_path().string());
     mesh::CutSession session = mesh::start_journal(table.journal, table.wall);
-    return CuttingDesk(std::move(table), std::move(session), {}, job);
+    return SurgerySession(std::move(table), std::move(session), {}, job);
 }
 
 std::filesystem::path set_aside(const std::filesystem::path& journal)

@@ -1,7 +1,7 @@
 #pragma once
 // Cuts by hand that are kept on disk beside a case, one journal per approach: what to do with those of the last time.
 
-#include "planner/session/cutting_desk.h"
+#include "planner/session/surgery_session.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -28,9 +28,9 @@ struct KeptCuts {
 KeptCuts read_kept_cuts(const std::filesystem::path& journal, const mesh::TetMesh& wall, const Job& job = {});
 
 /// A desk with the kept cuts, which goes on writing to their journal. @throws as read_kept_cuts().
-CuttingDesk restore_desk(OperatingTable table, const KeptCuts& kept, const Job& job = {});
+SurgerySession restore_desk(SurgerySetup table, const KeptCuts& kept, const Job& job = {});
 /// A desk without cuts and with a new journal. @throws IoError when there is a journal already or none can be written.
-CuttingDesk fresh_desk(OperatingTable table, const Job& job = {});
+SurgerySession fresh_desk(SurgerySetup table, const Job& job = {});
 
 /// Gives the journal another name in its folder (.1, .2, ... appended), so that nothing is ever lost; returns it.
 /// @throws IoError.

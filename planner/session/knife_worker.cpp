@@ -44,7 +44,7 @@ template <class Change> void KnifeWorker::change_snapshot(const Change& change)
 /// What each command asks of the session: an answer, or nothing to be said.
 struct KnifeWorker::Runner {
     KnifeWorker& worker;
-    CuttingDesk& desk;
+    SurgerySession& desk;
 
     KnifeAnswer operator()(const surgery::BeginStroke& c) const
     {
@@ -121,7 +121,7 @@ private:
     }
 };
 
-KnifeWorker::KnifeWorker(std::function<OperatingTable(const Job&)> prepare, std::function<void()> on_snapshot)
+KnifeWorker::KnifeWorker(std::function<SurgerySetup(const Job&)> prepare, std::function<void()> on_snapshot)
     : on_snapshot_(std::move(on_snapshot))
     , snapshot_(std::make_shared<const SessionSnapshot>())
     , executor_({ .step = [this] { return step(); },
@@ -173,7 +173,7 @@ void KnifeWorker::restore(bool wanted)
             return;
         change_snapshot([](SessionSnapshot& next) { next.phase = SessionSnapshot::Phase::preparing; });
         Question asked = std::move(*std::exchange(question_, std::nullopt));
-        make_ready([&] { return lay_desk(std::move(asked.table), std::move(asked.kept), wanted, job); });
+        make_ready([&] { return start_session(std::move(asked.table), std::move(asked.kept), wanted, job); });
     });
 }
 
@@ -219,7 +219,7 @@ void KnifeWorker::add_status(const std::string& more)
     });
 }
 
-void KnifeWorker::publish(CuttingDesk& desk)
+void KnifeWorker::publish(SurgerySession& desk)
 {
     const Stopwatch watch;
     const std::shared_ptr<const WallPicture> picture = desk.picture();
@@ -245,10 +245,10 @@ void KnifeWorker::publish(CuttingDesk& desk)
     announce();
 }
 
-void KnifeWorker::prepare_desk(const std::function<OperatingTable(const Job&)>& prepare, const Job& job)
+void KnifeWorker::prepare_desk(const std::function<SurgerySetup(const Job&)>& prepare, const Job& job)
 {
     make_ready([&] {
-        OperatingTable table = prepare(job);
+        SurgerySetup table = prepare(job);
         caution_ = table.caution;
         auto outline = std::make_shared<const std::vector<EdgePlace>>(
             region_outline(table.wall, table.region, table.labels, table.outward));
@@ -260,7 +260,7 @@ void KnifeWorker::prepare_desk(const std::function<OperatingTable(const Job&)>& 
             next.outline = std::move(outline);
             next.beyond = std::move(beyond);
         });
-        return lay_desk(std::move(table), {}, {}, job);
+        return start_session(std::move(table), {}, {}, job);
     });
 }
 
@@ -268,11 +268,11 @@ void KnifeWorker::prepare_desk(const std::function<OperatingTable(const Job&)>& 
 /// restored is set aside.
 /// @param kept nothing: still to be read. @param wanted the answer to the question; nothing: it was not asked.
 /// @return null: the question has to be answered first.
-std::unique_ptr<CuttingDesk> KnifeWorker::lay_desk(
-    OperatingTable table, std::optional<KeptCuts> kept, std::optional<bool> wanted, const Job& job)
+std::unique_ptr<SurgerySession> KnifeWorker::start_session(
+    SurgerySetup table, std::optional<KeptCuts> kept, std::optional<bool> wanted, const Job& job)
 {
     if (table.journal.empty())
-        return std::make_unique<CuttingDesk>(std::move(table), job);
+        return std::make_unique<SurgerySession>(std::move(table), job);
     try {
         if (std::filesystem::exists(table.journal)) {
             try {
@@ -285,7 +285,7 @@ std::unique_ptr<CuttingDesk> KnifeWorker::lay_desk(
                 if (wanted.value_or(true)) {
                     if (!kept->note.empty())
                         set_status(kept->note, false);
-                    return std::make_unique<CuttingDesk>(restore_desk(table, *kept, job));
+                    return std::make_unique<SurgerySession>(restore_desk(table, *kept, job));
                 }
                 const std::filesystem::path other = set_aside(table.journal);
                 set_status("The former cuts are set aside in " + other.string(), false);
@@ -298,14 +298,14 @@ std::unique_ptr<CuttingDesk> KnifeWorker::lay_desk(
                     true);
             }
         }
-        return std::make_unique<CuttingDesk>(fresh_desk(table, job));
+        return std::make_unique<SurgerySession>(fresh_desk(table, job));
     } catch (const IoError&) {
         set_status("cuts are not kept on disk: " + to_string(current_failure()), true);
-        return std::make_unique<CuttingDesk>(std::move(table), job);
+        return std::make_unique<SurgerySession>(std::move(table), job);
     }
 }
 
-void KnifeWorker::ask_to_restore(OperatingTable table, KeptCuts kept)
+void KnifeWorker::ask_to_restore(SurgerySetup table, KeptCuts kept)
 {
     change_snapshot([&](SessionSnapshot& next) {
         next.phase = SessionSnapshot::Phase::asking;
@@ -317,10 +317,10 @@ void KnifeWorker::ask_to_restore(OperatingTable table, KeptCuts kept)
 
 /// Takes the desk that was laid, and what was asked of it while the question was open; says why there is none.
 /// @param lay null: the question is asked.
-void KnifeWorker::make_ready(const std::function<std::unique_ptr<CuttingDesk>()>& lay)
+void KnifeWorker::make_ready(const std::function<std::unique_ptr<SurgerySession>()>& lay)
 {
     try {
-        std::unique_ptr<CuttingDesk> desk = lay();
+        std::unique_ptr<SurgerySession> desk = lay();
         if (question_)
             return;
         if (!caution_.empty())

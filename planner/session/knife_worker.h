@@ -7,9 +7,9 @@
 // What may not happen: on_snapshot neither waits for the worker nor destroys it.
 
 #include "mesh/base/serial_executor.h"
-#include "planner/session/cutting_desk.h"
 #include "planner/session/kept_cuts.h"
 #include "planner/session/surgery_command.h"
+#include "planner/session/surgery_session.h"
 
 #include <chrono>
 #include <cstddef>
@@ -62,7 +62,7 @@ class KnifeWorker {
 public:
     /// @param prepare runs on the worker's thread; what it throws is the failure.
     /// @param on_snapshot called on the worker's thread when there is a new snapshot, once until snapshot() is called.
-    KnifeWorker(std::function<OperatingTable(const Job&)> prepare, std::function<void()> on_snapshot);
+    KnifeWorker(std::function<SurgerySetup(const Job&)> prepare, std::function<void()> on_snapshot);
     /// Stops preparing and leaves kept cuts as they are; finishes a stroke that is open, so that what was cut is kept.
     ~KnifeWorker();
     KnifeWorker(const KnifeWorker&) = delete;
@@ -86,13 +86,13 @@ private:
     template <class Change> void change_snapshot(const Change& change);
     void set_status(std::string answer, bool refused);
     void add_status(const std::string& more); ///< after what was said last
-    void publish(CuttingDesk& desk);
+    void publish(SurgerySession& desk);
     void announce();
-    void prepare_desk(const std::function<OperatingTable(const Job&)>& prepare, const Job& job);
-    std::unique_ptr<CuttingDesk> lay_desk(
-        OperatingTable table, std::optional<KeptCuts> kept, std::optional<bool> wanted, const Job& job);
-    void ask_to_restore(OperatingTable table, KeptCuts kept);
-    void make_ready(const std::function<std::unique_ptr<CuttingDesk>()>& lay);
+    void prepare_desk(const std::function<SurgerySetup(const Job&)>& prepare, const Job& job);
+    std::unique_ptr<SurgerySession> start_session(
+        SurgerySetup table, std::optional<KeptCuts> kept, std::optional<bool> wanted, const Job& job);
+    void ask_to_restore(SurgerySetup table, KeptCuts kept);
+    void make_ready(const std::function<std::unique_ptr<SurgerySession>()>& lay);
     void carry_out(const surgery::Command& command);
     void take_remark();
     std::optional<std::chrono::steady_clock::time_point> step();
@@ -106,12 +106,12 @@ private:
 
     // The executor's thread only:
     struct Question {
-        OperatingTable table;
+        SurgerySetup table;
         KeptCuts kept;
     };
     std::optional<Question> question_; ///< none: it was not asked, or is answered
     std::string caution_; ///< of the table
-    std::unique_ptr<CuttingDesk> desk_; ///< null: being prepared, or failed
+    std::unique_ptr<SurgerySession> desk_; ///< null: being prepared, or failed
     std::size_t refused_stroke_ = 0; ///< see SessionSnapshot
     bool changed_ = false; ///< a command was carried out since the last snapshot
 

@@ -3,7 +3,7 @@
 // A command that cannot be carried out changes nothing, unless it says otherwise here; the next snapshot says why.
 // Units mm, N; frame patient LPS.
 
-#include "planner/session/cutting_desk.h"
+#include "planner/session/surgery_session.h"
 
 #include <cstddef>
 #include <filesystem>
@@ -25,7 +25,7 @@ namespace surgery {
     struct LeaveWall { }; ///< the knife is drawn where there is no wall
     struct FinishStroke { };
     struct AbandonStroke { }; ///< takes an open stroke back
-    /// See CuttingDesk::take_out().
+    /// See SurgerySession::take_out().
     struct TakeOut {
         Touch at {};
         double radius_mm = 0.0;

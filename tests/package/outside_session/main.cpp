@@ -8,9 +8,9 @@
 
 namespace {
 
-retractor::planner::OperatingTable slab()
+retractor::planner::SurgerySetup slab()
 {
-    retractor::planner::OperatingTable table;
+    retractor::planner::SurgerySetup table;
     table.wall = retractor::mesh::kuhn_box(12, 4, 12, 5.0);
     table.labels = { { table.wall.labels.front(), "muscle", "muscle", retractor::mesh::Role::wall } };
     return table;

@@ -29,22 +29,22 @@ namespace kept_cuts_test {
             fs::remove_all(folder_);
             fs::create_directories(folder_);
         }
-        OperatingTable table() const
+        SurgerySetup table() const
         {
-            OperatingTable made = layered_wall();
+            SurgerySetup made = layered_wall();
             made.journal = journal();
             return made;
         }
         fs::path journal() const { return cuts_journal(folder_ / "case.json", "median"); }
 
-        static Touch at(CuttingDesk& desk, double x, double z) { return *touch(*desk.picture(), ray_down(x, z)); }
-        static void begin(CuttingDesk& desk, double z)
+        static Touch at(SurgerySession& desk, double x, double z) { return *touch(*desk.picture(), ray_down(x, z)); }
+        static void begin(SurgerySession& desk, double z)
         {
             ASSERT_TRUE(desk.begin_stroke(at(desk, 20.0, z), {}).done);
             for (double x = 24.0; x <= 80.0; x += 4.0)
                 ASSERT_TRUE(desk.draw_to(at(desk, x, z)).done);
         }
-        static void cut(CuttingDesk& desk, double z)
+        static void cut(SurgerySession& desk, double z)
         {
             begin(desk, z);
             ASSERT_TRUE(desk.finish_stroke().done);
@@ -86,7 +86,7 @@ namespace kept_cuts_test {
         mesh::TetMesh left;
         std::shared_ptr<const WallSurface> surface;
         {
-            CuttingDesk desk = fresh_desk(table());
+            SurgerySession desk = fresh_desk(table());
             for (const double z : { 30.0, 62.0, 91.0 })
                 cut(desk, z);
             desk.undo();
@@ -96,7 +96,7 @@ namespace kept_cuts_test {
         const KeptCuts kept = read_kept_cuts(journal(), table().wall);
         EXPECT_EQ(kept.deltas.size(), 2U);
         EXPECT_TRUE(kept.more);
-        CuttingDesk desk = restore_desk(table(), kept);
+        SurgerySession desk = restore_desk(table(), kept);
         EXPECT_TRUE(same(desk.session().compact_mesh(), left));
         EXPECT_TRUE(same(*desk.picture()->surface, *surface));
         ASSERT_EQ(desk.cuts().size(), 2U);
@@ -120,7 +120,7 @@ namespace kept_cuts_test {
         constexpr double kRounding = 1e-9;
         mesh::CutReport report;
         {
-            CuttingDesk desk = fresh_desk(table());
+            SurgerySession desk = fresh_desk(table());
             cut(desk, 30.0);
             ASSERT_TRUE(desk.take_out(at(desk, 60.0, 80.0), 12.0).done);
             report = desk.cuts().back().report;
@@ -134,7 +134,7 @@ namespace kept_cuts_test {
                 taken.report.removed_volume_mm3, report.removed_volume_mm3, kRounding * report.removed_volume_mm3);
         };
         {
-            CuttingDesk desk = restore_desk(table(), read_kept_cuts(journal(), table().wall));
+            SurgerySession desk = restore_desk(table(), read_kept_cuts(journal(), table().wall));
             ASSERT_EQ(desk.cuts().size(), 3U);
             EXPECT_EQ(desk.cuts()[0].taken_out, "");
             check(desk.cuts()[1]);
@@ -142,7 +142,7 @@ namespace kept_cuts_test {
             desk.undo();
             desk.undo();
         }
-        CuttingDesk desk = restore_desk(table(), read_kept_cuts(journal(), table().wall));
+        SurgerySession desk = restore_desk(table(), read_kept_cuts(journal(), table().wall));
         ASSERT_EQ(desk.cuts().size(), 1U);
         desk.redo();
         desk.redo();
@@ -155,14 +155,14 @@ namespace kept_cuts_test {
     {
         mesh::TetMesh left;
         {
-            auto desk = std::make_unique<CuttingDesk>(fresh_desk(table()));
+            auto desk = std::make_unique<SurgerySession>(fresh_desk(table()));
             cut(*desk, 30.0);
             begin(*desk, 62.0); // the desk ends without finishing it, as a crash would
             left = desk->session().compact_mesh();
         }
         const KeptCuts kept = read_kept_cuts(journal(), table().wall);
         ASSERT_EQ(kept.deltas.size(), 2U);
-        CuttingDesk desk = restore_desk(table(), kept);
+        SurgerySession desk = restore_desk(table(), kept);
         EXPECT_FALSE(desk.stroke_open());
         EXPECT_GE(desk.session().tet_count(), left.tet_count());
         desk.undo();
@@ -172,7 +172,7 @@ namespace kept_cuts_test {
     TEST_F(KeptCutsTest, AnotherWallOrADamagedFileIsRefused)
     {
         {
-            CuttingDesk desk = fresh_desk(table());
+            SurgerySession desk = fresh_desk(table());
             cut(desk, 30.0);
         }
         EXPECT_THROW((void)fresh_desk(table()), IoError) << "what is kept is not written over";
@@ -262,7 +262,7 @@ namespace kept_cuts_test {
     {
         KnifeWorker worker(
             [&](const Job&) {
-                OperatingTable laid = table();
+                SurgerySetup laid = table();
                 laid.caution = "nothing presses here";
                 return laid;
             },

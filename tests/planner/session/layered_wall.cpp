@@ -4,9 +4,9 @@
 
 namespace retractor::planner {
 
-OperatingTable layered_wall(const Vec3& shift)
+SurgerySetup layered_wall(const Vec3& shift)
 {
-    OperatingTable table;
+    SurgerySetup table;
     table.wall = mesh::kuhn_box(24, 6, 24, kSlabEdgeMm);
     for (TetId t = 0; t < static_cast<TetId>(table.wall.tet_count()); ++t) {
         Vec3 middle = Vec3::Zero();
@@ -34,9 +34,9 @@ OperatingTable layered_wall(const Vec3& shift)
 
 Ray ray_down(double x, double z) { return { { x, -50.0, z }, Vec3::UnitY() }; }
 
-OperatingTable wall_with_planned_hooks(const HookPull& pull, double hook_depth_mm)
+SurgerySetup wall_with_planned_hooks(const HookPull& pull, double hook_depth_mm)
 {
-    OperatingTable table = layered_wall();
+    SurgerySetup table = layered_wall();
     table.approach.incision = { { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 } };
     table.approach.directions.assign(2, Vec3::UnitY());
     table.approach.depth_mm = 20.0;

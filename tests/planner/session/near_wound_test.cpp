@@ -5,8 +5,8 @@
 
 #include "fem/linear_algebra/sparse_cholesky.h"
 #include "mesh/base/error.h"
-#include "planner/session/cutting_desk.h"
 #include "planner/session/knife_worker.h"
+#include "planner/session/surgery_session.h"
 #include "tests/planner/session/layered_wall.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ namespace near_wound_test {
     // threads come along. A wrong answer is off by a tenth of a millimetre and a newton at the least.
     constexpr double kRounding = 1e-10; // mm, N
 
-    Touch at(CuttingDesk& desk, double x, double z)
+    Touch at(SurgerySession& desk, double x, double z)
     {
         const auto found = touch(*desk.picture(), ray_down(x, z));
         if (!found)
@@ -38,7 +38,7 @@ namespace near_wound_test {
         return *found;
     }
 
-    void settle(CuttingDesk& desk)
+    void settle(SurgerySession& desk)
     {
         for (int i = 0; i < 100000 && desk.moving(); ++i) {
             desk.relax(40.0);
@@ -47,7 +47,7 @@ namespace near_wound_test {
         ASSERT_FALSE(desk.moving());
     }
 
-    bool draw(CuttingDesk& desk, double x0, double z0, double x1, double z1)
+    bool draw(SurgerySession& desk, double x0, double z0, double x1, double z1)
     {
         if (!desk.begin_stroke(at(desk, x0, z0), { .depth_mm = 15.0 }).done)
             return false;
@@ -58,7 +58,7 @@ namespace near_wound_test {
 
     /// A wound of 60 mm along x in the middle of the slab, with a hook on each lip in its middle.
     struct NonlinearWound {
-        CuttingDesk desk { layered_wall() };
+        SurgerySession desk { layered_wall() };
 
         NonlinearWound()
         {
@@ -87,7 +87,7 @@ namespace near_wound_test {
             mesh::SlotMap map;
             const mesh::TetMesh mesh = desk.session().compact_mesh(&map);
             const auto compact = [&](VertexId id) { return map.compact_vertex[static_cast<std::size_t>(id)]; };
-            OperatingTable table = layered_wall();
+            SurgerySetup table = layered_wall();
             for (fem::Material& material : table.materials)
                 material.poissons_ratio = std::min(material.poissons_ratio, 0.45);
             fem::Supports supports;
@@ -147,7 +147,7 @@ namespace near_wound_test {
     TEST(NearWound, WhatIsShownIsTheNearFieldsAnswer)
     {
         NonlinearWound wound;
-        CuttingDesk& desk = wound.desk;
+        SurgerySession& desk = wound.desk;
         desk.pull_all_hooks(12.0);
         EXPECT_EQ(desk.hooks().shown, ShownAnswer::linear) << "it is not made yet";
         EXPECT_EQ(desk.hooks().shown_text, "linear: nonlinear comes");
@@ -202,7 +202,7 @@ namespace near_wound_test {
     TEST(NearWound, HooksStopWhereTheirLipsMeetInNonlinearTissueToo)
     {
         NonlinearWound wound;
-        CuttingDesk& desk = wound.desk;
+        SurgerySession& desk = wound.desk;
         desk.pull_all_hooks(2.0);
         settle(desk);
         desk.pull_hook(desk.hooks().hooks[1].id, Vec3(0.0, 0.0, 6.0));
@@ -218,7 +218,7 @@ namespace near_wound_test {
     TEST(NearWound, CutsGoOnFromTheNonlinearAnswerAndUndoRestoresIt)
     {
         NonlinearWound wound;
-        CuttingDesk& desk = wound.desk;
+        SurgerySession& desk = wound.desk;
         desk.pull_all_hooks(12.0);
         const Points linear = wound.moved();
         wound.expect_near_field();
@@ -249,7 +249,7 @@ namespace near_wound_test {
     TEST(NearWound, HooksYieldAtTheirLimitInNonlinearTissueToo)
     {
         NonlinearWound wound;
-        CuttingDesk& desk = wound.desk;
+        SurgerySession& desk = wound.desk;
         desk.pull_all_hooks(8.0);
         settle(desk);
         const double unlimited = desk.hooks().hooks[0].force_N.norm(), limit = 0.5 * unlimited;
@@ -300,12 +300,12 @@ namespace near_wound_test {
     TEST(NearWound, SaysWhereLinearTissueBeyondIsOffByMuch)
     {
         constexpr double kFarMm = 30.0; // each way
-        OperatingTable table = wall_with_planned_hooks({}, 7.0);
+        SurgerySetup table = wall_with_planned_hooks({}, 7.0);
         for (HookSpec& hook : table.approach.hooks)
             hook.opening_mm = kFarMm;
         // By one side alone: the others turn.
         std::erase_if(table.held, [&](VertexId v) { return table.wall.vertices(v, 2) > 1.0; });
-        CuttingDesk desk(std::move(table));
+        SurgerySession desk(std::move(table));
         ASSERT_TRUE(draw(desk, 30.0, 60.0, 90.0, 60.0));
         desk.set_nonlinear(true);
         ASSERT_TRUE(desk.take_planned_hooks().done);
@@ -322,7 +322,7 @@ namespace near_wound_test {
     TEST(NearWound, PlannedForcesAreBorneInNonlinearTissueToo)
     {
         constexpr double kForceN = 6.0, kAtForce = 1e-4; // the hooks stay to 1e-6 of their way
-        CuttingDesk desk(wall_with_planned_hooks({ .force_N = kForceN }, 7.0));
+        SurgerySession desk(wall_with_planned_hooks({ .force_N = kForceN }, 7.0));
         ASSERT_TRUE(draw(desk, 30.0, 60.0, 90.0, 60.0));
         desk.set_nonlinear(true);
         const KnifeAnswer taken = desk.take_planned_hooks();
@@ -366,7 +366,7 @@ namespace near_wound_test {
     TEST(NearWound, ARefusedLinearAnswerLeavesWhatWasShown)
     {
         NonlinearWound wound;
-        CuttingDesk& desk = wound.desk;
+        SurgerySession& desk = wound.desk;
         desk.pull_all_hooks(12.0);
         wound.expect_near_field();
         const HookReport before = desk.hooks();
@@ -405,7 +405,7 @@ namespace near_wound_test {
     {
         // After a cut the linear answer's changes are added to the last nonlinear one: its forces know no new limit.
         NonlinearWound wound;
-        CuttingDesk& desk = wound.desk;
+        SurgerySession& desk = wound.desk;
         desk.pull_all_hooks(12.0);
         settle(desk);
         const double limit = 1e-3 * desk.hooks().hooks[0].force_N.norm();
@@ -428,7 +428,7 @@ namespace near_wound_test {
 
     TEST(NearWound, TensionIsPartOfIt)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         desk.set_tension(0.01);
         ASSERT_TRUE(draw(desk, 30.0, 60.0, 90.0, 60.0));
         desk.set_nonlinear(true);

@@ -13,9 +13,9 @@
 namespace retractor::planner {
 namespace planned_tension_test {
 
-    OperatingTable wall_under_tension()
+    SurgerySetup wall_under_tension()
     {
-        OperatingTable table = wall_with_planned_hooks({}, 7.0);
+        SurgerySetup table = wall_with_planned_hooks({}, 7.0);
         table.materials[kSkin].pre_strain
             = { .kind = fem::PreStrainKind::biaxial, .strain = 0.05, .pull = Vec3::UnitZ(), .across = 0.02 };
         table.materials[kFat].pre_strain = { .kind = fem::PreStrainKind::equibiaxial, .strain = 0.02 };
@@ -27,9 +27,9 @@ namespace planned_tension_test {
         double gape_mm = 0.0; ///< of the widest place
     };
 
-    Opened under_the_knife(const OperatingTable& table, double tension)
+    Opened under_the_knife(const SurgerySetup& table, double tension)
     {
-        CuttingDesk desk(table);
+        SurgerySession desk(table);
         desk.set_tension(tension);
         const auto at = [&](double x) { return *touch(*desk.picture(), ray_down(x, 60.0)); };
         EXPECT_TRUE(desk.begin_stroke(at(30.0), { .depth_mm = 20.0 }).done);
@@ -46,7 +46,7 @@ namespace planned_tension_test {
     }
 
     /// The same wall, blade and hooks as plan_approach() goes about them.
-    Opened as_planned(const OperatingTable& table)
+    Opened as_planned(const SurgerySetup& table)
     {
         const WallTension tension = wall_tension(table.wall, table.materials, table.labels, table.held, table.outward);
         const CutWall cut = cut_wall(table.wall, table.approach, table.labels, { .fixed = table.held }, {});
@@ -65,12 +65,12 @@ namespace planned_tension_test {
 
     TEST(PlannedTension, HooksBearTheSameUnderTheKnifeAsInAPlan)
     {
-        const OperatingTable table = wall_under_tension();
-        OperatingTable slack = table;
+        const SurgerySetup table = wall_under_tension();
+        SurgerySetup slack = table;
         for (fem::Material& material : slack.materials)
             material.pre_strain = {};
         const Opened plan = as_planned(table), plan_without = as_planned(slack),
-                     knife = under_the_knife(table, CuttingDesk(table).case_tension()),
+                     knife = under_the_knife(table, SurgerySession(table).case_tension()),
                      knife_without = under_the_knife(slack, 0.0);
         constexpr double kMeshes = 0.05; // a stroke divides elements otherwise than one blade does
         ASSERT_EQ(knife.hook_forces_N.size(), 2U);
@@ -85,9 +85,9 @@ namespace planned_tension_test {
 
     TEST(PlannedTension, TheCasesTensionIsScaledAsAWhole)
     {
-        const OperatingTable table = wall_under_tension();
-        EXPECT_EQ(CuttingDesk(table).case_tension(), 0.05);
-        EXPECT_EQ(CuttingDesk(wall_with_planned_hooks({}, 7.0)).case_tension(), 0.0);
+        const SurgerySetup table = wall_under_tension();
+        EXPECT_EQ(SurgerySession(table).case_tension(), 0.05);
+        EXPECT_EQ(SurgerySession(wall_with_planned_hooks({}, 7.0)).case_tension(), 0.0);
         // Linear: what the hooks bear falls in proportion to the tension; but the stroke is drawn on a wound that
         // gapes.
         constexpr double kDrawn = 0.02;

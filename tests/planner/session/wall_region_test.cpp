@@ -38,9 +38,9 @@ namespace wall_region_test {
 
     TEST(WallRegion, ItsOutlineIsALineOnTheSkinWhereTheKnifeMayStillCut)
     {
-        const OperatingTable table = layered_wall();
+        const SurgerySetup table = layered_wall();
         const std::vector<EdgePlace> places = region_outline(table.wall, small_region(), table.labels, table.outward);
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         const std::vector<Vec3> shown = shown_places(places, *desk.picture());
         ASSERT_GT(shown.size(), 20U);
         ASSERT_EQ(shown.size() % 2, 0U);
@@ -56,7 +56,7 @@ namespace wall_region_test {
 
     TEST(BeyondSurface, GoesAlongWithTheRimAndRestsFarAway)
     {
-        OperatingTable table = layered_wall();
+        SurgerySetup table = layered_wall();
         const WallRegion region { .corridor = { { 60.0, 0.0, 0.0 }, { 60.0, 0.0, 120.0 } }, .meshed_mm = 60.0 };
         auto sheet = std::make_shared<TriMesh>();
         sheet->vertices.resize(4, 3);
@@ -64,7 +64,7 @@ namespace wall_region_test {
         sheet->triangles = { { 0, 1, 3 }, { 1, 2, 3 } };
         sheet->labels = { kSkin, kSkin };
         const BeyondSurface beyond(sheet, table.wall, region);
-        CuttingDesk desk(std::move(table));
+        SurgerySession desk(std::move(table));
         WallPicture picture = *desk.picture();
         EXPECT_EQ(beyond.shown(picture), sheet->vertices) << "the wall lies at rest";
         picture.shown.rowwise() += Eigen::RowVector3d(3.0, 0.0, 4.0);
@@ -75,7 +75,7 @@ namespace wall_region_test {
     }
 
     /// A cut far from the outline, which takes the ids of vertices that are gone.
-    void cut_elsewhere(CuttingDesk& desk)
+    void cut_elsewhere(SurgerySession& desk)
     {
         const auto at = [&](double x) { return *touch(*desk.picture(), ray_down(x, 105.0)); };
         ASSERT_TRUE(desk.begin_stroke(at(10.0), {}).done);
@@ -86,10 +86,10 @@ namespace wall_region_test {
 
     TEST(WallRegion, ItsOutlineIsNotDrawnOverTissueThatWasTakenOut)
     {
-        const OperatingTable table = layered_wall();
+        const SurgerySetup table = layered_wall();
         const WallRegion region { .corridor = { { 70.0, 0.0, 50.0 }, { 70.0, 0.0, 70.0 } }, .meshed_mm = 30.0 };
         const std::vector<EdgePlace> places = region_outline(table.wall, region, table.labels, table.outward);
-        CuttingDesk desk(table);
+        SurgerySession desk(table);
         const std::vector<Vec3> whole = shown_places(places, *desk.picture());
         const Touch middle = *touch(*desk.picture(), ray_down(94.0, 60.0));
         ASSERT_TRUE(desk.take_out(middle, 15.0).done);
@@ -113,7 +113,7 @@ namespace wall_region_test {
 
     TEST(BeyondSurface, GoesAlongWithWhatIsLeftOfTheRim)
     {
-        OperatingTable table = layered_wall();
+        SurgerySetup table = layered_wall();
         table.held.clear();
         const WallRegion region { .corridor = { { 60.0, 0.0, 0.0 }, { 60.0, 0.0, 120.0 } }, .meshed_mm = 60.0 };
         auto sheet = std::make_shared<TriMesh>();
@@ -123,7 +123,7 @@ namespace wall_region_test {
         sheet->labels = { kSkin };
         const BeyondSurface beyond(sheet, table.wall, region);
         const Points first = table.wall.vertices;
-        CuttingDesk desk(std::move(table));
+        SurgerySession desk(std::move(table));
         ASSERT_TRUE(desk.take_out(*touch(*desk.picture(), ray_down(119.0, 60.0)), 9.0).done);
         const auto check = [&] {
             WallPicture picture = *desk.picture();

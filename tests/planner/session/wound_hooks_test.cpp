@@ -3,8 +3,8 @@
 #include "fem/linear_algebra/sparse_cholesky.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/error.h"
-#include "planner/session/cutting_desk.h"
 #include "planner/session/knife_worker.h"
+#include "planner/session/surgery_session.h"
 #include "tests/planner/session/layered_wall.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ namespace wound_hooks_test {
     constexpr double kRoundingMm = 1e-10;
     constexpr int kPatience = 2400; // looks, 50 ms apart, for a factor that is made on another thread
 
-    Touch at(CuttingDesk& desk, double x, double z)
+    Touch at(SurgerySession& desk, double x, double z)
     {
         const auto found = touch(*desk.picture(), ray_down(x, z));
         if (!found)
@@ -34,7 +34,7 @@ namespace wound_hooks_test {
         return *found;
     }
 
-    KnifeAnswer draw(CuttingDesk& desk, const Vec3& from, const Vec3& to, double depth_mm = 15.0)
+    KnifeAnswer draw(SurgerySession& desk, const Vec3& from, const Vec3& to, double depth_mm = 15.0)
     {
         if (KnifeAnswer begun = desk.begin_stroke(at(desk, from.x(), from.z()), { .depth_mm = depth_mm }); !begun.done)
             return begun;
@@ -46,7 +46,7 @@ namespace wound_hooks_test {
         return desk.finish_stroke();
     }
 
-    void settle(CuttingDesk& desk)
+    void settle(SurgerySession& desk)
     {
         for (int i = 0; i < 1000 && desk.moving(); ++i)
             desk.relax(40.0);
@@ -54,7 +54,7 @@ namespace wound_hooks_test {
     }
 
     /// What the plan's solver makes of the same hooks on the same mesh, from nothing.
-    void expect_exact(CuttingDesk& desk)
+    void expect_exact(SurgerySession& desk)
     {
         settle(desk);
         const HookReport report = desk.hooks();
@@ -62,7 +62,7 @@ namespace wound_hooks_test {
         EXPECT_LT(report.residual, kResidual);
         mesh::SlotMap map;
         const mesh::TetMesh mesh = desk.session().compact_mesh(&map);
-        OperatingTable table = layered_wall();
+        SurgerySetup table = layered_wall();
         fem::Supports supports;
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
             if (const Vec3 p = mesh.vertices.row(v); p.x() == 0.0 || p.x() == 120.0 || p.z() == 0.0 || p.z() == 120.0)
@@ -99,9 +99,9 @@ namespace wound_hooks_test {
 
     /// A wound of 60 mm along x in the middle of the slab, with a hook on each lip in its middle.
     struct OpenWound {
-        CuttingDesk desk;
+        SurgerySession desk;
 
-        explicit OpenWound(OperatingTable table = layered_wall())
+        explicit OpenWound(SurgerySetup table = layered_wall())
             : desk(std::move(table))
         {
             EXPECT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }).done);
@@ -116,7 +116,7 @@ namespace wound_hooks_test {
     TEST(WoundHooks, AHookOnEachLipOpensTheWound)
     {
         OpenWound wound;
-        CuttingDesk& desk = wound.desk;
+        SurgerySession& desk = wound.desk;
         HookReport report = desk.hooks();
         ASSERT_EQ(report.hooks.size(), 2U);
         EXPECT_EQ(report.hooks[0].name, "hook 1");
@@ -150,7 +150,7 @@ namespace wound_hooks_test {
     TEST(WoundHooks, FurtherCutsAndUndosFollowWhileTheWoundIsOpen)
     {
         OpenWound wound;
-        CuttingDesk& desk = wound.desk;
+        SurgerySession& desk = wound.desk;
         desk.pull_all_hooks(3.0);
         wound.expect_exact();
         // Away from the wound's edge, drawn on the open skin, and looked at after every step of the knife.
@@ -184,7 +184,7 @@ namespace wound_hooks_test {
     TEST(WoundHooks, UndoingTheWoundTakesItsHooksOffAloud)
     {
         OpenWound wound;
-        CuttingDesk& desk = wound.desk;
+        SurgerySession& desk = wound.desk;
         desk.pull_all_hooks(3.0);
         desk.undo();
         EXPECT_TRUE(desk.hooks().hooks.empty());
@@ -204,7 +204,7 @@ namespace wound_hooks_test {
     TEST(WoundHooks, APieceThatComesOffIsRefusedByNameUntilItIsUndone)
     {
         OpenWound wound;
-        CuttingDesk& desk = wound.desk;
+        SurgerySession& desk = wound.desk;
         desk.pull_all_hooks(2.0);
         settle(desk);
         // A square through the whole slab.
@@ -228,7 +228,7 @@ namespace wound_hooks_test {
     TEST(WoundHooks, YieldAtTheForceThatIsGiven)
     {
         OpenWound wound;
-        CuttingDesk& desk = wound.desk;
+        SurgerySession& desk = wound.desk;
         desk.pull_all_hooks(5.0);
         const double unlimited = desk.hooks().hooks[0].force_N.norm();
         desk.set_yield(0.5 * unlimited);
@@ -247,7 +247,7 @@ namespace wound_hooks_test {
     TEST(WoundHooks, OneThatIsDrawnThroughAnotherStopsWhereTheirLipsMeet)
     {
         OpenWound wound;
-        CuttingDesk& desk = wound.desk;
+        SurgerySession& desk = wound.desk;
         desk.pull_all_hooks(4.0);
         EXPECT_EQ(desk.hooks().meeting, "");
         const fem::HookId upper = desk.hooks().hooks[0].id, lower = desk.hooks().hooks[1].id;
@@ -291,7 +291,7 @@ namespace wound_hooks_test {
 
     TEST(WoundHooks, ALipThatIsDrawnThroughTheOtherIsSaidToOverlapIt)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         ASSERT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }).done);
         ASSERT_TRUE(desk.place_hook(at(desk, 60.0, 57.0)).done);
         const fem::HookId hook = desk.hooks().hooks[0].id;
@@ -308,7 +308,7 @@ namespace wound_hooks_test {
 
     TEST(WoundHooks, TensionIsSetFreeUnderHooksTooAndSpringsTakeOverWithoutThem)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         ASSERT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }, 40.0).done);
         desk.set_tension(0.04);
         settle(desk);
@@ -336,7 +336,7 @@ namespace wound_hooks_test {
 
     TEST(WoundHooks, ThePlannedOnesAreTakenWhereALipLiesUnderThem)
     {
-        OperatingTable table = layered_wall();
+        SurgerySetup table = layered_wall();
         table.approach.incision = { { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 } };
         table.approach.directions.assign(2, Vec3::UnitY());
         table.approach.depth_mm = 20.0;
@@ -349,7 +349,7 @@ namespace wound_hooks_test {
                     .depth_mm = 8.0,
                     .direction = pull * Vec3::UnitZ(),
                     .opening_mm = 6.0 });
-        CuttingDesk desk(std::move(table));
+        SurgerySession desk(std::move(table));
         EXPECT_NE(desk.take_planned_hooks().reason.find("cut first"), std::string::npos);
         ASSERT_TRUE(draw(desk, { 70.0, 0.0, 60.5 }, { 32.0, 0.0, 59.5 }, 20.0).done) << "the other way, and shorter";
         const KnifeAnswer taken = desk.take_planned_hooks();
@@ -380,7 +380,7 @@ namespace wound_hooks_test {
 
     TEST(WoundHooks, AsPlannedAHookStopsAtOneThatIsInItsWay)
     {
-        CuttingDesk desk(wall_with_planned_hooks({}, 8.0));
+        SurgerySession desk(wall_with_planned_hooks({}, 8.0));
         ASSERT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }, 20.0).done);
         ASSERT_TRUE(desk.place_hook(at(desk, 60.0, 57.0)).done); // where one of the planned ones would hold
         desk.pull_hook(desk.hooks().hooks[0].id, Vec3(0.0, 0.0, 10.0));
@@ -397,7 +397,7 @@ namespace wound_hooks_test {
 
     /// A wound along the planned line, opened by two planned hooks that go 6 mm and are driven so besides.
     struct PlannedWound {
-        CuttingDesk desk;
+        SurgerySession desk;
 
         explicit PlannedWound(const HookPull& pull)
             : desk(wall_with_planned_hooks(pull, 8.0))
@@ -416,7 +416,7 @@ namespace wound_hooks_test {
     {
         constexpr double kForceN = 3.0;
         PlannedWound wound({ .force_N = kForceN });
-        CuttingDesk& desk = wound.desk;
+        SurgerySession& desk = wound.desk;
         expect_exact(desk);
         const double way = wound.way_mm(0);
         EXPECT_GT(way, 0.5);
@@ -452,7 +452,7 @@ namespace wound_hooks_test {
     {
         constexpr double kForceN = 3.0, kLimitN = 2.0;
         PlannedWound wound({ .force_N = kForceN });
-        CuttingDesk& desk = wound.desk;
+        SurgerySession& desk = wound.desk;
         desk.set_yield(kLimitN);
         EXPECT_NEAR(wound.force_N(0), kLimitN, kAtForce * kLimitN);
         EXPECT_TRUE(wound.hooks()[0].yielded);
@@ -478,7 +478,7 @@ namespace wound_hooks_test {
     {
         constexpr double kForceN = 3.0;
         PlannedWound wound({ .force_N = kForceN });
-        CuttingDesk& desk = wound.desk;
+        SurgerySession& desk = wound.desk;
         const Vec3 pull = wound.hooks()[0].seat.pull;
         const auto between_mm
             = [&] { return (wound.hooks()[0].displacement - wound.hooks()[1].displacement).dot(pull); };
@@ -507,7 +507,7 @@ namespace wound_hooks_test {
     {
         const double free_N = PlannedWound({}).force_N(0), limit_N = 0.6 * free_N;
         PlannedWound wound({ .force_limit_N = limit_N });
-        CuttingDesk& desk = wound.desk;
+        SurgerySession& desk = wound.desk;
         expect_exact(desk);
         for (std::size_t h = 0; h < 2; ++h) {
             EXPECT_TRUE(wound.hooks()[h].yielded) << h;
@@ -543,7 +543,7 @@ namespace wound_hooks_test {
 
     TEST(WoundHooks, WhatGivesNoHoldIsRefusedInWords)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         const auto refused = [&](double x, double z) { return desk.place_hook(at(desk, x, z)).reason; };
         EXPECT_NE(refused(60.0, 60.0).find("cut first"), std::string::npos);
         ASSERT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }).done);
@@ -556,9 +556,9 @@ namespace wound_hooks_test {
         desk.pull_hook(77, Vec3::Zero()); // taken off meanwhile
         ASSERT_TRUE(desk.begin_stroke(at(desk, 30.0, 90.0), {}).done);
         EXPECT_NE(refused(50.0, 57.0).find("a stroke is open"), std::string::npos);
-        OperatingTable floating = layered_wall();
+        SurgerySetup floating = layered_wall();
         floating.held.clear();
-        CuttingDesk loose(std::move(floating));
+        SurgerySession loose(std::move(floating));
         ASSERT_TRUE(draw(loose, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }).done);
         const std::string why = loose.place_hook(at(loose, 60.0, 63.0)).reason;
         EXPECT_NE(why.find("has neither a support nor a hook"), std::string::npos) << why;
@@ -568,7 +568,7 @@ namespace wound_hooks_test {
     TEST(WoundHooks, ANewFactorIsMadeInTheBackgroundWhileTheKnifeGoesOn)
     {
         OpenWound wound;
-        CuttingDesk& desk = wound.desk;
+        SurgerySession& desk = wound.desk;
         desk.pull_all_hooks(2.0);
         for (const double z : { 30.0, 90.0 }) {
             ASSERT_TRUE(draw(desk, { 15.0, 0.0, z }, { 85.0, 0.0, z }, 20.0).done);
@@ -586,7 +586,7 @@ namespace wound_hooks_test {
 
     TEST(WoundHooks, WhereALineIsPlannedTheWoundFollowsTheKnifeWithTheFactorAsItIs)
     {
-        OperatingTable table = layered_wall();
+        SurgerySetup table = layered_wall();
         table.approach.incision = { { 15.0, 0.0, 30.0 }, { 85.0, 0.0, 30.0 } };
         table.approach.directions = { Vec3::UnitY(), Vec3::UnitY() };
         table.approach.depth_mm = 20.0;

@@ -67,7 +67,7 @@ namespace {
             throw InputError(
                 model.message.empty() ? "there is no wall to cut" : model.message, "approach " + approach.name);
         KnifeTable laid;
-        planner::OperatingTable& table = laid.table;
+        planner::SurgerySetup& table = laid.table;
         fem::Supports supports = planner::supports_of(model.wall, *labels, planned_case, sizing);
         table.held = std::move(supports.fixed);
         table.cut_off = planner::cut_off_vertices(model.wall, *labels);

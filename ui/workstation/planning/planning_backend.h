@@ -2,7 +2,7 @@
 // What the window asks of the planner. The functions run on worker threads, at the same time if need be.
 
 #include "mesh/base/job.h"
-#include "planner/session/cutting_desk.h"
+#include "planner/session/surgery_session.h"
 #include "ui/workstation/planning/session_model.h"
 
 #include <functional>
@@ -19,7 +19,7 @@ struct PlanOutcome {
 
 /// What the window lays out for the knife.
 struct KnifeTable {
-    planner::OperatingTable table;
+    planner::SurgerySetup table;
     Scene surroundings; ///< drawn, not cut; with the camera of the overview
 };
 

@@ -634,7 +634,7 @@ namespace knife_window_test {
     {
         planner::Case planned_case = block_on_disk("materials_case", { 100.0, 80.0, 100.0 }, 14.0);
         const planner::Approach& approach = planned_case.approaches.front();
-        const planner::OperatingTable alike = make_planning_backend(planned_case).operating_table(approach, {}).table;
+        const planner::SurgerySetup alike = make_planning_backend(planned_case).operating_table(approach, {}).table;
         EXPECT_EQ(alike.caution, "");
         const std::vector<fem::Material> planned = planner::materials_as_solved(planned_case);
         ASSERT_EQ(alike.materials.size(), planned.size());
@@ -643,7 +643,7 @@ namespace knife_window_test {
             EXPECT_EQ(alike.materials[label].poissons_ratio, planned[label].poissons_ratio) << planned[label].name;
         }
         planned_case.solution.element = planner::ElementKind::p2;
-        const planner::OperatingTable other = make_planning_backend(planned_case).operating_table(approach, {}).table;
+        const planner::SurgerySetup other = make_planning_backend(planned_case).operating_table(approach, {}).table;
         EXPECT_EQ(other.caution,
             "hooks under the knife take Poisson's ratios as at most 0.45, plans of this case as they are (skin 0.48)");
     }

@@ -33,7 +33,7 @@ class SpringNetwork;
 namespace retractor::planner {
 
 /// What the knife is laid out for: one approach's wall.
-struct OperatingTable {
+struct SurgerySetup {
     mesh::TetMesh wall; ///< four nodes per element, at rest
     /// Vertices of the wall that do not move. Springs know no softer support: a bed (Supports::bedded) is left free.
     std::vector<VertexId> held;
@@ -81,17 +81,17 @@ struct CutEntry {
 
 struct LipsOfCut;
 
-class CuttingDesk {
+class SurgerySession {
 public:
     /// Without a journal, whatever the table says. Records the part "cutting session".
     /// @throws InputError as CutSession does.
-    explicit CuttingDesk(OperatingTable table, const Job& job = {});
+    explicit SurgerySession(SurgerySetup table, const Job& job = {});
     /// On a session of the table's wall that has these cuts already: one delta per cut, in order; no stroke is open.
-    CuttingDesk(
-        OperatingTable table, mesh::CutSession session, const std::vector<mesh::MeshDelta>& cuts, const Job& job = {});
-    ~CuttingDesk();
-    CuttingDesk(CuttingDesk&&) noexcept;
-    CuttingDesk& operator=(CuttingDesk&&) noexcept;
+    SurgerySession(
+        SurgerySetup table, mesh::CutSession session, const std::vector<mesh::MeshDelta>& cuts, const Job& job = {});
+    ~SurgerySession();
+    SurgerySession(SurgerySession&&) noexcept;
+    SurgerySession& operator=(SurgerySession&&) noexcept;
 
     /// Sets the knife on the skin. Refused: beyond what can be cut (WallRegion), in a wound, on bare bone that the
     /// knife does not cut, no far side of the wall to cut through to.

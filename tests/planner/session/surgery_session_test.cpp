@@ -1,4 +1,4 @@
-#include "planner/session/cutting_desk.h"
+#include "planner/session/surgery_session.h"
 
 #include "mesh/base/error.h"
 #include "planner/session/knife_worker.h"
@@ -25,7 +25,7 @@ namespace cutting_desk_test {
     // The knife's own promise: depth, ends and lips are right to a tenth of the local edge.
     constexpr double kCutToleranceMm = 0.1 * kSlabEdgeMm;
 
-    Touch at(CuttingDesk& desk, double x, double z)
+    Touch at(SurgerySession& desk, double x, double z)
     {
         const auto found = touch(*desk.picture(), ray_down(x, z));
         if (!found)
@@ -34,7 +34,7 @@ namespace cutting_desk_test {
     }
 
     /// Press, draw with a point every 2 mm, release.
-    KnifeAnswer draw(CuttingDesk& desk, const Vec3& from, const Vec3& to, const KnifeSettings& settings)
+    KnifeAnswer draw(SurgerySession& desk, const Vec3& from, const Vec3& to, const KnifeSettings& settings)
     {
         if (KnifeAnswer begun = desk.begin_stroke(at(desk, from.x(), from.z()), settings); !begun.done)
             return begun;
@@ -55,7 +55,7 @@ namespace cutting_desk_test {
 
     TEST(WallPicture, ATouchOfTheMovedSurfaceIsMappedBackToRest)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         WallPicture moved = *desk.picture();
         for (Eigen::Index v = 0; v < moved.shown.rows(); ++v) // affine: exact within each face
             moved.shown.row(v) += Eigen::RowVector3d(0.1 * moved.shown(v, 2) + 3.0, 2.0, -0.05 * moved.shown(v, 0));
@@ -75,16 +75,16 @@ namespace cutting_desk_test {
 
     TEST(WallPicture, TheWallIsAsThickAsItIs)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         const auto thick = thickness_near(*desk.picture()->surface, at(desk, 60.0, 60.0));
         ASSERT_TRUE(thick);
         EXPECT_NEAR(*thick, kSlabThicknessMm, 0.1); // the rays start 0.01 mm under the skin
         EXPECT_FALSE(thickness_near(*desk.picture()->surface, at(desk, 60.0, 60.0), 40.0, 20.0));
     }
 
-    TEST(CuttingDesk, CutsWhereItIsDrawnAsDeepAsAsked)
+    TEST(SurgerySession, CutsWhereItIsDrawnAsDeepAsAsked)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         EXPECT_TRUE(wound_rims(*desk.picture()->surface).empty());
         const KnifeAnswer answer = draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, { .depth_mm = 12.0 });
         ASSERT_TRUE(answer.done) << answer.reason;
@@ -122,9 +122,9 @@ namespace cutting_desk_test {
         EXPECT_EQ(desk.picture(), picture) << "made once while nothing changes";
     }
 
-    TEST(CuttingDesk, OpensWhileTheKnifeMoves)
+    TEST(SurgerySession, OpensWhileTheKnifeMoves)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         ASSERT_TRUE(desk.begin_stroke(at(desk, 20.0, 62.0), {}).done);
         std::size_t steps = 0, before = desk.session().tet_count();
         for (double x = 22.0; x <= 80.0; x += 2.0) {
@@ -139,9 +139,9 @@ namespace cutting_desk_test {
         EXPECT_TRUE(desk.can_undo());
     }
 
-    TEST(CuttingDesk, UndoAndRedoAreExact)
+    TEST(SurgerySession, UndoAndRedoAreExact)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         std::vector<mesh::TetMesh> states { desk.session().compact_mesh() };
         for (const double z : { 30.0, 62.0, 91.0 }) {
             ASSERT_TRUE(draw(desk, { 20.0, 0.0, z }, { 80.0, 0.0, z + 4.0 }, {}).done);
@@ -166,9 +166,9 @@ namespace cutting_desk_test {
         EXPECT_FALSE(desk.can_redo());
     }
 
-    TEST(CuttingDesk, AnAbandonedStrokeLeavesNothingBehind)
+    TEST(SurgerySession, AnAbandonedStrokeLeavesNothingBehind)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         ASSERT_TRUE(draw(desk, { 20.0, 0.0, 30.0 }, { 80.0, 0.0, 30.0 }, {}).done);
         desk.undo();
         const mesh::TetMesh before = desk.session().compact_mesh();
@@ -184,18 +184,18 @@ namespace cutting_desk_test {
         EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), before));
     }
 
-    TEST(CuttingDesk, GoesThroughTheWallWhenAsked)
+    TEST(SurgerySession, GoesThroughTheWallWhenAsked)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 80.0, 0.0, 62.0 }, { .through_wall = true }).done);
         EXPECT_GT(desk.cuts().front().depth_mm, kSlabThicknessMm);
         EXPECT_NEAR(
             desk.cuts().front().report.lip_area_mm2, 60.0 * kSlabThicknessMm, 2.0 * kSlabThicknessMm * kCutToleranceMm);
     }
 
-    TEST(CuttingDesk, CrossesAnEarlierWound)
+    TEST(SurgerySession, CrossesAnEarlierWound)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
         const KnifeAnswer second = draw(desk, { 53.0, 0.0, 30.0 }, { 56.0, 0.0, 95.0 }, {});
         ASSERT_TRUE(second.done) << second.reason;
@@ -205,7 +205,7 @@ namespace cutting_desk_test {
 
     /// Four strokes through the wall that cross near their ends, round (60, 60): what lies between them hangs on
     /// nothing.
-    void cut_a_square_free(CuttingDesk& desk, double half_side)
+    void cut_a_square_free(SurgerySession& desk, double half_side)
     {
         const double near = 60.0 - half_side, far = 60.0 + half_side, over = 6.0;
         for (const double side : { near, far }) {
@@ -215,10 +215,10 @@ namespace cutting_desk_test {
         }
     }
 
-    TEST(CuttingDesk, TakesOutAPieceThatWasCutFreeAndGivesItBack)
+    TEST(SurgerySession, TakesOutAPieceThatWasCutFreeAndGivesItBack)
     {
         for (const double tension : { 0.0, 0.04 }) {
-            CuttingDesk desk(layered_wall());
+            SurgerySession desk(layered_wall());
             desk.set_tension(tension);
             const KnifeAnswer whole = desk.take_out(at(desk, 60.0, 60.0), 0.0);
             EXPECT_FALSE(whole.done);
@@ -246,9 +246,9 @@ namespace cutting_desk_test {
         }
     }
 
-    TEST(CuttingDesk, TakesOutOneTissueRoundAPlace)
+    TEST(SurgerySession, TakesOutOneTissueRoundAPlace)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         EXPECT_THROW((void)desk.take_out(at(desk, 110.0, 60.0), -1.0), InputError);
         EXPECT_THROW((void)desk.take_out(at(desk, 110.0, 60.0), std::numeric_limits<double>::infinity()), InputError);
         const KnifeAnswer little = desk.take_out(at(desk, 110.0, 62.5), 0.1);
@@ -276,11 +276,11 @@ namespace cutting_desk_test {
         return middle;
     }
 
-    TEST(CuttingDesk, LeavesWhatIsBeyondTheOutlineOrHeldWhereItIs)
+    TEST(SurgerySession, LeavesWhatIsBeyondTheOutlineOrHeldWhereItIs)
     {
-        OperatingTable table = layered_wall();
+        SurgerySetup table = layered_wall();
         table.region = { .corridor = { { 60.0, 0.0, 20.0 }, { 60.0, 0.0, 100.0 } }, .meshed_mm = 40.0 };
-        CuttingDesk desk(std::move(table));
+        SurgerySession desk(std::move(table));
         const auto beyond = [&] { // and an edge further: elements at the border are divided
             const mesh::TetMesh mesh = desk.session().compact_mesh();
             std::size_t count = 0;
@@ -299,8 +299,8 @@ namespace cutting_desk_test {
         EXPECT_FALSE(outside.done);
         EXPECT_EQ(outside.reason.find("nothing can be taken out here: the wall is modelled"), 0U) << outside.reason;
 
-        const OperatingTable whole = layered_wall();
-        CuttingDesk held(whole);
+        const SurgerySetup whole = layered_wall();
+        SurgerySession held(whole);
         const KnifeAnswer side = held.take_out(at(held, 10.0, 60.0), 15.0);
         EXPECT_TRUE(side.done);
         EXPECT_EQ(side.reason, "a part of the ball was left out: it is held where the wall is");
@@ -312,12 +312,12 @@ namespace cutting_desk_test {
         EXPECT_EQ(held.session().cut_count(), 1U);
     }
 
-    TEST(CuttingDesk, NeverTakesOutEverythingNorWhatIsNoLongerThere)
+    TEST(SurgerySession, NeverTakesOutEverythingNorWhatIsNoLongerThere)
     {
-        OperatingTable table = layered_wall();
+        SurgerySetup table = layered_wall();
         table.held.clear();
         std::fill(table.wall.labels.begin(), table.wall.labels.end(), kMuscle);
-        CuttingDesk desk(std::move(table));
+        SurgerySession desk(std::move(table));
         const KnifeAnswer everything = desk.take_out(at(desk, 60.0, 60.0), 1000.0);
         EXPECT_FALSE(everything.done);
         EXPECT_EQ(everything.reason, "nothing of the wall would be left");
@@ -331,9 +331,9 @@ namespace cutting_desk_test {
 
     /// A wound at z = 60 and, taken out where asked, the wall's side from x = 0 to 15 beside it, which is held and lies
     /// on a bed as all of it does.
-    CuttingDesk wounded_desk(bool without_side)
+    SurgerySession wounded_desk(bool without_side)
     {
-        OperatingTable table = layered_wall();
+        SurgerySetup table = layered_wall();
         std::vector<char> held(table.wall.vertex_count(), 0);
         for (const VertexId v : table.held)
             held[static_cast<std::size_t>(v)] = 1;
@@ -352,7 +352,7 @@ namespace cutting_desk_test {
         return { std::move(table), std::move(session), cuts };
     }
 
-    double largest_move_of_held(CuttingDesk& desk)
+    double largest_move_of_held(SurgerySession& desk)
     {
         const std::shared_ptr<const WallPicture> picture = desk.picture();
         double largest = 0.0;
@@ -362,7 +362,7 @@ namespace cutting_desk_test {
     }
 
     /// Of the vertices that there are, by id.
-    Points shown_vertices(CuttingDesk& desk)
+    Points shown_vertices(SurgerySession& desk)
     {
         const mesh::CutSession& session = desk.session();
         Points shown(static_cast<Eigen::Index>(session.vertex_count()), 3);
@@ -373,13 +373,13 @@ namespace cutting_desk_test {
         return shown;
     }
 
-    TEST(CuttingDesk, HooksFindTheSupportsOfTissueThatIsPutBackAfterThem)
+    TEST(SurgerySession, HooksFindTheSupportsOfTissueThatIsPutBackAfterThem)
     {
         // Displacements of some mm, solved to a residual of 1e-8.
         constexpr double kSolvedMm = 1e-5;
         std::vector<Points> shown;
         for (const bool without_side : { true, false }) {
-            CuttingDesk desk = wounded_desk(without_side);
+            SurgerySession desk = wounded_desk(without_side);
             ASSERT_TRUE(desk.place_hook(at(desk, 35.0, 63.0)).done);
             ASSERT_TRUE(desk.place_hook(at(desk, 35.0, 59.0)).done);
             desk.pull_all_hooks(6.0);
@@ -400,9 +400,9 @@ namespace cutting_desk_test {
         EXPECT_LT((shown[0] - shown[1]).rowwise().norm().maxCoeff(), kSolvedMm);
     }
 
-    TEST(CuttingDesk, SpringsFindTheSupportsOfTissueThatIsPutBackAfterThem)
+    TEST(SurgerySession, SpringsFindTheSupportsOfTissueThatIsPutBackAfterThem)
     {
-        CuttingDesk desk = wounded_desk(true);
+        SurgerySession desk = wounded_desk(true);
         desk.set_tension(0.06);
         desk.undo();
         while (desk.moving())
@@ -412,9 +412,9 @@ namespace cutting_desk_test {
         EXPECT_EQ(desk.take_remark(), "");
     }
 
-    TEST(CuttingDesk, ABedGoesWithTheTissueThatLayOnIt)
+    TEST(SurgerySession, ABedGoesWithTheTissueThatLayOnIt)
     {
-        OperatingTable table = layered_wall();
+        SurgerySetup table = layered_wall();
         const Vec3 middle(35.0, 0.0, 35.0);
         std::vector<VertexId> gone;
         for (Eigen::Index v = 0; v < table.wall.vertices.rows(); ++v)
@@ -422,11 +422,11 @@ namespace cutting_desk_test {
                 gone.push_back(static_cast<VertexId>(v));
         std::vector<Points> shown;
         for (const bool bedded : { true, false }) {
-            OperatingTable same = table;
+            SurgerySetup same = table;
             if (bedded)
                 for (const VertexId v : gone)
                     same.bedded.push_back({ v, 1e3 });
-            CuttingDesk desk(std::move(same));
+            SurgerySession desk(std::move(same));
             ASSERT_TRUE(desk.take_out(at(desk, middle.x(), middle.z()), 25.0).done);
             for (const VertexId v : gone)
                 ASSERT_FALSE(desk.session().has_vertex(v));
@@ -441,9 +441,9 @@ namespace cutting_desk_test {
         EXPECT_LT((shown[0] - shown[1]).rowwise().norm().maxCoeff(), kRoundingMm);
     }
 
-    TEST(CuttingDesk, HooksOutliveTissueThatIsTakenOut)
+    TEST(SurgerySession, HooksOutliveTissueThatIsTakenOut)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         ASSERT_TRUE(draw(desk, { 20.0, 0.0, 90.0 }, { 80.0, 0.0, 90.0 }, {}).done);
         ASSERT_TRUE(desk.place_hook(at(desk, 50.0, 92.0)).done);
         ASSERT_TRUE(desk.place_hook(at(desk, 50.0, 88.0)).done);
@@ -458,9 +458,9 @@ namespace cutting_desk_test {
         EXPECT_EQ(desk.take_remark(), "");
     }
 
-    TEST(CuttingDesk, DoesNotCutBoneUnlessItIsASaw)
+    TEST(SurgerySession, DoesNotCutBoneUnlessItIsASaw)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         const KnifeAnswer refused = draw(desk, { 110.0, 0.0, 30.0 }, { 110.0, 0.0, 90.0 }, {});
         EXPECT_FALSE(refused.done);
         EXPECT_NE(refused.reason.find("rib"), std::string::npos) << refused.reason;
@@ -474,9 +474,9 @@ namespace cutting_desk_test {
         EXPECT_NEAR(desk.cuts().front().report.lip_area_mm2, 55.0 * 8.0, 70.0 * kCutToleranceMm);
     }
 
-    TEST(CuttingDesk, RefusesWhatIsNoStrokeAndSaysWhy)
+    TEST(SurgerySession, RefusesWhatIsNoStrokeAndSaysWhy)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         const mesh::TetMesh before = desk.session().compact_mesh();
         ASSERT_TRUE(desk.begin_stroke(at(desk, 60.0, 60.0), {}).done);
         EXPECT_THROW((void)desk.begin_stroke(at(desk, 60.0, 60.0), {}), InputError);
@@ -504,11 +504,11 @@ namespace cutting_desk_test {
         EXPECT_FALSE(desk.begin_stroke(in_wound, {}).done);
     }
 
-    TEST(CuttingDesk, CutsOnlyWhereThereIsAWallAndSaysWhatItLeftOut)
+    TEST(SurgerySession, CutsOnlyWhereThereIsAWallAndSaysWhatItLeftOut)
     {
-        OperatingTable table = layered_wall();
+        SurgerySetup table = layered_wall();
         table.region = { .corridor = { { 60.0, 0.0, 20.0 }, { 60.0, 0.0, 100.0 } }, .meshed_mm = 40.0 };
-        CuttingDesk desk(std::move(table));
+        SurgerySession desk(std::move(table));
         const KnifeAnswer outside = desk.begin_stroke(at(desk, 96.0, 60.0), {});
         EXPECT_FALSE(outside.done);
         EXPECT_NE(outside.reason.find("inside the outline"), std::string::npos) << outside.reason;
@@ -540,9 +540,9 @@ namespace cutting_desk_test {
         EXPECT_EQ(desk.finish_stroke().reason, "");
     }
 
-    TEST(CuttingDesk, ALineThatTurnsBackIsCutAsFarAsItCanBe)
+    TEST(SurgerySession, ALineThatTurnsBackIsCutAsFarAsItCanBe)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         ASSERT_TRUE(desk.begin_stroke(at(desk, 20.0, 62.0), {}).done);
         for (double x = 22.0; x <= 60.0; x += 2.0)
             ASSERT_TRUE(desk.draw_to(at(desk, x, 62.0)).done);
@@ -560,9 +560,9 @@ namespace cutting_desk_test {
     /// A desk whose session is refused what the test chooses, as by a full disk or by the cut itself.
     class RefusedStroke : public testing::Test {
     protected:
-        CuttingDesk make_desk()
+        SurgerySession make_desk()
         {
-            OperatingTable table = layered_wall();
+            SurgerySetup table = layered_wall();
             mesh::CutSession session(table.wall);
             session.set_witness([refuse = refuse_](const mesh::CutEvent& event) {
                 if (*refuse)
@@ -571,7 +571,7 @@ namespace cutting_desk_test {
             return { std::move(table), std::move(session), {} };
         }
         /// 60 mm, of which the last 3 are left to finish_stroke().
-        static void draw_open_stroke(CuttingDesk& desk)
+        static void draw_open_stroke(SurgerySession& desk)
         {
             ASSERT_TRUE(desk.begin_stroke(at(desk, 20.0, 62.0), {}).done);
             for (double x = 25.0; x <= 75.0; x += 5.0)
@@ -585,7 +585,7 @@ namespace cutting_desk_test {
     TEST_F(RefusedStroke, AFullDiskLeavesItOpenToBeFinishedAgainOrAbandoned)
     {
         for (const bool again : { true, false }) {
-            CuttingDesk desk = make_desk();
+            SurgerySession desk = make_desk();
             const mesh::TetMesh before = desk.session().compact_mesh();
             draw_open_stroke(desk);
             *refuse_ = [](mesh::CutEvent::Kind) { throw IoError("the disk is full"); };
@@ -614,7 +614,7 @@ namespace cutting_desk_test {
 
     TEST_F(RefusedStroke, ATipThatCannotBeCutIsLeftOut)
     {
-        CuttingDesk desk = make_desk();
+        SurgerySession desk = make_desk();
         draw_open_stroke(desk);
         *refuse_ = [](mesh::CutEvent::Kind kind) {
             if (kind == mesh::CutEvent::Kind::stroke_step)
@@ -633,7 +633,7 @@ namespace cutting_desk_test {
 
     TEST_F(RefusedStroke, OneThatCannotBeFinishedIsTakenBackAloud)
     {
-        CuttingDesk desk = make_desk();
+        SurgerySession desk = make_desk();
         const mesh::TetMesh before = desk.session().compact_mesh();
         draw_open_stroke(desk);
         *refuse_ = [](mesh::CutEvent::Kind kind) {
@@ -648,17 +648,17 @@ namespace cutting_desk_test {
         EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), before));
     }
 
-    void come_to_rest(CuttingDesk& desk)
+    void come_to_rest(SurgerySession& desk)
     {
         while (desk.moving())
             desk.relax(50.0);
     }
 
-    TEST(CuttingDesk, AWoundGapesWithTheTensionItIsUnder)
+    TEST(SurgerySession, AWoundGapesWithTheTensionItIsUnder)
     {
         double narrower = 0.0, per_strain = 0.0;
         for (const double strain : { 0.02, 0.04, 0.06 }) {
-            CuttingDesk desk(layered_wall());
+            SurgerySession desk(layered_wall());
             desk.set_tension(strain);
             EXPECT_FALSE(desk.moving()) << "nothing moves before it is cut";
             ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
@@ -693,9 +693,9 @@ namespace cutting_desk_test {
         }
     }
 
-    TEST(CuttingDesk, AWoundThatIsTakenBackClosesAndTensionMayChangeAtAnyTime)
+    TEST(SurgerySession, AWoundThatIsTakenBackClosesAndTensionMayChangeAtAnyTime)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
         EXPECT_EQ(desk.gape_mm(), 0.0);
         EXPECT_EQ((desk.picture()->shown - desk.picture()->surface->rest).norm(), 0.0) << "no tension, no gape";
@@ -721,9 +721,9 @@ namespace cutting_desk_test {
             EXPECT_THROW(desk.set_tension(bad), InputError);
     }
 
-    TEST(CuttingDesk, AWoundStaysOpenWhenTheTensionChangesAfterAnUndo)
+    TEST(SurgerySession, AWoundStaysOpenWhenTheTensionChangesAfterAnUndo)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         desk.set_tension(0.04);
         ASSERT_TRUE(draw(desk, { 20.0, 0.0, 30.0 }, { 90.0, 0.0, 30.0 }, {}).done);
         ASSERT_TRUE(draw(desk, { 20.0, 0.0, 91.0 }, { 90.0, 0.0, 91.0 }, {}).done);
@@ -739,11 +739,11 @@ namespace cutting_desk_test {
         EXPECT_EQ(desk.take_remark(), "");
     }
 
-    TEST(CuttingDesk, WithoutSpringsTheTensionStaysAsItWas)
+    TEST(SurgerySession, WithoutSpringsTheTensionStaysAsItWas)
     {
-        OperatingTable table = layered_wall();
+        SurgerySetup table = layered_wall();
         table.materials.clear();
-        CuttingDesk desk(std::move(table));
+        SurgerySession desk(std::move(table));
         for (int again = 0; again < 2; ++again)
             EXPECT_THROW(desk.set_tension(0.04), InputError);
         EXPECT_EQ(desk.tension(), 0.0);
@@ -751,9 +751,9 @@ namespace cutting_desk_test {
         EXPECT_FALSE(desk.moving());
     }
 
-    TEST(CuttingDesk, AStrokeOnTheOpenWoundIsCutWhereTheTissueLies)
+    TEST(SurgerySession, AStrokeOnTheOpenWoundIsCutWhereTheTissueLies)
     {
-        CuttingDesk desk(layered_wall());
+        SurgerySession desk(layered_wall());
         desk.set_tension(0.06);
         ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
         come_to_rest(desk);
@@ -845,7 +845,7 @@ namespace cutting_desk_test {
 
     TEST(KnifeWorker, SaysWhyThereIsNoTable)
     {
-        KnifeWorker worker([](const Job&) -> OperatingTable { throw InputError("no wall", "approach x"); }, [] {});
+        KnifeWorker worker([](const Job&) -> SurgerySetup { throw InputError("no wall", "approach x"); }, [] {});
         wait_for(worker);
         EXPECT_EQ(worker.snapshot()->phase, SessionSnapshot::Phase::failed);
         EXPECT_EQ(worker.snapshot()->failure, "approach x: no wall");
@@ -866,7 +866,7 @@ namespace cutting_desk_test {
         }
         {
             KnifeWorker worker(
-                [](const Job& job) -> OperatingTable {
+                [](const Job& job) -> SurgerySetup {
                     while (!job.cancelled())
                         std::this_thread::sleep_for(std::chrono::milliseconds(2));
                     throw InputError("cancelled");

@@ -1,4 +1,4 @@
-#include "planner/session/cutting_desk.h"
+#include "planner/session/surgery_session.h"
 
 #include "fem/springs/edge_springs.h"
 #include "fem/springs/spring_relaxation.h"
@@ -122,7 +122,7 @@ namespace {
 
 } // namespace
 
-struct CuttingDesk::Stroke {
+struct SurgerySession::Stroke {
     Touch begin;
     KnifeSettings settings;
     mesh::Blade blade; ///< line and directions: what was accepted, the first point included
@@ -134,13 +134,13 @@ struct CuttingDesk::Stroke {
     std::string left_out; ///< why some of the line was not cut; empty: all was
 };
 
-CuttingDesk::CuttingDesk(OperatingTable table, const Job& job)
-    : CuttingDesk(table, open_session(table.wall, job), {}, job)
+SurgerySession::SurgerySession(SurgerySetup table, const Job& job)
+    : SurgerySession(table, open_session(table.wall, job), {}, job)
 {
 }
 
-CuttingDesk::CuttingDesk(
-    OperatingTable table, mesh::CutSession session, const std::vector<mesh::MeshDelta>& cuts, const Job& job)
+SurgerySession::SurgerySession(
+    SurgerySetup table, mesh::CutSession session, const std::vector<mesh::MeshDelta>& cuts, const Job& job)
     : labels_(std::move(table.labels))
     , materials_(std::move(table.materials))
     , outward_(table.outward)
@@ -168,7 +168,7 @@ CuttingDesk::CuttingDesk(
 }
 
 /// @param take takes the delta in: volumes are of before it and after it.
-CutEntry CuttingDesk::restored_entry(
+CutEntry SurgerySession::restored_entry(
     int number, const mesh::MeshDelta& delta, const LipsOfCut& lips, const std::function<void()>& take) const
 {
     CutEntry entry { .number = number, .restored = true };
@@ -200,16 +200,16 @@ CutEntry CuttingDesk::restored_entry(
     return entry;
 }
 
-CuttingDesk::~CuttingDesk() = default;
-CuttingDesk::CuttingDesk(CuttingDesk&&) noexcept = default;
-CuttingDesk& CuttingDesk::operator=(CuttingDesk&&) noexcept = default;
+SurgerySession::~SurgerySession() = default;
+SurgerySession::SurgerySession(SurgerySession&&) noexcept = default;
+SurgerySession& SurgerySession::operator=(SurgerySession&&) noexcept = default;
 
-bool CuttingDesk::is_skeleton_label(Label label) const
+bool SurgerySession::is_skeleton_label(Label label) const
 {
     return std::find(skeleton_.begin(), skeleton_.end(), label) != skeleton_.end();
 }
 
-KnifeAnswer CuttingDesk::begin_stroke(const Touch& at, const KnifeSettings& settings)
+KnifeAnswer SurgerySession::begin_stroke(const Touch& at, const KnifeSettings& settings)
 {
     if (stroke_open())
         throw InputError("a stroke is open: finish it first");
@@ -241,7 +241,7 @@ KnifeAnswer CuttingDesk::begin_stroke(const Touch& at, const KnifeSettings& sett
     return { true, {} };
 }
 
-KnifeAnswer CuttingDesk::draw_to(const Touch& at)
+KnifeAnswer SurgerySession::draw_to(const Touch& at)
 {
     if (!stroke_open())
         throw InputError("there is no stroke to draw on");
@@ -276,14 +276,14 @@ KnifeAnswer CuttingDesk::draw_to(const Touch& at)
     return cut_to(std::move(points), std::move(directions));
 }
 
-void CuttingDesk::leave_wall()
+void SurgerySession::leave_wall()
 {
     if (!stroke_open())
         throw InputError("there is no stroke to draw on");
     stroke_->off = "it left the wall";
 }
 
-KnifeAnswer CuttingDesk::cut_to(std::vector<Vec3> points, std::vector<Vec3> directions)
+KnifeAnswer SurgerySession::cut_to(std::vector<Vec3> points, std::vector<Vec3> directions)
 {
     Stroke& stroke = *stroke_;
     mesh::Blade longer = stroke.blade;
@@ -310,7 +310,7 @@ KnifeAnswer CuttingDesk::cut_to(std::vector<Vec3> points, std::vector<Vec3> dire
     return { true, {} };
 }
 
-KnifeAnswer CuttingDesk::finish_stroke()
+KnifeAnswer SurgerySession::finish_stroke()
 {
     if (!stroke_open())
         throw InputError("there is no stroke to finish");
@@ -355,7 +355,7 @@ KnifeAnswer CuttingDesk::finish_stroke()
             + " mm; a part of the line was left out: " + entry.left_out };
 }
 
-void CuttingDesk::abandon_stroke()
+void SurgerySession::abandon_stroke()
 {
     if (!stroke_open())
         return;
@@ -368,7 +368,7 @@ void CuttingDesk::abandon_stroke()
     follow(delta);
 }
 
-std::optional<mesh::Piece> CuttingDesk::free_piece_at(const Touch& at, std::string& why_not) const
+std::optional<mesh::Piece> SurgerySession::free_piece_at(const Touch& at, std::string& why_not) const
 {
     const auto refuse = [&](const char* text) {
         why_not = text;
@@ -394,7 +394,7 @@ std::optional<mesh::Piece> CuttingDesk::free_piece_at(const Touch& at, std::stri
 }
 
 /// Elements that the body beyond the wall holds, or over which its surface is drawn. @return why some were left out.
-std::string CuttingDesk::leave_out_what_stays(std::vector<TetId>& marked) const
+std::string SurgerySession::leave_out_what_stays(std::vector<TetId>& marked) const
 {
     bool beyond = false, held = false;
     std::erase_if(marked, [&](TetId t) {
@@ -416,7 +416,7 @@ std::string CuttingDesk::leave_out_what_stays(std::vector<TetId>& marked) const
     return why;
 }
 
-KnifeAnswer CuttingDesk::take_out(const Touch& at, double radius_mm)
+KnifeAnswer SurgerySession::take_out(const Touch& at, double radius_mm)
 {
     if (!(std::isfinite(radius_mm) && radius_mm >= 0.0))
         throw InputError("the radius must be finite and not negative", "radius_mm");
@@ -459,13 +459,13 @@ KnifeAnswer CuttingDesk::take_out(const Touch& at, double radius_mm)
     return { true, entry.left_out.empty() ? std::string {} : "a part of the ball was left out: " + entry.left_out };
 }
 
-void CuttingDesk::undo()
+void SurgerySession::undo()
 {
     follow(session_.undo());
     cuts_[session_.cut_count()].in_force = false;
 }
 
-void CuttingDesk::redo()
+void SurgerySession::redo()
 {
     const mesh::MeshDelta delta = session_.redo();
     const std::size_t count = session_.cut_count();
@@ -477,7 +477,7 @@ void CuttingDesk::redo()
     cuts_[count - 1].in_force = true;
 }
 
-std::shared_ptr<const WallSurface> CuttingDesk::make_surface() const
+std::shared_ptr<const WallSurface> SurgerySession::make_surface() const
 {
     auto surface = std::make_shared<WallSurface>();
     surface->rest = rest_;
@@ -495,7 +495,7 @@ std::shared_ptr<const WallSurface> CuttingDesk::make_surface() const
     return surface;
 }
 
-CuttingDesk::Returned CuttingDesk::take_in(const mesh::MeshDelta& delta)
+SurgerySession::Returned SurgerySession::take_in(const mesh::MeshDelta& delta)
 {
     Returned returned;
     surface_.reset();
@@ -543,7 +543,7 @@ CuttingDesk::Returned CuttingDesk::take_in(const mesh::MeshDelta& delta)
     return returned;
 }
 
-void CuttingDesk::follow(const mesh::MeshDelta& delta)
+void SurgerySession::follow(const mesh::MeshDelta& delta)
 {
     const Returned returned = take_in(delta);
     if (hooks_ != nullptr) {
@@ -567,7 +567,7 @@ void CuttingDesk::follow(const mesh::MeshDelta& delta)
     }
 }
 
-void CuttingDesk::renew_springs(const std::string& why)
+void SurgerySession::renew_springs(const std::string& why)
 {
     try {
         const Points was = springs_->displacement();
@@ -580,7 +580,7 @@ void CuttingDesk::renew_springs(const std::string& why)
     }
 }
 
-void CuttingDesk::drop_tension(const std::string& why)
+void SurgerySession::drop_tension(const std::string& why)
 {
     springs_.reset();
     picture_.reset();
@@ -590,7 +590,7 @@ void CuttingDesk::drop_tension(const std::string& why)
 }
 
 /// The wound goes on from there. Ids of cuts that were taken back may have rows in one of the two only.
-void CuttingDesk::lie_as(const Points& displacement)
+void SurgerySession::lie_as(const Points& displacement)
 {
     Points start = springs_->displacement();
     const Eigen::Index common = std::min(start.rows(), displacement.rows());
@@ -598,7 +598,7 @@ void CuttingDesk::lie_as(const Points& displacement)
     springs_->set_displacement(start);
 }
 
-void CuttingDesk::start_moving()
+void SurgerySession::start_moving()
 {
     moving_ = session_.cut_count() > 0 || session_.stroke_open();
     reach_mm_ = kFirstReachMm;
@@ -607,7 +607,7 @@ void CuttingDesk::start_moving()
         springs_->set_displacement(Points::Zero(springs_->displacement().rows(), 3));
 }
 
-void CuttingDesk::set_tension(double strain)
+void SurgerySession::set_tension(double strain)
 {
     if (!(strain >= 0.0 && strain <= fem::kLargestPreStrain))
         throw InputError("the tension must lie between 0 and " + std::to_string(fem::kLargestPreStrain), "tension");
@@ -637,7 +637,7 @@ void CuttingDesk::set_tension(double strain)
     start_moving();
 }
 
-std::unique_ptr<fem::SpringNetwork> CuttingDesk::make_springs(double strain) const
+std::unique_ptr<fem::SpringNetwork> SurgerySession::make_springs(double strain) const
 {
     const Stopwatch watch;
     auto springs = std::make_unique<fem::SpringNetwork>(session_, materials_, tension_stresses(strain));
@@ -651,7 +651,7 @@ std::unique_ptr<fem::SpringNetwork> CuttingDesk::make_springs(double strain) con
     return springs;
 }
 
-std::vector<Mat3> CuttingDesk::tension_stresses(double strain) const
+std::vector<Mat3> SurgerySession::tension_stresses(double strain) const
 {
     std::vector<fem::Material> materials = materials_;
     const double of_case = case_tension();
@@ -667,7 +667,7 @@ std::vector<Mat3> CuttingDesk::tension_stresses(double strain) const
     return wall_tension(*first_, materials, labels_, cut_off_, outward_).stress_of_element;
 }
 
-double CuttingDesk::case_tension() const
+double SurgerySession::case_tension() const
 {
     double largest = 0.0;
     for (const fem::Material& material : materials_)
@@ -678,7 +678,7 @@ double CuttingDesk::case_tension() const
 
 /// A solver without hooks, with what they will hold, and where the knife will go on, in its corridor; in place of what
 /// there was.
-void CuttingDesk::make_hooks(std::span<const HookSeat> seats)
+void SurgerySession::make_hooks(std::span<const HookSeat> seats)
 {
     const Stopwatch watch;
     fem::Supports supports;
@@ -702,7 +702,7 @@ void CuttingDesk::make_hooks(std::span<const HookSeat> seats)
 }
 
 /// The same hooks, with what they hold now, on a solver of the wall and its supports as they are now.
-void CuttingDesk::renew_hooks()
+void SurgerySession::renew_hooks()
 {
     std::vector<HookState> hooks = hooks_->report().hooks;
     std::vector<VertexId> held = hooks_->held_vertices();
@@ -718,7 +718,7 @@ void CuttingDesk::renew_hooks()
 }
 
 /// Runs what may fail on the wall as it is cut; the cut stands, whatever the solver makes of it.
-template <class Call> void CuttingDesk::with_hooks(const Call& call)
+template <class Call> void SurgerySession::with_hooks(const Call& call)
 {
     picture_.reset();
     try {
@@ -735,14 +735,14 @@ template <class Call> void CuttingDesk::with_hooks(const Call& call)
         moving_ = true; // to be settled
 }
 
-void CuttingDesk::drop_hooks(const std::string& why)
+void SurgerySession::drop_hooks(const std::string& why)
 {
     hooks_taken_off();
     remark_ = "all hooks are taken off: " + why;
 }
 
 /// The wound is as without hooks: springs, where there is tension.
-void CuttingDesk::hooks_taken_off()
+void SurgerySession::hooks_taken_off()
 {
     hooks_.reset();
     picture_.reset();
@@ -757,7 +757,7 @@ void CuttingDesk::hooks_taken_off()
     }
 }
 
-KnifeAnswer CuttingDesk::attach(std::vector<HookSeat> seats, const std::vector<std::string>& names,
+KnifeAnswer SurgerySession::attach(std::vector<HookSeat> seats, const std::vector<std::string>& names,
     const std::vector<fem::HookDrive>& drives, bool planned, std::string left_out)
 {
     try {
@@ -781,7 +781,7 @@ KnifeAnswer CuttingDesk::attach(std::vector<HookSeat> seats, const std::vector<s
     return { attached > 0, std::move(left_out) };
 }
 
-KnifeAnswer CuttingDesk::place_hook(const Touch& at)
+KnifeAnswer SurgerySession::place_hook(const Touch& at)
 {
     if (stroke_open())
         return { false, "a stroke is open: finish it first" };
@@ -828,7 +828,7 @@ namespace {
 
 } // namespace
 
-KnifeAnswer CuttingDesk::take_planned_hooks()
+KnifeAnswer SurgerySession::take_planned_hooks()
 {
     if (stroke_open())
         return { false, "a stroke is open: finish it first" };
@@ -850,7 +850,7 @@ KnifeAnswer CuttingDesk::take_planned_hooks()
     return answer;
 }
 
-void CuttingDesk::pull_hook(fem::HookId hook, const Vec3& asked)
+void SurgerySession::pull_hook(fem::HookId hook, const Vec3& asked)
 {
     if (hooks_ == nullptr || !hooks_->has(hook))
         return;
@@ -858,7 +858,7 @@ void CuttingDesk::pull_hook(fem::HookId hook, const Vec3& asked)
     with_hooks([&] { hooks_->frame(); });
 }
 
-void CuttingDesk::pull_all_hooks(double mm)
+void SurgerySession::pull_all_hooks(double mm)
 {
     if (hooks_ == nullptr)
         return;
@@ -866,7 +866,7 @@ void CuttingDesk::pull_all_hooks(double mm)
     with_hooks([&] { hooks_->frame(); });
 }
 
-void CuttingDesk::pull_hooks_by_share(double share)
+void SurgerySession::pull_hooks_by_share(double share)
 {
     if (hooks_ == nullptr)
         return;
@@ -874,7 +874,7 @@ void CuttingDesk::pull_hooks_by_share(double share)
     with_hooks([&] { hooks_->frame(); });
 }
 
-void CuttingDesk::set_yield(double force_N)
+void SurgerySession::set_yield(double force_N)
 {
     if (!(force_N > 0.0))
         throw InputError("the force at which hooks yield must be positive", "yield");
@@ -885,7 +885,7 @@ void CuttingDesk::set_yield(double force_N)
     with_hooks([&] { hooks_->frame(); });
 }
 
-void CuttingDesk::set_nonlinear(bool wanted)
+void SurgerySession::set_nonlinear(bool wanted)
 {
     nonlinear_ = wanted;
     if (hooks_ == nullptr || hooks_->nonlinear() == wanted)
@@ -894,7 +894,7 @@ void CuttingDesk::set_nonlinear(bool wanted)
     with_hooks([&] { hooks_->frame(); });
 }
 
-void CuttingDesk::take_off_hook(fem::HookId hook)
+void SurgerySession::take_off_hook(fem::HookId hook)
 {
     if (hooks_ == nullptr || !hooks_->has(hook))
         return;
@@ -905,13 +905,13 @@ void CuttingDesk::take_off_hook(fem::HookId hook)
     });
 }
 
-void CuttingDesk::take_off_hooks()
+void SurgerySession::take_off_hooks()
 {
     if (hooks_ != nullptr)
         hooks_taken_off();
 }
 
-void CuttingDesk::relax(double milliseconds, const Job& job)
+void SurgerySession::relax(double milliseconds, const Job& job)
 {
     if (!moving_ || waiting())
         return;
@@ -948,7 +948,7 @@ void CuttingDesk::relax(double milliseconds, const Job& job)
     reach_mm_ *= 2.0;
 }
 
-double CuttingDesk::gape_mm() const
+double SurgerySession::gape_mm() const
 {
     double widest = 0.0;
     if (hooks_ != nullptr) {
@@ -962,7 +962,7 @@ double CuttingDesk::gape_mm() const
     return widest;
 }
 
-std::shared_ptr<const WallPicture> CuttingDesk::picture()
+std::shared_ptr<const WallPicture> SurgerySession::picture()
 {
     if (picture_ != nullptr)
         return picture_;

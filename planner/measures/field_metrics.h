@@ -79,7 +79,7 @@ struct EnergyBars {
 
 /// How far the numbers of the mechanics may be off, by what ten-node elements on the same mesh would add to the answer.
 /// Of the discretisation only, to first order at the answer (fem/error_estimate.h): the model, its materials and its
-/// supports may be off by more. Driven hooks are let go in that answer (hooks_let_go.h).
+/// supports may be off by more. Driven hooks are let go in that answer (hook_equilibrium_correction.h).
 struct ErrorBars {
     std::string message; ///< why there is no estimate; empty: there is one
     double opening_width_mm = 0.0, opening_area_mm2 = 0.0;

@@ -3,7 +3,7 @@
 #include "fem/error_estimation/error_estimate.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/error.h"
-#include "planner/plan/hooks_let_go.h"
+#include "planner/plan/hook_equilibrium_correction.h"
 
 #include <algorithm>
 #include <cmath>
@@ -136,8 +136,8 @@ namespace {
         WoundAnswer own { field.opening.displacement, field.opening.hook_forces_N };
         const WoundMeasures held
             = measures_of(field, wound.rigid, answers.other.displacement, answers.other.hook_forces_N);
-        if (!let_hooks_go(answers.held, wound.part, answers.other)
-            || (answers.plain && !let_hooks_go(answers.held, wound.part, *answers.plain))) {
+        if (!correct_hook_equilibrium(answers.held, wound.part, answers.other)
+            || (answers.plain && !correct_hook_equilibrium(answers.held, wound.part, *answers.plain))) {
             bars.message = "the forces of other elements differ by so much that they do not tell where the hooks would "
                            "rest; ask for a finer mesh";
             return;

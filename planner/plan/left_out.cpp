@@ -1,7 +1,7 @@
 #include "planner/plan/left_out.h"
 
 #include "mesh/base/error.h"
-#include "planner/plan/hooks_let_go.h"
+#include "planner/plan/hook_equilibrium_correction.h"
 
 #include <algorithm>
 #include <cmath>
@@ -68,7 +68,7 @@ namespace {
         WoundAnswer changed { .displacement = field.opening.displacement + far.displacement_change };
         for (std::size_t i = 0; i < field.hooks.size(); ++i)
             changed.hook_forces_N.push_back(field.opening.hook_forces_N[i] + far.hook_force_changes_N[i]);
-        if (!let_hooks_go(held, {}, changed)) {
+        if (!correct_hook_equilibrium(held, {}, changed)) {
             metrics.message = "by its own law the tissue there does not tell where the hooks would rest";
             return;
         }

@@ -1,4 +1,4 @@
-#include "planner/plan/hooks_let_go.h"
+#include "planner/plan/hook_equilibrium_correction.h"
 
 #include "fem/statics/hook_drive.h"
 
@@ -19,7 +19,7 @@ HeldHooks held_hooks(const Approach& approach, const fem::ElasticProblem& proble
     return held;
 }
 
-bool let_hooks_go(const HeldHooks& held, const fem::LocalProblem& part, WoundAnswer& answer)
+bool correct_hook_equilibrium(const HeldHooks& held, const fem::LocalProblem& part, WoundAnswer& answer)
 {
     if (held.drives.empty())
         return true;

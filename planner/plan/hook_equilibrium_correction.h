@@ -27,6 +27,6 @@ HeldHooks held_hooks(const Approach& approach, const fem::ElasticProblem& proble
 /// Moves an answer found with the hooks held to where they would rest in it.
 /// @param part that the response is of; empty: the whole wall.
 /// @return false, and nothing done, where that cannot be told: let_go().
-bool let_hooks_go(const HeldHooks& held, const fem::LocalProblem& part, WoundAnswer& answer);
+bool correct_hook_equilibrium(const HeldHooks& held, const fem::LocalProblem& part, WoundAnswer& answer);
 
 } // namespace retractor::planner

@@ -9,8 +9,8 @@
 #include "planner/plan/error_bars.h"
 #include "planner/plan/explanation.h"
 #include "planner/plan/gape.h"
-#include "planner/plan/left_out.h"
 #include "planner/plan/opened_wound.h"
+#include "planner/plan/reduction_error.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/wall_beyond.h"
 #include "planner/wall/wall_pressure.h"
@@ -366,11 +366,11 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     }
     if (field.status != PlanStatus::cancelled && field.opening.far) {
         const StageTimer timer(field.metrics, "judge far field");
-        judge_far_field(field, wound, choice);
+        estimate_far_field_error(field, wound, choice);
     }
     if (field.status != PlanStatus::cancelled && field.metrics.local) {
         const StageTimer timer(field.metrics, "judge localisation");
-        judge_localisation(field, wound.rigid, opening_options(choice), local, job);
+        estimate_localisation_error(field, wound.rigid, opening_options(choice), local, job);
     }
     if (field.status != PlanStatus::cancelled && local.check && choice.near_mm > 0.0) {
         const StageTimer timer(field.metrics, "compare with the whole");

@@ -210,7 +210,8 @@ PlannedSeats planned_seats(const mesh::CutSession& session, const Approach& appr
             planned.names.push_back(spec.name);
             planned.drives.push_back(drive_of(spec));
         } catch (const InputError& error) {
-            planned.left_out += (planned.left_out.empty() ? "" : "; ") + error.where() + ": " + error.what();
+            planned.reduction_error
+                += (planned.reduction_error.empty() ? "" : "; ") + error.where() + ": " + error.what();
         }
     }
     return planned;

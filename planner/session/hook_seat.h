@@ -43,7 +43,7 @@ struct PlannedSeats {
     std::vector<HookSeat> seats;
     std::vector<std::string> names; ///< per seat
     std::vector<fem::HookDrive> drives; ///< per seat: as planned
-    std::string left_out; ///< the hooks that find no hold, and why
+    std::string reduction_error; ///< the hooks that find no hold, and why
 };
 PlannedSeats planned_seats(const mesh::CutSession& session, const Approach& approach, const mesh::LabelTable& table,
     std::span<const char> held);

@@ -131,7 +131,7 @@ struct SurgerySession::Stroke {
     Vec3 tip_direction = Vec3::UnitY();
     std::string off; ///< where the line is now, when it is not on what can be cut; bridged when it soon comes back
     bool off_said = false;
-    std::string left_out; ///< why some of the line was not cut; empty: all was
+    std::string reduction_error; ///< why some of the line was not cut; empty: all was
 };
 
 SurgerySession::SurgerySession(SurgerySetup table, const Job& job)
@@ -255,8 +255,8 @@ KnifeAnswer SurgerySession::draw_to(const Touch& at)
         return { false, "here the line is not cut: " + stroke.off };
     }
     if ((at.rest - stroke.tip).norm() > kLongestGapMm) {
-        stroke.left_out = "the line jumps: draw on the skin";
-        return { false, stroke.left_out };
+        stroke.reduction_error = "the line jumps: draw on the skin";
+        return { false, stroke.reduction_error };
     }
     stroke.off.clear();
     stroke.tip = at.rest;
@@ -290,8 +290,8 @@ KnifeAnswer SurgerySession::cut_to(std::vector<Vec3> points, std::vector<Vec3> d
     longer.line.insert(longer.line.end(), points.begin(), points.end());
     longer.directions.insert(longer.directions.end(), directions.begin(), directions.end());
     const auto refused = [&](const Error& error) -> KnifeAnswer {
-        stroke.left_out = error.what();
-        return { false, stroke.left_out };
+        stroke.reduction_error = error.what();
+        return { false, stroke.reduction_error };
     };
     const Stopwatch watch;
     mesh::CutResult result;
@@ -318,7 +318,7 @@ KnifeAnswer SurgerySession::finish_stroke()
     if ((stroke.tip - stroke.blade.line.back()).norm() >= kShortestCutMm)
         (void)cut_to({ stroke.tip }, { (stroke.blade.directions.back() + stroke.tip_direction).normalized() });
     if (!session_.stroke_open()) {
-        const std::string& why = stroke.left_out.empty() ? stroke.off : stroke.left_out;
+        const std::string& why = stroke.reduction_error.empty() ? stroke.off : stroke.reduction_error;
         const std::string reason
             = why.empty() ? "the knife did not move: draw a line on the skin" : "nothing was cut: " + why;
         stroke_.reset();
@@ -344,15 +344,15 @@ KnifeAnswer SurgerySession::finish_stroke()
     };
     for (std::size_t i = 1; i < ended->blade.line.size(); ++i)
         entry.length_mm += (ended->blade.line[i] - ended->blade.line[i - 1]).norm();
-    entry.left_out = ended->left_out;
+    entry.reduction_error = ended->reduction_error;
     if (!ended->off.empty())
-        entry.left_out += (entry.left_out.empty() ? "" : "; ") + ended->off;
+        entry.reduction_error += (entry.reduction_error.empty() ? "" : "; ") + ended->off;
     cuts_.push_back(entry);
-    if (entry.left_out.empty())
+    if (entry.reduction_error.empty())
         return { true, {} };
     return { true,
         "cut over " + std::to_string(std::lround(entry.length_mm))
-            + " mm; a part of the line was left out: " + entry.left_out };
+            + " mm; a part of the line was left out: " + entry.reduction_error };
 }
 
 void SurgerySession::abandon_stroke()
@@ -431,9 +431,9 @@ KnifeAnswer SurgerySession::take_out(const Touch& at, double radius_mm)
         marked = mesh::mark_ball(session_, at.rest, radius_mm, std::array { at.label });
         if (marked.empty())
             return { false, "the ball is smaller than the elements here: take a larger one" };
-        entry.left_out = leave_out_what_stays(marked);
+        entry.reduction_error = leave_out_what_stays(marked);
         if (marked.empty())
-            return { false, "nothing can be taken out here: " + entry.left_out };
+            return { false, "nothing can be taken out here: " + entry.reduction_error };
     } else {
         std::string why_not;
         const std::optional<mesh::Piece> piece = free_piece_at(at, why_not);
@@ -456,7 +456,8 @@ KnifeAnswer SurgerySession::take_out(const Touch& at, double radius_mm)
     entry.taken_out = label_name(labels_, kind);
     entry.report = result.report;
     cuts_.push_back(entry);
-    return { true, entry.left_out.empty() ? std::string {} : "a part of the ball was left out: " + entry.left_out };
+    return { true,
+        entry.reduction_error.empty() ? std::string {} : "a part of the ball was left out: " + entry.reduction_error };
 }
 
 void SurgerySession::undo()
@@ -758,7 +759,7 @@ void SurgerySession::hooks_taken_off()
 }
 
 KnifeAnswer SurgerySession::attach(std::vector<HookSeat> seats, const std::vector<std::string>& names,
-    const std::vector<fem::HookDrive>& drives, bool planned, std::string left_out)
+    const std::vector<fem::HookDrive>& drives, bool planned, std::string reduction_error)
 {
     try {
         if (hooks_ == nullptr)
@@ -772,13 +773,13 @@ KnifeAnswer SurgerySession::attach(std::vector<HookSeat> seats, const std::vecto
             hooks_->attach(std::move(seats[i]), names[i], drives[i], planned ? std::optional(drives[i]) : std::nullopt);
             ++attached;
         } catch (const InputError& error) {
-            left_out += (left_out.empty() ? "" : "; ") + error.where() + ": " + error.what();
+            reduction_error += (reduction_error.empty() ? "" : "; ") + error.where() + ": " + error.what();
         }
     with_hooks([&] {
         if (!hooks_->empty())
             hooks_->frame();
     });
-    return { attached > 0, std::move(left_out) };
+    return { attached > 0, std::move(reduction_error) };
 }
 
 KnifeAnswer SurgerySession::place_hook(const Touch& at)
@@ -804,7 +805,9 @@ namespace {
 
     void leave_out_those_there(PlannedSeats& planned, const std::vector<HookState>& there)
     {
-        PlannedSeats missing { .seats = {}, .names = {}, .drives = {}, .left_out = std::move(planned.left_out) };
+        PlannedSeats missing {
+            .seats = {}, .names = {}, .drives = {}, .reduction_error = std::move(planned.reduction_error)
+        };
         for (std::size_t i = 0; i < planned.seats.size(); ++i) {
             if (std::any_of(there.begin(), there.end(),
                     [&](const HookState& hook) { return hook.planned && hook.name == planned.names[i]; }))
@@ -839,12 +842,12 @@ KnifeAnswer SurgerySession::take_planned_hooks()
         return { false, "there is no wound to open yet: cut first" };
     PlannedSeats planned = planned_seats(session_, approach_, labels_, held_);
     if (planned.seats.empty())
-        return { false, planned.left_out };
+        return { false, planned.reduction_error };
     leave_out_those_there(planned, hooks().hooks);
     if (planned.seats.empty())
         return { false, "the planned hooks hold the wound already: take them off to begin anew" };
     KnifeAnswer answer
-        = attach(std::move(planned.seats), planned.names, planned.drives, true, std::move(planned.left_out));
+        = attach(std::move(planned.seats), planned.names, planned.drives, true, std::move(planned.reduction_error));
     if (answer.done && tension_ != case_tension())
         answer.reason += (answer.reason.empty() ? "" : "; ") + tension_unlike_the_plan(tension_, case_tension());
     return answer;

@@ -73,7 +73,8 @@ struct CutEntry {
     double length_mm = 0.0, depth_mm = 0.0;
     mesh::CutReport report {};
     bool in_force = true;
-    std::string left_out {}; ///< why a part of the line (of the ball) is not cut (taken out); empty: all of it is
+    std::string
+        reduction_error {}; ///< why a part of the line (of the ball) is not cut (taken out); empty: all of it is
     /// From disk, where lengths and reports are not kept: of the report only lip_area_mm2 and removed_volume_mm3 are
     /// known.
     bool restored = false;
@@ -213,7 +214,7 @@ private:
     void drop_hooks(const std::string& why);
     void hooks_taken_off();
     KnifeAnswer attach(std::vector<HookSeat> seats, const std::vector<std::string>& names,
-        const std::vector<fem::HookDrive>& drives, bool planned, std::string left_out);
+        const std::vector<fem::HookDrive>& drives, bool planned, std::string reduction_error);
     template <class Call> void with_hooks(const Call& call);
     std::shared_ptr<const WallSurface> make_surface() const;
 

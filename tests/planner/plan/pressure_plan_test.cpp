@@ -217,10 +217,10 @@ namespace pressure_plan_test {
 
     TEST(PressurePlan, WhatAGapLeavesOutIsSaid)
     {
-        const PressureMetrics left_out { .label = "cavity", .pressure_kPa = 1.0, .behind_gap_mm2 = 250.0 };
-        EXPECT_NE(pressure_text(left_out).find("on 2.5 cm2 more it is left out, for voxels without a label"),
+        const PressureMetrics reduction_error { .label = "cavity", .pressure_kPa = 1.0, .behind_gap_mm2 = 250.0 };
+        EXPECT_NE(pressure_text(reduction_error).find("on 2.5 cm2 more it is left out, for voxels without a label"),
             std::string::npos)
-            << pressure_text(left_out);
+            << pressure_text(reduction_error);
         EXPECT_EQ(pressure_text({ .label = "cavity" }).find("left out"), std::string::npos);
     }
 

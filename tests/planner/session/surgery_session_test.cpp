@@ -292,7 +292,7 @@ namespace cutting_desk_test {
         const KnifeAnswer over = desk.take_out(at(desk, 90.0, 60.0), 20.0);
         EXPECT_TRUE(over.done);
         EXPECT_EQ(over.reason, "a part of the ball was left out: it reaches beyond the outline");
-        EXPECT_EQ(desk.cuts().back().left_out, "it reaches beyond the outline");
+        EXPECT_EQ(desk.cuts().back().reduction_error, "it reaches beyond the outline");
         EXPECT_EQ(beyond(), before);
         EXPECT_FALSE(desk.cuts().back().several_tissues);
         const KnifeAnswer outside = desk.take_out(at(desk, 96.0, 20.0), 20.0);
@@ -526,7 +526,7 @@ namespace cutting_desk_test {
             "cut over 34 mm; a part of the line was left out: it left the outline of the wall that can be cut");
         ASSERT_EQ(desk.cuts().size(), 1U);
         EXPECT_NEAR(desk.cuts().front().length_mm, 34.0, kRoundingMm);
-        EXPECT_EQ(desk.cuts().front().left_out, "it left the outline of the wall that can be cut");
+        EXPECT_EQ(desk.cuts().front().reduction_error, "it left the outline of the wall that can be cut");
 
         ASSERT_TRUE(desk.begin_stroke(at(desk, 60.0, 30.0), {}).done);
         ASSERT_TRUE(desk.draw_to(at(desk, 80.0, 30.0)).done);

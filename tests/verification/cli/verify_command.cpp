@@ -161,12 +161,12 @@ namespace {
     }
 
     /// Of each problem: which elements and laws do not apply.
-    std::string left_out_text(const std::vector<VerificationProblem>& problems)
+    std::string reduction_error_text(const std::vector<VerificationProblem>& problems)
     {
         std::string text;
         for (const VerificationProblem& problem : problems)
-            if (!problem.left_out.empty())
-                text += "  " + problem.name + ": " + problem.left_out + "\n";
+            if (!problem.reduction_error.empty())
+                text += "  " + problem.name + ": " + problem.reduction_error + "\n";
         return text.empty() ? text : "\nNot solved, and why:\n" + text;
     }
 
@@ -174,8 +174,8 @@ namespace {
     {
         ui::cli::Json all = ui::cli::Json::object();
         for (const VerificationProblem& problem : problems)
-            if (!problem.left_out.empty())
-                all[problem.name] = problem.left_out;
+            if (!problem.reduction_error.empty())
+                all[problem.name] = problem.reduction_error;
         return all;
     }
 
@@ -204,7 +204,7 @@ namespace {
             outcome.text += table(found.rows);
         if (!found.cases.empty())
             outcome.text += table(found.cases);
-        outcome.text += left_out_text(asked.problems);
+        outcome.text += reduction_error_text(asked.problems);
         outcome.text += summary(found) + (job.cancelled() ? "cancelled\n" : "");
         if (!options.out.empty())
             outcome.text += "Written: " + write_files(options.out, found, outcome.document, job) + "\n";

@@ -37,12 +37,12 @@ namespace {
     /// What is taken out round the place that is pointed at, mm; 0: the piece that was cut free there.
     constexpr std::array kRemovalRadiiMm { 0, 5, 10, 20, 40 };
 
-    QString left_out_text(const planner::CutEntry& cut)
+    QString reduction_error_text(const planner::CutEntry& cut)
     {
-        if (cut.left_out.empty())
+        if (cut.reduction_error.empty())
             return {};
         return QString(cut.taken_out.empty() ? "\nnot all of the line: " : "\nnot all of the ball: ")
-            + QString::fromStdString(cut.left_out);
+            + QString::fromStdString(cut.reduction_error);
     }
 
     /// Why flat elements were left; empty when there are none.
@@ -153,7 +153,7 @@ namespace {
                       .arg(r.tets_removed)
                       .arg(r.lip_area_mm2 / 100.0, 0, 'f', 1)
                       .arg(1e3 * r.seconds, 0, 'f', 1)
-                + left_out_text(cut);
+                + reduction_error_text(cut);
         const QString text = QString("Cut %1   %2 mm long, %3 mm deep\n%4 elements, +%5 each, worst angle %6°, %7 ms")
                                  .arg(cut.number)
                                  .arg(cut.length_mm, 0, 'f', 0)
@@ -162,7 +162,7 @@ namespace {
                                  .arg(r.mean_increase(), 0, 'f', 1)
                                  .arg(r.worst_dihedral_deg, 0, 'f', r.worst_dihedral_deg < kFlatDeg ? 1 : 0)
                                  .arg(1e3 * r.seconds, 0, 'f', 1);
-        return text + left_out_text(cut) + angle_remark(r);
+        return text + reduction_error_text(cut) + angle_remark(r);
     }
 
 } // namespace

@@ -1,4 +1,4 @@
-#include "planner/plan/left_out.h"
+#include "planner/plan/reduction_error.h"
 
 #include "mesh/base/error.h"
 #include "planner/plan/hook_equilibrium_correction.h"
@@ -81,7 +81,7 @@ namespace {
 
 } // namespace
 
-void judge_far_field(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice)
+void estimate_far_field_error(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice)
 {
     const fem::LinearFarField& far = *field.opening.far;
     FarFieldMetrics& metrics = field.metrics.solution.far.emplace();
@@ -118,7 +118,7 @@ WholeMetrics compare_with_whole(
     return measured;
 }
 
-void judge_localisation(PlannedField& field, const RigidPieces& rigid, const fem::OpeningOptions& options,
+void estimate_localisation_error(PlannedField& field, const RigidPieces& rigid, const fem::OpeningOptions& options,
     const LocalPlan& plan, const Job& job)
 {
     LocalMetrics& local = *field.metrics.local;

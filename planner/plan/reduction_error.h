@@ -8,11 +8,11 @@ namespace retractor::planner {
 
 /// What a linear far field is off, by the law of the tissue there: fills field.metrics.solution.far.
 /// @pre field.opening.far.
-void judge_far_field(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice);
+void estimate_far_field_error(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice);
 
 /// What leaving out the rest of the wall may have changed: estimated, and measured where that was asked for. Fills
 /// field.metrics.local. @pre field.metrics.local.
-void judge_localisation(PlannedField& field, const RigidPieces& rigid, const fem::OpeningOptions& options,
+void estimate_localisation_error(PlannedField& field, const RigidPieces& rigid, const fem::OpeningOptions& options,
     const LocalPlan& plan, const Job& job);
 
 /// With the whole wall, all of it solved as `options` have it near the lips.

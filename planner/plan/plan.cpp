@@ -12,7 +12,7 @@
 #include "planner/plan/opened_wound.h"
 #include "planner/plan/reduction_error.h"
 #include "planner/wall/supports.h"
-#include "planner/wall/wall_beyond.h"
+#include "planner/wall/unmeshed_wall.h"
 #include "planner/wall/wall_pressure.h"
 #include "planner/wall/wall_tension.h"
 
@@ -353,7 +353,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     {
         const StageTimer timer(field.metrics, "expose");
         field.remaining_wall
-            = wall_beyond_region(*patient.body(), *labels, sizing, field.wall, field.opening.displacement, job);
+            = unmeshed_wall_region(*patient.body(), *labels, sizing, field.wall, field.opening.displacement, job);
         look_through(field, patient, job);
     }
     if (field.status != PlanStatus::cancelled && !tissues_under_tension(field.problem).empty()) {

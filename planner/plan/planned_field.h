@@ -46,7 +46,7 @@ struct [[nodiscard]] PlannedField {
     OpeningGeometry geometry; ///< of the opened wound
     Exposure exposure;
 
-    TriMesh remaining_wall; ///< beyond the meshed region, see wall_beyond_region(); may be empty
+    TriMesh remaining_wall; ///< beyond the meshed region, see unmeshed_wall_region(); may be empty
     FieldMetrics metrics;
 };
 

@@ -5,7 +5,7 @@
 #include "mesh/surface/label_surface.h"
 #include "mesh/surface/wound_surface.h"
 #include "planner/measures/metrics.h"
-#include "planner/wall/wall_beyond.h"
+#include "planner/wall/unmeshed_wall.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/simplify_surface.h"
 
@@ -425,7 +425,7 @@ TriMesh body_beyond(
     const TriMesh body = with_edges_at_most(simplified(*patient.body(), kSurroundingsShare), kLongestSurroundingMm);
     job.report("surroundings", 0.5);
     const mesh::LabelTable& table = patient.planned_case().label_table;
-    return planner::wall_beyond_region(
+    return planner::unmeshed_wall_region(
         body, *patient.labels(), planner::mesh_sizing_of(approach, table), wall, Points(), job);
 }
 

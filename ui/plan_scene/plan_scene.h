@@ -41,7 +41,7 @@ Scene planning_scene(planner::Patient& patient, const planner::Approach& approac
 /// shining through it, the target. Neither the wall nor the body beyond it is in it.
 Scene knife_surroundings(planner::Patient& patient, const planner::Approach& approach);
 
-/// The body beyond the wall that is meshed for an approach, at rest, in fewer triangles; see wall_beyond_region().
+/// The body beyond the wall that is meshed for an approach, at rest, in fewer triangles; see unmeshed_wall_region().
 TriMesh body_beyond(
     planner::Patient& patient, const planner::Approach& approach, const mesh::TetMesh& wall, const Job& job = {});
 

@@ -12,7 +12,7 @@
 #include "mesh/surface/wound_surface.h"
 #include "planner/approach/approach_templates.h"
 #include "planner/wall/supports.h"
-#include "planner/wall/wall_beyond.h"
+#include "planner/wall/unmeshed_wall.h"
 #include "ui/cli/plan/field_files.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/render.h"
@@ -163,7 +163,7 @@ namespace {
         ui::SurfaceItem rest;
         rest.name = "chest wall beyond the model";
         rest.mesh = std::make_shared<const TriMesh>(
-            planner::wall_beyond_region(body, chest.phantom.labels, chest.sizing, cut, displacement));
+            planner::unmeshed_wall_region(body, chest.phantom.labels, chest.sizing, cut, displacement));
         rest.look_of_label = looks;
         if (!rest.mesh->triangles.empty())
             scene.surfaces.push_back(std::move(rest));

@@ -1,5 +1,5 @@
 #include "mesh/generation/hybrid_model.h"
-#include "planner/wall/wall_beyond.h"
+#include "planner/wall/unmeshed_wall.h"
 
 #include "mesh/surface/label_surface.h"
 
@@ -65,7 +65,7 @@ namespace wall_beyond_test {
     {
         const Sample& s = sample();
         const Points displacement = Points(u.transpose().replicate(s.wall.vertices.rows(), 1));
-        return wall_beyond_region(s.body, s.labels, sizing(), s.wall, displacement);
+        return unmeshed_wall_region(s.body, s.labels, sizing(), s.wall, displacement);
     }
 
     double from_corridor(const Vec3& p) { return (p - Vec3(std::clamp(p.x(), -20.0, 20.0), 10.0, 0.0)).norm(); }
@@ -97,7 +97,7 @@ namespace wall_beyond_test {
         for (std::size_t v = 0; v < labels.voxels.size(); ++v)
             if (labels.voxels[v] == 1 && v % 110 > 90) // all of one end
                 labels.voxels[v] = 3;
-        const TriMesh rest = wall_beyond_region(sample().body, labels, sizing(), sample().wall, {});
+        const TriMesh rest = unmeshed_wall_region(sample().body, labels, sizing(), sample().wall, {});
         EXPECT_EQ(std::count(rest.labels.begin(), rest.labels.end(), Label { 3 }), 0);
         EXPECT_GT(std::count(rest.labels.begin(), rest.labels.end(), Label { 2 }), 0);
     }
@@ -131,8 +131,8 @@ namespace wall_beyond_test {
     {
         mesh::MeshSizing whole = sizing();
         whole.region_mm = 0.0;
-        EXPECT_TRUE(wall_beyond_region(sample().body, sample().labels, whole, sample().wall, {}).triangles.empty());
-        EXPECT_TRUE(wall_beyond_region({}, sample().labels, sizing(), sample().wall, {}).triangles.empty());
+        EXPECT_TRUE(unmeshed_wall_region(sample().body, sample().labels, whole, sample().wall, {}).triangles.empty());
+        EXPECT_TRUE(unmeshed_wall_region({}, sample().labels, sizing(), sample().wall, {}).triangles.empty());
     }
 
 } // namespace wall_beyond_test

@@ -14,7 +14,7 @@ namespace retractor::planner {
 /// @param body surface of all wall labels, see Patient::body().
 /// @param displacement n x 3 (mm), one row per vertex of `wall`.
 /// @returns an empty surface when the region has no limit: the tetrahedra are the whole wall then.
-TriMesh wall_beyond_region(const TriMesh& body, const mesh::LabelVolume& labels, const mesh::MeshSizing& sizing,
+TriMesh unmeshed_wall_region(const TriMesh& body, const mesh::LabelVolume& labels, const mesh::MeshSizing& sizing,
     const mesh::TetMesh& wall, const Points& displacement, const Job& job = {});
 
 } // namespace retractor::planner

@@ -1,4 +1,4 @@
-#include "planner/wall/wall_beyond.h"
+#include "planner/wall/unmeshed_wall.h"
 
 #include "mesh/base/corridor.h"
 #include "mesh/base/spatial_hash.h"
@@ -257,7 +257,7 @@ namespace {
 
 } // namespace
 
-TriMesh wall_beyond_region(const TriMesh& body, const mesh::LabelVolume& labels, const mesh::MeshSizing& sizing,
+TriMesh unmeshed_wall_region(const TriMesh& body, const mesh::LabelVolume& labels, const mesh::MeshSizing& sizing,
     const mesh::TetMesh& wall, const Points& displacement, const Job& job)
 {
     if (sizing.region_mm <= 0.0 || body.triangles.empty())

@@ -4,8 +4,8 @@
 #include "mesh/base/statistics.h"
 #include "mesh/cutting/cut_ablation.h"
 #include "mesh/cutting/store/cut_store.h"
-#include "mesh/cutting/stroke/cut_care.h"
 #include "mesh/cutting/stroke/cut_moves.h"
+#include "mesh/cutting/stroke/cut_retry.h"
 #include "mesh/cutting/stroke/cut_stroke.h"
 
 #include <algorithm>
@@ -36,7 +36,7 @@ namespace {
     {
         for (const MeshDelta::Tet& tet : delta.tets_born)
             if (!(store.volume(tet.id) > 0.0))
-                throw BrokenPromise(BrokenPromise::Kind::shape, "the cut would leave an element without volume",
+                throw CutQualityError(CutQualityError::Kind::shape, "the cut would leave an element without volume",
                     "element " + std::to_string(tet.id));
     }
 
@@ -239,11 +239,11 @@ struct CutSession::State {
                 });
                 result.report.seconds = watch.seconds();
                 return result;
-            } catch (const BrokenPromise& broken) {
-                if (part.care.attempt == kMostAttempts || broken.kind() == BrokenPromise::Kind::growth
+            } catch (const CutQualityError& broken) {
+                if (part.care.attempt == kMostAttempts || broken.kind() == CutQualityError::Kind::growth
                     || options.subdivision != Subdivision::adaptive)
                     throw given_up(broken, part.care.attempt);
-                part.care = more_careful(part.care, broken.kind());
+                part.care = settings_of_retry(part.care, broken.kind());
             }
     }
 

@@ -167,11 +167,11 @@ double wound_edge(const StrokeState& stroke)
     return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
-void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, const StrokeCare& care, double from,
-    double to, const std::function<void()>& poll)
+void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, const StrokeSettings& care,
+    double from, double to, const std::function<void()>& poll)
 {
     const SweptBlade& blade = stroke.blade;
-    const double edge = wound_edge(stroke), most = most_off_blade(care);
+    const double edge = wound_edge(stroke), most = largest_blade_deviation(care);
     const std::vector<SweptBlade::Crease> bends = blade.creases(kLeastBend);
     if (!(edge > 0.0) || !(to > from))
         return;
@@ -203,7 +203,8 @@ void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left,
                 continue;
             std::ostringstream where;
             where << "at " << along << " mm along the line, " << depth << " mm deep";
-            throw BrokenPromise(BrokenPromise::Kind::extent, promise_broken("stay", most, "short of"), where.str());
+            throw CutQualityError(
+                CutQualityError::Kind::extent, quality_message("stay", most, "short of"), where.str());
         }
     }
 }

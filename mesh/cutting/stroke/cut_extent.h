@@ -2,8 +2,8 @@
 // Whether a wound reaches as far as the blade that made it: the blade is sampled after the lips are parted, and where
 // it lies in tissue a wound must be near. Units mm.
 
-#include "mesh/cutting/stroke/cut_care.h"
 #include "mesh/cutting/stroke/cut_moves.h"
+#include "mesh/cutting/stroke/cut_retry.h"
 
 #include <array>
 #include <functional>
@@ -29,8 +29,8 @@ double wound_edge(const StrokeState& stroke);
 ///   have been taken from nearby; a bent one may dip into elements with all corners on one side
 /// @param care says how many local edges the next wound may be away, and how closely to look
 /// @param poll called before each column of samples; may throw
-/// @throws BrokenPromise (extent) with the place.
-void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, const StrokeCare& care, double from,
-    double to, const std::function<void()>& poll);
+/// @throws CutQualityError (extent) with the place.
+void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, const StrokeSettings& care,
+    double from, double to, const std::function<void()>& poll);
 
 } // namespace retractor::mesh

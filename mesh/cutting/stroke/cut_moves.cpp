@@ -1,7 +1,7 @@
 #include "mesh/cutting/stroke/cut_moves.h"
 
 #include "mesh/base/triangle.h"
-#include "mesh/cutting/stroke/cut_care.h"
+#include "mesh/cutting/stroke/cut_retry.h"
 
 #include <Eigen/Geometry>
 
@@ -265,7 +265,7 @@ void check_growth(const StrokeState& stroke)
     const CutReport& report = stroke.report;
     const std::size_t most = kMostGrowth * std::max(report.tets_crossed, kLeastCrossed);
     if (stroke.store.books().tets > report.tets_before + most)
-        throw BrokenPromise(BrokenPromise::Kind::growth,
+        throw CutQualityError(CutQualityError::Kind::growth,
             "the blade twists or bends so much within single elements that each it crosses would become more than "
                 + std::to_string(kMostGrowth) + "; turn it less over a few millimetres, or mesh finer there",
             std::to_string(report.tets_crossed) + " elements crossed");
@@ -274,7 +274,8 @@ void check_growth(const StrokeState& stroke)
 VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double t)
 {
     if (is_parted(stroke, edge))
-        throw BrokenPromise(BrokenPromise::Kind::shape, "the step would divide one lip of the stroke and not the other",
+        throw CutQualityError(CutQualityError::Kind::shape,
+            "the step would divide one lip of the stroke and not the other",
             "edge " + std::to_string(edge.first) + " - " + std::to_string(edge.second));
     const VertexId v = stroke.store.bisect(edge.first, edge.second, p, t);
     check_element_limit(stroke);

@@ -44,7 +44,7 @@ struct StrokeState {
     std::set<VertexId> on_crease {}; ///< in the plane that halves a bend
     CutFaces cut_faces {}; ///< empty until they are decided
     std::map<VertexId, double> drift {}; ///< how far (mm) the moves of a vertex carried its surfaces away so far
-    double border = 1.0; ///< StrokeCare::border
+    double border = 1.0; ///< StrokeSettings::border
     int cut_number = 0;
     bool goes_on = false; ///< former steps may have cut under the same number
     bool resolve_end = true; ///< the cut ends where the blade does; else, while it grows, before that
@@ -66,7 +66,7 @@ void check_element_limit(const StrokeState& stroke);
 /// A stroke that makes more elements than this for each that it crosses (and it may always make as many as for
 /// kLeastCrossed) is given up: it would take seconds. Strokes that need no second attempt make 1 to 10.
 inline constexpr std::size_t kMostGrowth = 100, kLeastCrossed = 50;
-/// @throws BrokenPromise (growth) when there are more.
+/// @throws CutQualityError (growth) when there are more.
 void check_growth(const StrokeState& stroke);
 
 /// The largest cosine among the six dihedral angles: that of the smallest angle. Cheaper than the angle, and orders

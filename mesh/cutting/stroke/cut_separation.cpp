@@ -1,8 +1,8 @@
 #include "mesh/cutting/stroke/cut_separation.h"
 
 #include "mesh/base/triangle.h"
-#include "mesh/cutting/stroke/cut_care.h"
 #include "mesh/cutting/stroke/cut_groups.h"
+#include "mesh/cutting/stroke/cut_retry.h"
 
 #include <Eigen/Geometry>
 
@@ -303,7 +303,7 @@ namespace {
         std::vector<VertexId> third;
         for (const EdgeKey& edge : edges)
             if (surface_faces(store, edge, third) != 2)
-                throw BrokenPromise(BrokenPromise::Kind::shape,
+                throw CutQualityError(CutQualityError::Kind::shape,
                     "the lips of the wound would hang together along an edge",
                     "edge " + std::to_string(edge.first) + " - " + std::to_string(edge.second));
     }
@@ -452,12 +452,12 @@ namespace {
         std::vector<BladeFace> list;
         for (const auto& [key, face] : faces) {
             if (face.minus.tet < 0 || face.plus.tet < 0)
-                throw BrokenPromise(BrokenPromise::Kind::shape, "a face of the wound has tissue on one side only",
+                throw CutQualityError(CutQualityError::Kind::shape, "a face of the wound has tissue on one side only",
                     "vertex " + std::to_string(key[0]));
             list.push_back(face);
         }
         if (list.size() != stroke.cut_faces.all().size())
-            throw BrokenPromise(BrokenPromise::Kind::shape, "a face of the wound was lost", {});
+            throw CutQualityError(CutQualityError::Kind::shape, "a face of the wound was lost", {});
         return list;
     }
 

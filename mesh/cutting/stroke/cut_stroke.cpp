@@ -2,11 +2,11 @@
 
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
-#include "mesh/cutting/stroke/cut_care.h"
 #include "mesh/cutting/stroke/cut_extent.h"
 #include "mesh/cutting/stroke/cut_improve.h"
 #include "mesh/cutting/stroke/cut_moves.h"
 #include "mesh/cutting/stroke/cut_patterns.h"
+#include "mesh/cutting/stroke/cut_retry.h"
 #include "mesh/cutting/stroke/cut_separation.h"
 
 #include <Eigen/Geometry>
@@ -621,15 +621,15 @@ namespace {
     /// Labels that are not severed leave the blade uncut where they are: then only the lips are looked at.
     void Stroke::check_promises()
     {
-        const double most = most_off_blade(step_.care);
+        const double most = largest_blade_deviation(step_.care);
         const auto check = [](double share, double limit, const char* would, const char* how) {
             if (share > limit)
-                throw BrokenPromise(BrokenPromise::Kind::extent, promise_broken(would, limit, how),
+                throw CutQualityError(CutQualityError::Kind::extent, quality_message(would, limit, how),
                     std::to_string(share) + " local edges " + how);
         };
         check(state_.lips_off, most, "lie", "off");
         check(state_.lips_beyond, most, "reach", "beyond");
-        check(state_.former_lips_off, kPromisedOffBlade, "lie", "off");
+        check(state_.former_lips_off, kLargestBladeDeviation, "lie", "off");
         if (options_.uncut_labels.empty())
             check_extent(state_, left_, step_.care, step_.from_along, resume_, [&] { poll(0); });
     }

@@ -5,7 +5,7 @@
 #include "mesh/cutting/store/blade.h"
 #include "mesh/cutting/store/cut_store.h"
 #include "mesh/cutting/store/cut_types.h"
-#include "mesh/cutting/stroke/cut_care.h"
+#include "mesh/cutting/stroke/cut_retry.h"
 
 #include <map>
 
@@ -20,7 +20,7 @@ struct StrokeStep {
     bool resolve_end = true; ///< cut up to the blade's end exactly; else leave elements it does not cross completely
     bool goes_on = false; ///< former steps may have cut under the same number
     const SurfaceDrift* drift = nullptr; ///< of former steps; null for none
-    StrokeCare care {};
+    StrokeSettings care {};
 };
 
 /// What a step leaves to the next one.
@@ -30,7 +30,7 @@ struct StrokeRest {
 };
 
 /// Cuts between store.begin() and store.finish(), both called by the caller, who also rolls back when the status is
-/// not `done` or something is thrown: BrokenPromise (cut_care.h) when it may be made with more care. Fills status,
+/// not `done` or something is thrown: CutQualityError (cut_retry.h) when it may be made with more care. Fills status,
 /// message and the counts of the report, not the delta.
 /// @param rest set to what the next step of a growing blade has to know, when not null.
 CutResult cut_stroke(CutStore& store, const SweptBlade& blade, const CutOptions& options, int cut_number,

@@ -1,7 +1,7 @@
 #include "mesh/cutting/cut_session.h"
 
 #include "mesh/base/error.h"
-#include "mesh/cutting/stroke/cut_care.h"
+#include "mesh/cutting/stroke/cut_retry.h"
 
 #include <Eigen/Geometry>
 
@@ -713,8 +713,8 @@ namespace cut_session_test {
         try {
             static_cast<void>(session.cut(twisted_blade({ 30.13, 30.6, 60.0 }, 1.0, 36.0, 60.0, 9)));
             FAIL() << "it was cut";
-        } catch (const BrokenPromise& refusal) {
-            EXPECT_EQ(refusal.kind(), BrokenPromise::Kind::growth);
+        } catch (const CutQualityError& refusal) {
+            EXPECT_EQ(refusal.kind(), CutQualityError::Kind::growth);
             const std::string text = refusal.what();
             EXPECT_NE(text.find("twists or bends so much within single elements"), std::string::npos) << text;
             EXPECT_TRUE(text.ends_with("mesh finer there")) << "more attempts, or advice that does not fit: " << text;

@@ -2,8 +2,8 @@
 
 #include "mesh/base/error.h"
 #include "mesh/cutting/cut_session.h"
-#include "mesh/cutting/stroke/cut_care.h"
 #include "mesh/cutting/stroke/cut_extent.h"
+#include "mesh/cutting/stroke/cut_retry.h"
 #include "tests/support/session_state.h"
 
 #include <gtest/gtest.h>
@@ -237,17 +237,18 @@ namespace cut_stroke_session_test {
 
     TEST(CutCare, ARefusalNamesTheLimitAndTheAttempts)
     {
-        EXPECT_EQ(promise_broken("lie", 0.098, "off"), "the wound would lie more than 0.098 local edges off the blade");
-        const BrokenPromise broken(BrokenPromise::Kind::shape, "a face was lost", "vertex 3");
+        EXPECT_EQ(
+            quality_message("lie", 0.098, "off"), "the wound would lie more than 0.098 local edges off the blade");
+        const CutQualityError broken(CutQualityError::Kind::shape, "a face was lost", "vertex 3");
         EXPECT_STREQ(given_up(broken, 1).what(), "a face was lost; try another blade");
-        const BrokenPromise refusal = given_up(broken, kMostAttempts);
+        const CutQualityError refusal = given_up(broken, kMostAttempts);
         EXPECT_STREQ(refusal.what(),
             "a face was lost; 6 attempts were made, with less snapping or more bends followed; try another blade");
         EXPECT_EQ(refusal.where(), "vertex 3");
-        EXPECT_EQ(refusal.kind(), BrokenPromise::Kind::shape);
-        const BrokenPromise growth(BrokenPromise::Kind::growth, "too many; mesh finer", "3 elements crossed");
+        EXPECT_EQ(refusal.kind(), CutQualityError::Kind::shape);
+        const CutQualityError growth(CutQualityError::Kind::growth, "too many; mesh finer", "3 elements crossed");
         EXPECT_STREQ(given_up(growth, 3).what(), "too many; mesh finer");
-        EXPECT_EQ(given_up(growth, 3).kind(), BrokenPromise::Kind::growth);
+        EXPECT_EQ(given_up(growth, 3).kind(), CutQualityError::Kind::growth);
     }
 
     TEST(CutSession, CutsThatCrossInOneSpotEndAtTheElementLimit)

@@ -11,7 +11,7 @@
 namespace retractor::mesh {
 
 /// What makes a stroke more conservative than its options.
-struct StrokeCare {
+struct StrokeSettings {
     int attempt = 1;
     double snap = 1.0; ///< share of CutOptions::snap
     double crease_deg = 180.0; ///< CutOptions::crease_deg at most
@@ -24,10 +24,10 @@ struct StrokeCare {
 };
 
 /// A stroke that cannot be made as it is: why, for the next attempt to know.
-class BrokenPromise : public SolverError {
+class CutQualityError : public SolverError {
 public:
     enum class Kind { shape, extent, growth };
-    BrokenPromise(Kind kind, const std::string& what, std::string where);
+    CutQualityError(Kind kind, const std::string& what, std::string where);
     Kind kind() const { return kind_; }
 
 private:
@@ -43,19 +43,19 @@ inline constexpr int kMostAttempts = 6;
 /// are followed at first; then elements are halved where the blade bends or twists within them; the last attempt
 /// follows every bend, if what failed before it was the extent.
 /// @pre not `growth` (too many elements): more care makes more of them, so such a stroke is refused at once.
-StrokeCare more_careful(const StrokeCare& care, BrokenPromise::Kind kind);
+StrokeSettings settings_of_retry(const StrokeSettings& care, CutQualityError::Kind kind);
 
 /// A wound keeps to the blade by this share of the local edge (the mean edge of the element of the first mesh).
-inline constexpr double kPromisedOffBlade = 0.1;
+inline constexpr double kLargestBladeDeviation = 0.1;
 
 /// By less than is promised, as what is looked at are samples; the last attempt is given a little more.
-double most_off_blade(const StrokeCare& care);
+double largest_blade_deviation(const StrokeSettings& care);
 
 /// What a wound that is off the blade is refused with: "the wound would lie more than 0.09 local edges off the blade".
-std::string promise_broken(const std::string& would, double most, const std::string& how);
+std::string quality_message(const std::string& would, double most, const std::string& how);
 
 /// The refusal of a stroke that was given up after so many attempts: it says so, and what may help. One for its growth
 /// is as it is: it says already what to change, and no further attempt was made.
-BrokenPromise given_up(const BrokenPromise& broken, int attempts);
+CutQualityError given_up(const CutQualityError& broken, int attempts);
 
 } // namespace retractor::mesh

@@ -1,4 +1,4 @@
-#include "mesh/cutting/stroke/cut_care.h"
+#include "mesh/cutting/stroke/cut_retry.h"
 
 #include <algorithm>
 #include <array>
@@ -8,17 +8,17 @@
 
 namespace retractor::mesh {
 
-BrokenPromise::BrokenPromise(Kind kind, const std::string& what, std::string where)
+CutQualityError::CutQualityError(Kind kind, const std::string& what, std::string where)
     : SolverError(what, std::move(where))
     , kind_(kind)
 {
 }
 
-StrokeCare more_careful(const StrokeCare& care, BrokenPromise::Kind kind)
+StrokeSettings settings_of_retry(const StrokeSettings& care, CutQualityError::Kind kind)
 {
-    StrokeCare next = care;
+    StrokeSettings next = care;
     ++next.attempt;
-    if (kind == BrokenPromise::Kind::shape) {
+    if (kind == CutQualityError::Kind::shape) {
         next.snap *= next.attempt < kMostAttempts ? 0.6 : 0.0;
         next.on_blade = std::min(kMostOnBlade, 2.0 * care.on_blade);
     } else {
@@ -39,18 +39,18 @@ StrokeCare more_careful(const StrokeCare& care, BrokenPromise::Kind kind)
     return next;
 }
 
-double most_off_blade(const StrokeCare& care) { return care.attempt < kMostAttempts ? 0.09 : 0.098; }
+double largest_blade_deviation(const StrokeSettings& care) { return care.attempt < kMostAttempts ? 0.09 : 0.098; }
 
-std::string promise_broken(const std::string& would, double most, const std::string& how)
+std::string quality_message(const std::string& would, double most, const std::string& how)
 {
     std::ostringstream text;
     text << "the wound would " << would << " more than " << most << " local edges " << how << " the blade";
     return text.str();
 }
 
-BrokenPromise given_up(const BrokenPromise& broken, int attempts)
+CutQualityError given_up(const CutQualityError& broken, int attempts)
 {
-    if (broken.kind() == BrokenPromise::Kind::growth)
+    if (broken.kind() == CutQualityError::Kind::growth)
         return broken;
     const std::string tried = attempts > 1
         ? "; " + std::to_string(attempts) + " attempts were made, with less snapping or more bends followed"

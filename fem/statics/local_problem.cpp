@@ -1,6 +1,6 @@
 #include "fem/statics/local_problem.h"
 
-#include "fem/statics/near_field.h"
+#include "fem/statics/nonlinear_region.h"
 #include "mesh/base/error.h"
 
 #include <string>

@@ -22,7 +22,7 @@ namespace {
     }
 
     /// How far a hook goes that is driven farthest.
-    double farthest_way(NearField& field, std::span<const HookDrive> from, std::span<const HookDrive> to)
+    double farthest_way(NonlinearRegion& field, std::span<const HookDrive> from, std::span<const HookDrive> to)
     {
         constexpr double kNoFartherMm = 150.0; // stiffness at rest says little of where a large force leads
         std::vector<Vec3> foretold;
@@ -72,10 +72,10 @@ namespace {
         }
 
     private:
-        NearField field(const std::vector<std::uint8_t>& near)
+        NonlinearRegion field(const std::vector<std::uint8_t>& near)
         {
             const Stopwatch watch;
-            NearField made(mesh_, materials_, supports_, { hooks_.begin(), hooks_.end() }, near,
+            NonlinearRegion made(mesh_, materials_, supports_, { hooks_.begin(), hooks_.end() }, near,
                 { .elasticity = options_.elasticity,
                     .tolerance = options_.tolerance,
                     .max_iterations = kQuasiNewtonSteps * options_.max_newton_iterations,
@@ -88,7 +88,7 @@ namespace {
 
         void open_linear_beyond()
         {
-            NearField near = field(options_.near);
+            NonlinearRegion near = field(options_.near);
             const std::vector<Vec3> rest = from_.hook_displacements;
             DragInSteps how { .least_steps = options_.load_steps };
             bool good = true;
@@ -150,7 +150,7 @@ namespace {
 
         void open_whole()
         {
-            NearField whole = field(std::vector<std::uint8_t>(mesh_.tet_count(), 1));
+            NonlinearRegion whole = field(std::vector<std::uint8_t>(mesh_.tet_count(), 1));
             whole.start_from(from_);
             DragInSteps how { .least_steps
                 = std::max(1, static_cast<int>(std::ceil((1.0 - share_) * options_.load_steps))) };
@@ -161,7 +161,7 @@ namespace {
         }
 
         /// At rest or not: where they were cancelled on their way, the hooks are not where they should be.
-        void settle(NearField& field, const NearFrame& dragged)
+        void settle(NonlinearRegion& field, const NearFrame& dragged)
         {
             const bool on_the_way = job_.cancelled();
             NearFrame settled = field.settle(job_);
@@ -200,7 +200,7 @@ namespace {
 
 } // namespace
 
-NearFrame drag_in_steps(NearField& field, std::span<const HookDrive> from, std::span<const HookDrive> to,
+NearFrame drag_in_steps(NonlinearRegion& field, std::span<const HookDrive> from, std::span<const HookDrive> to,
     const DragInSteps& how, const Job& job)
 {
     constexpr int kRefreshes = 3;

@@ -1,12 +1,12 @@
 #pragma once
-// Openings whose far field is linear (near_field.h), as plans want them: drawn from rest, brought to equilibrium, and
-// with the linear far field judged. Where ribs swing it is wrong by much, and may even turn elements over; there the
-// whole is solved nonlinearly from where it was still good. Units mm, N.
+// Openings whose far field is linear (nonlinear_region.h), as plans want them: drawn from rest, brought to equilibrium,
+// and with the linear far field judged. Where ribs swing it is wrong by much, and may even turn elements over; there
+// the whole is solved nonlinearly from where it was still good. Units mm, N.
 
 #include "fem/material/material.h"
 #include "fem/statics/boundary_conditions.h"
 #include "fem/statics/hook_drive.h"
-#include "fem/statics/near_field.h"
+#include "fem/statics/nonlinear_region.h"
 #include "fem/statics/opening_types.h"
 #include "mesh/base/job.h"
 #include "mesh/tetrahedra/tet_mesh.h"
@@ -26,11 +26,11 @@ struct DragInSteps {
 
 /// @param from where the hooks are. Ends where they stop short, where keep_going says no, and when cancelled.
 /// @return the last frame.
-NearFrame drag_in_steps(NearField& field, std::span<const HookDrive> from, std::span<const HookDrive> to,
+NearFrame drag_in_steps(NonlinearRegion& field, std::span<const HookDrive> from, std::span<const HookDrive> to,
     const DragInSteps& how, const Job& job);
 
 /// Opening::open() for OpeningOptions::near, without what is measured on the deformed elements.
-/// @throws as NearField's constructor.
+/// @throws as NonlinearRegion's constructor.
 OpeningResult open_near(const mesh::TetMesh& mesh, std::span<const Material> material_of_label,
     const Supports& supports, std::span<const HookPatch> hooks, const OpeningOptions& options, const Job& job);
 

@@ -3,7 +3,7 @@
 #include "fem/error_estimation/error_estimate.h"
 #include "fem/material/material.h"
 #include "fem/statics/hook.h"
-#include "fem/statics/near_field.h"
+#include "fem/statics/nonlinear_region.h"
 #include "fem/statics/opening.h"
 #include "planner/approach/hook_patches.h"
 #include "planner/wall/supports.h"

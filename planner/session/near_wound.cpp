@@ -1,6 +1,6 @@
 #include "planner/session/near_wound.h"
 
-#include "fem/statics/hand_field.h"
+#include "fem/statics/drag_options.h"
 #include "fem/statics/near_opening.h"
 #include "mesh/base/error.h"
 
@@ -14,7 +14,7 @@ namespace retractor::planner {
 namespace {
 
     /// At equilibrium only: on the way there it would be of where the wound is not.
-    std::optional<double> change_beyond(fem::NearField& field, const fem::NearFrame& frame)
+    std::optional<double> change_beyond(fem::NonlinearRegion& field, const fem::NearFrame& frame)
     {
         if (frame.status != fem::NearStatus::settled)
             return {};
@@ -80,10 +80,10 @@ NearWound::Built NearWound::make(const NearProblem& problem, const Job& job)
         .within_mm = 0.0,
         .far_change = {},
         .refusal = {} };
-    const fem::HandZone zone = fem::hand_zone(problem.mesh, problem.wound);
+    const fem::DragRegion zone = fem::drag_region(problem.mesh, problem.wound);
     built.within_mm = zone.within_mm;
-    auto field = std::make_unique<fem::NearField>(problem.mesh, problem.material_of_label, problem.supports,
-        problem.hooks, zone.near, fem::hand_options(problem.load));
+    auto field = std::make_unique<fem::NonlinearRegion>(problem.mesh, problem.material_of_label, problem.supports,
+        problem.hooks, zone.near, fem::drag_options(problem.load));
     if (!field->prepare(job))
         return built;
     // The model lets hooks pass anything, and settle() makes new factors where they pay.

@@ -1,12 +1,12 @@
 #pragma once
-// The nonlinear answer near a wound that hooks hold open: tissue that turns and stretches far (NearField, bounded
+// The nonlinear answer near a wound that hooks hold open: tissue that turns and stretches far (NonlinearRegion, bounded
 // corotational), where the linear answer of the whole wall swells. It takes a factorisation, which is made on a thread
 // of its own, where the hooks are then drawn from rest to where they are; that comes back near equilibrium, and hooks
 // are dragged in it. It is of one mesh and one set of hooks: with another it is begun anew. Used from one thread. Units
 // mm, N; frame patient LPS.
 
 #include "fem/interactive/online_opening.h"
-#include "fem/statics/near_field.h"
+#include "fem/statics/nonlinear_region.h"
 
 #include <Eigen/Core>
 
@@ -75,7 +75,7 @@ public:
 
 private:
     struct Built {
-        std::unique_ptr<fem::NearField> field; ///< null: refused, or cancelled
+        std::unique_ptr<fem::NonlinearRegion> field; ///< null: refused, or cancelled
         fem::NearFrame frame;
         std::vector<VertexId> id;
         std::vector<fem::HookDrive> drives;
@@ -91,7 +91,7 @@ private:
     void launch(NearProblem problem);
     template <class Call> void guarded(const Call& call);
 
-    std::unique_ptr<fem::NearField> field_;
+    std::unique_ptr<fem::NonlinearRegion> field_;
     fem::NearFrame frame_;
     std::vector<VertexId> id_;
     std::vector<fem::HookDrive> drives_; ///< of the hooks, as they were dragged last

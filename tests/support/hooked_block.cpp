@@ -1,6 +1,6 @@
 #include "tests/support/hooked_block.h"
 
-#include "fem/statics/near_field.h"
+#include "fem/statics/nonlinear_region.h"
 
 #include <cmath>
 

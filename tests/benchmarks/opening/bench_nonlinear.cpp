@@ -1,10 +1,10 @@
 #include "tests/benchmarks/opening/bench_nonlinear.h"
 
 #include "datasets/phantoms/phantom.h"
+#include "fem/statics/drag_options.h"
 #include "fem/statics/elastic_problem.h"
 #include "fem/statics/equilibrium.h"
-#include "fem/statics/hand_field.h"
-#include "fem/statics/near_field.h"
+#include "fem/statics/nonlinear_region.h"
 #include "mesh/base/error.h"
 #include "mesh/cutting/cut_session.h"
 #include "planner/approach/approach_templates.h"
@@ -128,7 +128,7 @@ namespace {
         std::array<fem::NearFrame, 2> frame; ///< at half and at full displacement, while moving
     };
 
-    Drag drag(fem::NearField& field, const std::vector<fem::HookPatch>& hooks, int frames)
+    Drag drag(fem::NonlinearRegion& field, const std::vector<fem::HookPatch>& hooks, int frames)
     {
         Drag drag;
         for (int f = 1; f <= frames; ++f) {
@@ -179,7 +179,7 @@ ui::cli::Json measure_nonlinear(const OpenScene& scene, const Job& job)
     const std::vector<std::uint8_t> near = fem::elements_near(cut.mesh, cut.wound, kNear);
     ui::cli::Json row;
     const Stopwatch planning;
-    fem::NearField field(cut.mesh, scene.materials, cut.supports, cut.hooks, near);
+    fem::NonlinearRegion field(cut.mesh, scene.materials, cut.supports, cut.hooks, near);
     (void)field.prepare();
     row["nonlinear_plan_ms"] = 1e3 * planning.seconds();
     row["nonlinear_tets"] = field.near_elements();
@@ -187,7 +187,7 @@ ui::cli::Json measure_nonlinear(const OpenScene& scene, const Job& job)
     row["nonlinear_mb"] = static_cast<double>(field.bytes()) / 1e6;
     const Drag dragged = drag(field, cut.hooks, kFrames);
     const Stopwatch finishing;
-    fem::NearField whole(cut.mesh, scene.materials, cut.supports, cut.hooks,
+    fem::NonlinearRegion whole(cut.mesh, scene.materials, cut.supports, cut.hooks,
         std::vector<std::uint8_t>(cut.mesh.tet_count(), 1), { .tolerance = kFinal });
     whole.start_from(dragged.frame[1]);
     const fem::NearFrame final = whole.settle(job);
@@ -233,11 +233,11 @@ ui::cli::Json measure_under_hand(const Job& job)
     constexpr int kHandFrames = 60; // 0.5 mm each: at 15 frames a second the hooks take four seconds
     std::vector<fem::Material> materials;
     const CutScene cut = cut_thorax(job, materials);
-    const fem::HandZone zone = fem::hand_zone(cut.mesh, cut.wound);
+    const fem::DragRegion zone = fem::drag_region(cut.mesh, cut.wound);
     ui::cli::Json row { { "mesh", "thorax" }, { "tets", cut.mesh.tet_count() }, { "nodes", cut.mesh.vertex_count() },
         { "nonlinear_within_mm", zone.within_mm }, { "hooks", cut.hooks.size() } };
     const Stopwatch planning;
-    fem::NearField field(cut.mesh, materials, cut.supports, cut.hooks, zone.near, fem::hand_options());
+    fem::NonlinearRegion field(cut.mesh, materials, cut.supports, cut.hooks, zone.near, fem::drag_options());
     (void)field.prepare();
     row["nonlinear_plan_ms"] = 1e3 * planning.seconds();
     row["nonlinear_tets"] = field.near_elements();
@@ -250,10 +250,10 @@ ui::cli::Json measure_under_hand(const Job& job)
     row["nonlinear_fps"] = 1e3 / percentile(dragged.ms, 0.5);
     row["nonlinear_residual"] = dragged.residual;
     // The same way in large steps, each converged.
-    fem::NearFieldOptions tight = fem::hand_options();
+    fem::NonlinearRegionOptions tight = fem::drag_options();
     tight.tolerance = kFinal;
     const auto converged = [&](const std::vector<std::uint8_t>& near, double& seconds) {
-        fem::NearField slow(cut.mesh, materials, cut.supports, cut.hooks, near, tight);
+        fem::NonlinearRegion slow(cut.mesh, materials, cut.supports, cut.hooks, near, tight);
         std::array<fem::NearFrame, 2> frames;
         for (int half = 0; half < 2; ++half) {
             std::vector<Vec3> at;

@@ -13,7 +13,7 @@ ui::cli::Json measure_nonlinear(const OpenScene& scene, const Job& job);
 std::string nonlinear_text(const ui::cli::Json& row);
 
 /// The thorax phantom's wall, cut along its whole median approach, its planned hooks dragged by 30 mm a side in 60
-/// frames through what is nonlinear under the hand in the window (hand_field.h), beside the converged answers of the
+/// frames through what is nonlinear under the hand in the window (drag_options.h), beside the converged answers of the
 /// same tissue: of the same zone, and of the whole wall. Keys as above.
 ui::cli::Json measure_under_hand(const Job& job);
 

@@ -1,6 +1,6 @@
 #include "fem/error_estimation/error_estimate.h"
 
-#include "fem/statics/near_field.h"
+#include "fem/statics/nonlinear_region.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/error.h"
 #include "tests/support/hooked_block.h"

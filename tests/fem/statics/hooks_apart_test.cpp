@@ -1,7 +1,7 @@
 #include "fem/statics/hooks_apart.h"
 
 #include "fem/interactive/online_opening.h"
-#include "fem/statics/near_field.h"
+#include "fem/statics/nonlinear_region.h"
 #include "tests/support/reference_problems.h"
 
 #include <gtest/gtest.h>
@@ -241,7 +241,7 @@ namespace hooks_apart_test {
         std::vector<HookPatch> patches;
         for (const OnlineHook& hook : cut.hooks)
             patches.push_back({ hook.name, hook.side, compact(hook.nodes) });
-        NearField field(mesh, cut.materials, { compact(cut.supports.fixed), {} }, patches,
+        NonlinearRegion field(mesh, cut.materials, { compact(cut.supports.fixed), {} }, patches,
             std::vector<std::uint8_t>(mesh.tet_count(), 1), { .elasticity = Elasticity::bounded });
         const HookDrive pushed { .force_N = cut.left(-0.6) }, weaker { .force_N = cut.left(0.2) };
         const HookDrive through { .displacement = cut.left(-2.0) }, held {};

@@ -127,8 +127,9 @@ namespace near_opening_test {
         near.options.far_tolerance = 1e9;
         const OpeningResult linear = near.open();
         ASSERT_TRUE(linear.far && linear.far->kept);
-        NearField field(near.problem.mesh, near.problem.material_of_label, near.problem.supports, near.problem.hooks,
-            near.options.near, { .elasticity = near.options.elasticity, .tolerance = near.options.tolerance });
+        NonlinearRegion field(near.problem.mesh, near.problem.material_of_label, near.problem.supports,
+            near.problem.hooks, near.options.near,
+            { .elasticity = near.options.elasticity, .tolerance = near.options.tolerance });
         std::vector<Vec3> to;
         for (const HookPatch& hook : near.problem.hooks)
             to.push_back(hook.displacement);

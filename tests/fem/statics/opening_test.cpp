@@ -3,7 +3,7 @@
 #include "fem/model/held_pieces.h"
 #include "fem/statics/hook.h"
 #include "fem/statics/hooks_apart.h"
-#include "fem/statics/near_field.h"
+#include "fem/statics/nonlinear_region.h"
 #include "mesh/base/error.h"
 #include "tests/support/reference_problems.h"
 #include "tests/verification/framework/incision.h"

@@ -1,5 +1,5 @@
-// The nonlinear answer near a wound at the cutting desk: it is NearField's, comes in the background, follows the hand,
-// and makes way for cuts.
+// The nonlinear answer near a wound at the cutting desk: it is NonlinearRegion's, comes in the background, follows the
+// hand, and makes way for cuts.
 
 #include "planner/session/near_wound.h"
 
@@ -76,7 +76,7 @@ namespace near_wound_test {
                     moved.row(v) = picture.shown.row(v) - picture.surface->rest.row(v);
             return moved;
         }
-        /// NearField on a copy of the wall, from rest.
+        /// NonlinearRegion on a copy of the wall, from rest.
         void expect_near_field()
         {
             settle(desk);
@@ -113,7 +113,7 @@ namespace near_wound_test {
             for (const VertexId v : lips)
                 wound.row(row++) = mesh.vertices.row(v);
             constexpr double kNearMm = 40.0, kStepMm = 3.0;
-            fem::NearField field(mesh, table.materials, supports, hooks, fem::elements_near(mesh, wound, kNearMm),
+            fem::NonlinearRegion field(mesh, table.materials, supports, hooks, fem::elements_near(mesh, wound, kNearMm),
                 { .elasticity = fem::Elasticity::bounded });
             const int steps = static_cast<int>(std::ceil(desk.hooks().hooks[0].drive.displacement.norm() / kStepMm));
             for (int step = 1; step <= steps; ++step) {

@@ -1,6 +1,6 @@
 // Problems 3, 6, 7 and 11 through the fast paths: OnlineOpening, the body condensed and taken apart, after a cut that
-// is undone, by a solve and dragged; NearField with linear tissue round nonlinear. Beside the closed form, how far each
-// is from the exact path's answer to the same equations. Four-node elements: the fast paths have no others.
+// is undone, by a solve and dragged; NonlinearRegion with linear tissue round nonlinear. Beside the closed form, how
+// far each is from the exact path's answer to the same equations. Four-node elements: the fast paths have no others.
 //
 // What the fast paths hold is vertices and patches, not single axes: planes of symmetry become whole bodies, tractions
 // become forces on hooks that each take the nodes through the thickness, a frictionless punch one that sticks.
@@ -9,7 +9,7 @@
 
 #include "fem/interactive/online_opening.h"
 #include "fem/model/loads.h"
-#include "fem/statics/near_field.h"
+#include "fem/statics/nonlinear_region.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/error.h"
 #include "mesh/base/job.h"
@@ -313,7 +313,7 @@ namespace {
         }
         const std::vector<fem::Material> materials(2, { "tissue", E, nu, 1e-9, "reference" });
         const Stopwatch watch;
-        fem::NearField field(mesh, materials, supports, {}, fem::elements_near(mesh, Points::Zero(1, 3), 2.0 * a),
+        fem::NonlinearRegion field(mesh, materials, supports, {}, fem::elements_near(mesh, Points::Zero(1, 3), 2.0 * a),
             { .elasticity = fem::Elasticity::corotational, .tolerance = 1e-8, .load = load });
         const fem::NearFrame rest = field.settle(job);
         if (rest.status != fem::NearStatus::settled)

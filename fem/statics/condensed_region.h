@@ -27,12 +27,12 @@ struct CondensingSystem {
 CondensingSystem condensing_system(
     const BlockPattern& blocks, const std::vector<std::uint8_t>& fixed, std::size_t kept, bool dense_kept);
 
-class FarField {
+class CondensedRegion {
 public:
     /// @param body its last `rim` nodes are the rim, free. Its stiffness is taken at rest, whatever its elasticity.
     /// @param fixed one per node, 1 = held where it is.
     /// @throws SolverError naming the node of the body where it is not held.
-    FarField(ElasticBody& body, const std::vector<std::uint8_t>& fixed, std::size_t rim);
+    CondensedRegion(ElasticBody& body, const std::vector<std::uint8_t>& fixed, std::size_t rim);
 
     /// Forces on the rim that hold it at unit displacements: 3 rim x 3 rim.
     const Eigen::MatrixXd& stiffness() const { return stiffness_; }

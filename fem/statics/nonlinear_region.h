@@ -1,7 +1,7 @@
 #pragma once
 // Nonlinear tissue near the wound, linear tissue beyond: dragging hooks at frame rate. The far part is condensed once
-// onto the rim between the two (far_field.h); the near part takes large strains and rotations. Units mm, N, MPa; frame
-// patient LPS.
+// onto the rim between the two (condensed_region.h); the near part takes large strains and rotations. Units mm, N, MPa;
+// frame patient LPS.
 //
 // A frame begins where the last one ended, moved along as the frames before it went and, where the hooks turn, as the
 // factor at hand says; then come a few quasi-Newton steps [L-BFGS: Nocedal, Wright, Numerical optimization, 2006, alg.
@@ -37,7 +37,7 @@ namespace retractor::fem {
 /// point, or the distance is not positive.
 std::vector<std::uint8_t> elements_near(const mesh::TetMesh& mesh, const Points& points, double distance);
 
-struct NearFieldOptions {
+struct NonlinearRegionOptions {
     /// hyperelastic: by the materials' laws (hyperelastic_law()); corotational; bounded, which meshes with flat
     /// elements need, as cuts through patients leave them: no element stops a hook, and steps on an old factor
     /// converge. Never linear.
@@ -67,7 +67,7 @@ struct [[nodiscard]] NearFrame {
     std::vector<Vec3> hook_forces_N {};
     std::vector<bool> hook_yielded {}; ///< the force limit holds it back
     std::vector<FacingHooks> meeting {}; ///< hooks that hold each other back: their lips have met
-    double residual = 0.0; ///< as NearFieldOptions::tolerance
+    double residual = 0.0; ///< as NonlinearRegionOptions::tolerance
     int iterations = 0, factorisations = 0;
 };
 
@@ -82,17 +82,17 @@ struct FarChange {
 /// force; infinite where there is none.
 double relative_change(const FarChange& change, const NearFrame& frame);
 
-class NearField {
+class NonlinearRegion {
 public:
     /// At rest, the hooks not moved.
     /// @param hooks their nodes; their displacement is not used.
     /// @param near one per element, 1 = nonlinear.
     /// @throws InputError on bad meshes, materials, supports, hooks, when no element is near, or a hook holds a node of
     /// a far element, or one that is not near is loaded; SolverError naming what is not held.
-    NearField(const mesh::TetMesh& mesh, std::span<const Material> material_of_label, const Supports& supports,
-        std::vector<HookPatch> hooks, const std::vector<std::uint8_t>& near, NearFieldOptions options = {});
-    ~NearField();
-    NearField(NearField&&) noexcept;
+    NonlinearRegion(const mesh::TetMesh& mesh, std::span<const Material> material_of_label, const Supports& supports,
+        std::vector<HookPatch> hooks, const std::vector<std::uint8_t>& near, NonlinearRegionOptions options = {});
+    ~NonlinearRegion();
+    NonlinearRegion(NonlinearRegion&&) noexcept;
 
     /// Factors the far part and, at rest, the near one; else what needs it first does so.
     /// @return false when the job was cancelled between two of its parts: the next call goes on from there.

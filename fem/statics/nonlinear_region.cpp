@@ -1,9 +1,9 @@
-#include "fem/statics/near_field.h"
+#include "fem/statics/nonlinear_region.h"
 
 #include "fem/linear_algebra/nodal_norm.h"
 #include "fem/model/held_pieces.h"
+#include "fem/statics/condensed_region.h"
 #include "fem/statics/elastic_problem.h"
-#include "fem/statics/far_field.h"
 #include "fem/statics/largest_force_left.h"
 #include "mesh/base/error.h"
 
@@ -135,8 +135,8 @@ std::vector<std::uint8_t> elements_near(const mesh::TetMesh& mesh, const Points&
     return near;
 }
 
-struct NearField::State {
-    NearFieldOptions options;
+struct NonlinearRegion::State {
+    NonlinearRegionOptions options;
     std::size_t vertices = 0; ///< of the whole mesh
     Part near, far;
     std::size_t rim = 0;
@@ -144,7 +144,7 @@ struct NearField::State {
     std::optional<ElasticBody> body;
     double largest_load = 0.0; ///< N, on a node
     std::vector<std::uint8_t> far_fixed; ///< per node of the far part
-    std::optional<FarField> beyond;
+    std::optional<CondensedRegion> beyond;
     std::vector<Material> materials; ///< by label
     std::vector<double> far_bed; ///< per node of the far part, or empty
     std::optional<ElasticBody> far_body; ///< by its own law; made when first asked for
@@ -488,7 +488,7 @@ struct NearField::State {
     {
         FarChange change { .hook_forces_N = std::vector<Vec3>(hook_nodes.size(), Vec3::Zero()) };
         Eigen::VectorXd r = Eigen::VectorXd::Zero(now.u.size());
-        std::optional<FarField::Reduced> left;
+        std::optional<CondensedRegion::Reduced> left;
         if (beyond) {
             if (!far_body) {
                 far_body.emplace(tissue_body(far.mesh, materials, { options.elasticity }));
@@ -560,8 +560,9 @@ struct NearField::State {
     }
 };
 
-NearField::NearField(const mesh::TetMesh& mesh, std::span<const Material> material_of_label, const Supports& supports,
-    std::vector<HookPatch> hooks, const std::vector<std::uint8_t>& near, NearFieldOptions options)
+NonlinearRegion::NonlinearRegion(const mesh::TetMesh& mesh, std::span<const Material> material_of_label,
+    const Supports& supports, std::vector<HookPatch> hooks, const std::vector<std::uint8_t>& near,
+    NonlinearRegionOptions options)
     : state_(std::make_unique<State>())
 {
     State& s = *state_;
@@ -614,10 +615,10 @@ NearField::NearField(const mesh::TetMesh& mesh, std::span<const Material> materi
     s.facing = facing_hooks(mesh, hooks);
 }
 
-NearField::~NearField() = default;
-NearField::NearField(NearField&&) noexcept = default;
+NonlinearRegion::~NonlinearRegion() = default;
+NonlinearRegion::NonlinearRegion(NonlinearRegion&&) noexcept = default;
 
-bool NearField::prepare(const Job& job)
+bool NonlinearRegion::prepare(const Job& job)
 {
     State& s = *state_;
     if (s.factor.factorised())
@@ -637,7 +638,7 @@ bool NearField::prepare(const Job& job)
     return true;
 }
 
-void NearField::start_from(const NearFrame& frame)
+void NonlinearRegion::start_from(const NearFrame& frame)
 {
     (void)prepare();
     State& s = *state_;
@@ -657,12 +658,12 @@ void NearField::start_from(const NearFrame& frame)
     s.refresh();
 }
 
-NearFrame NearField::drag(std::span<const Vec3> hook_displacements)
+NearFrame NonlinearRegion::drag(std::span<const Vec3> hook_displacements)
 {
     return drag(prescribed_drives(hook_displacements));
 }
 
-NearFrame NearField::drag(std::span<const HookDrive> drives)
+NearFrame NonlinearRegion::drag(std::span<const HookDrive> drives)
 {
     State& s = *state_;
     s.check_drives(drives);
@@ -682,7 +683,7 @@ NearFrame NearField::drag(std::span<const HookDrive> drives)
     return frame;
 }
 
-NearFrame NearField::settle(const Job& job)
+NearFrame NonlinearRegion::settle(const Job& job)
 {
     (void)prepare();
     State& s = *state_;
@@ -722,7 +723,7 @@ NearFrame NearField::settle(const Job& job)
     return frame;
 }
 
-std::vector<Vec3> NearField::foretold(std::span<const HookDrive> drives)
+std::vector<Vec3> NonlinearRegion::foretold(std::span<const HookDrive> drives)
 {
     State& s = *state_;
     s.check_drives(drives);
@@ -730,7 +731,7 @@ std::vector<Vec3> NearField::foretold(std::span<const HookDrive> drives)
     return per_hook(s.rest_with({ drives.begin(), drives.end() }).rest.displacement);
 }
 
-void NearField::refresh()
+void NonlinearRegion::refresh()
 {
     if (state_->factor.factorised())
         state_->refresh();
@@ -753,16 +754,16 @@ double relative_change(const FarChange& change, const NearFrame& frame)
         way > 0.0 ? change.displacement.norm() / way : 0.0, force > 0.0 ? largest(change.hook_forces_N) / force : 0.0);
 }
 
-FarChange NearField::far_change()
+FarChange NonlinearRegion::far_change()
 {
     (void)prepare();
     return state_->far_change();
 }
 
-std::size_t NearField::near_elements() const { return state_->near.element.size(); }
-std::size_t NearField::rim_vertices() const { return state_->rim; }
+std::size_t NonlinearRegion::near_elements() const { return state_->near.element.size(); }
+std::size_t NonlinearRegion::rim_vertices() const { return state_->rim; }
 
-std::size_t NearField::bytes() const
+std::size_t NonlinearRegion::bytes() const
 {
     const State& s = *state_;
     return s.factor.bytes() + s.body->bytes() + (s.beyond ? s.beyond->bytes() : 0)

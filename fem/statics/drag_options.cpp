@@ -1,4 +1,4 @@
-#include "fem/statics/hand_field.h"
+#include "fem/statics/drag_options.h"
 
 #include "mesh/base/error.h"
 
@@ -21,7 +21,7 @@ namespace {
 
 } // namespace
 
-HandZone hand_zone(const mesh::TetMesh& mesh, const Points& wound)
+DragRegion drag_region(const mesh::TetMesh& mesh, const Points& wound)
 {
     std::size_t count = 0;
     for (const Reach& reach : kReaches) {
@@ -33,7 +33,7 @@ HandZone hand_zone(const mesh::TetMesh& mesh, const Points& wound)
     throw InputError(std::to_string(count) + " elements lie near the wound: too many to be dragged", "near field");
 }
 
-NearFieldOptions hand_options(Eigen::VectorXd load)
+NonlinearRegionOptions drag_options(Eigen::VectorXd load)
 {
     return { .elasticity = Elasticity::bounded, .frame_iterations = kFrameIterations, .load = std::move(load) };
 }

@@ -1,8 +1,8 @@
-#include "fem/statics/near_field.h"
+#include "fem/statics/nonlinear_region.h"
 
+#include "fem/statics/condensed_region.h"
 #include "fem/statics/elastic_problem.h"
 #include "fem/statics/equilibrium.h"
-#include "fem/statics/far_field.h"
 #include "mesh/base/error.h"
 #include "tests/support/hooked_block.h"
 #include "tests/support/reference_problems.h"
@@ -33,8 +33,8 @@ namespace near_field_test {
         return std::vector<std::uint8_t>(mesh.tet_count(), 1);
     }
 
-    NearField near_field(const ElasticProblem& p, const std::vector<std::uint8_t>& near,
-        NearFieldOptions options = { .tolerance = kTight })
+    NonlinearRegion near_field(const ElasticProblem& p, const std::vector<std::uint8_t>& near,
+        NonlinearRegionOptions options = { .tolerance = kTight })
     {
         return { p.mesh, p.material_of_label, p.supports, p.hooks, near, options };
     }
@@ -68,7 +68,7 @@ namespace near_field_test {
             Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows()), { .tolerance = kTight }, {});
     }
 
-    TEST(FarField, CondensesOntoTheRimWhateverHoldsIt)
+    TEST(CondensedRegion, CondensesOntoTheRimWhateverHoldsIt)
     {
         // The rim are the nodes of the top of a box; the box is loose but for two fixed nodes, so that its stiffness on
         // the rim is singular: it can turn about the line through them.
@@ -77,7 +77,7 @@ namespace near_field_test {
         ElasticBody body(mesh, Elasticity::linear, std::vector<Lame>(mesh.tet_count(), Lame { 0.01, 0.05 }));
         std::vector<std::uint8_t> fixed(nodes, 0);
         fixed[0] = fixed[2] = 1;
-        const FarField far(body, fixed, rim);
+        const CondensedRegion far(body, fixed, rim);
 
         const auto n = 3 * static_cast<Eigen::Index>(nodes), r = 3 * static_cast<Eigen::Index>(rim);
         Eigen::MatrixXd K(n, n);
@@ -99,11 +99,11 @@ namespace near_field_test {
         EXPECT_EQ(field.tail(r), moved);
     }
 
-    TEST(NearField, WithEverythingNearIsTheFullyNonlinearProblem)
+    TEST(NonlinearRegion, WithEverythingNearIsTheFullyNonlinearProblem)
     {
         for (const int nodes_per_tet : { 4, 10 }) {
             const ElasticProblem problem = test_support::hooked_block(nodes_per_tet == 4 ? 4 : 2, nodes_per_tet);
-            NearField field = near_field(problem, all_near(problem.mesh));
+            NonlinearRegion field = near_field(problem, all_near(problem.mesh));
             EXPECT_EQ(field.rim_vertices(), 0U);
             const NearFrame dragged = field.drag(hooks_at(problem, 1.0));
             EXPECT_TRUE(dragged.reached);
@@ -120,11 +120,12 @@ namespace near_field_test {
         }
     }
 
-    TEST(NearField, TakesTheRotatingModelsToo)
+    TEST(NonlinearRegion, TakesTheRotatingModelsToo)
     {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
         for (const Elasticity model : { Elasticity::corotational, Elasticity::bounded }) {
-            NearField field = near_field(problem, all_near(problem.mesh), { .elasticity = model, .tolerance = kTight });
+            NonlinearRegion field
+                = near_field(problem, all_near(problem.mesh), { .elasticity = model, .tolerance = kTight });
             (void)field.drag(hooks_at(problem, 1.0));
             const NearFrame settled = field.settle();
             ASSERT_EQ(settled.status, NearStatus::settled) << settled.message;
@@ -133,7 +134,7 @@ namespace near_field_test {
         }
     }
 
-    TEST(NearField, BoundedTissueComesToRestFromAnyAnswerAndLetsHooksPassFlatElements)
+    TEST(NonlinearRegion, BoundedTissueComesToRestFromAnyAnswerAndLetsHooksPassFlatElements)
     {
         ElasticProblem problem = test_support::hooked_block(4, 4);
         // Two elements of 0.01 mm height at a hook: neo-Hookean tissue lets it move by no more.
@@ -146,7 +147,7 @@ namespace near_field_test {
             problem.mesh.vertices.row(nodes[3]) = d - (normal.dot(d - a) - 0.01) * normal;
         }
         const auto near = all_near(problem.mesh);
-        NearField dragged = near_field(problem, near, { .elasticity = Elasticity::bounded, .tolerance = kTight });
+        NonlinearRegion dragged = near_field(problem, near, { .elasticity = Elasticity::bounded, .tolerance = kTight });
         EXPECT_TRUE(dragged.drag(hooks_at(problem, 1.0)).reached);
         const NearFrame right = dragged.settle();
         ASSERT_EQ(right.status, NearStatus::settled) << right.message;
@@ -154,7 +155,7 @@ namespace near_field_test {
         wrong.displacement *= -3.0; // most elements turned over
         for (Vec3& hook : wrong.hook_displacements)
             hook *= -3.0;
-        NearField other = near_field(problem, near, { .elasticity = Elasticity::bounded, .tolerance = kTight });
+        NonlinearRegion other = near_field(problem, near, { .elasticity = Elasticity::bounded, .tolerance = kTight });
         other.start_from(wrong);
         (void)other.drag(hooks_at(problem, 1.0));
         const NearFrame back = other.settle();
@@ -163,7 +164,7 @@ namespace near_field_test {
         EXPECT_LT(difference(back.displacement, right.displacement), kSame) << "the block has one rest";
     }
 
-    TEST(NearField, LoadsAreBorneAsByTheLinearBodyWhereTheyAreSmall)
+    TEST(NonlinearRegion, LoadsAreBorneAsByTheLinearBodyWhereTheyAreSmall)
     {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
         const std::vector<std::uint8_t> near = test_support::near_hooks(problem);
@@ -186,7 +187,8 @@ namespace near_field_test {
             hook.displacement.setZero();
         const Equilibrium reference = exact(still, body);
         for (const Elasticity model : { Elasticity::hyperelastic, Elasticity::bounded }) {
-            NearField field = near_field(problem, near, { .elasticity = model, .tolerance = kTight, .load = load });
+            NonlinearRegion field
+                = near_field(problem, near, { .elasticity = model, .tolerance = kTight, .load = load });
             const NearFrame settled = field.settle();
             ASSERT_EQ(settled.status, NearStatus::settled) << settled.message;
             EXPECT_LT(difference(settled.displacement, reference.displacement), kLinear);
@@ -196,7 +198,7 @@ namespace near_field_test {
         unhooked.hooks.clear();
         const Equilibrium free = exact(unhooked, body);
         constexpr double kSeenByEnergy = 1e-5; // forces of 1e-9 N change an energy of the block's by its round-off
-        NearField field = near_field(
+        NonlinearRegion field = near_field(
             unhooked, near, { .elasticity = Elasticity::bounded, .tolerance = kSeenByEnergy, .load = load });
         const NearFrame settled = field.settle();
         ASSERT_EQ(settled.status, NearStatus::settled) << settled.message;
@@ -211,12 +213,12 @@ namespace near_field_test {
             "near field: a load has three entries per vertex");
     }
 
-    TEST(NearField, LeavesNoForceOnAnyFreeNodeOfEitherPart)
+    TEST(NonlinearRegion, LeavesNoForceOnAnyFreeNodeOfEitherPart)
     {
         // Near and far elements put together again by themselves: their forces cancel at each free node.
         const ElasticProblem problem = test_support::hooked_block(4, 4);
         const std::vector<std::uint8_t> near = test_support::near_hooks(problem);
-        NearField field = near_field(problem, near);
+        NonlinearRegion field = near_field(problem, near);
         EXPECT_GT(field.rim_vertices(), 0U);
         EXPECT_LT(field.near_elements(), problem.mesh.tet_count() / 2 + problem.mesh.tet_count() / 4);
         (void)field.drag(hooks_at(problem, 1.0));
@@ -252,16 +254,16 @@ namespace near_field_test {
         EXPECT_LT(free, 10.0 * kTight * largest);
     }
 
-    TEST(NearField, SaysWhatTheFarTissuesOwnLawWouldChange)
+    TEST(NonlinearRegion, SaysWhatTheFarTissuesOwnLawWouldChange)
     {
         // Newton's step is off by the square of its length: told ever better as the hooks move less.
         const ElasticProblem problem = test_support::hooked_block(4, 4);
         for (const Elasticity elasticity : { Elasticity::hyperelastic, Elasticity::corotational }) {
             std::vector<double> field_off, force_off;
             for (const double share : { 0.2, 0.1 }) {
-                NearField linear = near_field(problem, test_support::near_hooks(problem),
-                              { .elasticity = elasticity, .tolerance = kTight }),
-                          whole
+                NonlinearRegion linear = near_field(problem, test_support::near_hooks(problem),
+                                    { .elasticity = elasticity, .tolerance = kTight }),
+                                whole
                     = near_field(problem, all_near(problem.mesh), { .elasticity = elasticity, .tolerance = kTight });
                 (void)linear.drag(hooks_at(problem, share));
                 (void)linear.settle();
@@ -283,24 +285,24 @@ namespace near_field_test {
         }
     }
 
-    TEST(NearField, HasNothingToChangeWithoutAFarField)
+    TEST(NonlinearRegion, HasNothingToChangeWithoutAFarField)
     {
         const ElasticProblem problem = test_support::hooked_block(2, 4);
-        NearField field = near_field(problem, all_near(problem.mesh));
+        NonlinearRegion field = near_field(problem, all_near(problem.mesh));
         (void)field.drag(hooks_at(problem, 0.5));
         const FarChange change = field.far_change();
         EXPECT_TRUE(change.finite);
         EXPECT_EQ(change.displacement, Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows()));
     }
 
-    TEST(NearField, BecomesLinearElasticityAsTheHooksMoveLess)
+    TEST(NonlinearRegion, BecomesLinearElasticityAsTheHooksMoveLess)
     {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
         ElasticBody body(problem.mesh, Elasticity::linear, element_parameters(problem.mesh, problem.material_of_label));
         const Eigen::VectorXd linear = exact(problem, body).displacement;
         std::vector<double> off;
         for (const double share : { 0.02, 0.01 }) {
-            NearField field = near_field(problem, test_support::near_hooks(problem));
+            NonlinearRegion field = near_field(problem, test_support::near_hooks(problem));
             (void)field.drag(hooks_at(problem, share));
             off.push_back(difference(field.settle().displacement / share, linear));
         }
@@ -308,11 +310,11 @@ namespace near_field_test {
         EXPECT_NEAR(off[0] / off[1], 2.0, 0.1); // first order in the motion
     }
 
-    TEST(NearField, SettlesInTheSamePlaceByAnyWay)
+    TEST(NonlinearRegion, SettlesInTheSamePlaceByAnyWay)
     {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
-        NearField at_once = near_field(problem, test_support::near_hooks(problem)),
-                  by_frames = near_field(problem, test_support::near_hooks(problem));
+        NonlinearRegion at_once = near_field(problem, test_support::near_hooks(problem)),
+                        by_frames = near_field(problem, test_support::near_hooks(problem));
         (void)at_once.drag(hooks_at(problem, 1.0));
         constexpr int kFrames = 20;
         for (int f = 1; f <= kFrames; ++f) // on, somewhat too far, and back
@@ -325,17 +327,17 @@ namespace near_field_test {
         EXPECT_GT(frame.residual, settled.residual);
     }
 
-    TEST(NearField, HooksSlipAtTheirLimit)
+    TEST(NonlinearRegion, HooksSlipAtTheirLimit)
     {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
         for (const Elasticity model : { Elasticity::hyperelastic, Elasticity::bounded }) {
-            const NearFieldOptions options { .elasticity = model, .tolerance = kTight };
-            NearField free = near_field(problem, test_support::near_hooks(problem), options);
+            const NonlinearRegionOptions options { .elasticity = model, .tolerance = kTight };
+            NonlinearRegion free = near_field(problem, test_support::near_hooks(problem), options);
             (void)free.drag(hooks_at(problem, 1.0));
             const NearFrame unlimited = free.settle();
             ASSERT_EQ(unlimited.status, NearStatus::settled);
             const double limit = 0.7 * unlimited.hook_forces_N[0].norm();
-            NearField limited = near_field(problem, test_support::near_hooks(problem), options);
+            NonlinearRegion limited = near_field(problem, test_support::near_hooks(problem), options);
             std::vector<HookDrive> drives = prescribed_drives(hooks_at(problem, 1.0));
             for (HookDrive& drive : drives)
                 drive.force_limit_N = limit;
@@ -372,16 +374,16 @@ namespace near_field_test {
         }
     }
 
-    TEST(NearField, HooksThatPullWithAForceRestWhereAPositionBearsIt)
+    TEST(NonlinearRegion, HooksThatPullWithAForceRestWhereAPositionBearsIt)
     {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
         for (const Elasticity model : { Elasticity::hyperelastic, Elasticity::bounded }) {
-            const NearFieldOptions options { .elasticity = model, .tolerance = kTight };
-            NearField drawn = near_field(problem, test_support::near_hooks(problem), options);
+            const NonlinearRegionOptions options { .elasticity = model, .tolerance = kTight };
+            NonlinearRegion drawn = near_field(problem, test_support::near_hooks(problem), options);
             (void)drawn.drag(hooks_at(problem, 1.0));
             const NearFrame there = drawn.settle();
             ASSERT_EQ(there.status, NearStatus::settled);
-            NearField pulled = near_field(problem, test_support::near_hooks(problem), options);
+            NonlinearRegion pulled = near_field(problem, test_support::near_hooks(problem), options);
             std::vector<HookDrive> drives(2);
             drives[0].force_N = there.hook_forces_N[0];
             drives[1].displacement = problem.hooks[1].displacement; // and one that is drawn
@@ -400,7 +402,7 @@ namespace near_field_test {
         }
     }
 
-    TEST(NearField, HooksThatWereNotDrawnYetSlipUnderTension)
+    TEST(NonlinearRegion, HooksThatWereNotDrawnYetSlipUnderTension)
     {
         // The tissue pulls by itself; the hooks hold it where it was, and may not pull as hard as that takes.
         const ElasticProblem problem = test_support::hooked_block(4, 4);
@@ -411,8 +413,8 @@ namespace near_field_test {
             for (const VertexId v : problem.mesh.tet(static_cast<TetId>(t)))
                 if (near[t] != 0 && prescribed.flag[3 * static_cast<std::size_t>(v)] == 0)
                     load.segment<3>(3 * v) = Vec3(0.03, 0.0, 0.006);
-        const NearFieldOptions options { .tolerance = kTight, .load = load };
-        NearField held = near_field(problem, near, options), slips = near_field(problem, near, options);
+        const NonlinearRegionOptions options { .tolerance = kTight, .load = load };
+        NonlinearRegion held = near_field(problem, near, options), slips = near_field(problem, near, options);
         const NearFrame at_rest = held.settle();
         const double limit = 0.5 * at_rest.hook_forces_N[0].norm();
         ASSERT_GT(limit, 0.0);
@@ -427,11 +429,11 @@ namespace near_field_test {
         EXPECT_NEAR(rest.hook_forces_N[0].norm(), limit, kSame * limit);
     }
 
-    TEST(NearField, IsPreparedInPartsThatCanBeCancelled)
+    TEST(NonlinearRegion, IsPreparedInPartsThatCanBeCancelled)
     {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
-        NearField field = near_field(problem, test_support::near_hooks(problem)),
-                  other = near_field(problem, test_support::near_hooks(problem));
+        NonlinearRegion field = near_field(problem, test_support::near_hooks(problem)),
+                        other = near_field(problem, test_support::near_hooks(problem));
         std::atomic<bool> cancel { true };
         Job job;
         job.cancel = &cancel;
@@ -445,11 +447,11 @@ namespace near_field_test {
         EXPECT_EQ(field.settle().displacement, other.settle().displacement);
     }
 
-    TEST(NearField, GoesOnFromAnotherAnswer)
+    TEST(NonlinearRegion, GoesOnFromAnotherAnswer)
     {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
-        NearField near = near_field(problem, test_support::near_hooks(problem)),
-                  whole = near_field(problem, all_near(problem.mesh));
+        NonlinearRegion near = near_field(problem, test_support::near_hooks(problem)),
+                        whole = near_field(problem, all_near(problem.mesh));
         const NearFrame frame = near.drag(hooks_at(problem, 1.0));
         whole.start_from(frame);
         const NearFrame settled = whole.settle();
@@ -458,12 +460,12 @@ namespace near_field_test {
         EXPECT_EQ(settled.hook_displacements, hooks_at(problem, 1.0));
     }
 
-    TEST(NearField, TurnsNoElementOverWhereHooksCrushTheTissue)
+    TEST(NonlinearRegion, TurnsNoElementOverWhereHooksCrushTheTissue)
     {
         ElasticProblem problem = test_support::hooked_block(2, 4);
         for (HookPatch& hook : problem.hooks)
             hook.displacement = Vec3(0.0, 0.0, -26.0); // through the block's fixed bottom, 20 mm below
-        NearField field = near_field(problem, all_near(problem.mesh));
+        NonlinearRegion field = near_field(problem, all_near(problem.mesh));
         const ElasticBody body = neo_hookean_body(problem);
         bool stopped = false;
         for (int f = 1; f <= 13; ++f) {
@@ -478,20 +480,20 @@ namespace near_field_test {
         EXPECT_TRUE(back.reached) << back.message;
     }
 
-    TEST(NearField, GivesTheSameBitsAgain)
+    TEST(NonlinearRegion, GivesTheSameBitsAgain)
     {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
-        NearField first = near_field(problem, test_support::near_hooks(problem)),
-                  second = near_field(problem, test_support::near_hooks(problem));
+        NonlinearRegion first = near_field(problem, test_support::near_hooks(problem)),
+                        second = near_field(problem, test_support::near_hooks(problem));
         for (const double share : { 0.1, 0.2, 0.25 })
             EXPECT_EQ(
                 first.drag(hooks_at(problem, share)).displacement, second.drag(hooks_at(problem, share)).displacement);
     }
 
-    TEST(NearField, IsCancelled)
+    TEST(NonlinearRegion, IsCancelled)
     {
         const ElasticProblem problem = test_support::hooked_block(2, 4);
-        NearField field = near_field(problem, all_near(problem.mesh));
+        NonlinearRegion field = near_field(problem, all_near(problem.mesh));
         (void)field.drag(hooks_at(problem, 1.0));
         const std::atomic<bool> cancel { true };
         Job job;
@@ -499,7 +501,7 @@ namespace near_field_test {
         EXPECT_EQ(field.settle(job).status, NearStatus::cancelled);
     }
 
-    TEST(NearField, RefusesWhatItCannotSolve)
+    TEST(NonlinearRegion, RefusesWhatItCannotSolve)
     {
         const ElasticProblem problem = test_support::hooked_block(2, 4);
         const auto near = all_near(problem.mesh);
@@ -529,7 +531,7 @@ namespace near_field_test {
         loose.supports = {};
         loose.hooks.clear();
         EXPECT_NE(test_support::message_of([&] { (void)near_field(loose, near); }), "nothing was thrown");
-        NearField field = near_field(problem, near);
+        NonlinearRegion field = near_field(problem, near);
         EXPECT_EQ(test_support::message_of([&] { (void)field.drag(std::vector<Vec3>(1, Vec3::Zero())); }),
             "near field: there are 2 hooks");
         EXPECT_EQ(test_support::message_of([&] {

@@ -1,4 +1,4 @@
-#include "fem/statics/far_field.h"
+#include "fem/statics/condensed_region.h"
 
 #include "fem/linear_algebra/dense_algebra.h"
 #include "mesh/base/error.h"
@@ -86,7 +86,7 @@ CondensingSystem condensing_system(
     return system;
 }
 
-FarField::FarField(ElasticBody& body, const std::vector<std::uint8_t>& fixed, std::size_t rim)
+CondensedRegion::CondensedRegion(ElasticBody& body, const std::vector<std::uint8_t>& fixed, std::size_t rim)
     : nodes_(body.mesh().vertex_count())
 {
     const Eigen::VectorXd rest = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(nodes_));
@@ -123,7 +123,7 @@ FarField::FarField(ElasticBody& body, const std::vector<std::uint8_t>& fixed, st
     stiffness_.diagonal() -= springs;
 }
 
-Eigen::VectorXd FarField::field(const Eigen::VectorXd& rim_displacement) const
+Eigen::VectorXd CondensedRegion::field(const Eigen::VectorXd& rim_displacement) const
 {
     Eigen::MatrixXd x(3 * static_cast<Eigen::Index>(free_.size()), 1);
     x.bottomRows(rim_displacement.size()) = rim_displacement;
@@ -131,7 +131,7 @@ Eigen::VectorXd FarField::field(const Eigen::VectorXd& rim_displacement) const
     return spread(x);
 }
 
-FarField::Reduced FarField::reduce(const Eigen::VectorXd& forces) const
+CondensedRegion::Reduced CondensedRegion::reduce(const Eigen::VectorXd& forces) const
 {
     const Eigen::Index rim = stiffness_.rows();
     Reduced reduced { {}, Eigen::MatrixXd(3 * static_cast<Eigen::Index>(free_.size()), 1) };
@@ -143,7 +143,7 @@ FarField::Reduced FarField::reduce(const Eigen::VectorXd& forces) const
     return reduced;
 }
 
-Eigen::VectorXd FarField::field(const Eigen::VectorXd& rim_displacement, const Reduced& forces) const
+Eigen::VectorXd CondensedRegion::field(const Eigen::VectorXd& rim_displacement, const Reduced& forces) const
 {
     Eigen::MatrixXd x = forces.half;
     x.bottomRows(rim_displacement.size()) = rim_displacement;
@@ -151,7 +151,7 @@ Eigen::VectorXd FarField::field(const Eigen::VectorXd& rim_displacement, const R
     return spread(x);
 }
 
-Eigen::VectorXd FarField::spread(const Eigen::MatrixXd& of_free) const
+Eigen::VectorXd CondensedRegion::spread(const Eigen::MatrixXd& of_free) const
 {
     Eigen::VectorXd whole = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(nodes_));
     for (std::size_t i = 0; i < free_.size(); ++i)
@@ -160,7 +160,7 @@ Eigen::VectorXd FarField::spread(const Eigen::MatrixXd& of_free) const
     return whole;
 }
 
-std::size_t FarField::bytes() const
+std::size_t CondensedRegion::bytes() const
 {
     return factor_.bytes() + static_cast<std::size_t>(stiffness_.size()) * sizeof(double)
         + free_.size() * sizeof(VertexId);

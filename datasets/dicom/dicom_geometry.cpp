@@ -1,8 +1,8 @@
 #include "datasets/dicom/dicom_geometry.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
 #include "mesh/base/statistics.h"
+#include "mesh/base/text_format.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "datasets/dicom/dicom_geometry.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 
 #include <cmath>
 

@@ -1,7 +1,7 @@
 #include "datasets/io/image_header.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 
 #include <cmath>
 #include <limits>

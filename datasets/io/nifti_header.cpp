@@ -3,7 +3,7 @@
 #include "datasets/io/byte_source.h"
 #include "datasets/io/header_text.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 #include "fem/element/locking_free.h"
 
 #include "fem/element/tet_element.h"
-#include "fem/linear_algebra/two_halves.h"
+#include "fem/linear_algebra/parallel.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Geometry>
@@ -320,7 +320,7 @@ Mat3 LockingFree::deformation_gradient(const Eigen::VectorXd& u, std::size_t poi
 LockingFree::VolumeState LockingFree::volumes(const Eigen::VectorXd& u) const
 {
     std::vector<double> ratio(weights_.size());
-    in_two_halves(weights_.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+    parallel_halves(weights_.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t p = begin; p < end; ++p)
             ratio[p]
                 = volume_ratio(laws_[static_cast<std::size_t>(law_of_point_[p])].model, deformation_gradient(u, p));
@@ -349,7 +349,7 @@ double LockingFree::add_response(const Eigen::VectorXd& u, Eigen::VectorXd& forc
     const VolumeState state = volumes(u);
     std::array<double, 2> energy { 0.0, 0.0 };
     std::array<Eigen::VectorXd, 2> half;
-    in_two_halves(weights_.size(), [&](std::size_t which, std::size_t begin, std::size_t end) {
+    parallel_halves(weights_.size(), [&](std::size_t which, std::size_t begin, std::size_t end) {
         half[which] = Eigen::VectorXd::Zero(u.size());
         for (std::size_t p = begin; p < end; ++p) {
             const PointLaw& law = laws_[static_cast<std::size_t>(law_of_point_[p])];
@@ -444,10 +444,10 @@ void LockingFree::add_stiffness(const Eigen::VectorXd& u, double projected, Bloc
     for (double& curvature : state.curvature)
         curvature += projected * std::max(-curvature, 0.0);
     const auto target = [&](std::size_t which) { return which == 0 ? matrix.values.data() : second_half_.data(); };
-    in_two_halves(weights_.size(), [&](std::size_t which, std::size_t begin, std::size_t end) {
+    parallel_halves(weights_.size(), [&](std::size_t which, std::size_t begin, std::size_t end) {
         add_points(u, state, projected, begin, end, target(which));
     });
-    in_two_halves(domain_volume_.size(), [&](std::size_t which, std::size_t begin, std::size_t end) {
+    parallel_halves(domain_volume_.size(), [&](std::size_t which, std::size_t begin, std::size_t end) {
         add_volumes(u, state, begin, end, target(which));
     });
     for (std::size_t i = 0; i < second_half_.size(); ++i)

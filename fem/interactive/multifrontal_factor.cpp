@@ -1,7 +1,7 @@
 #include "fem/interactive/multifrontal_factor.h"
 
 #include "fem/interactive/vertex_matrix.h"
-#include "fem/linear_algebra/two_halves.h"
+#include "fem/linear_algebra/parallel.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -532,7 +532,7 @@ bool MultifrontalFactor::update(
     bool good = true, other_good = true;
     if (std::any_of(below_[0].begin(), below_[0].end(), is_dirty)
         && std::any_of(below_[1].begin(), below_[1].end(), is_dirty)) {
-        const SecondThread other([&] { other_good = all_of(below_[1], other_place, Cores::one); });
+        const ScopedThread other([&] { other_good = all_of(below_[1], other_place, Cores::one); });
         good = all_of(below_[0], place, Cores::one);
     } else {
         good = all_of(below_[0], place, Cores::two) && all_of(below_[1], place, Cores::two);
@@ -618,7 +618,7 @@ Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& load) const
                 x.middleRows(3 * v, 3).setZero();
             }
     {
-        const SecondThread other([&] { down(below_[1], apart); });
+        const ScopedThread other([&] { down(below_[1], apart); });
         down(below_[0], x);
     }
     x += apart;
@@ -626,7 +626,7 @@ Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& load) const
     for (const VertexId v : held_)
         x.middleRows(3 * v, 3).setZero();
     up(above_);
-    const SecondThread other([&] { up(below_[1]); });
+    const ScopedThread other([&] { up(below_[1]); });
     up(below_[0]);
     return x;
 }

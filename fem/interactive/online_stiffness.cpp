@@ -1,7 +1,7 @@
 #include "fem/interactive/online_stiffness.h"
 
 #include "fem/element/corner_gradients.h"
-#include "fem/linear_algebra/two_halves.h"
+#include "fem/linear_algebra/parallel.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
 
@@ -38,7 +38,7 @@ namespace {
             return;
         }
         const std::size_t middle = count / 2;
-        const SecondThread second([&] { f(middle, count); });
+        const ScopedThread second([&] { f(middle, count); });
         f(std::size_t { 0 }, middle);
     }
     constexpr std::size_t kRowsWorthAThread = 2000; // a thread takes as long to start as some hundred rows to sum

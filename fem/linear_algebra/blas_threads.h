@@ -3,7 +3,7 @@
 //
 // The library's own default is one thread. OpenBLAS's default is one thread per core, and its threads spin while they
 // wait for each other: where other processes use the cores, a small factorisation then takes twenty times as long. The
-// solvers use a second core by themselves (two_halves.h), with threads that sleep while they wait.
+// solvers use a second core by themselves (parallel.h), with threads that sleep while they wait.
 //
 // The default is set when the program starts, before main(). So whatever the program or its user asks for holds:
 // OPENBLAS_NUM_THREADS in the environment, set_blas_threads(), or openblas_set_num_threads() itself. Every source that

@@ -1,7 +1,7 @@
 #include "fem/linear_algebra/dense_algebra.h"
 
 #include "fem/linear_algebra/blas_threads.h"
-#include "fem/linear_algebra/two_halves.h"
+#include "fem/linear_algebra/parallel.h"
 #include "mesh/base/error.h"
 
 #include <cblas.h>
@@ -75,7 +75,7 @@ Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b)
                     size(c.rows()));
         };
         if (const Eigen::Index middle = columns_of_first(a.rows(), b.cols(), a.cols()); middle < b.cols()) {
-            const SecondThread other([&] { columns(middle, b.cols()); });
+            const ScopedThread other([&] { columns(middle, b.cols()); });
             columns(0, middle);
         } else {
             columns(0, b.cols());
@@ -118,7 +118,7 @@ Eigen::MatrixXd times_own_transpose(const Eigen::MatrixXd& lower)
     constexpr Eigen::Index kWorthIt = 500; // rows
     const Eigen::Index middle = n < kWorthIt ? n : n / 2 / kColumns * kColumns;
     if (middle < n) {
-        const SecondThread other([&] { of_columns(middle, n); });
+        const ScopedThread other([&] { of_columns(middle, n); });
         of_columns(0, middle);
     } else {
         of_columns(0, n);
@@ -150,7 +150,7 @@ void copy_lower(const Eigen::MatrixXd& from, const std::vector<std::int32_t>& ro
     };
     if (to.cols() < kWorthTwoCores)
         return columns(0, to.cols());
-    const SecondThread other([&] { columns(half_of_lower(to.cols()), to.cols()); });
+    const ScopedThread other([&] { columns(half_of_lower(to.cols()), to.cols()); });
     columns(0, half_of_lower(to.cols()));
 }
 
@@ -170,7 +170,7 @@ void subtract_lower_product(
     if (cores == Cores::one)
         return columns(0, n);
     const Eigen::Index middle = (half_of_lower(n) + kColumns - 1) / kColumns * kColumns;
-    const SecondThread other([&] { columns(std::min(middle, n), n); });
+    const ScopedThread other([&] { columns(std::min(middle, n), n); });
     columns(0, std::min(middle, n));
 }
 
@@ -235,12 +235,12 @@ bool cholesky(Eigen::MatrixXd& a)
             return false;
         const Eigen::Index rows = (below + n) / 2; // half of the panel
         {
-            const SecondThread other([&] { divide_panel(a, j, width, rows, n); });
+            const ScopedThread other([&] { divide_panel(a, j, width, rows, n); });
             divide_panel(a, j, width, below, rows);
         }
         // Half of what is left of the triangle's area.
         const Eigen::Index columns = below + half_of_lower(n - below);
-        const SecondThread other([&] { take_off_panel(a, j, width, columns, n); });
+        const ScopedThread other([&] { take_off_panel(a, j, width, columns, n); });
         take_off_panel(a, j, width, below, columns);
     }
     return true;
@@ -274,7 +274,7 @@ void divide_by_transpose(const Eigen::MatrixXd& L, Eigen::MatrixXd& b, Cores cor
         rows(middle, b.rows());
         return;
     }
-    const SecondThread other([&] { rows(middle, b.rows()); });
+    const ScopedThread other([&] { rows(middle, b.rows()); });
     rows(0, middle);
 }
 

@@ -2,7 +2,7 @@
 
 #include "fem/linear_algebra/blas_threads.h"
 #include "fem/linear_algebra/dense_algebra.h"
-#include "fem/linear_algebra/two_halves.h"
+#include "fem/linear_algebra/parallel.h"
 
 #include <cblas.h>
 
@@ -77,7 +77,7 @@ namespace {
             Eigen::Index stop = -1, other_stop = -1;
             std::exception_ptr failed; // for want of memory: thrown here, not there
             {
-                const SecondThread other([&] {
+                const ScopedThread other([&] {
                     try {
                         other_stop = all_of(parts.below[1], other_at);
                     } catch (...) {

@@ -1,9 +1,9 @@
 #include "fem/linear_algebra/sparse_cholesky.h"
 
 #include "fem/linear_algebra/blas_threads.h"
+#include "fem/linear_algebra/parallel.h"
 #include "fem/linear_algebra/partial_factor.h"
 #include "fem/linear_algebra/supernodes.h"
-#include "fem/linear_algebra/two_halves.h"
 #include "mesh/base/error.h"
 
 #include <cblas.h>
@@ -93,7 +93,7 @@ namespace {
         };
         all_of(parts.above, beyond);
         if (two_cores) { // the unknowns of the two are not the same
-            const SecondThread other([&] { all_of(parts.below[1], others); });
+            const ScopedThread other([&] { all_of(parts.below[1], others); });
             all_of(parts.below[0], beyond);
             return;
         }
@@ -116,7 +116,7 @@ namespace {
                 y.middleRows(f.first[s], f.columns(s)).setZero();
             }
             {
-                const SecondThread other([&] { all_of(parts.below[1], apart, others); });
+                const ScopedThread other([&] { all_of(parts.below[1], apart, others); });
                 all_of(parts.below[0], y, beyond);
             }
             y += apart;

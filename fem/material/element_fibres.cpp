@@ -1,7 +1,7 @@
 #include "fem/material/element_fibres.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 
 #include <Eigen/Geometry>
 

@@ -1,7 +1,7 @@
 #include "fem/material/hyperelasticity.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

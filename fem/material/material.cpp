@@ -3,7 +3,7 @@
 #include "fem/material/element_fibres.h"
 #include "fem/material/hyperelasticity.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 
 #include <cmath>
 #include <string>

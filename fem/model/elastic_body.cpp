@@ -1,6 +1,6 @@
 #include "fem/model/elastic_body.h"
 
-#include "fem/linear_algebra/two_halves.h"
+#include "fem/linear_algebra/parallel.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/LU>
@@ -303,12 +303,12 @@ ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
         half[0].forces = half[1].forces = Eigen::VectorXd::Zero(u.size());
         half[0].energy = locking_free_->add_response(u, half[0].forces);
     } else if (bounded_)
-        in_two_halves(bounded_->packs(), [&](std::size_t which, std::size_t begin, std::size_t end) {
+        parallel_halves(bounded_->packs(), [&](std::size_t which, std::size_t begin, std::size_t end) {
             half[which].forces = Eigen::VectorXd::Zero(u.size());
             half[which].energy = bounded_->add_response(u, begin, end, half[which].forces);
         });
     else
-        in_two_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
+        parallel_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
             Response& sum = half[which];
             sum.forces = Eigen::VectorXd::Zero(u.size());
             for_each_point(u, begin, end, [&](std::size_t t, std::size_t q, double energy, const Mat3& stress) {
@@ -425,7 +425,7 @@ const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double proje
     } else if (locking_free_)
         locking_free_->add_stiffness(u, projected, stiffness_);
     else
-        in_two_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
+        parallel_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
             double* values = which == 0 ? stiffness_.values.data() : second_half_.data();
             if (nodes_per_tet_ == 4)
                 add_stiffness<4>(u, projected, begin, end, values);

@@ -1,6 +1,6 @@
 #include "fem/springs/spring_relaxation.h"
 
-#include "fem/linear_algebra/nodal_norm.h"
+#include "fem/linear_algebra/norm.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Geometry>

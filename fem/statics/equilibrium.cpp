@@ -1,8 +1,8 @@
 #include "fem/statics/equilibrium.h"
 
-#include "fem/linear_algebra/nodal_norm.h"
+#include "fem/linear_algebra/norm.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 
 #include <algorithm>
 #include <cmath>

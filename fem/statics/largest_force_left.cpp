@@ -1,6 +1,6 @@
 #include "fem/statics/largest_force_left.h"
 
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 
 namespace retractor::fem {
 

@@ -1,6 +1,6 @@
 #include "fem/statics/nonlinear_region.h"
 
-#include "fem/linear_algebra/nodal_norm.h"
+#include "fem/linear_algebra/norm.h"
 #include "fem/model/held_pieces.h"
 #include "fem/statics/condensed_region.h"
 #include "fem/statics/elastic_problem.h"

@@ -1,7 +1,7 @@
 #include "haptics/condensed/station_compliance.h"
 
 #include "fem/linear_algebra/constrained_solver.h"
-#include "fem/linear_algebra/two_halves.h"
+#include "fem/linear_algebra/parallel.h"
 #include "fem/model/loads.h"
 #include "haptics/condensed/pad_stiffness.h"
 #include "mesh/base/error.h"
@@ -152,7 +152,7 @@ void StationCompliance::measure_pads(const Job& job)
     job.report("stiffness under fingertips", 0.0);
     constexpr std::size_t kWorthAThread = 32;
     if (groups.size() >= kWorthAThread) {
-        const fem::SecondThread other([&] { work(failures[1]); });
+        const fem::ScopedThread other([&] { work(failures[1]); });
         work(failures[0]);
     } else
         work(failures[0]);

@@ -1,6 +1,6 @@
 #include "haptics/servo/servo_fault.h"
 
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 
 #include <algorithm>
 

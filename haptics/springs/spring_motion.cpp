@@ -1,7 +1,7 @@
 #include "haptics/springs/spring_motion.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 
 #include <algorithm>
 #include <cmath>

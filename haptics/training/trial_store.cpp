@@ -2,7 +2,7 @@
 
 #include "haptics/recording/csv_field.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 
 #include <sqlite3.h>
 

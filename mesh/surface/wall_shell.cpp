@@ -2,7 +2,7 @@
 
 #include "mesh/base/disjoint_sets.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "mesh/base/triangle.h"
 
 #include <Eigen/Geometry>

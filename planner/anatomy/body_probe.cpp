@@ -1,7 +1,7 @@
 #include "planner/anatomy/body_probe.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 
 #include <Eigen/Dense>
 

@@ -2,7 +2,7 @@
 
 #include "mesh/base/error.h"
 #include "mesh/base/statistics.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "planner/anatomy/body_probe.h"
 
 #include <Eigen/Geometry>

@@ -2,7 +2,7 @@
 
 #include "fem/statics/driven_opening.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 
 #include <Eigen/Geometry>
 

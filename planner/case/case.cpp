@@ -2,7 +2,7 @@
 
 #include "fem/model/pre_strain.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "mesh/image/skeleton.h"
 
 #include <algorithm>

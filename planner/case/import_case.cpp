@@ -3,7 +3,7 @@
 #include "datasets/io/volume_io.h"
 #include "datasets/labels/label_import.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "planner/case/case_io.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "planner/case/solution_choice.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 
 #include <array>
 #include <cmath>

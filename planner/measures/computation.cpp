@@ -2,7 +2,7 @@
 
 #include "datasets/dicom/dicom_identity.h"
 #include "fem/material/material.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "planner/wall/wall_tension.h"
 
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 #include "planner/measures/hook_opening.h"
 
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 
 #include <algorithm>
 #include <map>

@@ -1,6 +1,6 @@
 #include "planner/measures/metric_table.h"
 
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 
 #include "fem/material/tissue_law.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "planner/measures/hook_opening.h"
 #include "planner/measures/metric_table.h"
 #include "planner/wall/wall_tension.h"

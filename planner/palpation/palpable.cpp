@@ -1,7 +1,7 @@
 #include "planner/palpation/palpable.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "mesh/generation/hybrid_model.h"
 #include "mesh/surface/wall_shell.h"
 #include "planner/palpation/palpable_hold.h"

@@ -1,6 +1,6 @@
 #include "planner/plan/explanation.h"
 
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "planner/measures/metrics.h"
 #include "planner/plan/planned_field.h"
 

@@ -1,7 +1,7 @@
 #include "planner/plan/plan.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "mesh/generation/hybrid_model.h"
 #include "mesh/image/skeleton.h"
 #include "mesh/surface/wound_surface.h"

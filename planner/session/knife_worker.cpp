@@ -1,7 +1,7 @@
 #include "planner/session/knife_worker.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "mesh/tetrahedra/mesh_io.h"
 
 #include <chrono>

@@ -1,6 +1,6 @@
 #include "haptics/spheres/sphere_tissue.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "mesh/surface/wall_shell.h"
 #include "planner/session/tissue_choice.h"
 

@@ -2,7 +2,7 @@
 #include "haptics/springs/spring_motion.h"
 #include "haptics/springs/spring_tissue.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "mesh/base/triangle.h"
 #include "planner/session/tissue_choice.h"
 

@@ -2,7 +2,7 @@
 
 #include "fem/model/held_pieces.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "mesh/base/triangle.h"
 #include "mesh/cutting/pieces.h"
 #include "planner/approach/hook_patches.h"

@@ -2,7 +2,7 @@
 
 #include "fem/model/loads.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "mesh/base/triangle.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 

@@ -1,4 +1,4 @@
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "ui/cli/case/case_files.h"
 #include "ui/cli/case/phantom_files.h"
 #include "ui/cli/commands.h"

@@ -1,7 +1,7 @@
 #include "ui/plan_scene/case_picture.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "ui/plan_scene/label_surfaces.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/scene/label_colors.h"

@@ -1,7 +1,7 @@
 #include "ui/plan_scene/contact_sheet.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "ui/plan_scene/label_surfaces.h"
 #include "ui/scene/label_colors.h"
 

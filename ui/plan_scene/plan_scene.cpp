@@ -1,7 +1,7 @@
 #include "ui/plan_scene/plan_scene.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "mesh/surface/label_surface.h"
 #include "mesh/surface/wound_surface.h"
 #include "planner/measures/metrics.h"

@@ -6,7 +6,7 @@
 // of the distance; blade_predicates_test.cpp compares both with CGAL's exact predicate on straight, kinked, twisted and
 // round blades, at creases, ends and front). Units mm.
 
-#include "mesh/base/keyed_slots.h"
+#include "mesh/base/open_address_map.h"
 #include "mesh/cutting/store/blade.h"
 #include "mesh/cutting/store/cut_store.h"
 
@@ -127,7 +127,7 @@ private:
     std::vector<std::uint32_t> table_; ///< by vertex: its entry
     std::vector<std::unique_ptr<Chunk>> chunks_; ///< of entries, which stay where they are
     std::uint32_t count_ = 0; ///< of entries
-    KeyedSlots<Crossing> crossings_; ///< by edge
+    OpenAddressMap<Crossing> crossings_; ///< by edge
     std::set<VertexId> on_blade_;
     std::vector<VertexId> found_;
     std::uint64_t changes_ = 0;

@@ -1,6 +1,6 @@
 #include "fem/element/bounded_elements.h"
 
-#include "fem/linear_algebra/two_halves.h"
+#include "fem/linear_algebra/parallel.h"
 #include "fem/model/elastic_body.h"
 #include "tests/support/reference_problems.h"
 

@@ -1,7 +1,7 @@
 #include "fem/interactive/online_opening.h"
 
 #include "fem/linear_algebra/constrained_solver.h"
-#include "fem/linear_algebra/two_halves.h"
+#include "fem/linear_algebra/parallel.h"
 #include "fem/model/pre_strain.h"
 #include "fem/statics/tension.h"
 #include "mesh/base/error.h"

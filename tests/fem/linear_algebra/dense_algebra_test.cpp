@@ -1,5 +1,5 @@
 #include "fem/linear_algebra/dense_algebra.h"
-#include "fem/linear_algebra/two_halves.h"
+#include "fem/linear_algebra/parallel.h"
 #include "mesh/base/error.h"
 #include "tests/support/random_entries.h"
 

@@ -1,7 +1,7 @@
 #include "fem/linear_algebra/sparse_cholesky.h"
 
 #include "fem/linear_algebra/blas_threads.h"
-#include "fem/linear_algebra/two_halves.h"
+#include "fem/linear_algebra/parallel.h"
 #include "mesh/base/error.h"
 #include "tests/support/random_entries.h"
 

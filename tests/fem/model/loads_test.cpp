@@ -1,6 +1,6 @@
 #include "fem/model/loads.h"
 
-#include "fem/linear_algebra/nodal_norm.h"
+#include "fem/linear_algebra/norm.h"
 #include "fem/statics/equilibrium.h"
 #include "mesh/base/error.h"
 #include "tests/support/reference_problems.h"

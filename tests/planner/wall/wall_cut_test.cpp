@@ -3,7 +3,7 @@
 
 #include "datasets/phantoms/phantom.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "planner/approach/approach_templates.h"
 #include "planner/plan/plan.h"
 #include "planner/wall/supports.h"

@@ -3,7 +3,7 @@
 
 #include "tests/verification/analytic/analytic_problems.h"
 
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "tests/verification/framework/meshes.h"
 
 #include <algorithm>

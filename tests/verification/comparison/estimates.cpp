@@ -7,7 +7,7 @@
 #include "fem/statics/opening.h"
 #include "fem/statics/tension.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "mesh/cutting/cut_session.h"
 #include "tests/verification/framework/meshes.h"
 #include "tests/verification/framework/vessel.h"

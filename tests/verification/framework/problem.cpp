@@ -2,7 +2,7 @@
 
 #include "fem/material/element_fibres.h"
 #include "fem/material/material.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "tests/verification/framework/nodal_element.h"
 
 #include <algorithm>

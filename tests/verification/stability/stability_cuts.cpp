@@ -6,7 +6,7 @@
 #include "fem/interactive/online_opening.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "tests/verification/framework/incision.h"
 #include "tests/verification/framework/stability.h"
 

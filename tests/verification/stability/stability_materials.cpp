@@ -3,7 +3,7 @@
 #include "tests/verification/stability/stability_families.h"
 
 #include "fem/model/loads.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "tests/verification/framework/meshes.h"
 #include "tests/verification/framework/stability.h"
 #include "tests/verification/framework/vessel.h"

@@ -1,7 +1,7 @@
 #include "ui/cli/case/case_files.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "ui/cli/framework/out_folder.h"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 #include "datasets/io/format_check.h"
 #include "haptics/device/hd_diagnosis.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "ui/cli/doctor/solver_check.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "ui/cli/framework/arguments.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "ui/cli/framework/command.h"
 
-#include "fem/linear_algebra/two_halves.h"
+#include "fem/linear_algebra/parallel.h"
 #include "mesh/base/error.h"
 #include "ui/cli/framework/arguments.h"
 #include "ui/cli/framework/field_options.h"

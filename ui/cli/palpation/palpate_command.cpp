@@ -4,7 +4,7 @@
 #include "haptics/recording/motion_file.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "planner/case/case_io.h"
 #include "planner/case/patient.h"
 #include "planner/palpation/palpable.h"

@@ -1,7 +1,7 @@
 #include "ui/cli/palpation/palpate_pictures.h"
 
 #include "haptics/recording/csv_field.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "ui/cli/framework/ball_mesh.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/render.h"

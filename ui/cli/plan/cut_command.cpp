@@ -1,6 +1,6 @@
 // retractor cut: the wall of an approach cut as planned, or as a journal says; the journal can be replayed on.
 
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "ui/cli/commands.h"
 #include "ui/cli/framework/open_case.h"
 #include "ui/cli/framework/out_folder.h"

@@ -3,7 +3,7 @@
 #include "fem/model/loads.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "mesh/surface/wound_surface.h"
 #include "mesh/tetrahedra/mesh_io.h"
 #include "planner/measures/metric_table.h"

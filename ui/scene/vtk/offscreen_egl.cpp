@@ -1,7 +1,7 @@
 // EGL on the surfaceless platform: no display server and no symbol tricks; a GPU where Mesa has one.
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "ui/scene/vtk/offscreen.h"
 
 #include <EGL/egl.h>

@@ -1,6 +1,6 @@
 #include "ui/workstation/planning/metric_rows.h"
 
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
 

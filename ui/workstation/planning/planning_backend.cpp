@@ -1,7 +1,7 @@
 #include "ui/workstation/planning/planning_backend.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 #include "mesh/generation/hybrid_model.h"
 #include "planner/case/case.h"
 #include "planner/case/patient.h"

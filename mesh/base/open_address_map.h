@@ -11,7 +11,7 @@
 
 namespace retractor {
 
-template <class Value> class KeyedSlots {
+template <class Value> class OpenAddressMap {
 public:
     /// The value of a key; a new one (Value {}) when there was none, as `is_new` tells.
     Value& at(std::uint64_t key, bool& is_new)

@@ -1,4 +1,4 @@
-#include "mesh/base/text.h"
+#include "mesh/base/text_format.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fem/linear_algebra/two_halves.h"
+#include "fem/linear_algebra/parallel.h"
 
 #include <atomic>
 

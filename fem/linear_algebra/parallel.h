@@ -14,9 +14,9 @@ bool solver_has_second_thread();
 
 /// Runs `work` on a second thread, which is waited for at the end of this one's life; where there is no second thread,
 /// at once. The work must not throw.
-class SecondThread {
+class ScopedThread {
 public:
-    template <class F> explicit SecondThread(F&& work)
+    template <class F> explicit ScopedThread(F&& work)
     {
         if (solver_has_second_thread())
             thread_ = std::jthread(std::forward<F>(work));
@@ -30,7 +30,7 @@ private:
 
 /// Runs f(half, begin, end) on the two halves of a range at once where there are two cores. The halves do not depend on
 /// the machine.
-template <class F> void in_two_halves(std::size_t count, const F& f)
+template <class F> void parallel_halves(std::size_t count, const F& f)
 {
     const std::size_t middle = count / 2;
     constexpr std::size_t kWorthAThread = 2000; // elements; starting a thread takes as long as about a hundred
@@ -39,7 +39,7 @@ template <class F> void in_two_halves(std::size_t count, const F& f)
         f(std::size_t { 1 }, middle, count);
         return;
     }
-    const SecondThread second([&] { f(std::size_t { 1 }, middle, count); });
+    const ScopedThread second([&] { f(std::size_t { 1 }, middle, count); });
     f(std::size_t { 0 }, std::size_t { 0 }, middle);
 }
 

@@ -1,4 +1,4 @@
-#include "mesh/base/keyed_slots.h"
+#include "mesh/base/open_address_map.h"
 
 #include <gtest/gtest.h>
 
@@ -14,10 +14,10 @@ namespace keyed_slots_test {
 
     // Few keys, near each other and far apart, so that they meet in the table, leave it and come again; and enough of
     // them at once that it grows.
-    TEST(KeyedSlots, AnswersAsAMapWhateverIsErasedAndAddedAgain)
+    TEST(OpenAddressMap, AnswersAsAMapWhateverIsErasedAndAddedAgain)
     {
         std::mt19937_64 random(11);
-        KeyedSlots<Entry> slots;
+        OpenAddressMap<Entry> slots;
         std::map<std::uint64_t, int> expected;
         std::map<std::uint64_t, const Entry*> place;
         for (int i = 0; i < 200000; ++i) {
@@ -48,9 +48,9 @@ namespace keyed_slots_test {
         }
     }
 
-    TEST(KeyedSlots, ErasingWhatIsNotThereChangesNothing)
+    TEST(OpenAddressMap, ErasingWhatIsNotThereChangesNothing)
     {
-        KeyedSlots<Entry> slots;
+        OpenAddressMap<Entry> slots;
         slots.erase(3);
         bool is_new = false;
         slots.at(3, is_new).number = 8;

@@ -31,7 +31,7 @@ namespace {
     }
 
     /// The same for the bounded model, by the trace of S - I.
-    Volumetric bounded_volumetric(const Lame& l, double trace)
+    Volumetric corotational_linear_volumetric(const Lame& l, double trace)
     {
         const double largest = kLargestBoundedPressure * l.mu, pressure = l.lambda * trace;
         if (pressure <= largest)
@@ -42,8 +42,8 @@ namespace {
     /// Derivatives of the energy by the signed singular values.
     Vec3 principal_stress(Elasticity model, const Lame& l, const Vec3& s)
     {
-        if (model == Elasticity::bounded)
-            return (2.0 * l.mu * (s.array() - 1.0) + bounded_volumetric(l, s.sum() - 3.0).slope).matrix();
+        if (model == Elasticity::corotational_linear)
+            return (2.0 * l.mu * (s.array() - 1.0) + corotational_linear_volumetric(l, s.sum() - 3.0).slope).matrix();
         const double slope = volumetric(l, s.prod()).slope;
         return { 2.0 * l.mu * (s[0] - 1.0) + slope * s[1] * s[2], 2.0 * l.mu * (s[1] - 1.0) + slope * s[2] * s[0],
             2.0 * l.mu * (s[2] - 1.0) + slope * s[0] * s[1] };
@@ -51,8 +51,9 @@ namespace {
 
     double principal_energy(Elasticity model, const Lame& l, const Vec3& s)
     {
-        const Volumetric volume
-            = model == Elasticity::bounded ? bounded_volumetric(l, s.sum() - 3.0) : volumetric(l, s.prod());
+        const Volumetric volume = model == Elasticity::corotational_linear
+            ? corotational_linear_volumetric(l, s.sum() - 3.0)
+            : volumetric(l, s.prod());
         return l.mu * (s - Vec3::Ones()).squaredNorm() + volume.energy;
     }
 
@@ -73,10 +74,10 @@ namespace {
 
     constexpr double kKink = 1e-9; // the energies' kink at sigma_i + sigma_j = 0
 
-    Tangent bounded_tangent(const Lame& l, const SignedSvd& svd, double projected)
+    Tangent corotational_linear_tangent(const Lame& l, const SignedSvd& svd, double projected)
     {
         const Vec3& s = svd.sigma;
-        const Volumetric volume = bounded_volumetric(l, s.sum() - 3.0);
+        const Volumetric volume = corotational_linear_volumetric(l, s.sum() - 3.0);
         Tangent t { svd.U, svd.V, Mat3::Constant(volume.curvature), Vec3::Zero(), Vec3::Zero() };
         t.scaling.diagonal().array() += 2.0 * l.mu;
         for (int k = 0; k < 3; ++k) {
@@ -114,8 +115,8 @@ namespace {
 
     Tangent rotating_tangent(Elasticity model, const Lame& l, const SignedSvd& svd, double projected)
     {
-        return model == Elasticity::bounded ? bounded_tangent(l, svd, projected)
-                                            : corotational_tangent(l, svd, projected);
+        return model == Elasticity::corotational_linear ? corotational_linear_tangent(l, svd, projected)
+                                                        : corotational_tangent(l, svd, projected);
     }
 
     Tangent linear_tangent(const Lame& l)

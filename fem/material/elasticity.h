@@ -23,7 +23,7 @@
 namespace retractor::fem {
 
 /// `hyperelastic` stands for the laws of hyperelasticity.h; the functions below do not take it.
-enum class Elasticity { linear, corotational, hyperelastic, bounded };
+enum class Elasticity { linear, corotational, hyperelastic, corotational_linear };
 
 /// Of the bounded model's pressure, in shear moduli: at two, tension alone would make tissue thinner than nothing.
 inline constexpr double kLargestBoundedPressure = 1.8;

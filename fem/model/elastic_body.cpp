@@ -154,7 +154,7 @@ void ElasticBody::measure_elements()
             weights_.push_back(shape.volume);
         }
     }
-    if (model_ == Elasticity::bounded && nodes_per_tet_ == 4)
+    if (model_ == Elasticity::corotational_linear && nodes_per_tet_ == 4)
         bounded_.emplace(mesh_, gradients_, weights_, lame_);
 }
 
@@ -245,7 +245,7 @@ void ElasticBody::make_pattern()
 
 void ElasticBody::avoid_locking(const AveragingScheme& scheme)
 {
-    if (model_ == Elasticity::bounded)
+    if (model_ == Elasticity::corotational_linear)
         throw InputError("bounded elasticity has no locking-free elements", "elasticity");
     std::vector<PointLaw> laws;
     std::vector<std::int32_t> law_of_element = tissue_.law_of_element;
@@ -403,7 +403,7 @@ void ElasticBody::add_stiffness(
         add_linear<Nodes>(begin, end, values);
         break;
     case Elasticity::corotational:
-    case Elasticity::bounded:
+    case Elasticity::corotational_linear:
         add_corotational<Nodes>(u, projected, begin, end, values);
         break;
     case Elasticity::hyperelastic:

@@ -3,7 +3,7 @@
 // direct scatter. Units mm, N, MPa. Vectors have three entries per node. Results do not depend on the number of
 // threads: elements are always summed in the same two halves.
 
-#include "fem/element/bounded_elements.h"
+#include "fem/element/corotational_elements.h"
 #include "fem/element/locking_free.h"
 #include "fem/element/tet_element.h"
 #include "fem/linear_algebra/block_matrix.h"
@@ -125,7 +125,7 @@ private:
     std::size_t nodes_per_tet_ = 0, points_per_tet_ = 0;
     std::vector<double> gradients_; ///< element, quadrature point, node, axis
     std::vector<double> weights_; ///< element, quadrature point: rest volume, mm^3
-    std::optional<BoundedElements> bounded_; ///< four-node elements of the bounded model
+    std::optional<CorotationalElements> bounded_; ///< four-node elements of the bounded model
     std::optional<LockingFree> locking_free_;
     std::optional<Contact> contact_;
     BlockPattern elements_pattern_; ///< without contact; kept where there is some

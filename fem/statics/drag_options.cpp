@@ -35,7 +35,9 @@ DragRegion drag_region(const mesh::TetMesh& mesh, const Points& wound)
 
 NonlinearRegionOptions drag_options(Eigen::VectorXd load)
 {
-    return { .elasticity = Elasticity::bounded, .frame_iterations = kFrameIterations, .load = std::move(load) };
+    return {
+        .elasticity = Elasticity::corotational_linear, .frame_iterations = kFrameIterations, .load = std::move(load)
+    };
 }
 
 } // namespace retractor::fem

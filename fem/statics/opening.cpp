@@ -32,7 +32,7 @@ namespace {
         if (!(options.far_tolerance >= 0.0))
             throw InputError(
                 "the tolerance " + std::to_string(options.far_tolerance) + " is not zero or more", "far field");
-        if (options.elasticity == Elasticity::bounded)
+        if (options.elasticity == Elasticity::corotational_linear)
             throw InputError(
                 "bounded elasticity is for tissue under the hand (near_field.h), not for wounds at rest", "elasticity");
         if (options.near.empty())

@@ -85,7 +85,7 @@ void check_solution(const SolutionChoice& choice, bool contact, bool local)
     if (!(choice.near_mm >= 0.0) || !std::isfinite(choice.near_mm))
         throw InputError("the distance within which the wall is nonlinear must be finite and not negative",
             "/solution/near_mm", { "near_mm" });
-    if (choice.elasticity == fem::Elasticity::bounded)
+    if (choice.elasticity == fem::Elasticity::corotational_linear)
         throw InputError(
             "bounded elasticity is for tissue under the hand, not for plans", "/solution/elasticity", { "elasticity" });
     const bool near = choice.near_mm > 0.0;

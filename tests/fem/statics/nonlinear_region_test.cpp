@@ -123,7 +123,7 @@ namespace near_field_test {
     TEST(NonlinearRegion, TakesTheRotatingModelsToo)
     {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
-        for (const Elasticity model : { Elasticity::corotational, Elasticity::bounded }) {
+        for (const Elasticity model : { Elasticity::corotational, Elasticity::corotational_linear }) {
             NonlinearRegion field
                 = near_field(problem, all_near(problem.mesh), { .elasticity = model, .tolerance = kTight });
             (void)field.drag(hooks_at(problem, 1.0));
@@ -147,7 +147,8 @@ namespace near_field_test {
             problem.mesh.vertices.row(nodes[3]) = d - (normal.dot(d - a) - 0.01) * normal;
         }
         const auto near = all_near(problem.mesh);
-        NonlinearRegion dragged = near_field(problem, near, { .elasticity = Elasticity::bounded, .tolerance = kTight });
+        NonlinearRegion dragged
+            = near_field(problem, near, { .elasticity = Elasticity::corotational_linear, .tolerance = kTight });
         EXPECT_TRUE(dragged.drag(hooks_at(problem, 1.0)).reached);
         const NearFrame right = dragged.settle();
         ASSERT_EQ(right.status, NearStatus::settled) << right.message;
@@ -155,7 +156,8 @@ namespace near_field_test {
         wrong.displacement *= -3.0; // most elements turned over
         for (Vec3& hook : wrong.hook_displacements)
             hook *= -3.0;
-        NonlinearRegion other = near_field(problem, near, { .elasticity = Elasticity::bounded, .tolerance = kTight });
+        NonlinearRegion other
+            = near_field(problem, near, { .elasticity = Elasticity::corotational_linear, .tolerance = kTight });
         other.start_from(wrong);
         (void)other.drag(hooks_at(problem, 1.0));
         const NearFrame back = other.settle();
@@ -186,7 +188,7 @@ namespace near_field_test {
         for (HookPatch& hook : still.hooks)
             hook.displacement.setZero();
         const Equilibrium reference = exact(still, body);
-        for (const Elasticity model : { Elasticity::hyperelastic, Elasticity::bounded }) {
+        for (const Elasticity model : { Elasticity::hyperelastic, Elasticity::corotational_linear }) {
             NonlinearRegion field
                 = near_field(problem, near, { .elasticity = model, .tolerance = kTight, .load = load });
             const NearFrame settled = field.settle();
@@ -198,8 +200,8 @@ namespace near_field_test {
         unhooked.hooks.clear();
         const Equilibrium free = exact(unhooked, body);
         constexpr double kSeenByEnergy = 1e-5; // forces of 1e-9 N change an energy of the block's by its round-off
-        NonlinearRegion field = near_field(
-            unhooked, near, { .elasticity = Elasticity::bounded, .tolerance = kSeenByEnergy, .load = load });
+        NonlinearRegion field = near_field(unhooked, near,
+            { .elasticity = Elasticity::corotational_linear, .tolerance = kSeenByEnergy, .load = load });
         const NearFrame settled = field.settle();
         ASSERT_EQ(settled.status, NearStatus::settled) << settled.message;
         EXPECT_LT(difference(settled.displacement, free.displacement), kLinear);
@@ -330,7 +332,7 @@ namespace near_field_test {
     TEST(NonlinearRegion, HooksSlipAtTheirLimit)
     {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
-        for (const Elasticity model : { Elasticity::hyperelastic, Elasticity::bounded }) {
+        for (const Elasticity model : { Elasticity::hyperelastic, Elasticity::corotational_linear }) {
             const NonlinearRegionOptions options { .elasticity = model, .tolerance = kTight };
             NonlinearRegion free = near_field(problem, test_support::near_hooks(problem), options);
             (void)free.drag(hooks_at(problem, 1.0));
@@ -377,7 +379,7 @@ namespace near_field_test {
     TEST(NonlinearRegion, HooksThatPullWithAForceRestWhereAPositionBearsIt)
     {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
-        for (const Elasticity model : { Elasticity::hyperelastic, Elasticity::bounded }) {
+        for (const Elasticity model : { Elasticity::hyperelastic, Elasticity::corotational_linear }) {
             const NonlinearRegionOptions options { .elasticity = model, .tolerance = kTight };
             NonlinearRegion drawn = near_field(problem, test_support::near_hooks(problem), options);
             (void)drawn.drag(hooks_at(problem, 1.0));

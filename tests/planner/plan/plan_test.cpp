@@ -489,7 +489,7 @@ namespace plan_test {
         EXPECT_NE(refusal(with_contact, {}).find("averaged across the border"), std::string::npos);
         with_contact.solution = { .elasticity = fem::Elasticity::linear, .near_mm = 30.0 };
         EXPECT_NE(refusal(with_contact, {}).find("nothing is nonlinear"), std::string::npos);
-        with_contact.solution = { .elasticity = fem::Elasticity::bounded };
+        with_contact.solution = { .elasticity = fem::Elasticity::corotational_linear };
         EXPECT_NE(refusal(with_contact, {}).find("not for plans"), std::string::npos);
         with_contact.contact = true;
         with_contact.solution = { .near_mm = 30.0 };

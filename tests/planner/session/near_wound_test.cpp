@@ -114,7 +114,7 @@ namespace near_wound_test {
                 wound.row(row++) = mesh.vertices.row(v);
             constexpr double kNearMm = 40.0, kStepMm = 3.0;
             fem::NonlinearRegion field(mesh, table.materials, supports, hooks, fem::elements_near(mesh, wound, kNearMm),
-                { .elasticity = fem::Elasticity::bounded });
+                { .elasticity = fem::Elasticity::corotational_linear });
             const int steps = static_cast<int>(std::ceil(desk.hooks().hooks[0].drive.displacement.norm() / kStepMm));
             for (int step = 1; step <= steps; ++step) {
                 std::vector<Vec3> there = asked;

@@ -31,7 +31,7 @@ namespace {
             return "P1, corotational";
         case fem::Elasticity::hyperelastic:
             return "P1, neo-Hookean"; // what tissue without a law of its own is
-        case fem::Elasticity::bounded:
+        case fem::Elasticity::corotational_linear:
             break; // refused by Opening
         }
         return {};

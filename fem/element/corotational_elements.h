@@ -18,11 +18,11 @@
 
 namespace retractor::fem {
 
-class BoundedElements {
+class CorotationalElements {
 public:
     /// @param gradients of the shape functions at rest: element, node, axis. @param volumes of the elements at rest.
-    BoundedElements(const mesh::TetMesh& mesh, const std::vector<double>& gradients, const std::vector<double>& volumes,
-        const std::vector<Lame>& lame);
+    CorotationalElements(const mesh::TetMesh& mesh, const std::vector<double>& gradients,
+        const std::vector<double>& volumes, const std::vector<Lame>& lame);
 
     /// Elements are taken in packs of so many.
     static constexpr std::size_t kPack = 4;

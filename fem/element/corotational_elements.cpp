@@ -1,4 +1,4 @@
-#include "fem/element/bounded_elements.h"
+#include "fem/element/corotational_elements.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,21 +8,21 @@ namespace retractor::fem {
 
 namespace {
 
-    constexpr std::size_t kPack = BoundedElements::kPack;
+    constexpr std::size_t kPack = CorotationalElements::kPack;
 
     // Operations on all lanes: GCC and Clang compile them for whatever the function they are inlined into may use.
     using Wide = double __attribute__((vector_size(kPack * sizeof(double))));
     using WideMat3 = Wide[3][3];
 #define RETRACTOR_INLINED __attribute__((always_inline)) inline
 
-    RETRACTOR_INLINED void load(Wide& to, const BoundedElements::Lanes& lanes)
+    RETRACTOR_INLINED void load(Wide& to, const CorotationalElements::Lanes& lanes)
     {
         std::memcpy(&to, lanes.data(), sizeof(Wide));
     }
 
     RETRACTOR_INLINED void gather(Wide& to, const double* from, const std::array<std::int32_t, kPack>& place)
     {
-        BoundedElements::Lanes lanes;
+        CorotationalElements::Lanes lanes;
         for (std::size_t l = 0; l < kPack; ++l)
             lanes[l] = from[place[l]];
         load(to, lanes);
@@ -117,11 +117,11 @@ namespace {
     }
 
     RETRACTOR_INLINED double add_packs(
-        const BoundedElements::Pack* packs, std::size_t count, const double* u, double* forces)
+        const CorotationalElements::Pack* packs, std::size_t count, const double* u, double* forces)
     {
         Wide energies = {};
         for (std::size_t p = 0; p < count; ++p) {
-            const BoundedElements::Pack& pack = packs[p];
+            const CorotationalElements::Pack& pack = packs[p];
             WideMat3 g; // node, axis
             for (std::size_t a = 0; a < 3; ++a)
                 for (std::size_t j = 0; j < 3; ++j)
@@ -149,7 +149,7 @@ namespace {
                 square += d * d;
                 trace += d * R[k / 3][k % 3];
             }
-            // As bounded_volumetric(): the pressure goes no further than the largest.
+            // As corotational_linear_volumetric(): the pressure goes no further than the largest.
             const Wide largest = kLargestBoundedPressure * mu, free = lambda * trace;
             Wide slope = free, volumetric = 0.5 * free * trace;
             for (std::size_t l = 0; l < kPack; ++l)
@@ -180,14 +180,15 @@ namespace {
         return energy;
     }
 
-    double add_packs_plainly(const BoundedElements::Pack* packs, std::size_t count, const double* u, double* forces)
+    double add_packs_plainly(
+        const CorotationalElements::Pack* packs, std::size_t count, const double* u, double* forces)
     {
         return add_packs(packs, count, u, forces);
     }
 
 #if defined(__x86_64__)
     __attribute__((target("avx2,fma"))) double add_packs_by_avx2(
-        const BoundedElements::Pack* packs, std::size_t count, const double* u, double* forces)
+        const CorotationalElements::Pack* packs, std::size_t count, const double* u, double* forces)
     {
         return add_packs(packs, count, u, forces);
     }
@@ -198,7 +199,7 @@ namespace {
 
 } // namespace
 
-BoundedElements::BoundedElements(const mesh::TetMesh& mesh, const std::vector<double>& gradients,
+CorotationalElements::CorotationalElements(const mesh::TetMesh& mesh, const std::vector<double>& gradients,
     const std::vector<double>& volumes, const std::vector<Lame>& lame)
 {
     packs_.resize((mesh.tet_count() + kPack - 1) / kPack, Pack {});
@@ -217,7 +218,7 @@ BoundedElements::BoundedElements(const mesh::TetMesh& mesh, const std::vector<do
     }
 }
 
-double BoundedElements::add_response(
+double CorotationalElements::add_response(
     const Eigen::VectorXd& displacement, std::size_t first, std::size_t end, Eigen::VectorXd& forces) const
 {
     const auto count = end - first;

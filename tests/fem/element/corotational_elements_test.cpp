@@ -1,4 +1,4 @@
-#include "fem/element/bounded_elements.h"
+#include "fem/element/corotational_elements.h"
 
 #include "fem/linear_algebra/parallel.h"
 #include "fem/model/elastic_body.h"
@@ -57,7 +57,7 @@ namespace bounded_elements_test {
                 }
                 const double volume = std::abs(rest.determinant()) / 6.0;
                 const PointResponse point = evaluate_point(
-                    Elasticity::bounded, lame[static_cast<std::size_t>(t)], now * rest.inverse(), false);
+                    Elasticity::corotational_linear, lame[static_cast<std::size_t>(t)], now * rest.inverse(), false);
                 sum.energy += volume * point.energy;
                 const Mat3 f = volume * point.stress * rest.inverse().transpose();
                 for (int a = 0; a < 3; ++a) {
@@ -67,7 +67,7 @@ namespace bounded_elements_test {
             }
             return sum;
         }
-        ElasticBody body() const { return { mesh, Elasticity::bounded, lame }; }
+        ElasticBody body() const { return { mesh, Elasticity::corotational_linear, lame }; }
         void expect_reference(const char* what) const
         {
             const ElasticBody::Response right = reference(), fast = body().response(u);
@@ -78,7 +78,7 @@ namespace bounded_elements_test {
         }
     };
 
-    TEST(BoundedElements, AreTheModelOfSingularValuesWhateverTheShape)
+    TEST(CorotationalElements, AreTheModelOfSingularValuesWhateverTheShape)
     {
         Bodies b;
         const Mat3 turned = Eigen::AngleAxisd(2.5, Vec3(1.0, 2.0, 0.5).normalized()).toRotationMatrix();
@@ -98,7 +98,7 @@ namespace bounded_elements_test {
         b.expect_reference("a thread");
     }
 
-    TEST(BoundedElements, RestIsWithoutForceAlsoWhereItIsTurned)
+    TEST(CorotationalElements, RestIsWithoutForceAlsoWhereItIsTurned)
     {
         Bodies b;
         const ElasticBody body = b.body();
@@ -109,7 +109,7 @@ namespace bounded_elements_test {
         EXPECT_LT(body.response(b.u).forces.lpNorm<Eigen::Infinity>(), 100.0 * kTurned);
     }
 
-    TEST(BoundedElements, ForcesAreTheDerivativeOfTheEnergyAndStiffnessThatOfTheForces)
+    TEST(CorotationalElements, ForcesAreTheDerivativeOfTheEnergyAndStiffnessThatOfTheForces)
     {
         Bodies b;
         b.deform(Eigen::AngleAxisd(1.0, Vec3::UnitY()).toRotationMatrix() * Vec3(1.4, 0.8, 1.1).asDiagonal(), 0.3);
@@ -129,10 +129,11 @@ namespace bounded_elements_test {
         EXPECT_LT((slope - exact).norm(), kSecondOrder * exact.norm());
     }
 
-    TEST(BoundedElements, GiveTheSameOnOneThreadAndTwo)
+    TEST(CorotationalElements, GiveTheSameOnOneThreadAndTwo)
     {
         const mesh::TetMesh mesh = mesh::kuhn_box(20, 20, 5, 4.0); // 12,000 elements: two threads where there are two
-        const ElasticBody body(mesh, Elasticity::bounded, std::vector<Lame>(mesh.tet_count(), Lame { 0.01, 0.05 }));
+        const ElasticBody body(
+            mesh, Elasticity::corotational_linear, std::vector<Lame>(mesh.tet_count(), Lame { 0.01, 0.05 }));
         Eigen::VectorXd u(3 * mesh.vertices.rows());
         for (Eigen::Index i = 0; i < u.size(); ++i)
             u[i] = std::sin(static_cast<double>(i));

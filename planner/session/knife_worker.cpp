@@ -269,7 +269,7 @@ void KnifeWorker::prepare_desk(const std::function<SurgerySetup(const Job&)>& pr
 /// @param kept nothing: still to be read. @param wanted the answer to the question; nothing: it was not asked.
 /// @return null: the question has to be answered first.
 std::unique_ptr<SurgerySession> KnifeWorker::start_session(
-    SurgerySetup table, std::optional<KeptCuts> kept, std::optional<bool> wanted, const Job& job)
+    SurgerySetup table, std::optional<SavedCuts> kept, std::optional<bool> wanted, const Job& job)
 {
     if (table.journal.empty())
         return std::make_unique<SurgerySession>(std::move(table), job);
@@ -305,11 +305,11 @@ std::unique_ptr<SurgerySession> KnifeWorker::start_session(
     }
 }
 
-void KnifeWorker::ask_to_restore(SurgerySetup table, KeptCuts kept)
+void KnifeWorker::ask_to_restore(SurgerySetup table, SavedCuts kept)
 {
     change_snapshot([&](SessionSnapshot& next) {
         next.phase = SessionSnapshot::Phase::asking;
-        next.kept_cuts = kept.deltas.size();
+        next.saved_cuts = kept.deltas.size();
     });
     question_ = Question { std::move(table), std::move(kept) };
     announce();

@@ -7,7 +7,7 @@
 // What may not happen: on_snapshot neither waits for the worker nor destroys it.
 
 #include "mesh/base/serial_executor.h"
-#include "planner/session/kept_cuts.h"
+#include "planner/session/saved_cuts.h"
 #include "planner/session/surgery_command.h"
 #include "planner/session/surgery_session.h"
 
@@ -35,7 +35,7 @@ struct SessionSnapshot {
     std::string stage; ///< preparing: what is being done, and how far
     double fraction = 0.0;
     std::string failure; ///< failed: why
-    std::size_t kept_cuts = 0; ///< asking: how many
+    std::size_t saved_cuts = 0; ///< asking: how many
 
     mesh::LabelTable labels; ///< ready; and the next two
     std::shared_ptr<const BeyondSurface> beyond; ///< null: nothing
@@ -90,8 +90,8 @@ private:
     void announce();
     void prepare_desk(const std::function<SurgerySetup(const Job&)>& prepare, const Job& job);
     std::unique_ptr<SurgerySession> start_session(
-        SurgerySetup table, std::optional<KeptCuts> kept, std::optional<bool> wanted, const Job& job);
-    void ask_to_restore(SurgerySetup table, KeptCuts kept);
+        SurgerySetup table, std::optional<SavedCuts> kept, std::optional<bool> wanted, const Job& job);
+    void ask_to_restore(SurgerySetup table, SavedCuts kept);
     void make_ready(const std::function<std::unique_ptr<SurgerySession>()>& lay);
     void carry_out(const surgery::Command& command);
     void take_remark();
@@ -107,7 +107,7 @@ private:
     // The executor's thread only:
     struct Question {
         SurgerySetup table;
-        KeptCuts kept;
+        SavedCuts kept;
     };
     std::optional<Question> question_; ///< none: it was not asked, or is answered
     std::string caution_; ///< of the table

@@ -3,7 +3,7 @@
 // (fem/contact.h has). Looked at where a cut has parted a vertex: how far its halves have moved into each other's lip,
 // along the normal at rest, which is right for lips that have not turned far. Units mm; frame patient LPS.
 
-#include "planner/session/hook_seat.h"
+#include "planner/session/hook_placement.h"
 
 #include <Eigen/Core>
 

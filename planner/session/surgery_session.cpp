@@ -679,7 +679,7 @@ double SurgerySession::case_tension() const
 
 /// A solver without hooks, with what they will hold, and where the knife will go on, in its corridor; in place of what
 /// there was.
-void SurgerySession::make_hooks(std::span<const HookSeat> seats)
+void SurgerySession::make_hooks(std::span<const HookPlacement> seats)
 {
     const Stopwatch watch;
     fem::Supports supports;
@@ -690,7 +690,7 @@ void SurgerySession::make_hooks(std::span<const HookSeat> seats)
         if (bed_[static_cast<std::size_t>(v)] > 0.0)
             supports.bedded.push_back({ v, bed_[static_cast<std::size_t>(v)] });
     std::vector<VertexId> corridor = along_planned_line(session_, approach_);
-    for (const HookSeat& seat : seats)
+    for (const HookPlacement& seat : seats)
         corridor.insert(corridor.end(), seat.nodes.begin(), seat.nodes.end());
     auto hooks = std::make_unique<WoundHooks>(
         session_, materials_, supports, corridor, tension_ > 0.0 ? tension_stresses(tension_) : std::vector<Mat3> {});
@@ -708,7 +708,7 @@ void SurgerySession::renew_hooks()
     std::vector<HookState> hooks = hooks_->report().hooks;
     std::vector<VertexId> held = hooks_->held_vertices();
     std::sort(held.begin(), held.end());
-    std::vector<HookSeat> seats;
+    std::vector<HookPlacement> seats;
     for (HookState& hook : hooks) {
         std::erase_if(hook.seat.nodes, [&](VertexId v) { return !std::binary_search(held.begin(), held.end(), v); });
         seats.push_back(hook.seat);
@@ -758,7 +758,7 @@ void SurgerySession::hooks_taken_off()
     }
 }
 
-KnifeAnswer SurgerySession::attach(std::vector<HookSeat> seats, const std::vector<std::string>& names,
+KnifeAnswer SurgerySession::attach(std::vector<HookPlacement> seats, const std::vector<std::string>& names,
     const std::vector<fem::HookDrive>& drives, bool planned, std::string reduction_error)
 {
     try {
@@ -787,7 +787,7 @@ KnifeAnswer SurgerySession::place_hook(const Touch& at)
     if (stroke_open())
         return { false, "a stroke is open: finish it first" };
     std::string why_not;
-    HookSeat seat = find_hook_seat(*picture()->surface, lip_triangles(session_), held_, at, why_not);
+    HookPlacement seat = find_hook_seat(*picture()->surface, lip_triangles(session_), held_, at, why_not);
     if (seat.nodes.empty())
         return { false, why_not };
     const std::string name = "hook " + std::to_string(hooks_placed_ + 1);

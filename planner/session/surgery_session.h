@@ -209,11 +209,11 @@ private:
     void lie_as(const Points& displacement);
     void start_moving();
     std::vector<Mat3> tension_stresses(double strain) const;
-    void make_hooks(std::span<const HookSeat> seats);
+    void make_hooks(std::span<const HookPlacement> seats);
     void renew_hooks();
     void drop_hooks(const std::string& why);
     void hooks_taken_off();
-    KnifeAnswer attach(std::vector<HookSeat> seats, const std::vector<std::string>& names,
+    KnifeAnswer attach(std::vector<HookPlacement> seats, const std::vector<std::string>& names,
         const std::vector<fem::HookDrive>& drives, bool planned, std::string reduction_error);
     template <class Call> void with_hooks(const Call& call);
     std::shared_ptr<const WallSurface> make_surface() const;

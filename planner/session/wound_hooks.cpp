@@ -116,7 +116,7 @@ fem::HookDrive WoundHooks::limited(const fem::HookDrive& drive) const
 }
 
 fem::HookId WoundHooks::attach(
-    HookSeat seat, std::string name, const fem::HookDrive& drive, std::optional<fem::HookDrive> planned)
+    HookPlacement seat, std::string name, const fem::HookDrive& drive, std::optional<fem::HookDrive> planned)
 {
     HookState hook { .name = std::move(name), .seat = std::move(seat), .drive = drive, .planned = std::move(planned) };
     hook.id = opening_.attach({ hook.name, hook.seat.side, hook.seat.nodes, limited(drive) });

@@ -12,7 +12,7 @@
 
 #include "fem/interactive/online_opening.h"
 #include "fem/interactive/online_strain.h"
-#include "planner/session/hook_seat.h"
+#include "planner/session/hook_placement.h"
 #include "planner/session/lip_overlap.h"
 #include "planner/session/near_wound.h"
 
@@ -32,7 +32,7 @@ namespace retractor::planner {
 struct HookState {
     fem::HookId id = 0;
     std::string name;
-    HookSeat seat; ///< its side: +1 or -1
+    HookPlacement seat; ///< its side: +1 or -1
     fem::HookDrive drive; ///< as the hand has it now; the hook slips at WoundHooks::set_yield(), too
     std::optional<fem::HookDrive> planned; ///< as the plan has it; none: it was set or drawn by hand
     Vec3 displacement = Vec3::Zero(); ///< where the tissue under it is
@@ -80,7 +80,7 @@ public:
     /// way, which stays where it is; hooks that are drawn at once give way alike. @throws InputError as
     /// OnlineOpening::attach().
     fem::HookId attach(
-        HookSeat seat, std::string name, const fem::HookDrive& drive, std::optional<fem::HookDrive> planned = {});
+        HookPlacement seat, std::string name, const fem::HookDrive& drive, std::optional<fem::HookDrive> planned = {});
     void take_off(fem::HookId hook); ///< @throws InputError when there is none
     /// The hand draws it there, mm from rest: it keeps its limit and its grip, and forgets its plan.
     /// @throws InputError when there is none, or on NaN

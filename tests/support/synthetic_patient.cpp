@@ -4,7 +4,7 @@
 
 #include "mesh/base/error.h"
 #include "planner/case/patient.h"
-#include "planner/session/kept_cuts.h"
+#include "planner/session/saved_cuts.h"
 #include "ui/scene/tissue_colors.h"
 
 #include <chrono>

@@ -75,9 +75,9 @@ namespace {
         /// Finds what the blade still crosses (within its borders, to be on the safe side), and where the next step of
         /// a growing blade has to go on: where elements begin that it has not crossed completely.
         /// @pre the lips are not parted yet.
-        void look_back();
+        void check_cut_marks();
         void find_near_blade();
-        void recall_lips(int cut_number);
+        void restore_cut_marks(int cut_number);
         const std::vector<TetId>& living_near_blade();
         void find_crossed();
         std::vector<SweptBlade::Crease> bends_to_follow();
@@ -145,7 +145,7 @@ namespace {
     /// What former steps of this stroke have cut is on the blade, also where its corners are a little off it or off
     /// its borders: it is not cut again. Nor are its edges bisected, but those on the rim: the lips would not mirror
     /// each other.
-    void Stroke::recall_lips(int cut_number)
+    void Stroke::restore_cut_marks(int cut_number)
     {
         if (!step_.goes_on)
             return;
@@ -314,7 +314,7 @@ namespace {
         }
     }
 
-    void Stroke::look_back()
+    void Stroke::check_cut_marks()
     {
         std::vector<TetId> near = living_near_blade();
         const std::vector<TetId> parts = store_.tets_round(marks_.on_blade()); // of divided elements
@@ -656,7 +656,7 @@ namespace {
         state_.report.tets_before = store_.books().tets;
         job_.report("cut", 0.0);
         find_near_blade();
-        recall_lips(cut_number);
+        restore_cut_marks(cut_number);
         find_crossed();
         state_.report.tets_crossed = crossed_.size();
         poll(0);
@@ -697,7 +697,7 @@ namespace {
             result.message = "the cut is too small for the elements here: it opens none of their faces";
             return result;
         }
-        look_back();
+        check_cut_marks();
         separate(state_, cut_number);
         if (options_.subdivision == Subdivision::adaptive)
             check_promises();

@@ -507,9 +507,9 @@ void KnifePanel::show_snapshot(const planner::SessionSnapshot* snapshot, double 
     const bool asking = snapshot != nullptr && snapshot->phase == planner::SessionSnapshot::Phase::asking;
     question_->setVisible(asking);
     if (asking)
-        question_text_->setText(snapshot->kept_cuts == 0
+        question_text_->setText(snapshot->saved_cuts == 0
                 ? QString("Cuts that were taken back are kept from the last time.")
-                : QString("Restore last cuts (%1)?").arg(snapshot->kept_cuts));
+                : QString("Restore last cuts (%1)?").arg(snapshot->saved_cuts));
     show_hooks(snapshot);
     undo_->setEnabled(ready && snapshot->can_undo);
     redo_->setEnabled(ready && snapshot->can_redo);

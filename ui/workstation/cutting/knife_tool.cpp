@@ -239,7 +239,7 @@ QString KnifeTool::waiting_for() const
 {
     const planner::SessionSnapshot* now = snapshot();
     if (now != nullptr && now->phase == planner::SessionSnapshot::Phase::asking)
-        return QString("Restore last cuts (%1)? Answer on the right.").arg(now->kept_cuts);
+        return QString("Restore last cuts (%1)? Answer on the right.").arg(now->saved_cuts);
     if (now == nullptr || now->phase != planner::SessionSnapshot::Phase::preparing)
         return {};
     return "Laying the wall out for the knife"

@@ -6,7 +6,7 @@
 #include "planner/case/case.h"
 #include "planner/case/patient.h"
 #include "planner/plan/plan.h"
-#include "planner/session/kept_cuts.h"
+#include "planner/session/saved_cuts.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/wall_cut.h"
 #include "ui/plan_scene/plan_scene.h"

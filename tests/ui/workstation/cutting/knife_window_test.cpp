@@ -419,7 +419,7 @@ namespace knife_window_test {
                 [&] { return window_->knife().snapshot()->phase == planner::SessionSnapshot::Phase::asking; },
                 test_support::kPatienceMs));
             wait_until_idle();
-            EXPECT_EQ(snapshot().kept_cuts, 2U);
+            EXPECT_EQ(snapshot().saved_cuts, 2U);
             window_->save_screenshot(picture_folder() / "workstation_knife_restore.png");
             KnifePanel& panel = window_->knife_panel();
             QTest::mouseClick(wanted ? &panel.restore_button() : &panel.discard_button(), Qt::LeftButton);

@@ -24,7 +24,7 @@ struct LipTriangle {
 std::vector<LipTriangle> lip_triangles(const mesh::CutSession& session);
 
 /// A patch of one lip.
-struct HookSeat {
+struct HookPlacement {
     int cut = 0, side = 0; ///< the lip
     Vec3 centre = Vec3::Zero(); ///< of the patch
     Vec3 along = Vec3::UnitX(), inward = Vec3::UnitY(); ///< unit: along the wound's edge, and into the body
@@ -35,12 +35,12 @@ struct HookSeat {
 
 /// @param held per vertex: 1 where it does not move and no hook can hold it.
 /// @param why_not is set when there is nothing to hold near by; the seat then has no nodes.
-HookSeat find_hook_seat(const WallSurface& surface, std::span<const LipTriangle> lips, std::span<const char> held,
+HookPlacement find_hook_seat(const WallSurface& surface, std::span<const LipTriangle> lips, std::span<const char> held,
     const Touch& at, std::string& why_not);
 
 /// The hooks of a plan in a wound that was drawn by hand, wherever a lip lies under them.
 struct PlannedSeats {
-    std::vector<HookSeat> seats;
+    std::vector<HookPlacement> seats;
     std::vector<std::string> names; ///< per seat
     std::vector<fem::HookDrive> drives; ///< per seat: as planned
     std::string reduction_error; ///< the hooks that find no hold, and why

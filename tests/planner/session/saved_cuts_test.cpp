@@ -1,4 +1,4 @@
-#include "planner/session/kept_cuts.h"
+#include "planner/session/saved_cuts.h"
 
 #include "mesh/base/error.h"
 #include "planner/session/knife_worker.h"
@@ -93,7 +93,7 @@ namespace kept_cuts_test {
             left = desk.session().compact_mesh();
             surface = desk.picture()->surface;
         }
-        const KeptCuts kept = read_kept_cuts(journal(), table().wall);
+        const SavedCuts kept = read_kept_cuts(journal(), table().wall);
         EXPECT_EQ(kept.deltas.size(), 2U);
         EXPECT_TRUE(kept.more);
         SurgerySession desk = restore_desk(table(), kept);
@@ -160,7 +160,7 @@ namespace kept_cuts_test {
             begin(*desk, 62.0); // the desk ends without finishing it, as a crash would
             left = desk->session().compact_mesh();
         }
-        const KeptCuts kept = read_kept_cuts(journal(), table().wall);
+        const SavedCuts kept = read_kept_cuts(journal(), table().wall);
         ASSERT_EQ(kept.deltas.size(), 2U);
         SurgerySession desk = restore_desk(table(), kept);
         EXPECT_FALSE(desk.stroke_open());
@@ -210,7 +210,7 @@ namespace kept_cuts_test {
             KnifeWorker worker([&](const Job&) { return table(); }, [] {});
             const SessionSnapshot snapshot = settled(worker);
             EXPECT_EQ(snapshot.phase, SessionSnapshot::Phase::asking);
-            EXPECT_EQ(snapshot.kept_cuts, 1U);
+            EXPECT_EQ(snapshot.saved_cuts, 1U);
         } // ends without an answer
         {
             KnifeWorker worker([&](const Job&) { return table(); }, [] {});

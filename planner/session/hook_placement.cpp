@@ -1,4 +1,4 @@
-#include "planner/session/hook_seat.h"
+#include "planner/session/hook_placement.h"
 
 #include "fem/statics/hook.h"
 #include "mesh/base/error.h"
@@ -106,10 +106,10 @@ std::vector<LipTriangle> lip_triangles(const mesh::CutSession& session)
     return triangles;
 }
 
-HookSeat find_hook_seat(const WallSurface& surface, std::span<const LipTriangle> lips, std::span<const char> held,
+HookPlacement find_hook_seat(const WallSurface& surface, std::span<const LipTriangle> lips, std::span<const char> held,
     const Touch& at, std::string& why_not)
 {
-    HookSeat seat;
+    HookPlacement seat;
     const auto refuse = [&](std::string reason) {
         why_not = std::move(reason);
         seat.nodes.clear();
@@ -194,7 +194,7 @@ PlannedSeats planned_seats(const mesh::CutSession& session, const Approach& appr
         one.hooks = { spec };
         try {
             const fem::HookPatch patch = hook_patches(wall, lips, one, table, supports).front();
-            HookSeat seat { .side = spec.side,
+            HookPlacement seat { .side = spec.side,
                 .pull = spec.direction,
                 .width_mm = spec.patch_width_mm,
                 .height_mm = spec.patch_height_mm };

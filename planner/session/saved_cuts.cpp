@@ -1,4 +1,4 @@
-#include "planner/session/kept_cuts.h"
+#include "planner/session/saved_cuts.h"
 
 #include "mesh/base/error.h"
 #include "mesh/cutting/cut_journal.h"
@@ -32,10 +32,10 @@ std::filesystem::path cuts_journal(const std::filesystem::path& case_file, std::
     return case_file.parent_path() / cuts / (name + ".jsonl");
 }
 
-KeptCuts read_kept_cuts(const std::filesystem::path& journal, const mesh::TetMesh& wall, const Job& job)
+SavedCuts read_kept_cuts(const std::filesystem::path& journal, const mesh::TetMesh& wall, const Job& job)
 {
     mesh::ReplayedJournal replayed = mesh::replay_journal(journal, wall, job);
-    KeptCuts kept;
+    SavedCuts kept;
     kept.note = replayed.message;
     if (replayed.status == mesh::CutStatus::cancelled)
         throw InputError("reading the kept cuts was cancelled", journal.string());
@@ -53,7 +53,7 @@ KeptCuts read_kept_cuts(const std::filesystem::path& journal, const mesh::TetMes
     return kept;
 }
 
-SurgerySession restore_desk(SurgerySetup table, const KeptCuts& kept, const Job& job)
+SurgerySession restore_desk(SurgerySetup table, const SavedCuts& kept, const Job& job)
 {
     mesh::ReplayedJournal opened = mesh::open_journal(table.journal, table.wall, job);
     if (opened.status == mesh::CutStatus::cancelled)

@@ -16,7 +16,7 @@ namespace retractor::planner {
 std::filesystem::path cuts_journal(const std::filesystem::path& case_file, std::string_view approach);
 
 /// What a journal holds.
-struct KeptCuts {
+struct SavedCuts {
     std::vector<mesh::MeshDelta> deltas; ///< one per cut in force, in order
     bool more = false; ///< there are cuts that were taken back and could be made again
     std::string note; ///< what the reader should know, e.g. that an unfinished line was dropped
@@ -25,10 +25,10 @@ struct KeptCuts {
 
 /// Reads the journal on the uncut wall; a stroke that a crash left open is counted as finished.
 /// @throws IoError; InputError when it is damaged or of another wall.
-KeptCuts read_kept_cuts(const std::filesystem::path& journal, const mesh::TetMesh& wall, const Job& job = {});
+SavedCuts read_kept_cuts(const std::filesystem::path& journal, const mesh::TetMesh& wall, const Job& job = {});
 
 /// A desk with the kept cuts, which goes on writing to their journal. @throws as read_kept_cuts().
-SurgerySession restore_desk(SurgerySetup table, const KeptCuts& kept, const Job& job = {});
+SurgerySession restore_desk(SurgerySetup table, const SavedCuts& kept, const Job& job = {});
 /// A desk without cuts and with a new journal. @throws IoError when there is a journal already or none can be written.
 SurgerySession fresh_desk(SurgerySetup table, const Job& job = {});
 

@@ -72,7 +72,7 @@ struct CondensedTissue::Finger {
     std::vector<Candidate> candidates;
     std::size_t count = 0; ///< of candidates
     int missing = 0, missing_before = 0;
-    bool stand_in = false, stand_in_before = false;
+    bool fallback_stiffness = false, stand_in_before = false;
     std::vector<std::int32_t> pressing {}; ///< stations that pressed at the last tick
     std::size_t pressing_count = 0;
     std::size_t first_point = 0, last_point = 0;
@@ -84,10 +84,10 @@ struct CondensedTissue::Finger {
         , pressing(limit, -1)
     {
     }
-    bool pressed(std::int32_t station) const noexcept
+    bool pressed(std::int32_t contact_node) const noexcept
     {
         const auto end = pressing.begin() + static_cast<std::ptrdiff_t>(pressing_count);
-        return std::find(pressing.begin(), end, station) != end;
+        return std::find(pressing.begin(), end, contact_node) != end;
     }
 };
 
@@ -106,8 +106,8 @@ CondensedTissue::CondensedTissue(
     show_surface();
     body_ = build(model_, nullptr, {}, job);
     record_part(job, "touch surface", watch, body_->touch->bytes());
-    StationCompliance& compliance = *body_->compliance;
-    if (compliance.holds_all() && body_->touch->stations().size() <= options_.fetch_all_below)
+    ContactNodeCompliance& compliance = *body_->compliance;
+    if (compliance.holds_all() && body_->touch->contact_nodes().size() <= options_.fetch_all_below)
         compliance.fetch_all(gate_, job);
     published_.store(body_.get());
     make_room_for_fingers();
@@ -168,13 +168,13 @@ std::unique_ptr<CondensedTissue::Body> CondensedTissue::build(datasets::ElasticM
     const WallFaces faces = wall_faces(mesh_, inner, body->fixed);
     body->touch = touch != nullptr && touch_roles == model.roles
         ? std::move(touch)
-        : std::make_shared<const TouchSurface>(mesh_, faces.outer, body->fixed, options_.station_spacing);
+        : std::make_shared<const TouchSurface>(mesh_, faces.outer, body->fixed, options_.contact_node_spacing);
     std::vector<std::uint8_t> prescribed(3 * body->fixed.size());
     for (std::size_t i = 0; i < prescribed.size(); ++i)
         prescribed[i] = body->fixed[i / 3];
-    body->compliance
-        = std::make_unique<StationCompliance>(TouchedBody { &mesh_, std::move(prescribed), faces.inner, shown_nodes_ },
-            *body->touch, lame_of(model), options_.element, options_.store_bytes, job);
+    body->compliance = std::make_unique<ContactNodeCompliance>(
+        TouchedBody { &mesh_, std::move(prescribed), faces.inner, shown_nodes_ }, *body->touch, lame_of(model),
+        options_.element, options_.store_bytes, job);
     body->searches.assign(options_.fingers, FingertipSearch(*body->touch, options_.fingertip));
     body->model = std::move(model);
     return body;
@@ -185,12 +185,12 @@ std::unique_ptr<CondensedTissue::Body> CondensedTissue::build(datasets::ElasticM
 void CondensedTissue::forget_residents() noexcept { std::fill(resident_.begin(), resident_.end(), -1); }
 
 std::int32_t CondensedTissue::make_resident(
-    std::size_t finger, std::int32_t station, std::size_t points, const StationCompliance& body) noexcept
+    std::size_t finger, std::int32_t contact_node, std::size_t points, const ContactNodeCompliance& body) noexcept
 {
     const std::size_t first = finger * residents_per_finger_, last = first + residents_per_finger_;
     std::size_t empty = last;
     for (std::size_t p = first; p < last; ++p) {
-        if (resident_[p] == station)
+        if (resident_[p] == contact_node)
             return static_cast<std::int32_t>(p);
         if (resident_[p] < 0)
             empty = p;
@@ -199,20 +199,20 @@ std::int32_t CondensedTissue::make_resident(
     for (std::size_t p = first; p < last && empty == last; ++p) {
         bool used = false;
         for (std::size_t c = 0; c < owner.count; ++c)
-            used = used || owner.candidates[c].station == resident_[p];
+            used = used || owner.candidates[c].contact_node == resident_[p];
         if (!used)
             empty = p;
     }
-    resident_[empty] = station;
+    resident_[empty] = contact_node;
     const std::size_t count = resident_.size();
     for (std::size_t q = 0; q < count; ++q) {
         if (resident_[q] < 0)
             continue;
-        const double* block = body.block(station, resident_[q]);
+        const double* block = body.block(contact_node, resident_[q]);
         if (block == nullptr) { // one of the two was forgotten meanwhile
             const auto placed = point_place_.begin() + static_cast<std::ptrdiff_t>(points);
             const bool in_use = std::find(point_place_.begin(), placed, static_cast<std::int32_t>(q)) != placed;
-            if (q == empty || in_use || !body.ready(station)) { // a contact point of this tick keeps its place
+            if (q == empty || in_use || !body.ready(contact_node)) { // a contact point of this tick keeps its place
                 resident_[empty] = -1;
                 return -1;
             }
@@ -269,17 +269,17 @@ bool CondensedTissue::find_forces() noexcept
 }
 
 /// Which of the first `points` contact points presses this station; `points`: none.
-std::size_t CondensedTissue::point_at(std::int32_t station, std::size_t points) const noexcept
+std::size_t CondensedTissue::point_at(std::int32_t contact_node, std::size_t points) const noexcept
 {
     for (std::size_t p = 0; p < points; ++p)
-        if (resident_[static_cast<std::size_t>(point_place_[p])] == station)
+        if (resident_[static_cast<std::size_t>(point_place_[p])] == contact_node)
             return p;
     return points;
 }
 
 bool CondensedTissue::solve_contact(Body& body, double pressure, std::span<const Fingertip> fingers) noexcept
 {
-    const StationCompliance& compliance = *body.compliance;
+    const ContactNodeCompliance& compliance = *body.compliance;
     std::size_t points = 0;
     for (std::size_t f = 0; f < fingers_.size(); ++f) {
         Finger& finger = fingers_[f];
@@ -292,11 +292,12 @@ bool CondensedTissue::solve_contact(Body& body, double pressure, std::span<const
                 finger.candidates, options_.patch_limit, finger.missing);
         for (std::size_t c = 0; c < finger.count; ++c) {
             const Candidate& candidate = finger.candidates[c];
-            if (const std::size_t taken = point_at(candidate.station, finger.first_point); taken < finger.first_point) {
+            if (const std::size_t taken = point_at(candidate.contact_node, finger.first_point);
+                taken < finger.first_point) {
                 solver_.demand(taken) = std::max(solver_.demand(taken), candidate.demand);
                 continue; // two fingers in one place: the first one's
             }
-            const std::int32_t place = make_resident(f, candidate.station, points, compliance);
+            const std::int32_t place = make_resident(f, candidate.contact_node, points, compliance);
             if (place < 0) {
                 ++finger.missing;
                 continue;
@@ -304,7 +305,7 @@ bool CondensedTissue::solve_contact(Body& body, double pressure, std::span<const
             point_place_[points] = place;
             point_finger_[points] = f;
             solver_.demand(points) = candidate.demand;
-            solver_.pressing(points) = finger.pressed(candidate.station);
+            solver_.pressing(points) = finger.pressed(candidate.contact_node);
             ++points;
         }
         finger.last_point = points;
@@ -322,13 +323,13 @@ bool CondensedTissue::solve_contact(Body& body, double pressure, std::span<const
                 finger.pressing[finger.pressing_count++] = resident_[static_cast<std::size_t>(point_place_[a])];
         }
         finger.stiffness = solver_.stiffness(finger.first_point, finger.last_point);
-        finger.stand_in = false;
+        finger.fallback_stiffness = false;
         if (finger.place.touching && finger.missing > 0) {
-            const std::int32_t station = body.touch->station_of(finger.place.vertex);
-            const double stiffness
-                = compliance.stand_in(std::max(station, 0)) * fingers[f].radius / StationCompliance::kStandInRadius;
+            const std::int32_t contact_node = body.touch->contact_node_of(finger.place.vertex);
+            const double stiffness = compliance.fallback_stiffness(std::max(contact_node, 0)) * fingers[f].radius
+                / ContactNodeCompliance::kStandInRadius;
             if (finger.place.depth * stiffness > sum) {
-                finger.stand_in = true;
+                finger.fallback_stiffness = true;
                 finger.stiffness = stiffness;
                 sum = finger.place.depth * stiffness;
             }
@@ -360,7 +361,8 @@ void CondensedTissue::tick(
     solved = solve_contact(*current_, p, fingers) && solved;
     bool late = false;
     for (Finger& finger : fingers_) {
-        const bool columns_came = finger.missing < finger.missing_before || finger.stand_in != finger.stand_in_before;
+        const bool columns_came
+            = finger.missing < finger.missing_before || finger.fallback_stiffness != finger.stand_in_before;
         if (!finger.place.touching)
             finger.offset.setZero();
         else if (swapped || (columns_came && !finger.raw_before.isZero(0.0)))
@@ -369,7 +371,7 @@ void CondensedTissue::tick(
         finger.offset *= left > options_.blend ? (left - options_.blend) / left : 0.0;
         finger.raw_before = finger.raw;
         finger.missing_before = finger.missing;
-        finger.stand_in_before = finger.stand_in;
+        finger.stand_in_before = finger.fallback_stiffness;
         late = late || finger.missing > 0;
     }
     ++ticks_;
@@ -417,9 +419,9 @@ void CondensedTissue::publish(double time, double pressure, std::span<const Fing
         s.fingers[f] = fingers[f];
         const Finger& finger = fingers_[f];
         for (std::size_t a = finger.first_point; a < finger.last_point; ++a)
-            if (const std::int32_t station = resident_[static_cast<std::size_t>(point_place_[a])];
-                station >= 0 && solver_.force(a) != 0.0) {
-                s.force[s.forces] = { station, -solver_.force(a) * finger.place.normal };
+            if (const std::int32_t contact_node = resident_[static_cast<std::size_t>(point_place_[a])];
+                contact_node >= 0 && solver_.force(a) != 0.0) {
+                s.force[s.forces] = { contact_node, -solver_.force(a) * finger.place.normal };
                 s.normal[s.forces] = finger.place.normal;
                 s.demand[s.forces++] = solver_.demand(a);
             }
@@ -429,7 +431,7 @@ void CondensedTissue::publish(double time, double pressure, std::span<const Fing
 
 // ---- simulation thread ----
 
-/// Stations under the fingers, or where they will be within `ahead_s`, nearest first.
+/// ContactNodes under the fingers, or where they will be within `ahead_s`, nearest first.
 static std::vector<std::int32_t> wanted_by(
     std::span<const Fingertip> fingers, double ahead_s, double margin, const TouchSurface& touch)
 {
@@ -437,8 +439,8 @@ static std::vector<std::int32_t> wanted_by(
     for (const Fingertip& finger : fingers) {
         const Vec3 way = ahead_s * finger.velocity;
         const double length2 = way.squaredNorm();
-        for (std::size_t s = 0; s < touch.stations().size(); ++s) {
-            const Vec3 from = touch.stations()[s].point - finger.position;
+        for (std::size_t s = 0; s < touch.contact_nodes().size(); ++s) {
+            const Vec3 from = touch.contact_nodes()[s].point - finger.position;
             const double along = length2 > 0.0 ? std::clamp(from.dot(way) / length2, 0.0, 1.0) : 0.0;
             const double d = (from - along * way).norm() + 0.1 * along * std::sqrt(length2);
             if (d < 2.0 * finger.radius + margin)
@@ -455,7 +457,7 @@ static std::vector<std::int32_t> wanted_by(
 
 void CondensedTissue::prepare(std::span<const Fingertip> fingers)
 {
-    StationCompliance& compliance = *body_->compliance;
+    ContactNodeCompliance& compliance = *body_->compliance;
     compliance.fetch(wanted_by(fingers, 0.0, 0.0, *body_->touch), std::numeric_limits<std::size_t>::max(), gate_);
     compliance.finish_columns(compliance.columns_missing());
 }
@@ -571,21 +573,21 @@ void CondensedTissue::follow(Points& deformed)
 {
     swap_in();
     const Snapshot& s = snapshots_.latest();
-    const std::size_t stations = body_->touch->stations().size();
-    StationCompliance& compliance = *body_->compliance;
+    const std::size_t contact_nodes = body_->touch->contact_nodes().size();
+    ContactNodeCompliance& compliance = *body_->compliance;
     std::size_t fetched = 0;
-    if (compliance.ready_count() < stations) {
+    if (compliance.ready_count() < contact_nodes) {
         fetched = compliance.fetch(
             wanted_by(s.fingers, kAhead, kMargin, *body_->touch), options_.fetches_per_follow, gate_);
         if (compliance.holds_all() && fetched == 0 && compliance.columns_missing() == 0) {
-            std::vector<std::int32_t> all(stations);
+            std::vector<std::int32_t> all(contact_nodes);
             std::iota(all.begin(), all.end(), 0);
-            fetched = compliance.fetch(all, StationCompliance::kBatch, gate_);
+            fetched = compliance.fetch(all, ContactNodeCompliance::kBatch, gate_);
         }
     }
     // Beyond the most that may wait no more come than go.
-    const std::size_t came = (fetched + StationCompliance::kBatch - 1) / StationCompliance::kBatch;
-    compliance.finish_columns(compliance.columns_missing() > StationCompliance::kMostWaiting ? came + 1 : 1);
+    const std::size_t came = (fetched + ContactNodeCompliance::kBatch - 1) / ContactNodeCompliance::kBatch;
+    compliance.finish_columns(compliance.columns_missing() > ContactNodeCompliance::kMostWaiting ? came + 1 : 1);
     deformed = shown_.vertices;
     // Until the servo has met a new body its forces name the old one's stations.
     const Body& pressed = retired_ != nullptr && s.body == retired_.get() ? *retired_ : *body_;
@@ -603,11 +605,11 @@ CondensedTissue::Pressed CondensedTissue::last_pressed()
 PressedCheck check_pressed(CondensedTissue& tissue)
 {
     const CondensedTissue::Pressed pressed = tissue.last_pressed();
-    const StationCompliance& body = tissue.compliance();
+    const ContactNodeCompliance& body = tissue.compliance();
     PressedCheck check { .displacement = body.solve(pressed.pressure, pressed.forces) };
     for (std::size_t i = 0; i < pressed.forces.size(); ++i) {
-        const std::int32_t s = pressed.forces[i].station;
-        const Vec3 given_way = pressed.pressure * body.pulse_of_station(s) - body.mean(check.displacement, s);
+        const std::int32_t s = pressed.forces[i].contact_node;
+        const Vec3 given_way = pressed.pressure * body.pulse_of_contact_node(s) - body.mean(check.displacement, s);
         check.off_mm = std::max(check.off_mm, std::abs(given_way.dot(pressed.normals[i]) - pressed.demands[i]));
         check.deepest_mm = std::max(check.deepest_mm, std::abs(pressed.demands[i]));
     }

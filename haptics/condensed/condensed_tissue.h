@@ -7,7 +7,7 @@
 // - A fingertip is frictionless (pad or sphere, see FingertipShape); it presses at most `patch_limit` stations
 //   (touch_surface.h), along the surface normal where it touches, and never pulls. All fingers are solved together:
 //   what one presses in moves the surface under the others.
-// - The cost of a tick does not depend on the size of the body. Stations are made ready by follow(), ahead of the
+// - The cost of a tick does not depend on the size of the body. ContactNodes are made ready by follow(), ahead of the
 //   fingers. Until all stations of a contact are ready it rests on those that are, or, where that is more, on what a
 //   pad feels on the station in its middle (measured when the body was factored). `late_ticks()` counts the ticks in
 //   which that was so. The shown surface lags behind the force by some frames there.
@@ -16,11 +16,11 @@
 // - A contact's proxy is the fingertip moved back along the normal to where it would just touch the unpressed surface.
 
 #include "datasets/phantoms/elastic_model.h"
+#include "haptics/condensed/contact_node_compliance.h"
 #include "haptics/condensed/contact_solver.h"
 #include "haptics/condensed/elastic_template.h"
 #include "haptics/condensed/fingertip_search.h"
 #include "haptics/condensed/pulse_pressure.h"
-#include "haptics/condensed/station_compliance.h"
 #include "haptics/servo/tissue_response.h"
 #include "mesh/base/job.h"
 #include "mesh/base/triple_buffer.h"
@@ -37,7 +37,7 @@ struct CondensedOptions {
     FingertipShape fingertip = FingertipShape::pad;
     std::size_t fingers = 1;
     std::size_t patch_limit = 12; ///< stations a fingertip presses at once
-    double station_spacing = 2.2; ///< mm: a fingertip of 4 mm covers about twelve
+    double contact_node_spacing = 2.2; ///< mm: a fingertip of 4 mm covers about twelve
     double rest_pressure = 80.0 * kMPaPerMmHg; ///< MPa, at which the mesh has its shape
     double force_gain = 1.0; ///< forces are multiplied by this; say so where they are shown
     double blend = 0.02; ///< N per tick
@@ -80,7 +80,7 @@ public:
     const PulsePressure& pulse() const { return pulse_; }
     const CondensedOptions& options() const { return options_; }
     const TouchSurface& touch_surface() const { return *body_->touch; }
-    const StationCompliance& compliance() const { return *body_->compliance; }
+    const ContactNodeCompliance& compliance() const { return *body_->compliance; }
     /// Nodes of the element's mesh that surface() shows, in its order.
     const std::vector<VertexId>& shown_nodes() const { return shown_nodes_; }
     /// Pressure above the rest state at the curve's own rate, MPa.
@@ -90,7 +90,7 @@ public:
     /// the pulse, and the pressure. Simulation thread.
     struct Pressed {
         double time = 0.0, pressure = 0.0;
-        std::vector<StationCompliance::StationForce> forces;
+        std::vector<ContactNodeCompliance::ContactNodeForce> forces;
         std::vector<Vec3> normals; ///< per force
         std::vector<double> demands; ///< mm, per force
         std::vector<Fingertip> fingers;
@@ -109,14 +109,14 @@ private:
         datasets::ElasticModel model;
         std::vector<std::uint8_t> fixed; ///< per node
         std::shared_ptr<const TouchSurface> touch; ///< shared while only the elasticity changes
-        std::unique_ptr<StationCompliance> compliance;
+        std::unique_ptr<ContactNodeCompliance> compliance;
         std::vector<FingertipSearch> searches; ///< servo thread; per finger
     };
     struct Snapshot {
         const Body* body = nullptr; ///< whose stations the forces name
         double time = 0.0, pressure = 0.0;
         std::size_t forces = 0;
-        std::vector<StationCompliance::StationForce> force;
+        std::vector<ContactNodeCompliance::ContactNodeForce> force;
         std::vector<Vec3> normal;
         std::vector<double> demand;
         std::vector<Fingertip> fingers;
@@ -137,8 +137,8 @@ private:
     bool solve_contact(Body& body, double pressure, std::span<const Fingertip> fingers) noexcept;
     /// @param points contact points that this tick already has: their places are kept
     std::int32_t make_resident(
-        std::size_t finger, std::int32_t station, std::size_t points, const StationCompliance& body) noexcept;
-    std::size_t point_at(std::int32_t station, std::size_t points) const noexcept;
+        std::size_t finger, std::int32_t contact_node, std::size_t points, const ContactNodeCompliance& body) noexcept;
+    std::size_t point_at(std::int32_t contact_node, std::size_t points) const noexcept;
     void forget_residents() noexcept;
     void fill_compliance() noexcept;
     bool find_forces() noexcept;

@@ -20,7 +20,7 @@ namespace {
 FingertipSearch::FingertipSearch(const TouchSurface& surface, FingertipShape shape)
     : surface_(&surface)
     , shape_(shape)
-    , seen_(surface.stations().size(), 0)
+    , seen_(surface.contact_nodes().size(), 0)
     , queue_(kMostSeen)
 {
 }
@@ -33,13 +33,13 @@ void FingertipSearch::go_on_from(const FingertipSearch& before) noexcept
     vertex_ = before.vertex_;
 }
 
-Vec3 FingertipSearch::position(std::int32_t vertex, const StationCompliance& body, double pressure) const noexcept
+Vec3 FingertipSearch::position(std::int32_t vertex, const ContactNodeCompliance& body, double pressure) const noexcept
 {
     return surface_->rest().row(vertex).transpose() + pressure * body.pulse_of_vertex(vertex);
 }
 
 std::int32_t FingertipSearch::walk(
-    std::int32_t from, const Vec3& to, const StationCompliance& body, double pressure) const noexcept
+    std::int32_t from, const Vec3& to, const ContactNodeCompliance& body, double pressure) const noexcept
 {
     double best = (position(from, body, pressure) - to).squaredNorm();
     constexpr int kSteps = 64;
@@ -56,7 +56,7 @@ std::int32_t FingertipSearch::walk(
     return from;
 }
 
-TouchedPlace FingertipSearch::find(const Fingertip& finger, const StationCompliance& body, double pressure) noexcept
+TouchedPlace FingertipSearch::find(const Fingertip& finger, const ContactNodeCompliance& body, double pressure) noexcept
 {
     TouchedPlace place;
     const double jump = 4.0 * finger.radius;
@@ -108,14 +108,14 @@ TouchedPlace FingertipSearch::find(const Fingertip& finger, const StationComplia
     return place;
 }
 
-double FingertipSearch::demand(const Fingertip& finger, const TouchedPlace& place, std::int32_t station,
-    const StationCompliance& body, double pressure) const noexcept
+double FingertipSearch::demand(const Fingertip& finger, const TouchedPlace& place, std::int32_t contact_node,
+    const ContactNodeCompliance& body, double pressure) const noexcept
 {
-    const Station& s = surface_->stations()[static_cast<std::size_t>(station)];
+    const ContactNode& s = surface_->contact_nodes()[static_cast<std::size_t>(contact_node)];
     constexpr double kFacing = 0.2; // not the far side of a thin vessel
     if (s.normal.dot(place.normal) < kFacing)
         return kNowhere;
-    const Vec3 pulse = pressure * body.pulse_of_station(station);
+    const Vec3 pulse = pressure * body.pulse_of_contact_node(contact_node);
     const Vec3 from = s.point + pulse - finger.position;
     const double above = from.dot(place.normal), off2 = from.squaredNorm() - above * above,
                  radius2 = finger.radius * finger.radius;
@@ -131,23 +131,23 @@ double FingertipSearch::demand(const Fingertip& finger, const TouchedPlace& plac
 }
 
 std::size_t FingertipSearch::candidates(const Fingertip& finger, const TouchedPlace& place,
-    const StationCompliance& body, double pressure, std::vector<Candidate>& into, std::size_t most,
+    const ContactNodeCompliance& body, double pressure, std::vector<Candidate>& into, std::size_t most,
     int& missing) noexcept
 {
     std::size_t found = 0, first = 0, last = 0;
     missing = 0;
-    const auto look_at = [&](std::int32_t station) {
-        const auto s = static_cast<std::size_t>(station);
+    const auto look_at = [&](std::int32_t contact_node) {
+        const auto s = static_cast<std::size_t>(contact_node);
         if (seen_[s] == search_ || last == kMostSeen)
             return;
         seen_[s] = search_;
-        queue_[last++] = station;
+        queue_[last++] = contact_node;
     };
     ++search_;
-    if (const std::int32_t s = surface_->station_of(place.vertex); s >= 0)
+    if (const std::int32_t s = surface_->contact_node_of(place.vertex); s >= 0)
         look_at(s);
     for (const std::int32_t v : surface_->neighbours().of(static_cast<std::size_t>(place.vertex)))
-        if (const std::int32_t s = surface_->station_of(v); s >= 0)
+        if (const std::int32_t s = surface_->contact_node_of(v); s >= 0)
             look_at(s);
     // A station that must give way by less than none may still press: others push it out. A rim of one spacing is kept.
     const double reach = std::min(finger.radius, surface_->spacing());
@@ -155,7 +155,7 @@ std::size_t FingertipSearch::candidates(const Fingertip& finger, const TouchedPl
         const double wanted = demand(finger, place, queue_[first], body, pressure);
         if (wanted < -reach)
             continue;
-        for (const std::int32_t next : surface_->station_neighbours().of(static_cast<std::size_t>(queue_[first])))
+        for (const std::int32_t next : surface_->contact_node_neighbours().of(static_cast<std::size_t>(queue_[first])))
             look_at(next);
         if (!body.ready(queue_[first])) {
             missing += wanted > 0.0 ? 1 : 0;

@@ -2,7 +2,7 @@
 // Where a fingertip meets a surface that breathes with the pulse: found by a walk from where it was, in a time that
 // does not depend on the size of the mesh. Proxy-based contact after [Ruspini, Kolarov, Khatib 1997]. Units mm.
 
-#include "haptics/condensed/station_compliance.h"
+#include "haptics/condensed/contact_node_compliance.h"
 #include "haptics/condensed/touch_surface.h"
 #include "haptics/servo/tissue_response.h"
 
@@ -31,7 +31,7 @@ struct TouchedPlace {
 
 /// A station the fingertip may press, and how far it must give way along the normal.
 struct Candidate {
-    std::int32_t station = -1;
+    std::int32_t contact_node = -1;
     double demand = 0.0;
 };
 
@@ -46,21 +46,22 @@ public:
     /// Servo thread. A fingertip touches only when it comes from outside: one that starts within the body, jumps by
     /// more than two diameters or comes round the rim of an open surface is free until it has been outside. @param
     /// pressure MPa
-    TouchedPlace find(const Fingertip& finger, const StationCompliance& body, double pressure) noexcept;
+    TouchedPlace find(const Fingertip& finger, const ContactNodeCompliance& body, double pressure) noexcept;
 
     /// The stations the fingertip presses or nearly presses, those that must give way most first; `most` at most.
     /// All give way along the place's normal: under a sphere as far as it reaches there; under a pad all alike, less
     /// and less in the last tenth of its radius, so that nothing jumps when it slides (held: all alike). Those not
     /// ready are counted in `missing` where the fingertip presses them, and left out.
     /// @return how many were written.
-    std::size_t candidates(const Fingertip& finger, const TouchedPlace& place, const StationCompliance& body,
+    std::size_t candidates(const Fingertip& finger, const TouchedPlace& place, const ContactNodeCompliance& body,
         double pressure, std::vector<Candidate>& into, std::size_t most, int& missing) noexcept;
 
 private:
-    double demand(const Fingertip& finger, const TouchedPlace& place, std::int32_t station,
-        const StationCompliance& body, double pressure) const noexcept;
-    Vec3 position(std::int32_t vertex, const StationCompliance& body, double pressure) const noexcept;
-    std::int32_t walk(std::int32_t from, const Vec3& to, const StationCompliance& body, double pressure) const noexcept;
+    double demand(const Fingertip& finger, const TouchedPlace& place, std::int32_t contact_node,
+        const ContactNodeCompliance& body, double pressure) const noexcept;
+    Vec3 position(std::int32_t vertex, const ContactNodeCompliance& body, double pressure) const noexcept;
+    std::int32_t walk(
+        std::int32_t from, const Vec3& to, const ContactNodeCompliance& body, double pressure) const noexcept;
 
     const TouchSurface* surface_;
     FingertipShape shape_;

@@ -75,9 +75,9 @@ HalfSpace::HalfSpace(double radius, double youngs_modulus, double poissons_ratio
     const std::vector<fem::Lame> lame(
         mesh_.tet_count(), fem::Lame { E / (2.0 * (1.0 + nu)), E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)) });
     constexpr std::size_t kStore = std::size_t { 512 } << 20U;
-    body_ = std::make_unique<StationCompliance>(body, *surface_, lame, TouchElement::locking_free, kStore, job);
-    for (std::size_t s = 0; s < surface_->stations().size(); ++s)
-        if (surface_->stations()[s].point.head<2>().norm() <= kReach * radius)
+    body_ = std::make_unique<ContactNodeCompliance>(body, *surface_, lame, TouchElement::locking_free, kStore, job);
+    for (std::size_t s = 0; s < surface_->contact_nodes().size(); ++s)
+        if (surface_->contact_nodes()[s].point.head<2>().norm() <= kReach * radius)
             near_.push_back(static_cast<std::int32_t>(s));
     const ServoGate nobody;
     body_->fetch(near_, near_.size(), nobody);
@@ -90,8 +90,8 @@ HalfSpace::Answer HalfSpace::press(const std::function<double(double)>& depth_at
     ContactSolver solver(near_.size());
     constexpr std::size_t kDown = 8; // zz of a block
     for (std::size_t a = 0; a < near_.size(); ++a) {
-        const Station& station = surface_->stations()[static_cast<std::size_t>(near_[a])];
-        solver.demand(a) = depth_at(station.point.head<2>().norm());
+        const ContactNode& contact_node = surface_->contact_nodes()[static_cast<std::size_t>(near_[a])];
+        solver.demand(a) = depth_at(contact_node.point.head<2>().norm());
         solver.pressing(a) = solver.demand(a) > 0.0;
         for (std::size_t b = 0; b <= a; ++b)
             solver.compliance(a, b) = body_->block(near_[a], near_[b])[kDown];
@@ -103,8 +103,8 @@ HalfSpace::Answer HalfSpace::press(const std::function<double(double)>& depth_at
         constexpr double kQuarters = 4.0;
         answer.force += kQuarters * solver.force(a);
         if (solver.force(a) > 0.0)
-            answer.contact_radius = std::max(
-                answer.contact_radius, surface_->stations()[static_cast<std::size_t>(near_[a])].point.head<2>().norm());
+            answer.contact_radius = std::max(answer.contact_radius,
+                surface_->contact_nodes()[static_cast<std::size_t>(near_[a])].point.head<2>().norm());
     }
     return answer;
 }

@@ -4,7 +4,7 @@
 // answer by about 1.3 contact radii over its depth), graded towards the edge of the contact, with the same stations,
 // columns and contact solver as the tissue. Units mm, N, MPa.
 
-#include "haptics/condensed/station_compliance.h"
+#include "haptics/condensed/contact_node_compliance.h"
 #include "mesh/base/job.h"
 
 #include <functional>
@@ -29,7 +29,7 @@ public:
 private:
     mesh::TetMesh mesh_;
     std::unique_ptr<TouchSurface> surface_;
-    std::unique_ptr<StationCompliance> body_;
+    std::unique_ptr<ContactNodeCompliance> body_;
     std::vector<std::int32_t> near_; ///< stations that may press
 };
 

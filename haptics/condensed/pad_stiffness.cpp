@@ -13,9 +13,9 @@ namespace {
     constexpr std::size_t kMiddles = 8; ///< in a group: more share less of what they reach
     constexpr double kFacing = 0.2; // not the far side of a thin vessel
 
-    const Station& at(const TouchSurface& surface, std::int32_t s)
+    const ContactNode& at(const TouchSurface& surface, std::int32_t s)
     {
-        return surface.stations()[static_cast<std::size_t>(s)];
+        return surface.contact_nodes()[static_cast<std::size_t>(s)];
     }
 
     bool presses(const TouchSurface& surface, std::int32_t middle, std::int32_t s, double radius)
@@ -30,7 +30,7 @@ namespace {
     {
         std::vector<std::int32_t> found { start };
         for (std::size_t i = 0; i < found.size(); ++i)
-            for (const std::int32_t next : surface.station_neighbours().of(static_cast<std::size_t>(found[i])))
+            for (const std::int32_t next : surface.contact_node_neighbours().of(static_cast<std::size_t>(found[i])))
                 if (std::find(found.begin(), found.end(), next) == found.end() && inside(next))
                     found.push_back(next);
         return found;
@@ -41,7 +41,7 @@ namespace {
 std::vector<PadGroup> pad_groups(const TouchSurface& surface, double radius)
 {
     std::vector<PadGroup> groups;
-    std::vector<std::uint8_t> grouped(surface.stations().size(), 0);
+    std::vector<std::uint8_t> grouped(surface.contact_nodes().size(), 0);
     for (std::int32_t seed = 0; seed < static_cast<std::int32_t>(grouped.size()); ++seed) {
         if (grouped[static_cast<std::size_t>(seed)] != 0)
             continue;

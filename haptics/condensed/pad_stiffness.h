@@ -10,7 +10,7 @@
 
 namespace retractor::haptics {
 
-/// Stations near each other, and all that pads on any of them press (they are among those).
+/// ContactNodes near each other, and all that pads on any of them press (they are among those).
 struct PadGroup {
     std::vector<std::int32_t> middles, pressed;
 };

@@ -113,10 +113,10 @@ TouchSurface::TouchSurface(const mesh::TetMesh& mesh, const std::vector<mesh::Te
         throw InputError("the spacing of the stations must be positive", "touch surface");
     take_faces(mesh, outer);
     measure_normals();
-    place_stations(fixed);
-    if (stations_.empty())
+    place_contact_nodes(fixed);
+    if (contact_nodes_.empty())
         throw InputError("no part of the surface can be touched", "touch surface");
-    weigh_stations(mesh, outer);
+    weigh_contact_nodes(mesh, outer);
     fill_grid();
 }
 
@@ -164,7 +164,7 @@ void TouchSurface::measure_normals()
     normals_.rowwise().normalize();
 }
 
-void TouchSurface::place_stations(const std::vector<std::uint8_t>& fixed)
+void TouchSurface::place_contact_nodes(const std::vector<std::uint8_t>& fixed)
 {
     Cubes cubes(spacing_);
     for (std::int32_t v = 0; v < static_cast<std::int32_t>(nodes_.size()); ++v) {
@@ -173,43 +173,43 @@ void TouchSurface::place_stations(const std::vector<std::uint8_t>& fixed)
         const Vec3 p = at(rest_, v);
         bool taken = false;
         cubes.for_each_near(p, [&](std::int32_t s) {
-            taken = taken || (stations_[static_cast<std::size_t>(s)].point - p).norm() < spacing_;
+            taken = taken || (contact_nodes_[static_cast<std::size_t>(s)].point - p).norm() < spacing_;
         });
         if (taken)
             continue;
-        cubes.add(p, static_cast<std::int32_t>(stations_.size()));
-        stations_.push_back({ v, p, at(normals_, v) });
+        cubes.add(p, static_cast<std::int32_t>(contact_nodes_.size()));
+        contact_nodes_.push_back({ v, p, at(normals_, v) });
     }
-    station_of_vertex_.assign(nodes_.size(), -1);
+    contact_node_of_vertex_.assign(nodes_.size(), -1);
     for (std::int32_t v = 0; v < static_cast<std::int32_t>(nodes_.size()); ++v) {
         if (fixed[static_cast<std::size_t>(nodes_[static_cast<std::size_t>(v)])] != 0)
             continue;
         double best = std::numeric_limits<double>::infinity();
         cubes.for_each_near(at(rest_, v), [&](std::int32_t s) {
-            const double d = (stations_[static_cast<std::size_t>(s)].point - at(rest_, v)).squaredNorm();
+            const double d = (contact_nodes_[static_cast<std::size_t>(s)].point - at(rest_, v)).squaredNorm();
             if (d < best) {
                 best = d;
-                station_of_vertex_[static_cast<std::size_t>(v)] = s;
+                contact_node_of_vertex_[static_cast<std::size_t>(v)] = s;
             }
         });
     }
     std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
     for (const auto& t : triangles_)
         for (std::size_t i = 0; i < 3; ++i) {
-            const std::int32_t a = station_of(t[i]), b = station_of(t[(i + 1) % 3]);
+            const std::int32_t a = contact_node_of(t[i]), b = contact_node_of(t[(i + 1) % 3]);
             if (a >= 0 && b >= 0 && a != b) {
                 pairs.emplace_back(a, b);
                 pairs.emplace_back(b, a);
             }
         }
-    station_neighbours_ = compress(std::move(pairs), stations_.size());
+    contact_node_neighbours_ = compress(std::move(pairs), contact_nodes_.size());
 }
 
-void TouchSurface::weigh_stations(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& outer)
+void TouchSurface::weigh_contact_nodes(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& outer)
 {
     std::map<std::pair<std::int32_t, std::int32_t>, double> weight; // station and node: mm^2
     const auto add = [&](std::int32_t vertex, VertexId node, double value) {
-        if (const std::int32_t s = station_of(vertex); s >= 0)
+        if (const std::int32_t s = contact_node_of(vertex); s >= 0)
             weight[{ s, node }] += value;
     };
     // Six points, exact for degree 4 [Dunavant 1985]: a hat function times a quadratic shape function is of degree 3.
@@ -247,17 +247,17 @@ void TouchSurface::weigh_stations(const mesh::TetMesh& mesh, const std::vector<m
                 }
         }
     }
-    std::vector<double> total(stations_.size(), 0.0);
+    std::vector<double> total(contact_nodes_.size(), 0.0);
     for (const auto& [key, value] : weight)
         total[static_cast<std::size_t>(key.first)] += value;
-    station_nodes_.start.assign(stations_.size() + 1, 0);
+    contact_node_vertices_.start.assign(contact_nodes_.size() + 1, 0);
     for (const auto& [key, value] : weight) { // in the order of stations
-        ++station_nodes_.start[static_cast<std::size_t>(key.first) + 1];
-        station_nodes_.entry.push_back(key.second);
+        ++contact_node_vertices_.start[static_cast<std::size_t>(key.first) + 1];
+        contact_node_vertices_.entry.push_back(key.second);
         weights_.push_back(value / total[static_cast<std::size_t>(key.first)]);
     }
-    for (std::size_t s = 0; s < stations_.size(); ++s)
-        station_nodes_.start[s + 1] += station_nodes_.start[s];
+    for (std::size_t s = 0; s < contact_nodes_.size(); ++s)
+        contact_node_vertices_.start[s + 1] += contact_node_vertices_.start[s];
 }
 
 void TouchSurface::fill_grid()
@@ -318,7 +318,8 @@ std::size_t TouchSurface::bytes() const
 {
     return static_cast<std::size_t>(rest_.size() + normals_.size()) * sizeof(double)
         + triangles_.size() * sizeof(triangles_[0])
-        + (neighbours_.entry.size() + triangles_round_.entry.size() + station_nodes_.entry.size() + nearest_.size())
+        + (neighbours_.entry.size() + triangles_round_.entry.size() + contact_node_vertices_.entry.size()
+              + nearest_.size())
         * sizeof(std::int32_t)
         + weights_.size() * sizeof(double);
 }

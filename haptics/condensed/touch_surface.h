@@ -29,7 +29,7 @@ struct NumberLists {
     }
 };
 
-struct Station {
+struct ContactNode {
     std::int32_t vertex = 0; ///< of the touch surface
     Vec3 point = Vec3::Zero(); ///< at rest
     Vec3 normal = Vec3::Zero(); ///< outward
@@ -60,16 +60,16 @@ public:
     const NumberLists& triangles_round() const { return triangles_round_; } ///< of each vertex
     const std::vector<std::array<std::int32_t, 3>>& triangles() const { return triangles_; }
 
-    const std::vector<Station>& stations() const { return stations_; }
+    const std::vector<ContactNode>& contact_nodes() const { return contact_nodes_; }
     /// The station whose patch this vertex belongs to; -1: none (fixed).
-    std::int32_t station_of(std::int32_t vertex) const noexcept
+    std::int32_t contact_node_of(std::int32_t vertex) const noexcept
     {
-        return station_of_vertex_[static_cast<std::size_t>(vertex)];
+        return contact_node_of_vertex_[static_cast<std::size_t>(vertex)];
     }
-    const NumberLists& station_neighbours() const { return station_neighbours_; }
+    const NumberLists& contact_node_neighbours() const { return contact_node_neighbours_; }
     /// Nodes of a station and how much of a force each takes; the weights sum to 1 but for fixed nodes' share.
-    const NumberLists& station_nodes() const { return station_nodes_; }
-    const std::vector<double>& weights() const { return weights_; } ///< per entry of station_nodes()
+    const NumberLists& contact_node_vertices() const { return contact_node_vertices_; }
+    const std::vector<double>& weights() const { return weights_; } ///< per entry of contact_node_vertices()
     double spacing() const { return spacing_; }
 
     /// A vertex near a point, as a start for a walk; -1: the point is farther than kReach from the surface's box.
@@ -81,8 +81,8 @@ public:
 private:
     void take_faces(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& outer);
     void measure_normals();
-    void place_stations(const std::vector<std::uint8_t>& fixed);
-    void weigh_stations(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& outer);
+    void place_contact_nodes(const std::vector<std::uint8_t>& fixed);
+    void weigh_contact_nodes(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& outer);
     void fill_grid();
 
     double spacing_ = 0.0;
@@ -91,9 +91,9 @@ private:
     Points rest_, normals_;
     std::vector<std::array<std::int32_t, 3>> triangles_;
     NumberLists neighbours_, triangles_round_;
-    std::vector<Station> stations_;
-    std::vector<std::int32_t> station_of_vertex_;
-    NumberLists station_neighbours_, station_nodes_;
+    std::vector<ContactNode> contact_nodes_;
+    std::vector<std::int32_t> contact_node_of_vertex_;
+    NumberLists contact_node_neighbours_, contact_node_vertices_;
     std::vector<double> weights_;
 
     Vec3 grid_low_ = Vec3::Zero();

@@ -58,37 +58,37 @@ Servo::Servo(std::vector<ServoDevice> devices, TissueResponse& response, const S
         throw InputError("the step must be positive, the force gain not negative, both finite");
     for (const ServoDevice& d : devices) {
         const DeviceInfo& info = d.device->info();
-        lines_.push_back({ .device = d.device,
+        channels_.push_back({ .device = d.device,
             .mapping = DeviceMapping(d.mapping, info.workspace),
             .passivity = PassivityController(info.limits, options.passivity) });
     }
     for (const FingerMount& mount : options_.fingers) {
-        const Line& line = lines_[mount.device];
-        DeviceLimits limits = line.device->info().limits;
-        limits.resolution *= line.mapping.options().scale;
+        const DeviceChannel& channel = channels_[mount.device];
+        DeviceLimits limits = channel.device->info().limits;
+        limits.resolution *= channel.mapping.options().scale;
         couplings_.emplace_back(options.coupling, limits, options.step_s,
-            line.mapping.stiffness_gain() * std::max(options.force_gain, kLeastGain));
+            channel.mapping.stiffness_gain() * std::max(options.force_gain, kLeastGain));
     }
     fingers_.resize(options_.fingers.size());
     asked_ = fingers_;
     contacts_.resize(fingers_.size());
     forces_.assign(fingers_.size(), Vec3::Zero());
-    samples_.resize(lines_.size());
+    samples_.resize(channels_.size());
 }
 
 void Servo::record_to(MotionRecorder* recorder)
 {
-    if (recorder != nullptr && recorder->recording().devices.size() != lines_.size())
+    if (recorder != nullptr && recorder->recording().devices.size() != channels_.size())
         throw InputError("the recorder is for " + std::to_string(recorder->recording().devices.size())
-            + " devices, not " + std::to_string(lines_.size()));
+            + " devices, not " + std::to_string(channels_.size()));
     recorder_.store(recorder, std::memory_order_release);
 }
 
 std::vector<RecordedDevice> Servo::recorded_devices() const
 {
     std::vector<RecordedDevice> devices;
-    for (const Line& line : lines_) {
-        const DeviceInfo& info = line.device->info();
+    for (const DeviceChannel& channel : channels_) {
+        const DeviceInfo& info = channel.device->info();
         devices.push_back({ info.name, info.model, info.serial });
     }
     return devices;
@@ -101,46 +101,46 @@ void Servo::latch(FaultKind kind, std::size_t device, double time_s, double valu
 
 void Servo::check(std::size_t device, const DeviceReading& reading, double time_s, double step_s) noexcept
 {
-    Line& line = lines_[device];
-    line.placed = false;
+    DeviceChannel& channel = channels_[device];
+    channel.placed = false;
     const FaultOptions& limits = options_.faults;
-    line.silent_s = reading.trouble == DeviceTrouble::silent ? line.silent_s + step_s : 0.0;
+    channel.silent_s = reading.trouble == DeviceTrouble::silent ? channel.silent_s + step_s : 0.0;
     if (reading.trouble == DeviceTrouble::over_limit)
         latch(FaultKind::over_limit, device, time_s);
     else if (reading.trouble == DeviceTrouble::lost)
         latch(FaultKind::lost, device, time_s);
-    else if (line.silent_s > limits.silence_s)
-        latch(FaultKind::silent, device, time_s, line.silent_s);
+    else if (channel.silent_s > limits.silence_s)
+        latch(FaultKind::silent, device, time_s, channel.silent_s);
     const bool possible = reading.position.allFinite() && is_speed(reading.velocity)
         && is_rotation(Eigen::Quaterniond(reading.orientation));
     if (!possible) {
         latch(FaultKind::bad_position, device, time_s);
-        line.told.velocity.setZero(); // the pose stays where it was
-        line.reading.velocity.setZero();
+        channel.told.velocity.setZero(); // the pose stays where it was
+        channel.reading.velocity.setZero();
         return;
     }
-    const double moved = line.has_pose ? (reading.position - line.told.position).norm() : 0.0;
+    const double moved = channel.has_pose ? (reading.position - channel.told.position).norm() : 0.0;
     if (moved >= limits.jump_mm) {
         latch(FaultKind::jump, device, time_s, moved);
-        line.away = true; // or the finger would sweep through the tissue, which springs do not forget
+        channel.away = true; // or the finger would sweep through the tissue, which springs do not forget
     }
-    line.told = reading;
-    line.placed = std::exchange(line.landing, false);
-    line.has_pose = true;
-    if (line.away)
-        line.reading.velocity.setZero();
+    channel.told = reading;
+    channel.placed = std::exchange(channel.landing, false);
+    channel.has_pose = true;
+    if (channel.away)
+        channel.reading.velocity.setZero();
     else
-        line.reading = reading;
+        channel.reading = reading;
 }
 
 void Servo::read_devices(double time_s, double step_s) noexcept
 {
-    for (std::size_t d = 0; d < lines_.size(); ++d) {
-        check(d, lines_[d].device->read(time_s, step_s), time_s, step_s);
-        lines_[d].mapping.update(lines_[d].reading);
-        lines_[d].wanted.setZero();
-        lines_[d].stored = 0.0;
-        lines_[d].touching = false;
+    for (std::size_t d = 0; d < channels_.size(); ++d) {
+        check(d, channels_[d].device->read(time_s, step_s), time_s, step_s);
+        channels_[d].mapping.update(channels_[d].reading);
+        channels_[d].wanted.setZero();
+        channels_[d].stored = 0.0;
+        channels_[d].touching = false;
     }
 }
 
@@ -148,24 +148,24 @@ void Servo::ask_tissue(double time_s, double step_s) noexcept
 {
     for (std::size_t f = 0; f < fingers_.size(); ++f) {
         const FingerMount& mount = options_.fingers[f];
-        const Line& line = lines_[mount.device];
-        fingers_[f].position = line.mapping.to_scene(line.reading.position)
-            + line.mapping.direction_to_scene(line.reading.orientation * mount.offset);
-        fingers_[f].velocity = line.mapping.velocity_to_scene(line.reading.velocity);
+        const DeviceChannel& channel = channels_[mount.device];
+        fingers_[f].position = channel.mapping.to_scene(channel.reading.position)
+            + channel.mapping.direction_to_scene(channel.reading.orientation * mount.offset);
+        fingers_[f].velocity = channel.mapping.velocity_to_scene(channel.reading.velocity);
         fingers_[f].radius = mount.radius;
-        fingers_[f].placed = line.placed;
-        if (line.placed)
+        fingers_[f].placed = channel.placed;
+        if (channel.placed)
             couplings_[f].restart();
         asked_[f] = couplings_[f].asked(fingers_[f]);
     }
     response_.tick(time_s, step_s, asked_, contacts_);
     for (std::size_t f = 0; f < fingers_.size(); ++f) {
-        Line& line = lines_[options_.fingers[f].device];
+        DeviceChannel& channel = channels_[options_.fingers[f].device];
         const FingerContact& c = contacts_[f];
         const bool answered = c.force.allFinite()
             && (!c.touching || (c.proxy.allFinite() && c.normal.allFinite() && std::isfinite(c.stiffness)));
         forces_[f] = answered ? couplings_[f].force(fingers_[f], c, step_s) : Vec3(Vec3::Zero());
-        Vec3 felt = line.mapping.force_to_device(options_.force_gain * forces_[f]);
+        Vec3 felt = channel.mapping.force_to_device(options_.force_gain * forces_[f]);
         // Finite answers may still overflow in the coupling.
         const bool finite = answered && std::isfinite(felt.squaredNorm());
         if (!finite) {
@@ -173,50 +173,50 @@ void Servo::ask_tissue(double time_s, double step_s) noexcept
             forces_[f].setZero();
             felt.setZero();
         }
-        line.wanted += felt;
-        line.stored += finite ? 0.5 * felt.norm() * c.depth / line.mapping.options().scale : 0.0;
-        line.touching = line.touching || c.touching;
+        channel.wanted += felt;
+        channel.stored += finite ? 0.5 * felt.norm() * c.depth / channel.mapping.options().scale : 0.0;
+        channel.touching = channel.touching || c.touching;
     }
 }
 
-Vec3 Servo::limited(Line& line, const Vec3& force, double step_s) noexcept
+Vec3 Servo::limited(DeviceChannel& channel, const Vec3& force, double step_s) noexcept
 {
     // Full force for a moment, the continuous one for as long as one likes: heat grows with the force's square.
-    const DeviceLimits& limits = line.device->info().limits;
+    const DeviceLimits& limits = channel.device->info().limits;
     const double load = force.squaredNorm() / (limits.continuous_force * limits.continuous_force);
-    line.heat = std::clamp(line.heat + step_s * (load - 1.0), 0.0, kHeatRoom);
-    const double cool = std::min(1.0, 2.0 - 2.0 * line.heat / kHeatRoom);
+    channel.heat = std::clamp(channel.heat + step_s * (load - 1.0), 0.0, kHeatRoom);
+    const double cool = std::min(1.0, 2.0 - 2.0 * channel.heat / kHeatRoom);
     return clamped(force, limits.continuous_force + cool * (limits.max_force - limits.continuous_force));
 }
 
 void Servo::write_devices(double time_s, double step_s) noexcept
 {
     const double gain = latch_.gain(step_s);
-    for (std::size_t d = 0; d < lines_.size(); ++d) {
-        Line& line = lines_[d];
-        const double target = line.mapping.clutched() ? 0.0 : 1.0;
-        line.share = target > line.share ? std::min(target, line.share + step_s / kClutchRamp)
-                                         : std::max(target, line.share - step_s / kClutchRamp);
+    for (std::size_t d = 0; d < channels_.size(); ++d) {
+        DeviceChannel& channel = channels_[d];
+        const double target = channel.mapping.clutched() ? 0.0 : 1.0;
+        channel.share = target > channel.share ? std::min(target, channel.share + step_s / kClutchRamp)
+                                               : std::max(target, channel.share - step_s / kClutchRamp);
         // After a fault nothing new is trusted: what was held fades.
         if (!latch_.latched())
-            line.held = line.wanted;
-        Vec3 force = limited(line, gain * line.share * line.held, step_s);
-        if (gain * line.share < 1.0)
-            line.passivity.restart(line.stored);
-        if (options_.watch_passivity && line.has_pose)
-            force = clamped(
-                line.passivity.control(force, line.reading.position, line.reading.velocity, step_s, line.touching),
-                line.device->info().limits.max_force);
+            channel.held = channel.wanted;
+        Vec3 force = limited(channel, gain * channel.share * channel.held, step_s);
+        if (gain * channel.share < 1.0)
+            channel.passivity.restart(channel.stored);
+        if (options_.watch_passivity && channel.has_pose)
+            force = clamped(channel.passivity.control(
+                                force, channel.reading.position, channel.reading.velocity, step_s, channel.touching),
+                channel.device->info().limits.max_force);
         if (latch_.latched() && gain == 0.0)
             force.setZero();
-        const Vec3 applied = line.device->write(force);
-        line.passivity.written(applied);
-        samples_[d] = { .position = line.told.position,
-            .orientation = Eigen::Quaterniond(line.told.orientation),
-            .velocity = line.told.velocity,
-            .commanded_force = line.wanted,
+        const Vec3 applied = channel.device->write(force);
+        channel.passivity.written(applied);
+        samples_[d] = { .position = channel.told.position,
+            .orientation = Eigen::Quaterniond(channel.told.orientation),
+            .velocity = channel.told.velocity,
+            .commanded_force = channel.wanted,
             .applied_force = applied,
-            .buttons = line.told.buttons };
+            .buttons = channel.told.buttons };
     }
     if (MotionRecorder* const recorder = recorder_.load(std::memory_order_acquire); recorder != nullptr)
         record(*recorder, time_s);
@@ -228,7 +228,7 @@ void Servo::write_devices(double time_s, double step_s) noexcept
         state.fingers[f] = fingers_[f];
         state.contacts[f] = contacts_[f];
         state.forces[f] = forces_[f];
-        state.buttons[f] = lines_[options_.fingers[f].device].reading.buttons;
+        state.buttons[f] = channels_[options_.fingers[f].device].reading.buttons;
     }
     state.force_share = gain;
     state.fault = latch_.fault();
@@ -238,8 +238,8 @@ void Servo::write_devices(double time_s, double step_s) noexcept
 void Servo::record(MotionRecorder& recorder, double time_s) noexcept
 {
     if (recorder.empty())
-        for (std::size_t d = 0; d < lines_.size(); ++d)
-            recorder.lies_at(d, lines_[d].mapping.frame(samples_[d].position));
+        for (std::size_t d = 0; d < channels_.size(); ++d)
+            recorder.lies_at(d, channels_[d].mapping.frame(samples_[d].position));
     recorder.add(time_s, samples_);
 }
 
@@ -248,10 +248,10 @@ void Servo::tick(double time_s, double step_s) noexcept
     ++ticks_;
     if (rearm_.exchange(false, std::memory_order_relaxed)) {
         latch_.rearm();
-        for (Line& line : lines_)
-            if (std::exchange(line.away, false)) {
-                line.has_pose = false; // the next one comes from nowhere
-                line.landing = true;
+        for (DeviceChannel& channel : channels_)
+            if (std::exchange(channel.away, false)) {
+                channel.has_pose = false; // the next one comes from nowhere
+                channel.landing = true;
             }
     }
     if (let_go_.load(std::memory_order_relaxed))

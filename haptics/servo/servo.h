@@ -79,12 +79,15 @@ public:
     void let_go() noexcept { let_go_.store(true, std::memory_order_relaxed); }
 
     /// When no tick runs.
-    [[nodiscard]] const PassivityController& passivity(std::size_t device) const { return lines_.at(device).passivity; }
+    [[nodiscard]] const PassivityController& passivity(std::size_t device) const
+    {
+        return channels_.at(device).passivity;
+    }
     [[nodiscard]] const Coupling& coupling(std::size_t finger) const { return couplings_.at(finger).coupling(); }
 
 private:
     /// All that belongs to one device.
-    struct Line {
+    struct DeviceChannel {
         Device* device;
         DeviceMapping mapping;
         PassivityController passivity;
@@ -107,10 +110,10 @@ private:
     void ask_tissue(double time_s, double step_s) noexcept;
     void write_devices(double time_s, double step_s) noexcept;
     void record(MotionRecorder& recorder, double time_s) noexcept;
-    Vec3 limited(Line& line, const Vec3& force, double step_s) noexcept;
+    Vec3 limited(DeviceChannel& channel, const Vec3& force, double step_s) noexcept;
     void latch(FaultKind kind, std::size_t device, double time_s, double value = 0.0) noexcept;
 
-    std::vector<Line> lines_;
+    std::vector<DeviceChannel> channels_;
     TissueResponse& response_;
     ServoOptions options_;
     std::vector<FingerCoupling> couplings_;

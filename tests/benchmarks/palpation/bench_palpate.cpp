@@ -260,10 +260,10 @@ namespace {
         double felt_ms = 0.0; ///< until the force is handed over to within a hundredth
     };
 
-    SetDown set_down(haptics::CondensedTissue& tissue, const haptics::Station& station)
+    SetDown set_down(haptics::CondensedTissue& tissue, const haptics::ContactNode& contact_node)
     {
         constexpr int kLimit = 5000, kSettled = 200; // ticks
-        const datasets::TouchSite site { "", station.point, station.normal };
+        const datasets::TouchSite site { "", contact_node.point, contact_node.normal };
         TicksAndFrames run(tissue);
         run.hop_to(finger_at(site, -6.0)); // a fingertip touches only from outside
         run.fingers[0] = finger_at(site, kStrokeDepth);
@@ -289,13 +289,13 @@ namespace {
     void measure_set_downs(haptics::CondensedTissue& tissue, ui::cli::Json& row)
     {
         constexpr std::size_t kPlaces = 25;
-        const std::vector<haptics::Station>& stations = tissue.touch_surface().stations();
+        const std::vector<haptics::ContactNode>& contact_nodes = tissue.touch_surface().contact_nodes();
         std::vector<double> error, exact, felt;
         for (std::size_t i = 0; i < kPlaces; ++i) {
-            const std::size_t s = (2 * i + 1) * stations.size() / (2 * kPlaces);
+            const std::size_t s = (2 * i + 1) * contact_nodes.size() / (2 * kPlaces);
             if (tissue.compliance().ready(static_cast<std::int32_t>(s)))
                 continue;
-            const SetDown found = set_down(tissue, stations[s]);
+            const SetDown found = set_down(tissue, contact_nodes[s]);
             error.push_back(found.error);
             exact.push_back(found.exact_ms);
             felt.push_back(found.felt_ms);

@@ -136,7 +136,7 @@ namespace {
         constexpr double kFine = 2.0, kStations = 0.9; // mm
         const datasets::PalpationScene scene = block(kFine);
         haptics::CondensedOptions options = elements(haptics::TouchElement::p2);
-        options.station_spacing = kStations;
+        options.contact_node_spacing = kStations;
         options.patch_limit = 128;
         options.fetch_all_below = 0;
         haptics::CondensedTissue tissue(scene.body, haptics::PulsePressure::constant(0.0), options, job);

@@ -152,15 +152,17 @@ namespace condensed_tissue_test {
         right.head(n) = load;
         const TouchSurface& surface = tissue.touch_surface();
         for (Eigen::Index j = 0; j < m; ++j) {
-            const auto s = static_cast<std::size_t>(pressed.forces[static_cast<std::size_t>(j)].station);
+            const auto s = static_cast<std::size_t>(pressed.forces[static_cast<std::size_t>(j)].contact_node);
             const Vec3 inward = -pressed.normals[static_cast<std::size_t>(j)];
             // What must give way is measured from where the pulse takes the station.
             right[n + j] = pressed.demands[static_cast<std::size_t>(j)]
-                + inward.dot(pressed.pressure * tissue.compliance().pulse_of_station(static_cast<std::int32_t>(s)));
-            const auto nodes = surface.station_nodes().of(s);
+                + inward.dot(
+                    pressed.pressure * tissue.compliance().pulse_of_contact_node(static_cast<std::int32_t>(s)));
+            const auto nodes = surface.contact_node_vertices().of(s);
             for (std::size_t i = 0; i < nodes.size(); ++i)
                 for (int axis = 0; axis < 3; ++axis) {
-                    const double w = surface.weights()[static_cast<std::size_t>(surface.station_nodes().start[s]) + i]
+                    const double w
+                        = surface.weights()[static_cast<std::size_t>(surface.contact_node_vertices().start[s]) + i]
                         * inward[axis];
                     entries.emplace_back(static_cast<int>(n + j), 3 * nodes[i] + axis, w);
                     entries.emplace_back(3 * nodes[i] + axis, static_cast<int>(n + j), -w);
@@ -737,9 +739,9 @@ namespace condensed_tissue_test {
             tissue.follow(deformed);
             most = std::max(most, tissue.compliance().columns_missing());
         }
-        EXPECT_LE(most, StationCompliance::kMostWaiting);
-        EXPECT_GE(most + 1, StationCompliance::kMostWaiting) << "too slow to tell";
-        for (std::size_t i = 0; i < StationCompliance::kMostWaiting + 100; ++i)
+        EXPECT_LE(most, ContactNodeCompliance::kMostWaiting);
+        EXPECT_GE(most + 1, ContactNodeCompliance::kMostWaiting) << "too slow to tell";
+        for (std::size_t i = 0; i < ContactNodeCompliance::kMostWaiting + 100; ++i)
             tissue.follow(deformed);
         EXPECT_EQ(tissue.compliance().columns_missing(), 0u); // at rest all come
     }
@@ -768,8 +770,8 @@ namespace condensed_tissue_test {
         for (std::size_t i = 0; i < 100; ++i) {
             tissue.prepare({ &tips[i % 2], 1 });
             tissue.follow(deformed);
-            for (const StationCompliance::StationForce& f : tissue.last_pressed().forces)
-                EXPECT_GE(f.station, 0);
+            for (const ContactNodeCompliance::ContactNodeForce& f : tissue.last_pressed().forces)
+                EXPECT_GE(f.contact_node, 0);
             EXPECT_TRUE(deformed.allFinite());
         }
         ends = true;
@@ -814,8 +816,8 @@ namespace condensed_tissue_test {
         }).find("float"),
             std::string::npos);
         EXPECT_NE(refused([](Model&, Options& o) { o.fingers = 0; }).find("fingers"), std::string::npos);
-        EXPECT_NE(
-            refused([](Model&, Options& o) { o.station_spacing = std::nan(""); }).find("spacing"), std::string::npos);
+        EXPECT_NE(refused([](Model&, Options& o) { o.contact_node_spacing = std::nan(""); }).find("spacing"),
+            std::string::npos);
         EXPECT_NE(refused([](Model&, Options& o) { o.force_gain = 0.0; }).find("gain"), std::string::npos);
         CondensedTissue tissue(scene.body, PulsePressure::aortic(), source_options());
         ElasticTemplate edit;

@@ -12,7 +12,7 @@
 namespace retractor::haptics {
 namespace pad_stiffness_test {
 
-    constexpr double kRadius = StationCompliance::kStandInRadius;
+    constexpr double kRadius = ContactNodeCompliance::kStandInRadius;
 
     CondensedTissue& vessel()
     {
@@ -30,19 +30,22 @@ namespace pad_stiffness_test {
         return tissue;
     }
 
-    const Station& at(std::int32_t s) { return vessel().touch_surface().stations()[static_cast<std::size_t>(s)]; }
+    const ContactNode& at(std::int32_t s)
+    {
+        return vessel().touch_surface().contact_nodes()[static_cast<std::size_t>(s)];
+    }
 
     TEST(PadStiffness, EveryStationIsAMiddleOnceAndWhatItsPadPressesIsThere)
     {
         const std::vector<PadGroup> groups = pad_groups(vessel().touch_surface(), kRadius);
-        const auto stations = static_cast<std::int32_t>(vessel().touch_surface().stations().size());
-        std::vector<int> middle(static_cast<std::size_t>(stations), 0);
+        const auto contact_nodes = static_cast<std::int32_t>(vessel().touch_surface().contact_nodes().size());
+        std::vector<int> middle(static_cast<std::size_t>(contact_nodes), 0);
         for (const PadGroup& group : groups)
             for (const std::int32_t m : group.middles) {
                 ++middle[static_cast<std::size_t>(m)];
                 EXPECT_EQ(std::count(group.pressed.begin(), group.pressed.end(), m), 1);
                 for (const std::int32_t s :
-                    vessel().touch_surface().station_neighbours().of(static_cast<std::size_t>(m))) {
+                    vessel().touch_surface().contact_node_neighbours().of(static_cast<std::size_t>(m))) {
                     const bool near = (at(s).point - at(m).point).norm() < kRadius;
                     const bool facing = at(s).normal.dot(at(m).normal) > 0.5;
                     EXPECT_EQ(std::count(group.pressed.begin(), group.pressed.end(), s) == 1 || !(near && facing), true)
@@ -71,7 +74,7 @@ namespace pad_stiffness_test {
 
     TEST(PadStiffness, OfAVesselIsWhatFullSolvesGive)
     {
-        const StationCompliance& compliance = vessel().compliance();
+        const ContactNodeCompliance& compliance = vessel().compliance();
         const TouchSurface& surface = vessel().touch_surface();
         const std::vector<PadGroup> groups = pad_groups(surface, kRadius);
         for (const std::size_t g : { std::size_t { 0 }, groups.size() / 2, groups.size() - 1 }) {
@@ -80,7 +83,7 @@ namespace pad_stiffness_test {
             Eigen::MatrixXd C(count, count);
             for (Eigen::Index b = 0; b < count; ++b) {
                 const std::int32_t s = pressed[static_cast<std::size_t>(b)];
-                const StationCompliance::StationForce force { s, at(s).normal };
+                const ContactNodeCompliance::ContactNodeForce force { s, at(s).normal };
                 const Eigen::VectorXd u = compliance.solve(0.0, { &force, 1 });
                 for (Eigen::Index a = 0; a < count; ++a) {
                     const std::int32_t other = pressed[static_cast<std::size_t>(a)];
@@ -91,7 +94,7 @@ namespace pad_stiffness_test {
             for (const std::int32_t m : groups[g].middles) {
                 const double full = pad_stiffness(surface, m, kRadius, pressed, C);
                 EXPECT_GT(full, 0.0);
-                EXPECT_NEAR(compliance.stand_in(m), full, kRounding * full) << m;
+                EXPECT_NEAR(compliance.fallback_stiffness(m), full, kRounding * full) << m;
             }
         }
     }

@@ -179,7 +179,7 @@ namespace bad_touch_parameters_test {
         calls.sound.swap(calls.spoilt); // nothing was spoilt so far
         for (const double bad : kBad) {
             tissue([=](datasets::ElasticModel& m, CondensedOptions&) { m.youngs_modulus[7] = bad; });
-            tissue([=](datasets::ElasticModel&, CondensedOptions& o) { o.station_spacing = bad; });
+            tissue([=](datasets::ElasticModel&, CondensedOptions& o) { o.contact_node_spacing = bad; });
             tissue([=](datasets::ElasticModel&, CondensedOptions& o) { o.force_gain = bad; });
             tissue([=](datasets::ElasticModel&, CondensedOptions& o) { o.blend = bad; });
             calls.spoilt.emplace_back([=] { (void)PulsePressure::aortic(bad); });

@@ -56,9 +56,9 @@ namespace {
     }
 
     /// A hand whose pose is spoilt on its way to the servo.
-    class SpoiltHand : public haptics::Device {
+    class FaultyDevice : public haptics::Device {
     public:
-        explicit SpoiltHand(const haptics::HandParameters& grip = haptics::relaxed_grip())
+        explicit FaultyDevice(const haptics::HandParameters& grip = haptics::relaxed_grip())
             : hand(pressing_hand(grip))
         {
         }
@@ -344,7 +344,7 @@ namespace {
     void press_through(StabilityRow& row, const Touched& touched, const Trouble& trouble)
     {
         set_condition_of(row, touched);
-        SpoiltHand hand;
+        FaultyDevice hand;
         UnsureTissue unsure(*touched.tissue, trouble.unsure_tissue ? kFault : kEnd);
         Press press(unsure, hand, touched);
         const auto prepare = [&](std::uint64_t tick) {
@@ -426,7 +426,7 @@ namespace {
     void rest_on_bone(StabilityRow& row, const Touched& touched, const haptics::HandParameters& grip)
     {
         set_condition_of(row, touched);
-        SpoiltHand hand(grip);
+        FaultyDevice hand(grip);
         Press press(*touched.tissue, hand, touched);
         double sum = 0.0, squares = 0.0, tip = 0.0;
         constexpr std::uint64_t kWatched = 400;

@@ -1,4 +1,4 @@
-#include "haptics/condensed/station_compliance.h"
+#include "haptics/condensed/contact_node_compliance.h"
 
 #include "fem/linear_algebra/constrained_solver.h"
 #include "fem/linear_algebra/parallel.h"
@@ -17,12 +17,12 @@ namespace retractor::haptics {
 
 namespace {
 
-    /// Stations that fit: each has its columns and a row of blocks.
-    std::size_t stations_within(std::size_t budget, std::size_t shown_nodes, std::size_t stations)
+    /// ContactNodes that fit: each has its columns and a row of blocks.
+    std::size_t contact_nodes_within(std::size_t budget, std::size_t shown_nodes, std::size_t contact_nodes)
     {
-        const std::size_t each = 9 * sizeof(double) * (shown_nodes + stations);
+        const std::size_t each = 9 * sizeof(double) * (shown_nodes + contact_nodes);
         constexpr std::size_t kFewestColumns = 96; // the reach of two fingers
-        return std::min(stations, std::max(kFewestColumns, budget / each));
+        return std::min(contact_nodes, std::max(kFewestColumns, budget / each));
     }
 
 } // namespace
@@ -36,33 +36,33 @@ void ServoGate::wait_for_tick_end() const noexcept
         std::this_thread::yield();
 }
 
-/// Stations whose columns are not solved yet.
-struct StationCompliance::Batch {
-    std::vector<std::int32_t> stations, places;
+/// ContactNodes whose columns are not solved yet.
+struct ContactNodeCompliance::Batch {
+    std::vector<std::int32_t> contact_nodes, places;
     fem::SparseCholesky::HalfSolution half; ///< three columns per station
 };
 
-struct StationCompliance::Solver {
+struct ContactNodeCompliance::Solver {
     std::unique_ptr<fem::ConstrainedSolver> solver;
     Eigen::VectorXd pressure_load; ///< of 1 MPa
     Eigen::Index unknowns = 0;
 
     /// Unit forces on stations: column of a station's axis.
     fem::SparseCholesky::HalfSolution half_solve(
-        const TouchSurface& surface, std::span<const std::int32_t> stations) const
+        const TouchSurface& surface, std::span<const std::int32_t> contact_nodes) const
     {
         std::vector<fem::SparseCholesky::Load> loads;
-        for (std::size_t i = 0; i < stations.size(); ++i)
+        for (std::size_t i = 0; i < contact_nodes.size(); ++i)
             for (std::int32_t axis = 0; axis < 3; ++axis)
-                add(surface, stations[i], static_cast<std::int32_t>(3 * i) + axis, Vec3::Unit(axis), loads);
-        return solver->half_solve(loads, static_cast<Eigen::Index>(3 * stations.size()));
+                add(surface, contact_nodes[i], static_cast<std::int32_t>(3 * i) + axis, Vec3::Unit(axis), loads);
+        return solver->half_solve(loads, static_cast<Eigen::Index>(3 * contact_nodes.size()));
     }
-    static void add(const TouchSurface& surface, std::int32_t station, std::int32_t column, const Vec3& force,
+    static void add(const TouchSurface& surface, std::int32_t contact_node, std::int32_t column, const Vec3& force,
         std::vector<fem::SparseCholesky::Load>& loads)
     {
-        const auto s = static_cast<std::size_t>(station);
-        const auto first = static_cast<std::size_t>(surface.station_nodes().start[s]);
-        const auto nodes = surface.station_nodes().of(s);
+        const auto s = static_cast<std::size_t>(contact_node);
+        const auto first = static_cast<std::size_t>(surface.contact_node_vertices().start[s]);
+        const auto nodes = surface.contact_node_vertices().of(s);
         for (std::size_t n = 0; n < nodes.size(); ++n)
             for (std::int32_t axis = 0; axis < 3; ++axis)
                 if (force[axis] != 0.0)
@@ -70,7 +70,7 @@ struct StationCompliance::Solver {
     }
 };
 
-StationCompliance::StationCompliance(const TouchedBody& body, const TouchSurface& surface,
+ContactNodeCompliance::ContactNodeCompliance(const TouchedBody& body, const TouchSurface& surface,
     const std::vector<fem::Lame>& lame, TouchElement element, std::size_t budget, const Job& job)
     : surface_(&surface)
     , shown_(body.shown)
@@ -94,14 +94,14 @@ StationCompliance::StationCompliance(const TouchedBody& body, const TouchSurface
         s.pressure_load
             = fem::FollowerPressure(*body.mesh, body.inner_faces, 1.0).force(Eigen::VectorXd::Zero(s.unknowns));
 
-    const std::size_t stations = stations_ = surface.stations().size();
-    capacity_ = stations_within(budget, shown_.size(), stations);
-    place_ = std::make_unique<std::atomic<std::int32_t>[]>(stations);
-    for (std::size_t i = 0; i < stations; ++i)
+    const std::size_t contact_nodes = contact_nodes_ = surface.contact_nodes().size();
+    capacity_ = contact_nodes_within(budget, shown_.size(), contact_nodes);
+    place_ = std::make_unique<std::atomic<std::int32_t>[]>(contact_nodes);
+    for (std::size_t i = 0; i < contact_nodes; ++i)
         place_[i].store(-1, std::memory_order_relaxed);
-    station_at_.assign(capacity_, -1);
+    contact_node_at_.assign(capacity_, -1);
     last_wanted_.assign(capacity_, std::numeric_limits<std::int64_t>::min());
-    blocks_.assign(9 * capacity_ * stations, 0.0);
+    blocks_.assign(9 * capacity_ * contact_nodes, 0.0);
     columns_.resize(capacity_);
 
     const Eigen::VectorXd pulse = s.solver->solve(s.pressure_load);
@@ -113,27 +113,27 @@ StationCompliance::StationCompliance(const TouchedBody& body, const TouchSurface
     };
     vertex_pulse_ = pick(surface.nodes());
     shown_pulse_ = pick(shown_);
-    station_pulse_.resize(static_cast<Eigen::Index>(stations), 3);
-    for (std::size_t i = 0; i < stations; ++i)
-        station_pulse_.row(static_cast<Eigen::Index>(i)) = mean(pulse, static_cast<std::int32_t>(i)).transpose();
+    contact_node_pulse_.resize(static_cast<Eigen::Index>(contact_nodes), 3);
+    for (std::size_t i = 0; i < contact_nodes; ++i)
+        contact_node_pulse_.row(static_cast<Eigen::Index>(i)) = mean(pulse, static_cast<std::int32_t>(i)).transpose();
 
     measure_pads(job);
     record_part(job, "condensed tissue", watch, bytes());
 }
 
-StationCompliance::~StationCompliance() = default;
+ContactNodeCompliance::~ContactNodeCompliance() = default;
 
-/// Stations near each other share what they reach: a handful and all that pads on them press are solved together.
-void StationCompliance::measure_pads(const Job& job)
+/// ContactNodes near each other share what they reach: a handful and all that pads on them press are solved together.
+void ContactNodeCompliance::measure_pads(const Job& job)
 {
     const std::vector<PadGroup> groups = pad_groups(*surface_, kStandInRadius);
-    stand_in_.assign(surface_->stations().size(), 0.0);
+    stand_in_.assign(surface_->contact_nodes().size(), 0.0);
     std::atomic<std::size_t> next { 0 };
     const auto measure = [&](const PadGroup& group) {
         std::vector<fem::SparseCholesky::Load> loads;
         for (std::size_t i = 0; i < group.pressed.size(); ++i)
             Solver::add(*surface_, group.pressed[i], static_cast<std::int32_t>(i),
-                surface_->stations()[static_cast<std::size_t>(group.pressed[i])].normal, loads);
+                surface_->contact_nodes()[static_cast<std::size_t>(group.pressed[i])].normal, loads);
         const fem::SparseCholesky::HalfSolution half
             = solver_->solver->half_solve(loads, static_cast<Eigen::Index>(group.pressed.size()));
         const Eigen::MatrixXd C = fem::SparseCholesky::product(half, half);
@@ -161,39 +161,39 @@ void StationCompliance::measure_pads(const Job& job)
             std::rethrow_exception(failure);
 }
 
-Vec3 StationCompliance::mean(const Eigen::Ref<const Eigen::VectorXd>& u, std::int32_t station) const
+Vec3 ContactNodeCompliance::mean(const Eigen::Ref<const Eigen::VectorXd>& u, std::int32_t contact_node) const
 {
-    const auto s = static_cast<std::size_t>(station);
-    const auto first = static_cast<std::size_t>(surface_->station_nodes().start[s]);
-    const auto nodes = surface_->station_nodes().of(s);
+    const auto s = static_cast<std::size_t>(contact_node);
+    const auto first = static_cast<std::size_t>(surface_->contact_node_vertices().start[s]);
+    const auto nodes = surface_->contact_node_vertices().of(s);
     Vec3 sum = Vec3::Zero();
     for (std::size_t n = 0; n < nodes.size(); ++n)
         sum += surface_->weights()[first + n] * u.segment<3>(3 * nodes[n]);
     return sum;
 }
 
-std::int32_t StationCompliance::free_place(std::int64_t newer_than)
+std::int32_t ContactNodeCompliance::free_place(std::int64_t newer_than)
 {
     std::size_t best = capacity_;
     for (std::size_t p = 0; p < capacity_; ++p) {
-        if (station_at_[p] < 0 && last_wanted_[p] != newer_than)
+        if (contact_node_at_[p] < 0 && last_wanted_[p] != newer_than)
             return static_cast<std::int32_t>(p);
-        if (station_at_[p] >= 0 && last_wanted_[p] < newer_than
+        if (contact_node_at_[p] >= 0 && last_wanted_[p] < newer_than
             && (best == capacity_ || last_wanted_[p] < last_wanted_[best]))
             best = p;
     }
     return best == capacity_ ? -1 : static_cast<std::int32_t>(best);
 }
 
-void StationCompliance::forget(std::size_t place)
+void ContactNodeCompliance::forget(std::size_t place)
 {
-    place_[static_cast<std::size_t>(station_at_[place])].store(-1, std::memory_order_seq_cst);
-    station_at_[place] = -1;
+    place_[static_cast<std::size_t>(contact_node_at_[place])].store(-1, std::memory_order_seq_cst);
+    contact_node_at_[place] = -1;
     columns_[place].clear();
     --ready_count_;
 }
 
-std::size_t StationCompliance::fetch(std::span<const std::int32_t> wanted, std::size_t most, const ServoGate& gate)
+std::size_t ContactNodeCompliance::fetch(std::span<const std::int32_t> wanted, std::size_t most, const ServoGate& gate)
 {
     ++now_;
     std::vector<std::int32_t> missing, places;
@@ -211,7 +211,7 @@ std::size_t StationCompliance::fetch(std::span<const std::int32_t> wanted, std::
             break;
         }
         const auto at = static_cast<std::size_t>(p);
-        if (station_at_[at] >= 0) {
+        if (contact_node_at_[at] >= 0) {
             forget(at);
             forgotten = true;
         }
@@ -227,9 +227,9 @@ std::size_t StationCompliance::fetch(std::span<const std::int32_t> wanted, std::
     return missing.size();
 }
 
-void StationCompliance::fetch_all(const ServoGate& gate, const Job& job)
+void ContactNodeCompliance::fetch_all(const ServoGate& gate, const Job& job)
 {
-    std::vector<std::int32_t> all(surface_->stations().size());
+    std::vector<std::int32_t> all(surface_->contact_nodes().size());
     for (std::size_t i = 0; i < all.size(); ++i)
         all[i] = static_cast<std::int32_t>(i);
     constexpr std::size_t kStep = 8 * kBatch;
@@ -242,55 +242,57 @@ void StationCompliance::fetch_all(const ServoGate& gate, const Job& job)
 }
 
 /// Whether this station is still in that place, without columns.
-bool StationCompliance::awaits_columns(std::int32_t place, std::int32_t station) const
+bool ContactNodeCompliance::awaits_columns(std::int32_t place, std::int32_t contact_node) const
 {
     const auto p = static_cast<std::size_t>(place);
-    return station_at_[p] == station && columns_[p].empty();
+    return contact_node_at_[p] == contact_node && columns_[p].empty();
 }
 
 /// Their blocks with each other and with all that are ready; then the servo may use them.
-void StationCompliance::take_in(std::span<const std::int32_t> stations, std::span<const std::int32_t> places)
+void ContactNodeCompliance::take_in(std::span<const std::int32_t> contact_nodes, std::span<const std::int32_t> places)
 {
-    Batch fresh { { stations.begin(), stations.end() }, { places.begin(), places.end() },
-        solver_->half_solve(*surface_, stations) };
+    Batch fresh { { contact_nodes.begin(), contact_nodes.end() }, { places.begin(), places.end() },
+        solver_->half_solve(*surface_, contact_nodes) };
     const auto at = [](std::size_t i) { return static_cast<Eigen::Index>(3 * i); };
     const auto set_blocks_with = [&](const Batch& other) {
         const Eigen::MatrixXd L = fem::SparseCholesky::product(fresh.half, other.half);
         for (std::size_t i = 0; i < fresh.places.size(); ++i)
             for (std::size_t k = 0; k < other.places.size(); ++k)
-                if (const std::int32_t q = other.places[k]; &other == &fresh || awaits_columns(q, other.stations[k])) {
+                if (const std::int32_t q = other.places[k];
+                    &other == &fresh || awaits_columns(q, other.contact_nodes[k])) {
                     const Mat3 by_other = L.block<3, 3>(at(i), at(k));
-                    block_at(fresh.places[i], other.stations[k]) = by_other;
-                    block_at(q, fresh.stations[i]) = by_other.transpose();
+                    block_at(fresh.places[i], other.contact_nodes[k]) = by_other;
+                    block_at(q, fresh.contact_nodes[i]) = by_other.transpose();
                 }
     };
     for (const Batch& other : batches_)
         set_blocks_with(other);
     set_blocks_with(fresh);
     for (std::size_t q = 0; q < capacity_; ++q)
-        if (station_at_[q] >= 0 && !columns_[q].empty())
-            for (std::size_t i = 0; i < stations.size(); ++i)
-                block_at(places[i], station_at_[q]) = block_at(static_cast<std::int32_t>(q), stations[i]).transpose();
-    for (std::size_t i = 0; i < stations.size(); ++i) {
-        station_at_[static_cast<std::size_t>(places[i])] = stations[i];
+        if (contact_node_at_[q] >= 0 && !columns_[q].empty())
+            for (std::size_t i = 0; i < contact_nodes.size(); ++i)
+                block_at(places[i], contact_node_at_[q])
+                    = block_at(static_cast<std::int32_t>(q), contact_nodes[i]).transpose();
+    for (std::size_t i = 0; i < contact_nodes.size(); ++i) {
+        contact_node_at_[static_cast<std::size_t>(places[i])] = contact_nodes[i];
         ++ready_count_;
-        place_[static_cast<std::size_t>(stations[i])].store(places[i], std::memory_order_release);
+        place_[static_cast<std::size_t>(contact_nodes[i])].store(places[i], std::memory_order_release);
     }
     batches_.push_back(std::move(fresh));
 }
 
-void StationCompliance::finish_columns(std::size_t batches)
+void ContactNodeCompliance::finish_columns(std::size_t batches)
 {
     const auto last_wanted = [&](const Batch& batch) {
         std::int64_t last = std::numeric_limits<std::int64_t>::min();
         for (std::size_t i = 0; i < batch.places.size(); ++i)
-            if (const auto p = static_cast<std::size_t>(batch.places[i]); station_at_[p] == batch.stations[i])
+            if (const auto p = static_cast<std::size_t>(batch.places[i]); contact_node_at_[p] == batch.contact_nodes[i])
                 last = std::max(last, last_wanted_[p]);
         return last;
     };
     std::erase_if(batches_, [&](const Batch& batch) { // forgotten meanwhile
         for (std::size_t i = 0; i < batch.places.size(); ++i)
-            if (awaits_columns(batch.places[i], batch.stations[i]))
+            if (awaits_columns(batch.places[i], batch.contact_nodes[i]))
                 return false;
         return true;
     });
@@ -299,15 +301,15 @@ void StationCompliance::finish_columns(std::size_t batches)
             [&](const Batch& a, const Batch& b) { return last_wanted(a) < last_wanted(b); }); // the first of equals
         const Eigen::MatrixXd fields = solver_->solver->finish(next->half);
         for (std::size_t i = 0; i < next->places.size(); ++i)
-            if (awaits_columns(next->places[i], next->stations[i]))
+            if (awaits_columns(next->places[i], next->contact_nodes[i]))
                 keep_columns(next->places[i], fields.middleCols(static_cast<Eigen::Index>(3 * i), 3));
         batches_.erase(next);
     }
 }
 
-std::size_t StationCompliance::columns_missing() const { return shown_.empty() ? 0 : batches_.size(); }
+std::size_t ContactNodeCompliance::columns_missing() const { return shown_.empty() ? 0 : batches_.size(); }
 
-void StationCompliance::keep_columns(std::int32_t place, const Eigen::Ref<const Eigen::MatrixXd>& columns)
+void ContactNodeCompliance::keep_columns(std::int32_t place, const Eigen::Ref<const Eigen::MatrixXd>& columns)
 {
     std::vector<double>& kept = columns_[static_cast<std::size_t>(place)];
     kept.resize(9 * shown_.size());
@@ -316,18 +318,19 @@ void StationCompliance::keep_columns(std::int32_t place, const Eigen::Ref<const 
             for (Eigen::Index k = 0; k < 3; ++k)
                 kept[3 * (static_cast<std::size_t>(axis) * shown_.size() + v) + static_cast<std::size_t>(k)]
                     = columns(3 * shown_[v] + k, axis);
-    for (std::int32_t s = 0; s < static_cast<std::int32_t>(stations_); ++s)
+    for (std::int32_t s = 0; s < static_cast<std::int32_t>(contact_nodes_); ++s)
         if (!ready(s)) // the servo reads the others
             for (Eigen::Index axis = 0; axis < 3; ++axis)
                 block_at(place, s).row(axis) = mean(columns.col(axis), s).transpose();
 }
 
-void StationCompliance::add_displacement(double pressure, std::span<const StationForce> forces, Points& points) const
+void ContactNodeCompliance::add_displacement(
+    double pressure, std::span<const ContactNodeForce> forces, Points& points) const
 {
     Eigen::Map<Eigen::VectorXd> sum(points.data(), points.size());
     sum += pressure * Eigen::Map<const Eigen::VectorXd>(shown_pulse_.data(), shown_pulse_.size());
-    for (const StationForce& f : forces) {
-        const std::int32_t p = place(f.station);
+    for (const ContactNodeForce& f : forces) {
+        const std::int32_t p = place(f.contact_node);
         if (p < 0 || columns_[static_cast<std::size_t>(p)].empty())
             continue;
         const std::vector<double>& kept = columns_[static_cast<std::size_t>(p)];
@@ -335,20 +338,20 @@ void StationCompliance::add_displacement(double pressure, std::span<const Statio
     }
 }
 
-Eigen::VectorXd StationCompliance::solve(double pressure, std::span<const StationForce> forces) const
+Eigen::VectorXd ContactNodeCompliance::solve(double pressure, std::span<const ContactNodeForce> forces) const
 {
     Eigen::VectorXd load = pressure * solver_->pressure_load;
     std::vector<fem::SparseCholesky::Load> loads;
-    for (const StationForce& f : forces)
-        Solver::add(*surface_, f.station, 0, f.force, loads);
+    for (const ContactNodeForce& f : forces)
+        Solver::add(*surface_, f.contact_node, 0, f.force, loads);
     for (const fem::SparseCholesky::Load& l : loads)
         load[l.unknown] += l.value;
     return solver_->solver->solve(load);
 }
 
-std::size_t StationCompliance::unknowns() const { return solver_->solver->free_count(); }
+std::size_t ContactNodeCompliance::unknowns() const { return solver_->solver->free_count(); }
 
-std::size_t StationCompliance::bytes() const
+std::size_t ContactNodeCompliance::bytes() const
 {
     std::size_t sum = solver_->solver->bytes() + blocks_.size() * sizeof(double);
     for (const std::vector<double>& kept : columns_)

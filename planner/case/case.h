@@ -6,7 +6,7 @@
 #include "fem/material/material.h"
 #include "mesh/image/volume.h"
 #include "planner/case/approach.h"
-#include "planner/case/solution_choice.h"
+#include "planner/case/solver_settings.h"
 
 #include <filesystem>
 #include <optional>
@@ -50,7 +50,7 @@ struct Case {
     fem::MaterialTable materials = fem::default_materials();
     SupportSpec supports;
     bool contact = false; ///< lips and organs hold each other off (fem/contact.h); else they pass through
-    SolutionChoice solution; ///< of all approaches
+    SolverSettings solution; ///< of all approaches
     std::vector<PressureSpec> pressures; ///< on the wall
     SizingSpec sizing; ///< what new approaches start with
     std::vector<Approach> approaches; ///< names unique

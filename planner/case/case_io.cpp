@@ -389,10 +389,10 @@ namespace {
         return json;
     }
 
-    SolutionChoice read_solution(const Node& node)
+    SolverSettings read_solution(const Node& node)
     {
         node.object({}, { "elasticity", "element", "near_mm" });
-        SolutionChoice choice;
+        SolverSettings choice;
         if (node.has("elasticity")) {
             const auto elasticity = elasticity_from_string(node["elasticity"].text());
             if (!elasticity)
@@ -410,7 +410,7 @@ namespace {
         return choice;
     }
 
-    Json written(const SolutionChoice& choice)
+    Json written(const SolverSettings& choice)
     {
         Json json { { "elasticity", to_string(choice.elasticity) }, { "element", to_string(choice.element) } };
         if (choice.near_mm > 0.0)
@@ -754,7 +754,7 @@ std::string case_to_json(const Case& planned_case)
         json["contact"] = true;
     if (!planned_case.pressures.empty())
         json["pressures"] = written_list(planned_case.pressures);
-    if (!(planned_case.solution == SolutionChoice {}))
+    if (!(planned_case.solution == SolverSettings {}))
         json["solution"] = written(planned_case.solution);
     json["sizing"] = written(planned_case.sizing);
     json["approaches"] = written_list(planned_case.approaches);

@@ -5,7 +5,7 @@
 #include "fem/material/tissue_tension.h"
 #include "mesh/base/geometry.h"
 #include "planner/case/approach.h"
-#include "planner/case/solution_choice.h"
+#include "planner/case/solver_settings.h"
 #include "planner/wall/removed_tissue.h"
 #include "planner/wall/wall_pressure.h"
 
@@ -63,7 +63,7 @@ struct TensionMetrics {
 
 /// How the wound was solved.
 struct SolutionMetrics {
-    SolutionChoice choice {};
+    SolverSettings choice {};
     std::size_t nodes = 0; ///< of the wall, midpoints too
     std::vector<std::pair<std::string, std::string>> laws {}; ///< of hyperelastic tissue: material and law
     std::size_t near_tets = 0; ///< nonlinear ones, where the rest is linear

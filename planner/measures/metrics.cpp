@@ -124,7 +124,7 @@ namespace {
 
     Json solution_document(const FieldMetrics& field, const SolutionMetrics& solution)
     {
-        const SolutionChoice& choice = solution.choice;
+        const SolverSettings& choice = solution.choice;
         Json json;
         json["elasticity"] = to_string(choice.elasticity);
         json["element"] = to_string(choice.element);

@@ -236,7 +236,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << "</tbody></table>";
     }
 
-    void write_computation(std::ostream& out, const Computation& computed)
+    void write_computation(std::ostream& out, const Provenance& computed)
     {
         out << "<h2>What was computed</h2><table class=\"words\"><tbody>";
         for (const auto& [what, value] : computation_rows(computed))

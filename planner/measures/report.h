@@ -1,8 +1,8 @@
 #pragma once
 // The report page: one self-contained HTML file (pictures inside) for the case conference.
 
-#include "planner/measures/computation.h"
 #include "planner/measures/field_metrics.h"
+#include "planner/measures/provenance.h"
 
 #include <filesystem>
 #include <optional>
@@ -21,7 +21,7 @@ struct ReportPicture {
 struct Report {
     std::string title;
     std::string patient; ///< which data, in words; never a name or an id of a person
-    std::optional<Computation> computed; ///< from what, by what and when
+    std::optional<Provenance> computed; ///< from what, by what and when
     std::vector<FieldMetrics> fields;
     std::vector<std::string> refused; ///< which approaches have no numbers, and why
     std::vector<ReportPicture> pictures;

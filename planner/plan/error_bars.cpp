@@ -39,7 +39,7 @@ namespace {
 
     /// What ten-node elements would say, to first order.
     OtherAnswers finer_answer(
-        const PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
+        const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
     {
         const Points& solved = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
         const bool local = field.metrics.local.has_value();
@@ -73,7 +73,7 @@ namespace {
 
     /// What plain elements say on the corners of ten-node ones: finer ones than these would take too long.
     OtherAnswers coarser_answer(
-        const PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
+        const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
     {
         const bool local = field.metrics.local.has_value();
         const fem::ElasticProblem& problem = local ? wound.part.problem : field.problem;
@@ -155,7 +155,7 @@ namespace {
 
 } // namespace
 
-void estimate_errors(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
+void estimate_errors(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
 {
     FieldMetrics& m = field.metrics;
     ErrorBars& bars = m.error.emplace();

@@ -8,6 +8,6 @@ namespace retractor::planner {
 
 /// Fills field.metrics.error; where there is no estimate that says why. Nothing here can undo the plan, but
 /// cancelling it.
-void estimate_errors(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job);
+void estimate_errors(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job);
 
 } // namespace retractor::planner

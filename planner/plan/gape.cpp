@@ -33,7 +33,7 @@ namespace {
     }
 
     /// Its opening is then the field's. @throws as open_part().
-    OpenedWound open_bare(PlannedField& bare, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
+    OpenedWound open_bare(PlannedField& bare, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
     {
         fem::OpeningOptions options = opening_options(choice);
         options.contact = wound.contact;
@@ -61,7 +61,7 @@ std::vector<std::pair<std::string, fem::PreStrain>> tissues_under_tension(const 
     return tissues;
 }
 
-TensionMetrics measure_gape(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
+TensionMetrics measure_gape(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
 {
     const Stopwatch watch;
     TensionMetrics tension { .tissues = tissues_under_tension(field.problem) };

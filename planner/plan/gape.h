@@ -16,6 +16,6 @@ std::vector<std::pair<std::string, fem::PreStrain>> tissues_under_tension(const 
 /// no gape (a piece that only hooks hold) rather than throw.
 /// @param wound of the field, which was opened and measured. A cancelled job is the field's status.
 TensionMetrics measure_gape(
-    PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job);
+    PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job);
 
 } // namespace retractor::planner

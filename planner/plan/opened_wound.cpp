@@ -80,7 +80,7 @@ namespace {
         return laws;
     }
 
-    SolutionMetrics solution_metrics(const PlannedField& field, const SolutionChoice& choice)
+    SolutionMetrics solution_metrics(const PlannedField& field, const SolverSettings& choice)
     {
         SolutionMetrics solution { .choice = choice, .nodes = field.problem.mesh.vertex_count() };
         if (choice.elasticity == fem::Elasticity::hyperelastic)
@@ -147,7 +147,7 @@ Job as_stage(const Job& job, std::string stage)
     return named;
 }
 
-fem::OpeningOptions opening_options(const SolutionChoice& choice)
+fem::OpeningOptions opening_options(const SolverSettings& choice)
 {
     fem::OpeningOptions options;
     options.elasticity = choice.elasticity;
@@ -197,10 +197,10 @@ OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<
 }
 
 OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelVolume& labels,
-    std::span<const Label> fixed_labels, CutWall cut, const LocalPlan& local, const Job& job)
+    std::span<const Label> fixed_labels, CutWall cut, const SubmodelOptions& local, const Job& job)
 {
     const Case& planned_case = patient.planned_case();
-    const SolutionChoice& choice = planned_case.solution;
+    const SolverSettings& choice = planned_case.solution;
     fem::OpeningOptions options = opening_options(choice);
     if (planned_case.contact)
         options.contact = contact_of(field, patient);

@@ -80,7 +80,7 @@ Points on_the_whole(const Points& displacement, const fem::LocalProblem& part, c
 /// opening does not begin again. @pre `job` outlives it.
 Job as_stage(const Job& job, std::string stage);
 
-fem::OpeningOptions opening_options(const SolutionChoice& choice);
+fem::OpeningOptions opening_options(const SolverSettings& choice);
 
 /// @param drives empty: the hooks go where field.problem says. @throws as Opening, and local_problem() does.
 OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<const fem::HookDrive> drives,
@@ -89,7 +89,7 @@ OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<
 /// Opens the cut wall as the case's solution says, and fills in what of the field comes of it: problem, opening, where
 /// the hooks came to rest, status (opening.message says why). @throws as open_part().
 OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelVolume& labels,
-    std::span<const Label> fixed_labels, CutWall cut, const LocalPlan& local, const Job& job);
+    std::span<const Label> fixed_labels, CutWall cut, const SubmodelOptions& local, const Job& job);
 
 /// Per hook, whether it pushes, to hold a lip that would go farther without it: its force is mostly against its
 /// direction, and more than nothing beside the largest hook's. @pre one force per hook.

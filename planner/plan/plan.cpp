@@ -284,7 +284,7 @@ namespace {
 
 } // namespace
 
-void check_local(const Case& planned_case, const LocalPlan& local)
+void check_local(const Case& planned_case, const SubmodelOptions& local)
 {
     check_solution(planned_case.solution, planned_case.contact, local.within_mm > 0.0);
     check_pressures(planned_case);
@@ -302,10 +302,10 @@ void check_local(const Case& planned_case, const LocalPlan& local)
         throw InputError("there is nothing to check: the whole wall is solved alike", "check", { "check" });
 }
 
-PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job, const LocalPlan& local)
+PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job, const SubmodelOptions& local)
 {
     const Case& planned_case = patient.planned_case();
-    const SolutionChoice& choice = planned_case.solution;
+    const SolverSettings& choice = planned_case.solution;
     check_approach(approach);
     check_local(planned_case, local);
     PlannedField field;
@@ -383,7 +383,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     return field;
 }
 
-std::vector<PlannedField> plan_all(Patient& patient, const Job& job, const LocalPlan& local)
+std::vector<PlannedField> plan_all(Patient& patient, const Job& job, const SubmodelOptions& local)
 {
     const std::vector<Approach>& approaches = patient.planned_case().approaches;
     std::vector<PlannedField> fields(approaches.size());

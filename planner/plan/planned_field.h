@@ -52,7 +52,7 @@ struct [[nodiscard]] PlannedField {
 
 /// Localisation: only the wall within so many mm of the lips is solved, and held where it borders on the rest, which
 /// stays as it is. Faster and stiffer; the metrics say by how much it may be off.
-struct LocalPlan {
+struct SubmodelOptions {
     double within_mm = 0.0; ///< 0: the whole wall
     /// Solves the whole wall as well and states the difference; where the case's solution is linear far from the lips,
     /// the whole wall nonlinearly.

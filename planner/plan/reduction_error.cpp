@@ -55,7 +55,7 @@ namespace {
     }
 
     void compare_with_far_change(
-        const PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, FarFieldMetrics& metrics)
+        const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, FarFieldMetrics& metrics)
     {
         const fem::LinearFarField& far = *field.opening.far;
         const Points& corners = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
@@ -81,7 +81,7 @@ namespace {
 
 } // namespace
 
-void estimate_far_field_error(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice)
+void estimate_far_field_error(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice)
 {
     const fem::LinearFarField& far = *field.opening.far;
     FarFieldMetrics& metrics = field.metrics.solution.far.emplace();
@@ -119,7 +119,7 @@ WholeMetrics compare_with_whole(
 }
 
 void estimate_localisation_error(PlannedField& field, const RigidPieces& rigid, const fem::OpeningOptions& options,
-    const LocalPlan& plan, const Job& job)
+    const SubmodelOptions& plan, const Job& job)
 {
     LocalMetrics& local = *field.metrics.local;
     if (!is_usable(field.opening)) {

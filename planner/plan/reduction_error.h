@@ -8,12 +8,12 @@ namespace retractor::planner {
 
 /// What a linear far field is off, by the law of the tissue there: fills field.metrics.solution.far.
 /// @pre field.opening.far.
-void estimate_far_field_error(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice);
+void estimate_far_field_error(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice);
 
 /// What leaving out the rest of the wall may have changed: estimated, and measured where that was asked for. Fills
 /// field.metrics.local. @pre field.metrics.local.
 void estimate_localisation_error(PlannedField& field, const RigidPieces& rigid, const fem::OpeningOptions& options,
-    const LocalPlan& plan, const Job& job);
+    const SubmodelOptions& plan, const Job& job);
 
 /// With the whole wall, all of it solved as `options` have it near the lips.
 WholeMetrics compare_with_whole(

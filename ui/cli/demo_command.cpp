@@ -107,7 +107,7 @@ namespace {
         const std::vector<planner::ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
         refuse_if_cancelled(job);
         times.emplace_back("render", watch.seconds());
-        const planner::Computation computed = computation_now(patient.planned_case());
+        const planner::Provenance computed = provenance_now(patient.planned_case());
         write_field_report(folder, patient, computed, fields, pictures);
 
         Outcome outcome;

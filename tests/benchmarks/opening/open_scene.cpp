@@ -1,7 +1,7 @@
 #include "tests/benchmarks/opening/open_scene.h"
 
 #include "mesh/base/error.h"
-#include "planner/case/solution_choice.h"
+#include "planner/case/solver_settings.h"
 
 #include <algorithm>
 #include <array>

@@ -140,7 +140,7 @@ namespace case_io_test {
     {
         Case c = sample();
         EXPECT_EQ(case_to_json(c).find("solution"), std::string::npos);
-        EXPECT_EQ(case_from_json(case_to_json(c), folder_).solution, SolutionChoice {});
+        EXPECT_EQ(case_from_json(case_to_json(c), folder_).solution, SolverSettings {});
         c.solution = { fem::Elasticity::hyperelastic, ElementKind::p2, 100.0 / 3.0 };
         EXPECT_EQ(case_from_json(case_to_json(c), folder_).solution, c.solution);
         c.contact = true;
@@ -371,7 +371,7 @@ namespace case_io_test {
         // What came later is as if it were not there.
         EXPECT_FALSE(read.patient || read.ct || read.contact);
         EXPECT_TRUE(read.pressures.empty());
-        EXPECT_EQ(read.solution, SolutionChoice {});
+        EXPECT_EQ(read.solution, SolverSettings {});
         ASSERT_EQ(read.approaches.size(), 1U);
         EXPECT_TRUE(read.approaches[0].ablations.empty());
         EXPECT_EQ(read.approaches[0].loose_pieces, LoosePieces::held);

@@ -276,7 +276,7 @@ namespace report_test {
         report.fields = { sample_field("a") };
         report.fields[0].hooks = { { .name = "left", .side = 1, .moved_mm = 18.0, .asked_mm = 30.0 },
             { .name = "right", .side = -1, .moved_mm = 20.0, .asked_mm = 30.0 } };
-        Computation& computed = report.computed.emplace();
+        Provenance& computed = report.computed.emplace();
         computed.date = "2026-01-02T03:04:05Z";
         computed.program = "retractor 9.9";
         computed.case_file = "C/case.json";

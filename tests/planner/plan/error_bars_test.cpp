@@ -41,7 +41,7 @@ namespace error_bars_test {
     {
         for (const ElementKind element : { ElementKind::p2, ElementKind::locking_free }) {
             const bool ten_node = element == ElementKind::p2;
-            const SolutionChoice choice { .elasticity = fem::Elasticity::linear, .element = element };
+            const SolverSettings choice { .elasticity = fem::Elasticity::linear, .element = element };
             PlannedField field;
             field.problem = ten_node ? with_midpoints(flat_sheet()) : flat_sheet();
             field.hooks = field.problem.hooks;

@@ -175,7 +175,7 @@ namespace plan_test {
     }
 
     /// One approach of a small opening, solved as chosen.
-    PlannedField plan_as(const SolutionChoice& choice, double opening_mm = 6.0, const LocalPlan& local = {},
+    PlannedField plan_as(const SolverSettings& choice, double opening_mm = 6.0, const SubmodelOptions& local = {},
         const std::string& material = {}, const std::function<void(fem::Material&)>& change = {})
     {
         const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
@@ -309,7 +309,7 @@ namespace plan_test {
 
     TEST(Plan, TenNodeElementsHaveBarsHoweverTheyAreSolved)
     {
-        const SolutionChoice ten { .elasticity = fem::Elasticity::linear, .element = ElementKind::p2 };
+        const SolverSettings ten { .elasticity = fem::Elasticity::linear, .element = ElementKind::p2 };
         constexpr double kLittle = 1.0; // mm: nonlinear tissue is then nearly linear, and soon solved
         const PlannedField whole = plan_as(ten, kLittle), local = plan_as(ten, kLittle, { .within_mm = 30.0 }),
                            near = plan_as({ .element = ElementKind::p2, .near_mm = 24.0 }, 0.02);
@@ -469,7 +469,7 @@ namespace plan_test {
     {
         const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
         Case with_contact = test_support::block_case("refused", phantom);
-        const auto refusal = [&](const Case& planned_case, const LocalPlan& local) -> std::string {
+        const auto refusal = [&](const Case& planned_case, const SubmodelOptions& local) -> std::string {
             Patient patient(planned_case);
             try {
                 (void)plan_approach(patient,

@@ -55,7 +55,7 @@ namespace pressure_plan_test {
         return approach;
     }
 
-    PlannedField planned(const Case& planned_case, const LocalPlan& local = {})
+    PlannedField planned(const Case& planned_case, const SubmodelOptions& local = {})
     {
         Patient patient(planned_case, {});
         return plan_approach(patient, approach_to(patient, 10.0), {}, local);

@@ -26,8 +26,8 @@ namespace tension_plan_test {
 
     struct Block {
         double width_mm = 110.0, region_mm = 30.0;
-        SolutionChoice solution { .elasticity = fem::Elasticity::linear };
-        LocalPlan local {};
+        SolverSettings solution { .elasticity = fem::Elasticity::linear };
+        SubmodelOptions local {};
         bool contact = false;
     };
 

@@ -1,6 +1,6 @@
 #include "tests/planner/session/layered_wall.h"
 
-#include "planner/case/solution_choice.h"
+#include "planner/case/solver_settings.h"
 
 namespace retractor::planner {
 

@@ -249,7 +249,7 @@ Json refused_document(const std::vector<planner::PlannedField>& fields)
     return refused;
 }
 
-planner::Computation computation_now(const planner::Case& planned_case)
+planner::Provenance provenance_now(const planner::Case& planned_case)
 {
     return planner::computation_of(planned_case, "retractor " RETRACTOR_VERSION, std::chrono::system_clock::now());
 }
@@ -281,7 +281,7 @@ std::string keep_earlier_metrics(const std::filesystem::path& folder, const std:
     return file.string() + " keeps the earlier results of " + lost + "\n";
 }
 
-Json write_metrics(const std::filesystem::path& folder, const planner::Computation& computed,
+Json write_metrics(const std::filesystem::path& folder, const planner::Provenance& computed,
     const std::vector<planner::PlannedField>& fields)
 {
     std::vector<planner::FieldMetrics> metrics;
@@ -299,7 +299,7 @@ Json write_metrics(const std::filesystem::path& folder, const planner::Computati
 }
 
 void write_field_report(const std::filesystem::path& folder, planner::Patient& patient,
-    const planner::Computation& computed, const std::vector<planner::PlannedField>& fields,
+    const planner::Provenance& computed, const std::vector<planner::PlannedField>& fields,
     const std::vector<planner::ReportPicture>& pictures)
 {
     planner::Report report;

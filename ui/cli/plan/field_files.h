@@ -2,7 +2,7 @@
 // What `plan`, `render` and `demo` write: meshes, numbers, pictures, the report page.
 
 #include "planner/case/patient.h"
-#include "planner/measures/computation.h"
+#include "planner/measures/provenance.h"
 #include "planner/measures/report.h"
 #include "planner/plan/planned_field.h"
 #include "ui/cli/framework/command.h"
@@ -37,7 +37,7 @@ std::vector<planner::ReportPicture> render_case_views(const std::filesystem::pat
     const std::optional<planner::TargetSpec>& target, const PictureRequest& request, const Job& job);
 
 /// The case as this program computes it now.
-planner::Computation computation_now(const planner::Case& planned_case);
+planner::Provenance provenance_now(const planner::Case& planned_case);
 
 /// A metrics.json in the folder with approaches that are not among these, or that were solved there and are not now, is
 /// copied to metrics-earlier.json before it is replaced. @return a line that says so; empty where nothing would be
@@ -45,12 +45,12 @@ planner::Computation computation_now(const planner::Case& planned_case);
 std::string keep_earlier_metrics(const std::filesystem::path& folder, const std::vector<planner::PlannedField>& fields);
 
 /// metrics.json; returns the document.
-Json write_metrics(const std::filesystem::path& folder, const planner::Computation& computed,
+Json write_metrics(const std::filesystem::path& folder, const planner::Provenance& computed,
     const std::vector<planner::PlannedField>& fields);
 
 /// report.html from what was planned and drawn.
 void write_field_report(const std::filesystem::path& folder, planner::Patient& patient,
-    const planner::Computation& computed, const std::vector<planner::PlannedField>& fields,
+    const planner::Provenance& computed, const std::vector<planner::PlannedField>& fields,
     const std::vector<planner::ReportPicture>& pictures);
 
 /// A table for people; says which approaches could not be planned, and why.

@@ -41,7 +41,7 @@ namespace {
         std::optional<std::string> export_formats;
         double reference_limit_s = 600.0;
         std::optional<double> near_mm; ///< where it was given, also 0
-        planner::LocalPlan local {};
+        planner::SubmodelOptions local {};
         bool render = false, contact = false;
         bool parallel = false;
     };
@@ -122,7 +122,7 @@ namespace {
         if (!options.approach.empty())
             planned_case.approaches = { planner::find_approach(planned_case, options.approach) };
         planned_case.contact = planned_case.contact || options.contact;
-        planner::SolutionChoice& solution = planned_case.solution; // what is not named here stays as the case has it
+        planner::SolverSettings& solution = planned_case.solution; // what is not named here stays as the case has it
         if (!options.elasticity.empty())
             solution.elasticity = planner::elasticity_from_string(options.elasticity).value();
         if (!options.element.empty())
@@ -207,7 +207,7 @@ namespace {
         const std::vector<std::string> formats = export_formats(options);
         PlannedCase planned(options, job);
         auto& [patient, request, folder, made, fields] = planned;
-        const planner::Computation computed = computation_now(patient.planned_case());
+        const planner::Provenance computed = provenance_now(patient.planned_case());
         write_field_meshes(folder, patient, fields);
         std::string exported;
         for (const std::string& format : formats)

@@ -16,12 +16,12 @@ enum class ElementKind {
     p2, ///< ten nodes
 };
 
-struct SolutionChoice {
+struct SolverSettings {
     fem::Elasticity elasticity = fem::Elasticity::corotational;
     ElementKind element = ElementKind::p1;
     double near_mm = 0.0; ///< nonlinear within this distance of the lips and linear beyond; 0: the same everywhere
 
-    bool operator==(const SolutionChoice&) const = default;
+    bool operator==(const SolverSettings&) const = default;
 };
 
 /// "linear", "corotational", "hyperelastic"; "p1", "locking-free", "p2".
@@ -37,10 +37,10 @@ double largest_poissons_ratio(ElementKind element);
 Material as_solved(Material material, ElementKind element);
 
 /// "hyperelastic within 40 mm of the lips, linear beyond; ten-node elements".
-std::string solution_text(const SolutionChoice& choice);
+std::string solution_text(const SolverSettings& choice);
 
 /// @param contact whether surfaces hold each other off. @param local whether only a part of the wall is solved.
 /// @throws InputError naming the two that do not go together, or a distance that is negative or not finite.
-void check_solution(const SolutionChoice& choice, bool contact, bool local = false);
+void check_solution(const SolverSettings& choice, bool contact, bool local = false);
 
 } // namespace retractor::planner

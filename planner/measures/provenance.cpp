@@ -1,4 +1,4 @@
-#include "planner/measures/computation.h"
+#include "planner/measures/provenance.h"
 
 #include "datasets/dicom/dicom_identity.h"
 #include "fem/material/material.h"
@@ -78,9 +78,9 @@ namespace {
 
 } // namespace
 
-Computation computation_of(const Case& planned_case, std::string program, std::chrono::system_clock::time_point when)
+Provenance computation_of(const Case& planned_case, std::string program, std::chrono::system_clock::time_point when)
 {
-    Computation made;
+    Provenance made;
     made.date = utc_text(when);
     made.program = std::move(program);
     // The folder's own name only: the path to it is nobody's business who reads the page.
@@ -99,51 +99,51 @@ Computation computation_of(const Case& planned_case, std::string program, std::c
     return made;
 }
 
-std::vector<std::pair<std::string, std::string>> computation_rows(const Computation& computation)
+std::vector<std::pair<std::string, std::string>> computation_rows(const Provenance& provenance)
 {
     return {
-        { "Computed", computation.date + ", by " + computation.program },
-        { "Case", computation.case_file },
+        { "Computed", provenance.date + ", by " + provenance.program },
+        { "Case", provenance.case_file },
         { "Patient",
-            computation.identity_in_case ? "name and id are kept in the case file and not repeated here"
-                                         : "the case keeps no name and no id" },
-        { "Labels", file_text(computation.labels) },
-        { "CT", computation.ct ? file_text(*computation.ct) : "none" },
-        { "Solved as", solution_text(computation.solution) },
-        { "Contact of lips and organs", computation.contact ? "they hold each other off" : "none: they pass through" },
-        { "Pressure on the wall", pressures_text(computation.pressures) },
-        { "Held at", supports_text(computation.supports) },
+            provenance.identity_in_case ? "name and id are kept in the case file and not repeated here"
+                                        : "the case keeps no name and no id" },
+        { "Labels", file_text(provenance.labels) },
+        { "CT", provenance.ct ? file_text(*provenance.ct) : "none" },
+        { "Solved as", solution_text(provenance.solution) },
+        { "Contact of lips and organs", provenance.contact ? "they hold each other off" : "none: they pass through" },
+        { "Pressure on the wall", pressures_text(provenance.pressures) },
+        { "Held at", supports_text(provenance.supports) },
     };
 }
 
-std::string law_text(const Computation& computation, const fem::Material& material)
+std::string law_text(const Provenance& provenance, const fem::Material& material)
 {
-    return computation.solution.elasticity == fem::Elasticity::hyperelastic
+    return provenance.solution.elasticity == fem::Elasticity::hyperelastic
         ? fem::law_in_words(material)
-        : std::string(to_string(computation.solution.elasticity));
+        : std::string(to_string(provenance.solution.elasticity));
 }
 
-nlohmann::ordered_json computation_document(const Computation& computation)
+nlohmann::ordered_json computation_document(const Provenance& provenance)
 {
     Json json;
-    json["date"] = computation.date;
-    json["program"] = computation.program;
-    json["case"] = computation.case_file;
-    json["identity_in_case"] = computation.identity_in_case;
-    json["labels"] = file_document(computation.labels);
-    json["ct"] = computation.ct ? file_document(*computation.ct) : Json();
-    json["solution"] = { { "elasticity", to_string(computation.solution.elasticity) },
-        { "element", to_string(computation.solution.element) }, { "near_mm", computation.solution.near_mm } };
-    json["contact"] = computation.contact;
+    json["date"] = provenance.date;
+    json["program"] = provenance.program;
+    json["case"] = provenance.case_file;
+    json["identity_in_case"] = provenance.identity_in_case;
+    json["labels"] = file_document(provenance.labels);
+    json["ct"] = provenance.ct ? file_document(*provenance.ct) : Json();
+    json["solution"] = { { "elasticity", to_string(provenance.solution.elasticity) },
+        { "element", to_string(provenance.solution.element) }, { "near_mm", provenance.solution.near_mm } };
+    json["contact"] = provenance.contact;
     json["pressures"] = Json::array();
-    for (const PressureSpec& pressure : computation.pressures)
+    for (const PressureSpec& pressure : provenance.pressures)
         json["pressures"].push_back({ { "label", pressure.label }, { "pressure_kPa", pressure.pressure_kPa } });
     json["supports"]
-        = { { "labels", computation.supports.labels }, { "region_border", computation.supports.region_border } };
+        = { { "labels", provenance.supports.labels }, { "region_border", provenance.supports.region_border } };
     json["materials"] = Json::array();
-    for (const fem::Material& material : computation.materials)
+    for (const fem::Material& material : provenance.materials)
         json["materials"].push_back({ { "name", material.name }, { "youngs_modulus_MPa", material.youngs_modulus_MPa },
-            { "poissons_ratio", material.poissons_ratio }, { "law", law_text(computation, material) },
+            { "poissons_ratio", material.poissons_ratio }, { "law", law_text(provenance, material) },
             { "tension", pre_strain_text(material.pre_strain) }, { "source", material.source } });
     return json;
 }

@@ -14,7 +14,7 @@
 namespace retractor::planner {
 
 /// Holds no name or id of a person: the checksums say which images these are.
-struct Computation {
+struct Provenance {
     std::string date; ///< UTC, "2026-11-22T12:58:03Z"
     std::string program; ///< and its version
     std::string
@@ -22,7 +22,7 @@ struct Computation {
     bool identity_in_case = false; ///< the case file says whose images these are
     FileReference labels;
     std::optional<FileReference> ct;
-    SolutionChoice solution;
+    SolverSettings solution;
     bool contact = false;
     std::vector<PressureSpec> pressures;
     SupportSpec supports;
@@ -30,14 +30,14 @@ struct Computation {
 };
 
 /// @param program name and version.
-Computation computation_of(const Case& planned_case, std::string program, std::chrono::system_clock::time_point when);
+Provenance computation_of(const Case& planned_case, std::string program, std::chrono::system_clock::time_point when);
 
 /// What and value for people, in the order to show them; without the materials.
-std::vector<std::pair<std::string, std::string>> computation_rows(const Computation& computation);
+std::vector<std::pair<std::string, std::string>> computation_rows(const Provenance& provenance);
 
 /// By which law a material resists.
-std::string law_text(const Computation& computation, const fem::Material& material);
+std::string law_text(const Provenance& provenance, const fem::Material& material);
 
-nlohmann::ordered_json computation_document(const Computation& computation);
+nlohmann::ordered_json computation_document(const Provenance& provenance);
 
 } // namespace retractor::planner

@@ -1,4 +1,4 @@
-#include "planner/case/solution_choice.h"
+#include "planner/case/solver_settings.h"
 
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
@@ -63,7 +63,7 @@ Material as_solved(Material material, ElementKind element)
     return material;
 }
 
-std::string solution_text(const SolutionChoice& choice)
+std::string solution_text(const SolverSettings& choice)
 {
     std::string text(to_string(choice.elasticity));
     if (choice.near_mm > 0.0) {
@@ -80,7 +80,7 @@ std::string solution_text(const SolutionChoice& choice)
     return text;
 }
 
-void check_solution(const SolutionChoice& choice, bool contact, bool local)
+void check_solution(const SolverSettings& choice, bool contact, bool local)
 {
     if (!(choice.near_mm >= 0.0) || !std::isfinite(choice.near_mm))
         throw InputError("the distance within which the wall is nonlinear must be finite and not negative",

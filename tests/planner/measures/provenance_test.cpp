@@ -1,5 +1,5 @@
-#include "planner/measures/computation.h"
 #include "planner/measures/hook_opening.h"
+#include "planner/measures/provenance.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -24,7 +24,7 @@ namespace computation_test {
         return c;
     }
 
-    TEST(Computation, SaysWhenByWhatFromWhichImagesAndWithWhichTissue)
+    TEST(Provenance, SaysWhenByWhatFromWhichImagesAndWithWhichTissue)
     {
         Case c = named_case();
         for (fem::Material& material : c.materials)
@@ -44,9 +44,9 @@ namespace computation_test {
         EXPECT_EQ(computation_of(c, "", kWhen).materials.at(0).poissons_ratio, 0.49);
     }
 
-    TEST(Computation, RepeatsNoNameAndNoPathOfAPerson)
+    TEST(Provenance, RepeatsNoNameAndNoPathOfAPerson)
     {
-        const Computation made = computation_of(named_case(), "retractor", kWhen);
+        const Provenance made = computation_of(named_case(), "retractor", kWhen);
         EXPECT_EQ(made.case_file, "[withheld]-study/case.json");
         std::string said = computation_document(made).dump();
         for (const auto& [what, value] : computation_rows(made))

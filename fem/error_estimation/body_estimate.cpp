@@ -1,7 +1,7 @@
 #include "fem/error_estimation/body_estimate.h"
 
-#include "fem/error_estimation/contact_by_averages.h"
-#include "fem/error_estimation/two_levels.h"
+#include "fem/error_estimation/averaged_contact.h"
+#include "fem/error_estimation/two_level_preconditioner.h"
 #include "fem/linear_algebra/constrained_solver.h"
 #include "mesh/base/error.h"
 
@@ -23,8 +23,8 @@ namespace {
 
     /// Conjugate gradients until what is left, seen over the last few steps [Hestenes, Stiefel 1952], is small beside
     /// what was found.
-    Step solve(const BlockMatrix& K, const ContactByAverages& contact, const Eigen::VectorXd& b, TwoLevels& levels,
-        double noise, const Job& job)
+    Step solve(const BlockMatrix& K, const AveragedContact& contact, const Eigen::VectorXd& b,
+        TwoLevelPreconditioner& levels, double noise, const Job& job)
     {
         // A thousandth in energy norm: forces, which are quadratic in it, then have two digits of the error.
         constexpr double kTolerance = 1e-3;
@@ -105,9 +105,9 @@ BodyEstimate estimate_error(ElasticBody& coarse_body, const std::vector<std::uin
     const Eigen::VectorXd start = nesting.prolong(answer);
     (void)fine_body.renew_follower_loads(start);
     ElasticBody::Response there = fine_body.response(start);
-    ContactByAverages contact(coarse_body, fine_body.mesh(), answer);
+    AveragedContact contact(coarse_body, fine_body.mesh(), answer);
     contact.add_forces(there.forces);
-    TwoLevels levels(coarse, nesting, contact, fine_held);
+    TwoLevelPreconditioner levels(coarse, nesting, contact, fine_held);
 
     constexpr double kRoundOff = 1e-24; // of the energy: the square of round-off in forces, with room
     BodyEstimate estimate;

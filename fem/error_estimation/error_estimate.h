@@ -4,9 +4,9 @@
 //
 // One Newton step of the quadratic problem from the answer, by conjugate gradients on the hierarchical splitting into
 // linear and edge functions [Bank, Smith 1993; Deuflhard, Leinen, Yserentant 1989]: the linear part by its factor, the
-// edge functions by their diagonal blocks, those in contact together (two_levels.h). No ten-node system is factorised.
-// The number of iterations does not grow with the mesh, but with how flat its elements are: to some hundreds. What the
-// answer left unsolved (the algebraic residual) is part of the step.
+// edge functions by their diagonal blocks, those in contact together (two_level_preconditioner.h). No ten-node system
+// is factorised. The number of iterations does not grow with the mesh, but with how flat its elements are: to some
+// hundreds. What the answer left unsolved (the algebraic residual) is part of the step.
 //
 // What it holds for: the discretisation, in the model as it is (materials, supports, patches as the mesh holds them),
 // and to first order at the answer. The answer may come from anything with these nodes: of locking-free elements, or

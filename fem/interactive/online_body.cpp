@@ -1,6 +1,6 @@
 #include "fem/interactive/online_body.h"
 
-#include "fem/model/held_pieces.h"
+#include "fem/model/floating_components.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -247,7 +247,7 @@ std::string loose_piece(const OnlineBody& body)
     for (const HeldVertex& h : body.held)
         anchors.push_back(place[static_cast<std::size_t>(h.vertex)]);
     try {
-        check_pieces_held(mesh, anchors);
+        check_no_floating_component(mesh, anchors);
     } catch (const SolverError& error) {
         return std::string(error.what()) + ": " + error.where();
     }

@@ -1,7 +1,7 @@
 #include "fem/statics/nonlinear_region.h"
 
 #include "fem/linear_algebra/norm.h"
-#include "fem/model/held_pieces.h"
+#include "fem/model/floating_components.h"
 #include "fem/statics/condensed_region.h"
 #include "fem/statics/elastic_problem.h"
 #include "fem/statics/largest_force_left.h"
@@ -585,7 +585,7 @@ NonlinearRegion::NonlinearRegion(const mesh::TetMesh& mesh, std::span<const Mate
     std::vector<VertexId> held = prescribed.nodes;
     for (const BeddedVertex& bedded : supports.bedded)
         held.push_back(bedded.vertex);
-    check_pieces_held(mesh, held);
+    check_no_floating_component(mesh, held);
     const std::vector<double> bed = bed_stiffness(mesh, supports);
     const std::vector<VertexId> rim = rim_of(mesh, near, prescribed);
     s.rim = rim.size();

@@ -1,6 +1,6 @@
 #include "fem/statics/opening.h"
 
-#include "fem/model/held_pieces.h"
+#include "fem/model/floating_components.h"
 #include "fem/statics/elastic_problem.h"
 #include "fem/statics/equilibrium.h"
 #include "fem/statics/hooks_apart.h"
@@ -253,7 +253,7 @@ OpeningResult Opening::open(std::span<const HookPatch> hooks, const Job& job)
     std::vector<VertexId> held = prescribed.nodes;
     for (const BeddedVertex& bedded : s.supports.bedded)
         held.push_back(bedded.vertex);
-    check_pieces_held(s.mesh, held);
+    check_no_floating_component(s.mesh, held);
     if (!s.body)
         s.make_body(job);
     if (s.options.near.empty())

@@ -2,7 +2,7 @@
 
 #include "fem/linear_algebra/constrained_solver.h"
 #include "fem/model/elastic_body.h"
-#include "fem/model/held_pieces.h"
+#include "fem/model/floating_components.h"
 #include "fem/springs/edge_springs.h"
 #include "fem/springs/spring_relaxation.h"
 #include "fem/statics/elastic_problem.h"
@@ -47,7 +47,7 @@ ReleasedWound release_wound(const mesh::TetMesh& mesh, std::span<const mesh::Tet
 {
     ReleasedWound result;
     Stopwatch watch;
-    check_pieces_held(mesh, supports.fixed);
+    check_no_floating_component(mesh, supports.fixed);
     ElasticBody body(mesh, Elasticity::linear, element_parameters(mesh, materials));
     if (std::vector<double> bed = bed_stiffness(mesh, supports); !bed.empty())
         body.set_bed(std::move(bed));

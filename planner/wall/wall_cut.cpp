@@ -1,6 +1,6 @@
 #include "planner/wall/wall_cut.h"
 
-#include "fem/model/held_pieces.h"
+#include "fem/model/floating_components.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/base/triangle.h"
@@ -484,7 +484,7 @@ std::vector<WallPiece> find_wall_pieces(const mesh::TetMesh& wall, const mesh::L
         held.push_back(bedded.vertex);
     for (const fem::HookPatch& hook : hooks)
         held.insert(held.end(), hook.nodes.begin(), hook.nodes.end());
-    const std::vector<std::uint8_t> is_held = fem::held_pieces(wall, number, held);
+    const std::vector<std::uint8_t> is_held = fem::held_components(wall, number, held);
     std::vector<WallPiece> pieces(is_held.size());
     std::vector<std::map<Label, double>> volumes(pieces.size());
     std::vector<int> piece_of_vertex(wall.vertex_count(), -1);

@@ -1,6 +1,6 @@
 #include "fem/statics/opening.h"
 
-#include "fem/model/held_pieces.h"
+#include "fem/model/floating_components.h"
 #include "fem/statics/hook.h"
 #include "fem/statics/hooks_apart.h"
 #include "fem/statics/nonlinear_region.h"
@@ -571,7 +571,7 @@ namespace opening_test {
     {
         const mesh::TetMesh box = mesh::kuhn_box(2, 2, 2, 1.0);
         const auto missing = [&](const std::vector<VertexId>& held) {
-            return refusal<SolverError>([&] { check_pieces_held(box, held); });
+            return refusal<SolverError>([&] { check_no_floating_component(box, held); });
         };
         const auto has = [](const std::string& message, const std::string& words) {
             return message.find(words) != std::string::npos;
@@ -580,7 +580,7 @@ namespace opening_test {
         EXPECT_PRED2(has, missing({ 4 }), "is held at one vertex alone");
         EXPECT_PRED2(has, missing({ 0, 1, 2 }), "is held at 3 vertices on one line alone");
         EXPECT_PRED2(has, missing({ 0, 5 }), "is held at 2 vertices on one line alone");
-        EXPECT_NO_THROW(check_pieces_held(box, std::vector<VertexId> { 0, 1, 3 }));
+        EXPECT_NO_THROW(check_no_floating_component(box, std::vector<VertexId> { 0, 1, 3 }));
     }
 
     TEST(Opening, ConflictingHooksAreRefused)

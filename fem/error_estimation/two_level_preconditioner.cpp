@@ -1,4 +1,4 @@
-#include "fem/error_estimation/two_levels.h"
+#include "fem/error_estimation/two_level_preconditioner.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -33,7 +33,7 @@ namespace {
     }
 
     /// Calls f(begin, end) for each run of shares with the same end.
-    template <class F> void for_each_end(const std::vector<ContactByAverages::Share>& shares, const F& f)
+    template <class F> void for_each_end(const std::vector<AveragedContact::Share>& shares, const F& f)
     {
         for (std::size_t begin = 0, end = 0; begin < shares.size(); begin = end) {
             while (end < shares.size() && shares[end].end == shares[begin].end)
@@ -78,8 +78,8 @@ Eigen::VectorXd Nesting::restrict_to_corners(const Eigen::VectorXd& fine) const
     return coarse;
 }
 
-TwoLevels::TwoLevels(ConstrainedSolver& coarse, const Nesting& nesting, const ContactByAverages& contact,
-    const std::vector<std::uint8_t>& held)
+TwoLevelPreconditioner::TwoLevelPreconditioner(ConstrainedSolver& coarse, const Nesting& nesting,
+    const AveragedContact& contact, const std::vector<std::uint8_t>& held)
     : coarse_(coarse)
     , nesting_(nesting)
     , contact_(contact)
@@ -88,7 +88,7 @@ TwoLevels::TwoLevels(ConstrainedSolver& coarse, const Nesting& nesting, const Co
     number_edges_in_contact();
 }
 
-void TwoLevels::number_edges_in_contact()
+void TwoLevelPreconditioner::number_edges_in_contact()
 {
     const auto& shares = contact_.shares();
     for (const auto& share : shares)
@@ -120,7 +120,7 @@ void TwoLevels::number_edges_in_contact()
     together_.emplace(pattern, std::move(held));
 }
 
-void TwoLevels::add_block(std::size_t row, std::size_t column, const Mat3& block)
+void TwoLevelPreconditioner::add_block(std::size_t row, std::size_t column, const Mat3& block)
 {
     const auto& columns = matrix_.pattern.column;
     const auto place = std::lower_bound(columns.begin() + matrix_.pattern.row_start[row],
@@ -131,7 +131,7 @@ void TwoLevels::add_block(std::size_t row, std::size_t column, const Mat3& block
 }
 
 /// What the functions taken off at a corner strain; along axes that are held none can be, and the contact is felt.
-Mat3 TwoLevels::felt_at(VertexId corner, const BlockMatrix& coarse_K) const
+Mat3 TwoLevelPreconditioner::felt_at(VertexId corner, const BlockMatrix& coarse_K) const
 {
     const Mat3 contact = diagonal_block(contact_.linear_stiffness(), corner);
     Mat3 felt = made_positive(diagonal_block(coarse_K, corner) - contact);
@@ -143,7 +143,7 @@ Mat3 TwoLevels::felt_at(VertexId corner, const BlockMatrix& coarse_K) const
     return without_negative(felt);
 }
 
-void TwoLevels::take_blocks(const BlockMatrix& coarse_K, const BlockMatrix& K)
+void TwoLevelPreconditioner::take_blocks(const BlockMatrix& coarse_K, const BlockMatrix& K)
 {
     const auto block_of = [&](VertexId middle) { return made_positive(diagonal_block(K, middle)); };
     inverse_.resize(nesting_.midpoints());
@@ -166,7 +166,7 @@ void TwoLevels::take_blocks(const BlockMatrix& coarse_K, const BlockMatrix& K)
     together_->factorise(matrix_);
 }
 
-void TwoLevels::solve_edges(Eigen::VectorXd& edges)
+void TwoLevelPreconditioner::solve_edges(Eigen::VectorXd& edges)
 {
     Eigen::VectorXd in_contact(3 * static_cast<Eigen::Index>(number_.size()));
     for (const auto& [middle, number] : number_)
@@ -182,7 +182,7 @@ void TwoLevels::solve_edges(Eigen::VectorXd& edges)
         edges.segment<3>(at(middle)) = in_contact.segment<3>(3 * static_cast<Eigen::Index>(number));
 }
 
-Eigen::VectorXd TwoLevels::apply(const Eigen::VectorXd& r)
+Eigen::VectorXd TwoLevelPreconditioner::apply(const Eigen::VectorXd& r)
 {
     Eigen::VectorXd corners = nesting_.restrict_to_corners(r), edges = r.tail(r.size() - corners.size());
     coarse_.mask(corners);
@@ -199,14 +199,14 @@ Eigen::VectorXd TwoLevels::apply(const Eigen::VectorXd& r)
     return z;
 }
 
-void TwoLevels::mask(Eigen::VectorXd& vector) const
+void TwoLevelPreconditioner::mask(Eigen::VectorXd& vector) const
 {
     for (std::size_t i = 0; i < held_.size(); ++i)
         if (held_[i] != 0)
             vector[static_cast<Eigen::Index>(i)] = 0.0;
 }
 
-std::size_t TwoLevels::bytes() const
+std::size_t TwoLevelPreconditioner::bytes() const
 {
     return inverse_.size() * sizeof(Mat3) + matrix_.values.size() * sizeof(double)
         + (together_ ? together_->bytes() : 0);

@@ -10,7 +10,7 @@
 // functions alone. What these strain may be bone beside muscle, and couples the edges round a corner: such edges are
 // solved together.
 
-#include "fem/error_estimation/contact_by_averages.h"
+#include "fem/error_estimation/averaged_contact.h"
 #include "fem/linear_algebra/block_matrix.h"
 #include "fem/linear_algebra/constrained_solver.h"
 #include "mesh/tetrahedra/tet_mesh.h"
@@ -43,11 +43,11 @@ private:
     std::vector<std::array<VertexId, 2>> ends_; ///< of the edge that each midpoint lies on
 };
 
-class TwoLevels {
+class TwoLevelPreconditioner {
 public:
     /// @param coarse the linear functions' solver, which the caller keeps up to date. @param held one per unknown of
     /// the ten-node elements, 1 = prescribed. All of them must outlive this.
-    TwoLevels(ConstrainedSolver& coarse, const Nesting& nesting, const ContactByAverages& contact,
+    TwoLevelPreconditioner(ConstrainedSolver& coarse, const Nesting& nesting, const AveragedContact& contact,
         const std::vector<std::uint8_t>& held);
 
     /// The stiffness of both, with contact in the coarse one; contact is linearised as there.
@@ -70,7 +70,7 @@ private:
 
     ConstrainedSolver& coarse_;
     const Nesting& nesting_;
-    const ContactByAverages& contact_;
+    const AveragedContact& contact_;
     const std::vector<std::uint8_t>& held_;
     std::vector<Mat3> inverse_; ///< of each edge's diagonal block
     std::map<VertexId, std::size_t> number_; ///< of midpoints of edges in contact

@@ -1,4 +1,4 @@
-#include "fem/error_estimation/contact_by_averages.h"
+#include "fem/error_estimation/averaged_contact.h"
 
 #include "fem/model/contact.h"
 #include "mesh/base/triangle.h"
@@ -11,8 +11,7 @@
 
 namespace retractor::fem {
 
-ContactByAverages::ContactByAverages(
-    const ElasticBody& coarse, const mesh::TetMesh& fine, const Eigen::VectorXd& answer)
+AveragedContact::AveragedContact(const ElasticBody& coarse, const mesh::TetMesh& fine, const Eigen::VectorXd& answer)
     : contact_(coarse.contact())
     , coarse_size_(answer.size())
 {
@@ -26,7 +25,7 @@ ContactByAverages::ContactByAverages(
     weigh_edges(coarse.mesh(), fine);
 }
 
-void ContactByAverages::linearise(const Eigen::VectorXd& answer, double lifted)
+void AveragedContact::linearise(const Eigen::VectorXd& answer, double lifted)
 {
     if (contact_ == nullptr)
         return;
@@ -34,19 +33,19 @@ void ContactByAverages::linearise(const Eigen::VectorXd& answer, double lifted)
     contact_->add_stiffness(answer, lifted, stiffness_);
 }
 
-void ContactByAverages::add_forces(Eigen::VectorXd& to) const
+void AveragedContact::add_forces(Eigen::VectorXd& to) const
 {
     if (contact_ != nullptr)
         spread(forces_, to);
 }
 
-void ContactByAverages::add_product(const Eigen::VectorXd& u, Eigen::VectorXd& to) const
+void AveragedContact::add_product(const Eigen::VectorXd& u, Eigen::VectorXd& to) const
 {
     if (contact_ != nullptr)
         spread(stiffness_.multiply(average(u)), to);
 }
 
-void ContactByAverages::weigh_edges(const mesh::TetMesh& coarse, const mesh::TetMesh& fine)
+void AveragedContact::weigh_edges(const mesh::TetMesh& coarse, const mesh::TetMesh& fine)
 {
     std::vector<double> area(coarse.vertex_count(), 0.0);
     std::map<std::array<VertexId, 2>, double> of_edge; // end and midpoint
@@ -77,7 +76,7 @@ void ContactByAverages::weigh_edges(const mesh::TetMesh& coarse, const mesh::Tet
     }
 }
 
-Eigen::VectorXd ContactByAverages::average(const Eigen::VectorXd& u) const
+Eigen::VectorXd AveragedContact::average(const Eigen::VectorXd& u) const
 {
     Eigen::VectorXd mean = u.head(coarse_size_);
     for (const Share& s : shares_)
@@ -87,7 +86,7 @@ Eigen::VectorXd ContactByAverages::average(const Eigen::VectorXd& u) const
 }
 
 /// The transpose of average().
-void ContactByAverages::spread(const Eigen::VectorXd& forces, Eigen::VectorXd& to) const
+void AveragedContact::spread(const Eigen::VectorXd& forces, Eigen::VectorXd& to) const
 {
     to.head(coarse_size_) += forces;
     for (const Share& s : shares_) {

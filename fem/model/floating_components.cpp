@@ -1,4 +1,4 @@
-#include "fem/model/held_pieces.h"
+#include "fem/model/floating_components.h"
 
 #include "mesh/base/error.h"
 
@@ -112,14 +112,14 @@ namespace {
 
 } // namespace
 
-std::vector<std::uint8_t> held_pieces(
+std::vector<std::uint8_t> held_components(
     const mesh::TetMesh& mesh, std::span<const int> piece_of_tet, std::span<const VertexId> held_nodes)
 {
     std::vector<std::uint8_t> held = flags(mesh, held_nodes);
     return hold_pieces(mesh, elements_of_pieces(piece_of_tet), held);
 }
 
-void check_pieces_held(const mesh::TetMesh& mesh, std::span<const VertexId> held_nodes)
+void check_no_floating_component(const mesh::TetMesh& mesh, std::span<const VertexId> held_nodes)
 {
     const std::vector<Elements> pieces = elements_of_pieces(mesh::connected_pieces(mesh));
     std::vector<std::uint8_t> held = flags(mesh, held_nodes);

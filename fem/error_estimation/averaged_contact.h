@@ -14,11 +14,11 @@ namespace retractor::fem {
 
 /// Contact by the coarse body's pairs. A point of theirs feels the displacement there and the mean of what the finer
 /// elements add on the edges round it, weighted by the area of the faces in contact on both sides of an edge.
-class ContactByAverages {
+class AveragedContact {
 public:
     /// By the pairs as they are; a body without contact has none. @param fine with_midpoints() of its mesh. @param
     /// answer of the coarse body, which must outlive this.
-    ContactByAverages(const ElasticBody& coarse, const mesh::TetMesh& fine, const Eigen::VectorXd& answer);
+    AveragedContact(const ElasticBody& coarse, const mesh::TetMesh& fine, const Eigen::VectorXd& answer);
 
     /// For add_product(); what is indefinite is left out by the share `lifted`.
     void linearise(const Eigen::VectorXd& answer, double lifted);

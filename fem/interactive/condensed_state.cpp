@@ -87,10 +87,10 @@ LoadOnDropped CondensedState::load_on_dropped(const CondensedBody& of, const Eig
         loaded.of_changed.emplace_back(x(step->changed, Eigen::all));
         if (!step->changed.empty())
             x -= product(step->columns, product(step->taken, loaded.of_changed.back()));
-        const Eigen::MatrixXd added = product(step->follow, Eigen::MatrixXd(x(step->beside, Eigen::all)));
-        Eigen::MatrixXd on(static_cast<Eigen::Index>(step->staying.size()) + added.rows(), x.cols());
-        on.topRows(on.rows() - added.rows()) = x(step->staying, Eigen::all);
-        on.bottomRows(added.rows()) = added;
+        const Eigen::MatrixXd of_added = product(step->follow, Eigen::MatrixXd(x(step->beside, Eigen::all)));
+        Eigen::MatrixXd on(static_cast<Eigen::Index>(step->staying.size()) + of_added.rows(), x.cols());
+        on.topRows(on.rows() - of_added.rows()) = x(step->staying, Eigen::all);
+        on.bottomRows(of_added.rows()) = of_added;
         x = std::move(on);
     }
     return loaded;
@@ -103,9 +103,9 @@ Eigen::MatrixXd CondensedState::carried_back(Eigen::MatrixXd forces, const LoadO
         Eigen::MatrixXd before = Eigen::MatrixXd::Zero(s.columns.rows(), forces.cols());
         for (std::size_t k = 0; k < s.staying.size(); ++k)
             before.row(s.staying[k]) = forces.row(static_cast<Eigen::Index>(k));
-        const Eigen::Index added = forces.rows() - static_cast<Eigen::Index>(s.staying.size());
-        if (added > 0) {
-            const Eigen::MatrixXd handed_on = product_transposed(s.follow, forces.bottomRows(added));
+        const Eigen::Index added_rows = forces.rows() - static_cast<Eigen::Index>(s.staying.size());
+        if (added_rows > 0) {
+            const Eigen::MatrixXd handed_on = product_transposed(s.follow, forces.bottomRows(added_rows));
             for (std::size_t k = 0; k < s.beside.size(); ++k)
                 before.row(s.beside[k]) += handed_on.row(static_cast<Eigen::Index>(k));
         }

@@ -28,21 +28,17 @@ namespace {
         bare.lips = field.lips;
         bare.problem = field.problem;
         bare.problem.hooks.clear();
-        bare.metrics.local = field.metrics.local;
         return bare;
     }
 
-    /// Its opening is then the field's. @throws as open_part().
+    /// Its opening is then the field's. @throws as open_wall().
     OpenedWound open_bare(PlannedField& bare, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
     {
         fem::OpeningOptions options = opening_options(choice);
         options.contact = wound.contact;
-        OpenedPart opened = open_part(bare,
-            { .within_mm = bare.metrics.local ? bare.metrics.local->within_mm : 0.0, .near_mm = choice.near_mm }, {},
-            options, as_stage(job, "opening, without hooks"));
+        OpenedWall opened = open_wall(bare, choice.near_mm, {}, options, as_stage(job, "opening, without hooks"));
         bare.opening = std::move(opened.opening);
         return { .rigid = { wound.rigid.vertices, bare.opening.displacement },
-            .part = std::move(opened.part),
             .contact = wound.contact,
             .ten_node = std::move(opened.ten_node) };
     }

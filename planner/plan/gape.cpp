@@ -32,15 +32,11 @@ namespace {
     }
 
     /// Its opening is then the field's. @throws as open_wall().
-    OpenedWound open_bare(PlannedField& bare, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
+    void open_bare(PlannedField& bare, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
     {
         fem::OpeningOptions options = opening_options(choice);
         options.contact = wound.contact;
-        OpenedWall opened = open_wall(bare, choice.near_mm, {}, options, as_stage(job, "opening, without hooks"));
-        bare.opening = std::move(opened.opening);
-        return { .rigid = { wound.rigid.vertices, bare.opening.displacement },
-            .contact = wound.contact,
-            .ten_node = std::move(opened.ten_node) };
+        bare.opening = open_wall(bare, choice.near_mm, {}, options, as_stage(job, "opening, without hooks")).opening;
     }
 
 } // namespace
@@ -70,9 +66,9 @@ TensionMetrics measure_gape(PlannedField& field, const OpenedWound& wound, const
                 tension.message = why_unusable(field.opening);
         } else {
             PlannedField bare = without_hooks(field);
-            const OpenedWound opened = open_bare(bare, wound, choice, job);
+            open_bare(bare, wound, choice, job);
             if (is_usable(bare.opening))
-                gape = measures_of(bare, opened.rigid, bare.opening.displacement, {});
+                gape = measures_of(bare, wound.rigid, bare.opening.displacement, {});
             else
                 tension.message = why_unusable(bare.opening);
         }

@@ -166,7 +166,6 @@ ErrorEstimate estimate_error(const ElasticProblem& problem, Elasticity elasticit
         estimate.plain_forces_N = hook_forces(step.coarse_forces, coarse_held, problem.hooks.size());
         estimate.ten_node = std::move(step.displacement);
     }
-    estimate.seconds = watch.seconds();
     record_part(job, "error estimate", watch, step.bytes);
     job.report("error estimate", 1.0);
     return estimate;

@@ -52,7 +52,6 @@ struct [[nodiscard]] ErrorEstimate {
     double energy_error = 0.0; ///< energy norm of the step over that of the answer
     double algebraic_error = 0.0; ///< the part of it that lies in the space of the answer: equations left unsolved
     int iterations = 0;
-    double seconds = 0.0;
 };
 
 /// @param problem four-node elements. @param elasticity of the answer. @param displacement the answer, n x 3, mm; at

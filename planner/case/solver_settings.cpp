@@ -80,7 +80,7 @@ std::string solution_text(const SolverSettings& choice)
     return text;
 }
 
-void check_solution(const SolverSettings& choice, bool contact, bool local)
+void check_solution(const SolverSettings& choice, bool contact)
 {
     if (!(choice.near_mm >= 0.0) || !std::isfinite(choice.near_mm))
         throw InputError("the distance within which the wall is nonlinear must be finite and not negative",
@@ -103,11 +103,6 @@ void check_solution(const SolverSettings& choice, bool contact, bool local)
             "has no surface of its own that could be held off organs, and surfaces that meet change the "
             "matrix whose one factor makes near_mm fast; leave one of the two out",
             "/solution/near_mm", { "near_mm", "contact" });
-    if (near && local)
-        throw InputError(
-            "a linear rest beyond near_mm and a part of the wall that is solved alone are two ways to do less far "
-            "from the wound: leave one of the two out",
-            "/solution/near_mm", { "near_mm", "within_mm" });
 }
 
 } // namespace retractor::planner

@@ -39,8 +39,8 @@ Material as_solved(Material material, ElementKind element);
 /// "hyperelastic within 40 mm of the lips, linear beyond; ten-node elements".
 std::string solution_text(const SolverSettings& choice);
 
-/// @param contact whether surfaces hold each other off. @param local whether only a part of the wall is solved.
+/// @param contact whether surfaces hold each other off.
 /// @throws InputError naming the two that do not go together, or a distance that is negative or not finite.
-void check_solution(const SolverSettings& choice, bool contact, bool local = false);
+void check_solution(const SolverSettings& choice, bool contact);
 
 } // namespace retractor::planner

@@ -35,8 +35,7 @@ struct HookForce {
     bool yielded = false; ///< its limit holds it back
 };
 
-/// The same wound with all of the wall solved as the part near it was: what leaving out or linearising the rest
-/// changed.
+/// The same wound with all of the wall solved as the part near it was: what linearising the rest changed.
 struct WholeMetrics {
     std::string message {}; ///< why it has no numbers; empty: it has
     double opening_width_mm = 0.0, opening_area_mm2 = 0.0, hook_force_N = 0.0;
@@ -111,24 +110,6 @@ struct ContactMetrics {
     double overlap_at_rest_mm = 0.0; ///< the deepest of surfaces that overlapped before: kept, without a force
 };
 
-/// The numbers of the mechanics when only the part of the wall round the wound is solved and the rest held still.
-struct LocalMetrics {
-    double within_mm = 0.0; ///< of the lips
-    std::size_t tets = 0; ///< of the part
-    std::size_t rim_vertices = 0; ///< held because they border on the rest; 0: the part is the whole wall
-
-    /// How far the part's numbers may be off the whole wall's: what the part solves differently from a smaller one,
-    /// continued as an error that falls with one over the distance. On a block with
-    /// an incision of 50 mm, parts of 20 to 32 mm: the force's is 1.1 to 1.4 of the error, the width's 0.2 to 0.6.
-    std::string message {}; ///< why there is no estimate; empty: there is one
-    double smaller_mm = 0.0; ///< that the smaller part reaches to
-    double opening_width_mm = 0.0, opening_area_mm2 = 0.0;
-    double hook_force_N = 0.0; ///< of the larger side
-    double seconds = 0.0;
-
-    std::optional<WholeMetrics> whole {}; ///< when that was asked for
-};
-
 struct FieldMetrics {
     std::string name; ///< of the approach
     std::string target;
@@ -170,7 +151,6 @@ struct FieldMetrics {
     std::vector<PressureMetrics> pressures; ///< on the wall
     std::optional<TensionMetrics> tension; ///< where tissue of the wall is under some
     std::optional<ErrorBars> error;
-    std::optional<LocalMetrics> local; ///< when only a part was solved
     std::optional<SecondOpinion> second_opinion; ///< when it was asked for
 
     std::string explanation; ///< why the field is as it is, in words

@@ -145,34 +145,6 @@ namespace {
         return json;
     }
 
-    Json local_document(const FieldMetrics& field, const LocalMetrics& local)
-    {
-        Json json;
-        put(json, field, "within_mm", local.within_mm);
-        json["tets"] = local.tets;
-        json["rim_vertices"] = local.rim_vertices;
-        json["strain_p99_of"] = "the part";
-        Json estimate;
-        if (local.rim_vertices == 0) {
-            estimate["message"] = "the part is the whole wall";
-        } else if (!local.message.empty()) {
-            estimate["message"] = local.message;
-        } else {
-            put(estimate, field, "opening_width_mm", local.opening_width_mm);
-            put(estimate, field, "opening_area_mm2", local.opening_area_mm2);
-            put(estimate, field, "hook_force_N", local.hook_force_N);
-            put(estimate, field, "compared_with_mm", local.smaller_mm);
-            estimate["holds_for"]
-                = "leaving out the rest of the wall, when that error falls with one over the distance";
-        }
-        put(estimate, field, "seconds", local.seconds);
-        json["error_estimate"] = estimate;
-        if (!local.whole)
-            return json;
-        json["whole"] = whole_document(field, *local.whole);
-        return json;
-    }
-
     Json opinion_document(const FieldMetrics& field, const SecondOpinion& opinion)
     {
         Json json { { "program", opinion.program }, { "status", opinion.status } };
@@ -264,8 +236,6 @@ namespace {
             json["tension"] = tension_document(field, *field.tension);
         if (field.error)
             json["error_estimate"] = error_document(field, *field.error);
-        if (field.local)
-            json["local"] = local_document(field, *field.local);
         if (field.second_opinion)
             json["second_opinion"] = opinion_document(field, *field.second_opinion);
         json["bone_in_sight"] = field.bone_in_sight;
@@ -354,36 +324,6 @@ bool forces_are_known(const FieldMetrics& field)
     return !field.hooks.empty() && std::all_of(field.hooks.begin(), field.hooks.end(), [](const HookForce& hook) {
         return hook.pull.force_N.has_value() || hook.yielded;
     });
-}
-
-std::string local_text(const FieldMetrics& field)
-{
-    const LocalMetrics& local = *field.local;
-    std::string text = formatted(
-        "only %zu of %zu elements solved, within %.0f mm of the lips", local.tets, field.tets, local.within_mm);
-    if (local.rim_vertices == 0) {
-        text += ": the part is the whole wall";
-    } else if (!local.message.empty()) {
-        text += "; how far that is off the whole is not estimated: " + local.message;
-    } else {
-        text += formatted("; for that, opening %.1f mm +- %.1f, force %.1f N +- %.1f (from a part of %.0f mm, %.1f s)",
-            field.opening_width_mm, local.opening_width_mm, field.hook_force_N, local.hook_force_N, local.smaller_mm,
-            local.seconds);
-    }
-    return local.whole ? text + "; the whole: " + whole_text(*local.whole) : text;
-}
-
-std::string local_caution(const FieldMetrics& field)
-{
-    if (!field.local || !field.local->whole || !field.local->whole->message.empty())
-        return {};
-    constexpr double kMuch = 0.1; // of the whole wall's: more than its error estimate usually is
-    const WholeMetrics& whole = *field.local->whole;
-    const auto off = [](double part, double all) { return std::abs(part - all) > kMuch * std::abs(all); };
-    if (!off(field.opening_width_mm, whole.opening_width_mm) && !off(field.hook_force_N, whole.hook_force_N)
-        && whole.lips_difference <= kMuch)
-        return {};
-    return "the part does not stand for the whole wall here: solve within a larger distance, or all of it";
 }
 
 std::string tension_text(const FieldMetrics& field)

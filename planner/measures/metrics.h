@@ -27,12 +27,6 @@ std::string hooks_text(const FieldMetrics& field);
 /// One line for people: how the wound was solved, and what a linear far field changed where that was measured.
 std::string solution_text(const FieldMetrics& field);
 
-/// One line for people: what part was solved, and how far it is off the whole wall. @pre field.local.
-std::string local_text(const FieldMetrics& field);
-/// One line for people where the whole wall was solved as well and says something else: more than a tenth off in
-/// opening, force or lips. Empty elsewhere.
-std::string local_caution(const FieldMetrics& field);
-
 /// One line for people: the tissues' pre-strain, and how far the wound gapes by it. @pre field.tension.
 std::string tension_text(const FieldMetrics& field);
 

@@ -314,10 +314,6 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << "<p>" << escaped(error_text(field)) << ". Not in it: materials, supports and the model itself.</p>";
         out << "<p>" << escaped(solution_text(field)) << "; relative residual " << formatted("%.1e", field.residual)
             << ".</p>";
-        if (field.local)
-            out << "<p class=\"notice\">" << escaped(local_text(field)) << ".</p>";
-        if (const std::string caution = local_caution(field); !caution.empty())
-            out << "<p class=\"notice\">Caution: " << escaped(caution) << ".</p>";
         for (const PressureMetrics& pressure : field.pressures)
             out << "<p>" << escaped(pressure_text(pressure)) << ".</p>";
         if (field.tension)

@@ -42,11 +42,7 @@ namespace {
         const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
     {
         const Points& solved = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
-        const bool local = field.metrics.local.has_value();
-        const fem::ElasticProblem& problem = local ? wound.part.problem : field.problem;
-        const auto whole = [&](const Points& u) { return local ? on_the_whole(u, wound.part, field.wall) : u; };
-        const Points answer = local ? Points(solved(wound.part.vertex_of, Eigen::all)) : solved;
-        fem::ErrorEstimate finer = fem::estimate_error(problem, choice.elasticity, answer, job, wound.contact);
+        fem::ErrorEstimate finer = fem::estimate_error(field.problem, choice.elasticity, solved, job, wound.contact);
         OtherAnswers answers { .message = finer.message };
         if (finer.status != fem::EstimateStatus::done) {
             if (has_linear_far_field(field) && field.opening.inverted_elements > 0)
@@ -54,14 +50,14 @@ namespace {
             return answers;
         }
         const bool locking_free = choice.element == ElementKind::locking_free;
-        answers.held = held_hooks(field.approach, problem, { choice.elasticity, locking_free }, answer,
+        answers.held = held_hooks(field.approach, field.problem, { choice.elasticity, locking_free }, solved,
             field.opening.hook_forces_N, wound.contact);
-        answers.other = { whole(finer.displacement), std::move(finer.hook_forces_N) };
+        answers.other = { std::move(finer.displacement), std::move(finer.hook_forces_N) };
         if (locking_free) {
             answers.lacking
-                = fem::ten_node_share(with_midpoints(problem), choice.elasticity, finer.ten_node, finer.plain);
+                = fem::ten_node_share(with_midpoints(field.problem), choice.elasticity, finer.ten_node, finer.plain);
             answers.message = without_share(answers.lacking);
-            answers.plain = WoundAnswer { whole(finer.plain), std::move(finer.plain_forces_N) };
+            answers.plain = WoundAnswer { std::move(finer.plain), std::move(finer.plain_forces_N) };
             return answers;
         }
         answers.factor = 1.0 / fem::kErrorShare;
@@ -75,9 +71,7 @@ namespace {
     OtherAnswers coarser_answer(
         const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
     {
-        const bool local = field.metrics.local.has_value();
-        const fem::ElasticProblem& problem = local ? wound.part.problem : field.problem;
-        const fem::ElasticProblem coarse = fem::without_midpoints(problem);
+        const fem::ElasticProblem coarse = fem::without_midpoints(field.problem);
         fem::OpeningOptions options { .elasticity = choice.elasticity };
         options.contact = wound.contact;
         if (has_linear_far_field(field))
@@ -88,13 +82,11 @@ namespace {
         if (!is_usable(result))
             return { .message = "the four-node answer to compare with: " + result.message };
         OtherAnswers answers;
-        answers.factor = fem::ten_node_share(problem, choice.elasticity, wound.ten_node, result.displacement);
+        answers.factor = fem::ten_node_share(field.problem, choice.elasticity, wound.ten_node, result.displacement);
         answers.message = without_share(answers.factor);
         answers.held = held_hooks(
             field.approach, coarse, { choice.elasticity }, result.displacement, result.hook_forces_N, wound.contact);
-        answers.other
-            = { local ? on_the_whole(result.displacement, wound.part, field.wall) : std::move(result.displacement),
-                  std::move(result.hook_forces_N) };
+        answers.other = { std::move(result.displacement), std::move(result.hook_forces_N) };
         return answers;
     }
 
@@ -136,8 +128,8 @@ namespace {
         WoundAnswer own { field.opening.displacement, field.opening.hook_forces_N };
         const WoundMeasures held
             = measures_of(field, wound.rigid, answers.other.displacement, answers.other.hook_forces_N);
-        if (!correct_hook_equilibrium(answers.held, wound.part, answers.other)
-            || (answers.plain && !correct_hook_equilibrium(answers.held, wound.part, *answers.plain))) {
+        if (!correct_hook_equilibrium(answers.held, answers.other)
+            || (answers.plain && !correct_hook_equilibrium(answers.held, *answers.plain))) {
             bars.message = "the forces of other elements differ by so much that they do not tell where the hooks would "
                            "rest; ask for a finer mesh";
             return;

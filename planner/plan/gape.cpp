@@ -28,23 +28,15 @@ namespace {
         bare.lips = field.lips;
         bare.problem = field.problem;
         bare.problem.hooks.clear();
-        bare.metrics.local = field.metrics.local;
         return bare;
     }
 
-    /// Its opening is then the field's. @throws as open_part().
-    OpenedWound open_bare(PlannedField& bare, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
+    /// Its opening is then the field's. @throws as open_wall().
+    void open_bare(PlannedField& bare, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
     {
         fem::OpeningOptions options = opening_options(choice);
         options.contact = wound.contact;
-        OpenedPart opened = open_part(bare,
-            { .within_mm = bare.metrics.local ? bare.metrics.local->within_mm : 0.0, .near_mm = choice.near_mm }, {},
-            options, as_stage(job, "opening, without hooks"));
-        bare.opening = std::move(opened.opening);
-        return { .rigid = { wound.rigid.vertices, bare.opening.displacement },
-            .part = std::move(opened.part),
-            .contact = wound.contact,
-            .ten_node = std::move(opened.ten_node) };
+        bare.opening = open_wall(bare, choice.near_mm, {}, options, as_stage(job, "opening, without hooks")).opening;
     }
 
 } // namespace
@@ -74,9 +66,9 @@ TensionMetrics measure_gape(PlannedField& field, const OpenedWound& wound, const
                 tension.message = why_unusable(field.opening);
         } else {
             PlannedField bare = without_hooks(field);
-            const OpenedWound opened = open_bare(bare, wound, choice, job);
+            open_bare(bare, wound, choice, job);
             if (is_usable(bare.opening))
-                gape = measures_of(bare, opened.rigid, bare.opening.displacement, {});
+                gape = measures_of(bare, wound.rigid, bare.opening.displacement, {});
             else
                 tension.message = why_unusable(bare.opening);
         }

@@ -19,7 +19,7 @@ HeldHooks held_hooks(const Approach& approach, const fem::ElasticProblem& proble
     return held;
 }
 
-bool correct_hook_equilibrium(const HeldHooks& held, const fem::LocalProblem& part, WoundAnswer& answer)
+bool correct_hook_equilibrium(const HeldHooks& held, WoundAnswer& answer)
 {
     if (held.drives.empty())
         return true;
@@ -29,12 +29,7 @@ bool correct_hook_equilibrium(const HeldHooks& held, const fem::LocalProblem& pa
         return false;
     const Eigen::VectorXd moved = held.response.displacement * rest->way;
     const Points of_nodes = Eigen::Map<const Points>(moved.data(), moved.size() / 3, 3);
-    if (part.vertex_of.empty())
-        answer.displacement += of_nodes.topRows(answer.displacement.rows()); // midpoints come last
-    else
-        for (Eigen::Index v = 0; v < of_nodes.rows(); ++v)
-            if (const VertexId at = part.vertex_of[static_cast<std::size_t>(v)]; at < answer.displacement.rows())
-                answer.displacement.row(at) += of_nodes.row(v);
+    answer.displacement += of_nodes.topRows(answer.displacement.rows()); // midpoints come last
     answer.hook_forces_N = fem::per_hook(rest->forces);
     answer.hooks_mm = fem::per_hook(held.at + rest->way);
     return true;

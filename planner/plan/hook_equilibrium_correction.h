@@ -25,8 +25,7 @@ HeldHooks held_hooks(const Approach& approach, const fem::ElasticProblem& proble
     const Points& displacement, const std::vector<Vec3>& forces_N, const std::optional<fem::ContactOptions>& contact);
 
 /// Moves an answer found with the hooks held to where they would rest in it.
-/// @param part that the response is of; empty: the whole wall.
 /// @return false, and nothing done, where that cannot be told: let_go().
-bool correct_hook_equilibrium(const HeldHooks& held, const fem::LocalProblem& part, WoundAnswer& answer);
+bool correct_hook_equilibrium(const HeldHooks& held, WoundAnswer& answer);
 
 } // namespace retractor::planner

@@ -102,14 +102,6 @@ bool is_usable(const fem::OpeningResult& opening)
 
 bool has_linear_far_field(const PlannedField& field) { return field.opening.far && field.opening.far->kept; }
 
-Points on_the_whole(const Points& displacement, const fem::LocalProblem& part, const mesh::TetMesh& whole)
-{
-    Points all = Points::Zero(whole.vertices.rows(), 3);
-    for (Eigen::Index v = 0; v < displacement.rows(); ++v) // corners come first, and may be all there are
-        all.row(part.vertex_of[static_cast<std::size_t>(v)]) = displacement.row(v);
-    return all;
-}
-
 std::vector<std::uint8_t> near_elements(const PlannedField& field, double near_mm)
 {
     const mesh::TetMesh& mesh = field.problem.mesh;
@@ -155,19 +147,16 @@ fem::OpeningOptions opening_options(const SolverSettings& choice)
     return options;
 }
 
-OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<const fem::HookDrive> drives,
+OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const fem::HookDrive> drives,
     fem::OpeningOptions options, const Job& job)
 {
-    OpenedPart opened;
-    const bool local = extent.within_mm > 0.0;
-    if (local)
-        opened.part = fem::local_problem(field.problem, lip_points(field), extent.within_mm);
-    if (extent.near_mm > 0.0) {
-        options.near = near_elements(field, extent.near_mm);
+    OpenedWall opened;
+    if (near_mm > 0.0) {
+        options.near = near_elements(field, near_mm);
         opened.near_tets
             = static_cast<std::size_t>(std::count(options.near.begin(), options.near.end(), std::uint8_t { 1 }));
     }
-    const fem::ElasticProblem& problem = local ? opened.part.problem : field.problem;
+    const fem::ElasticProblem& problem = field.problem;
     opened.hooks = problem.hooks;
     if (drives.empty()) {
         fem::Opening opening(problem, options);
@@ -183,13 +172,6 @@ OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<
         return opened;
     if (problem.mesh.nodes_per_tet == 10)
         opened.ten_node = Eigen::Map<const Eigen::VectorXd>(result.displacement.data(), result.displacement.size());
-    if (local) {
-        result.displacement = on_the_whole(result.displacement, opened.part, field.problem.mesh);
-        std::vector<double> strain(field.wall.tet_count(), 0.0);
-        for (std::size_t t = 0; t < opened.part.tet_of.size(); ++t)
-            strain[static_cast<std::size_t>(opened.part.tet_of[t])] = result.strain[t];
-        result.strain = std::move(strain);
-    }
     result.displacement.conservativeResize(field.wall.vertices.rows(), 3); // without midpoints, which come last
     if (result.far && result.far->kept)
         result.far->displacement_change.conservativeResize(field.wall.vertices.rows(), 3);
@@ -197,7 +179,7 @@ OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<
 }
 
 OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelVolume& labels,
-    std::span<const Label> fixed_labels, CutWall cut, const SubmodelOptions& local, const Job& job)
+    std::span<const Label> fixed_labels, CutWall cut, const Job& job)
 {
     const Case& planned_case = patient.planned_case();
     const SolverSettings& choice = planned_case.solution;
@@ -219,20 +201,14 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelV
     if (choice.element == ElementKind::p2)
         field.problem = with_midpoints(field.problem);
     field.metrics.solution = solution_metrics(field, choice);
-    OpenedPart opened = open_part(field, { local.within_mm, choice.near_mm }, drives_of(field.approach), options, job);
+    OpenedWall opened = open_wall(field, choice.near_mm, drives_of(field.approach), options, job);
     // From here on the hooks are held where they came to rest: exports are of that, and so are the answers that
     // estimates begin with.
     for (std::size_t h = 0; h < field.hooks.size(); ++h)
         field.hooks[h].displacement = field.problem.hooks[h].displacement = opened.hooks[h].displacement;
-    for (std::size_t h = 0; h < opened.part.problem.hooks.size(); ++h)
-        opened.part.problem.hooks[h].displacement = opened.hooks[h].displacement;
     field.yielded = std::move(opened.yielded);
     field.opening = std::move(opened.opening);
     field.metrics.solution.near_tets = opened.near_tets;
-    if (local.within_mm > 0.0)
-        field.metrics.local.emplace(LocalMetrics { .within_mm = local.within_mm,
-            .tets = opened.part.problem.mesh.tet_count(),
-            .rim_vertices = opened.part.rim_vertices });
     if (options.contact)
         field.metrics.contact = ContactMetrics { field.opening.contact.touching, field.opening.contact.penetration,
             field.opening.contact.force_N, field.opening.contact_overlap_mm };
@@ -242,8 +218,8 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelV
         field.status
             = field.opening.status == fem::OpeningStatus::inverted ? PlanStatus::inverted : PlanStatus::not_converged;
     }
-    OpenedWound wound { { .vertices = std::move(cut.rigid), .solved = {} }, std::move(opened.part),
-        std::move(options.contact), std::move(opened.ten_node) };
+    OpenedWound wound { { .vertices = std::move(cut.rigid), .solved = {} }, std::move(options.contact),
+        std::move(opened.ten_node) };
     if (field.opening.status == fem::OpeningStatus::cancelled || wound.rigid.vertices.empty())
         return wound;
     wound.rigid.solved = field.opening.displacement;

@@ -1,9 +1,8 @@
 #pragma once
-// The cut wall of a planned field, opened by its hooks: all of it or a part, and what a plan's numbers are then taken
-// from. Units mm, N; frame patient LPS.
+// The cut wall of a planned field, opened by its hooks, and what a plan's numbers are then taken from. Units mm, N;
+// frame patient LPS.
 
 #include "fem/statics/driven_opening.h"
-#include "fem/statics/local_problem.h"
 #include "fem/statics/opening_types.h"
 #include "planner/case/patient.h"
 #include "planner/plan/planned_field.h"
@@ -18,19 +17,13 @@
 
 namespace retractor::planner {
 
-/// How much of the wall is solved, and how much of that nonlinearly; 0: all of it. mm, from the lips.
-struct Extent {
-    double within_mm = 0.0, near_mm = 0.0;
-};
-
-/// A part of the wall, solved in place of the whole.
-struct OpenedPart {
+/// The wall of a field, opened once.
+struct OpenedWall {
     Eigen::VectorXd ten_node {}; ///< as solved, at all nodes; of four-node elements: empty
-    fem::LocalProblem part; ///< empty for the whole wall
     std::vector<fem::HookPatch> hooks; ///< where they are
     std::vector<bool> yielded; ///< per hook, where some do not simply go where they are told
     std::size_t near_tets = 0; ///< nonlinear ones, where the rest was to be linear
-    fem::OpeningResult opening; ///< on the whole wall's vertices and elements; nothing moves beyond the part
+    fem::OpeningResult opening; ///< displacements of the wall's vertices, without midpoints
 };
 
 /// What move_rigid_pieces() adds after the wound is solved: the pieces, and the answer without it.
@@ -42,7 +35,6 @@ struct RigidPieces {
 /// How the opening of a field was found, for those that judge it.
 struct OpenedWound {
     RigidPieces rigid;
-    fem::LocalProblem part; ///< empty: the whole wall was solved
     std::optional<fem::ContactOptions> contact; ///< it was solved with
     Eigen::VectorXd ten_node {}; ///< the answer of ten-node elements at all their nodes; of four-node ones: empty
 };
@@ -73,23 +65,21 @@ std::vector<std::uint8_t> near_elements(const PlannedField& field, double near_m
 /// Of the approach's hooks; empty where all of them simply go where they are told.
 std::vector<fem::HookDrive> drives_of(const Approach& approach);
 
-/// A part's displacement (corners first) on the vertices of the whole; nothing moves beyond it.
-Points on_the_whole(const Points& displacement, const fem::LocalProblem& part, const mesh::TetMesh& whole);
-
 /// The job for one more opening of a wound: what it reports comes under that name, so that the stage of the plan's own
 /// opening does not begin again. @pre `job` outlives it.
 Job as_stage(const Job& job, std::string stage);
 
 fem::OpeningOptions opening_options(const SolverSettings& choice);
 
-/// @param drives empty: the hooks go where field.problem says. @throws as Opening, and local_problem() does.
-OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<const fem::HookDrive> drives,
+/// @param near_mm nonlinear within this distance of the lips and linear beyond; 0: the same everywhere.
+/// @param drives empty: the hooks go where field.problem says. @throws as fem::Opening does.
+OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const fem::HookDrive> drives,
     fem::OpeningOptions options, const Job& job);
 
 /// Opens the cut wall as the case's solution says, and fills in what of the field comes of it: problem, opening, where
-/// the hooks came to rest, status (opening.message says why). @throws as open_part().
+/// the hooks came to rest, status (opening.message says why). @throws as open_wall().
 OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelVolume& labels,
-    std::span<const Label> fixed_labels, CutWall cut, const SubmodelOptions& local, const Job& job);
+    std::span<const Label> fixed_labels, CutWall cut, const Job& job);
 
 /// Per hook, whether it pushes, to hold a lip that would go farther without it: its force is mostly against its
 /// direction, and more than nothing beside the largest hook's. @pre one force per hook.

@@ -19,7 +19,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cmath>
 #include <exception>
 #include <thread>
 #include <utility>
@@ -284,30 +283,20 @@ namespace {
 
 } // namespace
 
-void check_local(const Case& planned_case, const SubmodelOptions& local)
+void check_plan(const Case& planned_case, bool check_far)
 {
-    check_solution(planned_case.solution, planned_case.contact, local.within_mm > 0.0);
+    check_solution(planned_case.solution, planned_case.contact);
     check_pressures(planned_case);
-    if (!(local.within_mm >= 0.0) || !std::isfinite(local.within_mm))
-        throw InputError("the distance within which the wall is solved must be finite and not negative",
-            "distance from the lips", { "within_mm" });
-    if (local.within_mm > 0.0 && planned_case.contact)
-        throw InputError("contact needs the whole wall, not only a part of it: leave one of the two out",
-            "distance from the lips, contact", { "within_mm", "contact" });
-    if (local.within_mm > 0.0 && under_pressure(planned_case))
-        throw InputError("pressure moves all of the wall, and a part that is solved alone holds the rest still: leave "
-                         "one of the two out",
-            "distance from the lips, pressures", { "within_mm", "pressures" });
-    if (local.check && local.within_mm == 0.0 && planned_case.solution.near_mm == 0.0)
+    if (check_far && planned_case.solution.near_mm == 0.0)
         throw InputError("there is nothing to check: the whole wall is solved alike", "check", { "check" });
 }
 
-PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job, const SubmodelOptions& local)
+PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job, bool check_far)
 {
     const Case& planned_case = patient.planned_case();
     const SolverSettings& choice = planned_case.solution;
     check_approach(approach);
-    check_local(planned_case, local);
+    check_plan(planned_case, check_far);
     PlannedField field;
     field.approach = approach;
     const auto labels = patient.labels();
@@ -344,7 +333,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     }
     {
         const StageTimer timer(field.metrics, "open");
-        wound = open_wound(field, patient, *labels, fixed_labels, std::move(cut), local, job);
+        wound = open_wound(field, patient, *labels, fixed_labels, std::move(cut), job);
         if (field.status == PlanStatus::cancelled)
             return field;
         if (field.status != PlanStatus::done)
@@ -368,13 +357,9 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
         const StageTimer timer(field.metrics, "judge far field");
         estimate_far_field_error(field, wound, choice);
     }
-    if (field.status != PlanStatus::cancelled && field.metrics.local) {
-        const StageTimer timer(field.metrics, "judge localisation");
-        estimate_localisation_error(field, wound.rigid, opening_options(choice), local, job);
-    }
-    if (field.status != PlanStatus::cancelled && local.check && choice.near_mm > 0.0) {
+    if (field.status != PlanStatus::cancelled && check_far) {
         const StageTimer timer(field.metrics, "compare with the whole");
-        field.metrics.solution.whole = compare_with_whole(field, wound.rigid, opening_options(choice), job);
+        field.metrics.solution.whole = compare_with_whole(field, wound.rigid, choice, job);
         if (job.cancelled())
             field.status = PlanStatus::cancelled;
     }
@@ -383,7 +368,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     return field;
 }
 
-std::vector<PlannedField> plan_all(Patient& patient, const Job& job, const SubmodelOptions& local)
+std::vector<PlannedField> plan_all(Patient& patient, const Job& job, bool check_far)
 {
     const std::vector<Approach>& approaches = patient.planned_case().approaches;
     std::vector<PlannedField> fields(approaches.size());
@@ -392,7 +377,7 @@ std::vector<PlannedField> plan_all(Patient& patient, const Job& job, const Submo
     const auto work = [&] {
         for (std::size_t i = next.fetch_add(1); i < approaches.size(); i = next.fetch_add(1)) {
             try {
-                fields[i] = plan_approach(patient, approaches[i], job, local);
+                fields[i] = plan_approach(patient, approaches[i], job, check_far);
             } catch (const InputError& error) {
                 failures[i]
                     = std::make_exception_ptr(InputError(error.what(), place_of(approaches[i], error), error.fields()));

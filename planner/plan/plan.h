@@ -11,17 +11,18 @@
 
 namespace retractor::planner {
 
-/// @throws InputError naming what does not go together, before anything long: check_solution(), a part with contact or
-/// a distance that is negative or not finite, a check of nothing.
-void check_local(const Case& planned_case, const SubmodelOptions& local);
+/// @param check_far as plan_approach() takes it. @throws InputError naming what does not go together, before anything
+/// long: check_solution(), check_pressures(), a check where no far field is linear.
+void check_plan(const Case& planned_case, bool check_far);
 
 /// Solved as the case's `solution` and `contact` say.
-/// @throws InputError on a malformed approach, on a part that a hook reaches beyond, and on choices that do not go
-/// together (check_local()); SolverError on a body that cannot be solved.
-PlannedField plan_approach(
-    Patient& patient, const Approach& approach, const Job& job = {}, const SubmodelOptions& local = {});
+/// @param check_far where the case's solution is linear far from the lips: also solves all of the wall nonlinearly and
+/// states the difference.
+/// @throws InputError on a malformed approach and on choices that do not go together (check_plan()); SolverError on a
+/// body that cannot be solved.
+PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job = {}, bool check_far = false);
 
 /// All approaches of the case, two at a time where the machine has the cores; results in the case's order.
-std::vector<PlannedField> plan_all(Patient& patient, const Job& job = {}, const SubmodelOptions& local = {});
+std::vector<PlannedField> plan_all(Patient& patient, const Job& job = {}, bool check_far = false);
 
 } // namespace retractor::planner

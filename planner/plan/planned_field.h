@@ -50,13 +50,4 @@ struct [[nodiscard]] PlannedField {
     FieldMetrics metrics;
 };
 
-/// Localisation: only the wall within so many mm of the lips is solved, and held where it borders on the rest, which
-/// stays as it is. Faster and stiffer; the metrics say by how much it may be off.
-struct SubmodelOptions {
-    double within_mm = 0.0; ///< 0: the whole wall
-    /// Solves the whole wall as well and states the difference; where the case's solution is linear far from the lips,
-    /// the whole wall nonlinearly.
-    bool check = false;
-};
-
 } // namespace retractor::planner

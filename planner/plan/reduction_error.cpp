@@ -23,37 +23,6 @@ namespace {
         return largest > 0.0 ? worst / largest : 0.0;
     }
 
-    /// Compares with a smaller part: half the distance, or, where a hook reaches beyond that, three quarters.
-    void estimate_local_error(const PlannedField& field, const RigidPieces& rigid, const WoundMeasures& here,
-        const fem::OpeningOptions& options, LocalMetrics& local, const Job& job)
-    {
-        constexpr double kSmaller[] = { 0.5, 0.75 };
-        for (const double share : kSmaller) {
-            try {
-                OpenedPart smaller = open_part(field, { share * local.within_mm }, drives_of(field.approach), options,
-                    as_stage(job, "opening, smaller part"));
-                local.smaller_mm = share * local.within_mm;
-                if (!is_usable(smaller.opening)) {
-                    local.message = "the smaller part was not opened as asked";
-                    return;
-                }
-                const WoundMeasures there
-                    = measures_of(field, rigid, smaller.opening.displacement, smaller.opening.hook_forces_N);
-                const double rest = share / (1.0 - share); // of an error that falls with one over the distance
-                local.opening_width_mm = rest * std::abs(here.width_mm - there.width_mm);
-                local.opening_area_mm2 = rest * std::abs(here.area_mm2 - there.area_mm2);
-                local.hook_force_N = rest * std::abs(here.larger_side_N() - there.larger_side_N());
-                local.message.clear();
-                return;
-            } catch (const InputError& error) { // a hook reaches beyond it: perhaps not beyond a larger part
-                local.message = std::string(error.what()) + "; compare with the whole wall instead";
-            } catch (const Error& error) { // the plan itself is good
-                local.message = std::string("the smaller part was not solved: ") + error.what();
-                return;
-            }
-        }
-    }
-
     void compare_with_far_change(
         const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, FarFieldMetrics& metrics)
     {
@@ -62,13 +31,13 @@ namespace {
         const Points at = wound.ten_node.size() == 0
             ? corners
             : Points(Eigen::Map<const Points>(wound.ten_node.data(), wound.ten_node.size() / 3, 3));
-        const HeldHooks held = held_hooks(field.approach, field.problem,
-            { choice.elasticity, choice.element == ElementKind::locking_free }, at, field.opening.hook_forces_N,
-            wound.contact);
+        // A far field goes neither with locking-free elements nor with contact: check_solution().
+        const HeldHooks held
+            = held_hooks(field.approach, field.problem, { choice.elasticity }, at, field.opening.hook_forces_N, {});
         WoundAnswer changed { .displacement = field.opening.displacement + far.displacement_change };
         for (std::size_t i = 0; i < field.hooks.size(); ++i)
             changed.hook_forces_N.push_back(field.opening.hook_forces_N[i] + far.hook_force_changes_N[i]);
-        if (!correct_hook_equilibrium(held, {}, changed)) {
+        if (!correct_hook_equilibrium(held, changed)) {
             metrics.message = "by its own law the tissue there does not tell where the hooks would rest";
             return;
         }
@@ -96,13 +65,14 @@ void estimate_far_field_error(PlannedField& field, const OpenedWound& wound, con
 }
 
 WholeMetrics compare_with_whole(
-    const PlannedField& field, const RigidPieces& rigid, const fem::OpeningOptions& options, const Job& job)
+    const PlannedField& field, const RigidPieces& rigid, const SolverSettings& choice, const Job& job)
 {
     const Stopwatch watch;
     WholeMetrics measured;
     try {
-        fem::OpeningResult whole
-            = open_part(field, {}, drives_of(field.approach), options, as_stage(job, "opening, whole wall")).opening;
+        OpenedWall opened = open_wall(
+            field, 0.0, drives_of(field.approach), opening_options(choice), as_stage(job, "opening, whole wall"));
+        fem::OpeningResult& whole = opened.opening;
         if (is_usable(whole)) {
             const WoundMeasures there = measures_of(field, rigid, whole.displacement, whole.hook_forces_N);
             measured.opening_width_mm = there.width_mm;
@@ -118,21 +88,4 @@ WholeMetrics compare_with_whole(
     return measured;
 }
 
-void estimate_localisation_error(PlannedField& field, const RigidPieces& rigid, const fem::OpeningOptions& options,
-    const SubmodelOptions& plan, const Job& job)
-{
-    LocalMetrics& local = *field.metrics.local;
-    if (!is_usable(field.opening)) {
-        local.message = "the wound was not opened as asked";
-        return;
-    }
-    const Stopwatch watch;
-    if (local.rim_vertices > 0)
-        estimate_local_error(field, rigid, measures_of(field), options, local, job);
-    local.seconds = watch.seconds();
-    if (plan.check && !job.cancelled())
-        local.whole = compare_with_whole(field, rigid, options, job);
-    if (job.cancelled())
-        field.status = PlanStatus::cancelled;
-}
 } // namespace retractor::planner

@@ -16,7 +16,7 @@ std::vector<VerificationProblem> verification_problems()
         cantilever_problem(), cardiac_beam_problem(), estimate_problem(), calculix_problem(), febio_problem() };
 }
 
-std::vector<VerificationProblem> ladder_problems() { return { solver_ladder_problem(), localisation_problem() }; }
+std::vector<VerificationProblem> ladder_problems() { return { solver_ladder_problem() }; }
 
 std::vector<StabilityCase> stability_cases()
 {

@@ -11,7 +11,7 @@ namespace retractor::verification {
 /// Problems with known answers, in the order of the list of reference problems.
 std::vector<VerificationProblem> verification_problems();
 
-/// Solvers of one opened incision against the finest answer, and parts of a body against the whole.
+/// Solvers of one opened incision against the finest answer.
 std::vector<VerificationProblem> ladder_problems();
 
 /// Extreme cases, in the order of the list of extreme cases.

@@ -5,7 +5,6 @@
 #include "fem/io/febio_file.h"
 #include "fem/statics/driven_opening.h"
 #include "fem/statics/elastic_problem.h"
-#include "fem/statics/local_problem.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/error.h"
 #include "tests/support/reference_problems.h"
@@ -283,8 +282,6 @@ namespace pressure_opening_test {
         EXPECT_LT((sum - Vec3(0.0, 0.0, 1e-3 * kArea)).norm(), 1e-12);
         EXPECT_EQ(test_support::message_of([&] { (void)febio_file(problem); }),
             "pressure of gas: FEBio files are written without pressure");
-        EXPECT_EQ(test_support::message_of([&] { (void)local_problem(problem, problem.mesh.vertices, 5.0); }),
-            "pressure of gas: pressure moves all of a body, and a part of it holds the rest still");
         OpeningOptions near { .near = std::vector<std::uint8_t>(problem.mesh.tet_count(), 1) };
         EXPECT_EQ(test_support::message_of([&] { (void)Opening(problem, near); }),
             "near field: a linear far field goes without pressure");

@@ -5,7 +5,6 @@
 #include "fem/io/febio_file.h"
 #include "fem/model/pre_strain.h"
 #include "fem/statics/driven_opening.h"
-#include "fem/statics/local_problem.h"
 #include "fem/statics/opening.h"
 #include "fem/statics/tension.h"
 #include "tests/support/hooked_block.h"
@@ -157,18 +156,6 @@ namespace released_tension_test {
         const Points ten_node = opened(with_midpoints(problem), linear).displacement;
         EXPECT_LT(difference(estimate.displacement, ten_node.topRows(estimate.displacement.rows())), 1e-3);
         EXPECT_LT(estimate.algebraic_error, 1e-6);
-    }
-
-    TEST(ReleasedTension, APartOfTheWallCarriesItOrRefuses)
-    {
-        ElasticProblem problem = without_hooks(loaded_block(4));
-        const Points middle = (Points(1, 3) << 30.0, 20.0, 20.0).finished();
-        EXPECT_NE(test_support::message_of([&] {
-            (void)local_problem(problem, middle, 5.0);
-        }).find("solve within a larger distance"),
-            std::string::npos);
-        const LocalProblem all = local_problem(problem, middle, 1000.0);
-        EXPECT_LT((nodal_loads(all.problem) - nodal_loads(problem)).norm(), kSolved * nodal_loads(problem).norm());
     }
 
     TEST(ReleasedTension, IsWrittenForCalculixAndNotForFebio)

@@ -155,6 +155,20 @@ namespace case_io_test {
             "/solution");
     }
 
+    TEST_F(CaseFile, TheRemovedSubmodelIsRefusedWithWhatReplacesIt)
+    {
+        Json json = Json::parse(case_to_json(sample()));
+        json["solution"] = { { "local", 60.0 } };
+        try {
+            (void)case_from_json(json.dump(), folder_);
+            FAIL() << "a submodel was accepted";
+        } catch (const InputError& error) {
+            EXPECT_EQ(error.where(), "/solution/local");
+            EXPECT_NE(std::string(error.what()).find("the submodel was removed"), std::string::npos) << error.what();
+            EXPECT_NE(std::string(error.what()).find("near_mm does it right"), std::string::npos) << error.what();
+        }
+    }
+
     TEST_F(CaseFile, LawsOfMaterialsComeBackAndBadOnesAreRefused)
     {
         Case c = sample();

@@ -103,45 +103,6 @@ namespace report_test {
         EXPECT_EQ(none.at("second_opinion").at("message"), "ccx died");
     }
 
-    TEST(Metrics, APartThatWasSolvedSaysHowFarItMayBeOff)
-    {
-        FieldMetrics field = sample_field("median");
-        EXPECT_FALSE(metrics_document({ field }).at("approaches").at(0).contains("local"));
-        field.opening_width_mm = 62.1;
-        LocalMetrics& local = field.local.emplace();
-        local.within_mm = 60.0;
-        local.tets = 1234;
-        local.rim_vertices = 56;
-        local.opening_width_mm = 1.3;
-        local.hook_force_N = 2.5;
-        local.smaller_mm = 30.0;
-        const auto estimated = metrics_document({ field }).at("approaches").at(0).at("local");
-        EXPECT_EQ(estimated.at("tets"), 1234);
-        EXPECT_DOUBLE_EQ(estimated.at("error_estimate").at("hook_force_N").get<double>(), 2.5);
-        EXPECT_FALSE(estimated.contains("whole"));
-        EXPECT_NE(local_text(field).find("opening 62.1 mm +- 1.3, force 22.5 N +- 2.5"), std::string::npos);
-        WholeMetrics& whole = local.whole.emplace();
-        whole.hook_force_N = 20.1;
-        whole.opening_width_mm = 63.0;
-        whole.lips_difference = 0.02;
-        const auto checked = metrics_document({ field }).at("approaches").at(0).at("local");
-        EXPECT_DOUBLE_EQ(checked.at("whole").at("hook_force_N").get<double>(), 20.1);
-        EXPECT_NE(
-            local_text(field).find("the whole: opening 63.0 mm, force 20.1 N, lips within 2.0 %"), std::string::npos);
-        EXPECT_FALSE(local_caution(field).empty()); // 22.5 N of the part beside 20.1 N of the whole
-        whole.hook_force_N = 21.0;
-        EXPECT_TRUE(local_caution(field).empty()) << local_caution(field);
-        whole.lips_difference = 0.4;
-        EXPECT_FALSE(local_caution(field).empty());
-        local.message = "the hooks reach beyond smaller parts";
-        whole.message = "not converged";
-        const auto none = metrics_document({ field }).at("approaches").at(0).at("local");
-        EXPECT_FALSE(none.at("error_estimate").contains("hook_force_N"));
-        EXPECT_EQ(none.at("whole").at("message"), "not converged");
-        EXPECT_TRUE(local_caution(field).empty());
-        EXPECT_NE(local_text(field).find("not estimated: the hooks reach beyond"), std::string::npos);
-    }
-
     TEST(Metrics, ContactIsSaid)
     {
         FieldMetrics field = sample_field("median");

@@ -55,10 +55,10 @@ namespace pressure_plan_test {
         return approach;
     }
 
-    PlannedField planned(const Case& planned_case, const SubmodelOptions& local = {})
+    PlannedField planned(const Case& planned_case)
     {
         Patient patient(planned_case, {});
-        return plan_approach(patient, approach_to(patient, 10.0), {}, local);
+        return plan_approach(patient, approach_to(patient, 10.0));
     }
 
     TEST(PressurePlan, GasBelowTheWallPressesWhereTheWallBordersOnIt)
@@ -245,10 +245,6 @@ namespace pressure_plan_test {
         planned_case.pressures = { { "cavity", 1.0 }, { "cavity", 2.0 } };
         EXPECT_NE(refusal([&] { (void)planned(planned_case); }).find("comes twice"), std::string::npos);
         planned_case.pressures.pop_back();
-        EXPECT_NE(refusal([&] {
-            (void)planned(planned_case, { .within_mm = 30.0 });
-        }).find("distance from the lips, pressures"),
-            std::string::npos);
         planned_case.solution.near_mm = 30.0;
         EXPECT_NE(
             refusal([&] { (void)planned(planned_case); }).find("/solution/near_mm, pressures"), std::string::npos);

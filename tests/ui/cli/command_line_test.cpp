@@ -106,8 +106,8 @@ TEST_F(CommandLine, UsageAndBadInputExitWithTwoAndOneJsonDocument)
 {
     EXPECT_EQ(run("no-such-command").exit_code, 2);
     EXPECT_EQ(run("plan").exit_code, 2);
-    EXPECT_EQ(run("plan " + case_file() + " --check --out " + out("x")).exit_code, 2); // of what, without --local
-    for (const char* wrong : { "--local -5", "--local nan", "--near nan", "--near -1", "--reference-limit nan" })
+    EXPECT_EQ(run("plan " + case_file() + " --check --out " + out("x")).exit_code, 2); // of what, without --near
+    for (const char* wrong : { "--local 60", "--near nan", "--near -1", "--reference-limit nan" })
         EXPECT_EQ(run("plan " + case_file() + " " + wrong + " --out " + out("x")).exit_code, 2) << wrong;
     const test_support::CommandRun missing = run("--json plan " + out("none/case.json") + " --out " + out("x"));
     EXPECT_NE(missing.exit_code, 0);
@@ -295,7 +295,7 @@ TEST_F(CommandLine, HowWoundsAreSolvedIsChosenInTheCaseOrByOption)
     EXPECT_EQ(solution.at("near_mm"), 20.0);
     EXPECT_EQ(solution.at("laws").at("fat"), "neo-Hookean");
     for (const char* contradiction : { " --near 20", " --element p1 --near 20 --contact",
-             " --element p1 --near 20 --elasticity linear", " --element p1 --near 20 --local 20", " --check" })
+             " --element p1 --near 20 --elasticity linear", " --check" })
         EXPECT_EQ(run(plan + contradiction).exit_code, 2) << contradiction;
     EXPECT_EQ(run(plan + " --element p3").exit_code, 2);
     std::ofstream(case_file()) << kept;
@@ -334,9 +334,9 @@ TEST_F(CommandLine, TensionIsSetListedPlannedWithAndTakenOff)
 TEST_F(CommandLine, PressureIsPlannedWithAndRefusedByName)
 {
     const std::string plan = "--json plan " + case_file() + " --elasticity linear --out " + out("pressed");
-    for (const char* wrong : { "cavity", "cavity=", "cavity=nan", "cavity=inf", "cavity=-200", "cavity=2000",
-             "nobody=1", "skin=1", "cavity=1 --pressure cavity=2", "cavity=1 --local 30", "cavity=1 --export feb",
-             "cavity=1 --elasticity corotational --near 30" })
+    for (const char* wrong :
+        { "cavity", "cavity=", "cavity=nan", "cavity=inf", "cavity=-200", "cavity=2000", "nobody=1", "skin=1",
+            "cavity=1 --pressure cavity=2", "cavity=1 --export feb", "cavity=1 --elasticity corotational --near 30" })
         EXPECT_EQ(run(plan + " --pressure " + wrong).exit_code, 2) << wrong;
     EXPECT_NE(run(plan + " --pressure nobody=1").error().find("there is no label \"nobody\""), std::string::npos);
     EXPECT_FALSE(fs::exists(out("pressed")));
@@ -492,10 +492,9 @@ TEST_F(CommandLine, RefusalsNameTheOptionsOfTheirOwnCommand)
     EXPECT_NE(hooked.error().find("use 2, 4, 8 or blade (option --template)"), std::string::npos) << hooked.out;
     EXPECT_EQ(hooked.json().at("where"), "hook template");
     const test_support::CommandRun both
-        = run("--json plan " + case_file() + " --local 30 --contact --approach straight --out " + out("both"));
+        = run("--json plan " + case_file() + " --near 30 --contact --approach straight --out " + out("both"));
     EXPECT_EQ(both.exit_code, 2);
-    EXPECT_NE(both.error().find("leave one of the two out (options --local, --contact)"), std::string::npos)
-        << both.out;
+    EXPECT_NE(both.error().find("leave one of the two out (options --near, --contact)"), std::string::npos) << both.out;
 }
 
 TEST_F(CommandLine, MisspeltWordsAreNamedWithTheNearestKnown)

@@ -225,8 +225,8 @@ void add_verification(ui::cli::Commands& commands)
         "An extreme case ends in a right answer or in a refusal that says why.");
     commands.app
         .add_option("--suite", options->suite,
-            "analytic: problems with known answers; stability: stiff and extreme cases; ladder: solvers, and parts of "
-            "a body, against the finest answer")
+            "analytic: problems with known answers; stability: stiff and extreme cases; ladder: solvers against the "
+            "finest answer")
         ->check(CLI::IsMember({ "analytic", "stability", "ladder", "all" }))
         ->capture_default_str();
     commands.app.add_option("--problem", options->problems, "Only these, by name, of all suites");

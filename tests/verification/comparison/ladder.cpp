@@ -1,12 +1,9 @@
-// Which solver, and how much of the body? One opened incision by every solver against the finest answer, and parts of a
-// body against the whole.
+// Which solver? One opened incision by every solver against the finest answer.
 
 #include "tests/verification/comparison/solver_problems.h"
 
 #include "fem/springs/edge_springs.h"
 #include "fem/springs/spring_relaxation.h"
-#include "fem/statics/local_problem.h"
-#include "fem/statics/opening.h"
 #include "mesh/base/error.h"
 #include "tests/verification/framework/incision.h"
 #include "tests/verification/framework/meshes.h"
@@ -195,111 +192,6 @@ namespace {
         return rows;
     }
 
-    struct PartOrWhole {
-        Eigen::VectorXd displacement; ///< by vertices of the whole
-        double force = 0.0, seconds = 0.0, residual = 0.0;
-        std::size_t tets = 0, nodes = 0;
-    };
-
-    PartOrWhole solve_part(const fem::ElasticProblem& whole, const Points& wound, double distance,
-        fem::Elasticity elasticity, const Job& job)
-    {
-        const Stopwatch watch;
-        fem::LocalProblem local;
-        if (distance > 0.0)
-            local = fem::local_problem(whole, wound, distance);
-        const fem::ElasticProblem& problem = distance > 0.0 ? local.problem : whole;
-        fem::Opening opening(problem.mesh, problem.material_of_label, problem.supports, { .elasticity = elasticity });
-        const fem::OpeningResult result = opening.open(problem.hooks, job);
-        if (result.status != fem::OpeningStatus::converged && result.status != fem::OpeningStatus::inverted)
-            throw SolverError(result.message);
-        PartOrWhole answer { Eigen::VectorXd::Zero(whole.mesh.vertices.size()), result.hook_forces_N.back().norm(),
-            watch.seconds(), result.residual, problem.mesh.tet_count(), problem.mesh.vertex_count() };
-        for (Eigen::Index v = 0; v < result.displacement.rows(); ++v)
-            answer.displacement.segment<3>(
-                3 * (distance > 0.0 ? static_cast<Eigen::Index>(local.vertex_of[static_cast<std::size_t>(v)]) : v))
-                = result.displacement.row(v).transpose();
-        return answer;
-    }
-
-    /// Largest distance between where the lips are and where they should be, over the largest displacement.
-    double off_at_lips(const Incision& incision, const PartOrWhole& part, const PartOrWhole& whole)
-    {
-        double worst = 0.0;
-        for (const mesh::LipFace& lip : incision.lips)
-            for (const VertexId v : mesh::face_vertices(incision.mesh, lip.face))
-                worst = std::max(worst, (part.displacement - whole.displacement).segment<3>(3 * v).norm());
-        double largest = 0.0;
-        for (Eigen::Index v = 0; v < whole.displacement.size(); v += 3)
-            largest = std::max(largest, whole.displacement.segment<3>(v).norm());
-        return worst / largest;
-    }
-
-    std::vector<VerificationRow> localisation(const VerificationOptions& options, const Job& job)
-    {
-        constexpr double kCoarsest = 10.0, kUsual = 20.0 / 3.0, kFine = 4.0; // mm
-        const double cell = options.meshes == 1 ? kCoarsest : options.fine ? kFine : kUsual;
-        const IncisedBlock block { .size = { 160.0, 160.0, 40.0 },
-            .cell = cell,
-            .length = 60.0,
-            .depth = 20.0,
-            .hook_width = 20.0,
-            .hook_height = cell < kUsual ? 2.0 * cell : cell };
-        const Incision incision = incise(uncut_block(block), incision_blade(block));
-        const fem::ElasticProblem problem
-            = hooked_open(block, incision, { "fat", 0.01, 0.45, 1e-9, "verification" }, { 0.0, 10.0, 2.0 });
-        std::vector<VertexId> lips;
-        for (const mesh::LipFace& lip : incision.lips)
-            for (const VertexId v : mesh::face_vertices(incision.mesh, lip.face))
-                lips.push_back(v);
-        const Points wound = incision.mesh.vertices(lips, Eigen::all);
-        constexpr double kLips = 0.02, kForce = 0.05; // 80 mm from the wound
-        const OrderRule falls { .asks = OrderRule::Asks::fall,
-            .why = "it falls with the distance, as the field of balanced forces does [Saint-Venant]" };
-        std::vector<VerificationRow> displacements, forces;
-        for (const fem::Elasticity elasticity : { fem::Elasticity::linear, fem::Elasticity::corotational }) {
-            if (job.cancelled())
-                break;
-            const PartOrWhole whole = solve_part(problem, wound, 0.0, elasticity, job);
-            const auto compared = [&](const PartOrWhole& part, double distance) {
-                VerificationRow row;
-                row.problem = "part of a body";
-                row.element = element_name(VerificationElement::p1);
-                row.note = distance > 0.0 ? "within " + std::to_string(std::lround(distance)) + " mm" : "the whole";
-                row.law = elasticity == fem::Elasticity::linear ? "linear" : "corotational";
-                row.tets = part.tets;
-                row.nodes = part.nodes;
-                row.residual = part.residual;
-                row.seconds = part.seconds;
-                if (distance > 0.0)
-                    row.size = distance;
-                std::array<VerificationRow, 2> rows { row, row };
-                compare(rows[0], "error of the lips' place over the largest displacement",
-                    off_at_lips(incision, part, whole), 0.0);
-                compare(rows[1], "error of a hook's force, N", part.force, whole.force);
-                return rows;
-            };
-            std::array<std::vector<VerificationRow>, 2> parts;
-            for (const double distance : { 10.0, 20.0, 40.0, 80.0 }) {
-                if (job.cancelled())
-                    break;
-                const auto both = compared(solve_part(problem, wound, distance, elasticity, job), distance);
-                for (std::size_t i = 0; i < both.size(); ++i)
-                    parts[i].push_back(both[i]);
-            }
-            const double none = std::numeric_limits<double>::quiet_NaN();
-            append_series(displacements, parts[0], none, kLips, falls);
-            append_series(forces, parts[1], none, kForce, falls);
-            std::array<VerificationRow, 2> references = compared(whole, 0.0);
-            for (VerificationRow& row : references)
-                show_only(row, "what the parts are compared with");
-            displacements.push_back(references[0]);
-            forces.push_back(references[1]);
-        }
-        displacements.insert(displacements.end(), forces.begin(), forces.end());
-        return displacements;
-    }
-
 } // namespace
 
 VerificationProblem solver_ladder_problem()
@@ -308,14 +200,6 @@ VerificationProblem solver_ladder_problem()
         "an opened incision of 20 mm in nearly incompressible tissue by every solver, against quadratic hyperelastic "
         "elements",
         solver_ladder, "nodal P1, which `plan` does not offer; laws with fibres: fat has none" };
-}
-
-VerificationProblem localisation_problem()
-{
-    return { "part of a body",
-        "an opened incision of 60 mm: only the elements within so many mm of it, held still where they end, against "
-        "the whole",
-        localisation, "elements but plain P1: what a part leaves out is the body's, not the element's" };
 }
 
 } // namespace retractor::verification

@@ -1,5 +1,5 @@
 #pragma once
-// Solvers against each other: the fast paths of the window, the ladder of elements and laws, parts of a body.
+// Solvers against each other: the fast paths of the window, the ladder of elements and laws.
 
 #include "tests/verification/framework/problem.h"
 
@@ -9,7 +9,5 @@ namespace retractor::verification {
 VerificationProblem fast_paths_problem();
 /// Solvers of one opened incision against the finest answer.
 VerificationProblem solver_ladder_problem();
-/// Parts of a body against the whole body.
-VerificationProblem localisation_problem();
 
 } // namespace retractor::verification

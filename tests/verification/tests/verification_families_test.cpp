@@ -160,17 +160,6 @@ namespace verification_families_test {
                 { "solver ladder", "locking-free P1", "", 0.0604 }, { "solver ladder", "P2", "", 0.0342 } });
     }
 
-    TEST(VerificationFamilies, PartOfABody)
-    {
-        const std::vector<VerificationRow> rows = localisation_problem().run({ .meshes = 1 }, Job {});
-        expect_passed(rows);
-        // The larger the part, the nearer it comes.
-        for (std::size_t i = 1; i < rows.size(); ++i)
-            if (rows[i].law == rows[i - 1].law && rows[i].quantity == rows[i - 1].quantity) {
-                EXPECT_LT(rows[i].error, rows[i - 1].error) << rows[i].quantity << ", " << rows[i].note;
-            }
-    }
-
     TEST(VerificationFamilies, FebioTe03)
     {
         const char* set = std::getenv("RETRACTOR_SHARED_DATA");

@@ -42,7 +42,6 @@ namespace {
         { "target", "--target" },
         { "template_name", "--template" },
         { "wall_mm", "--wall" },
-        { "within_mm", "--local" },
         { "youngs_modulus_MPa", "--young" },
     };
 

@@ -354,10 +354,6 @@ std::string field_table(const std::vector<planner::PlannedField>& fields)
         if (m.tension)
             text += "  " + planner::tension_text(m) + "\n";
         text += "  " + planner::error_text(m) + "\n";
-        if (m.local)
-            text += "  " + planner::local_text(m) + "\n";
-        if (const std::string caution = planner::local_caution(m); !caution.empty())
-            text += "  caution: " + caution + "\n";
         if (m.contact)
             text += "  " + planner::contact_text(m) + "\n";
         if (m.second_opinion)

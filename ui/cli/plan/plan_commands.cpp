@@ -32,7 +32,7 @@ namespace {
 
     namespace fs = std::filesystem;
 
-    constexpr double kNearestMm = 0.1, kFarthestMm = 1e4; // from the lips: no patient reaches beyond
+    constexpr double kFarthestMm = 1e4; // from the lips: no patient reaches beyond
 
     struct PlanOptions {
         std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity, element;
@@ -41,7 +41,7 @@ namespace {
         std::optional<std::string> export_formats;
         double reference_limit_s = 600.0;
         std::optional<double> near_mm; ///< where it was given, also 0
-        planner::SubmodelOptions local {};
+        bool check_far = false; ///< as plan_approach() takes it
         bool render = false, contact = false;
         bool parallel = false;
     };
@@ -129,7 +129,7 @@ namespace {
             solution.element = planner::element_from_string(options.element).value();
         solution.near_mm = options.near_mm.value_or(solution.near_mm);
         set_pressures(planned_case, options.pressures);
-        planner::check_local(planned_case, options.local);
+        planner::check_plan(planned_case, options.check_far);
         refuse_unwritable_tissue(planned_case, options);
         if (planned_case.approaches.empty())
             throw InputError(
@@ -158,7 +158,7 @@ namespace {
             , folder(options.out)
             , made(folder)
         {
-            fields = plan_all(patient, job, options.local);
+            fields = plan_all(patient, job, options.check_far);
             refuse_if_cancelled(job);
         }
         planner::Patient patient;
@@ -433,7 +433,6 @@ void add_plan_command(Commands& commands)
     CLI::App* command = commands.app.add_subcommand("plan", "Cut, open and measure the approaches of a case");
     command->footer("Example: retractor plan case.json --out plan --render\n"
                     "Example: retractor plan case.json --out plan --reference ccx --export ccx,feb\n"
-                    "Example: retractor plan case.json --out plan --local 60 --check\n"
                     "Example: retractor plan case.json --out plan --elasticity hyperelastic --near 40 --check\n"
                     "Example: retractor plan case.json --out plan --pressure lung_left=1.3");
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
@@ -452,13 +451,8 @@ void add_plan_command(Commands& commands)
     command->add_option("--export", options->export_formats,
         "Also write the opened wound as a deck: ccx (CalculiX, .inp), feb (FEBio 4, .feb), or both, separated by a "
         "comma");
-    command
-        ->add_option("--local", options->local.within_mm,
-            "Solve only the wall within this distance (mm) of the lips, the rest held still: faster and stiffer (for "
-            "soft walls: ribs that cross its border cannot turn); the result says by how much it may be off")
-        ->check(in_range(kNearestMm, kFarthestMm));
-    command->add_flag("--check", options->local.check,
-        "With --local or --near: solve the whole wall alike as well and state the difference");
+    command->add_flag(
+        "--check", options->check_far, "With --near: also solve all of the wall nonlinearly and state the difference");
     command->callback(
         [&commands, options] { commands.run = [options](const Job& job) { return plan(*options, job); }; });
 }

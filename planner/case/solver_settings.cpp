@@ -56,7 +56,7 @@ double largest_poissons_ratio(ElementKind element)
     return element == ElementKind::p1 ? kFourNodes : kAny;
 }
 
-Material as_solved(Material material, ElementKind element)
+fem::Material as_solved(fem::Material material, ElementKind element)
 {
     // Beyond it four-node elements lock and fold.
     material.poissons_ratio = std::min(material.poissons_ratio, largest_poissons_ratio(element));

@@ -3,6 +3,7 @@
 // choice for all approaches of a case, so that they can be compared. Units mm.
 
 #include "fem/material/elasticity.h"
+#include "fem/material/material.h"
 
 #include <optional>
 #include <string>
@@ -34,7 +35,7 @@ std::optional<ElementKind> element_from_string(std::string_view text);
 double largest_poissons_ratio(ElementKind element);
 
 /// The material as elements of that kind can have it: its Poisson's ratio is cut off at largest_poissons_ratio().
-Material as_solved(Material material, ElementKind element);
+fem::Material as_solved(fem::Material material, ElementKind element);
 
 /// "hyperelastic within 40 mm of the lips, linear beyond; ten-node elements".
 std::string solution_text(const SolverSettings& choice);

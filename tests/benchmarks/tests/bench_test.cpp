@@ -14,7 +14,7 @@ namespace bench_test {
 using retractor::test_support::CommandRun;
 using Json = nlohmann::json;
 
-test_support::CommandRun run(const std::string& arguments)
+CommandRun run(const std::string& arguments)
 {
     return retractor::test_support::run_line(std::string(RETRACTOR_BENCH_PROGRAM) + " " + arguments + " 2>/dev/null");
 }
@@ -22,7 +22,7 @@ test_support::CommandRun run(const std::string& arguments)
 TEST(BenchCommand, HelpHasAnExampleForEveryCommand)
 {
     for (const char* command : { "palpate", "cut", "gape", "open", "drag", "springs", "spheres", "servo" }) {
-        const test_support::CommandRun help = run(std::string(command) + " --help");
+        const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find(std::string("Example: retractor-bench ") + command), std::string::npos) << command;
     }
@@ -36,7 +36,7 @@ TEST(BenchCommand, ListsOfSizesAreWrittenWithCommasOrSpaces)
 
 TEST(BenchCommand, CutMeasuresWhatTheCutReports)
 {
-    const test_support::CommandRun bench = run("cut --small --no-thorax --repeats 1 --json");
+    const CommandRun bench = run("cut --small --no-thorax --repeats 1 --json");
     ASSERT_EQ(bench.exit_code, 0) << bench.out;
     const Json rows = bench.json().at("results");
     ASSERT_EQ(rows.size(), 8u); // four models, two boxes
@@ -68,7 +68,7 @@ TEST(BenchCommand, CutMeasuresWhatTheCutReports)
 
 TEST(BenchCommand, OpenAgreesWithAFullRebuildOfItsOwnProcess)
 {
-    const test_support::CommandRun bench = run("open --sizes 12k --repeats 1 --json");
+    const CommandRun bench = run("open --sizes 12k --repeats 1 --json");
     ASSERT_EQ(bench.exit_code, 0) << bench.out;
     const Json row = bench.json().at("results").at(0);
     EXPECT_EQ(row.at("tets").get<int>(), 12000);
@@ -87,7 +87,7 @@ TEST(BenchCommand, OpenAgreesWithAFullRebuildOfItsOwnProcess)
 
 TEST(BenchCommand, GapeComparesSpringsAndFiniteElementsWithTheClosedForm)
 {
-    const test_support::CommandRun bench = run("gape --quick --json");
+    const CommandRun bench = run("gape --quick --json");
     ASSERT_EQ(bench.exit_code, 0) << bench.out;
     const Json rows = bench.json().at("results");
     std::map<std::string, std::set<double>> strains;
@@ -104,7 +104,7 @@ TEST(BenchCommand, GapeComparesSpringsAndFiniteElementsWithTheClosedForm)
 
 TEST(BenchCommand, CutSoakTakesEveryCutBack)
 {
-    const test_support::CommandRun soak = run("cut --soak 30 --soak-body 12k --json");
+    const CommandRun soak = run("cut --soak 30 --soak-body 12k --json");
     const Json json = soak.json();
     EXPECT_EQ(json.at("cuts"), 30);
     ASSERT_EQ(json.at("flatness").size(), 3u);

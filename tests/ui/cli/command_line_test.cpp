@@ -21,15 +21,9 @@ using Json = nlohmann::json;
 
 using retractor::test_support::CommandRun;
 
-test_support::CommandRun run_program(const std::string& line)
-{
-    return retractor::test_support::run_line(line + " 2>/dev/null");
-}
+CommandRun run_program(const std::string& line) { return retractor::test_support::run_line(line + " 2>/dev/null"); }
 
-test_support::CommandRun run(const std::string& arguments)
-{
-    return run_program(std::string(RETRACTOR_PROGRAM) + " " + arguments);
-}
+CommandRun run(const std::string& arguments) { return run_program(std::string(RETRACTOR_PROGRAM) + " " + arguments); }
 
 std::set<std::string> parts_of(const Json& document)
 {
@@ -64,7 +58,7 @@ TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
     for (const char* command : { "phantom", "import", "approach add", "hooks", "tension", "mesh", "cut", "plan",
              "render", "demo", "doctor", "palpate", "relay", "train", "train expert", "train test", "train report" }) {
-        const test_support::CommandRun help = run(std::string(command) + " --help");
+        const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;
     }
@@ -94,7 +88,7 @@ TEST_F(CommandLine, ACaseFileMayHaveAnyName)
     EXPECT_EQ(
         run("cut " + second + " --approach straight --out " + out("named_again") + " --replay " + journal).exit_code,
         0);
-    const test_support::CommandRun plan = run("--json plan " + second + " --out " + out("named_plan"));
+    const CommandRun plan = run("--json plan " + second + " --out " + out("named_plan"));
     ASSERT_EQ(plan.exit_code, 0);
     EXPECT_EQ(plan.json().at("computed").at("case"), "named/second.json");
     EXPECT_EQ(run("render " + second + " --views overview --size 320x240 --out " + out("named_pictures")).exit_code, 0);
@@ -109,11 +103,11 @@ TEST_F(CommandLine, UsageAndBadInputExitWithTwoAndOneJsonDocument)
     EXPECT_EQ(run("plan " + case_file() + " --check --out " + out("x")).exit_code, 2); // of what, without --near
     for (const char* wrong : { "--local 60", "--near nan", "--near -1", "--reference-limit nan" })
         EXPECT_EQ(run("plan " + case_file() + " " + wrong + " --out " + out("x")).exit_code, 2) << wrong;
-    const test_support::CommandRun missing = run("--json plan " + out("none/case.json") + " --out " + out("x"));
+    const CommandRun missing = run("--json plan " + out("none/case.json") + " --out " + out("x"));
     EXPECT_NE(missing.exit_code, 0);
     EXPECT_TRUE(missing.json().contains("error"));
     EXPECT_TRUE(missing.json().contains("where"));
-    const test_support::CommandRun unknown = run("--json plan " + case_file() + " --approach nobody --out " + out("x"));
+    const CommandRun unknown = run("--json plan " + case_file() + " --approach nobody --out " + out("x"));
     EXPECT_EQ(unknown.exit_code, 2);
     EXPECT_NE(unknown.json().at("error").get<std::string>().find("straight"), std::string::npos); // says what there is
     EXPECT_EQ(run("render " + case_file() + " --out " + out("x") + " --size 0x10").exit_code, 2);
@@ -131,12 +125,12 @@ TEST_F(CommandLine, CommandsThatAreProgramsOfTheirOwnNameTheProgram)
              std::pair { "verify --suite stability --threads 2", "retractor-verify" },
              std::pair { "verify --help", "retractor-verify" }, std::pair { "bench", "retractor-bench" },
              std::pair { "bench cut --soak 30", "retractor-bench" } }) {
-        const test_support::CommandRun moved
+        const CommandRun moved
             = retractor::test_support::run_line(std::string(RETRACTOR_PROGRAM) + " " + arguments + " 2>&1");
         EXPECT_EQ(moved.exit_code, 2) << arguments;
         EXPECT_EQ(std::count(moved.out.begin(), moved.out.end(), '\n'), 1) << moved.out;
         EXPECT_NE(moved.out.find(program), std::string::npos) << moved.out;
-        const test_support::CommandRun json = run(std::string(arguments) + " --json");
+        const CommandRun json = run(std::string(arguments) + " --json");
         EXPECT_EQ(json.exit_code, 2) << arguments;
         EXPECT_NE(json.error().find(program), std::string::npos) << json.out;
     }
@@ -147,7 +141,7 @@ TEST_F(CommandLine, ListsOfWordsAreWrittenWithCommasOrSpaces)
 {
     for (const char* organs : { "cavity,target", "cavity target" }) {
         fs::copy(folder / "c", folder / "lists", fs::copy_options::recursive | fs::copy_options::overwrite_existing);
-        const test_support::CommandRun added = run("--json approach add " + out("lists/case.json")
+        const CommandRun added = run("--json approach add " + out("lists/case.json")
             + " --name listed --points 1.3,0,-25 1.3,0,25 --target target --retract " + organs);
         ASSERT_EQ(added.exit_code, 0) << organs;
         EXPECT_EQ(added.json().at("retracted"), Json({ "cavity", "target" })) << organs;
@@ -156,12 +150,11 @@ TEST_F(CommandLine, ListsOfWordsAreWrittenWithCommasOrSpaces)
 
 TEST_F(CommandLine, PalpateWritesForcesOfBothRegions)
 {
-    const test_support::CommandRun phantom
-        = run("--json phantom aorta --out " + out("aorta") + " --around 14 --along 28");
+    const CommandRun phantom = run("--json phantom aorta --out " + out("aorta") + " --around 14 --along 28");
     ASSERT_EQ(phantom.exit_code, 0);
     EXPECT_EQ(phantom.json().at("vertices").get<int>(), 14 * 2 * 29);
     const std::string scene = phantom.json().at("scene").get<std::string>();
-    const test_support::CommandRun felt
+    const CommandRun felt
         = run("--json --profile palpate " + scene + " --seconds 1.5 --out " + out("aorta/forces.csv"));
     ASSERT_EQ(felt.exit_code, 0);
     const Json document = felt.json();
@@ -179,12 +172,11 @@ TEST_F(CommandLine, PalpateWritesForcesOfBothRegions)
     std::string header;
     std::getline(csv, header);
     EXPECT_NE(header.find("time_s,pressure_mmHg"), std::string::npos);
-    const test_support::CommandRun pinched = run("--json palpate " + scene
+    const CommandRun pinched = run("--json palpate " + scene
         + " --element p1 --seconds 0.5 --pinch normal --device simulated --out " + out("aorta/pinch.csv"));
     ASSERT_EQ(pinched.exit_code, 0);
     EXPECT_EQ(pinched.json().at("presses")[0].at("fingers").size(), 2U);
-    const test_support::CommandRun unknown
-        = run("--json palpate " + scene + " --press left --out " + out("aorta/x.csv"));
+    const CommandRun unknown = run("--json palpate " + scene + " --press left --out " + out("aorta/x.csv"));
     EXPECT_EQ(unknown.exit_code, 2);
     EXPECT_NE(unknown.json().at("error").get<std::string>().find("normal"), std::string::npos); // says what there is
     EXPECT_EQ(run("palpate " + scene + " --device ghost --out " + out("aorta/x.csv")).exit_code, 2);
@@ -193,8 +185,7 @@ TEST_F(CommandLine, PalpateWritesForcesOfBothRegions)
 
 TEST_F(CommandLine, MeshBuildsNoSolver)
 {
-    const test_support::CommandRun mesh
-        = run("--json --profile mesh " + case_file() + " --approach straight --out " + out("mesh"));
+    const CommandRun mesh = run("--json --profile mesh " + case_file() + " --approach straight --out " + out("mesh"));
     ASSERT_EQ(mesh.exit_code, 0);
     const auto parts = parts_of(mesh.json());
     EXPECT_TRUE(parts.count("tetrahedra"));
@@ -227,7 +218,7 @@ TEST_F(CommandLine, CutIsReplayedFromItsJournal)
     const std::string journal = out("cuts.jsonl");
     fs::remove(journal);
     const std::string cut = "--json cut " + case_file() + " --approach straight --out ";
-    const test_support::CommandRun first = run(cut + out("cut") + " --journal " + journal);
+    const CommandRun first = run(cut + out("cut") + " --journal " + journal);
     ASSERT_EQ(first.exit_code, 0);
     const Json report = first.json();
     EXPECT_GT(report.at("report").at("tets_crossed").get<int>(), 100);
@@ -236,17 +227,17 @@ TEST_F(CommandLine, CutIsReplayedFromItsJournal)
     EXPECT_TRUE(report.at("pieces").at(0).at("held").get<bool>());
     EXPECT_TRUE(fs::exists(fs::path(out("cut")) / "straight-cut.vtu"));
     EXPECT_TRUE(fs::exists(fs::path(out("cut")) / "report.json"));
-    const test_support::CommandRun again = run(cut + out("again") + " --replay " + journal);
+    const CommandRun again = run(cut + out("again") + " --replay " + journal);
     ASSERT_EQ(again.exit_code, 0);
     EXPECT_EQ(again.json().at("replayed").get<int>(), 1);
     EXPECT_EQ(again.json().at("pieces"), report.at("pieces"));
-    const test_support::CommandRun undone = run(cut + out("undone") + " --replay " + journal + " --undo 1");
+    const CommandRun undone = run(cut + out("undone") + " --replay " + journal + " --undo 1");
     ASSERT_EQ(undone.exit_code, 0);
     EXPECT_EQ(undone.json().at("tets"), report.at("uncut_mesh").at("tets"));
-    const test_support::CommandRun too_many = run(cut + out("undone") + " --replay " + journal + " --undo 2");
+    const CommandRun too_many = run(cut + out("undone") + " --replay " + journal + " --undo 2");
     EXPECT_EQ(too_many.exit_code, 2);
     EXPECT_EQ(too_many.json().at("error"), "there is only 1 cut to undo");
-    const test_support::CommandRun negative = run(cut + out("undone") + " --replay " + journal + " --undo -1");
+    const CommandRun negative = run(cut + out("undone") + " --replay " + journal + " --undo -1");
     EXPECT_EQ(negative.exit_code, 2);
     EXPECT_EQ(negative.json().at("error"), "must be 0 or more, got -1");
     EXPECT_EQ(run(cut + out("undone") + " --finish").exit_code, 2) << "of no journal";
@@ -256,8 +247,7 @@ TEST_F(CommandLine, CutIsReplayedFromItsJournal)
     EXPECT_EQ(run(cut + out("undone") + " --replay " + journal + " --journal " + out("other.jsonl")).exit_code, 2);
     EXPECT_FALSE(fs::exists(out("other.jsonl")));
     const std::string same = (folder / "." / "cuts.jsonl").string();
-    const test_support::CommandRun on
-        = run(cut + out("on") + " --replay " + journal + " --journal " + same + " --undo 1");
+    const CommandRun on = run(cut + out("on") + " --replay " + journal + " --journal " + same + " --undo 1");
     ASSERT_EQ(on.exit_code, 0) << on.out;
     EXPECT_EQ(run(cut + out("on") + " --replay " + journal).json().at("replayed").get<int>(), 2);
     EXPECT_EQ(run("--json cut " + case_file() + " --approach none --out " + out("cut")).exit_code, 2);
@@ -265,7 +255,7 @@ TEST_F(CommandLine, CutIsReplayedFromItsJournal)
 
 TEST_F(CommandLine, PlanWithoutRenderBuildsNoRenderer)
 {
-    const test_support::CommandRun plan = run("--json --profile plan " + case_file() + " --out " + out("plan"));
+    const CommandRun plan = run("--json --profile plan " + case_file() + " --out " + out("plan"));
     ASSERT_EQ(plan.exit_code, 0);
     const Json document = plan.json();
     const auto parts = parts_of(document);
@@ -287,7 +277,7 @@ TEST_F(CommandLine, HowWoundsAreSolvedIsChosenInTheCaseOrByOption)
     document["solution"] = { { "elasticity", "hyperelastic" }, { "element", "locking-free" } };
     std::ofstream(case_file()) << document.dump(2);
     const std::string plan = "--json plan " + case_file() + " --out " + out("chosen");
-    const test_support::CommandRun near = run(plan + " --element p1 --near 20"); // the elasticity stays the case's
+    const CommandRun near = run(plan + " --element p1 --near 20"); // the elasticity stays the case's
     EXPECT_EQ(near.exit_code, 0) << near.out;
     const Json solution = near.json().at("approaches").at(0).at("solution");
     EXPECT_EQ(solution.at("elasticity"), "hyperelastic");
@@ -352,7 +342,7 @@ TEST_F(CommandLine, PressureIsPlannedWithAndRefusedByName)
     };
     const std::string before = metrics();
     EXPECT_NE(before.find("pressures"), std::string::npos);
-    const test_support::CommandRun apart = run(plan + " --pressure target=1");
+    const CommandRun apart = run(plan + " --pressure target=1");
     EXPECT_EQ(apart.exit_code, 2);
     EXPECT_NE(apart.error().find("does not border on \"target\""), std::string::npos);
     EXPECT_EQ(metrics(), before) << "what is refused changes nothing";
@@ -360,7 +350,7 @@ TEST_F(CommandLine, PressureIsPlannedWithAndRefusedByName)
 
 TEST_F(CommandLine, RenderDrawsTheViewsAndLoadsTheVolumeOnce)
 {
-    const test_support::CommandRun render
+    const CommandRun render
         = run("--json --profile render " + case_file() + " --out " + out("render") + " --size 320x240");
     ASSERT_EQ(render.exit_code, 0);
     EXPECT_EQ(render.json().at("pictures").size(), 3u);
@@ -379,7 +369,7 @@ TEST_F(CommandLine, ASceneWithoutACtBuildsNoVolume)
     Json document = Json::parse(in);
     document.erase("ct");
     std::ofstream(bare / "case.json") << document.dump(2);
-    const test_support::CommandRun render = run("--json --profile render " + (bare / "case.json").string() + " --out "
+    const CommandRun render = run("--json --profile render " + (bare / "case.json").string() + " --out "
         + out("bare_pictures") + " --size 320x240");
     ASSERT_EQ(render.exit_code, 0);
     const auto parts = parts_of(render.json());
@@ -404,7 +394,7 @@ TEST_F(CommandLine, AblationsAreAddedListedAndCut)
 {
     const std::string add = "--json approach add " + case_file()
         + " --points 1.3,0,-25 1.3,0,25 --target target --retract cavity --name taken ";
-    const test_support::CommandRun added
+    const CommandRun added
         = run(add + "--ablate fat:-6,5:10,40 --ablate ball:1,2,0,9 --loose removed --hooks 2 --opening 10");
     ASSERT_EQ(added.exit_code, 0) << added.out;
     const Json ablations = added.json().at("ablations");
@@ -418,12 +408,12 @@ TEST_F(CommandLine, AblationsAreAddedListedAndCut)
         EXPECT_NE(listed.find(line), std::string::npos) << listed;
 
     const std::string rest = case_file() + " --approach taken --out " + out("taken");
-    const test_support::CommandRun cut = run("cut " + rest);
+    const CommandRun cut = run("cut " + rest);
     ASSERT_EQ(cut.exit_code, 0) << cut.out;
     EXPECT_NE(cut.out.find("taken out: fat from -6.0 to 5.0 mm across"), std::string::npos) << cut.out;
     EXPECT_NE(cut.out.find(" cm3 of skin"), std::string::npos) << cut.out;
     EXPECT_EQ(cut.out.find("e+"), std::string::npos) << cut.out;
-    const test_support::CommandRun plan = run("plan " + rest);
+    const CommandRun plan = run("plan " + rest);
     ASSERT_EQ(plan.exit_code, 0) << plan.out;
     EXPECT_NE(plan.out.find("cm2 at rest) is not part of the opening"), std::string::npos) << plan.out;
     std::ifstream metrics(fs::path(out("taken")) / "metrics.json");
@@ -436,7 +426,7 @@ TEST_F(CommandLine, AblationsAreAddedListedAndCut)
     Json of_two { { "approaches", { field, field } } };
     of_two["approaches"][1]["name"] = "other";
     std::ofstream(fs::path(out("taken")) / "metrics.json") << of_two;
-    const test_support::CommandRun again = run("plan " + rest);
+    const CommandRun again = run("plan " + rest);
     EXPECT_NE(again.out.find("metrics-earlier.json keeps the earlier results of other"), std::string::npos)
         << again.out;
     std::ifstream kept(earlier);
@@ -460,7 +450,7 @@ TEST_F(CommandLine, AblationsAreAddedListedAndCut)
         { "ball:0,0,0,5:spleen", "there is no label \"spleen\"" },
     };
     for (const auto& [text, message] : refused) {
-        const test_support::CommandRun bad = run(add + "--ablate " + text);
+        const CommandRun bad = run(add + "--ablate " + text);
         EXPECT_EQ(bad.exit_code, 2) << text;
         EXPECT_EQ(bad.error().find(message), 0u) << bad.out;
         EXPECT_EQ(bad.json().at("where"), "--ablate " + text);
@@ -471,7 +461,7 @@ TEST_F(CommandLine, AblationsAreAddedListedAndCut)
 
 TEST_F(CommandLine, AClosedIncisionIsRefusedByItsPoints)
 {
-    const test_support::CommandRun closed = run("--json approach add " + case_file()
+    const CommandRun closed = run("--json approach add " + case_file()
         + " --name closed --target target --points -20,0,-20 20,0,-20 20,0,20 -20,0,20 -20,0,-20");
     EXPECT_EQ(closed.exit_code, 2);
     EXPECT_NE(closed.error().find("an incision does not close"), std::string::npos) << closed.out;
@@ -482,16 +472,15 @@ TEST_F(CommandLine, AClosedIncisionIsRefusedByItsPoints)
 TEST_F(CommandLine, RefusalsNameTheOptionsOfTheirOwnCommand)
 {
     // A library names the field; the same field is another option elsewhere, or none.
-    const test_support::CommandRun added = run("--json approach add " + case_file()
+    const CommandRun added = run("--json approach add " + case_file()
         + " --name hooked --target target --points 1.3,0,-25 0.9,0,0 1.3,0,25 --opening 20 --hooks 3");
     EXPECT_EQ(added.exit_code, 2);
     EXPECT_NE(added.error().find("use 2, 4, 8 or blade (option --hooks)"), std::string::npos) << added.out;
-    const test_support::CommandRun hooked
-        = run("--json hooks " + case_file() + " --approach straight --template 3 --opening 20");
+    const CommandRun hooked = run("--json hooks " + case_file() + " --approach straight --template 3 --opening 20");
     EXPECT_EQ(hooked.exit_code, 2);
     EXPECT_NE(hooked.error().find("use 2, 4, 8 or blade (option --template)"), std::string::npos) << hooked.out;
     EXPECT_EQ(hooked.json().at("where"), "hook template");
-    const test_support::CommandRun both
+    const CommandRun both
         = run("--json plan " + case_file() + " --near 30 --contact --approach straight --out " + out("both"));
     EXPECT_EQ(both.exit_code, 2);
     EXPECT_NE(both.error().find("leave one of the two out (options --near, --contact)"), std::string::npos) << both.out;
@@ -499,15 +488,15 @@ TEST_F(CommandLine, RefusalsNameTheOptionsOfTheirOwnCommand)
 
 TEST_F(CommandLine, MisspeltWordsAreNamedWithTheNearestKnown)
 {
-    const test_support::CommandRun command = run("--json plna " + case_file());
+    const CommandRun command = run("--json plna " + case_file());
     EXPECT_EQ(command.exit_code, 2);
     EXPECT_EQ(command.error(), "unknown command 'plna': did you mean 'plan'?");
     // --out is missing as well; the misspelt word comes first.
-    const test_support::CommandRun option = run("--json approach add " + case_file() + " --opning 30");
+    const CommandRun option = run("--json approach add " + case_file() + " --opning 30");
     EXPECT_EQ(option.exit_code, 2);
     EXPECT_EQ(option.error(), "approach add: unknown option '--opning': did you mean '--opening'?");
     EXPECT_EQ(option.json().at("where"), "command line");
-    const test_support::CommandRun text
+    const CommandRun text
         = retractor::test_support::run_line(std::string(RETRACTOR_PROGRAM) + " plan --opning 30 2>&1");
     EXPECT_NE(text.out.find("retractor: plan: unknown option '--opning'"), std::string::npos) << text.out;
 }
@@ -523,7 +512,7 @@ std::map<std::string, Json> checks_of(const Json& document)
 
 TEST_F(CommandLine, DoctorFindsWhatTheseTestsNeed)
 {
-    const test_support::CommandRun doctor = run("--json doctor");
+    const CommandRun doctor = run("--json doctor");
     EXPECT_EQ(doctor.exit_code, 0);
     EXPECT_TRUE(doctor.json().at("can_run").get<bool>());
     const auto checks = checks_of(doctor.json());
@@ -541,13 +530,12 @@ TEST_F(CommandLine, DoctorSaysWhatIsMissing)
     const fs::path alone = folder / "alone" / "retractor";
     fs::create_directories(alone.parent_path());
     fs::copy_file(RETRACTOR_PROGRAM, alone, fs::copy_options::overwrite_existing);
-    const test_support::CommandRun by_itself = run_program(alone.string() + " --json doctor");
+    const CommandRun by_itself = run_program(alone.string() + " --json doctor");
     EXPECT_EQ(by_itself.exit_code, 0);
     EXPECT_EQ(checks_of(by_itself.json()).at("egl").at("status"), "missing");
     EXPECT_EQ(checks_of(by_itself.json()).at("retractor-workstation").at("status"), "missing");
     // Where no file can be written, no image can be read back: the main job cannot run.
-    const test_support::CommandRun stuck
-        = run_program("TMPDIR=/proc " + std::string(RETRACTOR_PROGRAM) + " --json doctor");
+    const CommandRun stuck = run_program("TMPDIR=/proc " + std::string(RETRACTOR_PROGRAM) + " --json doctor");
     EXPECT_EQ(stuck.exit_code, 1);
     EXPECT_FALSE(stuck.json().at("can_run").get<bool>());
     EXPECT_EQ(checks_of(stuck.json()).at("NRRD").at("status"), "missing");
@@ -558,7 +546,7 @@ TEST_F(CommandLine, DamagedBytesInMessagesStayOneJsonDocument)
     const fs::path bad = folder / "bad" / "case.json";
     fs::create_directories(bad.parent_path());
     std::ofstream(bad, std::ios::binary) << "{\"schema\xff\xfe\": 1}";
-    const test_support::CommandRun run_bad = run("--json plan " + bad.string() + " --out " + out("x"));
+    const CommandRun run_bad = run("--json plan " + bad.string() + " --out " + out("x"));
     EXPECT_EQ(run_bad.exit_code, 2);
     EXPECT_FALSE(run_bad.json().at("error").get<std::string>().empty());
     EXPECT_NE(run_bad.json().at("where").get<std::string>().find("case.json#/"), std::string::npos);

@@ -81,7 +81,7 @@ namespace {
         VerificationRow row;
         row.problem = spread.problem;
         row.element = element_name(VerificationElement::p1);
-        row.law = to_string(chest.solution.elasticity);
+        row.law = planner::to_string(chest.solution.elasticity);
         row.nodes = field.wall.vertex_count();
         row.tets = field.wall.tet_count();
         row.residual = m.residual;

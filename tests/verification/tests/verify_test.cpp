@@ -17,12 +17,12 @@ namespace fs = std::filesystem;
 using retractor::test_support::CommandRun;
 using Json = nlohmann::json;
 
-test_support::CommandRun run(const std::string& arguments)
+CommandRun run(const std::string& arguments)
 {
     return retractor::test_support::run_line(std::string(RETRACTOR_VERIFY_PROGRAM) + " " + arguments + " 2>/dev/null");
 }
 
-test_support::CommandRun verify(const std::string& arguments) { return run("--json " + arguments); }
+CommandRun verify(const std::string& arguments) { return run("--json " + arguments); }
 
 fs::path empty_folder(const char* name)
 {
@@ -69,7 +69,7 @@ void write_te01(const fs::path& data, const std::string& c1)
 TEST(VerifyCommand, WritesATableAsJsonAndCsvAndAChart)
 {
     const fs::path out = empty_folder("cook");
-    const test_support::CommandRun run = verify("--problem \"Cook's membrane\" --out " + out.string());
+    const CommandRun run = verify("--problem \"Cook's membrane\" --out " + out.string());
     ASSERT_EQ(run.exit_code, 0) << run.out;
     EXPECT_EQ(run.json().at("failed"), 0);
     const Json rows = Json::parse(content(out / "verify.json")).at("results");
@@ -94,10 +94,10 @@ TEST(VerifyCommand, ExitsWithOneWhenAnAnswerIsNotWithinItsBound)
     const fs::path good = empty_folder("good"), wrong = empty_folder("wrong");
     write_te01(good, "1");
     write_te01(wrong, "1.001");
-    const test_support::CommandRun right = verify("--problem FEBio --data " + good.string());
+    const CommandRun right = verify("--problem FEBio --data " + good.string());
     EXPECT_EQ(right.exit_code, 0) << right.out;
     EXPECT_EQ(right.json().at("results").at(0).at("outcome"), "ok");
-    const test_support::CommandRun failed = verify("--problem FEBio --data " + wrong.string());
+    const CommandRun failed = verify("--problem FEBio --data " + wrong.string());
     EXPECT_EQ(failed.exit_code, 1) << failed.out;
     EXPECT_EQ(failed.json().at("failed"), 1);
     EXPECT_EQ(failed.json().at("results").at(0).at("outcome"), "FAILED");
@@ -105,19 +105,19 @@ TEST(VerifyCommand, ExitsWithOneWhenAnAnswerIsNotWithinItsBound)
 
 TEST(VerifyCommand, MissingFilesAreSkippedByNameAndUnknownProblemsRefused)
 {
-    const test_support::CommandRun none
+    const CommandRun none
         = verify("--problem FEBio --problem \"CalculiX beam10p\" --data " + empty_folder("none").string());
     EXPECT_EQ(none.exit_code, 0) << none.out;
     EXPECT_EQ(none.json().at("skipped"), none.json().at("results").size());
     EXPECT_NE(none.out.find("te02.feb is not there"), std::string::npos);
-    const test_support::CommandRun unknown = verify("--problem nothing");
+    const CommandRun unknown = verify("--problem nothing");
     EXPECT_EQ(unknown.exit_code, 2);
     EXPECT_NE(unknown.error().find("Cook's membrane"), std::string::npos) << "says what there is";
 }
 
 TEST(VerifyCommand, HelpHasAnExample)
 {
-    const test_support::CommandRun help = run("--help");
+    const CommandRun help = run("--help");
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Example: retractor-verify"), std::string::npos) << help.out;
     EXPECT_EQ(run("--suite nothing").exit_code, 2);
@@ -125,7 +125,7 @@ TEST(VerifyCommand, HelpHasAnExample)
 
 TEST(VerifyCommand, SaysLastWhatItDidNotCheckAndWhy)
 {
-    const test_support::CommandRun skipped = run("--problem FEBio --data " + empty_folder("no_files").string());
+    const CommandRun skipped = run("--problem FEBio --data " + empty_folder("no_files").string());
     EXPECT_EQ(skipped.exit_code, 0) << "nothing failed";
     const std::size_t end = skipped.out.find_last_not_of('\n');
     const std::string last = skipped.out.substr(skipped.out.rfind('\n', end) + 1);

@@ -194,9 +194,9 @@ namespace {
         const fem::Elasticity elasticity = field.metrics.solution.choice.elasticity;
         if (format == "feb" && elasticity != fem::Elasticity::hyperelastic)
             return " (neo-Hookean, of the same small-strain stiffness: the plan is "
-                + std::string(to_string(elasticity)) + ")";
+                + std::string(planner::to_string(elasticity)) + ")";
         if (format == "ccx" && elasticity != fem::Elasticity::linear)
-            return " (linear: the plan is " + std::string(to_string(elasticity)) + ")";
+            return " (linear: the plan is " + std::string(planner::to_string(elasticity)) + ")";
         return {};
     }
 

@@ -25,7 +25,7 @@ using Json = nlohmann::json;
 using retractor::test_support::CommandRun;
 
 /// @param before environment, or another program to be started first
-test_support::CommandRun run(const std::string& arguments, const std::string& before = {})
+CommandRun run(const std::string& arguments, const std::string& before = {})
 {
     return retractor::test_support::run_line(
         before + " " + RETRACTOR_PROGRAM + " --json " + arguments + " 2>/dev/null");
@@ -65,8 +65,7 @@ const std::string kTouch = std::string("RETRACTOR_HD_LIBRARY=") + RETRACTOR_STAN
 TEST_F(Palpate, EveryModelAnswersOnTheSheet)
 {
     for (const std::string model : { "fem", "springs", "spheres" }) {
-        const test_support::CommandRun felt
-            = run("palpate " + sheet() + " --model " + model + kShort + out(model + ".csv"));
+        const CommandRun felt = run("palpate " + sheet() + " --model " + model + kShort + out(model + ".csv"));
         ASSERT_EQ(felt.exit_code, 0) << model;
         const Json document = felt.json();
         EXPECT_EQ(document.at("model"), model);
@@ -82,8 +81,8 @@ TEST_F(Palpate, SpringsOfALiverAreCalibratedAgainstItsElements)
     ASSERT_EQ(run("phantom liver --edge 20 --out " + folder.string()).exit_code, 0);
     const std::string scene = (folder / "liver.json").string();
     const std::string how = " --radius 10 --depth 3 --press right-lobe" + kShort + out("liver.csv");
-    const test_support::CommandRun springs = run("palpate " + scene + " --model springs" + how);
-    const test_support::CommandRun elements = run("palpate " + scene + " --fingertip sphere" + how);
+    const CommandRun springs = run("palpate " + scene + " --model springs" + how);
+    const CommandRun elements = run("palpate " + scene + " --fingertip sphere" + how);
     ASSERT_EQ(springs.exit_code + elements.exit_code, 0);
     constexpr double kAlike = 0.5; // calibrated at 2.5 mm; springs stiffen otherwise than linear elements
     EXPECT_NEAR(force_of(springs.json()) / force_of(elements.json()), 1.0, kAlike);
@@ -94,17 +93,17 @@ TEST_F(Palpate, SpringsOfAVesselFeelThePulseAndSpheresRefuseIt)
 {
     ASSERT_EQ(run("phantom aorta --around 12 --along 24 --out " + folder.string()).exit_code, 0);
     const std::string scene = (folder / "aorta.json").string();
-    const test_support::CommandRun springs
+    const CommandRun springs
         = run("palpate " + scene + " --model springs --calibration 1 --press normal --seconds 1.6" + out("beat.csv"));
     ASSERT_EQ(springs.exit_code, 0);
     EXPECT_GT(springs.json().at("presses")[0].at("fingers")[0].at("pulse_N").get<double>(), 0.01);
-    const test_support::CommandRun stiff = run(
+    const CommandRun stiff = run(
         "palpate " + scene + " --model springs --calibration 2 --press sclerotic --seconds 1.6" + out("stiff.csv"));
     ASSERT_EQ(stiff.exit_code, 0);
     const Json hard = stiff.json().at("presses")[0].at("fingers")[0];
     // No chatter, however stiff: a pulse is a part of the force.
     EXPECT_LT(hard.at("pulse_N").get<double>(), 0.5 * hard.at("force_high_N").get<double>());
-    const test_support::CommandRun spheres = run("palpate " + scene + " --model spheres" + out("x.csv"));
+    const CommandRun spheres = run("palpate " + scene + " --model spheres" + out("x.csv"));
     EXPECT_EQ(spheres.exit_code, 2);
     EXPECT_NE(spheres.error().find("use the model fem or springs (option --model)"), std::string::npos);
     EXPECT_NE(spheres.json().at("where").get<std::string>().find("model spheres"), std::string::npos);
@@ -113,7 +112,7 @@ TEST_F(Palpate, SpringsOfAVesselFeelThePulseAndSpheresRefuseIt)
 TEST_F(Palpate, SixFingersOnTheSkinMoveLiverAndStomach)
 {
     ASSERT_EQ(run("phantom abdomen --touchable --out " + folder.string()).exit_code, 0);
-    const test_support::CommandRun felt = run("palpate " + (folder / "abdomen.json").string()
+    const CommandRun felt = run("palpate " + (folder / "abdomen.json").string()
         + " --model spheres --press liver-1+liver-2+liver-3+stomach-1+stomach-2+stomach-3 --radius 12 --depth 15"
         + kShort + out("six.csv"));
     ASSERT_EQ(felt.exit_code, 0);
@@ -126,11 +125,10 @@ TEST_F(Palpate, SixFingersOnTheSkinMoveLiverAndStomach)
 TEST_F(Palpate, ARecordedPressIsFeltAgainAlike)
 {
     const std::string motion = (folder / "motion.bin").string();
-    const test_support::CommandRun first
+    const CommandRun first
         = run("palpate " + sheet() + " --device simulated --record " + motion + kShort + out("first.csv"));
     ASSERT_EQ(first.exit_code, 0);
-    const test_support::CommandRun again
-        = run("palpate " + sheet() + " --device replay:" + motion + kShort + out("again.csv"));
+    const CommandRun again = run("palpate " + sheet() + " --device replay:" + motion + kShort + out("again.csv"));
     ASSERT_EQ(again.exit_code, 0);
     // The last column is what the hand was given: after the limits of another device.
     const auto without_hand = [](const fs::path& file) {
@@ -168,9 +166,8 @@ TEST_F(Palpate, AMousesRecordingIsPlayedWhereItWasMade)
     }
     file.close();
     const auto highest = [&](const std::string& options) {
-        const test_support::CommandRun felt
-            = run("palpate " + scene + " --element p1 --press " + site.at("name").get<std::string>()
-                + " --device replay:" + motion + kShort + options + out("mouse-forces.csv"));
+        const CommandRun felt = run("palpate " + scene + " --element p1 --press " + site.at("name").get<std::string>()
+            + " --device replay:" + motion + kShort + options + out("mouse-forces.csv"));
         EXPECT_EQ(felt.exit_code, 0) << felt.error();
         return felt.json().at("presses")[0].at("fingers")[0].at("force_high_N").get<double>();
     };
@@ -183,16 +180,15 @@ TEST_F(Palpate, AMousesRecordingIsPlayedWhereItWasMade)
 TEST_F(Palpate, AHandIsShownWhereItIsAsked)
 {
     const std::string press = "palpate " + sheet() + " --model springs" + kShort;
-    const test_support::CommandRun bare = run(press + out("bare.csv")),
-                                   held = run(press + " --hand built-in" + out("hand.csv"));
+    const CommandRun bare = run(press + out("bare.csv")), held = run(press + " --hand built-in" + out("hand.csv"));
     ASSERT_EQ(bare.exit_code + held.exit_code, 0);
-    const auto view
-        = [](const test_support::CommandRun& felt) { return text_of(felt.json().at("view").get<std::string>()); };
+    const auto view = [](const retractor::test_support::CommandRun& felt) {
+        return text_of(felt.json().at("view").get<std::string>());
+    };
     EXPECT_NE(view(bare), view(held));
     EXPECT_EQ(text_of(folder / "bare.csv"), text_of(folder / "hand.csv")); // it is only shown
     std::ofstream(folder / "no-hand.obj") << "v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n";
-    const test_support::CommandRun refused
-        = run(press + " --hand " + (folder / "no-hand.obj").string() + out("refused.csv"));
+    const CommandRun refused = run(press + " --hand " + (folder / "no-hand.obj").string() + out("refused.csv"));
     EXPECT_NE(refused.exit_code, 0);
     EXPECT_NE(refused.error().find("its unit must be the millimetre"), std::string::npos) << refused.error();
     EXPECT_FALSE(fs::exists(folder / "refused.csv"));
@@ -221,11 +217,10 @@ std::string vessel_case(const fs::path& folder)
 TEST_F(Palpate, AStructureOfACaseIsMadePalpableAndBeats)
 {
     const std::string patient = vessel_case(folder / "case");
-    const test_support::CommandRun made
-        = run("palpable " + patient + " --structure aorta --edge 6 --out " + folder.string());
+    const CommandRun made = run("palpable " + patient + " --structure aorta --edge 6 --out " + folder.string());
     ASSERT_EQ(made.exit_code, 0);
     EXPECT_TRUE(made.json().at("hollow").get<bool>());
-    const test_support::CommandRun felt
+    const CommandRun felt
         = run("palpate " + (folder / "aorta.json").string() + " --press front --seconds 1.5" + out("a.csv"));
     ASSERT_EQ(felt.exit_code, 0);
     const Json finger = felt.json().at("presses")[0].at("fingers")[0];
@@ -233,8 +228,7 @@ TEST_F(Palpate, AStructureOfACaseIsMadePalpableAndBeats)
     EXPECT_GT(finger.at("pulse_N").get<double>(), 0.02);
     EXPECT_LT(finger.at("force_high_N").get<double>(), 5.0);
     // In one go it is the same.
-    const test_support::CommandRun at_once
-        = run("palpate " + patient + " --structure liver --model spheres" + kShort + out("b.csv"));
+    const CommandRun at_once = run("palpate " + patient + " --structure liver --model spheres" + kShort + out("b.csv"));
     ASSERT_EQ(at_once.exit_code, 0);
     EXPECT_GT(force_of(at_once.json()), 0.001);
 }
@@ -243,7 +237,7 @@ TEST_F(Palpate, WhatCannotBePalpatedIsNamed)
 {
     const std::string patient = vessel_case(folder / "case");
     const auto refused = [](const std::string& arguments, const std::string& text) {
-        const test_support::CommandRun no = run(arguments);
+        const CommandRun no = run(arguments);
         EXPECT_EQ(no.exit_code, 2) << arguments;
         EXPECT_NE(no.error().find(text), std::string::npos) << no.error();
     };
@@ -273,20 +267,17 @@ TEST_F(Palpate, WhatCannotBePalpatedIsNamed)
 
 TEST_F(Palpate, DevicesThatNobodyUsesAreRefused)
 {
-    const test_support::CommandRun two
-        = run("palpate " + sheet() + " --device fixed --device simulated" + out("x.csv"));
+    const CommandRun two = run("palpate " + sheet() + " --device fixed --device simulated" + out("x.csv"));
     EXPECT_EQ(two.exit_code, 2);
     EXPECT_NE(two.error().find("2 devices for 1 fingers"), std::string::npos);
-    const test_support::CommandRun one
-        = run("palpate " + sheet() + " --press centre+centre --device touch" + out("x.csv"));
+    const CommandRun one = run("palpate " + sheet() + " --press centre+centre --device touch" + out("x.csv"));
     EXPECT_EQ(one.exit_code, 2);
     EXPECT_NE(one.error().find("2 fingers need as many devices"), std::string::npos);
 }
 
 TEST_F(Palpate, ATouchPressesThroughTheVendorsLibrary)
 {
-    const test_support::CommandRun felt
-        = run("palpate " + sheet() + " --device touch" + kShort + out("touch.csv"), kTouch);
+    const CommandRun felt = run("palpate " + sheet() + " --device touch" + kShort + out("touch.csv"), kTouch);
     ASSERT_EQ(felt.exit_code, 0);
     EXPECT_GT(force_of(felt.json()), 0.05);
     EXPECT_GT(felt.json().at("presses")[0].at("ticks").get<int>(), 200);
@@ -295,7 +286,7 @@ TEST_F(Palpate, ATouchPressesThroughTheVendorsLibrary)
 TEST_F(Palpate, TwoTouchesAndASimulatedHandPressTogether)
 {
     ASSERT_EQ(run("phantom aorta --around 12 --along 24 --out " + folder.string()).exit_code, 0);
-    const test_support::CommandRun felt = run("palpate " + (folder / "aorta.json").string()
+    const CommandRun felt = run("palpate " + (folder / "aorta.json").string()
             + " --element p1 --press normal+normal-opposite+sclerotic --device \"touch:Left Device\" --device "
               "\"mirrored:touch:Default Device\" "
               "--device simulated"
@@ -308,7 +299,7 @@ TEST_F(Palpate, TwoTouchesAndASimulatedHandPressTogether)
 
 TEST_F(Palpate, WithoutTheVendorsLibraryTheDoctorIsNamed)
 {
-    const test_support::CommandRun felt
+    const CommandRun felt
         = run("palpate " + sheet() + " --device touch" + out("x.csv"), "RETRACTOR_HD_LIBRARY=libNoSuchHD.so");
     EXPECT_EQ(felt.exit_code, 1);
     EXPECT_NE(felt.error().find("retractor doctor"), std::string::npos);
@@ -327,7 +318,7 @@ TEST_F(Palpate, AHandOnAnotherComputerPressesThroughTheRelay)
     const std::string port = free_port(), told = (folder / "relay.json").string();
     const std::string relay = std::string(RETRACTOR_PROGRAM) + " --json relay --device simulated --to 127.0.0.1:" + port
         + " > " + told + " 2>/dev/null & relay=$!; ";
-    const test_support::CommandRun felt = run("palpate " + sheet() + " --device udp:127.0.0.1:" + port + " --seconds 2"
+    const CommandRun felt = run("palpate " + sheet() + " --device udp:127.0.0.1:" + port + " --seconds 2"
             + out("udp.csv") + "; code=$?; kill -TERM $relay; wait $relay; exit $code",
         relay);
     ASSERT_EQ(felt.exit_code, 0) << felt.out;
@@ -339,13 +330,12 @@ TEST_F(Palpate, AHandOnAnotherComputerPressesThroughTheRelay)
 
 TEST_F(Palpate, SilenceFromAnotherComputerIsToldNotWaitedFor)
 {
-    const test_support::CommandRun felt
+    const CommandRun felt
         = run("palpate " + sheet() + " --device udp:127.0.0.1:" + free_port() + kShort + out("x.csv"));
     EXPECT_EQ(felt.exit_code, 1);
     EXPECT_NE(felt.error().find("nothing was heard from the other computer"), std::string::npos);
     EXPECT_EQ(run("relay --device simulated --to nowhere").exit_code, 2);
-    const test_support::CommandRun mirrored
-        = run("relay --device mirrored:simulated --to 127.0.0.1:4000 --seconds 0.1");
+    const CommandRun mirrored = run("relay --device mirrored:simulated --to 127.0.0.1:4000 --seconds 0.1");
     EXPECT_EQ(mirrored.exit_code, 2);
     EXPECT_NE(mirrored.error().find("mirrored where it is felt"), std::string::npos) << mirrored.out;
     EXPECT_EQ(run("relay --device simulated --device simulated --to 127.0.0.1:4000").exit_code, 2);
@@ -353,15 +343,14 @@ TEST_F(Palpate, SilenceFromAnotherComputerIsToldNotWaitedFor)
 
 TEST_F(Palpate, TraineesFeelTheModelsThroughADevice)
 {
-    const test_support::CommandRun tested = run("train test --store " + (folder / "t.sqlite").string()
+    const CommandRun tested = run("train test --store " + (folder / "t.sqlite").string()
             + " --trainee one --models 5 --device simulated --scene " + sheet() + " --seconds 0.2",
         "printf 'feel 2\\nfeel 4\\nfeel 9\\n3\\n' |");
     ASSERT_EQ(tested.exit_code, 0);
     EXPECT_EQ(tested.json().at("felt"), Json({ 2, 4 }));
     EXPECT_EQ(tested.json().at("choices").size(), 1U);
-    const test_support::CommandRun alone
-        = run("train test --store " + (folder / "t.sqlite").string() + " --trainee two --models 5",
-            "printf 'feel 2\\n3\\n' |");
+    const CommandRun alone = run("train test --store " + (folder / "t.sqlite").string() + " --trainee two --models 5",
+        "printf 'feel 2\\n3\\n' |");
     ASSERT_EQ(alone.exit_code, 0);
     EXPECT_TRUE(alone.json().at("felt").empty());
 }

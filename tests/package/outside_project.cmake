@@ -21,6 +21,7 @@ endfunction()
 file(REMOVE_RECURSE "${WORK_FOLDER}")
 step(${CMAKE_COMMAND} --install "${BUILD_FOLDER}" --prefix "${WORK_FOLDER}/prefix")
 build_and_run("${SOURCE_FOLDER}/outside")
+build_and_run("${SOURCE_FOLDER}/outside_solver")
 build_and_run("${SOURCE_FOLDER}/outside_planner")
 build_and_run("${SOURCE_FOLDER}/outside_session")
 file(REMOVE_RECURSE "${WORK_FOLDER}/prefix") # 40 MB

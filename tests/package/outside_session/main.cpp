@@ -39,10 +39,10 @@ int main()
         std::printf("%s\n", laid->failure.c_str());
         return 1;
     }
-    worker.run(retractor::surgery::BeginStroke { touched(*laid, 12.0), { .depth_mm = 8.0 } });
+    worker.run(retractor::planner::surgery::BeginStroke { touched(*laid, 12.0), { .depth_mm = 8.0 } });
     for (double x = 16.0; x <= 48.0; x += 4.0)
-        worker.run(retractor::surgery::DrawTo { touched(*laid, x) });
-    worker.run(retractor::surgery::FinishStroke {});
+        worker.run(retractor::planner::surgery::DrawTo { touched(*laid, x) });
+    worker.run(retractor::planner::surgery::FinishStroke {});
     wait_for(worker);
     const auto cut = worker.snapshot();
     if (cut->cuts.size() != 1) {

@@ -289,7 +289,7 @@ void Contact::pair_points(const Surface& points, const Points& at, const Surface
             const Vec3 p_at_rest = points.rest.row(v).transpose();
             const double edge = body_points ? edge_[i] : edge_[static_cast<std::size_t>(triangle[0])];
             if (signed_distance(p_at_rest, face_at_rest) < -kThin * edge
-                && closest_on_triangle(p_at_rest, face_at_rest[0], face_at_rest[1], face_at_rest[2]).distance
+                && mesh::closest_on_triangle(p_at_rest, face_at_rest[0], face_at_rest[1], face_at_rest[2]).distance
                     < 2.0 * options_.reach)
                 continue;
             const bool same = known != before.end()

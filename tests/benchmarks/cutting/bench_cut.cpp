@@ -262,7 +262,7 @@ namespace {
 
     constexpr const char* kSubdivisionHeading
         = "Subdivision (increase of elements per element crossed by the blade before anything moves)\n"
-          "model, patterns   mesh      tets     cut   after minus before       made          source's   dihedral deg   "
+          "model, patterns   mesh      tets     cut   after minus before       made          Nakao 2006 dihedral deg   "
           "            lip off   stroke\n"
           "                                  elements   all  cut alone     all  cut alone   table 1   before  worst    "
           "p01   (edges)       ms\n";

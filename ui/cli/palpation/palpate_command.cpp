@@ -287,12 +287,12 @@ namespace {
                 "organs)")
             ->check(CLI::IsMember(planner::tissue_models()))
             ->capture_default_str();
-        command->add_option("--element", tissue.element, "fem: p1 (the source's, too stiff), locking-free or p2")
+        command->add_option("--element", tissue.element, "fem: p1 (four nodes, too stiff), locking-free or p2 (ten nodes)")
             ->check(CLI::IsMember({ "p1", "locking-free", "p2" }))
             ->capture_default_str();
         command
             ->add_option("--fingertip", tissue.fingertip,
-                "fem: pad (soft, pushes), sphere (rigid, pushes) or held (the source's equation: its rim may pull)")
+                "fem: pad (soft, pushes), sphere (rigid, pushes) or held (as Nakao et al. 2006: its rim may pull)")
             ->check(CLI::IsMember({ "pad", "sphere", "held" }))
             ->capture_default_str();
         command

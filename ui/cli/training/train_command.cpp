@@ -306,9 +306,9 @@ void add_train_command(Commands& commands)
         ->capture_default_str();
     trial->add_option("--seed", options->seed, "Of the order (default: random)");
     trial->add_option("--date", options->date, "YYYY-MM-DD (default: today)");
-    CLI::App* people
-        = add("simulate", "Add one of the source's three studies with simulated people of known sensitivity",
-            "simulate --study 2 --store t.sqlite", simulate);
+    CLI::App* people = add("simulate",
+        "Add one of three published studies (Nakao et al. 2006) with simulated people of known sensitivity",
+        "simulate --study 2 --store t.sqlite", simulate);
     people
         ->add_option("--study", options->study,
             "1: eight surgeons model; 2: 18 students by instruction; 3: ten students, seven sessions")

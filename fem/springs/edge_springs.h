@@ -9,7 +9,8 @@
 // edge l this is k = (2 sqrt(2) / 25) E l, the value of [Lloyd, Szekely, Harders 2007, doi 10.1109/TVCG.2007.1055];
 // [Van Gelder 1998, doi 10.1080/10867651.1998.10487496] has k = E V / L^2, the same up to 4 % there. A network gives
 // way between its vertices where a finite element does not, so that its modulus is a little off: `calibration` scales
-// it, and spring_calibration() in fem/tension.h measures what it ought to be against finite elements on a mesh.
+// it. spring_calibration() in tests/verification/framework/tension.h measures on a mesh, against finite elements, what
+// the factor ought to be.
 //
 // Braces. All edges of a flat element lie near one plane: whatever their stiffness, they do not resist the slip of one
 // side over the other, which costs a finite element the more the flatter it is. So where six edges are far from
@@ -66,7 +67,7 @@ struct SpringEnd {
 };
 
 struct SpringOptions {
-    double calibration = 1.0; ///< on every stiffness; see spring_calibration()
+    double calibration = 1.0; ///< on every stiffness; see "Stiffness" above
 };
 
 class SpringNetwork {

@@ -5,7 +5,7 @@
 // preconditioner) and is shortened until the energy falls [Armijo]. Tension stiffens a spring across its direction and
 // compression weakens it; the weakening is left out of the matrix, so that it is positive semidefinite and every step
 // descends, however slack the springs are. An implicit Euler step with an infinite time step is the same, so there is
-// no bound on the step; the explicit scheme, which has one, is in fem/spring_dynamics.h.
+// no bound on the step; the explicit scheme, which has one, is in tests/verification/framework/spring_dynamics.h.
 // A frame may stop after so many iterations of conjugate gradients; what is reached is kept and the next frame goes on.
 
 #include "fem/springs/edge_springs.h"

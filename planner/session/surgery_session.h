@@ -132,7 +132,7 @@ public:
     /// The strain that the wall's tissue is under. Where its materials have pre-strains (the case's tension), those in
     /// proportion, so that the largest has this size; else all soft tissue, alike in all directions of the skin's
     /// plane, and bone and cartilage are under none. 0: wounds stay closed, and there are no springs. The springs are
-    /// made when they are first needed (part "springs"). They are not calibrated on the wall: spring_calibration()
+    /// made when they are first needed (part "springs"). They are not calibrated on the wall: a calibration
     /// would factorise it as a plan does, for a factor of 1.01 to 1.03 on their stiffness, so that wounds gape 1 to 3 %
     /// too wide.
     /// @throws InputError when it is negative, NaN or beyond kLargestPreStrain, or when springs cannot be made: the

@@ -1,12 +1,12 @@
 // The problems of `retractor-verify` that take no time, and what the command relies on.
 
-#include "fem/statics/tension.h"
 #include "mesh/base/error.h"
 #include "mesh/cutting/cut_session.h"
 #include "tests/verification/analytic/analytic_problems.h"
 #include "tests/verification/comparison/estimates.h"
 #include "tests/verification/framework/problem.h"
 #include "tests/verification/framework/stability.h"
+#include "tests/verification/framework/tension.h"
 #include "tests/verification/problem_list.h"
 #include "tests/verification/reference/febio_reference.h"
 
@@ -53,10 +53,10 @@ namespace verification_test {
             EXPECT_TRUE(row.passed()) << row.problem << ", " << row.element << ", " << row.tets
                                       << " tets: " << row.error;
             // The mesh that was solved is the cut one: its lips have doubled vertices.
-            fem::SheetProblem sheet { .around = static_cast<int>(std::lround(1.0 / row.size)) };
+            SheetProblem sheet { .around = static_cast<int>(std::lround(1.0 / row.size)) };
             if (row.element.find("while cut") != std::string::npos)
                 sheet.radius = 600.0;
-            const mesh::CutMesh cut = retractor::mesh::cut(fem::sheet_mesh(sheet), fem::sheet_blade(sheet));
+            const mesh::CutMesh cut = retractor::mesh::cut(sheet_mesh(sheet), sheet_blade(sheet));
             ASSERT_EQ(cut.status, mesh::CutStatus::done) << cut.message;
             EXPECT_EQ(row.tets, cut.mesh.tet_count());
             EXPECT_EQ(row.nodes,

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace retractor::fem {
+namespace retractor::verification {
 
 /// Condition numbers in the 2-norm, largest over smallest eigenvalue on the free unknowns, by power iteration with the
 /// matrix and with its factor. Each is approached from below, to about a percent.
@@ -19,6 +19,6 @@ struct ConditionEstimate {
 
 /// @param prescribed one per unknown, 1 = prescribed.
 /// @throws SolverError naming node and axis when the matrix is not positive definite on the free unknowns.
-ConditionEstimate estimate_condition(const BlockMatrix& K, const std::vector<std::uint8_t>& prescribed);
+ConditionEstimate estimate_condition(const fem::BlockMatrix& K, const std::vector<std::uint8_t>& prescribed);
 
-} // namespace retractor::fem
+} // namespace retractor::verification

@@ -8,16 +8,18 @@
 // within the residual, but a higher one may be missed, where the first vector hardly has a share in its motion), or
 // Gershgorin's discs, which are certain, where these are lower. K is the tangent where the network stands, without the
 // weakening of compressed springs, which only lowers frequencies. A wound opens within a few periods of its slowest
-// motion, while the stiffest spring sets the step: relax() (fem/spring_relaxation.h) is the way to the equilibrium.
+// motion, while the stiffest spring sets the step: fem::relax() (fem/springs/spring_relaxation.h) is the way to the
+// equilibrium.
 
 #include "fem/springs/edge_springs.h"
 #include "fem/springs/spring_relaxation.h"
 
 #include <Eigen/Core>
 
+#include <span>
 #include <vector>
 
-namespace retractor::fem {
+namespace retractor::verification {
 
 struct StabilityBound {
     double largest_frequency
@@ -31,7 +33,7 @@ public:
     /// Starts from rest, where the network stands. The network is not changed until store().
     /// @param damping per second, of the velocity.
     /// @throws InputError on a density that is not positive, damping that is negative or not finite.
-    SpringDynamics(const SpringNetwork& network, std::span<const Material> material_of_label, double damping);
+    SpringDynamics(const fem::SpringNetwork& network, std::span<const fem::Material> material_of_label, double damping);
 
     /// At the present positions; step() recomputes it when the network has stretched by more than kRecheck since.
     const StabilityBound& bound() const { return bound_; }
@@ -42,10 +44,10 @@ public:
     double kinetic_energy() const; ///< N mm
     double potential_energy() const; ///< N mm
     const Eigen::VectorXd& displacement() const { return u_; } ///< of patch().active()
-    const SpringPatch& patch() const { return patch_; }
+    const fem::SpringPatch& patch() const { return patch_; }
     /// Moves and pushes: for tests and for taking up a motion. @throws InputError on a wrong size or NaN.
     void set_state(Eigen::VectorXd displacement, Eigen::VectorXd velocity);
-    void store(SpringNetwork& network) const { patch_.store(u_, network); }
+    void store(fem::SpringNetwork& network) const { patch_.store(u_, network); }
 
     /// Share of the shortest edge by which a vertex may move before the bound is computed anew.
     static constexpr double kRecheck = 0.1;
@@ -53,11 +55,11 @@ public:
 private:
     void compute_bound();
 
-    SpringPatch patch_;
+    fem::SpringPatch patch_;
     std::vector<double> mass_; ///< per active vertex, tonne
     double damping_ = 0.0, shortest_ = 0.0;
     Eigen::VectorXd u_, v_, bound_at_;
     StabilityBound bound_;
 };
 
-} // namespace retractor::fem
+} // namespace retractor::verification

@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor::fem {
+namespace retractor::verification {
 
 struct [[nodiscard]] ReleasedWound {
     Points displacement; ///< n x 3, mm
@@ -25,8 +25,8 @@ struct [[nodiscard]] ReleasedWound {
 /// @throws InputError on bad materials or stresses and on supports that are not in the mesh; SolverError on a piece
 /// that nothing holds.
 ReleasedWound release_wound(const mesh::TetMesh& mesh, std::span<const mesh::TetFace> lips,
-    std::span<const Mat3> stress_of_element, std::span<const Material> material_of_label, const Supports& supports,
-    const Points& held_displacement = {}, const Job& job = {});
+    std::span<const Mat3> stress_of_element, std::span<const fem::Material> material_of_label,
+    const fem::Supports& supports, const Points& held_displacement = {}, const Job& job = {});
 
 /// What the stiffness of all springs on a mesh must be scaled by, that it takes the same energy to stretch the body
 /// along `pull` by the ends that are held as linear finite elements take with Poisson's ratio 1/4 (Young's moduli as
@@ -35,7 +35,7 @@ ReleasedWound release_wound(const mesh::TetMesh& mesh, std::span<const mesh::Tet
 /// @param symmetry vertices in a plane of symmetry across z, which keep their z: a thin sheet has to be kept from
 /// bending, which conjugate gradients take for ever to find out about.
 /// @throws InputError as above, on a vertex that is not in the mesh, or when the held vertices do not stretch the body.
-double spring_calibration(const mesh::TetMesh& mesh, std::span<const Material> material_of_label,
+double spring_calibration(const mesh::TetMesh& mesh, std::span<const fem::Material> material_of_label,
     std::span<const VertexId> held, const Vec3& pull, std::span<const VertexId> symmetry = {}, const Job& job = {});
 
 /// A flat round sheet with a straight cut through its middle. In confocal elliptic coordinates, which are conformal,
@@ -67,6 +67,7 @@ Vec3 sheet_displacement(
 /// 2 e L / (1 - nu^2) with the width held, 2 (e + nu a) L / (1 - nu^2) biaxial, 2 e L / (1 - nu) equibiaxial
 /// [Inglis 1913]: by superposition, only the stress across the cut counts.
 /// @param strain across the cut. @param along_cut biaxial: a, the strain along it. @throws InputError on another kind.
-double sheet_gape(PreStrainKind kind, double strain, double cut_length, double poissons_ratio, double along_cut = 0.0);
+double sheet_gape(
+    fem::PreStrainKind kind, double strain, double cut_length, double poissons_ratio, double along_cut = 0.0);
 
-} // namespace retractor::fem
+} // namespace retractor::verification

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace retractor::fem {
+namespace retractor::verification {
 
 struct XmlElement {
     std::string name;
@@ -26,7 +26,4 @@ struct XmlElement {
 /// The root element. @throws InputError naming the line of what is not well formed.
 XmlElement parse_xml(std::string_view text);
 
-/// Text as it stands in an attribute or an element.
-std::string xml_escaped(std::string_view text);
-
-} // namespace retractor::fem
+} // namespace retractor::verification

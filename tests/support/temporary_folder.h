@@ -1,100 +1,34 @@
 #pragma once
-// A folder that lives as long as one test, and the oblique grids that all geometry tests share.
+// A folder for files that nobody keeps: the folder is removed with the object.
 
-#include "mesh/image/volume.h"
-
-#include <gtest/gtest.h>
+#include "mesh/base/error.h"
 
 #include <cstdlib>
 #include <filesystem>
-#include <random>
 #include <string>
+#include <system_error>
 
 namespace retractor::test_support {
 
-class TemporaryFolder {
-public:
+struct TemporaryFolder {
+    /// @throws IoError when it cannot be made.
     TemporaryFolder()
     {
-        std::string name = (std::filesystem::temp_directory_path() / "retractor-test-XXXXXX").string();
-        path_ = ::mkdtemp(name.data());
-    }
-    ~TemporaryFolder()
-    {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
+        std::string name = (std::filesystem::temp_directory_path() / "retractor-XXXXXX").string();
+        if (::mkdtemp(name.data()) == nullptr)
+            throw IoError("no temporary folder could be made", name);
+        path = name;
     }
     TemporaryFolder(const TemporaryFolder&) = delete;
     TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-    const std::filesystem::path& path() const { return path_; }
-
-private:
-    std::filesystem::path path_;
-};
-
-/// Third-party data for tests; the folder may be absent.
-inline std::filesystem::path shared_data(const std::string& name)
-{
-    const char* folder = std::getenv("RETRACTOR_SHARED_DATA");
-    return std::filesystem::path(folder != nullptr ? folder : RETRACTOR_SHARED_DATA_DEFAULT) / name;
-}
-
-inline Mat3 oblique_rotation()
-{
-    return (Eigen::AngleAxisd(0.41, Vec3::UnitZ()) * Eigen::AngleAxisd(-0.73, Vec3::UnitX())
-        * Eigen::AngleAxisd(1.17, Vec3::UnitY()))
-        .toRotationMatrix();
-}
-
-inline Mat3 mirrored(int axis)
-{
-    Mat3 direction = oblique_rotation();
-    direction.col(axis) *= -1.0;
-    return direction;
-}
-
-/// Anisotropic, odd sizes, all values different from their neighbours.
-inline mesh::Volume random_volume(const Mat3& direction)
-{
-    mesh::Volume volume;
-    volume.grid.size = { 9, 7, 5 };
-    volume.grid.spacing = { 0.7, 1.3, 2.5 };
-    volume.grid.origin = { -101.25, 37.5, 812.125 };
-    volume.grid.direction = direction;
-    std::mt19937 random(7);
-    std::uniform_int_distribution<int> hu(-1024, 3071);
-    volume.voxels.resize(volume.grid.voxel_count());
-    for (auto& v : volume.voxels)
-        v = static_cast<std::int16_t>(hu(random));
-    return volume;
-}
-
-/// Every voxel of `a` is in `b` at the same place of the world, with the same value, whatever the order of axes.
-inline void expect_same_in_world(const mesh::Volume& a, const mesh::Volume& b, double tolerance_mm)
-{
-    ASSERT_EQ(a.voxels.size(), b.voxels.size());
-    for (int k = 0; k < a.grid.size[2]; ++k)
-        for (int j = 0; j < a.grid.size[1]; ++j)
-            for (int i = 0; i < a.grid.size[0]; ++i) {
-                const Vec3 world = a.grid.world(Vec3(i, j, k));
-                const Eigen::Vector3i n = b.grid.index(world).array().round().cast<int>();
-                ASSERT_TRUE(b.grid.contains(n.x(), n.y(), n.z())) << world.transpose();
-                ASSERT_LT((b.grid.world(n.cast<double>()) - world).norm(), tolerance_mm);
-                ASSERT_EQ(b.voxels[b.grid.offset(n.x(), n.y(), n.z())], a.voxels[a.grid.offset(i, j, k)]);
-            }
-}
-
-/// Runs `call`, which must throw an Error whose text contains `part`.
-template <typename Exception, typename Call> void expect_refused(const Call& call, const std::string& part)
-{
-    try {
-        call();
-        FAIL() << "nothing was thrown, expected: " << part;
-    } catch (const Exception& error) {
-        EXPECT_NE((std::string(error.what()) + " @ " + error.where()).find(part), std::string::npos)
-            << error.what() << " @ " << error.where();
+    ~TemporaryFolder()
+    {
+        std::error_code ignored; // it lies in the folder for temporary files
+        std::filesystem::remove_all(path, ignored);
     }
-}
+    std::filesystem::path operator/(const std::string& name) const { return path / name; }
+
+    std::filesystem::path path;
+};
 
 } // namespace retractor::test_support

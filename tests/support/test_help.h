@@ -3,11 +3,8 @@
 
 #include "mesh/base/error.h"
 
-#include <filesystem>
 #include <functional>
 #include <string>
-
-#include <unistd.h>
 
 namespace retractor::test_support {
 
@@ -21,18 +18,5 @@ inline std::string message_of(const std::function<void()>& f)
     }
     return {};
 }
-
-/// A folder that is gone with it.
-struct TemporaryFolder {
-    std::filesystem::path path = std::filesystem::temp_directory_path()
-        / ("retractor-haptics-" + std::to_string(::getpid()) + "-" + std::to_string(++count));
-    TemporaryFolder() { std::filesystem::create_directories(path); }
-    ~TemporaryFolder() { std::filesystem::remove_all(path); }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-private:
-    static inline int count = 0;
-};
 
 } // namespace retractor::test_support

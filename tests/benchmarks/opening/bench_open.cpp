@@ -9,8 +9,8 @@
 #include "tests/benchmarks/opening/bench_nonlinear.h"
 #include "tests/benchmarks/opening/full_rebuild.h"
 #include "tests/benchmarks/opening/open_scene.h"
+#include "tests/support/temporary_folder.h"
 #include "ui/cli/framework/run_program.h"
-#include "ui/cli/framework/temporary_folder.h"
 
 #include <algorithm>
 #include <array>
@@ -394,7 +394,7 @@ ui::cli::Outcome bench_open(const OpenBenchOptions& options, const Job& job)
     fem::keep_freed_memory(); // the baseline as well
     if (!options.baseline_to.empty())
         return baseline(options, job);
-    const ui::cli::TemporaryFolder folder;
+    const test_support::TemporaryFolder folder;
     ui::cli::Outcome outcome;
     outcome.document["results"] = ui::cli::Json::array();
     for (std::size_t i = 0; i < options.sizes.size() && !job.cancelled(); ++i) {

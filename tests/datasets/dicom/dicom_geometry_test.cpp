@@ -1,6 +1,7 @@
 #include "datasets/dicom/dicom.h"
 
 #include "mesh/base/error.h"
+#include "tests/datasets/dataset_help.h"
 #include "tests/support/dicom_bytes.h"
 #include "tests/support/temporary_folder.h"
 

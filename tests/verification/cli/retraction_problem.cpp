@@ -6,7 +6,7 @@
 #include "planner/approach/hooks.h"
 #include "planner/case/case_io.h"
 #include "planner/plan/plan.h"
-#include "ui/cli/framework/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 #include <array>
 #include <cmath>
@@ -140,7 +140,7 @@ VerificationProblem retraction_problem()
             std::vector<VerificationRow> rows;
             if (job.cancelled())
                 return rows;
-            const ui::cli::TemporaryFolder folder; // for the labels, which a patient is read from
+            const test_support::TemporaryFolder folder; // for the labels, which a patient is read from
             planner::Patient patient(chest(folder.path, options.fine, job), job);
             const std::vector<planner::PlannedField> fields = planner::plan_all(patient, job);
             for (std::size_t i = 0; i < fields.size() && !job.cancelled(); ++i)

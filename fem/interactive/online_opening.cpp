@@ -6,7 +6,6 @@
 #include "mesh/base/error.h"
 
 #include <cblas.h>
-#include <malloc.h>
 
 #include <algorithm>
 #include <chrono>
@@ -248,13 +247,6 @@ struct OnlineOpening::State {
         return d;
     }
 };
-
-void keep_freed_memory()
-{
-    constexpr int kLarge = 1 << 30;
-    ::mallopt(M_MMAP_MAX, 0); // a threshold would not do: beyond 32 MB it is not heeded
-    ::mallopt(M_TRIM_THRESHOLD, kLarge);
-}
 
 OnlineOpening::OnlineOpening(const mesh::CutSession& session, std::span<const Material> material_of_label,
     const Supports& supports, std::span<const VertexId> corridor, OnlineOptions options)

@@ -58,11 +58,6 @@ struct [[nodiscard]] OnlineAnswer {
     double reciprocal_condition = 0.0; ///< estimate for the system solved anew
 };
 
-/// For programs that factor again and again: memory that is freed is kept, not handed back to the system and fetched
-/// again page by page. That makes a full rebuild a third faster and online answers no slower: benches compare the two
-/// with it. For the whole process.
-void keep_freed_memory();
-
 class OnlineOpening {
 public:
     /// @param corridor vertices where cuts are planned, for speed only; those fixed or not alive are left out.

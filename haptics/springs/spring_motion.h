@@ -84,9 +84,6 @@ public:
 
     /// A steady force on a particle, N, until changed. @throws InputError on an id out of range or NaN.
     void set_load(VertexId v, const Vec3& force);
-    /// The same force shared evenly by the particle and the particles one structural spring (its shortest) away: the
-    /// source's figs 15 and 16. @returns how many share it.
-    std::size_t set_ring_load(VertexId v, const Vec3& force);
     /// Puts a particle somewhere, at rest: for tests and for loading. @throws InputError as set_load().
     void place(VertexId v, const Vec3& position);
     /// What held it lets go, or holds it where it is. @throws InputError on an id out of range.

@@ -29,9 +29,6 @@ struct HyperelasticTissue {
     std::vector<FibreDirections> fibres {}; ///< one per element; empty: along x (laws without fibres do not ask)
 };
 
-/// One law everywhere.
-HyperelasticTissue uniform_tissue(const mesh::TetMesh& mesh, const Hyperelastic& law);
-
 class ElasticBody {
 public:
     /// Linear, corotational or bounded. @param lame_of_element one per element.

@@ -7,6 +7,7 @@
 #include "tests/verification/framework/problem.h"
 #include "tests/verification/framework/stability.h"
 #include "tests/verification/framework/tension.h"
+#include "tests/verification/framework/uniform_tissue.h"
 #include "tests/verification/problem_list.h"
 #include "tests/verification/reference/febio_reference.h"
 
@@ -204,7 +205,7 @@ namespace verification_test {
             GTEST_SKIP() << "no reference file " << file << ": set RETRACTOR_SHARED_DATA";
         const FebioModel model = read_febio(file);
         EXPECT_EQ(model.mesh.tet_count(), 1U);
-        fem::ElasticBody body(model.mesh, fem::uniform_tissue(model.mesh, model.law));
+        fem::ElasticBody body(model.mesh, uniform_tissue(model.mesh, model.law));
         body.set_loads({ model.loads, {} });
         const VerificationSolve solve
             = solve_problem(body, model.held.prescribed, model.held.target, { .tolerance = 1e-10 }, Job {});

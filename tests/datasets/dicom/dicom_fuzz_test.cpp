@@ -4,7 +4,7 @@
 
 #include "mesh/base/error.h"
 #include "tests/datasets/dataset_help.h"
-#include "tests/support/dicom_bytes.h"
+#include "tests/datasets/dicom/dicom_bytes.h"
 #include "tests/support/temporary_folder.h"
 
 #include <iterator>

@@ -1,6 +1,6 @@
 #include "haptics/spheres/sphere_motion.h"
 
-#include "haptics/condensed/half_space.h"
+#include "haptics/condensed/sneddon.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 
 #include "datasets/phantoms/aorta_phantom.h"
 #include "haptics/condensed/condensed_tissue.h"
-#include "haptics/condensed/half_space.h"
+#include "haptics/condensed/sneddon.h"
 #include "haptics/device/simulated_hand.h"
 #include "haptics/device/tick_thread.h"
 #include "haptics/servo/servo.h"
@@ -10,6 +10,7 @@
 #include "mesh/base/error.h"
 #include "tests/benchmarks/framework/bench_numbers.h"
 #include "tests/benchmarks/palpation/palpation_error.h"
+#include "tests/support/half_space.h"
 #include "ui/scene/vtk/render.h"
 
 #include <Eigen/Geometry>
@@ -516,10 +517,10 @@ namespace {
         ui::cli::Json checks = ui::cli::Json::array();
         checks.push_back(tube_check());
         constexpr double kAway = -1e9;
-        const haptics::HalfSpace block(contact, E, nu);
+        const test_support::HalfSpace block(contact, E, nu);
         checks.push_back(check_row("flat punch, N",
             block.press([&](double r) { return r <= contact * (1.0 + 1e-9) ? kStrokeDepth : kAway; }).force,
-            haptics::flat_punch_force(contact, kStrokeDepth, E, nu)));
+            test_support::flat_punch_force(contact, kStrokeDepth, E, nu)));
         const double depth = haptics::sneddon_depth(R, contact), exact = haptics::sneddon_force(depth, R, E, nu);
         checks.push_back(check_row("Sneddon's sphere, N",
             block.press([&](double r) { return r < R ? depth - (R - std::sqrt(R * R - r * r)) : kAway; }).force,

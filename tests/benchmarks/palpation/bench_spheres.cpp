@@ -1,7 +1,7 @@
 #include "tests/benchmarks/palpation/bench_spheres.h"
 #include "ui/cli/framework/number_text.h"
 
-#include "haptics/condensed/half_space.h"
+#include "haptics/condensed/sneddon.h"
 #include "haptics/hand/obj_surface.h"
 #include "haptics/spheres/sphere_tissue.h"
 #include "mesh/base/atomic_file.h"

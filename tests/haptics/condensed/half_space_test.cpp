@@ -1,5 +1,6 @@
-#include "haptics/condensed/half_space.h"
+#include "tests/support/half_space.h"
 
+#include "haptics/condensed/sneddon.h"
 #include "mesh/base/error.h"
 
 #include <gtest/gtest.h>
@@ -9,6 +10,9 @@
 
 namespace retractor::haptics {
 namespace half_space_test {
+
+    using test_support::flat_punch_force;
+    using test_support::HalfSpace;
 
     constexpr double kPromised = 0.03; // relative
     constexpr double E = 0.020, nu = 0.49;

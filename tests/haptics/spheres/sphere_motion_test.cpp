@@ -1,6 +1,6 @@
 #include "haptics/spheres/sphere_motion.h"
 
-#include "haptics/condensed/half_space.h"
+#include "haptics/condensed/sneddon.h"
 #include "tests/support/allocation_count.h"
 #include "tests/support/test_help.h"
 #include "tests/support/test_shapes.h"

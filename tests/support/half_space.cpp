@@ -1,4 +1,4 @@
-#include "haptics/condensed/half_space.h"
+#include "tests/support/half_space.h"
 
 #include "haptics/condensed/contact_solver.h"
 #include "mesh/base/error.h"
@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-namespace retractor::haptics {
+namespace retractor::test_support {
 
 namespace {
 
@@ -44,7 +44,7 @@ HalfSpace::HalfSpace(double radius, double youngs_modulus, double poissons_ratio
         { 0.0, 0.025, 0.08, 0.2, 0.4, 0.75, 1.3, 2.1, 3.4, 5.5, 9.0, 15.0, 25.0, 42.0, 65.0, 100.0 }, fineness);
     const auto n = static_cast<int>(across.size()) - 1, m = static_cast<int>(down.size()) - 1;
     mesh_ = mesh::kuhn_box(n, n, m, 1.0);
-    TouchedBody body;
+    haptics::TouchedBody body;
     body.mesh = &mesh_;
     body.prescribed.assign(3 * mesh_.vertex_count(), 0);
     std::vector<std::uint8_t> fixed(mesh_.vertex_count(), 0), top(mesh_.vertex_count(), 0);
@@ -70,16 +70,18 @@ HalfSpace::HalfSpace(double radius, double youngs_modulus, double poissons_ratio
                 corners.begin(), corners.end(), [&](VertexId v) { return top[static_cast<std::size_t>(v)] != 0; }))
             faces.push_back(face);
     }
-    surface_ = std::make_unique<TouchSurface>(mesh_, faces, fixed, 1e-3 * radius / fineness); // every vertex a station
+    surface_ = std::make_unique<haptics::TouchSurface>(
+        mesh_, faces, fixed, 1e-3 * radius / fineness); // every vertex a station
     const double E = youngs_modulus, nu = poissons_ratio;
     const std::vector<fem::Lame> lame(
         mesh_.tet_count(), fem::Lame { E / (2.0 * (1.0 + nu)), E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)) });
     constexpr std::size_t kStore = std::size_t { 512 } << 20U;
-    body_ = std::make_unique<ContactNodeCompliance>(body, *surface_, lame, TouchElement::locking_free, kStore, job);
+    body_ = std::make_unique<haptics::ContactNodeCompliance>(
+        body, *surface_, lame, haptics::TouchElement::locking_free, kStore, job);
     for (std::size_t s = 0; s < surface_->contact_nodes().size(); ++s)
         if (surface_->contact_nodes()[s].point.head<2>().norm() <= kReach * radius)
             near_.push_back(static_cast<std::int32_t>(s));
-    const ServoGate nobody;
+    const haptics::ServoGate nobody;
     body_->fetch(near_, near_.size(), nobody);
 }
 
@@ -87,10 +89,10 @@ HalfSpace::~HalfSpace() = default;
 
 HalfSpace::Answer HalfSpace::press(const std::function<double(double)>& depth_at) const
 {
-    ContactSolver solver(near_.size());
+    haptics::ContactSolver solver(near_.size());
     constexpr std::size_t kDown = 8; // zz of a block
     for (std::size_t a = 0; a < near_.size(); ++a) {
-        const ContactNode& contact_node = surface_->contact_nodes()[static_cast<std::size_t>(near_[a])];
+        const haptics::ContactNode& contact_node = surface_->contact_nodes()[static_cast<std::size_t>(near_[a])];
         solver.demand(a) = depth_at(contact_node.point.head<2>().norm());
         solver.pressing(a) = solver.demand(a) > 0.0;
         for (std::size_t b = 0; b <= a; ++b)
@@ -114,23 +116,4 @@ double flat_punch_force(double a, double depth, double youngs_modulus, double po
     return 2.0 * a * depth * youngs_modulus / (1.0 - poissons_ratio * poissons_ratio);
 }
 
-double sneddon_depth(double sphere_radius, double a)
-{
-    return 0.5 * a * std::log((sphere_radius + a) / (sphere_radius - a));
-}
-
-double sneddon_force(double depth, double sphere_radius, double youngs_modulus, double poissons_ratio)
-{
-    const double R = sphere_radius;
-    double low = 0.0, high = R * (1.0 - 1e-12);
-    constexpr int kHalvings = 100;
-    for (int i = 0; i < kHalvings; ++i) {
-        const double a = 0.5 * (low + high);
-        (sneddon_depth(R, a) < depth ? low : high) = a;
-    }
-    const double a = 0.5 * (low + high);
-    return 0.5 * youngs_modulus / (1.0 - poissons_ratio * poissons_ratio)
-        * ((R * R + a * a) * std::log((R + a) / (R - a)) - 2.0 * a * R);
-}
-
-} // namespace retractor::haptics
+} // namespace retractor::test_support

@@ -10,7 +10,7 @@
 #include <functional>
 #include <memory>
 
-namespace retractor::haptics {
+namespace retractor::test_support {
 
 class HalfSpace {
 public:
@@ -28,17 +28,12 @@ public:
 
 private:
     mesh::TetMesh mesh_;
-    std::unique_ptr<TouchSurface> surface_;
-    std::unique_ptr<ContactNodeCompliance> body_;
+    std::unique_ptr<haptics::TouchSurface> surface_;
+    std::unique_ptr<haptics::ContactNodeCompliance> body_;
     std::vector<std::int32_t> near_; ///< stations that may press
 };
 
 /// F = 2 a E* d. E* = E / (1 - nu^2)
 double flat_punch_force(double a, double depth, double youngs_modulus, double poissons_ratio);
-/// Rigid sphere of radius R, frictionless, exact [Sneddon 1965]: how far it is pressed in where it touches within a,
-/// mm.
-double sneddon_depth(double sphere_radius, double a);
-/// The force at a depth, N.
-double sneddon_force(double depth, double sphere_radius, double youngs_modulus, double poissons_ratio);
 
-} // namespace retractor::haptics
+} // namespace retractor::test_support

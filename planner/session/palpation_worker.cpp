@@ -125,7 +125,7 @@ void PalpationWorker::run(palpation::Command command)
     snapshot_ = std::move(next);
     executor_.post([this, command = std::move(command)](const Job& job) {
         if (session_ != nullptr && !job.cancelled()) // it is, once the worker ends
-            carry_out(command, job);
+            execute(command, job);
     });
 }
 
@@ -189,7 +189,7 @@ void PalpationWorker::prepare(
 }
 
 /// @pre there is a session
-void PalpationWorker::carry_out(const palpation::Command& command, const Job& job)
+void PalpationWorker::execute(const palpation::Command& command, const Job& job)
 {
     try {
         const Runner runner { *this, *session_, job };

@@ -72,7 +72,7 @@ private:
     void set_status(std::string answer, bool refused);
     void publish();
     void prepare(datasets::PalpationScene scene, PalpationSetup setup, PalpationBackend backend, const Job& job);
-    void carry_out(const palpation::Command& command, const Job& job);
+    void execute(const palpation::Command& command, const Job& job);
     std::optional<std::chrono::steady_clock::time_point> step();
     void draw_frame();
 

@@ -37,17 +37,20 @@ namespace kept_cuts_test {
         }
         fs::path journal() const { return cuts_journal(folder_ / "case.json", "median"); }
 
-        static Touch at(SurgerySession& desk, double x, double z) { return *touch(*desk.picture(), ray_down(x, z)); }
-        static void begin(SurgerySession& desk, double z)
+        static Touch at(SurgerySession& live_session, double x, double z)
         {
-            ASSERT_TRUE(desk.begin_stroke(at(desk, 20.0, z), {}).done);
-            for (double x = 24.0; x <= 80.0; x += 4.0)
-                ASSERT_TRUE(desk.draw_to(at(desk, x, z)).done);
+            return *touch(*live_session.picture(), ray_down(x, z));
         }
-        static void cut(SurgerySession& desk, double z)
+        static void begin(SurgerySession& live_session, double z)
         {
-            begin(desk, z);
-            ASSERT_TRUE(desk.finish_stroke().done);
+            ASSERT_TRUE(live_session.begin_stroke(at(live_session, 20.0, z), {}).done);
+            for (double x = 24.0; x <= 80.0; x += 4.0)
+                ASSERT_TRUE(live_session.draw_to(at(live_session, x, z)).done);
+        }
+        static void cut(SurgerySession& live_session, double z)
+        {
+            begin(live_session, z);
+            ASSERT_TRUE(live_session.finish_stroke().done);
         }
         static bool same(const mesh::TetMesh& a, const mesh::TetMesh& b)
         {
@@ -86,32 +89,32 @@ namespace kept_cuts_test {
         mesh::TetMesh left;
         std::shared_ptr<const WallSurface> surface;
         {
-            SurgerySession desk = fresh_desk(table());
+            SurgerySession live_session = fresh_desk(table());
             for (const double z : { 30.0, 62.0, 91.0 })
-                cut(desk, z);
-            desk.undo();
-            left = desk.session().compact_mesh();
-            surface = desk.picture()->surface;
+                cut(live_session, z);
+            live_session.undo();
+            left = live_session.session().compact_mesh();
+            surface = live_session.picture()->surface;
         }
         const SavedCuts kept = read_kept_cuts(journal(), table().wall);
         EXPECT_EQ(kept.deltas.size(), 2U);
         EXPECT_TRUE(kept.more);
-        SurgerySession desk = restore_desk(table(), kept);
-        EXPECT_TRUE(same(desk.session().compact_mesh(), left));
-        EXPECT_TRUE(same(*desk.picture()->surface, *surface));
-        ASSERT_EQ(desk.cuts().size(), 2U);
-        EXPECT_TRUE(desk.cuts()[0].restored);
-        EXPECT_NEAR(desk.cuts()[0].report.lip_area_mm2, 60.0 * 15.0, 0.1 * kSlabEdgeMm * 90.0);
-        desk.set_tension(0.04);
-        while (desk.moving())
-            desk.relax(50.0);
-        EXPECT_GT(desk.gape_mm(), 0.5) << "restored wounds gape too";
-        desk.redo();
-        EXPECT_EQ(desk.cuts().size(), 3U);
-        desk.undo();
-        desk.undo();
-        desk.undo();
-        EXPECT_TRUE(same(desk.session().compact_mesh(), table().wall));
+        SurgerySession live_session = restore_desk(table(), kept);
+        EXPECT_TRUE(same(live_session.session().compact_mesh(), left));
+        EXPECT_TRUE(same(*live_session.picture()->surface, *surface));
+        ASSERT_EQ(live_session.cuts().size(), 2U);
+        EXPECT_TRUE(live_session.cuts()[0].restored);
+        EXPECT_NEAR(live_session.cuts()[0].report.lip_area_mm2, 60.0 * 15.0, 0.1 * kSlabEdgeMm * 90.0);
+        live_session.set_tension(0.04);
+        while (live_session.moving())
+            live_session.relax(50.0);
+        EXPECT_GT(live_session.gape_mm(), 0.5) << "restored wounds gape too";
+        live_session.redo();
+        EXPECT_EQ(live_session.cuts().size(), 3U);
+        live_session.undo();
+        live_session.undo();
+        live_session.undo();
+        EXPECT_TRUE(same(live_session.session().compact_mesh(), table().wall));
     }
 
     TEST_F(KeptCutsTest, WhatWasTakenOutIsRestoredAsThat)
@@ -120,11 +123,11 @@ namespace kept_cuts_test {
         constexpr double kRounding = 1e-9;
         mesh::CutReport report;
         {
-            SurgerySession desk = fresh_desk(table());
-            cut(desk, 30.0);
-            ASSERT_TRUE(desk.take_out(at(desk, 60.0, 80.0), 12.0).done);
-            report = desk.cuts().back().report;
-            cut(desk, 100.0);
+            SurgerySession live_session = fresh_desk(table());
+            cut(live_session, 30.0);
+            ASSERT_TRUE(live_session.take_out(at(live_session, 60.0, 80.0), 12.0).done);
+            report = live_session.cuts().back().report;
+            cut(live_session, 100.0);
         }
         const auto check = [&](const CutEntry& taken) {
             EXPECT_TRUE(taken.restored);
@@ -134,46 +137,46 @@ namespace kept_cuts_test {
                 taken.report.removed_volume_mm3, report.removed_volume_mm3, kRounding * report.removed_volume_mm3);
         };
         {
-            SurgerySession desk = restore_desk(table(), read_kept_cuts(journal(), table().wall));
-            ASSERT_EQ(desk.cuts().size(), 3U);
-            EXPECT_EQ(desk.cuts()[0].taken_out, "");
-            check(desk.cuts()[1]);
-            EXPECT_EQ(desk.cuts()[2].taken_out, "");
-            desk.undo();
-            desk.undo();
+            SurgerySession live_session = restore_desk(table(), read_kept_cuts(journal(), table().wall));
+            ASSERT_EQ(live_session.cuts().size(), 3U);
+            EXPECT_EQ(live_session.cuts()[0].taken_out, "");
+            check(live_session.cuts()[1]);
+            EXPECT_EQ(live_session.cuts()[2].taken_out, "");
+            live_session.undo();
+            live_session.undo();
         }
-        SurgerySession desk = restore_desk(table(), read_kept_cuts(journal(), table().wall));
-        ASSERT_EQ(desk.cuts().size(), 1U);
-        desk.redo();
-        desk.redo();
-        ASSERT_EQ(desk.cuts().size(), 3U);
-        check(desk.cuts()[1]);
-        EXPECT_EQ(desk.cuts()[2].taken_out, "");
+        SurgerySession live_session = restore_desk(table(), read_kept_cuts(journal(), table().wall));
+        ASSERT_EQ(live_session.cuts().size(), 1U);
+        live_session.redo();
+        live_session.redo();
+        ASSERT_EQ(live_session.cuts().size(), 3U);
+        check(live_session.cuts()[1]);
+        EXPECT_EQ(live_session.cuts()[2].taken_out, "");
     }
 
     TEST_F(KeptCutsTest, AStrokeThatACrashCutOffIsKept)
     {
         mesh::TetMesh left;
         {
-            auto desk = std::make_unique<SurgerySession>(fresh_desk(table()));
-            cut(*desk, 30.0);
-            begin(*desk, 62.0); // the desk ends without finishing it, as a crash would
-            left = desk->session().compact_mesh();
+            auto live_session = std::make_unique<SurgerySession>(fresh_desk(table()));
+            cut(*live_session, 30.0);
+            begin(*live_session, 62.0); // the desk ends without finishing it, as a crash would
+            left = live_session->session().compact_mesh();
         }
         const SavedCuts kept = read_kept_cuts(journal(), table().wall);
         ASSERT_EQ(kept.deltas.size(), 2U);
-        SurgerySession desk = restore_desk(table(), kept);
-        EXPECT_FALSE(desk.stroke_open());
-        EXPECT_GE(desk.session().tet_count(), left.tet_count());
-        desk.undo();
-        EXPECT_EQ(desk.session().cut_count(), 1U);
+        SurgerySession live_session = restore_desk(table(), kept);
+        EXPECT_FALSE(live_session.stroke_open());
+        EXPECT_GE(live_session.session().tet_count(), left.tet_count());
+        live_session.undo();
+        EXPECT_EQ(live_session.session().cut_count(), 1U);
     }
 
     TEST_F(KeptCutsTest, AnotherWallOrADamagedFileIsRefused)
     {
         {
-            SurgerySession desk = fresh_desk(table());
-            cut(desk, 30.0);
+            SurgerySession live_session = fresh_desk(table());
+            cut(live_session, 30.0);
         }
         EXPECT_THROW((void)fresh_desk(table()), IoError) << "what is kept is not written over";
         EXPECT_THROW((void)read_kept_cuts(journal(), layered_wall({ 0.0, 0.0, 1.0 }).wall), InputError);

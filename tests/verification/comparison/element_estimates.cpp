@@ -54,7 +54,7 @@ namespace {
                 row.element = element_name(element);
                 row.seconds = answers.seconds[which];
                 row.residual = answers.residual[which];
-                judge_estimate(row, names[i], { answer.norm(), estimate, right[i].norm(), (right[i] - answer).norm() });
+                check_estimate(row, names[i], { answer.norm(), estimate, right[i].norm(), (right[i] - answer).norm() });
                 if (too_coarse && is_opening(names[i])) {
                     row.bound = kNoBound;
                     show_only(row, "two elements through the sheet: its gape has no order yet to estimate by");

@@ -75,7 +75,7 @@ namespace {
             with_midpoints_held(fine, coarse.held.prescribed), solve.equilibrium.displacement, job);
         if (estimate.status != fem::EstimateStatus::done)
             return without_estimate(std::move(row), estimate.message);
-        judge_estimate(row, "the inner wall's displacement",
+        check_estimate(row, "the inner wall's displacement",
             judged(inner_displacement(coarse, solve.equilibrium.displacement),
                 inner_displacement(coarse, estimate.displacement.head(3 * coarse.mesh.vertices.rows())),
                 vessel_displacement(E, nu, kPulse)));
@@ -132,7 +132,7 @@ namespace {
             with_midpoints_held(fine, held.prescribed), solve.equilibrium.displacement, job);
         if (estimate.status != fem::EstimateStatus::done)
             return without_estimate(std::move(row), estimate.message);
-        judge_estimate(row, "the gape in the middle",
+        check_estimate(row, "the gape in the middle",
             judged(std::abs(sheet_gape_of(sheet, cut, solve.equilibrium.displacement)),
                 std::abs(sheet_gape_of(sheet, cut, estimate.displacement.head(3 * cut.mesh.vertices.rows()))),
                 fem::sheet_gape(fem::PreStrainKind::uniaxial_stress, strain, sheet.cut_length, nu)));
@@ -225,7 +225,7 @@ namespace {
             = fem::estimate_error(problem, fem::Elasticity::linear, answer.displacement, job, options.contact);
         if (estimate.status != fem::EstimateStatus::done)
             return without_estimate(std::move(row), estimate.message);
-        judge_estimate(
+        check_estimate(
             row, "a plate's force, N", judged(answer.hook_forces_N[1].norm(), estimate.hook_forces_N[1].norm(), right));
         return row;
     }
@@ -244,7 +244,7 @@ namespace {
         const double share = fem::ten_node_share(
             fine, fem::Elasticity::linear, Eigen::Map<const Eigen::VectorXd>(u.data(), u.size()), plain.displacement);
         const double force = answer.hook_forces_N[1].norm();
-        judge_estimate(
+        check_estimate(
             row, "a plate's force, N", { force, share * std::abs(plain.hook_forces_N[1].norm() - force), right });
         return row;
     }
@@ -275,7 +275,7 @@ namespace {
 
 } // namespace
 
-void judge_estimate(VerificationRow& row, const std::string& quantity, const JudgedEstimate& judged)
+void check_estimate(VerificationRow& row, const std::string& quantity, const JudgedEstimate& judged)
 {
     const double effectivity = judged.estimate / judged.error;
     const bool known = !std::isnan(row.error) && std::isfinite(judged.estimate) && std::isfinite(judged.error);

@@ -19,7 +19,7 @@ struct JudgedEstimate {
 /// Value: estimated over true error, which must be 0.5 to 3; where the answer is right to 0.01 %, the estimate must
 /// stay below 0.03 % of it instead. The row's error is on the factor, its bound 1; that of a row which has no answer,
 /// or is given an estimate that is no number, stays or becomes NaN.
-void judge_estimate(VerificationRow& row, const std::string& quantity, const JudgedEstimate& judged);
+void check_estimate(VerificationRow& row, const std::string& quantity, const JudgedEstimate& judged);
 
 /// Part of that problem: plain, locking-free and ten-node elements on a pressed tube, a bent bar and a cut sheet.
 std::vector<VerificationRow> element_estimates(const VerificationOptions& options, const Job& job);

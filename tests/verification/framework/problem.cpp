@@ -125,7 +125,7 @@ namespace {
         row.note += (row.note.empty() || more.empty() ? "" : "; ") + more;
     }
 
-    void judge_fall(std::vector<VerificationRow>& series, const std::string& why)
+    void check_fall(std::vector<VerificationRow>& series, const std::string& why)
     {
         const bool falls = std::adjacent_find(series.begin(), series.end(), [](const auto& coarse, const auto& fine) {
             return !(fine.error < coarse.error); // also where it is no number
@@ -172,12 +172,12 @@ std::string order_verdict_name(OrderVerdict verdict)
     return {};
 }
 
-void judge_orders(std::vector<VerificationRow>& series, double expected, const OrderRule& rule)
+void check_orders(std::vector<VerificationRow>& series, double expected, const OrderRule& rule)
 {
     set_orders(series, expected);
     constexpr std::size_t kFewest = 3, kFewestToFall = 2;
     if (rule.asks == OrderRule::Asks::fall && series.size() >= kFewestToFall)
-        judge_fall(series, rule.why);
+        check_fall(series, rule.why);
     if (rule.asks != OrderRule::Asks::order || series.size() < kFewest || std::isnan(expected))
         return;
     VerificationRow& finest = series.back();
@@ -202,7 +202,7 @@ void judge_orders(std::vector<VerificationRow>& series, double expected, const O
 void append_series(std::vector<VerificationRow>& rows, std::vector<VerificationRow>& series, double expected,
     double bound, const OrderRule& rule)
 {
-    judge_orders(series, expected, rule);
+    check_orders(series, expected, rule);
     if (series.empty())
         return;
     VerificationRow& finest = series.back();

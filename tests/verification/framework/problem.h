@@ -133,7 +133,7 @@ struct OrderRule {
 };
 /// Sets the orders and judges the series by its last one: a missed order fails the finest row, and its note says so.
 /// Without at least three meshes, two where it must only fall, nothing is judged.
-void judge_orders(std::vector<VerificationRow>& series, double expected, const OrderRule& rule);
+void check_orders(std::vector<VerificationRow>& series, double expected, const OrderRule& rule);
 /// The same, gives the finest row its bound, marks what is in a series and what is only shown, for the rule's reason,
 /// and appends the series to the rows.
 void append_series(std::vector<VerificationRow>& rows, std::vector<VerificationRow>& series, double expected,

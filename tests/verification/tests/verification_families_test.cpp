@@ -215,7 +215,7 @@ namespace verification_families_test {
 
     OrderVerdict judged(std::vector<VerificationRow> rows, double expected, const OrderRule& rule = {})
     {
-        judge_orders(rows, expected, rule);
+        check_orders(rows, expected, rule);
         return rows.back().order_verdict;
     }
 
@@ -224,14 +224,14 @@ namespace verification_families_test {
         EXPECT_EQ(judged(series({ 1.16, 1.04, 1.01 }, 1.0), 2.0), OrderVerdict::reached);
         EXPECT_EQ(judged(series({ 1.16, 1.04, 1.01 }, 1.0), 2.4), OrderVerdict::reached);
         std::vector<VerificationRow> slow = series({ 1.16, 1.04, 1.01 }, 1.0);
-        judge_orders(slow, 3.0, {});
+        check_orders(slow, 3.0, {});
         EXPECT_EQ(slow.back().order_verdict, OrderVerdict::missed);
         EXPECT_FALSE(slow.back().passed());
         EXPECT_NE(slow.back().note.find("too slowly"), std::string::npos);
         EXPECT_EQ(judged(series({ 1.16, 1.04, 1.01 }, 1.0), std::nan("")), OrderVerdict::not_judged);
         EXPECT_EQ(judged(series({ 1.16, 1.04 }, 1.0), 3.0), OrderVerdict::not_judged) << "two meshes";
         std::vector<VerificationRow> locked = series({ 0.1, 0.11, 0.12 }, 1.0);
-        judge_orders(locked, 2.0, { .asks = OrderRule::Asks::nothing, .why = "locks" });
+        check_orders(locked, 2.0, { .asks = OrderRule::Asks::nothing, .why = "locks" });
         EXPECT_EQ(locked.back().order_verdict, OrderVerdict::not_judged);
         std::vector<VerificationRow> lost = series({ 1.16, 1.04, 1.01 }, 1.0);
         lost.back().error = std::nan("");

@@ -172,7 +172,7 @@ namespace verification_test {
     TEST(Verification, AnEstimateIsJudgedOnlyWhereAnswerAndEstimateAreNumbers)
     {
         const auto passes = [](const JudgedEstimate& judged, VerificationRow row = {}) {
-            judge_estimate(row, "a number", judged);
+            check_estimate(row, "a number", judged);
             return row.passed();
         };
         EXPECT_TRUE(passes({ 1.1, 0.1, 1.0 }));

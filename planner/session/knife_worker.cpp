@@ -138,7 +138,7 @@ KnifeWorker::KnifeWorker(std::function<SurgerySetup(const Job&)> prepare, std::f
               },
           .when_destroyed = WaitingTasks::run })
 {
-    executor_.post([this, prepare = std::move(prepare)](const Job& job) { prepare_desk(prepare, job); });
+    executor_.post([this, prepare = std::move(prepare)](const Job& job) { prepare_session(prepare, job); });
 }
 
 KnifeWorker::~KnifeWorker()
@@ -248,7 +248,7 @@ void KnifeWorker::publish(SurgerySession& live_session)
     announce();
 }
 
-void KnifeWorker::prepare_desk(const std::function<SurgerySetup(const Job&)>& prepare, const Job& job)
+void KnifeWorker::prepare_session(const std::function<SurgerySetup(const Job&)>& prepare, const Job& job)
 {
     make_ready([&] {
         SurgerySetup table = prepare(job);
@@ -280,7 +280,7 @@ std::unique_ptr<SurgerySession> KnifeWorker::start_session(
         if (std::filesystem::exists(table.journal)) {
             try {
                 if (!kept)
-                    kept = read_kept_cuts(table.journal, table.wall, job);
+                    kept = read_saved_cuts(table.journal, table.wall, job);
                 if (!wanted && kept->worth_asking()) {
                     ask_to_restore(std::move(table), std::move(*kept));
                     return nullptr;
@@ -288,7 +288,7 @@ std::unique_ptr<SurgerySession> KnifeWorker::start_session(
                 if (wanted.value_or(true)) {
                     if (!kept->note.empty())
                         set_status(kept->note, false);
-                    return std::make_unique<SurgerySession>(restore_desk(table, *kept, job));
+                    return std::make_unique<SurgerySession>(restored_session(table, *kept, job));
                 }
                 const std::filesystem::path other = set_aside(table.journal);
                 set_status("The former cuts are set aside in " + other.string(), false);
@@ -301,7 +301,7 @@ std::unique_ptr<SurgerySession> KnifeWorker::start_session(
                     true);
             }
         }
-        return std::make_unique<SurgerySession>(fresh_desk(table, job));
+        return std::make_unique<SurgerySession>(new_session(table, job));
     } catch (const IoError&) {
         set_status("cuts are not kept on disk: " + to_string(current_failure()), true);
         return std::make_unique<SurgerySession>(std::move(table), job);

@@ -88,7 +88,7 @@ private:
     void add_status(const std::string& more); ///< after what was said last
     void publish(SurgerySession& live_session);
     void announce();
-    void prepare_desk(const std::function<SurgerySetup(const Job&)>& prepare, const Job& job);
+    void prepare_session(const std::function<SurgerySetup(const Job&)>& prepare, const Job& job);
     std::unique_ptr<SurgerySession> start_session(
         SurgerySetup table, std::optional<SavedCuts> kept, std::optional<bool> wanted, const Job& job);
     void ask_to_restore(SurgerySetup table, SavedCuts kept);

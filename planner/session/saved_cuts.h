@@ -25,12 +25,12 @@ struct SavedCuts {
 
 /// Reads the journal on the uncut wall; a stroke that a crash left open is counted as finished.
 /// @throws IoError; InputError when it is damaged or of another wall.
-SavedCuts read_kept_cuts(const std::filesystem::path& journal, const mesh::TetMesh& wall, const Job& job = {});
+SavedCuts read_saved_cuts(const std::filesystem::path& journal, const mesh::TetMesh& wall, const Job& job = {});
 
-/// A desk with the kept cuts, which goes on writing to their journal. @throws as read_kept_cuts().
-SurgerySession restore_desk(SurgerySetup table, const SavedCuts& kept, const Job& job = {});
+/// A desk with the kept cuts, which goes on writing to their journal. @throws as read_saved_cuts().
+SurgerySession restored_session(SurgerySetup table, const SavedCuts& kept, const Job& job = {});
 /// A desk without cuts and with a new journal. @throws IoError when there is a journal already or none can be written.
-SurgerySession fresh_desk(SurgerySetup table, const Job& job = {});
+SurgerySession new_session(SurgerySetup table, const Job& job = {});
 
 /// Gives the journal another name in its folder (.1, .2, ... appended), so that nothing is ever lost; returns it.
 /// @throws IoError.

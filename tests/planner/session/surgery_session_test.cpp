@@ -18,7 +18,7 @@
 #include <thread>
 
 namespace retractor::planner {
-namespace cutting_desk_test {
+namespace surgery_session_test {
 
     // Positions of some 100 mm, a few operations each.
     constexpr double kRoundingMm = 1e-10;
@@ -333,7 +333,7 @@ namespace cutting_desk_test {
 
     /// A wound at z = 60 and, taken out where asked, the wall's side from x = 0 to 15 beside it, which is held and lies
     /// on a bed as all of it does.
-    SurgerySession wounded_desk(bool without_side)
+    SurgerySession wounded_session(bool without_side)
     {
         SurgerySetup table = layered_wall();
         std::vector<char> held(table.wall.vertex_count(), 0);
@@ -381,7 +381,7 @@ namespace cutting_desk_test {
         constexpr double kSolvedMm = 1e-5;
         std::vector<Points> shown;
         for (const bool without_side : { true, false }) {
-            SurgerySession live_session = wounded_desk(without_side);
+            SurgerySession live_session = wounded_session(without_side);
             ASSERT_TRUE(live_session.place_hook(at(live_session, 35.0, 63.0)).done);
             ASSERT_TRUE(live_session.place_hook(at(live_session, 35.0, 59.0)).done);
             live_session.pull_all_hooks(6.0);
@@ -404,7 +404,7 @@ namespace cutting_desk_test {
 
     TEST(SurgerySession, SpringsFindTheSupportsOfTissueThatIsPutBackAfterThem)
     {
-        SurgerySession live_session = wounded_desk(true);
+        SurgerySession live_session = wounded_session(true);
         live_session.set_tension(0.06);
         live_session.undo();
         while (live_session.moving())
@@ -565,7 +565,7 @@ namespace cutting_desk_test {
     /// A desk whose session is refused what the test chooses, as by a full disk or by the cut itself.
     class RefusedStroke : public testing::Test {
     protected:
-        SurgerySession make_desk()
+        SurgerySession make_session()
         {
             SurgerySetup table = layered_wall();
             mesh::CutSession session(table.wall);
@@ -590,7 +590,7 @@ namespace cutting_desk_test {
     TEST_F(RefusedStroke, AFullDiskLeavesItOpenToBeFinishedAgainOrAbandoned)
     {
         for (const bool again : { true, false }) {
-            SurgerySession live_session = make_desk();
+            SurgerySession live_session = make_session();
             const mesh::TetMesh before = live_session.session().compact_mesh();
             draw_open_stroke(live_session);
             *refuse_ = [](mesh::CutEvent::Kind) { throw IoError("the disk is full"); };
@@ -619,7 +619,7 @@ namespace cutting_desk_test {
 
     TEST_F(RefusedStroke, ATipThatCannotBeCutIsLeftOut)
     {
-        SurgerySession live_session = make_desk();
+        SurgerySession live_session = make_session();
         draw_open_stroke(live_session);
         *refuse_ = [](mesh::CutEvent::Kind kind) {
             if (kind == mesh::CutEvent::Kind::stroke_step)
@@ -638,7 +638,7 @@ namespace cutting_desk_test {
 
     TEST_F(RefusedStroke, OneThatCannotBeFinishedIsTakenBackAloud)
     {
-        SurgerySession live_session = make_desk();
+        SurgerySession live_session = make_session();
         const mesh::TetMesh before = live_session.session().compact_mesh();
         draw_open_stroke(live_session);
         *refuse_ = [](mesh::CutEvent::Kind kind) {
@@ -883,5 +883,5 @@ namespace cutting_desk_test {
         SUCCEED() << "both ended";
     }
 
-} // namespace cutting_desk_test
+} // namespace surgery_session_test
 } // namespace retractor::planner

@@ -406,7 +406,7 @@ namespace knife_window_test {
 
     TEST_F(KnifeWindowTest, ReopeningOffersTheLastCuts)
     {
-        control_->cuts_folder = picture_folder() / "kept_cuts";
+        control_->cuts_folder = picture_folder() / "saved_cuts";
         fs::remove_all(control_->cuts_folder);
         take_knife();
         draw(-30.0, 0.0, 30.0, 0.0);

@@ -59,7 +59,7 @@ public:
     /// Makes a label of the open case palpable in the background, then calls on_palpable. @pre a case is open
     void palpate(const std::string& structure);
     /// Called with what palpate() made, and what is to be said of it.
-    std::function<void(Palpable)> on_palpable;
+    std::function<void(planner::Palpable)> on_palpable;
 
     /// Called instead of refusing when a file that is opened is no case but a scene to be palpated.
     std::function<void(const std::filesystem::path&)> on_palpation_scene;

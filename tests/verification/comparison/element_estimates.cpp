@@ -257,8 +257,7 @@ namespace {
     {
         return elasticity == fem::Elasticity::linear
             ? linear_law(kVessel, nu)
-            : retractor::hyperelastic_law(
-                "neo-Hookean", retractor::hyperelastic_law({ "vessel", kVessel, nu, 1e-9, "verification" }));
+            : hyperelastic_law("neo-Hookean", fem::hyperelastic_law({ "vessel", kVessel, nu, 1e-9, "verification" }));
     }
 
     VerificationSolve pressed_vessel(

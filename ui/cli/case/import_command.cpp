@@ -78,7 +78,7 @@ namespace {
             return;
         std::size_t approaches = 0;
         try {
-            approaches = read_case(case_file, { .verify_checksums = false }).approaches.size();
+            approaches = planner::read_case(case_file, { .verify_checksums = false }).approaches.size();
         } catch (const Error&) {
             if (case_file.filename() == planner::kCaseFileName)
                 return; // what cannot be read is told when it is replaced
@@ -98,7 +98,7 @@ namespace {
         if (!fs::exists(case_file, error))
             return std::nullopt;
         try {
-            const planner::Case old = read_case(case_file, { .verify_checksums = false });
+            const planner::Case old = planner::read_case(case_file, { .verify_checksums = false });
             return "replaced the case that was there, with its " + std::to_string(old.approaches.size())
                 + " approach(es); its images are still there where they differ";
         } catch (const Error&) {

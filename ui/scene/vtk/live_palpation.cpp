@@ -99,7 +99,7 @@ struct LivePalpation::State {
     Balls spheres, fingertips;
     std::array<std::vector<vtkSmartPointer<vtkActor>>, kHands> hands;
     vtkSmartPointer<vtkPolyData> marks = vtkSmartPointer<vtkPolyData>::New();
-    vtkSmartPointer<vtkActor> mark_actor = retractor::mark_actor(marks);
+    vtkSmartPointer<vtkActor> mark_actor = ui::mark_actor(marks);
 };
 
 LivePalpation::LivePalpation()

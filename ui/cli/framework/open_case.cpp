@@ -8,7 +8,7 @@ namespace retractor::ui::cli {
 planner::Case open_case(const std::string& path)
 {
     try {
-        return read_case(path);
+        return planner::read_case(path);
     } catch (const InputError& error) {
         if (error.where().rfind('/', 0) != 0) // no JSON pointer
             throw;

@@ -226,7 +226,7 @@ Given read(const Options& options)
         if (options.structure.empty())
             given.palpable = planner::Palpable { datasets::read_palpation_scene(options.case_file), {} };
         else {
-            planner::Patient patient(read_case(options.case_file));
+            planner::Patient patient(planner::read_case(options.case_file));
             given.palpable = planner::make_palpable(
                 *patient.labels(), patient.planned_case().materials, { .structure = { options.structure } });
         }
@@ -236,7 +236,7 @@ Given read(const Options& options)
         return given;
     }
     if (!options.case_file.empty())
-        given.planned_case = read_case(options.case_file);
+        given.planned_case = planner::read_case(options.case_file);
     if (!options.approach.empty())
         planner::find_approach(*given.planned_case, options.approach);
     if (!options.screenshot.empty() && given.planned_case->approaches.empty())

@@ -177,8 +177,10 @@ void MainWindow::make_knife_actions(QMenu& menu, QToolBar& bar)
     take_out_action_ = add("Take out", Qt::Key_X, "Press on a piece that was cut free, or on tissue, to take it out",
         [this] { set_knife(take_out_action_->isChecked() ? KnifeMode::take_out : KnifeMode::away); });
     take_out_action_->setCheckable(true);
-    undo_ = add("Undo cut", QKeySequence::Undo, "Take the last cut back", [this] { knife_->run(surgery::Undo {}); });
-    redo_ = add("Redo cut", QKeySequence("Ctrl+Shift+Z"), "Make it again", [this] { knife_->run(surgery::Redo {}); });
+    undo_ = add(
+        "Undo cut", QKeySequence::Undo, "Take the last cut back", [this] { knife_->run(planner::surgery::Undo {}); });
+    redo_ = add(
+        "Redo cut", QKeySequence("Ctrl+Shift+Z"), "Make it again", [this] { knife_->run(planner::surgery::Redo {}); });
     undo_->setIconText("Undo"); // all tools fit into 1280 px
     redo_->setIconText("Redo");
     bar.addActions({ knife_action_, line_action_, hook_action_, take_out_action_, undo_, redo_ });
@@ -305,13 +307,13 @@ void MainWindow::reading_failed(const Failure& failure)
 
 void MainWindow::open_file(const std::filesystem::path& path)
 {
-    if (on_palpation_scene && is_palpation_scene(path))
+    if (on_palpation_scene && datasets::is_palpation_scene(path))
         return on_palpation_scene(path);
     ++reading_;
     view_->show_note("Reading " + QString::fromStdString(path.string()) + " …");
     reading_executor_.post([this, path](const Job&) {
         try {
-            auto planned_case = std::make_shared<planner::Case>(read_case(path));
+            auto planned_case = std::make_shared<planner::Case>(planner::read_case(path));
             post_back([this, planned_case] {
                 --reading_;
                 open(std::move(*planned_case));
@@ -647,7 +649,7 @@ void MainWindow::ask_for_export_file()
         return;
     if (!file.endsWith(".vtu", Qt::CaseInsensitive))
         file += ".vtu";
-    knife_->run(surgery::ExportWall { file.toStdString() });
+    knife_->run(planner::surgery::ExportWall { file.toStdString() });
 }
 
 void MainWindow::show_about()

@@ -180,7 +180,7 @@ namespace {
     bool is_case(const std::string& path)
     {
         try {
-            static_cast<void>(read_case(path, { .verify_checksums = false }));
+            static_cast<void>(planner::read_case(path, { .verify_checksums = false }));
             return true;
         } catch (const Error&) {
             return false;
@@ -287,7 +287,8 @@ namespace {
                 "organs)")
             ->check(CLI::IsMember(planner::tissue_models()))
             ->capture_default_str();
-        command->add_option("--element", tissue.element, "fem: p1 (four nodes, too stiff), locking-free or p2 (ten nodes)")
+        command
+            ->add_option("--element", tissue.element, "fem: p1 (four nodes, too stiff), locking-free or p2 (ten nodes)")
             ->check(CLI::IsMember({ "p1", "locking-free", "p2" }))
             ->capture_default_str();
         command

@@ -196,7 +196,7 @@ KnifePanel::KnifePanel(QWidget* parent)
     tension_->setFocusPolicy(Qt::NoFocus);
     connect(tension_, qOverload<int>(&QComboBox::activated), this, [this] { tension_by_hand_ = true; });
     connect(tension_, qOverload<int>(&QComboBox::currentIndexChanged), this,
-        [this] { give(surgery::SetTension { tension() }); });
+        [this] { give(planner::surgery::SetTension { tension() }); });
     form->addRow("Tension", tension_);
     removal_ = new QComboBox;
     for (const int radius : kRemovalRadiiMm)
@@ -217,8 +217,8 @@ KnifePanel::KnifePanel(QWidget* parent)
         buttons->addWidget(button);
         return button;
     };
-    undo_ = add("Undo", "Take the last cut back (Ctrl+Z)", [this] { give(surgery::Undo {}); });
-    redo_ = add("Redo", "Make it again (Ctrl+Shift+Z)", [this] { give(surgery::Redo {}); });
+    undo_ = add("Undo", "Take the last cut back (Ctrl+Z)", [this] { give(planner::surgery::Undo {}); });
+    redo_ = add("Redo", "Make it again (Ctrl+Shift+Z)", [this] { give(planner::surgery::Redo {}); });
     export_ = add("Export…", "Save the cut wall as VTU", [this] {
         if (on_export)
             on_export();
@@ -228,8 +228,9 @@ KnifePanel::KnifePanel(QWidget* parent)
     cuts_ = new QListWidget;
     cuts_->setWordWrap(true);
     cuts_->setToolTip("Double-click: go back (or forward) to just after this cut");
-    connect(cuts_, &QListWidget::itemActivated, this,
-        [this](QListWidgetItem* item) { give(surgery::GoTo { static_cast<std::size_t>(cuts_->row(item)) + 1 }); });
+    connect(cuts_, &QListWidget::itemActivated, this, [this](QListWidgetItem* item) {
+        give(planner::surgery::GoTo { static_cast<std::size_t>(cuts_->row(item)) + 1 });
+    });
     column->addWidget(cuts_, 1);
     column->addWidget(make_hooks());
     state_ = new QLabel;
@@ -303,9 +304,9 @@ QWidget* KnifePanel::make_hooks()
     connect(opening_, &QSlider::valueChanged, this, [this](int value) {
         opening_text_->setText(opening_text(value));
         if (by_share_)
-            give(surgery::PullHooksByShare { value / 100.0 });
+            give(planner::surgery::PullHooksByShare { value / 100.0 });
         else
-            give(surgery::PullAllHooks { static_cast<double>(value) });
+            give(planner::surgery::PullAllHooks { static_cast<double>(value) });
     });
     form->addRow("Hooks", open);
     yield_ = new QDoubleSpinBox;
@@ -315,14 +316,14 @@ QWidget* KnifePanel::make_hooks()
     yield_->setSuffix(" N");
     yield_->setToolTip("A hook slips rather than pull harder than this");
     connect(yield_, qOverload<double>(&QDoubleSpinBox::valueChanged), this,
-        [this] { give(surgery::SetYield { yield_N() }); });
+        [this] { give(planner::surgery::SetYield { yield_N() }); });
     form->addRow("Yield at", yield_);
     nonlinear_ = new QCheckBox("Nonlinear near the wound");
     nonlinear_->setChecked(true);
     nonlinear_->setToolTip("Tissue near the wound turns and stretches as far as it does; without, wide openings swell. "
                            "It follows when the hand first rests");
     nonlinear_->setFocusPolicy(Qt::NoFocus);
-    connect(nonlinear_, &QCheckBox::toggled, this, [this] { give(surgery::SetNonlinear { nonlinear() }); });
+    connect(nonlinear_, &QCheckBox::toggled, this, [this] { give(planner::surgery::SetNonlinear { nonlinear() }); });
     form->addRow("", nonlinear_);
     column->addLayout(form);
     auto* buttons = new QHBoxLayout;
@@ -334,11 +335,11 @@ QWidget* KnifePanel::make_hooks()
         buttons->addWidget(button);
         return button;
     };
-    planned_
-        = add("As planned", "The approach's hooks, opened as it says", [this] { give(surgery::TakePlannedHooks {}); });
+    planned_ = add("As planned", "The approach's hooks, opened as it says",
+        [this] { give(planner::surgery::TakePlannedHooks {}); });
     hook_off_ = add("Take off", "The hook that is chosen in the list", [this] { take_off_chosen_hook(); });
-    hooks_off_
-        = add("All off", "The wound closes, or gapes by its own tension", [this] { give(surgery::TakeOffHooks {}); });
+    hooks_off_ = add("All off", "The wound closes, or gapes by its own tension",
+        [this] { give(planner::surgery::TakeOffHooks {}); });
     column->addLayout(buttons);
     hooks_ = new QListWidget;
     hooks_->setMaximumHeight(kHookListPx);
@@ -356,7 +357,7 @@ QWidget* KnifePanel::make_hooks()
     return box;
 }
 
-void KnifePanel::give(surgery::Command command)
+void KnifePanel::give(planner::surgery::Command command)
 {
     if (on_command)
         on_command(std::move(command));
@@ -365,7 +366,7 @@ void KnifePanel::give(surgery::Command command)
 void KnifePanel::take_off_chosen_hook()
 {
     if (const int row = hooks_->currentRow(); row >= 0 && static_cast<std::size_t>(row) < hook_ids_.size())
-        give(surgery::TakeOffHook { hook_ids_[static_cast<std::size_t>(row)] });
+        give(planner::surgery::TakeOffHook { hook_ids_[static_cast<std::size_t>(row)] });
 }
 
 double KnifePanel::yield_N() const

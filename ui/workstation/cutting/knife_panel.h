@@ -33,7 +33,7 @@ public:
     void show_snapshot(const planner::SessionSnapshot* snapshot, double draw_ms);
 
     // Set by the owner; called when something is pressed or set.
-    std::function<void(surgery::Command)> on_command;
+    std::function<void(planner::surgery::Command)> on_command;
     std::function<void()> on_export;
     std::function<void(bool wanted)> on_restore;
     double yield_N() const; ///< infinite: never
@@ -61,7 +61,7 @@ protected:
 private:
     QWidget* make_question();
     QWidget* make_hooks();
-    void give(surgery::Command command);
+    void give(planner::surgery::Command command);
     void take_off_chosen_hook();
     void show_hooks(const planner::SessionSnapshot* snapshot);
     void show_opening(const std::vector<planner::HookState>& hooks);

@@ -120,7 +120,7 @@ KnifeTool::KnifeTool(PictureView& view, KnifePanel& panel)
             shown()->worker->restore(wanted);
         view_.setFocus(); // the buttons go, and the next thing is to look, or to undo
     };
-    panel_.on_command = [this](surgery::Command command) { run(std::move(command)); };
+    panel_.on_command = [this](planner::surgery::Command command) { run(std::move(command)); };
 }
 
 KnifeTool::~KnifeTool()
@@ -153,9 +153,9 @@ void KnifeTool::lay_out(std::size_t approach, std::function<KnifeTable(const Job
         });
     }
     answers_ = table.snapshot->answers;
-    run(surgery::SetTension { panel_.tension() });
-    run(surgery::SetYield { panel_.yield_N() });
-    run(surgery::SetNonlinear { panel_.nonlinear() });
+    run(planner::surgery::SetTension { panel_.tension() });
+    run(planner::surgery::SetYield { panel_.yield_N() });
+    run(planner::surgery::SetNonlinear { panel_.nonlinear() });
     show_picture();
 }
 
@@ -191,7 +191,7 @@ void KnifeTool::set_mode(KnifeMode mode)
 void KnifeTool::end_stroke()
 {
     if (std::exchange(drawing_, false))
-        run(surgery::FinishStroke {});
+        run(planner::surgery::FinishStroke {});
     first_.reset();
     grip_.reset();
     line_.clear();
@@ -204,15 +204,16 @@ bool KnifeTool::abandon()
     const bool open = std::exchange(drawing_, false) || (snapshot() != nullptr && snapshot()->stroke_open);
     const bool any = open || first_.has_value();
     if (open)
-        run(surgery::AbandonStroke {});
+        run(planner::surgery::AbandonStroke {});
     end_stroke();
     return any;
 }
 
-void KnifeTool::run(surgery::Command command)
+void KnifeTool::run(planner::surgery::Command command)
 {
-    const bool history = std::holds_alternative<surgery::Undo>(command)
-        || std::holds_alternative<surgery::Redo>(command) || std::holds_alternative<surgery::GoTo>(command);
+    const bool history = std::holds_alternative<planner::surgery::Undo>(command)
+        || std::holds_alternative<planner::surgery::Redo>(command)
+        || std::holds_alternative<planner::surgery::GoTo>(command);
     if (shown() != nullptr && !(history && drawing_))
         shown()->worker->run(std::move(command));
 }
@@ -399,7 +400,7 @@ void KnifeTool::take_out(const QPointF& at)
     const auto touched = feel(at, why_not);
     say(why_not, !why_not.empty());
     if (touched)
-        run(surgery::TakeOut { *touched, panel_.removal_radius_mm() });
+        run(planner::surgery::TakeOut { *touched, panel_.removal_radius_mm() });
 }
 
 void KnifeTool::take_hook(const QPointF& at)
@@ -413,7 +414,7 @@ void KnifeTool::take_hook(const QPointF& at)
         grip_ = Grip { hook->id, shown_centre(*hook, *shown()->snapshot->picture),
             hook->drive.force_N ? hook->displacement : hook->drive.displacement, Vec3::Zero() };
     else if (touched)
-        return run(surgery::PlaceHook { *touched });
+        return run(planner::surgery::PlaceHook { *touched });
     else
         return say("the hook is beside the body: set it on the edge of a wound", true);
     grip_->from = in_hand(at);
@@ -421,7 +422,7 @@ void KnifeTool::take_hook(const QPointF& at)
 
 void KnifeTool::drag_hook(const QPointF& to)
 {
-    run(surgery::PullHook { grip_->hook, grip_->asked + in_hand(to) - grip_->from });
+    run(planner::surgery::PullHook { grip_->hook, grip_->asked + in_hand(to) - grip_->from });
 }
 
 /// Where the mouse is in the plane through the hook, across the line of sight.
@@ -453,7 +454,7 @@ void KnifeTool::press(const QPointF& at)
         return;
     }
     say({}, false);
-    run(surgery::BeginStroke { *touched, panel_.settings(), ++stroke_ });
+    run(planner::surgery::BeginStroke { *touched, panel_.settings(), ++stroke_ });
     drawing_ = true;
     last_ = at;
     line_ = { touched->shown };
@@ -481,10 +482,10 @@ void KnifeTool::draw_between(const QPointF& from, const QPointF& to)
     const int pieces = std::max(1, static_cast<int>(std::ceil(QLineF(from, to).length() / kFeelEveryPx)));
     for (int i = 1; i <= pieces; ++i)
         if (const auto touched = feel_wall(from + (to - from) * (static_cast<double>(i) / pieces))) {
-            run(surgery::DrawTo { *touched });
+            run(planner::surgery::DrawTo { *touched });
             line_.push_back(touched->shown);
         } else {
-            run(surgery::LeaveWall {});
+            run(planner::surgery::LeaveWall {});
         }
     show_line();
 }
@@ -512,7 +513,7 @@ void KnifeTool::cut_straight(const QPointF& to)
 {
     const QPointF from = *std::exchange(first_, std::nullopt);
     if (const auto touched = feel_wall(from)) {
-        run(surgery::BeginStroke { *touched, panel_.settings(), ++stroke_ });
+        run(planner::surgery::BeginStroke { *touched, panel_.settings(), ++stroke_ });
         drawing_ = true;
         line_ = { touched->shown };
         draw_between(from, to);

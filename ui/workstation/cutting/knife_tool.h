@@ -48,7 +48,7 @@ public:
     bool abandon();
     /// Gives the table that is shown a command; nothing when none is. While a stroke is drawn nothing is undone or
     /// redone.
-    void run(surgery::Command command);
+    void run(planner::surgery::Command command);
 
     /// Of the table that is shown; null: none is, or it is not ready.
     std::shared_ptr<const Scene> scene() const;

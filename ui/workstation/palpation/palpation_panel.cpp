@@ -86,7 +86,7 @@ void PalpationPanel::call(const std::function<void()>& function) const
         function();
 }
 
-void PalpationPanel::give(palpation::Command command)
+void PalpationPanel::give(planner::palpation::Command command)
 {
     if (on_command)
         on_command(std::move(command));
@@ -188,7 +188,8 @@ QWidget* PalpationPanel::make_servo()
     fault_ = words();
     fault_->setStyleSheet("background: #6e2323; color: #ffd8d4; padding: 6px; border-radius: 4px;");
     column->addWidget(fault_);
-    rearm_ = button("Arm again", "The force comes back within half a second", [this] { give(palpation::Rearm {}); });
+    rearm_ = button(
+        "Arm again", "The force comes back within half a second", [this] { give(planner::palpation::Rearm {}); });
     column->addWidget(rearm_);
     fault_->hide();
     rearm_->hide();
@@ -208,7 +209,7 @@ QWidget* PalpationPanel::make_tissue(const std::vector<std::string>& models)
     heart_rate_ = number(20.0, 300.0, 0, 5.0, " per minute");
     connect(heart_rate_, qOverload<double>(&QDoubleSpinBox::valueChanged), this, [this](double rate) {
         if (!quiet_)
-            give(palpation::SetHeartRate { rate });
+            give(planner::palpation::SetHeartRate { rate });
     });
     form->addRow("Heart rate", heart_rate_);
     gain_ = number(0.1, 20.0, 1, 0.5, " times");

@@ -42,7 +42,7 @@ public:
     void set_edit_place(bool placed); ///< whether Apply has a place
 
     // Set by the owner.
-    std::function<void(palpation::Command)> on_command;
+    std::function<void(planner::palpation::Command)> on_command;
     std::function<void()> on_setup, on_view, on_template, on_place, on_apply, on_lift, on_reset, on_record;
     std::function<void(double)> on_depth;
     std::function<void(bool)> on_grip;
@@ -78,7 +78,7 @@ private:
     QWidget* make_view();
     QPushButton* button(const QString& text, const QString& tip, std::function<void()> PalpationPanel::*run);
     QPushButton* button(const QString& text, const QString& tip, const std::function<void()>& run);
-    void give(palpation::Command command);
+    void give(planner::palpation::Command command);
     QDoubleSpinBox* number(double low, double high, int decimals, double step, const QString& suffix);
     void call(const std::function<void()>& function) const;
     void show_organs(const std::vector<std::string>& organs);

@@ -139,20 +139,20 @@ void PalpationWindow::make_panel_calls()
             lift_all();
             view_->show_note("Making the tissue anew …");
         }
-        worker_->run(palpation::ChangeSetup { setup });
+        worker_->run(planner::palpation::ChangeSetup { setup });
     });
-    panel_->on_command = with_worker([this](const palpation::Command& command) { worker_->run(command); });
+    panel_->on_command = with_worker([this](const planner::palpation::Command& command) { worker_->run(command); });
     panel_->on_reset = with_worker([this] {
         lift_all();
         mark_.reset();
         panel_->set_edit_place(false);
         view_->show_note("Making the tissue anew …");
-        worker_->run(palpation::Reset {});
-        worker_->run(palpation::Rearm {});
+        worker_->run(planner::palpation::Reset {});
+        worker_->run(planner::palpation::Rearm {});
     });
     panel_->on_grip = with_worker([this](bool held) {
         grips_[tool_->finger()] = held;
-        worker_->run(palpation::Grip { tool_->finger(), held });
+        worker_->run(planner::palpation::Grip { tool_->finger(), held });
     });
     panel_->on_depth = [this](double mm) { tool_->set_depth(mm); };
     panel_->on_lift = [this] { lift_all(); };
@@ -368,7 +368,7 @@ void PalpationWindow::lift_all()
 {
     for (std::size_t f = 0; f < planner::kMostFingers; ++f)
         if (std::exchange(grips_[f], false) && worker_ != nullptr)
-            worker_->run(palpation::Grip { f, false });
+            worker_->run(planner::palpation::Grip { f, false });
     tool_->ask_for_place(nullptr);
     tool_->lift_all();
 }
@@ -396,19 +396,19 @@ void PalpationWindow::apply_template()
         return;
     haptics::ElasticTemplate edit = panel_->chosen_template();
     edit.centre = mark_->centre;
-    worker_->run(palpation::EditTissue { edit });
+    worker_->run(planner::palpation::EditTissue { edit });
 }
 
 void PalpationWindow::start_recording()
 {
     if (worker_ != nullptr)
-        worker_->run(palpation::StartRecording {});
+        worker_->run(planner::palpation::StartRecording {});
 }
 
 void PalpationWindow::stop_recording(const std::filesystem::path& path)
 {
     if (worker_ != nullptr)
-        worker_->run(palpation::StopRecording { path });
+        worker_->run(planner::palpation::StopRecording { path });
 }
 
 void PalpationWindow::record_or_stop()

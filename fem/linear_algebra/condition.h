@@ -12,7 +12,7 @@ namespace retractor::fem {
 /// matrix and with its factor finds both eigenvalues. Each estimate approaches its value from below, to about a
 /// percent.
 struct ConditionEstimate {
-    /// of the stiffness itself; rises with the ratio of the moduli, although that ratio loses no digits
+    /// Of the stiffness itself. The number rises with the ratio of the moduli, although that ratio loses no digits.
     double number = 0.0;
     /// Of the stiffness scaled to a unit diagonal. This scaling is within a factor (entries per row) of the best
     /// diagonal scaling (van der Sluis 1969), and the round-off of Cholesky follows this number.

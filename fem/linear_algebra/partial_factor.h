@@ -14,7 +14,7 @@ namespace retractor::fem {
 
 struct PartialFactor {
     Eigen::MatrixXd trailing; ///< lower triangle: the term that the condensed first unknowns add among the last
-    /// position in the order of elimination at which the matrix is not positive definite; -1: none
+    /// Position in the order of elimination at which the matrix is not positive definite; -1: none.
     Eigen::Index stopped_at = -1;
 };
 /// Multifrontal Cholesky factorisation (Duff, Reid 1983, doi 10.1145/356044.356047). Subtrees use two cores, with the

@@ -1,8 +1,8 @@
 #pragma once
-// A part of an opened wound's body in place of the whole: the elements near the wound, held still where they bordered
-// on the others. Faster and stiffer; by how much a wound of its size is closed by it, `retractor-verify --suite ladder`
-// measures (an incision of 60 mm needs about its own length round it), and
-// `retractor plan --local R --check` on the user's own wall. Units mm; frame patient LPS.
+// A submodel of an opened wound: only the elements near the wound, fixed where they bordered on the removed elements.
+// The submodel is faster and stiffer than the whole. `retractor-verify --suite ladder` measures how much less a wound
+// of each size opens (an incision of 60 mm needs about its own length of tissue round it); `retractor plan --local R
+// --check` measures the same on the user's own wall. Units mm; frame patient LPS.
 
 #include "fem/statics/elastic_problem.h"
 
@@ -12,14 +12,15 @@ namespace retractor::fem {
 
 struct LocalProblem {
     ElasticProblem problem;
-    std::vector<VertexId> vertex_of; ///< per vertex of the part: the vertex of the whole
-    std::vector<TetId> tet_of; ///< per element of the part: the element of the whole
-    std::size_t rim_vertices = 0; ///< held because they bordered on elements that are left out
+    std::vector<VertexId> vertex_of; ///< vertex of the whole, per vertex of the submodel
+    std::vector<TetId> tet_of; ///< element of the whole, per element of the submodel
+    std::size_t rim_vertices = 0; ///< number of vertices fixed because they border on removed elements
 };
 
-/// @param points what must be near: the wound. @param distance mm, of an element's nearest corner.
-/// @throws InputError when there is no point, the distance is not positive, or a hook holds a vertex, or a load acts on
-/// an element, that is left out, and on a body under pressure.
+/// @param points the wound
+/// @param distance mm, from the points to the nearest corner of an element that is kept
+/// @throws InputError without points, on a distance that is not positive, when a hook holds a vertex or a load acts on
+/// an element that is removed, and on a body under pressure
 LocalProblem local_problem(const ElasticProblem& whole, const Points& points, double distance);
 
 } // namespace retractor::fem

@@ -38,8 +38,8 @@ namespace retractor::fem {
 
 enum class OnlineStatus {
     solved,
-    /// A piece has come off, or a hook has lost its hold; the message names it. The user can undo the cut or hook the
-    /// piece.
+    /// A piece has come off, or a hook has lost its hold; the message names the piece or hook. The user can undo the
+    /// cut or hook the piece.
     unsupported,
     inaccurate, ///< the residual stays above the limit, or hooks_at_rest is false
 };

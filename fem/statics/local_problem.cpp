@@ -28,7 +28,7 @@ LocalProblem local_problem(const ElasticProblem& whole, const Points& points, do
     part.material_of_label = whole.material_of_label;
     part.mesh.nodes_per_tet = mesh.nodes_per_tet;
     part.mesh.vertices = mesh.vertices(local.vertex_of, Eigen::all);
-    std::vector<TetId> element(mesh.tet_count(), -1); // of the part
+    std::vector<TetId> element(mesh.tet_count(), -1); // index of each element in the submodel, or -1
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
         if (near[static_cast<std::size_t>(t)] != 0) {
             element[static_cast<std::size_t>(t)] = static_cast<TetId>(local.tet_of.size());

@@ -78,8 +78,8 @@ public:
     OnlineOpening(OnlineOpening&&) noexcept;
 
     /// Follows a delta of the session; the next answer is for the mesh after the delta. Hooks hold vertices, not ids: a
-    /// hook releases a vertex that is gone and holds it again when it comes back, even if its id was used for another
-    /// vertex meanwhile.
+    /// hook releases a vertex that is gone and holds it again when the vertex comes back, even if the id was used
+    /// for another vertex meanwhile.
     /// @param lips CutSession::lips() after the delta; needed where there is tension
     /// @throws InputError when the delta does not fit the mesh; nothing is changed then
     void follow(const mesh::MeshDelta& delta, std::span<const mesh::LipFace> lips = {});
@@ -125,7 +125,7 @@ public:
     bool rebuilding() const; ///< a rebuild was started and is not adopted yet
     bool rebuild_ready() const; ///< adopt_rebuild() will not wait
     /// Replaces the factor by the new one, and waits for it if necessary.
-    /// @return false when no rebuild was started or it failed; the old factor then stays
+    /// @return false when no rebuild was started or the rebuild failed; the old factor then stays
     bool adopt_rebuild();
 
     const OnlineStiffness& stiffness() const;

@@ -23,8 +23,8 @@ struct OnlineOptions {
     /// Number of changed vertices from which the changes of a stroke are moved into an updated state, on another
     /// thread: about two steps of 5 mm through elements of 4 mm.
     std::size_t update_vertices = 100;
-    /// Number of deltas after which the updated state replaces the old state, even if it was ready earlier, so that the
-    /// bits do not depend on the speed of the thread. The solver waits for a state that is not ready then.
+    /// Number of deltas after which the updated state replaces the old state, even if the new state was ready earlier,
+    /// so that the bits do not depend on the speed of the thread. The solver waits for a state that is not ready then.
     int update_deltas = 2;
     /// Tension (MPa) per element of the session's first mesh, which cuts release (pre_strain.h); empty: none.
     std::vector<Mat3> stress_of_element {};

@@ -1,9 +1,9 @@
 #pragma once
 // The stiffness of small-strain P1 elasticity that follows a CutSession by its deltas. Pattern and values cost work
 // that grows with the cut, not with the mesh, and depend on the mesh alone, not on its history: a row is always summed
-// over the elements round its node in rising id, so that after any sequence of cuts, undos and redos it has the same
-// bits as a fresh assembly. Rows and vectors are indexed by the session's vertex ids, with three entries per vertex;
-// ids that are not alive have empty rows. Units mm, N, MPa.
+// over the elements round its node in rising id, so that after any sequence of cuts, undos and redos the row has the
+// same bits as a fresh assembly. Rows and vectors are indexed by the session's vertex ids, with three entries per
+// vertex; ids that are not alive have empty rows. Units mm, N, MPa.
 
 #include "fem/material/elasticity.h"
 #include "fem/material/material.h"
@@ -24,8 +24,8 @@ public:
     /// @param material_of_label indexed by the elements' labels.
     /// @param stress_of_element tension (MPa, symmetric) per element of the session's first mesh, which wounds release
     /// (pre_strain.h); empty: none
-    /// @throws InputError on bad materials, a label without one, a stress that is not finite or not symmetric, or a
-    /// wrong number of stresses.
+    /// @throws InputError on bad materials, a label without material, a stress that is not finite or not symmetric, or
+    /// a wrong number of stresses.
     OnlineStiffness(const mesh::CutSession& session, std::span<const Material> material_of_label,
         std::span<const Mat3> stress_of_element = {});
 

@@ -52,13 +52,13 @@ struct HookRest {
 /// @param r forces at d = 0, N
 HookRest rest_of_hooks(const Eigen::MatrixXd& R, const Eigen::VectorXd& r, const std::vector<HookDrive>& drives);
 
-/// Replaces the eigenvalues of R by their absolute values, at least a millionth of the largest. The rest of hooks needs
+/// Returns R with the absolute values of its eigenvalues, at least a millionth of the largest. The rest of hooks needs
 /// a positive definite stiffness. The tangent of nonlinear tissue near a limit point is not definite, and nothing
 /// resists hooks on a body that floats.
 Eigen::MatrixXd definite(const Eigen::MatrixXd& R);
 
-/// Removes forces along modes without stiffness, where definite() raises an eigenvalue near zero. Such forces are
-/// round-off.
+/// Returns the forces without their part along modes without stiffness, where definite() raises an eigenvalue near
+/// zero. Such forces are round-off.
 Eigen::VectorXd resisted(const Eigen::MatrixXd& R, const Eigen::VectorXd& forces);
 
 /// Conversion between one vector per hook and a vector of three unknowns per hook.

@@ -8,7 +8,8 @@
 // alg. 7.4). The steps use the factor of an earlier stiffness, each with an Armijo line search on the energy.
 // Hyperelastic energies are infinite where an element would turn over: no step goes there, and a motion of the hooks
 // that leads there is made in shorter parts. The force that is left unbalanced is the residual of the frame; the next
-// frame continues from it. settle() continues to equilibrium and renews the factor where convergence has become slow.
+// frame continues from this state. settle() continues to equilibrium and renews the factor where convergence has become
+// slow.
 //
 // far_change() estimates the error of the linear far part. The far tissue is placed by the linear field and loads the
 // body with the forces of its own law; one Newton step on the whole body, with the present factors, gives the change.
@@ -38,9 +39,9 @@ namespace retractor::fem {
 std::vector<std::uint8_t> elements_near(const mesh::TetMesh& mesh, const Points& points, double distance);
 
 struct NonlinearRegionOptions {
-    /// hyperelastic: the laws of the materials (hyperelastic_law()). corotational. corotational_linear: for meshes with
-    /// flat elements, as cuts through patients leave them; no element stops a hook, and steps on an old factor
-    /// converge. Never linear.
+    /// One of hyperelastic (the laws of the materials, hyperelastic_law()), corotational, and corotational_linear. The
+    /// last is for meshes with flat elements, as cuts through patients leave them: no element stops a hook, and steps
+    /// on an old factor converge.
     Elasticity elasticity = Elasticity::hyperelastic;
     int frame_iterations = 3; ///< quasi-Newton steps per frame
     double tolerance = 1e-6; ///< of settle(): largest residual force of a free node over the largest force of any node

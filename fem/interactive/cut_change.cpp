@@ -24,8 +24,8 @@ namespace {
         return [&K](VertexId v) -> const OnlineStiffness::Row& { return K.row(v); };
     }
 
-    /// Rows of the change, before the newborn are eliminated. A vertex that is gone, or fixed now, is put on a spring
-    /// of its own: it stays where it is and nothing feels it.
+    /// Adds the blocks of the change, without the contribution of added vertices. A vertex that is gone, or is fixed
+    /// now, is put on a spring of its own: the vertex stays where it is and affects no other vertex.
     void add_change(const OnlineStiffness& K, const CondensedState& view, const std::vector<std::uint8_t>& active,
         const Places& place, CutChange& change)
     {

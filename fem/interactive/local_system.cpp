@@ -114,12 +114,12 @@ void LocalSystem::prepare_dense()
     factor_.resize(static_cast<Eigen::Index>(free_rows_.size()), static_cast<Eigen::Index>(free_rows_.size()));
     copy_lower(*stiffness_, free_rows_, factor_);
     held_stiffness_.resize(static_cast<Eigen::Index>(hook_rows_.size()), stiffness_->cols());
-    for (std::size_t i = 0; i < hook_rows_.size(); ++i) // it is symmetric
+    for (std::size_t i = 0; i < hook_rows_.size(); ++i) // the matrix is symmetric
         held_stiffness_.row(static_cast<Eigen::Index>(i)) = stiffness_->col(hook_rows_[i]).transpose();
     for (std::size_t i = 0; i < hook_rows_.size(); ++i)
         held_number[static_cast<std::size_t>(hook_rows_[i])] = static_cast<std::int32_t>(i);
     const Rows& changed = change_->kept_rows;
-    const auto add = [&](std::int32_t i, std::int32_t j, double k) { // rows of the change
+    const auto add = [&](std::int32_t i, std::int32_t j, double k) { // adds an entry of the change
         const auto row = static_cast<std::size_t>(changed[static_cast<std::size_t>(i)]),
                    column = static_cast<std::size_t>(changed[static_cast<std::size_t>(j)]);
         if (number[column] >= 0 && number[row] >= number[column])
@@ -177,7 +177,7 @@ Eigen::MatrixXd LocalSystem::low_rank_kept(const Eigen::MatrixXd& load, const Ei
     if (elsewhere.size() != 0)
         through_hooks -= rows_of(elsewhere, hook_rows_);
     forward(hooks_->factor, through_hooks); // L^-1 u_h
-    const auto under = [&](const Eigen::MatrixXd& g) { // C g with the hooks held still
+    const auto under = [&](const Eigen::MatrixXd& g) { // C g while the hooks do not move
         const Eigen::MatrixXd x = product(view_->compliance(), g);
         return Eigen::MatrixXd(x - product(hooks_->columns, product_transposed(hooks_->columns, g)));
     };
@@ -239,7 +239,7 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
     const CutChange& change = *change_;
     const Eigen::Index cases = hook_displacement.cols();
     Eigen::MatrixXd load = load_kept, newborn_load = load_newborn;
-    // Held vertices that cuts have added pull on their neighbours as they are.
+    // Held vertices that cuts have added pull directly on their neighbours.
     for (const HeldVertex& h : *held_) {
         if (view_->place(h.vertex) >= 0)
             continue;

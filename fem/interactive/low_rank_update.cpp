@@ -36,8 +36,8 @@ UpdateSource update_source(const CondensedState& view, const CutChange& change, 
 
 namespace {
 
-    /// After a change on the rows t the compliance is C - columns taken columns^T: columns C_t, taken the symmetric
-    /// dK (I + C_tt dK)^-1.
+    /// The compliance after a change on the rows t is C - columns taken columns^T, with columns = C_t and the symmetric
+    /// taken = dK (I + C_tt dK)^-1 (Woodbury formula).
     struct Correction {
         Eigen::MatrixXd columns, taken;
     };
@@ -58,7 +58,8 @@ namespace {
         return c;
     }
 
-    /// Who stays, is left behind, or leaves. @param staying their rows before.
+    /// Decides which vertices the next state retains, eliminates or drops.
+    /// @param staying their rows in the state before
     void sort_out(
         const UpdateSource& source, const CutChange& change, CondensedState& next, std::vector<std::int32_t>& staying)
     {
@@ -92,7 +93,8 @@ namespace {
         std::sort(next.eliminated_added.vertices.begin(), next.eliminated_added.vertices.end());
     }
 
-    /// Of those that stay and of the newborn, which follow those beside them; sets what the step has of that.
+    /// Compliance of the vertices that stay and of the added vertices, which follow `beside`. Sets the members `beside`
+    /// and `follow` of the step.
     Eigen::MatrixXd folded_compliance(
         const UpdateSource& source, const CutChange& change, const Correction& corrected, LowRankUpdate& step)
     {

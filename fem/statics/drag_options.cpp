@@ -16,7 +16,7 @@ namespace {
         std::size_t most;
     };
     constexpr std::array kReaches { Reach { 40.0, 60'000 }, Reach { 30.0, 60'000 }, Reach { 20.0, 100'000 } };
-    /// Of a frame while the hand moves; the rest comes when it is still.
+    /// Quasi-Newton steps per frame while the hand moves; the equilibrium is found when the hand is still.
     constexpr int kFrameIterations = 2;
 
 } // namespace

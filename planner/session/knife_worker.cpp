@@ -14,13 +14,13 @@ namespace retractor::planner {
 
 namespace {
 
-    /// The wound opens in frames of this length: short enough that the knife never waits long for one.
+    /// Length of a frame in which the wound opens: short enough that the knife never waits long.
     constexpr double kFrameMs = 40.0;
 
-    /// A hook that has not moved for so long lies still: its numbers are worked out.
+    /// A hook that has not moved for this time is at rest, and its numbers are computed.
     constexpr std::chrono::milliseconds kHandRests { 150 };
 
-    /// Of commands with the same key only the newest that waits counts; empty: all count.
+    /// Of the waiting commands with the same key only the newest runs. An empty key means that all run.
     std::string key_of(const surgery::Command& command)
     {
         if (const auto* pull = std::get_if<surgery::PullHook>(&command))
@@ -32,7 +32,7 @@ namespace {
 
 } // namespace
 
-/// What was handed out stays as it was.
+/// Changes a copy, because a published snapshot never changes.
 template <class Change> void KnifeWorker::change_snapshot(const Change& change)
 {
     const std::lock_guard lock(mutex_);
@@ -41,19 +41,19 @@ template <class Change> void KnifeWorker::change_snapshot(const Change& change)
     snapshot_ = std::move(next);
 }
 
-/// What each command asks of the session: an answer, or nothing to be said.
+/// Carries each command out on the session. The result is an answer, or nothing when there is no message.
 struct KnifeWorker::Runner {
     KnifeWorker& worker;
     SurgerySession& desk;
 
     KnifeAnswer operator()(const surgery::BeginStroke& c) const
     {
-        worker.refused_stroke_ = c.number; // until it has begun
-        if (desk.stroke_open()) // its end was refused, by a full disk for example: once more
+        worker.refused_stroke_ = c.number; // reset once the stroke has begun
+        if (desk.stroke_open()) // finishing was refused, for example by a full disk: try again
             if (KnifeAnswer former = finish(); !former.reason.empty()) {
                 worker.set_status(std::move(former.reason), !former.done);
                 if (desk.stroke_open())
-                    return { true, {} }; // the status says why
+                    return { true, {} }; // the status gives the reason
             }
         KnifeAnswer begun = desk.begin_stroke(c.at, c.settings);
         if (begun.done)
@@ -108,8 +108,8 @@ struct KnifeWorker::Runner {
     }
 
 private:
-    static KnifeAnswer nothing() { return { true, {} }; } ///< is to be said
-    /// A stroke that was refused has no line to draw on.
+    static KnifeAnswer nothing() { return { true, {} }; } ///< no message
+    /// A refused stroke has no line to draw on.
     bool drawing() const { return desk.stroke_open() && worker.refused_stroke_ == 0; }
     KnifeAnswer finish() const
     {
@@ -141,10 +141,10 @@ KnifeWorker::KnifeWorker(std::function<SurgerySetup(const Job&)> prepare, std::f
 KnifeWorker::~KnifeWorker()
 {
     executor_.post([this](const Job&) {
-        refused_stroke_ = 0; // whichever stroke is open
+        refused_stroke_ = 0; // the open stroke is finished even when a later stroke was refused
         if (desk_ != nullptr && desk_->stroke_open())
             carry_out(surgery::FinishStroke {});
-        desk_.reset(); // on the thread that it was used on
+        desk_.reset(); // destroyed on the thread that used the session
     });
 }
 
@@ -264,10 +264,11 @@ void KnifeWorker::prepare_desk(const std::function<SurgerySetup(const Job&)>& pr
     });
 }
 
-/// With the cuts of the last time where there are some and they are wanted. Nothing on disk is lost: what is not
-/// restored is set aside.
-/// @param kept nothing: still to be read. @param wanted the answer to the question; nothing: it was not asked.
-/// @return null: the question has to be answered first.
+/// Creates the session, with the saved cuts when there are some and the user wants them. Nothing on disk is lost: cuts
+/// that are not restored are set aside.
+/// @param kept the saved cuts; empty: they must be read
+/// @param wanted the user's answer; empty: the user was not asked
+/// @return null when the user must answer first
 std::unique_ptr<SurgerySession> KnifeWorker::start_session(
     SurgerySetup table, std::optional<SavedCuts> kept, std::optional<bool> wanted, const Job& job)
 {
@@ -315,8 +316,9 @@ void KnifeWorker::ask_to_restore(SurgerySetup table, SavedCuts kept)
     announce();
 }
 
-/// Takes the desk that was laid, and what was asked of it while the question was open; says why there is none.
-/// @param lay null: the question is asked.
+/// Takes the new session and runs the commands that arrived while the question was open. When there is no session, the
+/// snapshot gives the reason.
+/// @param lay returns null when the user must answer a question first
 void KnifeWorker::make_ready(const std::function<std::unique_ptr<SurgerySession>()>& lay)
 {
     try {
@@ -344,7 +346,7 @@ void KnifeWorker::make_ready(const std::function<std::unique_ptr<SurgerySession>
             carry_out(command);
 }
 
-/// @pre there is a desk
+/// @pre there is a session
 void KnifeWorker::carry_out(const surgery::Command& command)
 {
     changed_ = true;
@@ -373,10 +375,10 @@ void KnifeWorker::take_remark()
         set_status(std::move(remark), true);
 }
 
-/// One frame, shown at once.
+/// Computes one frame and shows it at once.
 void KnifeWorker::open_wound()
 {
-    if (desk_->waiting()) // there is nothing to draw: the cores are left to what is waited for
+    if (desk_->waiting()) // there is nothing to draw, and the background work needs the cores
         return;
     const Stopwatch watch;
     Job job;
@@ -387,7 +389,7 @@ void KnifeWorker::open_wound()
     publish(*desk_);
 }
 
-/// After commands: a snapshot of what they have changed. Else: the next frame of a wound that opens.
+/// After commands: publishes a snapshot of the changes. Otherwise: computes the next frame of an opening wound.
 std::optional<std::chrono::steady_clock::time_point> KnifeWorker::step()
 {
     if (desk_ == nullptr)
@@ -397,7 +399,7 @@ std::optional<std::chrono::steady_clock::time_point> KnifeWorker::step()
             publish(*desk_);
         else if (desk_->moving())
             open_wound();
-    } catch (const std::exception& error) { // no memory for the picture: the cuts stand, and the knife goes on
+    } catch (const std::exception& error) { // no memory for the picture: the cuts are made, and the knife goes on
         set_status(std::string("the picture could not be brought up to date: ") + error.what(), true);
         announce();
     }

@@ -12,7 +12,7 @@ namespace retractor::haptics {
 
 namespace {
 
-    /// contact nodes kept beside the ones in use, for a finger that moves to and fro
+    /// Contact nodes kept beside the ones in use, for a finger that moves to and fro.
     constexpr std::size_t kSpareResidents = 8;
     constexpr double kAhead = 0.25; ///< s; columns are fetched for the finger's motion within this time
     constexpr double kMargin = 8.0; ///< mm; columns are fetched within this distance of a finger's reach
@@ -400,7 +400,7 @@ void CondensedTissue::report(std::span<const Fingertip> fingers, std::span<Finge
         if (!contact.touching)
             continue;
         Vec3 force = finger.raw + finger.offset;
-        // the blended offset might make the force pull
+        // The blended offset might make the force pull.
         force -= std::min(0.0, force.dot(finger.place.normal)) * finger.place.normal;
         contact.force = options_.force_gain * force;
         contact.normal = finger.place.normal;

@@ -160,7 +160,7 @@ private:
     std::future<std::unique_ptr<Body>> building_;
     /// Edits in body_, edits in the body that is being built, and later edits. model_ contains all of them.
     std::vector<ElasticTemplate> felt_edits_, building_edits_, waiting_edits_;
-    /// number of waiting edits to build one at a time, because the edits together gave no valid body
+    /// Number of waiting edits to build one at a time, because the edits together gave no valid body.
     std::size_t built_alone_ = 0;
     TripleBuffer<Snapshot> snapshots_;
 

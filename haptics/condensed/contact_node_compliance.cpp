@@ -299,7 +299,7 @@ void ContactNodeCompliance::finish_columns(std::size_t batches)
     });
     for (std::size_t done = 0; done < batches && !batches_.empty() && !shown_.empty(); ++done) {
         const auto next = std::max_element(batches_.begin(), batches_.end(),
-            // the first of several equals
+            // The first of several equals.
             [&](const Batch& a, const Batch& b) { return last_wanted(a) < last_wanted(b); });
         const Eigen::MatrixXd fields = solver_->solver->finish(next->half);
         for (std::size_t i = 0; i < next->places.size(); ++i)

@@ -72,8 +72,8 @@ public:
     /// Solves for missing columns of the shown nodes, most recently wanted first, for this many batches. A batch is the
     /// contact nodes that were fetched together.
     void finish_columns(std::size_t batches);
-    static constexpr std::size_t kBatch
-        = 8; ///< contact nodes solved together; 24 right sides share each pass over the factor
+    /// Number of contact nodes that are solved together; 24 right sides share each pass over the factor.
+    static constexpr std::size_t kBatch = 8;
     std::size_t columns_missing() const; ///< number of batches without columns
     /// Largest number of batches that wait for columns. Each waiting batch is held beside the store and multiplied with
     /// every fetched contact node. The limit covers the contact nodes within reach of two fingers.
@@ -85,8 +85,8 @@ public:
         std::int32_t contact_node = 0;
         Vec3 force = Vec3::Zero(); ///< on the tissue, N
     };
-    /// Adds to `points` the displacement of the shown nodes under a pressure (MPa) and forces on contact nodes. @pre
-    /// the columns of these contact nodes are present
+    /// Adds to `points` the displacement of the shown nodes under a pressure (MPa) and forces on contact nodes.
+    /// @pre the columns of these contact nodes are present
     void add_displacement(double pressure, std::span<const ContactNodeForce> forces, Points& points) const;
     /// Displacement of every node of the mesh (mm, three numbers a node), by a separate solve.
     Eigen::VectorXd solve(double pressure, std::span<const ContactNodeForce> forces) const;
@@ -152,9 +152,9 @@ private:
     std::vector<std::int32_t> contact_node_at_; ///< contact node at each place; -1: empty
     std::vector<std::int64_t> last_wanted_; ///< per place
     std::int64_t now_ = 0;
-    /// place, contact node, 3 x 3: valid for all ready contact nodes, and for all contact nodes once the columns exist
+    /// Place, contact node, 3 x 3: valid for all ready contact nodes, and for all contact nodes once the columns exist.
     std::vector<double> blocks_;
-    /// per place: shown nodes x 3 for each of three unit forces; empty when missing
+    /// Per place: shown nodes x 3 for each of three unit forces; empty when missing.
     std::vector<std::vector<double>> columns_;
     std::vector<Batch> batches_; ///< fetched batches without columns
     Points vertex_pulse_, contact_node_pulse_, shown_pulse_;

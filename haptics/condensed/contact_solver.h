@@ -33,7 +33,8 @@ public:
     [[nodiscard]] bool hold(std::size_t points) noexcept;
 
     /// Sum of the forces on points [first, last) per unit of their common displacement, while the other pressing points
-    /// stay in place, N/mm. @pre solve() succeeded
+    /// stay in place, N/mm.
+    /// @pre solve() succeeded
     double stiffness(std::size_t first, std::size_t last) noexcept;
 
     int factorisations() const noexcept { return factorisations_; } ///< in the last solve()

@@ -16,8 +16,8 @@ namespace retractor::haptics {
 enum class FingertipShape {
     pad, ///< soft: the pad follows the surface and displaces all of it within the radius by the same depth; only pushes
     sphere, ///< rigid: touches few contact nodes
-    /// the equation of Nakao et al. 2006: the finger holds all contact nodes within its radius; single contact nodes
-    /// may pull, the finger as a whole never pulls
+    /// The equation of Nakao et al. 2006: the finger holds all contact nodes within its radius; single contact nodes
+    /// may pull, the finger as a whole never pulls.
     held,
 };
 
@@ -41,8 +41,8 @@ class FingertipSearch {
 public:
     FingertipSearch(const TouchSurface& surface, FingertipShape shape);
 
-    /// Servo thread, when another state of the body is swapped in: continues from the place of `before`. @pre both
-    /// surfaces belong to the same body
+    /// Servo thread, when another state of the body is swapped in: continues from the place of `before`.
+    /// @pre both surfaces belong to the same body
     void go_on_from(const FingertipSearch& before) noexcept;
 
     /// Servo thread. A fingertip touches only when it comes from outside. A fingertip that starts within the body,

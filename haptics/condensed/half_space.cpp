@@ -70,7 +70,7 @@ HalfSpace::HalfSpace(double radius, double youngs_modulus, double poissons_ratio
                 corners.begin(), corners.end(), [&](VertexId v) { return top[static_cast<std::size_t>(v)] != 0; }))
             faces.push_back(face);
     }
-    // every vertex is a contact node
+    // Every vertex is a contact node.
     surface_ = std::make_unique<TouchSurface>(mesh_, faces, fixed, 1e-3 * radius / fineness);
     const double E = youngs_modulus, nu = poissons_ratio;
     const std::vector<fem::Lame> lame(

@@ -10,7 +10,7 @@ namespace retractor::haptics {
 
 namespace {
 
-    /// contact nodes in a group; in a larger group fewer of the reached unknowns are shared
+    /// Contact nodes in a group; in a larger group fewer of the reached unknowns are shared.
     constexpr std::size_t kMiddles = 8;
     constexpr double kFacing = 0.2; // excludes the far side of a thin vessel
 

@@ -38,7 +38,7 @@ namespace {
     std::vector<double> windkessel()
     {
         constexpr double kImpedance = 0.05, kResistance = 1.0, kCompliance = 1.5, kBeat = 0.8;
-        // twenty beats are fifteen time constants, so the start has no influence
+        // Twenty beats are fifteen time constants, so the start has no influence.
         constexpr int kSubsteps = 16, kBeats = 20;
         const double step = kBeat / (static_cast<double>(kSamples) * kSubsteps);
         std::vector<double> pressure(kSamples);

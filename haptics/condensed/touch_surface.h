@@ -73,7 +73,7 @@ public:
     const NumberLists& contact_node_neighbours() const { return contact_node_neighbours_; }
     /// Mesh nodes of each contact node. Their `weights` sum to 1, less the share of fixed nodes.
     const NumberLists& contact_node_vertices() const { return contact_node_vertices_; }
-    /// share of a force for each entry of contact_node_vertices()
+    /// Share of a force for each entry of contact_node_vertices().
     const std::vector<double>& weights() const { return weights_; }
     double spacing() const { return spacing_; }
 

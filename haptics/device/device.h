@@ -44,7 +44,7 @@ struct DeviceInfo {
 enum class DeviceTrouble : std::uint8_t {
     none,
     silent, ///< no new reading has arrived for this tick
-    /// warm motors, or force, impulse or velocity beyond the device's limits; the device recovers without force
+    /// Warm motors, or force, impulse or velocity beyond the device's limits; the device recovers without force.
     over_limit,
     lost, ///< unplugged, or its driver reports a fault
 };

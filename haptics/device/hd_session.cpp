@@ -14,7 +14,7 @@ namespace retractor::haptics {
 namespace {
 
     constexpr int kQueueLimit = 64; ///< entries read in one go; an endless queue must not hold up the servo
-    /// after this time without a call the scheduler counts as dead
+    /// After this time without a call the scheduler counts as dead.
     constexpr std::chrono::milliseconds kSilentScheduler { 300 };
     constexpr double kOverrun = 50.0; ///< mm outside the workspace, farther than the device's arm reaches
 

@@ -26,7 +26,7 @@ struct HdProblem {
     hd::ErrorCode code = 0;
     int internal = 0;
     std::size_t device = 0; ///< index in the session; the number of devices when the entry belongs to no device
-    /// meaning for the servo; none: our call was wrong, or the entry is harmless
+    /// Meaning for the servo; none: our call was wrong, or the entry is harmless.
     DeviceTrouble trouble = DeviceTrouble::none;
 };
 /// A message such as "0x0302, communication error: device lost", with our own words because the library's may be
@@ -37,12 +37,12 @@ DeviceTrouble trouble_of(hd::ErrorCode code) noexcept;
 struct HdOptions {
     std::vector<std::string> libraries = default_hd_libraries();
     unsigned rate_hz = 1000;
-    /// ramps of the force beside the servo's ramps, because a session may run without a servo
+    /// Ramps of the force beside the servo's ramps, because a session may run without a servo.
     double ramp_up_s = 0.5, ramp_down_s = 0.1;
     std::chrono::milliseconds calibration_limit { 15000 }; ///< time for a person to put the stylus into its inkwell
     TickTimer::Clock clock = tick_clock_s; ///< another clock for tests that run the scheduler by hand
-    /// the frames of all devices stay open while the tissue is asked; off: each frame is closed at once, and forces are
-    /// one tick later
+    /// The frames of all devices stay open while the tissue is asked; off: each frame is closed at once, and forces are
+    /// one tick later.
     bool frames_overlap = true;
 };
 

@@ -8,7 +8,8 @@
 namespace retractor::haptics {
 
 /// Counts of durations in bins from 100 ns to 10 s. There are twenty bins a decade, so a bin is 12 % wider than the one
-/// before. Allocates nothing. @pre the reading functions run only when nothing is added
+/// before. Allocates nothing.
+/// @pre the reading functions run only when nothing is added
 class TickHistogram {
 public:
     struct Bin {
@@ -31,7 +32,7 @@ private:
     static constexpr int kPerDecade = 20, kDecades = 8;
     static double edge(std::size_t bin);
 
-    /// the first counts shorter durations, the last longer ones
+    /// The first counts shorter durations, the last longer ones.
     std::array<std::uint64_t, kPerDecade * kDecades + 2> counts_ {};
     std::uint64_t count_ = 0;
     double sum_ = 0.0, max_ = 0.0;

@@ -13,7 +13,7 @@ namespace retractor::haptics {
 
 struct TickThreadOptions {
     double period_s = 1e-3;
-    /// priority under SCHED_FIFO: above other programs, below the kernel's own threads; 0: ordinary scheduling
+    /// Priority under SCHED_FIFO: above other programs, below the kernel's own threads; 0: ordinary scheduling.
     int priority = 80;
 };
 
@@ -27,7 +27,8 @@ public:
     void stop() noexcept override;
 
     /// Whether the thread runs under SCHED_FIFO. If not, realtime_note() is the reason ("Operation not permitted:
-    /// ..."). @pre start() was called
+    /// ...").
+    /// @pre start() was called
     [[nodiscard]] bool is_realtime() const noexcept { return realtime_note_.empty(); }
     [[nodiscard]] const std::string& realtime_note() const noexcept { return realtime_note_; }
     /// Times of the last run. @pre the source is stopped

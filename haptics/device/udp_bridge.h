@@ -72,7 +72,7 @@ public:
     [[nodiscard]] bool wait(double seconds) const noexcept { return socket_.wait(seconds); }
     /// Servo thread, or when no tick runs.
     [[nodiscard]] std::uint64_t received() const noexcept { return received_; }
-    /// numbers that never arrived or arrived too late
+    /// Numbers that never arrived or arrived too late.
     [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
     [[nodiscard]] std::uint64_t refused() const noexcept
     {

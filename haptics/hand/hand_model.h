@@ -25,7 +25,8 @@ HandModel make_hand(bool left, double length_mm = 180.0);
 /// Finger of the hand for the i-th shown fingertip: the first is the forefinger, the second the thumb.
 constexpr std::array<std::size_t, 5> kPressingOrder { 1, 0, 2, 3, 4 };
 
-struct HandPlace { ///< scene mm = turn * hand mm + shift.
+/// A rigid motion of a hand: scene mm = turn * hand mm + shift.
+struct HandPlace {
     Mat3 turn = Mat3::Identity();
     Vec3 shift = Vec3::Zero();
 };

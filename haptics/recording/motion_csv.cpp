@@ -22,7 +22,7 @@ namespace {
     void put(std::string& out, double value)
     {
         std::array<char, 32> text;
-        // shortest text that reads back exactly
+        // Shortest text that reads back exactly.
         const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
         out.append(text.data(), end);
         out += ',';

@@ -29,7 +29,7 @@ struct MotionSample {
 
 struct RecordedDevice {
     std::string name {}, model {}, serial {};
-    /// frame at the first tick; absent in version 1 of the formats, except for pointers
+    /// Frame at the first tick; absent in version 1 of the formats, except for pointers.
     std::optional<SceneFrame> frame {};
 };
 
@@ -50,8 +50,8 @@ struct MotionRecording {
 /// frames, but pointers always moved in the scene's frame.
 void place_pointers(MotionRecording& recording);
 
-/// Fills a recording from inside the tick: room for all ticks is taken beforehand.
-class MotionRecorder { ///< Fills a recording inside the tick. The constructor reserves room for all ticks.
+/// Fills a recording inside the tick. The constructor reserves room for all ticks.
+class MotionRecorder {
 public:
     /// @throws InputError when there is no device or no room
     MotionRecorder(std::vector<RecordedDevice> devices, double rate_hz, std::size_t max_ticks);

@@ -15,7 +15,7 @@ struct MappingOptions {
     bool mirrored = false; ///< reverses x, so that a left hand performs what a right hand shows
     double scale = 1.0; ///< scene mm per device mm
     double force_scale = 1.0; ///< device N per scene N
-    /// while any of these buttons is pressed, the device moves and the tip in the scene stands still
+    /// While any of these buttons is pressed, the device moves and the tip in the scene stands still.
     std::uint32_t clutch_buttons = 2;
 };
 

@@ -9,7 +9,7 @@
 namespace retractor::haptics {
 
 struct CouplingOptions {
-    /// damping as a share of the device's range: 0.9 in Tang et al. 2020; less where passivity requires it
+    /// Damping as a share of the device's range: 0.9 in Tang et al. 2020; less where passivity requires it.
     double damping_share = 0.9;
     bool within_limits = true; ///< off only to measure the effect of the limits
 };

@@ -29,9 +29,9 @@ double passive_stiffness(const DeviceLimits& limits, double step_s) noexcept;
 Coupling within_limits(const Coupling& wanted, const DeviceLimits& limits, double step_s, double gain = 1.0) noexcept;
 
 struct PassivityOptions {
-    /// energy that may come out without a reaction, N mm: rounding, and the contact with a beating vessel
+    /// Energy that may come out without a reaction, N mm: rounding, and the contact with a beating vessel.
     double allowance = 0.05;
-    /// power that the tissue may supply permanently, N mm/s (0.2 mW); larger for a pulse that the hand should feel
+    /// Power that the tissue may supply permanently, N mm/s (0.2 mW); larger for a pulse that the hand should feel.
     double active_power = 0.2;
 };
 

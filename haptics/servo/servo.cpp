@@ -14,7 +14,7 @@ namespace {
     constexpr double kClutchRamp = 0.05; ///< s; releasing the clutch inside tissue must not be a blow
     constexpr double kHeatRoom = 20.0; ///< s; time at sqrt(2) of the continuous force until the motors are spared
 
-    /// lower bound of the gain in the stiffness limits; without force no limit is needed
+    /// Lower bound of the gain in the stiffness limits; without force no limit is needed.
     constexpr double kLeastGain = 1e-3;
 
     std::vector<FingerMount> mounts_of(const ServoOptions& options, std::size_t devices)

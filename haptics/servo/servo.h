@@ -97,13 +97,13 @@ private:
         bool has_pose = false, touching = false;
         bool landing = false; ///< armed again after a jump: the next pose is placed
         bool placed = false; ///< the pose is the first after a jump
-        /// the device jumped: until the servo is armed again, the tissue sees the pose before the jump
+        /// The device jumped: until the servo is armed again, the tissue sees the pose before the jump.
         bool away = false;
         /// Time without a new reading, s.
         double silent_s = 0.0;
         double share = 1.0; ///< share of the force: zero while the clutch is pressed
         double heat = 0.0; ///< heat of the motors: time integral of (force / continuous force)^2 - 1, s
-        /// energy that the fingers have stored in the tissue if the tissue is linear, N mm of the device
+        /// Energy that the fingers have stored in the tissue if the tissue is linear, N mm of the device.
         double stored = 0.0;
         Vec3 wanted = Vec3::Zero(); ///< force before limits, device frame, N
         Vec3 held = Vec3::Zero(); ///< last wanted force before a fault, device frame, N

@@ -21,11 +21,11 @@ struct Fingertip {
 /// The response of the tissue to one fingertip.
 struct FingerContact {
     Vec3 force = Vec3::Zero(); ///< on the finger, N; pushes only (contact is unilateral)
-    /// centre of the fingertip as the tissue holds it (god-object), mm; the fingertip's position when free
+    /// Centre of the fingertip as the tissue holds it (god-object), mm; the fingertip's position when free.
     Vec3 proxy = Vec3::Zero();
     Vec3 normal = Vec3::Zero(); ///< outward unit normal at the contact; zero when free
     double depth = 0.0; ///< depth of the fingertip under the surface along the normal, mm
-    /// stiffness of the tissue at the contact along the normal, N/mm, which bounds the coupling; 0 when free
+    /// Stiffness of the tissue at the contact along the normal, N/mm, which bounds the coupling; 0 when free.
     double stiffness = 0.0;
     bool touching = false;
 };

@@ -93,7 +93,7 @@ namespace {
                 "held vertex " + std::to_string(v) + " does not exist");
             body.held[static_cast<std::size_t>(v)] = 1;
         }
-        // ordered, so that the springs are the same on any machine
+        // Ordered, so that the springs are the same on any machine.
         std::map<std::pair<VertexId, VertexId>, double> stiffness;
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
             const auto element = static_cast<std::size_t>(t);

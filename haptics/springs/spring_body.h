@@ -41,8 +41,8 @@ struct SheetOptions {
     double spacing = 1.0; ///< mm
     double particle_mass = 1e-8; ///< tonne
     double stiffness = 0.075; ///< of every spring, N/mm
-    /// strain by which springs are shorter than the distance of their particles, 0 to 1; a slack sheet yields freely
-    /// across its plane, a stretched sheet does not
+    /// Strain by which springs are shorter than the distance of their particles, 0 to 1; a slack sheet yields freely
+    /// across its plane, a stretched sheet does not.
     double pre_strain = 0.0;
     SheetEdges edges = SheetEdges::fixed;
 };

@@ -70,8 +70,9 @@ public:
     void end_step() noexcept;
     /// New position of particle v in this step, mm.
     Eigen::Map<Vec3> next(VertexId v) { return Eigen::Map<Vec3>(&next_[3 * static_cast<std::size_t>(v)]); }
-    /// Moves next(v) to `place`. @returns the force that takes, N; zero when v is held already.
-    /// Moves next(v) to `place`. @return the force that this takes, N; zero when v is held already
+    /// Moves next(v) to `place`. @returns the force that takes, N; zero when v is held already. Moves next(v) to
+    /// `place`.
+    /// @return the force that this takes, N; zero when v is held already
     Vec3 hold_next(VertexId v, const Vec3& place) noexcept;
 
     Eigen::Map<const Vec3> position(VertexId v) const
@@ -86,13 +87,14 @@ public:
     double largest_speed() const noexcept; ///< mm/s
     /// Sets all velocities to zero. Called when the kinetic energy peaks, this leads to an equilibrium.
     void stop() noexcept;
-    /// kinetic energy, energy of springs and arms, and of gravity from the rest positions, N mm
+    /// Kinetic energy, energy of springs and arms, and of gravity from the rest positions, N mm.
     double energy() const noexcept;
 
     /// Sets a steady force on a particle, N, until the next change. @throws InputError on an index out of range or NaN
     void set_load(VertexId v, const Vec3& force);
     /// Shares the force evenly between the particle and its ring, as in figs 15 and 16 of Tang et al. 2020. The ring is
-    /// the particles one structural (shortest) spring away. @return the number of particles that share the force
+    /// the particles one structural (shortest) spring away.
+    /// @return the number of particles that share the force
     std::size_t set_ring_load(VertexId v, const Vec3& force);
     /// Moves a particle to a position, at rest; for tests and for loading. @throws InputError as set_load()
     void place(VertexId v, const Vec3& position);
@@ -118,7 +120,7 @@ private:
     SpringBody body_;
     ElementLaw law_;
     std::vector<double> position_, velocity_, next_, force_, load_; ///< three numbers per particle
-    /// per particle; inverse_inertia_ is zero for a held particle
+    /// Per particle; inverse_inertia_ is zero for a held particle.
     std::vector<double> damping_, inertia_, inverse_inertia_;
     std::vector<double> arm_force_, length_; ///< per spring
     double stable_step_ = 0.0, dt_ = 0.0, mass_ = 0.0;

@@ -24,7 +24,7 @@ Instruction instruction_of(std::string_view text);
 enum class Tissue : std::uint8_t { normal, sclerotic };
 std::string_view to_string(Tissue tissue) noexcept;
 Tissue tissue_of(std::string_view text);
-/// values on which the surgeons of Nakao et al. 2006 agreed
+/// Values on which the surgeons of Nakao et al. 2006 agreed.
 inline constexpr double kNormalMPa = 1.0, kScleroticMPa = 3.0;
 
 /// One choice of one trainee.

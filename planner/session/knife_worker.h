@@ -28,21 +28,21 @@ namespace retractor::planner {
 struct SessionSnapshot {
     enum class Phase {
         preparing,
-        /// saved cuts of an earlier session are on disk; the front end asks whether to restore them or set them aside
+        /// Saved cuts of an earlier session are on disk; the front end asks whether to restore them or set them aside.
         asking,
         ready,
         failed,
     };
     Phase phase = Phase::preparing;
     std::string stage; ///< preparing: the current work and its progress
-    /// preparing: progress from 0 to 1
+    /// Preparing: progress from 0 to 1.
     double fraction = 0.0;
     std::string failure; ///< failed: the reason
     std::size_t saved_cuts = 0; ///< asking: number of saved cuts
 
     mesh::LabelTable labels; ///< set in phase `ready`, like the next two members
     std::shared_ptr<const BeyondSurface> beyond; ///< drawn wall outside the mesh; null: none
-    /// border of the region that can be cut; see region_outline()
+    /// Border of the region that can be cut; see region_outline().
     std::shared_ptr<const std::vector<EdgePlace>> outline;
     std::shared_ptr<const WallPicture> picture;
     std::vector<CutEntry> cuts;

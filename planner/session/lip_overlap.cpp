@@ -19,7 +19,7 @@ std::vector<LipPair> lip_pairs(const mesh::CutSession& session, std::span<const 
         for (const VertexId v : lip.vertices)
             normal_of.emplace(v, Vec3::Zero()).first->second += normal;
     }
-    // the halves of a vertex have exactly the same rest position
+    // The halves of a vertex have exactly the same rest position.
     std::map<std::array<double, 3>, std::vector<VertexId>> at;
     for (const auto& [v, normal] : normal_of) {
         const Vec3 p = session.position(v);

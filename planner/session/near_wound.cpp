@@ -86,7 +86,7 @@ NearWound::Built NearWound::make(const NearProblem& problem, const Job& job)
         problem.hooks, zone.near, fem::drag_options(problem.load));
     if (!field->prepare(job))
         return built;
-    // The model has no collisions of hooks, and settle() makes new factors where they pay.
+    // The model tolerates any motion of the hooks without new factors, and settle() makes new factors where they pay.
     (void)fem::drag_in_steps(*field, std::vector<fem::HookDrive>(built.drives.size()), built.drives,
         { .refresh_above = std::numeric_limits<double>::infinity() }, job);
     built.frame = field->settle(job);

@@ -64,13 +64,15 @@ public:
     /// the next equilibrium. The value uses the existing factor, of less stretched tissue, because a new factor would
     /// make the hand wait.
     const std::optional<double>& far_change() const { return far_change_; }
-    /// Displacement, three numbers per vertex id of the session, mm; zero for ids without a vertex. @param size number
-    /// of entries. @pre ready()
+    /// Displacement, three numbers per vertex id of the session, mm; zero for ids without a vertex.
+    /// @param size number of entries.
+    /// @pre ready()
     Eigen::VectorXd displacement(Eigen::Index size) const;
     /// Whether drag() to these drives would change nothing. @pre ready()
     bool drawn_to(std::span<const fem::HookDrive> drives) const;
     /// Moves the hooks to these drives. After a failure, ready() is false and refusal() gives the reason; the same
-    /// holds for settle(). @pre ready()
+    /// holds for settle().
+    /// @pre ready()
     void drag(std::span<const fem::HookDrive> drives);
     /// Iterates until equilibrium or until the job is cancelled. @pre ready()
     void settle(const Job& job);

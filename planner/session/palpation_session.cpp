@@ -205,7 +205,7 @@ std::unique_ptr<PalpationSession::Hands> PalpationSession::open_hands(
     for (std::size_t f = 0; f < fingers; ++f) {
         const std::string name = device_of(setup, f);
         if (is_mouse(name)) {
-            // the frame of a pointer is the scene's
+            // The frame of a pointer is the scene's.
             hands->devices.push_back({ pointers_[f], { .clutch_buttons = 0 } });
             continue;
         }

@@ -62,7 +62,7 @@ struct PalpationSetup {
 
 struct ServoHealth {
     double rate_hz = 0.0; ///< recent tick rate
-    /// since the start of the palpation; `missed` counts whole periods without a tick
+    /// Since the start of the palpation; `missed` counts whole periods without a tick.
     std::uint64_t ticks = 0, missed = 0;
     double mean_us = 0.0, worst_us = 0.0; ///< recent time in a tick
     std::string note; ///< why the servo thread has no SCHED_FIFO; empty: it has

@@ -30,7 +30,7 @@ struct PalpationSnapshot {
     enum class Phase { preparing, ready, failed };
     Phase phase = Phase::preparing;
     std::string stage; ///< preparing: the current work and its progress
-    /// preparing: progress from 0 to 1
+    /// Preparing: progress from 0 to 1.
     double fraction = 0.0;
     std::string failure; ///< failed: the reason
     std::string answer; ///< last message
@@ -38,7 +38,7 @@ struct PalpationSnapshot {
     std::size_t answers = 0; ///< number of messages so far; tells a new message from the last
     bool busy = true; ///< commands wait or run
 
-    // ready:
+    // Ready:
     PalpationSetup setup;
     TissueAbilities abilities;
     std::vector<std::string> notes;

@@ -394,8 +394,8 @@ std::optional<mesh::Piece> SurgerySession::free_piece_at(const Touch& at, std::s
     return std::move(*piece);
 }
 
-/// Leaves out elements that are held by the unmeshed wall or that carry its drawn surface. @return the reason, when
-/// elements were left out
+/// Leaves out elements that are held by the unmeshed wall or that carry its drawn surface.
+/// @return the reason, when elements were left out
 std::string SurgerySession::leave_out_what_stays(std::vector<TetId>& marked) const
 {
     bool beyond = false, held = false;

@@ -49,7 +49,7 @@ struct SurgerySetup {
     std::vector<fem::Material> materials;
     Vec3 outward = -Vec3::UnitY(); ///< direction out of the body, for tissue without skin above
     WallRegion region {}; ///< region of the wall that can be cut
-    /// wall outside the mesh, drawn but not cut, which follows the rim; null: none
+    /// Wall outside the mesh, drawn but not cut, which follows the rim; null: none.
     std::shared_ptr<const TriMesh> beyond {};
     std::filesystem::path journal; ///< file that keeps the cuts; empty: cuts are not kept
     std::string caution {}; ///< message for the surgeon when the session is ready; may be empty
@@ -75,7 +75,7 @@ struct CutEntry {
     double length_mm = 0.0, depth_mm = 0.0;
     mesh::CutReport report {};
     bool in_force = true;
-    /// reason why a part of the line was not cut, or a part of the ball not removed; empty: nothing is missing
+    /// Reason why a part of the line was not cut, or a part of the ball not removed; empty: nothing is missing.
     std::string reduction_error {};
     /// Read from disk, which does not keep lengths and reports: the report has only lip_area_mm2 and
     /// removed_volume_mm3.
@@ -89,8 +89,9 @@ public:
     /// Starts without a journal, whatever setup.journal says. The constructor is reported as part "cutting session".
     /// @throws InputError as CutSession
     explicit SurgerySession(SurgerySetup table, const Job& job = {});
-    /// Starts from a session of the setup's wall that has these cuts. @param cuts one delta per cut, in order. @pre no
-    /// stroke is open
+    /// Starts from a session of the setup's wall that has these cuts.
+    /// @param cuts one delta per cut, in order.
+    /// @pre no stroke is open
     SurgerySession(
         SurgerySetup table, mesh::CutSession session, const std::vector<mesh::MeshDelta>& cuts, const Job& job = {});
     ~SurgerySession();
@@ -166,8 +167,8 @@ public:
     void pull_hook(fem::HookId hook, const Vec3& asked);
     void pull_all_hooks(double mm); ///< pulls each hook away from the other lip
     void pull_hooks_by_share(double share); ///< to this share of their plan, as WoundHooks::pull_share()
-    /// Sets the force at which hooks slip, N; infinite: only at their own limits. @throws InputError when the force is
-    /// not positive
+    /// Sets the force at which hooks slip, N; infinite: only at their own limits.
+    /// @throws InputError when the force is not positive
     void set_yield(double force_N);
     /// Whether wounds with hooks are solved nonlinearly near the wound (WoundHooks); off at the start.
     void set_nonlinear(bool wanted);

@@ -17,7 +17,7 @@ namespace retractor::planner {
 namespace {
 
     constexpr double kFadeMm = 40.0; ///< distance from the rim at which the motion is zero
-    /// largest distance between the border of the mesh and of the region, because elements are coarse
+    /// Largest distance between the border of the mesh and of the region, because elements are coarse.
     constexpr double kRimBandMm = 4.0;
     /// Anchors nearer than this weigh about the same. Many anchors are needed, because bones at rest may lie close
     /// under moving skin.

@@ -30,8 +30,8 @@ struct WallRegion {
     double rim_distance(const Vec3& rest) const;
 };
 
-/// Message for the surgeon that a place is outside the region. @param what the refused action, e.g. "the knife cannot
-/// cut here"
+/// Message for the surgeon that a place is outside the region.
+/// @param what the refused action, e.g. "the knife cannot cut here"
 std::string outside_the_outline(std::string_view what);
 
 /// A place on an edge of the uncut wall: (1 - t) a + t b.

@@ -123,7 +123,7 @@ fem::HookId WoundHooks::attach(
     hook.id = opening_.attach({ hook.name, hook.seat.side, hook.seat.nodes, limited(drive) });
     const fem::HookId id = hook.id;
     report_.hooks.push_back(std::move(hook));
-    // the linear solution already moves the tissue to the hook; adding `since_` would move the tissue twice
+    // The linear solution already moves the tissue to the hook; adding `since_` would move the tissue twice.
     forget_since();
     outdate_near();
     drive_one(id, drive);

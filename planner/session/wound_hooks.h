@@ -54,13 +54,13 @@ enum class ShownAnswer {
 struct HookReport {
     std::vector<HookState> hooks;
     ShownAnswer shown = ShownAnswer::linear;
-    /// the same in words, with the reason against a nonlinear solution, or the distance from the wound within which it
-    /// is nonlinear
+    /// The same in words, with the reason against a nonlinear solution, or the distance from the wound within which it
+    /// is nonlinear.
     std::string shown_text;
     std::array<double, 2> side_N {}; ///< sums of the forces' norms on side +1 and side -1
     fem::StrainPeak strain; ///< of the last settled frame
-    /// relative residual; nonlinear: relative to the largest force; linear: of the whole field; linear_since: without
-    /// meaning, because the sum is no equilibrium
+    /// Relative residual; nonlinear: relative to the largest force; linear: of the whole field; linear_since: without
+    /// meaning, because the sum is no equilibrium.
     double residual = 0.0;
     bool settled = true; ///< the strain, and the residual if any, belong to the shown solution
     double frame_ms = 0.0; ///< time of the last frame (a drag or a followed cut)
@@ -92,8 +92,8 @@ public:
     /// Drives all planned hooks to this share of their planned force and displacement. Hooks pulled by hand stay.
     /// @throws InputError on NaN
     void pull_share(double share);
-    /// Sets the force at which every hook slips, beside its own force or limit. @throws InputError when the force is
-    /// not positive
+    /// Sets the force at which every hook slips, beside its own force or limit.
+    /// @throws InputError when the force is not positive
     void set_yield(double force_N);
     double yield_N() const { return yield_N_; }
     bool empty() const { return report_.hooks.empty(); }

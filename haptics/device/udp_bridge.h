@@ -70,14 +70,12 @@ public:
 
     /// For use between ticks in simulated time, which does not follow real time: blocks until a datagram has arrived.
     [[nodiscard]] bool wait(double seconds) const noexcept { return socket_.wait(seconds); }
-    /// Servo thread, or when no tick runs.
+    /// Number of accepted datagrams. Servo thread, or when no tick runs; the same holds for lost() and refused().
     [[nodiscard]] std::uint64_t received() const noexcept { return received_; }
     /// Numbers that never arrived or arrived too late.
     [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
-    [[nodiscard]] std::uint64_t refused() const noexcept
-    {
-        return refused_;
-    } ///< datagrams that were none of ours, or no pose
+    /// Datagrams of another format, or with an impossible pose.
+    [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; }
 
 private:
     DatagramSocket socket_;

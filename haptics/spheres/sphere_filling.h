@@ -35,7 +35,7 @@ SphereFilling fill_with_spheres(const TriMesh& surface, double radius);
 /// Finds the radius whose sphere count is nearest to `wanted`, within the relative `tolerance` (a lattice adds whole
 /// layers at once).
 /// @throws InputError as fill_with_spheres(), on a count outside 1 to kMostSpheres, and when no radius is within the
-/// tolerance, naming the nearest count
+/// tolerance, naming the radius that comes nearest
 SphereFilling fill_with_count(const TriMesh& surface, std::size_t wanted, double tolerance = 0.01);
 
 inline constexpr std::size_t kMostSpheres = 1'000'000;

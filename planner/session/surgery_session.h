@@ -39,7 +39,7 @@ struct SurgerySetup {
     /// (Supports::bedded) is free.
     std::vector<VertexId> held;
     /// Vertices of faces where the wall was cut off (cut_off_vertices() of planner/wall/supports.h), whether they move
-    /// or not. The tension frees no skin on these faces.
+    /// or not. The tension model counts no such face as skin.
     std::vector<VertexId> cut_off {};
     std::vector<fem::BeddedVertex> bedded {}; ///< bed of springs that hooks also pull against; not in the spring model
     Approach approach {}; ///< its hooks are the planned hooks
@@ -121,11 +121,11 @@ public:
     void abandon_stroke();
     bool stroke_open() const { return stroke_ != nullptr; }
 
-    /// Removes tissue as one cut that can be undone. Radius 0 removes the loose piece at the place. A positive radius
-    /// removes the tissue of the touched label within a ball, element by element, so that its border is as fine as the
-    /// mesh. Elements of a ball that are held, or lie where the knife cannot cut (WallRegion), stay, with a message; a
-    /// piece with such elements is refused. Also refused: an open stroke, no loose piece at the place, and a removal of
-    /// nothing or of everything.
+    /// Removes tissue as one cut that can be undone. Radius 0 removes the piece that was cut free at the place. A
+    /// positive radius removes the tissue of the touched label within a ball, element by element, so that its border is
+    /// as fine as the mesh. Elements of a ball that are held, or lie where the knife cannot cut (WallRegion), stay,
+    /// with a message; a piece with such elements is refused. Also refused: an open stroke, no piece cut free at the
+    /// place, and a removal of nothing or of everything.
     /// @throws InputError when the radius is negative or not finite; exceptions of the session's witness
     KnifeAnswer take_out(const Touch& at, double radius_mm);
 

@@ -26,7 +26,7 @@ std::filesystem::path cuts_journal(const std::filesystem::path& case_file, std::
         std::snprintf(code.data(), code.size(), "%%%02X", static_cast<unsigned>(static_cast<unsigned char>(c)));
         name += code.data();
     }
-    // Several cases may lie in one folder, each with cuts of its own.
+    // Several cases may lie in one folder, each with its own cuts.
     const std::string cuts
         = case_file.filename() == kCaseFileName ? std::string("cuts") : case_file.stem().string() + ".cuts";
     return case_file.parent_path() / cuts / (name + ".jsonl");

@@ -91,14 +91,14 @@ private:
     template <class Change> void change_snapshot(const Change& change);
     void set_status(std::string answer, bool refused);
     void add_status(const std::string& more); ///< appends to the last message
-    void publish(SurgerySession& desk);
+    void publish(SurgerySession& live_session);
     void announce();
-    void prepare_desk(const std::function<SurgerySetup(const Job&)>& prepare, const Job& job);
+    void prepare_session(const std::function<SurgerySetup(const Job&)>& prepare, const Job& job);
     std::unique_ptr<SurgerySession> start_session(
         SurgerySetup table, std::optional<SavedCuts> kept, std::optional<bool> wanted, const Job& job);
     void ask_to_restore(SurgerySetup table, SavedCuts kept);
     void make_ready(const std::function<std::unique_ptr<SurgerySession>()>& lay);
-    void carry_out(const surgery::Command& command);
+    void execute(const surgery::Command& command);
     void take_remark();
     std::optional<std::chrono::steady_clock::time_point> step();
     void open_wound();
@@ -116,7 +116,7 @@ private:
     };
     std::optional<Question> question_; ///< none: not asked, or answered already
     std::string caution_; ///< caution of the setup
-    std::unique_ptr<SurgerySession> desk_; ///< null: being prepared, or failed
+    std::unique_ptr<SurgerySession> live_session_; ///< null: being prepared, or failed
     std::size_t refused_stroke_ = 0; ///< see SessionSnapshot
     bool changed_ = false; ///< a command ran since the last snapshot
 

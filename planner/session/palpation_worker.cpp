@@ -1,5 +1,6 @@
 #include "planner/session/palpation_worker.h"
 
+#include "haptics/recording/motion_file.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -78,7 +79,7 @@ struct PalpationWorker::Runner {
         if (!worker.unwritten_)
             return {};
         const auto& [recording, lost] = *worker.unwritten_;
-        write_motion(c.path, recording);
+        haptics::write_motion(c.path, recording);
         std::string answer = "Saved " + c.path.string() + " (" + std::to_string(recording.tick_count()) + " ticks"
             + (lost > 0 ? ", " + std::to_string(lost) + " more found no room" : std::string()) + ")";
         worker.unwritten_.reset();
@@ -126,7 +127,7 @@ void PalpationWorker::run(palpation::Command command)
     snapshot_ = std::move(next);
     executor_.post([this, command = std::move(command)](const Job& job) {
         if (session_ != nullptr && !job.cancelled()) // cancelled when the worker ends
-            carry_out(command, job);
+            execute(command, job);
     });
 }
 
@@ -190,7 +191,7 @@ void PalpationWorker::prepare(
 }
 
 /// @pre there is a session
-void PalpationWorker::carry_out(const palpation::Command& command, const Job& job)
+void PalpationWorker::execute(const palpation::Command& command, const Job& job)
 {
     try {
         const Runner runner { *this, *session_, job };

@@ -25,12 +25,12 @@ struct SavedCuts {
 
 /// Reads the journal on the uncut wall. A stroke that a crash left open counts as finished.
 /// @throws IoError; InputError when the journal is damaged or belongs to another wall
-SavedCuts read_kept_cuts(const std::filesystem::path& journal, const mesh::TetMesh& wall, const Job& job = {});
+SavedCuts read_saved_cuts(const std::filesystem::path& journal, const mesh::TetMesh& wall, const Job& job = {});
 
-/// A session with the saved cuts that continues their journal. @throws as read_kept_cuts()
-SurgerySession restore_desk(SurgerySetup table, const SavedCuts& kept, const Job& job = {});
+/// A session with the saved cuts that continues their journal. @throws as read_saved_cuts()
+SurgerySession restored_session(SurgerySetup table, const SavedCuts& kept, const Job& job = {});
 /// A session without cuts and with a new journal. @throws IoError when a journal exists already, or none can be written
-SurgerySession fresh_desk(SurgerySetup table, const Job& job = {});
+SurgerySession new_session(SurgerySetup table, const Job& job = {});
 
 /// Renames the journal within its folder by appending .1, .2, ..., so that nothing is lost.
 /// @return the new path

@@ -208,7 +208,7 @@ private:
     Returned take_in(const mesh::MeshDelta& delta);
     CutEntry restored_entry(
         int number, const mesh::MeshDelta& delta, const LipsOfCut& lips, const std::function<void()>& take) const;
-    std::unique_ptr<SpringNetwork> make_springs(double strain) const;
+    std::unique_ptr<fem::SpringNetwork> make_springs(double strain) const;
     void renew_springs(const std::string& why);
     void drop_tension(const std::string& why);
     void lie_as(const Points& displacement);
@@ -248,7 +248,7 @@ private:
     };
     mesh::AblatedValues<Ablated> ablated_;
     double tension_ = 0.0;
-    std::unique_ptr<SpringNetwork> springs_; ///< null: not needed yet, or there are hooks
+    std::unique_ptr<fem::SpringNetwork> springs_; ///< null: not needed yet, or there are hooks
     std::vector<double> bed_; ///< per vertex of the session, N/mm; 0: no bed
     Approach approach_;
     std::unique_ptr<WoundHooks> hooks_; ///< null: no hooks

@@ -29,7 +29,7 @@ struct EncodedBytes {
     std::uint64_t length = kWholeFile; ///< encoded bytes from `start`
     Encoding encoding = Encoding::raw;
     bool base64 = false; ///< base64 text around the encoding
-    /// number of consecutive zlib streams (deflate only); 0: one stream, or all members of a gzip file
+    /// Number of consecutive zlib streams (deflate only); 0: one stream, or all members of a gzip file.
     std::uint64_t streams = 0;
     VoxelType type = VoxelType::uint8; ///< type of the numbers in a text
 };

@@ -15,7 +15,7 @@ namespace retractor::datasets {
 /// An image of another program, and the decisions made while reading the file.
 struct ImportedVolume {
     mesh::Volume volume;
-    /// one decision each, for the user: chosen series, padding, straightened gantry; without a patient's name or id
+    /// One decision each, for the user: chosen series, padding, straightened gantry; without a patient's name or id.
     std::vector<std::string> notes;
 };
 /// How to read DICOM; other formats have no options.

@@ -64,7 +64,7 @@ struct Cage {
     double rib_limit(double z) const;
     /// Degrees round the middle: 0 back, 90 side, 180 front; positive x is left.
     double angle(const Vec3& p) const;
-    /// mm outside the hull, trilinear is not needed: nearest coarse voxel.
+    /// Mm outside the hull, trilinear is not needed: nearest coarse voxel.
     double outside_at(const Vec3& p) const;
 };
 Cage make_cage(const CoarseImage& image, const MidlinePath& spine, const MidlinePath& sternum);

@@ -9,7 +9,8 @@ namespace retractor::datasets {
 /// After the first violation of the standard, every item counts as nested in the item before.
 int dicom_nesting(const std::filesystem::path& path, int limit);
 
-/// True when a file must not be given to the parser: more than 64 levels. Structured reports have about ten levels.
+/// True when a file must not be given to the parser, because its sequences nest 64 levels or more. Structured reports
+/// have about ten levels.
 bool nests_too_deep(const std::filesystem::path& path);
 
 } // namespace retractor::datasets

@@ -16,14 +16,11 @@ namespace {
             return c + 0x20;
         if (c == 0x0178)
             return 0x00FF;
-        if (within(0x0100, 0x0137) || within(0x014A, 0x0177) || within(0x01DE, 0x01EF)
-            || within(0x01F8, 0x0233)
-            // Pairs whose capital has an even code point.
+        if (within(0x0100, 0x0137) || within(0x014A, 0x0177) || within(0x01DE, 0x01EF) || within(0x01F8, 0x0233)
             || within(0x0460, 0x0481) || within(0x048A, 0x04BF) || within(0x04D0, 0x052F))
-            return c | 1U;
-        // Pairs whose capital has an odd code point.
+            return c | 1U; // the capital has the even code point
         if (within(0x0139, 0x0148) || within(0x0179, 0x017E) || within(0x01CD, 0x01DC) || within(0x04C1, 0x04CE))
-            return c + (c & 1U);
+            return c + (c & 1U); // the capital has the odd code point
         if (c == 0x01A0 || c == 0x01AF) // O and U with horn (Vietnamese)
             return c + 1;
         if (within(0x0391, 0x03AB) || within(0x0410, 0x042F))

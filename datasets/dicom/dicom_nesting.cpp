@@ -145,7 +145,7 @@ namespace {
             const bool delimiter = e.tag >> 16 == 0xFFFEU;
             if (!syntax.explicit_vr || delimiter) {
                 e.length = (e.tag & 0xFFFFU) == 0 && !delimiter ? 4 : number(head.data() + 4, 4, syntax.big_endian);
-                return true; // of groups' lengths, the length is 4, whatever is there
+                return true; // the length of a group length is always 4
             }
             e.vr = vtkDICOMVR(head.data() + 4);
             if (!e.vr.IsValid())

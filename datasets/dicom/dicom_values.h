@@ -13,7 +13,7 @@ struct DicomPixelCounts {
     std::size_t padding = 0; ///< pixels with the declared padding value or range, replaced by -1024 HU
     /// Pixels outside the scan circle, replaced by -1024 HU. These pixels have the value of the image's corners, which
     /// lies below -1024 HU.
-    std::size_t circle = 0; ///< outside the scan circle: the value of the corners, below -1024; now -1024
+    std::size_t circle = 0;
     int padding_darkest = 0; ///< lowest HU of the replaced padding
     int padding_brightest = 0; ///< highest HU of the replaced padding
     int circle_value = 0; ///< lowest HU found outside the scan circle

@@ -42,7 +42,7 @@ struct LostVoxels {
 /// The merged labels, and a record of the overlaps.
 struct MergedMasks {
     mesh::ImageGrid grid;
-    std::vector<Label> voxels; ///< 1 + index into names
+    std::vector<Label> voxels; ///< 1 + index in `names`; 0 without a structure
     std::vector<std::string> names; ///< in the order of their first masks
     std::vector<std::size_t> counts; ///< voxels of each name in the result
     std::vector<std::vector<LostVoxels>> lost; ///< one list per name

@@ -21,12 +21,12 @@ struct AortaParameters {
     enum class Shape {
         /// Ascending part of 45 mm, arch of radius 35 mm over half a turn, descending part of 65 mm. The places where
         /// branches leave the arch are fixed.
-        arch, ///< ascending 45, arch of radius 35 over half a turn, descending 65 mm; held where its branches leave
+        arch,
         /// Straight along z, `length_mm` long, with the stiff region in the middle.
-        tube, ///< straight along z, `length_mm` long; the region lies in the middle
+        tube,
     };
     Shape shape = Shape::arch;
-    double length_mm = 100.0; ///< tube only
+    double length_mm = 100.0; ///< length of the tube; not used for the arch
     double inner_radius_mm = 12.5, outer_radius_mm = 14.5; ///< radii of the wall's two surfaces
     StiffRegion region {};
     /// Young's moduli of the normal and the sclerotic wall (MPa), and Poisson's ratio, after Nakao and others (2006).

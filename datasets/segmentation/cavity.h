@@ -24,7 +24,7 @@ struct Cavity {
     Mask abdomen; ///< inside the wall, below the diaphragm
     /// The innermost layer of the wall, as thick as a rib with its cover (10 mm), and the whole space inside this
     /// layer.
-    Mask shell; ///< the wall's innermost layer, as thick as a rib and its cover; what it encloses is set too
+    Mask shell;
     std::vector<std::string> warnings;
 };
 

@@ -122,7 +122,7 @@ namespace {
     int peel_tall_pieces(const WorkingImage& image, const Cage& cage, const Pieces3& cut_pieces, double by,
         std::vector<std::int8_t>& sector)
     {
-        // Mm, degrees; in front, sectors cut ribs at a slant, and pieces are taller.
+        // Limits in mm and degrees. In front, sectors cut ribs at a slant, so pieces are taller.
         constexpr double kTall = 30.0, kFrontDeg = 100.0;
         const mesh::ImageGrid& grid = image.grid;
         const auto nx = static_cast<Voxel>(grid.size[0]), ny = static_cast<Voxel>(grid.size[1]);

@@ -112,7 +112,7 @@ namespace {
 void make_solid(const mesh::ImageGrid& grid, std::vector<Label>& labels, Label label, const std::vector<Vec3>& line,
     const std::vector<Label>& yielding)
 {
-    // Mm; keeps a rib in one piece where the image or a neighbour interrupts the rib.
+    // Radius in mm. The tube keeps a rib in one piece where the image or a neighbour interrupts the rib.
     constexpr double kTubeRadius = 2.6;
     std::vector<Voxel> voxels;
     for (Voxel v = 0; v < labels.size(); ++v)

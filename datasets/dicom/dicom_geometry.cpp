@@ -91,8 +91,8 @@ namespace {
         }
     }
 
-    /// The most frequent gap between slices. Of two equally frequent gaps the smaller is returned, because slices get
-    /// lost but are not added.
+    /// The median gap between slices (mm). Of two middle gaps the smaller is returned, because slices get lost but are
+    /// not added.
     double usual_gap(const std::vector<double>& heights)
     {
         std::vector<double> gaps(heights.size());

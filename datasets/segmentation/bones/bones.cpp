@@ -170,7 +170,7 @@ namespace {
     {
         constexpr double kBeyond = 4.0; // mm
         constexpr double kBesideNotch = 60.0, kBehindNotch = 30.0,
-                         kUnderNotch = 30.0; // where clavicles and manubrium meet
+                         kUnderNotch = 30.0; // mm; clavicles and manubrium meet in this region
         const double top = cage_.sternum.top();
         const Eigen::Vector2d notch = cage_.sternum(top);
         for (Voxel v = 0; v < bone_.size(); ++v) {

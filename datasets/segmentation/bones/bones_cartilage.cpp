@@ -28,7 +28,8 @@ namespace {
         return 1.0 + (kHidden - 1.0) * (kSeenLow - hu) / (kSeenLow - kMuscle);
     }
 
-    /// The place where the cartilage of a rib meets the sternum, as a share of the sternum's length from the top.
+    /// The height (mm) at which the cartilage of a rib meets the sternum. The table gives the distance from the top as
+    /// a share of the sternum's length.
     double joint_height(const Cage& cage, int rib)
     {
         constexpr std::array<double, kLastToSternum> kShare { 0.10, 0.27, 0.40, 0.53, 0.64, 0.73, 0.80 };

@@ -120,8 +120,9 @@ namespace {
     }
 
     /// Checks the letters of "AnatomicalOrientation". By ITK's custom a letter names the side where the axis begins
-    /// (RAI is LPS). By the text of the format it names the side where the axis ends. Letters without a matrix are
-    /// accepted only when both readings give the same frame.
+    /// (RAI is LPS). By the text of the format a letter names the side where the axis ends. Letters are accepted when
+    /// one of the two readings fits the matrix, or the identity in a header without matrix. Other letters give a note,
+    /// or without a matrix an error.
     void check_letters(const Fields& fields, bool has_matrix, ImageHeader& header)
     {
         const std::string* text = fields.find({ "AnatomicalOrientation" });

@@ -118,26 +118,26 @@ namespace {
         std::sort(found.begin(), found.end());
         const double limit = kThickWall * found[found.size() / 2];
         double thickest = 0.0;
-        std::size_t reduction_error = 0;
+        std::size_t omitted = 0;
         for (const double wall : approach.wall_thickness_mm)
             if (wall <= limit)
                 thickest = std::max(thickest, wall);
             else
-                ++reduction_error;
+                ++omitted;
         approach.depth_mm = thickest + kDepthMarginMm;
         for (double& wall : approach.wall_thickness_mm)
             wall = std::min(wall, approach.depth_mm);
-        return reduction_error;
+        return omitted;
     }
 
-    std::string wall_words(const Approach& approach, std::size_t reduction_error)
+    std::string wall_words(const Approach& approach, std::size_t omitted)
     {
         const auto [thin, thick]
             = std::minmax_element(approach.wall_thickness_mm.begin(), approach.wall_thickness_mm.end());
         std::string text = " The wall along it is " + in_words(*thin) + " to " + in_words(*thick)
             + " mm thick; the blade goes " + in_words(approach.depth_mm) + " mm deep.";
-        if (reduction_error > 0)
-            text += " At " + std::to_string(reduction_error) + " of its " + std::to_string(approach.incision.size())
+        if (omitted > 0)
+            text += " At " + std::to_string(omitted) + " of its " + std::to_string(approach.incision.size())
                 + " points no cavity lies near behind the wall, and the blade ends inside it.";
         return text;
     }
@@ -218,12 +218,12 @@ namespace {
             approach.directions.push_back(back);
             approach.hook_depth_mm.push_back(*skin);
         }
-        const std::size_t reduction_error = measure_wall(probe, approach);
+        const std::size_t omitted = measure_wall(probe, approach);
         approach.rationale = "Full median sternotomy: the midline of the sternum, found in its label, from "
             + in_words(kBeyondSternumMm) + " mm above the notch to " + in_words(kBeyondSternumMm)
             + " mm below the xiphoid, put on the skin square to the bone. The sternum ("
             + in_words((sternum.top - sternum.bottom).norm()) + " mm long) is sawn through; ribs and spine are not cut."
-            + wall_words(approach, reduction_error);
+            + wall_words(approach, omitted);
     }
 
     // ---- between two ribs ------------------------------------------------------------------------------------------
@@ -483,7 +483,7 @@ namespace {
         const double centre = faces ? nearest_to(nodes, target).second : along_at_angle(nodes, plan.centre_deg);
         const Window window = window_in(nodes, centre, plan.length_mm, plan.from_deg, plan.to_deg);
         sample_window(probe, nodes, window, approach);
-        const std::size_t reduction_error = measure_wall(probe, approach);
+        const std::size_t omitted = measure_wall(probe, approach);
         const std::string name = space_name(plan.left, space);
         const std::string room = check_clearance(probe.labels(), approach, name);
         approach.rationale = plan.words + " The line follows the middle of the " + name
@@ -494,7 +494,7 @@ namespace {
             + (faces
                     ? (window.slid ? ", as far as the shoulder blade, the back muscles and the ribs' ends allow." : ".")
                     : "")
-            + room + wall_words(approach, reduction_error);
+            + room + wall_words(approach, omitted);
     }
 
     SpacePlan plan_for(const ParsedTemplate& parsed, const ApproachRequest& request)
@@ -661,8 +661,8 @@ PointsApproach approach_from_points(const mesh::LabelVolume& labels, const std::
     if (depth_mm > 0.0)
         approach.depth_mm = depth_mm;
     else {
-        const std::size_t reduction_error = measure_wall(probe, approach);
-        approach.rationale += wall_words(approach, reduction_error);
+        const std::size_t omitted = measure_wall(probe, approach);
+        approach.rationale += wall_words(approach, omitted);
     }
     approach.uncut_labels = bone_names(labels.table);
     check_sweep(approach);

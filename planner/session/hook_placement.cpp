@@ -212,8 +212,7 @@ PlannedSeats planned_seats(const mesh::CutSession& session, const Approach& appr
             planned.names.push_back(spec.name);
             planned.drives.push_back(drive_of(spec));
         } catch (const InputError& error) {
-            planned.reduction_error
-                += (planned.reduction_error.empty() ? "" : "; ") + error.where() + ": " + error.what();
+            planned.omitted += (planned.omitted.empty() ? "" : "; ") + error.where() + ": " + error.what();
         }
     }
     return planned;

@@ -44,7 +44,7 @@ struct PlannedSeats {
     std::vector<HookPlacement> seats;
     std::vector<std::string> names; ///< one per placement
     std::vector<fem::HookDrive> drives; ///< planned drive of each placement
-    std::string reduction_error; ///< message that names the hooks without a lip, with the reasons
+    std::string omitted; ///< message that names the hooks without a lip, with the reasons
 };
 PlannedSeats planned_seats(const mesh::CutSession& session, const Approach& approach, const mesh::LabelTable& table,
     std::span<const char> held);

@@ -132,7 +132,7 @@ struct SurgerySession::Stroke {
     Vec3 tip_direction = Vec3::UnitY();
     std::string off; ///< why the line is outside the region that can be cut; empty: inside. A short gap is bridged
     bool off_said = false;
-    std::string reduction_error; ///< why a part of the line was not cut; empty: all of it was cut
+    std::string omitted; ///< why a part of the line was not cut; empty: all of it was cut
 };
 
 SurgerySession::SurgerySession(SurgerySetup table, const Job& job)
@@ -256,8 +256,8 @@ KnifeAnswer SurgerySession::draw_to(const Touch& at)
         return { false, "here the line is not cut: " + stroke.off };
     }
     if ((at.rest - stroke.tip).norm() > kLongestGapMm) {
-        stroke.reduction_error = "the line jumps: draw on the skin";
-        return { false, stroke.reduction_error };
+        stroke.omitted = "the line jumps: draw on the skin";
+        return { false, stroke.omitted };
     }
     stroke.off.clear();
     stroke.tip = at.rest;
@@ -291,8 +291,8 @@ KnifeAnswer SurgerySession::cut_to(std::vector<Vec3> points, std::vector<Vec3> d
     longer.line.insert(longer.line.end(), points.begin(), points.end());
     longer.directions.insert(longer.directions.end(), directions.begin(), directions.end());
     const auto refused = [&](const Error& error) -> KnifeAnswer {
-        stroke.reduction_error = error.what();
-        return { false, stroke.reduction_error };
+        stroke.omitted = error.what();
+        return { false, stroke.omitted };
     };
     const Stopwatch watch;
     mesh::CutResult result;
@@ -319,7 +319,7 @@ KnifeAnswer SurgerySession::finish_stroke()
     if ((stroke.tip - stroke.blade.line.back()).norm() >= kShortestCutMm)
         (void)cut_to({ stroke.tip }, { (stroke.blade.directions.back() + stroke.tip_direction).normalized() });
     if (!session_.stroke_open()) {
-        const std::string& why = stroke.reduction_error.empty() ? stroke.off : stroke.reduction_error;
+        const std::string& why = stroke.omitted.empty() ? stroke.off : stroke.omitted;
         const std::string reason
             = why.empty() ? "the knife did not move: draw a line on the skin" : "nothing was cut: " + why;
         stroke_.reset();
@@ -345,15 +345,15 @@ KnifeAnswer SurgerySession::finish_stroke()
     };
     for (std::size_t i = 1; i < ended->blade.line.size(); ++i)
         entry.length_mm += (ended->blade.line[i] - ended->blade.line[i - 1]).norm();
-    entry.reduction_error = ended->reduction_error;
+    entry.omitted = ended->omitted;
     if (!ended->off.empty())
-        entry.reduction_error += (entry.reduction_error.empty() ? "" : "; ") + ended->off;
+        entry.omitted += (entry.omitted.empty() ? "" : "; ") + ended->off;
     cuts_.push_back(entry);
-    if (entry.reduction_error.empty())
+    if (entry.omitted.empty())
         return { true, {} };
     return { true,
         "cut over " + std::to_string(std::lround(entry.length_mm))
-            + " mm; a part of the line was left out: " + entry.reduction_error };
+            + " mm; a part of the line was left out: " + entry.omitted };
 }
 
 void SurgerySession::abandon_stroke()
@@ -433,9 +433,9 @@ KnifeAnswer SurgerySession::take_out(const Touch& at, double radius_mm)
         marked = mesh::mark_ball(session_, at.rest, radius_mm, std::array { at.label });
         if (marked.empty())
             return { false, "the ball is smaller than the elements here: take a larger one" };
-        entry.reduction_error = leave_out_what_stays(marked);
+        entry.omitted = leave_out_what_stays(marked);
         if (marked.empty())
-            return { false, "nothing can be taken out here: " + entry.reduction_error };
+            return { false, "nothing can be taken out here: " + entry.omitted };
     } else {
         std::string why_not;
         const std::optional<mesh::Piece> piece = free_piece_at(at, why_not);
@@ -458,8 +458,7 @@ KnifeAnswer SurgerySession::take_out(const Touch& at, double radius_mm)
     entry.taken_out = label_name(labels_, kind);
     entry.report = result.report;
     cuts_.push_back(entry);
-    return { true,
-        entry.reduction_error.empty() ? std::string {} : "a part of the ball was left out: " + entry.reduction_error };
+    return { true, entry.omitted.empty() ? std::string {} : "a part of the ball was left out: " + entry.omitted };
 }
 
 void SurgerySession::undo()
@@ -762,7 +761,7 @@ void SurgerySession::hooks_taken_off()
 }
 
 KnifeAnswer SurgerySession::attach(std::vector<HookPlacement> seats, const std::vector<std::string>& names,
-    const std::vector<fem::HookDrive>& drives, bool planned, std::string reduction_error)
+    const std::vector<fem::HookDrive>& drives, bool planned, std::string omitted)
 {
     try {
         if (hooks_ == nullptr)
@@ -776,13 +775,13 @@ KnifeAnswer SurgerySession::attach(std::vector<HookPlacement> seats, const std::
             hooks_->attach(std::move(seats[i]), names[i], drives[i], planned ? std::optional(drives[i]) : std::nullopt);
             ++attached;
         } catch (const InputError& error) {
-            reduction_error += (reduction_error.empty() ? "" : "; ") + error.where() + ": " + error.what();
+            omitted += (omitted.empty() ? "" : "; ") + error.where() + ": " + error.what();
         }
     with_hooks([&] {
         if (!hooks_->empty())
             hooks_->frame();
     });
-    return { attached > 0, std::move(reduction_error) };
+    return { attached > 0, std::move(omitted) };
 }
 
 KnifeAnswer SurgerySession::place_hook(const Touch& at)
@@ -808,9 +807,7 @@ namespace {
 
     void leave_out_those_there(PlannedSeats& planned, const std::vector<HookState>& there)
     {
-        PlannedSeats missing {
-            .seats = {}, .names = {}, .drives = {}, .reduction_error = std::move(planned.reduction_error)
-        };
+        PlannedSeats missing { .seats = {}, .names = {}, .drives = {}, .omitted = std::move(planned.omitted) };
         for (std::size_t i = 0; i < planned.seats.size(); ++i) {
             if (std::any_of(there.begin(), there.end(),
                     [&](const HookState& hook) { return hook.planned && hook.name == planned.names[i]; }))
@@ -845,12 +842,12 @@ KnifeAnswer SurgerySession::take_planned_hooks()
         return { false, "there is no wound to open yet: cut first" };
     PlannedSeats planned = planned_seats(session_, approach_, labels_, held_);
     if (planned.seats.empty())
-        return { false, planned.reduction_error };
+        return { false, planned.omitted };
     leave_out_those_there(planned, hooks().hooks);
     if (planned.seats.empty())
         return { false, "the planned hooks hold the wound already: take them off to begin anew" };
     KnifeAnswer answer
-        = attach(std::move(planned.seats), planned.names, planned.drives, true, std::move(planned.reduction_error));
+        = attach(std::move(planned.seats), planned.names, planned.drives, true, std::move(planned.omitted));
     if (answer.done && tension_ != case_tension())
         answer.reason += (answer.reason.empty() ? "" : "; ") + tension_unlike_the_plan(tension_, case_tension());
     return answer;

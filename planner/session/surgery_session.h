@@ -76,7 +76,7 @@ struct CutEntry {
     mesh::CutReport report {};
     bool in_force = true;
     /// Reason why a part of the line was not cut, or a part of the ball not removed; empty: nothing is missing.
-    std::string reduction_error {};
+    std::string omitted {};
     /// Read from disk, which does not keep lengths and reports: the report has only lip_area_mm2 and
     /// removed_volume_mm3.
     bool restored = false;
@@ -219,7 +219,7 @@ private:
     void drop_hooks(const std::string& why);
     void hooks_taken_off();
     KnifeAnswer attach(std::vector<HookPlacement> seats, const std::vector<std::string>& names,
-        const std::vector<fem::HookDrive>& drives, bool planned, std::string reduction_error);
+        const std::vector<fem::HookDrive>& drives, bool planned, std::string omitted);
     template <class Call> void with_hooks(const Call& call);
     std::shared_ptr<const WallSurface> make_surface() const;
 

@@ -294,7 +294,7 @@ namespace surgery_session_test {
         const KnifeAnswer over = live_session.take_out(at(live_session, 90.0, 60.0), 20.0);
         EXPECT_TRUE(over.done);
         EXPECT_EQ(over.reason, "a part of the ball was left out: it reaches beyond the outline");
-        EXPECT_EQ(live_session.cuts().back().reduction_error, "it reaches beyond the outline");
+        EXPECT_EQ(live_session.cuts().back().omitted, "it reaches beyond the outline");
         EXPECT_EQ(beyond(), before);
         EXPECT_FALSE(live_session.cuts().back().several_tissues);
         const KnifeAnswer outside = live_session.take_out(at(live_session, 96.0, 20.0), 20.0);
@@ -531,7 +531,7 @@ namespace surgery_session_test {
             "cut over 34 mm; a part of the line was left out: it left the outline of the wall that can be cut");
         ASSERT_EQ(live_session.cuts().size(), 1U);
         EXPECT_NEAR(live_session.cuts().front().length_mm, 34.0, kRoundingMm);
-        EXPECT_EQ(live_session.cuts().front().reduction_error, "it left the outline of the wall that can be cut");
+        EXPECT_EQ(live_session.cuts().front().omitted, "it left the outline of the wall that can be cut");
 
         ASSERT_TRUE(live_session.begin_stroke(at(live_session, 60.0, 30.0), {}).done);
         ASSERT_TRUE(live_session.draw_to(at(live_session, 80.0, 30.0)).done);

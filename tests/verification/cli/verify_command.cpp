@@ -165,8 +165,8 @@ namespace {
     {
         std::string text;
         for (const VerificationProblem& problem : problems)
-            if (!problem.reduction_error.empty())
-                text += "  " + problem.name + ": " + problem.reduction_error + "\n";
+            if (!problem.omitted.empty())
+                text += "  " + problem.name + ": " + problem.omitted + "\n";
         return text.empty() ? text : "\nNot solved, and why:\n" + text;
     }
 
@@ -174,8 +174,8 @@ namespace {
     {
         ui::cli::Json all = ui::cli::Json::object();
         for (const VerificationProblem& problem : problems)
-            if (!problem.reduction_error.empty())
-                all[problem.name] = problem.reduction_error;
+            if (!problem.omitted.empty())
+                all[problem.name] = problem.omitted;
         return all;
     }
 

@@ -77,7 +77,7 @@ struct VerificationProblem {
     std::string name, about; ///< about: what the right answer is and where it comes from
     /// Rows of one series follow each other, coarse to fine. A row without an answer says why in `note`.
     std::function<std::vector<VerificationRow>(const VerificationOptions&, const Job&)> run;
-    std::string reduction_error {}; ///< elements and laws that it is not solved with, and why
+    std::string omitted {}; ///< elements and laws that it is not solved with, and why
 };
 
 /// Runs the problems one after the other. @return all rows; fewer when the job was cancelled.

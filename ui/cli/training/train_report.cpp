@@ -63,10 +63,10 @@ namespace {
                 before.push_back(of[0].front());
                 after.push_back(of[1].front());
             }
-        const std::size_t reduction_error = deviations.size() - before.size();
+        const std::size_t omitted = deviations.size() - before.size();
         return test_document([&]() -> Json {
             const haptics::TTest test = haptics::paired_t_test(before, after);
-            return { { "sessions", { from, to } }, { "people", before.size() }, { "left_out", reduction_error },
+            return { { "sessions", { from, to } }, { "people", before.size() }, { "left_out", omitted },
                 { "t", test.t }, { "p", test.p }, { "freedom", test.freedom },
                 { "deviation_falls_by_MPa", test.difference } };
         });

@@ -39,10 +39,10 @@ namespace {
 
     QString reduction_error_text(const planner::CutEntry& cut)
     {
-        if (cut.reduction_error.empty())
+        if (cut.omitted.empty())
             return {};
         return QString(cut.taken_out.empty() ? "\nnot all of the line: " : "\nnot all of the ball: ")
-            + QString::fromStdString(cut.reduction_error);
+            + QString::fromStdString(cut.omitted);
     }
 
     /// Why flat elements were left; empty when there are none.

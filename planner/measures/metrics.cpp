@@ -129,7 +129,7 @@ namespace {
         json["elasticity"] = to_string(choice.elasticity);
         json["element"] = to_string(choice.element);
         json["nodes"] = solution.nodes;
-        constexpr double kAny = 0.5; // no elements cut off less
+        constexpr double kAny = 0.5; // no limit: no element restricts Poisson's ratio
         if (const double most = largest_poissons_ratio(choice.element); most < kAny)
             put(json, field, "poissons_ratio_at_most", most);
         for (const auto& [material, law] : solution.laws)
@@ -294,7 +294,7 @@ namespace {
         return json;
     }
 
-    /// "31.2", or with its bar "31.2 +- 4.1".
+    /// Motion of a hook's tissue: "31.2", or with its bar "31.2 +- 4.1".
     std::string moved_text(const FieldMetrics& field, std::size_t hook)
     {
         const double moved = field.hooks[hook].moved_mm;
@@ -307,7 +307,7 @@ namespace {
 
 std::string removed_text(const std::vector<RemovedTissue>& removed)
 {
-    std::vector<RemovedTissue> sums; // several loose pieces are spoken of as one
+    std::vector<RemovedTissue> sums; // several loose pieces are reported as one
     for (const RemovedTissue& tissue : removed) {
         const auto same = std::find_if(sums.begin(), sums.end(),
             [&](const RemovedTissue& sum) { return sum.what == tissue.what && sum.label == tissue.label; });
@@ -377,7 +377,7 @@ std::string local_caution(const FieldMetrics& field)
 {
     if (!field.local || !field.local->whole || !field.local->whole->message.empty())
         return {};
-    constexpr double kMuch = 0.1; // of the whole wall's: more than its error estimate usually is
+    constexpr double kMuch = 0.1; // share of the whole wall's number; larger than its usual error estimate
     const WholeMetrics& whole = *field.local->whole;
     const auto off = [](double part, double all) { return std::abs(part - all) > kMuch * std::abs(all); };
     if (!off(field.opening_width_mm, whole.opening_width_mm) && !off(field.hook_force_N, whole.hook_force_N)

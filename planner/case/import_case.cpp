@@ -161,7 +161,7 @@ namespace {
             if (const std::size_t changed = write_over(*labels, read.labels); changed > 0)
                 imported.notes.push_back(std::to_string(changed)
                     + " voxels of earlier label maps were overruled by number "
-                    // the name of a file may be the patient's name
+                    // The name of a file may be the patient's name.
                     + std::to_string(&path - request.labels.data() + 1));
         }
         return labels;
@@ -447,7 +447,7 @@ ImportedCase read_import(const ImportRequest& request, const Job& job)
 
 void check_case_file_name(const fs::path& case_file)
 {
-    // name of a label table: labels.labels.json lies beside the case file
+    // Name of a label table: labels.labels.json lies beside the case file.
     constexpr std::string_view kTable = ".labels.json";
     const std::string name = case_file.filename().string();
     if (case_file.extension() != ".json" || name.ends_with(kTable))

@@ -183,7 +183,7 @@ namespace {
                     keep(session_.cut(saw, options, job_));
                     if (planned_.status == mesh::CutStatus::cancelled)
                         return {};
-                    // an IoError is not from the saw and passes
+                    // An IoError does not come from the saw and is not caught.
                 } catch (const InputError& error) {
                     remark_unsawn(text, error);
                 } catch (const SolverError& error) {
@@ -412,7 +412,7 @@ namespace {
             turn += (to[i] - b) * (from[i] - a).transpose();
         }
         const Vec3 extent = Eigen::JacobiSVD<Mat3>(spread).singularValues();
-        // square of width over length; narrower point sets do not determine the rotation
+        // Square of width over length; narrower point sets do not determine the rotation.
         constexpr double kOnLine = 1e-6;
         if (extent[1] > kOnLine * extent[0]) {
             const Eigen::JacobiSVD<Mat3> svd(turn, Eigen::ComputeFullU | Eigen::ComputeFullV);

@@ -67,7 +67,7 @@ MainWindow::MainWindow(BackendFactory factory, QWidget* parent)
 
 MainWindow::~MainWindow()
 {
-    planning_executor_.cancel(); // it stops while the knife is put away
+    planning_executor_.cancel(); // planning stops while the knife ends
 }
 
 void MainWindow::make_panes()
@@ -179,7 +179,7 @@ void MainWindow::make_knife_actions(QMenu& menu, QToolBar& bar)
     take_out_action_->setCheckable(true);
     undo_ = add("Undo cut", QKeySequence::Undo, "Take the last cut back", [this] { knife_->run(surgery::Undo {}); });
     redo_ = add("Redo cut", QKeySequence("Ctrl+Shift+Z"), "Make it again", [this] { knife_->run(surgery::Redo {}); });
-    undo_->setIconText("Undo"); // all tools fit into 1280 px
+    undo_->setIconText("Undo"); // short, so that all tools fit into 1280 px
     redo_->setIconText("Redo");
     bar.addActions({ knife_action_, line_action_, hook_action_, take_out_action_, undo_, redo_ });
 }
@@ -293,7 +293,7 @@ void MainWindow::open(planner::Case planned_case)
     show_all();
 }
 
-/// From the reading executor's thread.
+/// Called on the reading executor's thread.
 void MainWindow::reading_failed(const Failure& failure)
 {
     post_back([this, failure] {
@@ -535,11 +535,11 @@ void MainWindow::show_picture()
         show_error({ errors, "drawing" });
 }
 
-/// The camera stays where it is when only the knife was taken, or put away and taken again.
+/// The scene for the knife. The camera stays in place when only the knife was taken or put away.
 Scene MainWindow::knife_scene(const Scene& surroundings, const ShownSource& source) const
 {
     Scene scene = surroundings;
-    scene.lines.clear(); // the planned incision: the tool draws it, until hooks hold the wound open
+    scene.lines.clear(); // the tool draws the planned incision until hooks hold the wound open
     const bool in_space = view_->scenes().size() == 1 && view_->scenes().front().slices.empty();
     if (in_space && shown_.pictures != nullptr && shown_.view == source.view && shown_.approach == source.approach)
         scene.camera = view_->camera();

@@ -28,8 +28,8 @@ public:
     double removal_radius_mm() const; ///< radius of the tissue that Remove deletes; 0: a loose piece
     double tension() const; ///< chosen tension, as a strain
     void set_tension(double strain); ///< chooses one of the offered tensions
-    /// Adds the tension of the case, with which its plans are made, to the choices and chooses it. 0: the case has
-    /// none.
+    /// Adds the tension of the case, with which its plans are made, to the choices. The panel then uses this tension,
+    /// unless the user chose another one for the case. 0: the case has none.
     void offer_case_tension(double strain);
     /// @param snapshot null: there is no session
     void show_snapshot(const planner::SessionSnapshot* snapshot, double draw_ms);

@@ -184,8 +184,8 @@ namespace {
 
         bool beside(const One& one, const Vec3& point, const Vec3& outward) const
         {
-            // The reach exceeds the half voxel between the smooth surface and the voxels, and stays below the next
-            // organ but one.
+            // The reach exceeds the half voxel between the smooth surface and the voxels, and does not extend beyond
+            // the neighbouring organ.
             constexpr double kReach = 2.0, kStep = 0.5; // largest voxel edges
             const double voxel = labels_.grid.spacing.maxCoeff();
             for (double way = kStep; way <= kReach; way += kStep) {

@@ -1,4 +1,5 @@
 #pragma once
+// Formats numbers as text for the command line.
 
 #include <array>
 #include <cstdio>

@@ -1,4 +1,5 @@
 #pragma once
+// The commands `retractor palpate`, `retractor palpable` and `retractor relay`.
 
 #include "ui/cli/framework/command.h"
 

@@ -26,7 +26,7 @@ struct Outcome {
 struct GlobalOptions {
     bool json = false;
     bool profile = false;
-    int threads = 0; ///< number of threads; 0: as many as the machine has
+    int threads = 0; ///< 0: as many as the machine has
 };
 
 /// A command registers its subcommand and options on `app`. The callback of the chosen subcommand stores its action in
@@ -34,13 +34,13 @@ struct GlobalOptions {
 struct Commands {
     CLI::App& app;
     GlobalOptions& options;
-    char** argv; ///< arguments of the program
+    char** argv;
     std::function<Outcome(const Job&)> run; ///< action of the chosen subcommand
 };
 
 /// One program of the command line.
 struct Program {
-    std::string name; ///< name of the program: "retractor"
+    std::string name; ///< for example "retractor"
     std::string about; ///< first sentence of --help
     /// Registers the commands of the program, or its options when the program has no commands.
     std::function<void(Commands&)> add_commands;

@@ -99,7 +99,7 @@ namespace {
         return alone;
     }
 
-    constexpr double kVoxels = 1.25; ///< smallest width of the smoothing; smaller shapes are single voxels
+    constexpr double kVoxels = 1.25; ///< smallest smoothing width in voxels; single voxels are no shape
 
     /// A Gaussian blur along one axis of the grid. At the image's border the voxels of the border continue.
     void blur_along(std::vector<float>& values, const std::array<int, 3>& size, std::size_t axis, double sigma_voxels)

@@ -13,7 +13,7 @@ namespace {
     constexpr double kBendRadius = 6.0; ///< mm
     constexpr int kBendSteps = 12;
 
-    /// One station of the ribbon: centre of its outer face, in mm along pull (p) and outward (o).
+    /// A cross-section of the ribbon: centre of its outer face, in mm along pull (p) and outward (o).
     struct ContactNode {
         double p = 0.0, o = 0.0;
         double half_width = 0.0;
@@ -33,7 +33,7 @@ namespace {
                 { 0.0, -0.5 * hook.depth_mm + toe * (1.0 - std::cos(angle)), half - toe * (1.0 - std::sin(angle)) });
         }
         line.push_back({ 0.0, std::max(height, 0.1 * hook.depth_mm), half });
-        // The bend turns from outward to a little above the skin, 75 degrees over.
+        // The bend turns by 75 degrees, from outward to slightly above the skin.
         const double turn = 75.0 * std::numbers::pi / 180.0;
         const double base = line.back().o;
         for (int i = 1; i <= kBendSteps; ++i) {

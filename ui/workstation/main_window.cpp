@@ -67,7 +67,7 @@ MainWindow::MainWindow(BackendFactory factory, QWidget* parent)
 
 MainWindow::~MainWindow()
 {
-    planning_executor_.cancel(); // it stops while the knife is put away
+    planning_executor_.cancel(); // planning stops while the knife ends
 }
 
 void MainWindow::make_panes()
@@ -295,7 +295,7 @@ void MainWindow::open(planner::Case planned_case)
     show_all();
 }
 
-/// From the reading executor's thread.
+/// Called on the reading executor's thread.
 void MainWindow::reading_failed(const Failure& failure)
 {
     post_back([this, failure] {
@@ -537,11 +537,11 @@ void MainWindow::show_picture()
         show_error({ errors, "drawing" });
 }
 
-/// The camera stays where it is when only the knife was taken, or put away and taken again.
+/// The scene for the knife. The camera stays in place when only the knife was taken or put away.
 Scene MainWindow::knife_scene(const Scene& surroundings, const ShownSource& source) const
 {
     Scene scene = surroundings;
-    scene.lines.clear(); // the planned incision: the tool draws it, until hooks hold the wound open
+    scene.lines.clear(); // the tool draws the planned incision until hooks hold the wound open
     const bool in_space = view_->scenes().size() == 1 && view_->scenes().front().slices.empty();
     if (in_space && shown_.pictures != nullptr && shown_.view == source.view && shown_.approach == source.approach)
         scene.camera = view_->camera();

@@ -10,7 +10,7 @@ planner::Case open_case(const std::string& path)
     try {
         return planner::read_case(path);
     } catch (const InputError& error) {
-        if (error.where().rfind('/', 0) != 0) // no JSON pointer
+        if (error.where().rfind('/', 0) != 0) // not a JSON pointer
             throw;
         throw InputError(error.what(), path + "#" + error.where());
     }

@@ -1,5 +1,5 @@
 #pragma once
-// A folder for files that nobody keeps, gone when this is.
+// A temporary folder that the destructor deletes.
 
 #include "mesh/base/error.h"
 
@@ -11,7 +11,7 @@
 namespace retractor::ui::cli {
 
 struct TemporaryFolder {
-    /// @throws IoError when it cannot be made.
+    /// @throws IoError when the folder cannot be made
     TemporaryFolder()
     {
         std::string name = (std::filesystem::temp_directory_path() / "retractor-XXXXXX").string();

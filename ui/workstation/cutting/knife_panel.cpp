@@ -26,15 +26,15 @@ namespace retractor::ui {
 namespace {
 
     constexpr double kDeepestMm = 150.0;
-    constexpr int kWidestMm = 40; ///< each side
+    constexpr int kWidestMm = 40; ///< on each side
     constexpr double kStrongestN = 500.0; ///< the strongest retraction published is 349 N on one side
-    constexpr double kTearingStrain = 1.0; ///< to twice its length: no tissue of a wall bears that
+    constexpr double kTearingStrain = 1.0; ///< stretch to twice the length, which no tissue of a wall bears
     constexpr int kHookListPx = 110;
-    constexpr double kFlatDeg = 5.0; ///< a cut promises no flatter elements, where geometry allows it
+    constexpr double kFlatDeg = 5.0; ///< smallest angle that a cut guarantees, where the geometry allows it
     /// Published skin tension is 2 to 6 %.
     constexpr std::array kTensionsPercent { 0, 2, 4, 6 };
     constexpr int kUsualTension = 4;
-    /// What is taken out round the place that is pointed at, mm; 0: the piece that was cut free there.
+    /// Radius of the tissue that Remove deletes, mm; 0: the loose piece.
     constexpr std::array kRemovalRadiiMm { 0, 5, 10, 20, 40 };
 
     QString reduction_error_text(const planner::CutEntry& cut)
@@ -45,7 +45,7 @@ namespace {
             + QString::fromStdString(cut.omitted);
     }
 
-    /// Why flat elements were left; empty when there are none.
+    /// The reason for remaining flat elements; empty when there are none.
     QString angle_remark(const mesh::CutReport& report)
     {
         if (report.worst_dihedral_deg >= kFlatDeg)
@@ -61,7 +61,7 @@ namespace {
                   .arg(report.worst_dihedral_before_deg, 0, 'f', 0);
     }
 
-    /// When no retractor pulls so hard; empty else.
+    /// A remark when the force exceeds that of any retractor; otherwise empty.
     QString force_remark(const planner::HookReport& report)
     {
         if (std::max(report.side_N[0], report.side_N[1]) <= kStrongestN)
@@ -71,7 +71,7 @@ namespace {
             .arg(kStrongestN, 0, 'f', 0);
     }
 
-    /// When the wound is opened beyond what its tissue bears; empty else.
+    /// A remark when the tissue is stretched more than it bears; otherwise empty.
     QString strain_remark(const planner::HookReport& report)
     {
         if (report.hooks.empty() || !report.settled || report.strain.p99 <= kTearingStrain)
@@ -80,7 +80,7 @@ namespace {
             .arg(100.0 * kTearingStrain, 0, 'f', 0);
     }
 
-    /// When hooks hold each other back; empty else.
+    /// A remark when hooks hold each other back; otherwise empty.
     QString meeting_remark(const planner::HookReport& report)
     {
         if (report.meeting.empty())
@@ -88,10 +88,10 @@ namespace {
         return QString("⚠ %1 meet: lips do not pass through each other").arg(QString::fromStdString(report.meeting));
     }
 
-    /// When the picture shows what contact would not let happen; empty else.
+    /// A remark when surfaces overlap in the picture, which contact would prevent; otherwise empty.
     QString overlap_remark(const planner::HookReport& report)
     {
-        constexpr double kSaidMm = 0.5; // less is not seen
+        constexpr double kSaidMm = 0.5; // smaller overlaps are not visible
         if (report.hooks.empty() || report.lip_overlap_mm < kSaidMm)
             return {};
         return QString(
@@ -109,7 +109,7 @@ namespace {
 
     QString newtons(double force_N) { return QString("%1 N").arg(force_N, 0, 'f', force_N < 10.0 ? 2 : 1); }
 
-    /// "left 1   12.3 of 15.0 mm, 60.0 N: yields"
+    /// Text of a hook: "left 1   12.3 of 15.0 mm, 60.0 N: yields".
     QString hook_text(const planner::HookState& hook)
     {
         const fem::HookDrive& drive = hook.drive;
@@ -123,14 +123,14 @@ namespace {
             why += QString("pulls with %1 N").arg(drive.force_N->norm(), 0, 'g', 4);
         if (std::isfinite(drive.grip_N_per_mm))
             why += QString("grips with %1 N/mm").arg(drive.grip_N_per_mm, 0, 'g', 4);
-        if (hook.yielded) // at its own limit, or at that of all hooks: it bears that
+        if (hook.yielded) // the hook holds at its own limit, or at the limit of all hooks
             why += "yields";
         else if (std::isfinite(drive.force_limit_N))
             why += QString("holds to %1 N").arg(drive.force_limit_N, 0, 'g', 4);
         return why.isEmpty() ? text : text + ": " + why.join(", ");
     }
 
-    /// "2.1 cm³ of skin"
+    /// Text of removed tissue: "2.1 cm³ of skin".
     QString taken_out_text(const planner::CutEntry& cut)
     {
         return QString("%1 cm³%2 %3")
@@ -243,8 +243,8 @@ KnifePanel::KnifePanel(QWidget* parent)
     show_snapshot(nullptr, 0.0);
 }
 
-/// A number field would take Ctrl+Z and letters for itself: undo and redo are the cuts', and a letter is no number,
-/// wherever the focus lies.
+/// Keeps Ctrl+Z and letters from number fields, wherever the focus is: undo and redo belong to the cuts, and a letter
+/// is no number.
 bool KnifePanel::eventFilter(QObject* watched, QEvent* event)
 {
     if (event->type() == QEvent::ShortcutOverride) {
@@ -386,8 +386,8 @@ QString KnifePanel::opening_text(int value) const
     return by_share_ ? QString("%1 %").arg(value) : QString("%1 mm").arg(value);
 }
 
-/// The slider follows where hooks were drawn by the mouse, or as planned: all of them together. Hooks that pull with a
-/// force go by it as their plan does.
+/// The slider follows hooks that the mouse or the plan has moved, all of them together. A hook that pulls with a force
+/// follows the slider as its plan states.
 void KnifePanel::show_opening(const std::vector<planner::HookState>& hooks)
 {
     if (const std::optional<double> share = planner::share_of_plan(hooks)) {
@@ -438,7 +438,7 @@ void KnifePanel::show_hooks(const planner::SessionSnapshot* snapshot)
     opening_->setEnabled(count > 0);
     hook_off_->setEnabled(count > 0);
     hooks_off_->setEnabled(count > 0);
-    // The unit at once, or a slider in mm would move hooks that are driven by their share of the plan.
+    // Changes the unit at once. Otherwise a slider in mm would move hooks that are driven by their share of the plan.
     const bool other_unit = planner::share_of_plan(report.hooks).has_value() != by_share_;
     if (count == 0 || other_unit || (report.settled && !opening_->isSliderDown()))
         show_opening(report.hooks);
@@ -459,7 +459,7 @@ void KnifePanel::show_hooks(const planner::SessionSnapshot* snapshot)
                                                     .arg(at.z(), 0, 'f', 0)
                                               : QString("strain when the hand rests"))
                           .arg(report.shown == planner::ShownAnswer::linear_since
-                                  ? QString() // a sum of two answers
+                                  ? QString() // the sum of two solutions
                                   : QString("residual %1, ").arg(report.residual, 0, 'e', 0))
                           .arg(report.frame_ms, 0, 'f', 0)
                           .arg(QString::fromStdString(report.shown_text)));

@@ -396,7 +396,8 @@ void PalpationPanel::show_snapshot(
     quiet_ = true;
     if (ready) {
         known_ = snapshot.setup;
-        if (!snapshot.busy) { // what was refused goes back to what is
+        // A refused setting returns to the present value.
+        if (!snapshot.busy) {
             model_->setCurrentIndex(model_->findData(QString::fromStdString(snapshot.setup.model)));
             if (!gain_->hasFocus())
                 gain_->setValue(snapshot.setup.force_gain);
@@ -415,7 +416,7 @@ void PalpationPanel::show_snapshot(
         rows_[f].row->setVisible(f < std::max<std::size_t>(snapshot.fingers, 1));
     setEnabled(ready);
     can_edit_ = ready && snapshot.abilities.edits;
-    template_->setVisible(can_edit_ || !ready); // room for what the other models have
+    template_->setVisible(can_edit_ || !ready); // leaves room for the controls of other models
     set_edit_place(placed_);
     heart_rate_->setEnabled(ready && snapshot.abilities.pulse);
     grip_->setEnabled(ready && snapshot.abilities.grips);
@@ -427,7 +428,7 @@ void PalpationPanel::show_snapshot(
             notes += (notes.isEmpty() ? "" : "\n") + QString::fromStdString(note);
     notes_->setText(notes);
     notes_->setVisible(!notes.isEmpty());
-    // A form gives wrapped lines too little; without lines there is no such height (-1).
+    // A form gives wrapped lines too little height. Without lines there is no such height (-1).
     notes_->setMinimumHeight(std::max(0, notes_->heightForWidth(notes_->width())));
     edits_ = snapshot.edits.size();
 }

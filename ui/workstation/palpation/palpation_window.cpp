@@ -23,8 +23,8 @@ namespace retractor::ui {
 
 namespace {
 
-    constexpr int kPollMs = 30; ///< a picture takes a good part of it where there is no graphics card
-    constexpr double kPressShare = 0.375; ///< of a fingertip's radius, how far it presses at first
+    constexpr int kPollMs = 30; ///< without a graphics card a picture takes a large part of this time
+    constexpr double kPressShare = 0.375; ///< initial depth of a press, as a share of the fingertip's radius
     constexpr const char* kHint
         = "Left button: press the fingertip in   \u00b7   drag: slide along   \u00b7   wheel while pressing: deeper, "
           "less   \u00b7   keys 1, 2, \u2026: take another finger, this one stays   \u00b7   Esc: lift all   \u00b7   "
@@ -293,7 +293,7 @@ void PalpationWindow::take_snapshot()
         picture_->set_hands(*hands_);
     surface_.reset();
     grips_ = {};
-    const double depth = panel_->depth().value(); // before the tool tells its own
+    const double depth = panel_->depth().value(); // before the tool reports its own depth
     tool_->touch(worker_.get(), snapshot_->fingers, planner::fingertip_radius(scene_));
     tool_->set_depth(depth);
 }

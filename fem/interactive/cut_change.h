@@ -26,12 +26,12 @@ struct CutChange {
     SparseCholesky condensing; ///< factor of the added vertices, condensed onto `beside`
 
     /// Displacements of the added vertices for given displacements of `beside`, without loads.
-    Eigen::MatrixXd newborn_following(const Eigen::MatrixXd& beside_displacement) const;
+    Eigen::MatrixXd added_following(const Eigen::MatrixXd& beside_displacement) const;
     struct Pushed {
         Eigen::MatrixXd displacement; ///< of the added vertices, while `beside` does not move
         Eigen::MatrixXd handed_on; ///< force that the added vertices transfer to `beside`
     };
-    Pushed newborn_alone(const Eigen::MatrixXd& load) const; ///< under loads on the added vertices
+    Pushed added_alone(const Eigen::MatrixXd& load) const; ///< under loads on the added vertices
 };
 
 /// Retained vertices whose rows differ from the reference.

@@ -233,12 +233,12 @@ std::size_t LocalSystem::bytes() const
         * sizeof(double);
 }
 
-LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const Eigen::MatrixXd& load_newborn,
+LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const Eigen::MatrixXd& load_added,
     const Eigen::MatrixXd& hook_displacement, const Eigen::MatrixXd& elsewhere) const
 {
     const CutChange& change = *change_;
     const Eigen::Index cases = hook_displacement.cols();
-    Eigen::MatrixXd load = load_kept, newborn_load = load_newborn;
+    Eigen::MatrixXd load = load_kept, added_load = load_added;
     // Held vertices that cuts have added pull directly on their neighbours.
     for (const HeldVertex& h : *held_) {
         if (view_->place(h.vertex) >= 0)
@@ -250,13 +250,13 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
             if (const std::int32_t place = view_->place(row.column[k]); place >= 0)
                 load.middleRows(3 * place, 3) -= pull;
             else if (const auto n = change.added_place.find(row.column[k]); n != change.added_place.end())
-                newborn_load.middleRows(3 * n->second, 3) -= pull;
+                added_load.middleRows(3 * n->second, 3) -= pull;
         }
     }
-    const bool pushed = !is_zero(newborn_load);
+    const bool pushed = !is_zero(added_load);
     CutChange::Pushed alone;
     if (pushed) {
-        alone = change.newborn_alone(newborn_load);
+        alone = change.added_alone(added_load);
         for (Eigen::Index c = 0; c < cases; ++c)
             for (std::size_t b = 0; b < change.beside.size(); ++b)
                 load(change.kept_rows[static_cast<std::size_t>(change.beside[b])], c)
@@ -279,7 +279,7 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
         for (std::size_t b = 0; b < change.beside.size(); ++b)
             beside.row(static_cast<Eigen::Index>(b))
                 = s.kept.row(change.kept_rows[static_cast<std::size_t>(change.beside[b])]);
-        s.added = change.newborn_following(beside);
+        s.added = change.added_following(beside);
         if (pushed)
             s.added += alone.displacement;
     }

@@ -56,11 +56,11 @@ public:
         Eigen::MatrixXd held_forces; ///< force of the hook on each held retained vertex, three rows per vertex
     };
     /// @param load_kept forces on the retained vertices
-    /// @param load_newborn forces on the added vertices
+    /// @param load_added forces on the added vertices
     /// @param hook_displacement three rows per hook
     /// @param elsewhere displacements of the retained vertices by loads on dropped vertices (LoadOnDropped::response);
     /// empty: none
-    Solution solve(const Eigen::MatrixXd& load_kept, const Eigen::MatrixXd& load_newborn,
+    Solution solve(const Eigen::MatrixXd& load_kept, const Eigen::MatrixXd& load_added,
         const Eigen::MatrixXd& hook_displacement, const Eigen::MatrixXd& elsewhere = {}) const;
 
 private:

@@ -95,7 +95,7 @@ namespace {
 
     /// Compliance of the vertices that stay and of the added vertices, which follow `beside`. Sets the members `beside`
     /// and `follow` of the step.
-    Eigen::MatrixXd folded_compliance(
+    Eigen::MatrixXd updated_compliance(
         const UpdateSource& source, const CutChange& change, const Correction& corrected, LowRankUpdate& step)
     {
         const Eigen::MatrixXd& C = *source.compliance;
@@ -120,10 +120,10 @@ namespace {
             }
             to_staying -= product(half_beside, Eigen::MatrixXd(columns.transpose()));
             among -= product(half_beside, Eigen::MatrixXd(columns_beside.transpose()));
-            step.follow = change.newborn_following(Eigen::MatrixXd::Identity(besides, besides));
+            step.follow = change.added_following(Eigen::MatrixXd::Identity(besides, besides));
             own.bottomLeftCorner(fresh, old) = product(step.follow, to_staying);
             own.bottomRightCorner(fresh, fresh)
-                = change.newborn_alone(Eigen::MatrixXd::Identity(fresh, fresh)).displacement
+                = change.added_alone(Eigen::MatrixXd::Identity(fresh, fresh)).displacement
                 + product(step.follow, product(among, Eigen::MatrixXd(step.follow.transpose())));
         }
         mirror_lower(own);
@@ -138,7 +138,7 @@ CondensedState apply_update(const UpdateSource& source, const CutChange& change)
     CondensedState next;
     auto step = std::make_shared<LowRankUpdate>();
     sort_out(source, change, next, step->staying);
-    next.own = std::make_shared<const Eigen::MatrixXd>(folded_compliance(source, change, corrected, *step));
+    next.own = std::make_shared<const Eigen::MatrixXd>(updated_compliance(source, change, corrected, *step));
     next.eliminated_added.number_and_factor(
         [&](VertexId v) -> const OnlineStiffness::Row& { return source.rows.at(v); });
     if (source.origin) {

@@ -305,7 +305,7 @@ bool MultifrontalFactor::comparable(std::int32_t a, std::int32_t b) const
 
 /// Puts each added vertex into the deepest part of its neighbours, or above all these parts where they do not lie on
 /// one path to the root.
-void MultifrontalFactor::place_newborn(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active)
+void MultifrontalFactor::place_added(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active)
 {
     std::vector<VertexId> waiting;
     for (const VertexId v : touched_) {
@@ -510,7 +510,7 @@ bool MultifrontalFactor::update(
     std::set_symmetric_difference(
         held.begin(), held.end(), held_.begin(), held_.end(), std::inserter(touched_, touched_.end()));
     held_ = held;
-    place_newborn(stiffness, active);
+    place_added(stiffness, active);
     raise_strangers(stiffness, active);
     for (const VertexId v : touched_)
         if (part_of(v) >= 0)

@@ -97,7 +97,7 @@ private:
     std::int32_t meet(std::int32_t a, std::int32_t b) const;
     bool comparable(std::int32_t a, std::int32_t b) const;
     void condense(const OnlineStiffness& stiffness, Front& front);
-    void place_newborn(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active);
+    void place_added(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active);
     void raise_strangers(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active);
     bool factor(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active, std::int32_t number,
         std::vector<std::int32_t>& place, Cores cores);

@@ -56,7 +56,7 @@ SchurWoundSolver::SchurWoundSolver(const OnlineBody& body, std::unique_ptr<Conde
         base_field_ = condensed_->solve(base_load_);
     for (VertexId v = 0; v < static_cast<VertexId>(body_.K.slot_count()); ++v)
         if (body_.is_active(v) && !condensed_->has(v))
-            newborn_.insert(v);
+            added_.insert(v);
 }
 
 // ---- Following a delta ----
@@ -109,7 +109,7 @@ void SchurWoundSolver::swap_updated_in()
 
 void SchurWoundSolver::drop_updated_state()
 {
-    folded_compliance_.reset();
+    updated_compliance_.reset();
     updated_.reset();
 }
 
@@ -135,13 +135,13 @@ void SchurWoundSolver::vertex_born(VertexId v)
     if (pending_update_ && pending_update_->source->has(v))
         pending_update_.reset();
     if (!body_.is_fixed(v) && !condensed_->has(v))
-        newborn_.insert(v);
+        added_.insert(v);
 }
 
 void SchurWoundSolver::hooks_changed()
 {
     base_compliance_.reset();
-    folded_compliance_.reset();
+    updated_compliance_.reset();
     drop_answer(); // added vertices may have become held or free
 }
 
@@ -165,7 +165,7 @@ bool SchurWoundSolver::take_appended(HookId hook)
 
 std::vector<VertexId> SchurWoundSolver::corridor() const
 {
-    std::vector<VertexId> vertices(newborn_.begin(), newborn_.end());
+    std::vector<VertexId> vertices(added_.begin(), added_.end());
     vertices.insert(vertices.end(), condensed_->kept().begin(), condensed_->kept().end());
     return vertices;
 }
@@ -267,7 +267,7 @@ const CondensedState& SchurWoundSolver::cheapest_view(double work_from_base)
 
 HookCompliance& SchurWoundSolver::compliance_of_hooks()
 {
-    std::optional<HookCompliance>& compliance = view_ == &base_ ? base_compliance_ : folded_compliance_;
+    std::optional<HookCompliance>& compliance = view_ == &base_ ? base_compliance_ : updated_compliance_;
     std::size_t held_rows = 0;
     for (const HeldVertex& h : body_.held)
         held_rows += view_->place(h.vertex) >= 0 ? 3 : 0;
@@ -287,7 +287,7 @@ void SchurWoundSolver::make_local()
     view_ = &cheapest_view(std::min(low_rank, dense));
     const bool by_dense = view_ == &base_ && dense < low_rank;
     std::set<VertexId> fresh;
-    for (const VertexId v : newborn_)
+    for (const VertexId v : added_)
         if (!view_->has(v))
             fresh.insert(v);
     change_ = make_cut_change(body_.K, *view_, active_vertices(body_), fresh, held_vertices(body_));
@@ -349,7 +349,7 @@ Eigen::MatrixXd SchurWoundSolver::extended(const Eigen::MatrixXd& near, const Ei
         x.colwise() += field;
     for (const VertexId v : condensed_->kept())
         x.middleRows(3 * v, 3) = near.middleRows(3 * v, 3);
-    for (const VertexId v : newborn_)
+    for (const VertexId v : added_)
         x.middleRows(3 * v, 3) = near.middleRows(3 * v, 3);
     return x;
 }
@@ -363,7 +363,7 @@ Eigen::VectorXd SchurWoundSolver::correction(const Eigen::VectorXd& residual) co
     Eigen::VectorXd away = residual;
     for (const VertexId v : condensed_->kept())
         away.segment<3>(3 * v).setZero();
-    for (const VertexId v : newborn_)
+    for (const VertexId v : added_)
         away.segment<3>(3 * v).setZero();
     if (away.norm() <= kNextToNone * residual.norm())
         return extended(solve_under(residual - away, still).displacement, {}).col(0);
@@ -382,16 +382,16 @@ NearAnswer SchurWoundSolver::solve_under(const Eigen::VectorXd& load, const Eige
     Eigen::MatrixXd& x = near.displacement;
     put(body_, view_->vertices, solution.kept, x);
     put(body_, change_->added, solution.added, x);
-    find_those_left(solution.kept_forces, loads, x);
+    find_dropped(solution.kept_forces, loads, x);
     for (const HeldVertex& h : body_.held)
         x.middleRows(3 * h.vertex, 3) = hook_displacement.middleRows(3 * h.hook, 3);
-    find_those_behind(load, x);
+    find_eliminated_added(load, x);
     near.hook_forces = forces_of_hooks(solution, load, x);
     return near;
 }
 
 /// Condenses the loads on eliminated added vertices onto their neighbours.
-Eigen::VectorXd SchurWoundSolver::felt_beside_those_behind(const Eigen::VectorXd& load) const
+Eigen::VectorXd SchurWoundSolver::felt_beside_eliminated_added(const Eigen::VectorXd& load) const
 {
     Eigen::VectorXd felt = load;
     const EliminatedAdded& eliminated_added = view_->eliminated_added;
@@ -411,7 +411,7 @@ SchurWoundSolver::NearLoads SchurWoundSolver::near_loads(const Eigen::VectorXd& 
         Eigen::MatrixXd::Zero(rows_of(change_->added.size()), cases), {} };
     if (load.size() == 0)
         return loads;
-    const Eigen::VectorXd felt = felt_beside_those_behind(load);
+    const Eigen::VectorXd felt = felt_beside_eliminated_added(load);
     loads.kept.colwise() += at(view_->vertices, felt).col(0);
     clear_inactive(body_, view_->vertices, loads.kept);
     loads.added.colwise() += at(change_->added, felt).col(0);
@@ -424,7 +424,7 @@ SchurWoundSolver::NearLoads SchurWoundSolver::near_loads(const Eigen::VectorXd& 
 }
 
 /// Sets the displacements of dropped vertices.
-void SchurWoundSolver::find_those_left(
+void SchurWoundSolver::find_dropped(
     const Eigen::MatrixXd& kept_forces, const NearLoads& loads, Eigen::MatrixXd& x) const
 {
     if (view_->dropped.empty())
@@ -436,7 +436,7 @@ void SchurWoundSolver::find_those_left(
 
 /// Sets the displacements of eliminated added vertices.
 /// @param x has the displacements of all other vertices near the wound
-void SchurWoundSolver::find_those_behind(const Eigen::VectorXd& load, Eigen::MatrixXd& x) const
+void SchurWoundSolver::find_eliminated_added(const Eigen::VectorXd& load, Eigen::MatrixXd& x) const
 {
     const EliminatedAdded& eliminated_added = view_->eliminated_added;
     if (eliminated_added.vertices.empty())
@@ -475,7 +475,7 @@ std::size_t SchurWoundSolver::bytes() const
 {
     std::size_t sum = condensed_->bytes();
     const auto add = [&](const Eigen::MatrixXd& a) { sum += static_cast<std::size_t>(a.size()) * sizeof(double); };
-    for (const auto* compliance : { &base_compliance_, &folded_compliance_ })
+    for (const auto* compliance : { &base_compliance_, &updated_compliance_ })
         if (*compliance)
             add((*compliance)->columns);
     if (updated_) {

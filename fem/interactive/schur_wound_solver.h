@@ -29,7 +29,7 @@ public:
     void before_delta() override;
     void row_touched(VertexId v, const OnlineStiffness::Row& before) override;
     void vertex_born(VertexId v) override;
-    void vertex_gone(VertexId v) override { newborn_.erase(v); }
+    void vertex_gone(VertexId v) override { added_.erase(v); }
     void hooks_changed() override;
     void drop_answer() override;
     bool take_appended(HookId hook) override;
@@ -81,9 +81,9 @@ private:
     bool updated_state_holds() const;
 
     NearLoads near_loads(const Eigen::VectorXd& load, Eigen::Index cases) const;
-    Eigen::VectorXd felt_beside_those_behind(const Eigen::VectorXd& load) const;
-    void find_those_left(const Eigen::MatrixXd& kept_forces, const NearLoads& loads, Eigen::MatrixXd& x) const;
-    void find_those_behind(const Eigen::VectorXd& load, Eigen::MatrixXd& x) const;
+    Eigen::VectorXd felt_beside_eliminated_added(const Eigen::VectorXd& load) const;
+    void find_dropped(const Eigen::MatrixXd& kept_forces, const NearLoads& loads, Eigen::MatrixXd& x) const;
+    void find_eliminated_added(const Eigen::VectorXd& load, Eigen::MatrixXd& x) const;
     Eigen::MatrixXd forces_of_hooks(
         const LocalSystem::Solution& solution, const Eigen::VectorXd& load, const Eigen::MatrixXd& x) const;
     NearAnswer solve_under(const Eigen::VectorXd& load, const Eigen::MatrixXd& hook_displacement) const;
@@ -100,10 +100,10 @@ private:
     bool leaving_ = true; ///< vertices behind the knife may be dropped from the updated state
     std::optional<CondensedState> updated_; ///< contains the changes of the stroke up to its last update
     std::optional<PendingUpdate> pending_update_;
-    std::set<VertexId> newborn_; ///< added vertices: alive and free, but not in the body as it was condensed
+    std::set<VertexId> added_; ///< added vertices: alive and free, but not in the body as it was condensed
 
     // Made by prepare(); dropped when their inputs change.
-    std::optional<HookCompliance> base_compliance_, folded_compliance_;
+    std::optional<HookCompliance> base_compliance_, updated_compliance_;
     const CondensedState* view_ = nullptr; ///< state against which change_ and local_ are set up
     std::optional<CutChange> change_;
     std::optional<LocalSystem> local_;

@@ -30,7 +30,8 @@ DragRegion drag_region(const mesh::TetMesh& mesh, const Points& wound)
         if (count <= reach.most)
             return { std::move(near), reach.mm };
     }
-    throw InputError(std::to_string(count) + " elements lie near the wound: too many to be dragged", "near field");
+    throw InputError(
+        std::to_string(count) + " elements lie near the wound: too many to be dragged", "nonlinear region");
 }
 
 NonlinearRegionOptions drag_options(Eigen::VectorXd load)

@@ -299,8 +299,8 @@ HookResponse hook_response(const ElasticProblem& problem, const TissueModel& mod
     return response;
 }
 
-std::optional<HooksLetGo> let_go(const HookResponse& response, const Eigen::VectorXd& at, const Eigen::VectorXd& forces,
-    const Eigen::VectorXd& other_forces, const std::vector<HookDrive>& drives)
+std::optional<ReleasedHooks> release_hooks(const HookResponse& response, const Eigen::VectorXd& at,
+    const Eigen::VectorXd& forces, const Eigen::VectorXd& other_forces, const std::vector<HookDrive>& drives)
 {
     constexpr double kMostRatio = 10.0;
     Eigen::VectorXd by_way = forces, other_by_way = other_forces;
@@ -319,7 +319,7 @@ std::optional<HooksLetGo> let_go(const HookResponse& response, const Eigen::Vect
     if (!rest.converged)
         return std::nullopt;
     const Eigen::VectorXd way = rest.displacement - at;
-    return HooksLetGo { way, there + R * way };
+    return ReleasedHooks { way, there + R * way };
 }
 
 namespace {

@@ -40,7 +40,7 @@ HookResponse hook_response(const ElasticProblem& problem, const TissueModel& mod
     const std::optional<ContactOptions>& contact = {});
 
 /// The displacement and the forces of hooks that are released from a fixed place.
-struct HooksLetGo {
+struct ReleasedHooks {
     Eigen::VectorXd way; ///< displacement from the fixed place, mm, three per hook
     Eigen::VectorXd forces; ///< forces on the hooks at their new place, N, three per hook
 };
@@ -56,8 +56,8 @@ struct HooksLetGo {
 /// @param forces, other_forces N, three per hook
 /// @return nothing when the ratio is above 10 or below 1/10, or the forces point the opposite way: no prediction is
 /// possible
-std::optional<HooksLetGo> let_go(const HookResponse& response, const Eigen::VectorXd& at, const Eigen::VectorXd& forces,
-    const Eigen::VectorXd& other_forces, const std::vector<HookDrive>& drives);
+std::optional<ReleasedHooks> release_hooks(const HookResponse& response, const Eigen::VectorXd& at,
+    const Eigen::VectorXd& forces, const Eigen::VectorXd& other_forces, const std::vector<HookDrive>& drives);
 
 struct DrivenOpening {
     OpeningResult opening; ///< not converged, with a message, when the hooks find no rest

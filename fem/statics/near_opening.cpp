@@ -82,7 +82,7 @@ namespace {
                     .load = options_.load });
             (void)made.prepare();
             result_.factor_seconds += watch.seconds();
-            record_part(job_, "near field", watch, made.bytes());
+            record_part(job_, "nonlinear region", watch, made.bytes());
             return made;
         }
 

@@ -104,7 +104,7 @@ namespace {
         if (load.size() == 0)
             return {};
         if (load.size() != 3 * static_cast<Eigen::Index>(vertices))
-            throw InputError("a load has three entries per vertex", "near field");
+            throw InputError("a load has three entries per vertex", "nonlinear region");
         ExternalLoads own { .nodal = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(part.vertex.size())) };
         for (VertexId v = 0; v < static_cast<VertexId>(vertices); ++v) {
             const auto force = load.segment<3>(3 * static_cast<Eigen::Index>(v));
@@ -124,7 +124,7 @@ namespace {
 std::vector<std::uint8_t> elements_near(const mesh::TetMesh& mesh, const Points& points, double distance)
 {
     if (points.rows() == 0 || !points.allFinite() || !(distance > 0.0))
-        throw InputError("elements are near some points, within a positive distance", "near field");
+        throw InputError("elements are near some points, within a positive distance", "nonlinear region");
     std::vector<std::uint8_t> near_vertex(mesh.vertex_count(), 0), near(mesh.tet_count(), 0);
     for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
         near_vertex[static_cast<std::size_t>(v)]
@@ -327,7 +327,7 @@ struct NonlinearRegion::State {
     void check_drives(std::span<const HookDrive> of_hooks) const
     {
         if (of_hooks.size() != at.size())
-            throw InputError("there are " + std::to_string(at.size()) + " hooks", "near field");
+            throw InputError("there are " + std::to_string(at.size()) + " hooks", "nonlinear region");
         for (std::size_t h = 0; h < of_hooks.size(); ++h)
             check_drive(of_hooks[h], std::to_string(h));
     }
@@ -570,17 +570,18 @@ NonlinearRegion::NonlinearRegion(const mesh::TetMesh& mesh, std::span<const Mate
 {
     State& s = *state_;
     if (options.elasticity == Elasticity::linear)
-        throw InputError("the near field is nonlinear: hyperelastic, corotational or bounded", "near field");
+        throw InputError(
+            "the nonlinear region is nonlinear: hyperelastic, corotational or corotational_linear", "nonlinear region");
     if (options.frame_iterations < 1 || options.max_iterations < 1
         || !(options.tolerance > 0.0 && options.tolerance < 1.0))
-        throw InputError("a frame takes at least one step, and the tolerance lies between 0 and 1", "near field");
+        throw InputError("a frame takes at least one step, and the tolerance lies between 0 and 1", "nonlinear region");
     for (HookPatch& hook : hooks)
         hook.displacement.setZero();
     check_problem({ mesh, { material_of_label.begin(), material_of_label.end() }, supports, hooks });
     if (near.size() != mesh.tet_count())
-        throw InputError("a near field needs a flag for each element", "near field");
+        throw InputError("a nonlinear region needs a flag for each element", "nonlinear region");
     if (std::find(near.begin(), near.end(), std::uint8_t { 1 }) == near.end())
-        throw InputError("no element is near", "near field");
+        throw InputError("no element is near", "nonlinear region");
     s.options = options;
     s.options.load.resize(0);
     s.vertices = mesh.vertex_count();
@@ -647,13 +648,13 @@ void NonlinearRegion::start_from(const NearFrame& frame)
     State& s = *state_;
     if (frame.displacement.size() != 3 * static_cast<Eigen::Index>(s.vertices)
         || frame.hook_displacements.size() != s.at.size() || !frame.displacement.allFinite())
-        throw InputError("the answer to start from is of another mesh, or not finite", "near field");
+        throw InputError("the answer to start from is of another mesh, or not finite", "nonlinear region");
     Eigen::VectorXd u = Eigen::VectorXd::Zero(s.now.u.size());
     for (std::size_t i = 0; i < s.near.vertex.size(); ++i)
         u.segment<3>(3 * static_cast<Eigen::Index>(i)) = segment(frame.displacement, s.near.vertex[i]);
     State::Point there = s.point(std::move(u));
     if (!std::isfinite(there.energy))
-        throw InputError("the answer to start from turns an element over", "near field");
+        throw InputError("the answer to start from turns an element over", "nonlinear region");
     s.now = std::move(there);
     s.at = frame.hook_displacements;
     s.drives = prescribed_drives(s.at);

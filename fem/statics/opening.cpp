@@ -38,13 +38,13 @@ namespace {
         if (options.near.empty())
             return;
         if (options.elasticity == Elasticity::linear)
-            throw InputError("nothing is nonlinear near the wound when the elasticity is linear", "near field");
+            throw InputError("nothing is nonlinear near the wound when the elasticity is linear", "nonlinear region");
         if (options.contact || options.locking_free || !options.pressures.empty())
-            throw InputError(std::string("a linear far field goes without ")
+            throw InputError(std::string("a condensed region goes without ")
                     + (options.contact             ? "contact"
                             : options.locking_free ? "locking-free elements"
                                                    : "pressure"),
-                "near field");
+                "nonlinear region");
     }
 
     /// 99th percentile by volume of the strain outside the elements that touch a hook patch.

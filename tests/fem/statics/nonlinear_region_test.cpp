@@ -212,7 +212,7 @@ namespace near_field_test {
             std::string::npos);
         EXPECT_EQ(test_support::message_of(
                       [&] { (void)nonlinear_region(problem, near, { .load = Eigen::VectorXd::Zero(3) }); }),
-            "near field: a load has three entries per vertex");
+            "nonlinear region: a load has three entries per vertex");
     }
 
     TEST(NonlinearRegion, LeavesNoForceOnAnyFreeNodeOfEitherPart)
@@ -510,14 +510,14 @@ namespace near_field_test {
         const auto near = all_near(problem.mesh);
         EXPECT_EQ(test_support::message_of(
                       [&] { (void)nonlinear_region(problem, near, { .elasticity = Elasticity::linear }); }),
-            "near field: the near field is nonlinear: hyperelastic, corotational or bounded");
+            "nonlinear region: the nonlinear region is nonlinear: hyperelastic, corotational or corotational_linear");
         EXPECT_EQ(test_support::message_of([&] {
             (void)nonlinear_region(problem, { 1, 0 });
         }),
-            "near field: a near field needs a flag for each element");
+            "nonlinear region: a nonlinear region needs a flag for each element");
         EXPECT_EQ(test_support::message_of(
                       [&] { (void)nonlinear_region(problem, std::vector<std::uint8_t>(near.size(), 0)); }),
-            "near field: no element is near");
+            "nonlinear region: no element is near");
         std::vector<std::uint8_t> without_hook = near;
         const VertexId held = problem.hooks[0].nodes.front();
         for (TetId t = 0; t < static_cast<TetId>(near.size()); ++t)
@@ -529,14 +529,14 @@ namespace near_field_test {
         }).find("an element that is not near"),
             std::string::npos);
         EXPECT_EQ(test_support::message_of([&] { (void)elements_near(problem.mesh, Points(0, 3), 1.0); }),
-            "near field: elements are near some points, within a positive distance");
+            "nonlinear region: elements are near some points, within a positive distance");
         ElasticProblem loose = problem;
         loose.supports = {};
         loose.hooks.clear();
         EXPECT_NE(test_support::message_of([&] { (void)nonlinear_region(loose, near); }), "nothing was thrown");
         NonlinearRegion field = nonlinear_region(problem, near);
         EXPECT_EQ(test_support::message_of([&] { (void)field.drag(std::vector<Vec3>(1, Vec3::Zero())); }),
-            "near field: there are 2 hooks");
+            "nonlinear region: there are 2 hooks");
         EXPECT_EQ(test_support::message_of([&] {
             (void)field.drag(std::vector<Vec3>(2, Vec3::Constant(std::numeric_limits<double>::quiet_NaN())));
         }),
@@ -544,7 +544,7 @@ namespace near_field_test {
         NearFrame turned = field.drag(hooks_at(problem, 0.1));
         turned.displacement *= 1e4;
         EXPECT_EQ(test_support::message_of([&] { field.start_from(turned); }),
-            "near field: the answer to start from turns an element over");
+            "nonlinear region: the answer to start from turns an element over");
     }
 
 } // namespace near_field_test

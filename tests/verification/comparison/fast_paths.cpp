@@ -320,7 +320,7 @@ namespace {
             throw SolverError("the penny-shaped cut did not settle: " + rest.message);
         VerificationRow row;
         row.problem = "penny-shaped cut";
-        row.element = "P1, near field";
+        row.element = "P1, nonlinear region";
         row.law = "corotational, linear";
         row.nodes = mesh.vertex_count();
         row.tets = mesh.tet_count();

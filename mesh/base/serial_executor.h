@@ -1,6 +1,7 @@
 #pragma once
 // One thread that runs tasks one after another, in the order in which they were posted. The threads that post tasks
 // never wait for one. Between tasks the same thread may run a step of its own, such as the next frame of a motion.
+//
 // Any thread may call post(), post_latest(), cancel(), progress() and idle(), also from within a task. The constructor
 // and the destructor belong to one owner, which is not the executor's thread.
 //

@@ -1,7 +1,9 @@
 #pragma once
 // Builds the hybrid model: labels of role `wall`, which are cut and moved, become tetrahedra; all other labels stay
 // voxels. CGAL Mesh_3 meshes the labels with conforming interfaces, smooth where the anatomy is smooth, fine in a
-// corridor round the planned incision and coarse elsewhere. Units mm; frame patient LPS. Meshing runs in the grid's own
+// corridor round the planned incision and coarse elsewhere. Units mm; frame patient LPS.
+//
+// Meshing runs in the grid's own
 // axes (index times spacing), with the corridor rounded to kLocalGrain. A patient who is shifted or turned therefore
 // gives the same mesh, shifted or turned.
 

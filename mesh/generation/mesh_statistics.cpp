@@ -12,8 +12,7 @@ namespace retractor::mesh {
 namespace {
 
     constexpr int kVoxelSamples = 3; ///< samples per axis in voxels that a distance border crosses
-    constexpr int kTetSplits
-        = 3; ///< levels of halving of an element that the corridor's border crosses; at most 2^9 parts
+    constexpr int kTetSplits = 3; ///< divides an element at the corridor's border into at most 2^9 parts
 
     using Corners = std::array<Vec3, 4>;
 

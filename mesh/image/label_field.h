@@ -16,8 +16,7 @@ namespace retractor::mesh {
 
 /// Corridor points are rounded to this grain (mm) in the local frame, and voxel edges to kEdgeGrain (mm). Both grains
 /// are far above round-off, so that a shifted or turned patient, read from any kind of file, gives bit-equal numbers.
-/// The grain is an odd number, because planned coordinates are often round numbers, which must not fall between two
-/// grains.
+/// The grain is no round number, because planned coordinates often are round and must not fall between two grains.
 inline constexpr double kLocalGrain = 0.0113701;
 inline constexpr double kEdgeGrain = 1e-8;
 

@@ -120,8 +120,8 @@ bool is_held(const CutStore& store, const EdgeKey& edge);
 /// normals turn while vertices move one after the other.
 inline constexpr double kSurfaceDeviation = 0.05, kSurfaceDrift = 0.04;
 
-/// Bisects an edge at p. The drift of the new vertex is that of the ends of the edge.
-/// @throws SolverError when is_parted(edge), because the lips would not mirror each other
+/// Bisects an edge at p. The new vertex gets the larger drift of the two ends.
+/// @throws CutQualityError when is_parted(edge), because the lips would not mirror each other
 VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double t);
 
 /// Moves v to the candidate with the least surface deviation and the shortest way. A candidate is refused when it

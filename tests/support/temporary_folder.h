@@ -1,5 +1,5 @@
 #pragma once
-// A folder that lives as long as one test, and the oblique grids that all geometry tests share.
+// A temporary folder for one test, oblique grids for tests of geometry, and a check for refused input.
 
 #include "mesh/image/volume.h"
 
@@ -12,6 +12,7 @@
 
 namespace retractor::test_support {
 
+/// A new empty folder, which the destructor removes with its contents.
 class TemporaryFolder {
 public:
     TemporaryFolder()
@@ -33,7 +34,7 @@ private:
     std::filesystem::path path_;
 };
 
-/// Third-party data for tests; the folder may be absent.
+/// Path of third-party data for tests; the folder may be absent.
 inline std::filesystem::path shared_data(const std::string& name)
 {
     const char* folder = std::getenv("RETRACTOR_SHARED_DATA");
@@ -54,7 +55,7 @@ inline Mat3 mirrored(int axis)
     return direction;
 }
 
-/// Anisotropic, odd sizes, all values different from their neighbours.
+/// A volume of 9 x 7 x 5 voxels with anisotropic spacing and random values (HU).
 inline mesh::Volume random_volume(const Mat3& direction)
 {
     mesh::Volume volume;
@@ -70,7 +71,8 @@ inline mesh::Volume random_volume(const Mat3& direction)
     return volume;
 }
 
-/// Every voxel of `a` is in `b` at the same place of the world, with the same value, whatever the order of axes.
+/// Expects every voxel of `a` at the same world position in `b`, within `tolerance_mm` and with the same value; the
+/// order of axes may differ.
 inline void expect_same_in_world(const mesh::Volume& a, const mesh::Volume& b, double tolerance_mm)
 {
     ASSERT_EQ(a.voxels.size(), b.voxels.size());
@@ -85,7 +87,7 @@ inline void expect_same_in_world(const mesh::Volume& a, const mesh::Volume& b, d
             }
 }
 
-/// Runs `call`, which must throw an Error whose text contains `part`.
+/// Expects that `call` throws an `Exception` whose text "what @ where" contains `part`.
 template <typename Exception, typename Call> void expect_refused(const Call& call, const std::string& part)
 {
     try {

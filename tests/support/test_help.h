@@ -1,5 +1,5 @@
 #pragma once
-// What several tests of the haptics floor share.
+// Shared by the tests of haptics: the message of an error and a temporary folder.
 
 #include "mesh/base/error.h"
 
@@ -11,7 +11,7 @@
 
 namespace retractor::test_support {
 
-/// "what [where]" of the error that `f` throws; empty when it throws none.
+/// The text "what [where]" of the error that `f` throws; empty when `f` throws no Error.
 inline std::string message_of(const std::function<void()>& f)
 {
     try {
@@ -22,7 +22,7 @@ inline std::string message_of(const std::function<void()>& f)
     return {};
 }
 
-/// A folder that is gone with it.
+/// A new empty folder, which the destructor removes with its contents.
 struct TemporaryFolder {
     std::filesystem::path path = std::filesystem::temp_directory_path()
         / ("retractor-haptics-" + std::to_string(::getpid()) + "-" + std::to_string(++count));

@@ -14,7 +14,7 @@ namespace retractor::fem {
 
 namespace {
 
-    constexpr int kSteps = 10; // FEBio is nonlinear: the hooks are moved in steps
+    constexpr int kSteps = 10; // FEBio is nonlinear, so the hooks move in steps
 
     constexpr std::array<const char*, 3> kAxes { "x", "y", "z" };
 
@@ -311,7 +311,7 @@ namespace {
         }
     }
 
-    /// Hooks are three conditions in a row on one node set.
+    /// Reads the hooks. A hook is three consecutive conditions on one node set.
     void read_boundary(const XmlElement& section, const XmlElement& mesh_section, ElasticProblem& problem)
     {
         std::map<std::string, std::size_t> hook_of_set;

@@ -6,7 +6,6 @@
 #include "mesh/base/error.h"
 
 #include <cblas.h>
-#include <malloc.h>
 
 #include <algorithm>
 #include <chrono>

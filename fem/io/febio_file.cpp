@@ -1,14 +1,13 @@
 #include "fem/io/febio_file.h"
 
-#include "fem/io/xml_element.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cmath>
 #include <map>
-#include <utility>
+#include <string_view>
+#include <vector>
 
 namespace retractor::fem {
 
@@ -28,6 +27,33 @@ namespace {
     std::string tag(const std::string& name, const std::string& text)
     {
         return "<" + name + ">" + text + "</" + name + ">";
+    }
+
+    /// Text as it stands in an attribute or an element of XML.
+    std::string xml_escaped(std::string_view text)
+    {
+        std::string escaped;
+        for (const char c : text)
+            switch (c) {
+            case '&':
+                escaped += "&amp;";
+                break;
+            case '<':
+                escaped += "&lt;";
+                break;
+            case '>':
+                escaped += "&gt;";
+                break;
+            case '"':
+                escaped += "&quot;";
+                break;
+            case '\'':
+                escaped += "&apos;";
+                break;
+            default:
+                escaped += c;
+            }
+        return escaped;
     }
 
     std::string part(Label label) { return "label" + std::to_string(label); }
@@ -402,49 +428,6 @@ std::string febio_file(const ElasticProblem& problem)
           "<var type=\"reaction forces\"/></plotfile><logfile><node_data data=\"ux;uy;uz;Rx;Ry;Rz\" delim=\",\" "
           "file=\"nodes.csv\"/></logfile></Output>\n</febio_spec>\n";
     return text;
-}
-
-ElasticProblem read_febio_file(std::string_view text)
-{
-    const XmlElement root = parse_xml(text);
-    if (root.name != "febio_spec" || root.attribute("version") != "4.0")
-        throw InputError("this is no FEBio file of version 4.0", place(root));
-    ElasticProblem problem;
-    const XmlElement& mesh_section = root.child("Mesh");
-    read_nodes(mesh_section, problem.mesh);
-    read_elements(mesh_section, problem.mesh);
-    read_materials(root.child("Material"), problem);
-    read_boundary(root.child("Boundary"), mesh_section, problem);
-    read_beds(root, mesh_section, problem);
-    check_problem(problem);
-    return problem;
-}
-
-std::string first_difference(const ElasticProblem& a, const ElasticProblem& b)
-{
-    if (a.mesh.vertices.rows() != b.mesh.vertices.rows() || a.mesh.vertices != b.mesh.vertices)
-        return "the vertices differ";
-    if (a.mesh.nodes_per_tet != b.mesh.nodes_per_tet || a.mesh.nodes != b.mesh.nodes)
-        return "the elements differ";
-    if (a.mesh.labels != b.mesh.labels)
-        return "the labels differ";
-    for (const Label label : labels_met(a.mesh))
-        if (!same_elastic(a.material_of_label.at(label), b.material_of_label.at(label)))
-            return "the materials of label " + std::to_string(label) + " differ";
-    if (a.supports.fixed != b.supports.fixed)
-        return "the fixed nodes differ";
-    const Supports left = sorted(a.supports), right = sorted(b.supports);
-    if (!std::equal(left.bedded.begin(), left.bedded.end(), right.bedded.begin(), right.bedded.end(),
-            [](const BeddedVertex& x, const BeddedVertex& y) {
-                return x.vertex == y.vertex && x.stiffness == y.stiffness;
-            }))
-        return "the beds differ";
-    if (!std::equal(
-            a.hooks.begin(), a.hooks.end(), b.hooks.begin(), b.hooks.end(), [](const HookPatch& x, const HookPatch& y) {
-                return x.name == y.name && x.nodes == y.nodes && x.displacement == y.displacement;
-            }))
-        return "the hooks differ";
-    return {};
 }
 
 } // namespace retractor::fem

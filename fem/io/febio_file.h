@@ -12,7 +12,6 @@
 #include "fem/statics/elastic_problem.h"
 
 #include <string>
-#include <string_view>
 
 namespace retractor::fem {
 

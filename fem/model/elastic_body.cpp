@@ -104,11 +104,6 @@ namespace {
 
 } // namespace
 
-HyperelasticTissue uniform_tissue(const mesh::TetMesh& mesh, const Hyperelastic& law)
-{
-    return { { law }, std::vector<std::int32_t>(mesh.tet_count(), 0), {} };
-}
-
 ElasticBody::ElasticBody(const mesh::TetMesh& mesh, Elasticity model, std::vector<Lame> lame_of_element)
     : mesh_(mesh)
     , model_(model)

@@ -16,7 +16,6 @@
 
 #include <Eigen/Core>
 
-#include <functional>
 #include <span>
 #include <string>
 #include <vector>

@@ -236,16 +236,6 @@ std::vector<VertexId> SpringMotion::ring(VertexId v) const
     return found;
 }
 
-std::size_t SpringMotion::set_ring_load(VertexId v, const Vec3& force)
-{
-    const std::vector<VertexId> around = ring(v);
-    const double share = 1.0 / static_cast<double>(around.size() + 1);
-    set_load(v, share * force);
-    for (const VertexId other : around)
-        set_load(other, share * force);
-    return around.size() + 1;
-}
-
 void SpringMotion::place(VertexId v, const Vec3& position)
 {
     check_id(v);

@@ -1,14 +1,12 @@
 #pragma once
 // A temporary folder for one test, oblique grids for tests of geometry, and a check for refused input.
 
-#include "mesh/image/volume.h"
-
-#include <gtest/gtest.h>
+#include "mesh/base/error.h"
 
 #include <cstdlib>
 #include <filesystem>
-#include <random>
 #include <string>
+#include <system_error>
 
 namespace retractor::test_support {
 
@@ -17,21 +15,21 @@ class TemporaryFolder {
 public:
     TemporaryFolder()
     {
-        std::string name = (std::filesystem::temp_directory_path() / "retractor-test-XXXXXX").string();
-        path_ = ::mkdtemp(name.data());
-    }
-    ~TemporaryFolder()
-    {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
+        std::string name = (std::filesystem::temp_directory_path() / "retractor-XXXXXX").string();
+        if (::mkdtemp(name.data()) == nullptr)
+            throw IoError("no temporary folder could be made", name);
+        path = name;
     }
     TemporaryFolder(const TemporaryFolder&) = delete;
     TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-    const std::filesystem::path& path() const { return path_; }
+    ~TemporaryFolder()
+    {
+        std::error_code ignored; // it lies in the folder for temporary files
+        std::filesystem::remove_all(path, ignored);
+    }
+    std::filesystem::path operator/(const std::string& name) const { return path / name; }
 
-private:
-    std::filesystem::path path_;
+    std::filesystem::path path;
 };
 
 /// Path of third-party data for tests; the folder may be absent.

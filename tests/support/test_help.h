@@ -3,11 +3,8 @@
 
 #include "mesh/base/error.h"
 
-#include <filesystem>
 #include <functional>
 #include <string>
-
-#include <unistd.h>
 
 namespace retractor::test_support {
 

@@ -3,12 +3,12 @@
 #include "fem/model/pre_strain.h"
 #include "fem/springs/edge_springs.h"
 #include "fem/springs/spring_relaxation.h"
-#include "fem/statics/tension.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "mesh/cutting/cut_session.h"
 #include "tests/benchmarks/framework/bench_numbers.h"
 #include "tests/benchmarks/opening/gape_pictures.h"
+#include "tests/verification/framework/tension.h"
 #include "ui/cli/framework/out_folder.h"
 
 #include <algorithm>
@@ -41,10 +41,10 @@ namespace {
 
     /// A sheet under tension, cut.
     struct Sheet {
-        fem::SheetProblem problem;
+        verification::SheetProblem problem;
         double strain = 0.0;
         std::vector<fem::Material> materials = std::vector<fem::Material>(2, skin());
-        mesh::TetMesh uncut = fem::sheet_mesh(problem);
+        mesh::TetMesh uncut = verification::sheet_mesh(problem);
         std::vector<Mat3> stresses = fem::pre_stress(uncut, materials,
             std::vector<fem::PreStrain>(
                 2, { fem::PreStrainKind::uniaxial_stress, strain, Vec3::UnitY(), Vec3::UnitZ() }));
@@ -53,11 +53,11 @@ namespace {
 
         double right() const
         {
-            return fem::sheet_gape(fem::PreStrainKind::uniaxial_stress, strain, problem.cut_length, kRatio);
+            return verification::sheet_gape(fem::PreStrainKind::uniaxial_stress, strain, problem.cut_length, kRatio);
         }
         void cut()
         {
-            mesh::CutResult result = session.cut(fem::sheet_blade(problem));
+            mesh::CutResult result = session.cut(verification::sheet_blade(problem));
             if (result.status != mesh::CutStatus::done)
                 throw SolverError("the bench's cut was not made: " + result.message);
             delta = std::move(result.delta);
@@ -66,8 +66,8 @@ namespace {
         Points rim_displacement(const mesh::TetMesh& mesh) const
         {
             Points u = Points::Zero(mesh.vertices.rows(), 3);
-            for (const VertexId v : fem::sheet_rim(problem, mesh))
-                u.row(v) = fem::sheet_displacement(
+            for (const VertexId v : verification::sheet_rim(problem, mesh))
+                u.row(v) = verification::sheet_displacement(
                     problem.cut_length, kModulus * strain, kModulus, kRatio, mesh.vertices.row(v).transpose())
                                .transpose();
             return u;
@@ -76,14 +76,14 @@ namespace {
         {
             fem::SpringNetwork springs(uncut, materials, stresses, { calibration });
             springs.set_displacement(rim_displacement(uncut));
-            springs.fix(fem::sheet_rim(problem, uncut));
-            springs.fix(fem::sheet_middle_plane(uncut), 4);
+            springs.fix(verification::sheet_rim(problem, uncut));
+            springs.fix(verification::sheet_middle_plane(uncut), 4);
             return springs;
         }
         double calibration(const Job& job) const
         {
-            return fem::spring_calibration(
-                uncut, materials, fem::sheet_rim(problem, uncut), Vec3::UnitY(), fem::sheet_middle_plane(uncut), job);
+            return verification::spring_calibration(uncut, materials, verification::sheet_rim(problem, uncut),
+                Vec3::UnitY(), verification::sheet_middle_plane(uncut), job);
         }
     };
 
@@ -158,8 +158,8 @@ namespace {
             stresses.push_back(sheet.stresses[static_cast<std::size_t>(sheet.session.origin(slot))]);
         row.setup_ms = 1e3 * watch.seconds();
         watch = {};
-        const fem::ReleasedWound wound = fem::release_wound(mesh, faces, stresses, sheet.materials,
-            { .fixed = fem::sheet_rim(sheet.problem, mesh) }, sheet.rim_displacement(mesh), job);
+        const verification::ReleasedWound wound = verification::release_wound(mesh, faces, stresses, sheet.materials,
+            { .fixed = verification::sheet_rim(sheet.problem, mesh) }, sheet.rim_displacement(mesh), job);
         row.ms = 1e3 * watch.seconds();
         double sum = 0.0;
         int count = 0;
@@ -182,7 +182,7 @@ namespace {
         GapeRow row = row_of(sheet, "springs_freehand");
         mesh::CutSession session(sheet.uncut);
         fem::SpringNetwork springs = sheet.network(calibration);
-        const mesh::Blade whole = fem::sheet_blade(sheet.problem);
+        const mesh::Blade whole = verification::sheet_blade(sheet.problem);
         const Vec3 along = (whole.line[1] - whole.line[0]).normalized();
         std::vector<double> follow, frame;
         const auto step = [&](const mesh::CutResult& cut) {

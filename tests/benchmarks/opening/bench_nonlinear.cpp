@@ -14,6 +14,7 @@
 #include "tests/benchmarks/framework/bench_bodies.h"
 #include "tests/benchmarks/framework/bench_numbers.h"
 #include "tests/benchmarks/framework/cpu_watch.h"
+#include "tests/verification/framework/uniform_tissue.h"
 
 #include <algorithm>
 #include <array>
@@ -105,7 +106,8 @@ namespace {
     {
         const Stopwatch watch;
         const fem::Lame all = fem::lame(materials[scene.mesh.labels.front()]);
-        fem::ElasticBody body(scene.mesh, fem::uniform_tissue(scene.mesh, fem::NeoHookean { all.mu, all.lambda }));
+        fem::ElasticBody body(
+            scene.mesh, verification::uniform_tissue(scene.mesh, fem::NeoHookean { all.mu, all.lambda }));
         fem::EquilibriumSolver solver;
         std::array<Eigen::VectorXd, 2> fields;
         Eigen::VectorXd start = Eigen::VectorXd::Zero(3 * scene.mesh.vertices.rows());

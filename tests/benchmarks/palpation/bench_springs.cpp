@@ -1,6 +1,6 @@
 #include "tests/benchmarks/palpation/bench_springs.h"
 
-#include "fem/statics/tension.h"
+#include "fem/material/material.h"
 #include "haptics/springs/spring_tissue.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"

@@ -2,6 +2,7 @@
 
 #include "haptics/springs/spring_tissue.h"
 #include "mesh/base/atomic_file.h"
+#include "tests/support/ring_load.h"
 #include "ui/cli/framework/ball_mesh.h"
 #include "ui/scene/vtk/render.h"
 
@@ -218,7 +219,7 @@ namespace {
             if (load == 1)
                 motion.set_load(312, Vec3(0.0, 0.0, 0.4));
             else if (load == 2)
-                motion.set_ring_load(312, Vec3(0.0, 0.0, 0.4));
+                test_support::set_ring_load(motion, 312, Vec3(0.0, 0.0, 0.4));
             for (int i = 0; i < 10000; ++i)
                 motion.step(1e-4);
             scenes.push_back(state_of(motion, title, {}));

@@ -1,7 +1,8 @@
 #include "datasets/dicom/dicom.h"
 
 #include "mesh/base/error.h"
-#include "tests/support/dicom_bytes.h"
+#include "tests/datasets/dataset_help.h"
+#include "tests/datasets/dicom/dicom_bytes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace retractor::datasets {

@@ -1,6 +1,6 @@
 #include "datasets/dicom/dicom_nesting.h"
 
-#include "tests/support/dicom_bytes.h"
+#include "tests/datasets/dicom/dicom_bytes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace retractor::datasets {

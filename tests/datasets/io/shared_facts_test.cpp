@@ -3,7 +3,7 @@
 
 #include "datasets/io/volume_io.h"
 #include "mesh/base/error.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/datasets/dataset_help.h"
 
 #include <nlohmann/json.hpp>
 

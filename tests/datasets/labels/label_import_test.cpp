@@ -4,6 +4,7 @@
 #include "datasets/labels/label_file_names.h"
 #include "datasets/labels/label_presets.h"
 #include "mesh/base/error.h"
+#include "tests/datasets/dataset_help.h"
 #include "tests/support/temporary_folder.h"
 
 #include <nlohmann/json.hpp>
@@ -147,7 +148,7 @@ namespace label_import_test {
         write_voxels(folder / "aorta.nrrd", aorta);
         write_voxels(folder / "rib_left_1.nii.gz", rib);
         std::ofstream(folder / "statistics.json") << "{}";
-        const ImportedLabels imported = import_labels(folder.path(), { .preset = "totalsegmentator" });
+        const ImportedLabels imported = import_labels(folder.path, { .preset = "totalsegmentator" });
         EXPECT_EQ(imported.labels.grid.size, grid.size);
         EXPECT_EQ(imported.labels.table.size(), 2U);
         EXPECT_EQ(count(imported.labels, "aorta"), 28U);
@@ -168,7 +169,7 @@ namespace label_import_test {
         set_box(fine, { 2, 2, 2 }, { 9, 9, 9 }, 1);
         write_voxels(folder / "liver.nrrd", coarse);
         write_voxels(folder / "heart.nrrd", fine);
-        const ImportedLabels imported = import_labels(folder.path());
+        const ImportedLabels imported = import_labels(folder.path);
         EXPECT_EQ(imported.labels.grid.spacing, Vec3::Ones());
         EXPECT_EQ(imported.labels.grid.origin, fine.grid.origin);
         // The outermost coarse centre lies at 28.5 mm: so far the grid reaches.
@@ -190,7 +191,7 @@ namespace label_import_test {
         set_box(turned, { 2, 2, 2 }, { 7, 7, 7 }, 1);
         write_voxels(folder / "heart.nrrd", first);
         write_voxels(folder / "liver.nrrd", turned);
-        const mesh::LabelVolume labels = import_labels(folder.path()).labels;
+        const mesh::LabelVolume labels = import_labels(folder.path).labels;
         // Every voxel agrees with the mask at its place, and so does the volume but for the cut of voxels.
         std::size_t inside = 0;
         for (int k = 0; k < 40; ++k)
@@ -213,7 +214,7 @@ namespace label_import_test {
         set_box(b, { 1, 1, 1 }, { 2, 2, 2 }, 1);
         write_voxels(folder / "clavicula_left.nrrd", a);
         write_voxels(folder / "Left clavicle.nrrd", b);
-        const ImportedLabels imported = import_labels(folder.path());
+        const ImportedLabels imported = import_labels(folder.path);
         EXPECT_EQ(imported.labels.table.size(), 1U);
         EXPECT_EQ(count(imported.labels, "clavicle_left"), 15U);
         expect_note(imported, "clavicle_left is joined from Left clavicle.nrrd, clavicula_left.nrrd");
@@ -226,7 +227,7 @@ namespace label_import_test {
         const std::atomic<bool> cancel { true };
         Job job;
         job.cancel = &cancel;
-        EXPECT_TRUE(import_labels(folder.path(), {}, job).labels.voxels.empty());
+        EXPECT_TRUE(import_labels(folder.path, {}, job).labels.voxels.empty());
     }
 
     TEST(LabelImport, NamesInXml)
@@ -364,7 +365,7 @@ namespace label_import_test {
         test_support::expect_refused<InputError>([&] { import_labels(path, { .preset = "totalsegmentator" }); },
             "goes by ids, but this file names its segments");
         test_support::expect_refused<InputError>(
-            [&] { import_labels(folder.path()); }, "the folder has no image of labels");
+            [&] { import_labels(folder.path); }, "the folder has no image of labels");
     }
 
     TEST(LabelImport, LayeredSegmentsOfSlicer)
@@ -386,17 +387,17 @@ namespace label_import_test {
         const test_support::TemporaryFolder folder;
         test_support::expect_refused<IoError>([&] { import_labels(folder / "none.nii.gz"); }, "no such file");
         test_support::expect_refused<InputError>(
-            [&] { import_labels(folder.path()); }, "the folder has no image of labels");
+            [&] { import_labels(folder.path); }, "the folder has no image of labels");
         write_voxels(folder / "heart.nrrd", empty_labels(grid_of({ 4, 4, 4 }, 1.0, Vec3::Zero())));
         test_support::expect_refused<InputError>([&] { import_labels(folder / "heart.nrrd"); }, "no voxel is labelled");
         test_support::expect_refused<InputError>(
-            [&] { import_labels(folder.path()); }, "no mask of the folder has a labelled voxel");
+            [&] { import_labels(folder.path); }, "no mask of the folder has a labelled voxel");
         std::ofstream(folder / "half.nrrd")
             << "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 1 1\nspace: left-posterior-superior\nspace directions: "
                "(1,0,0) (0,1,0) (0,0,1)\nspace origin: (0,0,0)\nencoding: ascii\n\n1 0.5\n";
         test_support::expect_refused<InputError>(
             [&] { import_labels(folder / "half.nrrd"); }, "0.500000 is not a label");
-        test_support::expect_refused<InputError>([&] { import_labels(folder.path()); }, "half.nrrd");
+        test_support::expect_refused<InputError>([&] { import_labels(folder.path); }, "half.nrrd");
     }
 
     TEST(LabelImport, MasksApartOrWithSeveralValuesAreRefused)
@@ -409,11 +410,11 @@ namespace label_import_test {
         write_voxels(folder / "heart.nrrd", heart);
         write_voxels(folder / "liver.nrrd", liver);
         test_support::expect_refused<InputError>(
-            [&] { import_labels(folder.path()); }, "the masks do not overlap in space");
-        test_support::expect_refused<InputError>([&] { import_labels(folder.path()); }, "liver.nrrd");
+            [&] { import_labels(folder.path); }, "the masks do not overlap in space");
+        test_support::expect_refused<InputError>([&] { import_labels(folder.path); }, "liver.nrrd");
         write_voxels(folder / "liver.nrrd", three_labels());
         test_support::expect_refused<InputError>(
-            [&] { import_labels(folder.path()); }, "this image has 3: 51 (27 voxels)");
+            [&] { import_labels(folder.path); }, "this image has 3: 51 (27 voxels)");
     }
 
     // --- Third-party files ---
@@ -473,7 +474,7 @@ namespace label_import_test {
             fs::copy_file(folder / (name + ".nii.gz"), to);
             fs::permissions(to, fs::perms::owner_write, fs::perm_options::add);
         }
-        const ImportedLabels imported = import_labels(copies.path());
+        const ImportedLabels imported = import_labels(copies.path);
         const mesh::LabelVolume& labels = imported.labels;
         EXPECT_EQ(labels.grid.size, (Index { 233, 167, 191 }));
         EXPECT_EQ(count(labels, "aorta_true_lumen"), 37595U);

@@ -2,7 +2,7 @@
 
 #include "datasets/phantoms/phantom.h"
 #include "mesh/base/error.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/datasets/dataset_help.h"
 
 #include <nlohmann/json.hpp>
 

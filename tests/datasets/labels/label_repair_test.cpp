@@ -3,7 +3,7 @@
 #include "datasets/labels/label_import.h"
 #include "datasets/labels/label_presets.h"
 #include "mesh/base/error.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/datasets/dataset_help.h"
 
 #include <algorithm>
 #include <atomic>

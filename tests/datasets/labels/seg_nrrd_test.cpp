@@ -3,6 +3,7 @@
 #include "datasets/io/volume_io.h"
 #include "datasets/labels/label_presets.h"
 #include "mesh/base/error.h"
+#include "tests/datasets/dataset_help.h"
 #include "tests/support/temporary_folder.h"
 
 #include <algorithm>

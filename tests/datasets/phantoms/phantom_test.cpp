@@ -2,7 +2,7 @@
 
 #include "datasets/phantoms/phantom_shapes.h"
 #include "mesh/base/error.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/datasets/dataset_help.h"
 
 #include <cmath>
 #include <map>

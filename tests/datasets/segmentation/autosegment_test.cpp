@@ -4,7 +4,7 @@
 #include "datasets/phantoms/phantom.h"
 #include "datasets/segmentation/image/working_image.h"
 #include "mesh/base/error.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/datasets/dataset_help.h"
 
 #include <gtest/gtest.h>
 

@@ -3,10 +3,10 @@
 #include "fem/linear_algebra/constrained_solver.h"
 #include "fem/linear_algebra/parallel.h"
 #include "fem/model/pre_strain.h"
-#include "fem/statics/tension.h"
 #include "mesh/base/error.h"
 #include "tests/support/random_strokes.h"
 #include "tests/support/reference_problems.h"
+#include "tests/verification/framework/tension.h"
 
 #include <gtest/gtest.h>
 
@@ -849,16 +849,16 @@ namespace online_opening_test {
     {
         constexpr double kModulus = 0.2, kRatio = 0.25, kStrain = 0.02;
         // The rim is held where it is, at 15 half lengths of the cut: its pull is of order (1/15)^2.
-        const SheetProblem problem { .radius = 600.0, .around = 96 };
-        const mesh::TetMesh sheet = sheet_mesh(problem);
+        const verification::SheetProblem problem { .radius = 600.0, .around = 96 };
+        const mesh::TetMesh sheet = verification::sheet_mesh(problem);
         const std::vector<Material> skin(2, test_support::material(kModulus, kRatio));
         for (const PreStrainKind kind : { PreStrainKind::uniaxial_stress, PreStrainKind::equibiaxial }) {
             mesh::CutSession session(sheet);
             OnlineOptions options;
             options.stress_of_element
                 = pre_stress(sheet, skin, std::vector<PreStrain>(2, { kind, kStrain, Vec3::UnitY(), Vec3::UnitZ() }));
-            OnlineOpening opening(session, skin, { .fixed = sheet_rim(problem, sheet) }, {}, options);
-            const mesh::CutResult cut = session.cut(sheet_blade(problem));
+            OnlineOpening opening(session, skin, { .fixed = verification::sheet_rim(problem, sheet) }, {}, options);
+            const mesh::CutResult cut = session.cut(verification::sheet_blade(problem));
             ASSERT_EQ(cut.status, mesh::CutStatus::done);
             opening.follow(cut.delta, session.lips());
             const OnlineAnswer answer = whole_answer(opening);
@@ -871,7 +871,7 @@ namespace online_opening_test {
                     ++count;
                 }
             ASSERT_GT(count, 0);
-            const double right = sheet_gape(kind, kStrain, problem.cut_length, kRatio);
+            const double right = verification::sheet_gape(kind, kStrain, problem.cut_length, kRatio);
             EXPECT_NEAR(gape / count / right, 1.0, 0.02) << "discretisation and rim";
         }
     }

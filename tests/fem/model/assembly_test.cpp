@@ -3,6 +3,7 @@
 #include "fem/linear_algebra/constrained_solver.h"
 #include "mesh/base/error.h"
 #include "tests/support/reference_problems.h"
+#include "tests/verification/framework/body_force.h"
 
 #include <gtest/gtest.h>
 
@@ -142,7 +143,7 @@ namespace assembly_test {
     {
         const mesh::TetMesh mesh = p1_or_p2(mesh::kuhn_box(cells, cells, cells, 1.0 / cells), nodes_per_tet);
         ElasticBody body(mesh, Elasticity::linear, test_support::uniform(mesh, kTissue));
-        const Eigen::VectorXd loads = body_force_loads(mesh, smooth_force);
+        const Eigen::VectorXd loads = verification::body_force_loads(mesh, smooth_force);
         const Eigen::VectorXd u = test_support::solve_linear(
             body, test_support::boundary_unknowns(mesh), Eigen::VectorXd::Zero(loads.size()), loads);
         // Galerkin: |u - u_h|^2 in energy = a(u, u) - a(u_h, u_h); a(u, u) = pi^2 (4 mu + lambda) / 8.

@@ -2,6 +2,7 @@
 #include "fem/statics/equilibrium.h"
 #include "mesh/base/error.h"
 #include "tests/support/reference_problems.h"
+#include "tests/verification/framework/uniform_tissue.h"
 
 #include <gtest/gtest.h>
 
@@ -51,7 +52,7 @@ namespace hyperelastic_body_test {
     double uniaxial_stress(const Hyperelastic& law, int nodes_per_tet, double stretch)
     {
         const mesh::TetMesh mesh = p1_or_p2(mesh::kuhn_box(2, 2, 2, 0.5), nodes_per_tet);
-        ElasticBody body(mesh, uniform_tissue(mesh, law));
+        ElasticBody body(mesh, verification::uniform_tissue(mesh, law));
         const auto size = static_cast<std::size_t>(3 * mesh.vertices.rows());
         std::vector<std::uint8_t> prescribed(size, 0);
         Eigen::VectorXd target = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
@@ -140,7 +141,7 @@ namespace hyperelastic_body_test {
     TEST(HyperelasticBody, AnElementTurnedOverHasInfiniteEnergyAndIsNoStart)
     {
         const mesh::TetMesh mesh = mesh::kuhn_box(2, 2, 2, 1.0);
-        ElasticBody body(mesh, uniform_tissue(mesh, laws()[0]));
+        ElasticBody body(mesh, verification::uniform_tissue(mesh, laws()[0]));
         Eigen::VectorXd u = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
         u[3 * 13] = 1.5; // the middle vertex, beyond its neighbour
         EXPECT_EQ(body.response(u).energy, std::numeric_limits<double>::infinity());
@@ -157,7 +158,7 @@ namespace hyperelastic_body_test {
     TEST(HyperelasticBody, ALargePullTurnsNoElementOver)
     {
         const mesh::TetMesh mesh = mesh::kuhn_box(4, 2, 2, 1.0);
-        ElasticBody body(mesh, uniform_tissue(mesh, MooneyRivlin { 0.5 * kMu, 0.0, kBulk }));
+        ElasticBody body(mesh, verification::uniform_tissue(mesh, MooneyRivlin { 0.5 * kMu, 0.0, kBulk }));
         std::vector<std::uint8_t> prescribed(3 * mesh.vertex_count(), 0);
         Eigen::VectorXd target = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
         for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
@@ -180,16 +181,16 @@ namespace hyperelastic_body_test {
         const auto refuse = [&](const HyperelasticTissue& tissue) {
             return test_support::message_of([&] { const ElasticBody body(mesh, tissue); });
         };
-        HyperelasticTissue tissue = uniform_tissue(mesh, NeoHookean { kMu, 0.0 });
+        HyperelasticTissue tissue = verification::uniform_tissue(mesh, NeoHookean { kMu, 0.0 });
         tissue.law_of_element[3] = 1;
         EXPECT_EQ(refuse(tissue), "element 3: there is no law 1");
         tissue.law_of_element.pop_back();
         EXPECT_EQ(refuse(tissue), "materials: a body needs a law for each element");
-        tissue = uniform_tissue(mesh, NeoHookean { 0.0, 1.0 });
+        tissue = verification::uniform_tissue(mesh, NeoHookean { 0.0, 1.0 });
         EXPECT_NE(refuse(tissue).find("mu"), std::string::npos) << refuse(tissue);
-        tissue = uniform_tissue(mesh, NeoHookean { std::nan(""), 1.0 });
+        tissue = verification::uniform_tissue(mesh, NeoHookean { std::nan(""), 1.0 });
         EXPECT_NE(refuse(tissue).find("mu"), std::string::npos) << refuse(tissue);
-        tissue = uniform_tissue(mesh, NeoHookean { kMu, 1.0 });
+        tissue = verification::uniform_tissue(mesh, NeoHookean { kMu, 1.0 });
         tissue.fibres.assign(mesh.tet_count(), {});
         tissue.fibres[2].second = Vec3(1, 1, 0);
         EXPECT_EQ(refuse(tissue), "element 2: a fibre direction must be a unit vector");

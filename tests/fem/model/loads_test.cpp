@@ -4,7 +4,9 @@
 #include "fem/statics/equilibrium.h"
 #include "mesh/base/error.h"
 #include "tests/support/reference_problems.h"
+#include "tests/verification/framework/body_force.h"
 #include "tests/verification/framework/meshes.h"
+#include "tests/verification/framework/uniform_tissue.h"
 
 #include <gtest/gtest.h>
 
@@ -60,9 +62,13 @@ namespace loads_test {
             const mesh::TetMesh mesh = straight_box(n);
             const Vec3 t(0.1, -0.2, 0.3);
             EXPECT_LE((sum(traction_loads(mesh, top(mesh), t)) - 6.0 * t).norm(), kRoundOff * 10.0) << n;
-            EXPECT_LE((sum(body_force_loads(mesh, [&](const Vec3&) { return t; })) - 24.0 * t).norm(), 1e-11) << n;
+            EXPECT_LE(
+                (sum(verification::body_force_loads(mesh, [&](const Vec3&) { return t; })) - 24.0 * t).norm(), 1e-11)
+                << n;
             // The rule's weights have 15 digits. Linear in z: the mean is that of the middle.
-            EXPECT_LE((sum(body_force_loads(mesh, [&](const Vec3& p) -> Vec3 { return p.z() * t; })) - 48.0 * t).norm(),
+            EXPECT_LE(
+                (sum(verification::body_force_loads(mesh, [&](const Vec3& p) -> Vec3 { return p.z() * t; })) - 48.0 * t)
+                    .norm(),
                 1e-11)
                 << n;
         }
@@ -229,7 +235,8 @@ namespace loads_test {
         constexpr int kFewSteps
             = 20; // in four load steps; 44 where all that the rim adds is taken as constant, about the axis
         const SlitWall wall = slit_wall(6.25);
-        ElasticBody body(wall.mesh, uniform_tissue(wall.mesh, hyperelastic_law(test_support::material(0.04, 0.45))));
+        ElasticBody body(
+            wall.mesh, verification::uniform_tissue(wall.mesh, hyperelastic_law(test_support::material(0.04, 0.45))));
         body.set_loads({ {}, { FollowerPressure(wall.mesh, wall.inner, kPressure) } });
         const verification::VerificationSolve solve = verification::solve_problem(
             body, wall.held.prescribed, {}, { .load_steps = 4, .tolerance = 1e-6 }, Job {});
@@ -259,7 +266,7 @@ namespace loads_test {
         constexpr double kMu = 0.05, kBulk = 500.0, kStretch = 1.6;
         for (const int n : { 4, 10 }) {
             const Bar b = bar(n);
-            ElasticBody body(b.mesh, uniform_tissue(b.mesh, MooneyRivlin { 0.5 * kMu, 0.0, kBulk }));
+            ElasticBody body(b.mesh, verification::uniform_tissue(b.mesh, MooneyRivlin { 0.5 * kMu, 0.0, kBulk }));
             const double nominal = kMu * (kStretch - 1 / (kStretch * kStretch));
             body.set_loads({ traction_loads(b.mesh, top(b.mesh), { 0, 0, nominal }), {} });
             EquilibriumSolver solver;
@@ -283,7 +290,7 @@ namespace loads_test {
         // Its supports take rigid motions away and bear nothing: no force is left to compare the rest with.
         constexpr double kTolerance = 1e-4, kNominal = 0.02;
         const mesh::TetMesh mesh = straight_box(4);
-        ElasticBody body(mesh, uniform_tissue(mesh, MooneyRivlin { 0.025, 0.0, 0.5 }));
+        ElasticBody body(mesh, verification::uniform_tissue(mesh, MooneyRivlin { 0.025, 0.0, 0.5 }));
         const auto bottom = verification::faces_where(mesh, [](const Vec3& p) { return p.z() < kTiny; });
         const Eigen::VectorXd loads
             = traction_loads(mesh, top(mesh), { 0, 0, kNominal }) + traction_loads(mesh, bottom, { 0, 0, -kNominal });
@@ -324,7 +331,8 @@ namespace loads_test {
         constexpr double kMu = 1.0 / 3.0;
         const double limit = kMu * std::log(14.5 / 12.5);
         const verification::QuarterTube tube = verification::quarter_tube(10, 12.5, 14.5, 8, 1, 1);
-        ElasticBody body(tube.mesh, uniform_tissue(tube.mesh, MooneyRivlin { 0.5 * kMu, 0.0, 1e3 * kMu }));
+        ElasticBody body(
+            tube.mesh, verification::uniform_tissue(tube.mesh, MooneyRivlin { 0.5 * kMu, 0.0, 1e3 * kMu }));
         body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, 1.3 * limit) } });
         const verification::VerificationSolve solve
             = verification::solve_problem(body, tube.held.prescribed, {}, { .load_steps = 6 }, Job {});
@@ -341,8 +349,8 @@ namespace loads_test {
         constexpr double kFarTooMuch = 0.05, kRoundOff = 1e-12; // MPa; of the forces
         const SlitWall wall = slit_wall(12.5);
         const auto pressed = [&] {
-            ElasticBody body(
-                wall.mesh, uniform_tissue(wall.mesh, hyperelastic_law(test_support::material(0.04, 0.45))));
+            ElasticBody body(wall.mesh,
+                verification::uniform_tissue(wall.mesh, hyperelastic_law(test_support::material(0.04, 0.45))));
             body.set_loads({ {}, { FollowerPressure(wall.mesh, wall.inner, kFarTooMuch) } });
             return body;
         };

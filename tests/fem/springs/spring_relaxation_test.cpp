@@ -1,10 +1,10 @@
 #include "fem/springs/spring_relaxation.h"
 
 #include "fem/model/pre_strain.h"
-#include "fem/springs/spring_dynamics.h"
-#include "fem/statics/tension.h"
 #include "mesh/base/error.h"
+#include "mesh/cutting/cut_session.h"
 #include "tests/support/reference_problems.h"
+#include "tests/verification/framework/spring_dynamics.h"
 
 #include <gtest/gtest.h>
 
@@ -166,7 +166,7 @@ namespace spring_relaxation_test {
     TEST(SpringDynamics, BoundIsThatOfTheStiffestMotion)
     {
         Wound wound;
-        const SpringDynamics motion(wound.network, wound.materials, 0.0);
+        const verification::SpringDynamics motion(wound.network, wound.materials, 0.0);
         // The whole spectrum of a small network, by a dense solver.
         SpringPatch patch(wound.network, motion.patch().active());
         patch.linearise(patch.displacement());
@@ -196,7 +196,7 @@ namespace spring_relaxation_test {
     TEST(SpringDynamics, DecaysBelowTheBoundAndIsRefusedAboveIt)
     {
         Wound wound;
-        SpringDynamics motion(wound.network, wound.materials, kDamping);
+        verification::SpringDynamics motion(wound.network, wound.materials, kDamping);
         const double limit = motion.bound().stable_step;
         const Eigen::Index n = motion.displacement().size();
         Eigen::VectorXd push(n);
@@ -217,7 +217,7 @@ namespace spring_relaxation_test {
         // The bound is sharp: the same scheme without its guard and without damping, 1 % above.
         SpringPatch patch(wound.network, motion.patch().active());
         Eigen::VectorXd u = push, v = Eigen::VectorXd::Zero(n);
-        SpringDynamics undamped(wound.network, wound.materials, 0.0);
+        verification::SpringDynamics undamped(wound.network, wound.materials, 0.0);
         const double beyond = 1.01 * undamped.bound().stable_step;
         for (int i = 0; i < 400; ++i) {
             const Eigen::VectorXd f = patch.response(u).forces;
@@ -237,7 +237,7 @@ namespace spring_relaxation_test {
     {
         Wound wound;
         wound.cut();
-        SpringDynamics motion(wound.network, wound.materials, 1500.0);
+        verification::SpringDynamics motion(wound.network, wound.materials, 1500.0);
         for (int i = 0; i < 1500; ++i)
             motion.step(0.9 * motion.bound().stable_step);
         Wound still;
@@ -251,9 +251,9 @@ namespace spring_relaxation_test {
     TEST(SpringDynamics, RefusesBadInput)
     {
         Wound wound;
-        EXPECT_THROW(SpringDynamics(wound.network, wound.materials, -1.0), InputError);
-        EXPECT_THROW(SpringDynamics(wound.network, wound.materials, std::nan("")), InputError);
-        SpringDynamics motion(wound.network, wound.materials, 0.0);
+        EXPECT_THROW(verification::SpringDynamics(wound.network, wound.materials, -1.0), InputError);
+        EXPECT_THROW(verification::SpringDynamics(wound.network, wound.materials, std::nan("")), InputError);
+        verification::SpringDynamics motion(wound.network, wound.materials, 0.0);
         EXPECT_THROW(motion.step(0.0), InputError);
         EXPECT_THROW(motion.step(std::nan("")), InputError);
         EXPECT_THROW(motion.set_state(Eigen::VectorXd::Zero(3), Eigen::VectorXd::Zero(3)), InputError);

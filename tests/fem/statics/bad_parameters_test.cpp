@@ -5,14 +5,14 @@
 #include "fem/model/loads.h"
 #include "fem/model/pre_strain.h"
 #include "fem/springs/edge_springs.h"
-#include "fem/springs/spring_dynamics.h"
 #include "fem/statics/hook_drive.h"
 #include "fem/statics/opening.h"
-#include "fem/statics/tension.h"
 #include "mesh/cutting/cut_session.h"
 #include "tests/support/reference_problems.h"
 #include "tests/support/refusals.h"
 #include "tests/verification/framework/incision.h"
+#include "tests/verification/framework/spring_dynamics.h"
+#include "tests/verification/framework/tension.h"
 
 #include <gtest/gtest.h>
 
@@ -127,7 +127,8 @@ namespace bad_parameters_test {
                 const mesh::TetMesh mesh = mesh::kuhn_box(1, 1, 1, 1.0);
                 const SpringNetwork network(
                     mesh, std::vector<Material>(2, tissue(youngs_modulus)), {}, { .calibration = calibration });
-                const SpringDynamics dynamics(network, std::vector<Material>(2, tissue(0.04, 0.45, density)), 0.0);
+                const verification::SpringDynamics dynamics(
+                    network, std::vector<Material>(2, tissue(0.04, 0.45, density)), 0.0);
             };
         };
         all.sound = { strained(0.02, Vec3::UnitX()), sprung(1.0, 0.04, 1e-9) };
@@ -170,7 +171,8 @@ namespace bad_parameters_test {
         const Mat3 tension = 1e-3 * Mat3::Identity(); // MPa
         std::vector<Mat3> stresses(incision.mesh.tet_count(), tension);
         const auto release = [&] {
-            (void)release_wound(incision.mesh, lips, stresses, problem.material_of_label, problem.supports, {}, Job {});
+            (void)verification::release_wound(
+                incision.mesh, lips, stresses, problem.material_of_label, problem.supports, {}, Job {});
         };
         EXPECT_EQ(test_support::message_of(release), "nothing was thrown");
         stresses[static_cast<std::size_t>(lips.front().tet)](1, 1) = kNan;

@@ -6,6 +6,7 @@
 #include "mesh/base/error.h"
 #include "tests/support/hooked_block.h"
 #include "tests/support/reference_problems.h"
+#include "tests/verification/framework/uniform_tissue.h"
 
 #include <gtest/gtest.h>
 
@@ -237,7 +238,7 @@ namespace near_field_test {
                 u.segment<3>(3 * a) = settled.displacement.segment<3>(3 * nodes[static_cast<std::size_t>(a)]);
             }
             const ElasticBody body = near[t] != 0
-                ? ElasticBody(one, uniform_tissue(one, NeoHookean { lame[t].mu, lame[t].lambda }))
+                ? ElasticBody(one, verification::uniform_tissue(one, NeoHookean { lame[t].mu, lame[t].lambda }))
                 : ElasticBody(one, Elasticity::linear, { lame[t] });
             const Eigen::VectorXd f = body.response(u).forces;
             for (int a = 0; a < 4; ++a)

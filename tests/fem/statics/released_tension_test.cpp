@@ -6,7 +6,6 @@
 #include "fem/model/pre_strain.h"
 #include "fem/statics/driven_opening.h"
 #include "fem/statics/opening.h"
-#include "fem/statics/tension.h"
 #include "tests/support/hooked_block.h"
 #include "tests/support/reference_problems.h"
 

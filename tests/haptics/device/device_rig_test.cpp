@@ -2,6 +2,7 @@
 
 #include "haptics/recording/motion_file.h"
 #include "haptics/servo/servo.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/test_help.h"
 #include "tests/support/walls.h"
 

@@ -1,6 +1,6 @@
 #include "haptics/device/hd_diagnosis.h"
 
-#include "tests/support/test_help.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 #include "haptics/hand/hand_file.h"
 
 #include "haptics/spheres/surface_locator.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/support/test_help.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 #include "haptics/springs/spring_motion.h"
 
+#include "tests/support/ring_load.h"
 #include "tests/support/test_help.h"
 
 #include <gtest/gtest.h>
@@ -225,7 +226,7 @@ TEST(SpringMotion, ringLoadMakesABroaderAndShallowerDent)
         SpringMotion motion(make_spring_sheet(), { .drag = 30.0 });
         const Vec3 force(0.0, 0.0, -0.2);
         if (ring)
-            EXPECT_EQ(motion.set_ring_load(312, force), 9U);
+            EXPECT_EQ(test_support::set_ring_load(motion, 312, force), 9U);
         else
             motion.set_load(312, force);
         for (int i = 0; i < 6000; ++i)

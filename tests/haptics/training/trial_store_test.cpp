@@ -1,5 +1,6 @@
 #include "haptics/training/trial_store.h"
 
+#include "tests/support/temporary_folder.h"
 #include "tests/support/test_help.h"
 
 #include <gtest/gtest.h>

@@ -1,11 +1,12 @@
-// Plans of walls under tension, against the closed form of a cut sheet (fem/tension.h) and against each other.
+// Plans of walls under tension, against the closed form of a cut sheet (tests/verification/framework/tension.h) and
+// against each other.
 
-#include "fem/statics/tension.h"
 #include "mesh/base/error.h"
 #include "planner/measures/metrics.h"
 #include "planner/plan/plan.h"
 #include "planner/wall/wall_tension.h"
 #include "tests/support/block_case.h"
+#include "tests/verification/framework/tension.h"
 
 #include <gtest/gtest.h>
 
@@ -71,7 +72,7 @@ namespace tension_plan_test {
         ASSERT_TRUE(field.metrics.tension.has_value());
         EXPECT_EQ(field.metrics.tension->message, "");
         EXPECT_EQ(field.metrics.tension->gape_mm, field.metrics.opening_width_mm) << "there are no hooks";
-        const double sheet = fem::sheet_gape(fem::PreStrainKind::equibiaxial, kStrain, kCutMm, kRatio);
+        const double sheet = verification::sheet_gape(fem::PreStrainKind::equibiaxial, kStrain, kCutMm, kRatio);
         EXPECT_NEAR(field.metrics.tension->gape_mm / sheet, 1.0, kNear);
         EXPECT_EQ(field.metrics.error->message, "");
         EXPECT_GT(field.metrics.error->opening_width_mm, 0.0);

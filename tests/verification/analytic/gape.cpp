@@ -5,11 +5,11 @@
 
 #include "fem/interactive/online_opening.h"
 #include "fem/model/pre_strain.h"
-#include "fem/statics/tension.h"
 #include "mesh/base/error.h"
 #include "mesh/base/job.h"
 #include "mesh/cutting/cut_session.h"
 #include "tests/verification/framework/meshes.h"
+#include "tests/verification/framework/tension.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,17 +61,17 @@ namespace {
     }
 
     struct TenseSheet {
-        fem::SheetProblem problem;
+        SheetProblem problem;
         Tension tension;
         std::vector<fem::Material> materials = std::vector<fem::Material>(2, tension.skin());
-        mesh::TetMesh uncut = fem::sheet_mesh(problem);
+        mesh::TetMesh uncut = sheet_mesh(problem);
         std::vector<Mat3> stresses
             = fem::pre_stress(uncut, materials, std::vector<fem::PreStrain>(2, tension.pre_strain()));
         mesh::CutSession session { uncut };
 
         mesh::CutResult cut()
         {
-            mesh::CutResult result = session.cut(fem::sheet_blade(problem));
+            mesh::CutResult result = session.cut(sheet_blade(problem));
             if (result.status != mesh::CutStatus::done)
                 throw SolverError("the sheet was not cut: " + result.message);
             return result;
@@ -94,8 +94,8 @@ namespace {
     void compare_gape(VerificationRow& row, const TenseSheet& sheet, double gape)
     {
         compare(row, "gape in the middle, mm", gape,
-            fem::sheet_gape(sheet.tension.kind, sheet.tension.strain, sheet.problem.cut_length,
-                sheet.tension.poissons_ratio, kAlongCut));
+            sheet_gape(sheet.tension.kind, sheet.tension.strain, sheet.problem.cut_length, sheet.tension.poissons_ratio,
+                kAlongCut));
     }
 
     /// The rim moves as the infinite sheet does there.
@@ -103,7 +103,7 @@ namespace {
     {
         Points u = Points::Zero(mesh.vertices.rows(), 3);
         for (const VertexId v : rim)
-            u.row(v) = fem::sheet_displacement(sheet.problem.cut_length, sheet.tension.stress(), kSkinModulus,
+            u.row(v) = sheet_displacement(sheet.problem.cut_length, sheet.tension.stress(), kSkinModulus,
                 sheet.tension.poissons_ratio, mesh.vertices.row(v).transpose())
                            .transpose();
         return u;
@@ -116,7 +116,7 @@ namespace {
     {
         if (law.model == fem::Elasticity::linear
             && (element == VerificationElement::p1 || element == VerificationElement::p2))
-            return fem::release_wound(
+            return release_wound(
                 mesh, lips, stresses, std::vector<fem::Material>(2, skin), { .fixed = rim }, rim_displacement, job);
         Held held = hold_nothing(mesh);
         for (const VertexId v : rim)
@@ -130,7 +130,7 @@ namespace {
             = solve_problem(body, held.prescribed, held.target, { .load_steps = 1, .tolerance = tolerance }, job);
         if (solve.equilibrium.status != fem::EquilibriumStatus::converged)
             throw SolverError("the gaping sheet was not solved: " + solve.equilibrium.message);
-        fem::ReleasedWound wound;
+        ReleasedWound wound;
         wound.displacement = Eigen::Map<const Points>(solve.equilibrium.displacement.data(), mesh.vertices.rows(), 3);
         wound.relative_residual = solve.equilibrium.residual;
         wound.solve_seconds = solve.seconds;
@@ -153,8 +153,8 @@ namespace {
         std::vector<Mat3> carried;
         for (const TetId slot : map.tet_slot)
             carried.push_back(sheet.stresses[static_cast<std::size_t>(sheet.session.origin(slot))]);
-        const std::vector<VertexId> rim = fem::sheet_rim(sheet.problem, mesh);
-        const fem::ReleasedWound wound
+        const std::vector<VertexId> rim = sheet_rim(sheet.problem, mesh);
+        const ReleasedWound wound
             = released(element, law, tension.skin(), mesh, lips, carried, rim, rim_displacement(sheet, mesh, rim), job);
         double gape = 0.0;
         int count = 0;
@@ -191,8 +191,8 @@ namespace {
         TenseSheet sheet { .problem = { .radius = 600.0, .around = around }, .tension = tension };
         fem::OnlineOptions options;
         options.stress_of_element = sheet.stresses;
-        fem::OnlineOpening opening(sheet.session, sheet.materials,
-            { .fixed = fem::sheet_rim(sheet.problem, sheet.uncut) }, cut_line(sheet), options);
+        fem::OnlineOpening opening(sheet.session, sheet.materials, { .fixed = sheet_rim(sheet.problem, sheet.uncut) },
+            cut_line(sheet), options);
         const mesh::CutResult cut = sheet.cut();
         const Stopwatch watch;
         opening.follow(cut.delta, sheet.session.lips());

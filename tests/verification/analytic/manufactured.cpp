@@ -3,6 +3,7 @@
 
 #include "tests/verification/analytic/analytic_problems.h"
 
+#include "tests/verification/framework/body_force.h"
 #include "tests/verification/framework/meshes.h"
 
 #include <cmath>
@@ -47,7 +48,7 @@ namespace {
                 nodes_per_tet(element), cells, cells, cells, [&](const Vec3& p) -> Vec3 { return p / cells; });
             const Held held = hold_boundary(mesh, [](const Vec3&) -> Vec3 { return Vec3::Zero(); });
             const Eigen::VectorXd loads
-                = fem::body_force_loads(mesh, [&](const Vec3& p) { return smooth_force(law.lame, p); });
+                = body_force_loads(mesh, [&](const Vec3& p) { return smooth_force(law.lame, p); });
             fem::ElasticBody body = make_body(mesh, element, law);
             body.set_loads({ loads, {} });
             const VerificationSolve solve = solve_problem(body, held.prescribed, {}, { .tolerance = 1e-10 }, job);

@@ -2,11 +2,11 @@
 
 #include "tests/verification/analytic/analytic_problems.h"
 
-#include "fem/linear_algebra/condition.h"
 #include "fem/linear_algebra/dense_algebra.h"
 #include "mesh/base/error.h"
 #include "mesh/base/job.h"
 #include "mesh/cutting/cut_session.h"
+#include "tests/verification/framework/condition.h"
 #include "tests/verification/framework/meshes.h"
 
 #include <Eigen/Geometry>
@@ -157,7 +157,7 @@ namespace {
         compare(row, "largest error of the displacement, mm",
             (solve.equilibrium.displacement - exact).cwiseAbs().maxCoeff(), 0.0);
         const double condition
-            = fem::estimate_condition(body.stiffness(Eigen::VectorXd::Zero(exact.size()), 0.0), held.prescribed).scaled;
+            = estimate_condition(body.stiffness(Eigen::VectorXd::Zero(exact.size()), 0.0), held.prescribed).scaled;
         constexpr double kRoundings = 4.0 * std::numeric_limits<double>::epsilon();
         const double round_off = kRoundings * condition * exact.cwiseAbs().maxCoeff();
         row.bound = law.model == fem::Elasticity::linear ? round_off : std::max(kNewton, round_off);

@@ -6,7 +6,7 @@
 #include "planner/approach/hooks.h"
 #include "planner/case/case_io.h"
 #include "planner/plan/plan.h"
-#include "ui/cli/framework/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 #include <array>
 #include <cmath>

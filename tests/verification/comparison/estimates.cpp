@@ -5,11 +5,11 @@
 #include "fem/model/pre_strain.h"
 #include "fem/statics/elastic_problem.h"
 #include "fem/statics/opening.h"
-#include "fem/statics/tension.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/cutting/cut_session.h"
 #include "tests/verification/framework/meshes.h"
+#include "tests/verification/framework/tension.h"
 #include "tests/verification/framework/vessel.h"
 
 #include <algorithm>
@@ -83,7 +83,7 @@ namespace {
     }
 
     /// Distance between the lips at the middle of the cut, mean over the thickness.
-    double sheet_gape_of(const fem::SheetProblem& sheet, const mesh::CutMesh& cut, const Eigen::VectorXd& u)
+    double sheet_gape_of(const SheetProblem& sheet, const mesh::CutMesh& cut, const Eigen::VectorXd& u)
     {
         double sum = 0.0;
         int faces = 0;
@@ -100,10 +100,10 @@ namespace {
     {
         constexpr double strain = 0.02, E = 0.2, nu = 0.25;
         const VerificationLaw law = linear_law(E, nu);
-        fem::SheetProblem sheet;
+        SheetProblem sheet;
         sheet.around = around;
         const std::vector<fem::Material> materials(2, { "skin", E, nu, 1.1e-9, "verification" });
-        const mesh::CutMesh cut = retractor::mesh::cut(fem::sheet_mesh(sheet), fem::sheet_blade(sheet));
+        const mesh::CutMesh cut = retractor::mesh::cut(sheet_mesh(sheet), sheet_blade(sheet));
         if (cut.status != mesh::CutStatus::done)
             throw SolverError("the sheet was not cut: " + cut.message);
         const std::vector<Mat3> stresses = fem::pre_stress(cut.mesh, materials,
@@ -113,13 +113,13 @@ namespace {
         for (const mesh::LipFace& lip : cut.lips)
             lips.push_back(lip.face);
         Held held = hold_nothing(cut.mesh);
-        for (const VertexId v : fem::sheet_rim(sheet, cut.mesh)) {
+        for (const VertexId v : sheet_rim(sheet, cut.mesh)) {
             const Vec3 u
-                = fem::sheet_displacement(sheet.cut_length, E * strain, E, nu, cut.mesh.vertices.row(v).transpose());
+                = sheet_displacement(sheet.cut_length, E * strain, E, nu, cut.mesh.vertices.row(v).transpose());
             for (int axis = 0; axis < 3; ++axis)
                 hold(held, v, axis, u[axis]);
         }
-        for (const VertexId v : fem::sheet_middle_plane(cut.mesh))
+        for (const VertexId v : sheet_middle_plane(cut.mesh))
             hold(held, v, 2);
         fem::ElasticBody body = make_body(cut.mesh, VerificationElement::p1, law);
         body.set_loads({ fem::release_forces(cut.mesh, lips, stresses), {} });
@@ -135,7 +135,7 @@ namespace {
         check_estimate(row, "the gape in the middle",
             judged(std::abs(sheet_gape_of(sheet, cut, solve.equilibrium.displacement)),
                 std::abs(sheet_gape_of(sheet, cut, estimate.displacement.head(3 * cut.mesh.vertices.rows()))),
-                fem::sheet_gape(fem::PreStrainKind::uniaxial_stress, strain, sheet.cut_length, nu)));
+                sheet_gape(fem::PreStrainKind::uniaxial_stress, strain, sheet.cut_length, nu)));
         return row;
     }
 

@@ -3,6 +3,7 @@
 #include "fem/model/loads.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
+#include "tests/verification/framework/body_force.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -198,7 +199,7 @@ Eigen::VectorXd nodal_values(const mesh::TetMesh& mesh, const std::function<Vec3
 double l2_error(const mesh::TetMesh& mesh, const Eigen::VectorXd& u_h, const std::function<Vec3(const Vec3&)>& u)
 {
     double sum = 0.0;
-    fem::integrate(mesh, [&](auto nodes, const Eigen::VectorXd& values, const Vec3& position, double weight) {
+    integrate(mesh, [&](auto nodes, const Eigen::VectorXd& values, const Vec3& position, double weight) {
         Vec3 difference = -u(position);
         for (std::size_t a = 0; a < nodes.size(); ++a)
             difference += values[static_cast<Eigen::Index>(a)]

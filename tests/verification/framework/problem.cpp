@@ -4,6 +4,7 @@
 #include "fem/material/material.h"
 #include "mesh/base/text_format.h"
 #include "tests/verification/framework/nodal_element.h"
+#include "tests/verification/framework/uniform_tissue.h"
 
 #include <algorithm>
 #include <cmath>
@@ -58,7 +59,7 @@ fem::ElasticBody make_body(const mesh::TetMesh& mesh, VerificationElement elemen
     const auto build = [&] {
         if (law.model != fem::Elasticity::hyperelastic)
             return fem::ElasticBody(mesh, law.model, std::vector<fem::Lame>(mesh.tet_count(), law.lame));
-        fem::HyperelasticTissue tissue = fem::uniform_tissue(mesh, law.hyperelastic);
+        fem::HyperelasticTissue tissue = uniform_tissue(mesh, law.hyperelastic);
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
             tissue.fibres.push_back(fem::element_fibres(mesh, t, { law.hyperelastic, law.fibres, law.around }));
         return fem::ElasticBody(mesh, std::move(tissue));

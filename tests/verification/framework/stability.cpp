@@ -1,7 +1,7 @@
 #include "tests/verification/framework/stability.h"
 
-#include "fem/linear_algebra/condition.h"
 #include "mesh/base/error.h"
+#include "tests/verification/framework/condition.h"
 
 #include <algorithm>
 #include <cmath>
@@ -121,7 +121,7 @@ namespace {
     void estimate_into(StabilityRow& row, const fem::BlockMatrix& K, const std::vector<std::uint8_t>& prescribed)
     {
         try {
-            const fem::ConditionEstimate estimate = fem::estimate_condition(K, prescribed);
+            const ConditionEstimate estimate = estimate_condition(K, prescribed);
             row.condition = estimate.number;
             row.scaled_condition = estimate.scaled;
             row.unconditioned = Unconditioned::unsaid; // whatever reason the family gave before

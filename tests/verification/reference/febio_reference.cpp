@@ -1,9 +1,9 @@
 #include "tests/verification/reference/febio_reference.h"
 
-#include "fem/io/xml_element.h"
 #include "fem/material/material.h"
 #include "mesh/base/error.h"
 #include "tests/verification/framework/number_list.h"
+#include "tests/verification/reference/xml_element.h"
 
 #include <algorithm>
 #include <array>
@@ -16,7 +16,7 @@ namespace retractor::verification {
 
 namespace {
 
-    using Tag = fem::XmlElement;
+    using Tag = XmlElement;
 
     class Model {
     public:
@@ -184,7 +184,7 @@ namespace {
     Tag parse_named(const std::string& text, const std::filesystem::path& file)
     {
         try {
-            return fem::parse_xml(text);
+            return parse_xml(text);
         } catch (const InputError& error) {
             throw IoError(error.what(), file.string() + ", " + error.where());
         }

@@ -4,6 +4,7 @@
 
 #include "fem/model/loads.h"
 #include "mesh/base/text_format.h"
+#include "tests/verification/framework/body_force.h"
 #include "tests/verification/framework/meshes.h"
 #include "tests/verification/framework/stability.h"
 #include "tests/verification/framework/vessel.h"
@@ -149,7 +150,7 @@ namespace {
         const auto is_above = [](const Vec3& p) { return p.z() > ShearedLayers::kInterface; };
         const Held held = hold_boundary(mesh, field);
         fem::ElasticBody body = layered_body(mesh, element, layers, is_above);
-        body.set_loads({ fem::body_force_loads(mesh, [&](const Vec3& p) { return exact.force(p); }), {} });
+        body.set_loads({ body_force_loads(mesh, [&](const Vec3& p) { return exact.force(p); }), {} });
         const VerificationSolve solve = solve_problem(body, held.prescribed, held.target, { .tolerance = 1e-9 }, job);
         measure(row, mesh, solve, body, held, field);
     }

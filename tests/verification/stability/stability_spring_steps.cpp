@@ -3,7 +3,7 @@
 #include "tests/verification/stability/stability_families.h"
 
 #include "fem/springs/edge_springs.h"
-#include "fem/springs/spring_dynamics.h"
+#include "tests/verification/framework/spring_dynamics.h"
 #include "tests/verification/framework/stability.h"
 
 #include <array>
@@ -32,7 +32,7 @@ namespace {
         }
     };
 
-    std::string step_text(const fem::StabilityBound& bound)
+    std::string step_text(const StabilityBound& bound)
     {
         std::array<char, 96> text {};
         (void)std::snprintf(text.data(), text.size(), "bound %.4g us; certain one %.4g us", 1e6 * bound.stable_step,
@@ -44,7 +44,7 @@ namespace {
     void swing(StabilityRow& row, double share)
     {
         Springs springs;
-        fem::SpringDynamics dynamics(springs.network, springs.materials, 0.0);
+        SpringDynamics dynamics(springs.network, springs.materials, 0.0);
         const Eigen::Index n = dynamics.displacement().size();
         Eigen::VectorXd plucked(n);
         for (Eigen::Index i = 0; i < n; ++i)
@@ -65,10 +65,10 @@ namespace {
         row.reason = step_text(dynamics.bound());
     }
 
-    void step_by(StabilityRow& row, const std::function<double(const fem::StabilityBound&)>& dt)
+    void step_by(StabilityRow& row, const std::function<double(const StabilityBound&)>& dt)
     {
         Springs springs;
-        fem::SpringDynamics dynamics(springs.network, springs.materials, 0.0);
+        SpringDynamics dynamics(springs.network, springs.materials, 0.0);
         row.unconditioned = Unconditioned::explicit_steps;
         dynamics.step(dt(dynamics.bound()));
         row.residual = row.error = 0.0;
@@ -85,7 +85,7 @@ StabilityCase spring_step_case()
                      std::pair { "0.99 of the bound", 0.99 }, std::pair { "the bound itself", 1.0 } })
                 rows.push_back(attempt(std::string("time step: ") + name, "springs, explicit",
                     [s = share](StabilityRow& row) { swing(row, s); }));
-            using Bound = const fem::StabilityBound&;
+            using Bound = const StabilityBound&;
             const auto refused = [&](const char* name, const std::function<double(Bound)>& dt) {
                 rows.push_back(expect_refusal(std::string("time step: ") + name, "springs, explicit",
                     "where the explicit scheme is stable", [&](StabilityRow& row) { step_by(row, dt); }));

@@ -1,12 +1,13 @@
 // The quick problems of `retractor-verify`, and the functions on which the command depends.
 
-#include "fem/statics/tension.h"
 #include "mesh/base/error.h"
 #include "mesh/cutting/cut_session.h"
 #include "tests/verification/analytic/analytic_problems.h"
 #include "tests/verification/comparison/estimates.h"
 #include "tests/verification/framework/problem.h"
 #include "tests/verification/framework/stability.h"
+#include "tests/verification/framework/tension.h"
+#include "tests/verification/framework/uniform_tissue.h"
 #include "tests/verification/problem_list.h"
 #include "tests/verification/reference/febio_reference.h"
 
@@ -56,7 +57,7 @@ namespace verification_test {
             fem::SheetProblem sheet { .around = static_cast<int>(std::lround(1.0 / row.size)) };
             if (row.element.find("while cut") != std::string::npos)
                 sheet.radius = 600.0;
-            const mesh::CutMesh cut = retractor::mesh::cut(fem::sheet_mesh(sheet), fem::sheet_blade(sheet));
+            const mesh::CutMesh cut = retractor::mesh::cut(sheet_mesh(sheet), sheet_blade(sheet));
             ASSERT_EQ(cut.status, mesh::CutStatus::done) << cut.message;
             EXPECT_EQ(row.tets, cut.mesh.tet_count());
             EXPECT_EQ(row.nodes,
@@ -205,7 +206,7 @@ namespace verification_test {
             GTEST_SKIP() << "no reference file " << file << ": set RETRACTOR_SHARED_DATA";
         const FebioModel model = read_febio(file);
         EXPECT_EQ(model.mesh.tet_count(), 1U);
-        fem::ElasticBody body(model.mesh, fem::uniform_tissue(model.mesh, model.law));
+        fem::ElasticBody body(model.mesh, uniform_tissue(model.mesh, model.law));
         body.set_loads({ model.loads, {} });
         const VerificationSolve solve
             = solve_problem(body, model.held.prescribed, model.held.target, { .tolerance = 1e-10 }, Job {});

@@ -1,4 +1,4 @@
-#include "fem/linear_algebra/condition.h"
+#include "tests/verification/framework/condition.h"
 
 #include "mesh/base/error.h"
 #include "tests/support/reference_problems.h"
@@ -7,7 +7,7 @@
 
 #include <Eigen/Eigenvalues>
 
-namespace retractor::fem {
+namespace retractor::verification {
 namespace condition_test {
 
     using namespace test_support;
@@ -15,9 +15,9 @@ namespace condition_test {
     constexpr double kClose = 0.03; // power iteration comes from below and stops early
 
     /// Condition number of the free part, by all its eigenvalues. @param scaled to a unit diagonal first.
-    double exact_condition(const BlockMatrix& K, const std::vector<std::uint8_t>& prescribed, bool scaled)
+    double exact_condition(const fem::BlockMatrix& K, const std::vector<std::uint8_t>& prescribed, bool scaled)
     {
-        const Eigen::MatrixXd all = dense(K);
+        const Eigen::MatrixXd all = fem::dense(K);
         std::vector<Eigen::Index> free;
         for (std::size_t i = 0; i < prescribed.size(); ++i)
             if (prescribed[i] == 0)
@@ -34,16 +34,16 @@ namespace condition_test {
 
     TEST(Condition, AgreesWithTheEigenvaluesAlsoOfStiffOnSoft)
     {
-        const mesh::TetMesh mesh = verification::distorted_box(3, 1.0, 0.2, 3);
-        std::vector<Lame> parameters = test_support::uniform(mesh, test_support::material(1.0, 0.3));
+        const mesh::TetMesh mesh = distorted_box(3, 1.0, 0.2, 3);
+        std::vector<fem::Lame> parameters = test_support::uniform(mesh, test_support::material(1.0, 0.3));
         for (std::size_t t = 0; t < parameters.size() / 2; ++t)
-            parameters[t] = lame(test_support::material(1e4, 0.3));
-        ElasticBody body(mesh, Elasticity::linear, parameters);
-        verification::Held held = verification::hold_nothing(mesh);
+            parameters[t] = fem::lame(test_support::material(1e4, 0.3));
+        fem::ElasticBody body(mesh, fem::Elasticity::linear, parameters);
+        Held held = hold_nothing(mesh);
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
             for (int axis = 0; axis < 3 && mesh.vertices(v, 2) == 0.0; ++axis)
                 hold(held, v, axis);
-        const BlockMatrix& K = body.stiffness(held.target, 0.0);
+        const fem::BlockMatrix& K = body.stiffness(held.target, 0.0);
         const ConditionEstimate estimate = estimate_condition(K, held.prescribed);
         const double number = exact_condition(K, held.prescribed, false),
                      scaled = exact_condition(K, held.prescribed, true);
@@ -55,7 +55,8 @@ namespace condition_test {
     TEST(Condition, IsOneWhereNothingIsFree)
     {
         const mesh::TetMesh mesh = mesh::kuhn_box(1, 1, 1, 1.0);
-        ElasticBody body(mesh, Elasticity::linear, test_support::uniform(mesh, test_support::material(1.0, 0.3)));
+        fem::ElasticBody body(
+            mesh, fem::Elasticity::linear, test_support::uniform(mesh, test_support::material(1.0, 0.3)));
         const std::vector<std::uint8_t> all(3 * mesh.vertex_count(), 1);
         EXPECT_EQ(estimate_condition(body.stiffness(Eigen::VectorXd::Zero(24), 0.0), all).number, 1.0);
     }
@@ -63,10 +64,11 @@ namespace condition_test {
     TEST(Condition, ABodyThatFloatsIsRefused)
     {
         const mesh::TetMesh mesh = mesh::kuhn_box(1, 1, 1, 1.0);
-        ElasticBody body(mesh, Elasticity::linear, test_support::uniform(mesh, test_support::material(1.0, 0.3)));
+        fem::ElasticBody body(
+            mesh, fem::Elasticity::linear, test_support::uniform(mesh, test_support::material(1.0, 0.3)));
         std::vector<std::uint8_t> held(3 * mesh.vertex_count(), 0);
         held[0] = held[1] = 1;
-        const BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(24), 0.0);
+        const fem::BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(24), 0.0);
         const std::string said = test_support::message_of([&] {
             const ConditionEstimate estimate = estimate_condition(K, held);
             if (estimate.number > 1e14) // round-off made it definite
@@ -76,4 +78,4 @@ namespace condition_test {
     }
 
 } // namespace condition_test
-} // namespace retractor::fem
+} // namespace retractor::verification

@@ -1,4 +1,4 @@
-#include "fem/io/xml_element.h"
+#include "tests/verification/reference/xml_element.h"
 
 #include "mesh/base/error.h"
 
@@ -6,7 +6,7 @@
 #include <array>
 #include <utility>
 
-namespace retractor::fem {
+namespace retractor::verification {
 
 namespace {
 
@@ -202,18 +202,4 @@ const std::string& XmlElement::attribute(const std::string& wanted) const
 
 XmlElement parse_xml(std::string_view text) { return Parser(text).document(); }
 
-std::string xml_escaped(std::string_view text)
-{
-    std::string escaped;
-    for (const char c : text) {
-        const auto* entity
-            = std::find_if(kEntities.begin(), kEntities.end(), [c](const auto& known) { return known.second == c; });
-        if (entity == kEntities.end())
-            escaped += c;
-        else
-            escaped += entity->first;
-    }
-    return escaped;
-}
-
-} // namespace retractor::fem
+} // namespace retractor::verification

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace retractor::fem {
+namespace retractor::verification {
 
 /// Condition numbers in the 2-norm: largest over smallest eigenvalue on the free unknowns. Power iteration with the
 /// matrix and with its factor finds both eigenvalues. Each estimate approaches its value from below, to about a
@@ -23,4 +23,4 @@ struct ConditionEstimate {
 /// @throws SolverError naming node and axis when the matrix is not positive definite on the free unknowns
 ConditionEstimate estimate_condition(const BlockMatrix& K, const std::vector<std::uint8_t>& prescribed);
 
-} // namespace retractor::fem
+} // namespace retractor::verification

@@ -17,9 +17,10 @@
 
 #include <Eigen/Core>
 
+#include <span>
 #include <vector>
 
-namespace retractor::fem {
+namespace retractor::verification {
 
 struct StabilityBound {
     /// Lanczos' value plus its residual, an estimate, or Gershgorin's bound if lower, rad/s
@@ -51,7 +52,7 @@ public:
     /// Sets displacement (mm) and velocity (mm/s), for tests and to continue a motion.
     /// @throws InputError on a wrong size or NaN.
     void set_state(Eigen::VectorXd displacement, Eigen::VectorXd velocity);
-    void store(SpringNetwork& network) const { patch_.store(u_, network); }
+    void store(fem::SpringNetwork& network) const { patch_.store(u_, network); }
 
     /// Share of the shortest edge by which a vertex may move before the bound is computed again.
     static constexpr double kRecheck = 0.1;
@@ -66,4 +67,4 @@ private:
     StabilityBound bound_;
 };
 
-} // namespace retractor::fem
+} // namespace retractor::verification

@@ -1,10 +1,10 @@
-#include "fem/linear_algebra/condition.h"
+#include "tests/verification/framework/condition.h"
 
 #include "fem/linear_algebra/constrained_solver.h"
 
 #include <cmath>
 
-namespace retractor::fem {
+namespace retractor::verification {
 
 namespace {
 
@@ -29,7 +29,7 @@ namespace {
         return value;
     }
 
-    Eigen::VectorXd diagonal(const BlockMatrix& K)
+    Eigen::VectorXd diagonal(const fem::BlockMatrix& K)
     {
         Eigen::VectorXd d = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(3 * K.pattern.row_count()));
         for (std::size_t row = 0; row < K.pattern.row_count(); ++row)
@@ -42,9 +42,9 @@ namespace {
 
 } // namespace
 
-ConditionEstimate estimate_condition(const BlockMatrix& K, const std::vector<std::uint8_t>& prescribed)
+ConditionEstimate estimate_condition(const fem::BlockMatrix& K, const std::vector<std::uint8_t>& prescribed)
 {
-    ConstrainedSolver solver(K.pattern, prescribed);
+    fem::ConstrainedSolver solver(K.pattern, prescribed);
     if (solver.free_count() == 0)
         return { 1.0, 1.0 };
     solver.factorise(K);
@@ -65,4 +65,4 @@ ConditionEstimate estimate_condition(const BlockMatrix& K, const std::vector<std
     return estimate;
 }
 
-} // namespace retractor::fem
+} // namespace retractor::verification

@@ -1,4 +1,4 @@
-#include "fem/springs/spring_dynamics.h"
+#include "tests/verification/framework/spring_dynamics.h"
 
 #include "mesh/base/error.h"
 
@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-namespace retractor::fem {
+namespace retractor::verification {
 
 namespace {
 
@@ -48,8 +48,8 @@ namespace {
 } // namespace
 
 SpringDynamics::SpringDynamics(
-    const SpringNetwork& network, std::span<const Material> material_of_label, double damping)
-    : patch_(network, vertices_near_wound(network, 0.0))
+    const fem::SpringNetwork& network, std::span<const fem::Material> material_of_label, double damping)
+    : patch_(network, fem::vertices_near_wound(network, 0.0))
     , damping_(damping)
     , shortest_(std::numeric_limits<double>::infinity())
     , u_(patch_.displacement())
@@ -62,12 +62,12 @@ SpringDynamics::SpringDynamics(
         for (const TetId t : network.elements(v)) {
             if (network.label(t) >= material_of_label.size())
                 throw InputError("there is no material for a label", "label " + std::to_string(network.label(t)));
-            const Material& material = material_of_label[network.label(t)];
-            check_material(material);
+            const fem::Material& material = material_of_label[network.label(t)];
+            fem::check_material(material);
             mass += 0.25 * network.rest_volume(t) * material.density_tonne_per_mm3;
         }
         mass_.push_back(mass);
-        for (const SpringEnd& end : network.springs(v))
+        for (const fem::SpringEnd& end : network.springs(v))
             shortest_ = std::min(shortest_, end.length);
     }
     compute_bound();
@@ -130,4 +130,4 @@ void SpringDynamics::set_state(Eigen::VectorXd displacement, Eigen::VectorXd vel
     compute_bound();
 }
 
-} // namespace retractor::fem
+} // namespace retractor::verification

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace retractor::fem {
+namespace retractor::verification {
 
 struct XmlElement {
     std::string name;
@@ -32,4 +32,4 @@ XmlElement parse_xml(std::string_view text);
 /// The text escaped for an attribute or an element.
 std::string xml_escaped(std::string_view text);
 
-} // namespace retractor::fem
+} // namespace retractor::verification

@@ -1,4 +1,4 @@
-#include "fem/statics/tension.h"
+#include "tests/verification/framework/tension.h"
 
 #include "fem/linear_algebra/constrained_solver.h"
 #include "fem/model/elastic_body.h"
@@ -14,7 +14,7 @@
 #include <numbers>
 #include <string>
 
-namespace retractor::fem {
+namespace retractor::verification {
 
 namespace {
 
@@ -42,21 +42,21 @@ namespace {
 } // namespace
 
 ReleasedWound release_wound(const mesh::TetMesh& mesh, std::span<const mesh::TetFace> lips,
-    std::span<const Mat3> stresses, std::span<const Material> materials, const Supports& supports,
+    std::span<const Mat3> stresses, std::span<const fem::Material> materials, const fem::Supports& supports,
     const Points& held_displacement, const Job& job)
 {
     ReleasedWound result;
     Stopwatch watch;
-    check_no_floating_component(mesh, supports.fixed);
-    ElasticBody body(mesh, Elasticity::linear, element_parameters(mesh, materials));
-    if (std::vector<double> bed = bed_stiffness(mesh, supports); !bed.empty())
+    fem::check_no_floating_component(mesh, supports.fixed);
+    fem::ElasticBody body(mesh, fem::Elasticity::linear, fem::element_parameters(mesh, materials));
+    if (std::vector<double> bed = fem::bed_stiffness(mesh, supports); !bed.empty())
         body.set_bed(std::move(bed));
-    const BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), 0.0);
-    Eigen::VectorXd load = release_forces(mesh, lips, stresses);
+    const fem::BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), 0.0);
+    Eigen::VectorXd load = fem::release_forces(mesh, lips, stresses);
     result.assemble_seconds = watch.seconds();
     job.report("release of tension", 0.2);
     watch = {};
-    ConstrainedSolver solver(K.pattern, prescribed_unknowns(mesh, supports.fixed));
+    fem::ConstrainedSolver solver(K.pattern, prescribed_unknowns(mesh, supports.fixed));
     solver.factorise(K);
     result.factor_seconds = watch.seconds();
     job.report("release of tension", 0.9);
@@ -78,7 +78,7 @@ ReleasedWound release_wound(const mesh::TetMesh& mesh, std::span<const mesh::Tet
     return result;
 }
 
-double spring_calibration(const mesh::TetMesh& mesh, std::span<const Material> materials,
+double spring_calibration(const mesh::TetMesh& mesh, std::span<const fem::Material> materials,
     std::span<const VertexId> held, const Vec3& pull, std::span<const VertexId> symmetry, const Job& job)
 {
     constexpr double kStrain = 1e-4; // small enough for both models to be linear
@@ -90,17 +90,17 @@ double spring_calibration(const mesh::TetMesh& mesh, std::span<const Material> m
     for (Eigen::Index v = 0; v < rows; ++v)
         start.segment<3>(3 * v) = kStrain * along.dot(mesh.vertices.row(v).transpose()) * along;
 
-    std::vector<Material> central(materials.begin(), materials.end());
-    for (Material& material : central)
+    std::vector<fem::Material> central(materials.begin(), materials.end());
+    for (fem::Material& material : central)
         material.poissons_ratio = kCentralForceRatio;
-    ElasticBody body(mesh, Elasticity::linear, element_parameters(mesh, central));
-    const BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(3 * rows), 0.0);
+    fem::ElasticBody body(mesh, fem::Elasticity::linear, fem::element_parameters(mesh, central));
+    const fem::BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(3 * rows), 0.0);
     std::vector<std::uint8_t> prescribed = prescribed_unknowns(mesh, held);
     for (const VertexId v : symmetry) {
         check_vertex(mesh, v, "a symmetry");
         prescribed[3 * static_cast<std::size_t>(v) + 2] = 1;
     }
-    ConstrainedSolver solver(K.pattern, prescribed);
+    fem::ConstrainedSolver solver(K.pattern, prescribed);
     solver.factorise(K);
     const Eigen::VectorXd u = start - solver.solve(K.multiply(start));
     const double elastic = 0.5 * u.dot(K.multiply(u));
@@ -114,7 +114,7 @@ double spring_calibration(const mesh::TetMesh& mesh, std::span<const Material> m
     for (VertexId v = 0; v < static_cast<VertexId>(rows); ++v)
         if (prescribed[3 * static_cast<std::size_t>(v)] == 0 && !network.elements(v).empty())
             free.push_back(v);
-    const double springs = settle(network, std::move(free), 1e-4, job);
+    const double springs = fem::settle(network, std::move(free), 1e-4, job);
     if (!(springs > 0.0 && elastic > 0.0))
         throw InputError("the held vertices do not stretch the body: there is nothing to calibrate", "held");
     return elastic / springs;
@@ -226,20 +226,20 @@ Vec3 sheet_displacement(double length, double stress, double E, double nu, const
         (0.5 * (kappa + 1.0) * integral.imag() - at.y() * Z.real()) / (2.0 * mu), 0.0 };
 }
 
-double sheet_gape(PreStrainKind kind, double e, double length, double nu, double along_cut)
+double sheet_gape(fem::PreStrainKind kind, double e, double length, double nu, double along_cut)
 {
     switch (kind) {
-    case PreStrainKind::uniaxial_stress:
+    case fem::PreStrainKind::uniaxial_stress:
         return 2.0 * e * length;
-    case PreStrainKind::held_width:
+    case fem::PreStrainKind::held_width:
         return 2.0 * e * length / (1.0 - nu * nu);
-    case PreStrainKind::biaxial:
+    case fem::PreStrainKind::biaxial:
         return 2.0 * (e + nu * along_cut) * length / (1.0 - nu * nu);
-    case PreStrainKind::equibiaxial:
+    case fem::PreStrainKind::equibiaxial:
         return 2.0 * e * length / (1.0 - nu);
     default:
         throw InputError("there is no closed form for a sheet under this kind of tension", "pre-strain");
     }
 }
 
-} // namespace retractor::fem
+} // namespace retractor::verification

@@ -1,4 +1,4 @@
-#include "fem/statics/tension.h"
+#include "tests/verification/framework/tension.h"
 
 #include "fem/springs/edge_springs.h"
 #include "fem/springs/spring_relaxation.h"
@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-namespace retractor::fem {
+namespace retractor::verification {
 namespace tension_test {
 
     using test_support::material;
@@ -21,17 +21,19 @@ namespace tension_test {
     struct CutSheet {
         SheetProblem problem;
         mesh::TetMesh uncut, mesh;
-        std::vector<Material> materials = std::vector<Material>(2, test_support::material(kModulus, kCentral));
+        std::vector<fem::Material> materials
+            = std::vector<fem::Material>(2, test_support::material(kModulus, kCentral));
         std::vector<Mat3> stresses; ///< of the uncut mesh
         mesh::CutSession session;
         mesh::MeshDelta delta;
         mesh::SlotMap map;
 
         explicit CutSheet(int around,
-            const PreStrain& tension = { PreStrainKind::uniaxial_stress, kStrain, Vec3::UnitY(), Vec3::UnitZ() })
+            const fem::PreStrain& tension
+            = { fem::PreStrainKind::uniaxial_stress, kStrain, Vec3::UnitY(), Vec3::UnitZ() })
             : problem { .around = around }
             , uncut(sheet_mesh(problem))
-            , stresses(pre_stress(uncut, materials, std::vector<PreStrain>(2, tension)))
+            , stresses(fem::pre_stress(uncut, materials, std::vector<fem::PreStrain>(2, tension)))
             , session(uncut)
         {
             mesh::CutResult cut = session.cut(sheet_blade(problem));
@@ -79,27 +81,27 @@ namespace tension_test {
         }
         double spring_gape() const
         {
-            SpringNetwork network(uncut, materials, stresses);
+            fem::SpringNetwork network(uncut, materials, stresses);
             network.set_displacement(rim_displacement(uncut));
             network.fix(sheet_rim(problem, uncut));
             network.fix(sheet_middle_plane(uncut), 4);
             network.apply(delta);
             network.set_wound(session.lips());
-            EXPECT_EQ(relax(network, { .tolerance = 1e-4 }).status, RelaxStatus::converged);
+            EXPECT_EQ(fem::relax(network, { .tolerance = 1e-4 }).status, fem::RelaxStatus::converged);
             return gape(network.displacement());
         }
     };
 
-    const double kRight = sheet_gape(PreStrainKind::uniaxial_stress, kStrain, 80.0, kCentral);
+    const double kRight = sheet_gape(fem::PreStrainKind::uniaxial_stress, kStrain, 80.0, kCentral);
 
     TEST(SheetProblem, ClosedFormsAgree)
     {
-        EXPECT_NEAR(sheet_gape(PreStrainKind::uniaxial_stress, 0.02, 80.0, 0.3), 3.2, 1e-12);
-        EXPECT_NEAR(sheet_gape(PreStrainKind::uniaxial_stress, 0.06, 80.0, 0.3), 9.6, 1e-12);
-        EXPECT_NEAR(sheet_gape(PreStrainKind::held_width, 0.04, 80.0, 0.5), 6.4 / 0.75, 1e-12);
-        EXPECT_NEAR(sheet_gape(PreStrainKind::equibiaxial, 0.04, 80.0, 0.5), 12.8, 1e-12);
-        EXPECT_NEAR(sheet_gape(PreStrainKind::biaxial, 0.04, 80.0, 0.5, 0.02), 8.0 / 0.75, 1e-12);
-        EXPECT_THROW(sheet_gape(PreStrainKind::isotropic, 0.04, 80.0, 0.5), InputError);
+        EXPECT_NEAR(sheet_gape(fem::PreStrainKind::uniaxial_stress, 0.02, 80.0, 0.3), 3.2, 1e-12);
+        EXPECT_NEAR(sheet_gape(fem::PreStrainKind::uniaxial_stress, 0.06, 80.0, 0.3), 9.6, 1e-12);
+        EXPECT_NEAR(sheet_gape(fem::PreStrainKind::held_width, 0.04, 80.0, 0.5), 6.4 / 0.75, 1e-12);
+        EXPECT_NEAR(sheet_gape(fem::PreStrainKind::equibiaxial, 0.04, 80.0, 0.5), 12.8, 1e-12);
+        EXPECT_NEAR(sheet_gape(fem::PreStrainKind::biaxial, 0.04, 80.0, 0.5, 0.02), 8.0 / 0.75, 1e-12);
+        EXPECT_THROW(sheet_gape(fem::PreStrainKind::isotropic, 0.04, 80.0, 0.5), InputError);
         // Just above and below the cut the field is an ellipse; far away it dies out.
         for (const double x : { 0.0, 20.0, 39.0 }) {
             const double half = 0.5 * 3.2 * std::sqrt(1.0 - x * x / 1600.0);
@@ -132,8 +134,9 @@ namespace tension_test {
             // Told by the direction of the larger strain, whichever way that is.
             const bool larger_across = across_cut > along_cut;
             const CutSheet sheet(32,
-                { PreStrainKind::biaxial, kMore, larger_across ? Vec3::UnitY() : Vec3::UnitX(), Vec3::UnitZ(), kLess });
-            const double right = sheet_gape(PreStrainKind::biaxial, across_cut, 80.0, kCentral, along_cut);
+                { fem::PreStrainKind::biaxial, kMore, larger_across ? Vec3::UnitY() : Vec3::UnitX(), Vec3::UnitZ(),
+                    kLess });
+            const double right = sheet_gape(fem::PreStrainKind::biaxial, across_cut, 80.0, kCentral, along_cut);
             EXPECT_NEAR(sheet.finite_element_gape() / right, mesh, kSuperposition);
         }
     }
@@ -168,14 +171,14 @@ namespace tension_test {
             EXPECT_NEAR(factor, 1.0, 0.06) << around;
         }
         // Whatever the modulus: it is a ratio.
-        const mesh::TetMesh box = verification::distorted_box(4, 2.0, 0.2, 3);
+        const mesh::TetMesh box = distorted_box(4, 2.0, 0.2, 3);
         std::vector<VertexId> ends;
         for (VertexId v = 0; v < static_cast<VertexId>(box.vertex_count()); ++v)
             if (box.vertices(v, 0) == 0.0 || box.vertices(v, 0) == 8.0)
                 ends.push_back(v);
         const auto factor = [&](double modulus) {
             return spring_calibration(
-                box, std::vector<Material>(2, test_support::material(modulus, 0.4)), ends, Vec3::UnitX());
+                box, std::vector<fem::Material>(2, test_support::material(modulus, 0.4)), ends, Vec3::UnitX());
         };
         EXPECT_NEAR(factor(0.01), factor(10.0), 1e-3);
         EXPECT_NEAR(factor(1.0), 1.0, 0.15);
@@ -186,7 +189,7 @@ namespace tension_test {
         EXPECT_THROW(sheet_mesh({ .cut_length = 80.0, .radius = 30.0 }), InputError);
         EXPECT_THROW(sheet_mesh({ .around = 30 }), InputError);
         const mesh::TetMesh mesh = mesh::kuhn_box(2, 2, 2, 1.0);
-        const std::vector<Material> materials(2, test_support::material(kModulus, kCentral));
+        const std::vector<fem::Material> materials(2, test_support::material(kModulus, kCentral));
         const std::vector<Mat3> none(mesh.tet_count(), Mat3::Zero());
         EXPECT_THROW(static_cast<void>(release_wound(mesh, {}, none, materials, {})), SolverError);
         const std::vector<VertexId> beyond { 500 };
@@ -196,7 +199,7 @@ namespace tension_test {
         for (const VertexId bad : { -1, 500 }) {
             const std::vector<VertexId> symmetry { bad };
             EXPECT_THROW(spring_calibration(mesh, materials, held, Vec3::UnitX(), symmetry), InputError);
-            const Supports bedded { .fixed = held, .bedded = { { bad, 1.0 } } };
+            const fem::Supports bedded { .fixed = held, .bedded = { { bad, 1.0 } } };
             EXPECT_THROW(static_cast<void>(release_wound(mesh, {}, none, materials, bedded)), InputError);
         }
         EXPECT_THROW(static_cast<void>(release_wound(mesh, {}, none, materials, { .fixed = held }, Points::Zero(3, 3))),
@@ -204,4 +207,4 @@ namespace tension_test {
     }
 
 } // namespace tension_test
-} // namespace retractor::fem
+} // namespace retractor::verification

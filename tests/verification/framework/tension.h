@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-namespace retractor::fem {
+namespace retractor::verification {
 
 struct [[nodiscard]] ReleasedWound {
     Points displacement; ///< n x 3, mm
@@ -26,8 +26,8 @@ struct [[nodiscard]] ReleasedWound {
 /// @throws InputError on bad materials or stresses and on supports that are not in the mesh; SolverError on a piece
 /// without support
 ReleasedWound release_wound(const mesh::TetMesh& mesh, std::span<const mesh::TetFace> lips,
-    std::span<const Mat3> stress_of_element, std::span<const Material> material_of_label, const Supports& supports,
-    const Points& held_displacement = {}, const Job& job = {});
+    std::span<const Mat3> stress_of_element, std::span<const fem::Material> material_of_label,
+    const fem::Supports& supports, const Points& held_displacement = {}, const Job& job = {});
 
 /// Scale factor for the stiffness of all springs on a mesh. With this factor, springs store the same energy as linear
 /// finite elements with Poisson's ratio 1/4 and the given Young's moduli, when the ends `held` are stretched uniformly
@@ -74,4 +74,4 @@ Vec3 sheet_displacement(
 /// @throws InputError on another kind
 double sheet_gape(PreStrainKind kind, double strain, double cut_length, double poissons_ratio, double along_cut = 0.0);
 
-} // namespace retractor::fem
+} // namespace retractor::verification

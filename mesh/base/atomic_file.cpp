@@ -172,7 +172,7 @@ namespace {
     constexpr std::size_t kRoomAfterSuccess = 1;
 
     /// The reason why `room` more bytes cannot be written to this file, or nothing when they can be written. The
-    /// function asks the file system by reserving the bytes.
+    /// function writes the bytes as zeros and cuts the file back to its length.
     std::optional<std::string> why_full(const FileDescriptor& file, std::size_t room)
     {
         static const std::array<char, kRoomAfterFailure> zeros {};

@@ -3,8 +3,7 @@
 // the operation under way. Replaying the journal on the same mesh gives the same session bit for bit, on any machine
 // with IEEE arithmetic and with any number of threads. Units mm; frame patient LPS.
 //
-// The file is text with one JSON
-// object per line (version 4). The first line is the head:
+// The file is text with one JSON object per line (version 4). The first line is the head:
 //   {"journal":"retractor cuts","version":4,"frame":"LPS","units":"mm","vertices":n,"tets":n,"mesh":"<checksum>",...}
 // Every further line is an operation, named by its key "do":
 //   cut       "blade": {"line": [[x,y,z],...], "directions": [...], "depth_mm": d, "above_mm": a}, "options": {...}

@@ -3,12 +3,11 @@
 // journals every change; undo replays the journal backwards. Finite elements, view and haptics follow the same deltas.
 // Units mm; frame patient LPS (the rest configuration).
 //
-// Subdivision is adaptive, with two patterns (Nakao et al. 2006,
-// doi 10.1007/s10916-006-9021-4). An element whose section is a triangle or a quadrilateral is divided along the
-// section: the crossed edges are bisected where the blade crosses them, and the neighbours are divided likewise, so
-// that the mesh stays conforming. A vertex near the blade moves onto the blade instead, along the surface or interface
-// that it lies on. Then the remaining slivers are opened, and the elements on the two sides get their own copies of the
-// vertices on the blade.
+// Subdivision is adaptive, with two patterns (Nakao et al. 2006, doi 10.1007/s10916-006-9021-4). An element whose
+// section is a triangle or a quadrilateral is divided along the section: the crossed edges are bisected where the blade
+// crosses them, and the neighbours are divided likewise, so that the mesh stays conforming. A vertex near the blade
+// moves onto the blade instead, along the surface or interface that it lies on. Then the remaining slivers are opened,
+// and the elements on the two sides get their own copies of the vertices on the blade.
 
 #include "mesh/base/job.h"
 #include "mesh/cutting/store/blade.h"
@@ -51,6 +50,7 @@ struct SessionBytes {
     std::size_t journal = 0; ///< records for undo and redo; grows with the cuts, not with the mesh
 };
 
+/// A mesh with its history of cuts, strokes and ablations.
 class CutSession {
 public:
     /// @param mesh four-node elements
@@ -92,7 +92,10 @@ public:
 
     bool can_undo() const;
     bool can_redo() const;
-    MeshDelta undo(); ///< @throws InputError when there is nothing to undo
+    /// Takes back the last operation (undo) or repeats the operation that was taken back last (redo), and returns the
+    /// changes.
+    /// @throws InputError when there is no such operation, or when a stroke is open
+    MeshDelta undo();
     MeshDelta redo();
 
     std::size_t tet_count() const; ///< living elements
@@ -133,12 +136,13 @@ private:
 /// Result of a single cut of a mesh without a session of the caller.
 struct [[nodiscard]] CutMesh {
     CutStatus status = CutStatus::done;
-    std::string message;
+    std::string message; ///< remarks for the user; may be empty
     TetMesh mesh;
     std::vector<TetId> origin; ///< per element of `mesh`: the uncut element that contains it
     std::vector<LipFace> lips; ///< ids of `mesh`
     CutReport report;
 };
+/// Cuts a mesh once. @throws InputError and SolverError as CutSession and CutSession::cut()
 CutMesh cut(const TetMesh& mesh, const Blade& blade, const CutOptions& options = {}, const Job& job = {});
 
 } // namespace retractor::mesh

@@ -2,9 +2,8 @@
 // Finds the pieces of a body that is being cut, and marks elements of some labels in a ball for an ablation. Element
 // ids are ids of the session. Units mm; frame patient LPS (the rest configuration).
 //
-// Elements of a piece are connected
-// by faces. Every search for pieces visits the whole mesh. An element is in a region when its centroid is in the
-// region; where the border matters, cut along the border first.
+// Elements of a piece are connected by faces. Every search for pieces visits the whole mesh. An element is in a region
+// when its centroid is in the region; where the border matters, cut along the border first.
 
 #include "mesh/cutting/cut_session.h"
 

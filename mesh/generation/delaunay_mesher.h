@@ -1,7 +1,7 @@
 #pragma once
-// Delaunay refinement of labelled space by CGAL Mesh_3 (Boltcheva, Yvinec and Boissonnat 2009,
-// doi 10.1007/978-3-642-04271-3_35), then sliver exudation (Cheng et al. 2000, doi 10.1145/355483.355487). No other
-// module uses CGAL. Local frame of mesh/image/label_field.h, mm.
+// Delaunay refinement of labelled space by CGAL Mesh_3 (Boltcheva, Yvinec and Boissonnat 2009, doi
+// 10.1007/978-3-642-04271-3_35), then sliver exudation (Cheng et al. 2000, doi 10.1145/355483.355487). No other module
+// uses CGAL. Local frame of mesh/image/label_field.h, mm.
 
 #include "mesh/base/job.h"
 #include "mesh/generation/size_field.h"

@@ -3,9 +3,8 @@
 // voxels. CGAL Mesh_3 meshes the labels with conforming interfaces, smooth where the anatomy is smooth, fine in a
 // corridor round the planned incision and coarse elsewhere. Units mm; frame patient LPS.
 //
-// Meshing runs in the grid's own
-// axes (index times spacing), with the corridor rounded to kLocalGrain. A patient who is shifted or turned therefore
-// gives the same mesh, shifted or turned.
+// Meshing runs in the grid's own axes (index times spacing), with the corridor rounded to kLocalGrain. A patient who is
+// shifted or turned therefore gives the same mesh, shifted or turned.
 
 #include "mesh/base/job.h"
 #include "mesh/generation/mesh_sizing.h"

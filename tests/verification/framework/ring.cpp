@@ -12,7 +12,7 @@ namespace {
         double radial = 1.0 / hoop;
         constexpr int kSteps = 30;
         for (int i = 0; i < kSteps; ++i) {
-            constexpr double kShare = 1e-6; // of the stretch
+            constexpr double kShare = 1e-6; // relative to the stretch
             const double h = kShare * radial, f = ring.stress({ hoop, radial }).radial - stress;
             const double step
                 = f * 2.0 * h / (ring.stress({ hoop, radial + h }).radial - ring.stress({ hoop, radial - h }).radial);

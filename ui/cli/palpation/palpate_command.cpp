@@ -362,7 +362,7 @@ void add_palpate_command(Commands& commands)
     command->add_option("--record", options->record,
         "The devices' motion, for replay:FILE later (binary, or CSV when it ends in .csv)");
     command->add_option("--hand", options->hand,
-        "A hand on the fingertips in the picture: built-in, or an OBJ file (haptics/README.md)");
+        "A hand on the fingertips in the picture: built-in, or an OBJ file (see docs/user/palpation.md)");
     command
         ->add_option("--replay-at", options->plan.replay_at,
             "Where replay:FILE is played: recorded (where it was made) or site (the site pressed); default: a mouse's "

@@ -37,8 +37,9 @@ namespace {
     }
 
     struct Fragments {
-        std::vector<std::uint32_t> offsets; ///< of the images, from the first fragment's header; often empty
-        std::vector<std::uint32_t> places; ///< of each fragment's header, counted alike
+        /// Start of each image, bytes from the first fragment's header; often empty.
+        std::vector<std::uint32_t> offsets;
+        std::vector<std::uint32_t> places; ///< place of each fragment's header, bytes from the first header
         std::vector<std::vector<char>> bytes;
     };
 
@@ -86,7 +87,7 @@ namespace {
         return value;
     }
 
-    /// What the code stream says of itself.
+    /// Size and precision in the header of a code stream.
     struct StreamSize {
         unsigned columns = 0;
         unsigned rows = 0;
@@ -94,13 +95,13 @@ namespace {
         unsigned bits = 0;
     };
 
-    /// JPEG and JPEG-LS: markers up to the start of frame.
+    /// Reads the size of a JPEG or JPEG-LS stream from its markers up to the start of frame.
     StreamSize jpeg_size(const std::vector<char>& bytes)
     {
         std::size_t at = 2;
         while (at + 10 <= bytes.size() && big_endian(bytes, at, 1) == 0xFF) {
             const unsigned marker = big_endian(bytes, at + 1, 1);
-            if (marker == 0xFF) { // fill
+            if (marker == 0xFF) { // fill byte
                 ++at;
                 continue;
             }
@@ -114,7 +115,7 @@ namespace {
         return {};
     }
 
-    /// JPEG 2000: the SIZ segment, first in the stream.
+    /// Reads the size of a JPEG 2000 stream from the SIZ segment, which comes first.
     StreamSize jpeg2000_size(const std::vector<char>& bytes)
     {
         constexpr std::size_t kSegment = 43;
@@ -125,7 +126,7 @@ namespace {
             (big_endian(bytes, 42, 1) & 0x7FU) + 1 };
     }
 
-    /// The end marker may be followed by the zero that makes the length even.
+    /// True when the stream ends with its end marker. A zero may follow, which makes the length even.
     bool has_end_marker(const std::vector<char>& bytes)
     {
         constexpr std::size_t kTail = 4;
@@ -154,11 +155,11 @@ namespace {
                 file);
     }
 
-    /// The codecs one by one: the library's own choice falls back to a program that writes temporary files.
+    /// Tries the codecs explicitly, because GDCM's own choice ends with a program that writes temporary files.
     bool decode_with_gdcm(const DicomFile& file, const std::vector<char>& compressed, std::vector<char>& out)
     {
         static const bool quiet = [] {
-            gdcm::Trace::WarningOff(); // we say what is wrong, and where
+            gdcm::Trace::WarningOff(); // messages of this project replace those of GDCM
             gdcm::Trace::ErrorOff();
             return true;
         }();
@@ -208,7 +209,8 @@ namespace {
         format.BitsStored = static_cast<unsigned short>(file.bits_stored[0]);
         format.PixelRepresentation = static_cast<unsigned short>(file.pixel_representation[0]);
         format.SamplesPerPixel = 1;
-        constexpr std::size_t kHeader = 64; // number and offsets of the segments, read without a look at the size
+        // Number and offsets of the segments; GDCM reads these bytes without checking the size.
+        constexpr std::size_t kHeader = 64;
         if (compressed.size() < kHeader)
             return false;
         return vtkDICOMImageCodec(kRle).Decode(format, reinterpret_cast<const unsigned char*>(compressed.data()),
@@ -258,7 +260,7 @@ std::vector<char> decode_image(const DicomFile& file, const std::vector<char>& c
         check_stream(file, compressed);
     std::vector<char> out(static_cast<std::size_t>(file.columns[0]) * static_cast<std::size_t>(file.rows[0])
         * (static_cast<std::size_t>(file.bits_allocated[0]) / 8));
-    bool decoded = false;
+    bool decoded = false; // the codec's own message does not help a user
     try {
         decoded = rle ? decode_rle(file, compressed, out) : decode_with_gdcm(file, compressed, out);
     } catch (const std::exception&) {

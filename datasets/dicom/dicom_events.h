@@ -1,5 +1,5 @@
 #pragma once
-// Errors of VTK objects. VTK reports them as events; without an observer it prints them.
+// Collects errors of VTK objects. VTK reports errors as events and prints them when no observer listens.
 
 #include <memory>
 #include <string>
@@ -8,13 +8,13 @@ class vtkObject;
 
 namespace retractor::datasets {
 
-/// Collects what an object reports from now on; warnings are dropped.
+/// Collects the errors that a VTK object reports during the collector's life. Warnings are dropped.
 class ErrorCollector {
 public:
     explicit ErrorCollector(vtkObject* object);
     ~ErrorCollector();
-    bool failed() const;
-    const std::string& text() const;
+    bool failed() const; ///< true after the first error
+    const std::string& text() const; ///< the messages of all errors
 
 private:
     struct Observer;

@@ -26,7 +26,7 @@ namespace {
         return formatted("(%s, %s, %s)", mm_text(v.x()).c_str(), mm_text(v.y()).c_str(), mm_text(v.z()).c_str());
     }
 
-    /// "12 slices from a.dcm to b.dcm (normal ...), 3 slices from ..."
+    /// Lists the orientations: "12 slices from a.dcm to b.dcm (normal ...), 3 slices from ..."
     std::string orientation_groups(
         const std::vector<DicomSlice>& slices, const std::vector<DicomFile>& files, double tolerance)
     {
@@ -91,7 +91,8 @@ namespace {
         }
     }
 
-    /// The gap that most slices have; the smaller one in doubt, since it is slices that get lost.
+    /// The median gap between slices (mm). Of two middle gaps the smaller is returned, because slices get lost but are
+    /// not added.
     double usual_gap(const std::vector<double>& heights)
     {
         std::vector<double> gaps(heights.size());
@@ -117,12 +118,13 @@ namespace {
         return text + (steps - 1.0 > kShown ? " ..." : "");
     }
 
-    /// Largest distance of a slice from its even place; refuses what rounding of the positions does not explain.
+    /// Returns the largest distance of a slice from its evenly spaced place (mm).
+    /// @throws InputError for gaps that the rounding of positions does not explain.
     double check_gaps(
         const std::vector<DicomSlice>& slices, const std::vector<double>& heights, const std::vector<DicomFile>& files)
     {
-        constexpr double kGapTolerance = 0.1; // of the usual gap
-        constexpr double kRounding = 0.06; // mm: positions with one decimal
+        constexpr double kGapTolerance = 0.1; // relative to the usual gap
+        constexpr double kRounding = 0.06; // mm; some positions have one decimal
         const double usual = usual_gap(heights);
         const double spacing = (heights.back() - heights.front()) / static_cast<double>(heights.size() - 1);
         double rounding = 0.0;
@@ -134,7 +136,7 @@ namespace {
         }
         if (uneven.empty() && rounding <= std::min(kRounding, kGapTolerance * spacing))
             return rounding;
-        if (uneven.empty()) // the gaps creep: name the two that differ most
+        if (uneven.empty()) // the gaps change slowly, so the message names the two most different gaps
             for (std::size_t s = 1; s < heights.size(); ++s)
                 if (std::abs(heights[s] - heights[s - 1] - usual) > 0.01 * usual)
                     uneven.push_back(s);
@@ -150,7 +152,7 @@ namespace {
         refuse(text, slices[uneven.empty() ? 0 : uneven.front()], files, "ImagePositionPatient (0020,0032)");
     }
 
-    /// Shift of each slice in its own plane (mm along row and column) against the first.
+    /// Shift of each slice against the first slice, in the plane of the image (mm along row and column).
     std::vector<Eigen::Vector2d> shifts_of(const std::vector<DicomSlice>& slices, const Mat3& axes)
     {
         std::vector<Eigen::Vector2d> shifts;
@@ -166,7 +168,7 @@ namespace {
         const std::vector<Eigen::Vector2d> shifts = shifts_of(slices, stack.grid.direction);
         const double last = static_cast<double>(shifts.size() - 1);
         const double pixel = stack.grid.spacing.head<2>().minCoeff();
-        const double tolerance = 0.1 * pixel; // what is too small to see
+        const double tolerance = 0.1 * pixel; // a shift that nobody can see
         const auto farthest = std::max_element(shifts.begin(), shifts.end(),
             [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.squaredNorm() < b.squaredNorm(); });
         if (farthest->norm() <= tolerance)
@@ -181,7 +183,7 @@ namespace {
         }
         const double height = heights.back() - heights.front();
         stack.tilt_degrees = std::atan2(shifts.back().norm(), height) / kDegree;
-        constexpr double kMostTilt = 40.0; // gantries reach 30 degrees
+        constexpr double kMostTilt = 40.0; // degrees; gantries tilt up to 30
         const std::string angle = mm_text(std::round(stack.tilt_degrees * 100.0) / 100.0) + " degrees";
         if (stack.tilt_degrees > kMostTilt)
             refuse("slices shifted aside by " + angle + ", more than a gantry tilts, from "
@@ -199,7 +201,7 @@ namespace {
             stack.shift[static_cast<std::size_t>(a)] = shifts.back()[a] / last / stack.grid.spacing[a];
     }
 
-    /// Room for every slice, in whole pixels.
+    /// Enlarges the grid by whole pixels, so that every shifted slice fits.
     void grow_for_tilt(DicomArrangement& stack)
     {
         for (std::size_t a = 0; a < 2; ++a) {

@@ -46,7 +46,7 @@ namespace {
 
     PatientIdentity identity_of(const fs::path& file)
     {
-        if (nests_too_deep(file)) // for the parser, whose stack ends somewhere
+        if (nests_too_deep(file)) // protects the stack of the parser, which recurses
             throw InputError("damaged DICOM file: its sequences are nested too deep", file.string());
         vtkNew<vtkDICOMMetaData> data;
         vtkNew<vtkDICOMParser> parser;
@@ -63,7 +63,7 @@ namespace {
     {
         static const std::string kMark = "[withheld]";
         const std::vector<std::size_t> places = whole_words(fold_case(text), fold_case(word));
-        std::size_t free = text.size(); // from here on, text is replaced already
+        std::size_t free = text.size(); // text from this position on is already replaced
         for (auto at = places.rbegin(); at != places.rend(); ++at)
             if (*at + word.size() <= free) {
                 text.replace(*at, word.size(), kMark);
@@ -83,7 +83,7 @@ std::vector<PatientIdentity> dicom_identities(const fs::path& path)
             if (std::none_of(found.begin(), found.end(), same))
                 found.push_back(identity);
         } catch (const InputError&) {
-            continue; // whoever reads the images says what is wrong with them
+            continue; // the reader of the images reports the damaged file
         }
     }
     return found;
@@ -109,7 +109,7 @@ void rethrow_without_identity(const fs::path& path)
         if (holds_dicom(path))
             identities = dicom_identities(path);
     } catch (const Error&) {
-        identities.clear(); // what cannot be listed has no names that the message could quote
+        identities.clear(); // a folder that cannot be listed contributes no names to the message
     }
     const std::string typed = path.string();
     const auto clean = [&](const std::string& text) {

@@ -37,8 +37,8 @@ namespace {
         return number(bytes, 2, big_endian) << 16 | number(bytes + 2, 2, big_endian);
     }
 
-    /// Goes through a file as the parser does, as long as the two cannot disagree: it stops at the first thing that is
-    /// not by the standard.
+    /// Walks through a file as the parser does, while both certainly agree. The walk stops at the first violation of
+    /// the standard.
     class Walk {
     public:
         Walk(const std::filesystem::path& path, int limit)
@@ -54,7 +54,7 @@ namespace {
                 elements(kNoBound, syntax, Within::file);
         }
         int deepest() const { return deepest_; }
-        /// Where the standard is left, while depth() items were open.
+        /// True when the walk met a violation of the standard, at place() and with depth() open items.
         bool odd() const { return odd_; }
         std::uint64_t place() const { return place_; }
         int depth() const { return depth_; }
@@ -77,7 +77,7 @@ namespace {
         }
         void go_to(std::uint64_t place)
         {
-            constexpr std::uint64_t kNear = 1 << 12; // seeking throws away what is read ahead
+            constexpr std::uint64_t kNear = 1 << 12; // a seek discards buffered bytes, so short distances are read
             if (place >= at_ && place - at_ < kNear)
                 in_.ignore(static_cast<std::streamsize>(place - at_));
             else
@@ -91,7 +91,7 @@ namespace {
             return false;
         }
 
-        /// The preamble, and the meta header with the transfer syntax.
+        /// Reads the preamble, and the meta header with the transfer syntax.
         bool read_meta(Syntax& syntax)
         {
             constexpr std::uint64_t kMeta = 132;
@@ -128,7 +128,7 @@ namespace {
                 = std::all_of(uid.begin(), uid.end(), [](char c) { return c == '.' || (c >= '0' && c <= '9'); });
             if (odd_ || uid.empty() || !clean || declared_end != at_)
                 return stop_odd(kMeta);
-            // The three names of implicit little endian that the parser knows.
+            // The parser knows three UIDs of implicit little endian.
             syntax.explicit_vr
                 = uid != "1.2.840.10008.1.2" && uid != "1.2.840.10008.1.20" && uid != "1.2.840.113619.5.2";
             syntax.big_endian = uid == "1.2.840.10008.1.2.2";
@@ -145,7 +145,7 @@ namespace {
             const bool delimiter = e.tag >> 16 == 0xFFFEU;
             if (!syntax.explicit_vr || delimiter) {
                 e.length = (e.tag & 0xFFFFU) == 0 && !delimiter ? 4 : number(head.data() + 4, 4, syntax.big_endian);
-                return true; // of groups' lengths, the length is 4, whatever is there
+                return true; // the length of a group length is always 4
             }
             e.vr = vtkDICOMVR(head.data() + 4);
             if (!e.vr.IsValid())
@@ -160,7 +160,7 @@ namespace {
             return true;
         }
 
-        /// Up to `bound`, or to the end of an item of undefined length, or of the file.
+        /// Reads elements up to `bound`, to the end of an item of undefined length, or to the end of the file.
         bool elements(std::uint64_t bound, Syntax syntax, Within within)
         {
             while (within != Within::closed_item || at_ < bound) {
@@ -196,7 +196,8 @@ namespace {
             return true;
         }
 
-        /// What has no type is a sequence for the parser when its dictionary says so; only delimiters make one.
+        /// True when the value begins with an item. For the parser, an element without a type is a sequence when its
+        /// dictionary says so; a walk without dictionary recognises sequences by their delimiters.
         bool begins_with_item(std::uint32_t length)
         {
             constexpr std::array<unsigned char, 2> kGroup { 0xFE, 0xFF };
@@ -230,7 +231,7 @@ namespace {
             return at_ == bound || stop_odd(start);
         }
 
-        /// Compressed pixels: items without elements.
+        /// Reads compressed pixels, which are items without elements.
         bool fragments(std::uint64_t start)
         {
             Element e;
@@ -253,7 +254,7 @@ namespace {
         std::uint64_t place_ = 0;
     };
 
-    /// Items of either byte order at any place from `start` on.
+    /// Counts bytes that could begin an item, in either byte order, at any place from `start` on.
     int count_items(const std::filesystem::path& path, std::uint64_t start, int limit)
     {
         constexpr std::size_t kChunk = 1 << 16;

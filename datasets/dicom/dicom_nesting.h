@@ -4,12 +4,13 @@
 
 namespace retractor::datasets {
 
-/// An upper bound of how deep sequences lie in each other; counting stops at `limit`. The parser calls itself for
-/// every level, so that a file of nothing but nested sequences would use up the stack. Exact for well-formed files;
-/// from the first place on that is not, every item is taken to lie in the one before, wherever its bytes are found.
+/// Returns an upper bound of the depth of nested sequences; counting stops at `limit`. The DICOM parser calls itself
+/// for every level, so a file of nested sequences could exhaust the stack. The bound is exact for well-formed files.
+/// After the first violation of the standard, every item counts as nested in the item before.
 int dicom_nesting(const std::filesystem::path& path, int limit);
 
-/// Whether a file must not be given to the parser: structured reports nest some ten deep, this allows 64.
+/// True when a file must not be given to the parser, because its sequences nest 64 levels or more. Structured reports
+/// have about ten levels.
 bool nests_too_deep(const std::filesystem::path& path);
 
 } // namespace retractor::datasets

@@ -10,18 +10,18 @@ namespace retractor::datasets {
 
 namespace {
 
-    /// Images at one place: [begin, end) of the sorted slices.
+    /// The images at one place, [begin, end) of the sorted slices.
     struct Place {
         std::size_t begin = 0;
         std::size_t end = 0;
         std::size_t count() const { return end - begin; }
     };
 
-    constexpr std::size_t kShown = 4; // names or values in a message
+    constexpr std::size_t kShown = 4; // most names or values in a message
 
     std::vector<Place> places_of(const std::vector<double>& heights)
     {
-        constexpr double kSamePlace = 1e-3; // mm; no scanner's slices are that close
+        constexpr double kSamePlace = 1e-3; // mm; the slices of every scanner are farther apart
         std::vector<Place> places;
         for (std::size_t s = 0; s < heights.size(); ++s) {
             if (s == 0 || heights[s] - heights[s - 1] >= kSamePlace)
@@ -44,7 +44,7 @@ namespace {
         return values.size() > kShown ? text + " ..." : text;
     }
 
-    /// The tag that sorts the images into stacks with one image at each place, and its values.
+    /// Describes the tag whose values separate the images into stacks with one image per place. Empty when no tag does.
     std::string separating_tag(
         const std::vector<DicomSlice>& slices, const std::vector<Place>& places, const std::vector<DicomFile>& files)
     {
@@ -70,7 +70,7 @@ namespace {
         return {};
     }
 
-    /// Tags with more than one value among the images at one place.
+    /// Names of the tags with several values among the images at one place.
     std::string differing_tags(
         const std::vector<DicomSlice>& slices, const Place& place, const std::vector<DicomFile>& files)
     {

@@ -59,7 +59,8 @@ namespace {
         const double bytes = file.bits_allocated[0] / 8.0;
         const double needed = file.columns[0] * file.rows[0] * bytes * static_cast<double>(file.frames.size());
         if (file.pixel_length == kUndefinedLength) {
-            // The most that any codec squeezes; beyond it the size is a damaged number, not a reason to take memory.
+            // No codec compresses better than this factor. A larger size is a damaged number, and the memory must not
+            // be allocated.
             constexpr double kMostCompression = 16384.0;
             if (needed > kMostCompression * static_cast<double>(file.file_size))
                 refuse("an image of " + mm_text(file.columns[0]) + " x " + mm_text(file.rows[0]) + " cannot be in "
@@ -71,7 +72,7 @@ namespace {
         const double present = std::min(static_cast<double>(file.pixel_length), rest);
         if (present < needed)
             refuse("the pixels are truncated: " + mm_text(present) + " bytes of " + mm_text(needed), file);
-        if (file.pixel_length > needed + 1.0) // one byte makes the length even
+        if (file.pixel_length > needed + 1.0) // one more byte makes the length even
             refuse("more pixels than the size of the image: " + std::to_string(file.pixel_length) + " bytes, "
                     + mm_text(needed) + " expected",
                 file);

@@ -30,7 +30,8 @@ namespace {
             * (static_cast<std::size_t>(file.bits_allocated[0]) / 8);
     }
 
-    /// Uncompressed pixels as they are in the file: the library would cut off bits that should not be there.
+    /// Reads uncompressed pixels from the file directly, because the library would cut off unexpected bits without an
+    /// error.
     void read_plain(const DicomFile& file, const std::vector<std::size_t>& ks, const DicomArrangement& stack,
         std::span<std::int16_t> voxels, DicomPixelCounts& counts)
     {
@@ -57,7 +58,7 @@ namespace {
         }
     }
 
-    /// What is left: big endian, and files without a meta header.
+    /// Reads the remaining syntaxes with the library: big endian, and files without a meta header.
     void read_by_library(const DicomFile& file, const std::vector<std::size_t>& ks, const DicomArrangement& stack,
         std::span<std::int16_t> voxels, DicomPixelCounts& counts)
     {
@@ -113,7 +114,8 @@ DicomPixelCounts read_dicom_pixels(const std::vector<DicomFile>& files, const Di
     for (std::size_t k = 0; k < stack.slices.size(); ++k)
         ks[stack.slices[k].file].push_back(k);
     DicomPixelCounts counts;
-    // The first file alone: the codecs' tables are made on first use, which need not be safe from several threads.
+    // The first file is read alone, because codecs create their tables on first use, possibly without protection from
+    // other threads.
     read_file(files.front(), ks.front(), stack, voxels, counts);
 
     std::atomic<std::size_t> next { 1 };
@@ -149,7 +151,8 @@ DicomPixelCounts read_dicom_pixels(const std::vector<DicomFile>& files, const Di
             threads.emplace_back(work, false);
         work(true);
     }
-    if (!failures.empty()) // the first file's, as with one thread (mostly)
+    // One thread would mostly throw the failure of the first file, so the same failure is thrown here.
+    if (!failures.empty())
         std::rethrow_exception(std::min_element(failures.begin(), failures.end(), [](const auto& a, const auto& b) {
             return a.first < b.first;
         })->second);

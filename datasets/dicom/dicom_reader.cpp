@@ -37,7 +37,7 @@ namespace {
 
     void note_geometry(const DicomArrangement& stack, std::vector<std::string>& notes)
     {
-        constexpr double kWorthSaying = 0.01; // mm
+        constexpr double kWorthSaying = 0.01; // mm; a smaller rounding gives no note
         if (stack.slices.size() == 1)
             notes.push_back("a single slice, " + mm_text(stack.grid.spacing.z()) + " mm thick");
         if (stack.rounding > kWorthSaying)

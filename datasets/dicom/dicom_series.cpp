@@ -59,7 +59,7 @@ namespace {
         return value;
     }
 
-    /// In the order of the list, seen from outside: #1 is the first.
+    /// Describes the series at this place of the list. The first place is #1 in the text.
     std::string describe(const DicomSeries& series, std::size_t place)
     {
         std::string text = "#" + std::to_string(place + 1) + ":";
@@ -87,7 +87,7 @@ namespace {
 
     bool is_ct(const DicomGroup& group) { return group.series.modality == "CT" && group.kind == DicomKind::slices; }
 
-    /// Places in the list that the wish names.
+    /// Indices of the series that the request names.
     std::vector<std::size_t> matching(const std::vector<DicomGroup>& groups, const std::string& wish)
     {
         std::vector<std::size_t> found;
@@ -105,7 +105,7 @@ namespace {
             if (!found.empty())
                 break;
         }
-        // Some scanners put the localizer into the series itself.
+        // Some scanners store the localizer in the series itself.
         const auto is_slices = [&](std::size_t g) { return groups[g].kind == DicomKind::slices; };
         if (std::any_of(found.begin(), found.end(), is_slices))
             found.erase(
@@ -225,7 +225,7 @@ DicomFolder scan_dicom(const fs::path& path, const Job& job)
 
 std::vector<DicomGroup> group_dicom_series(DicomFolder folder, std::vector<std::string>& notes)
 {
-    // A damaged file takes part when it still says to which series it belongs: that series is then refused.
+    // A damaged file that names its series is added to the series, so that reading the series fails.
     using Key = std::tuple<DicomKind, std::string, std::string>;
     std::map<Key, std::vector<DicomFile>> series;
     std::vector<std::string> passed_over;
@@ -238,7 +238,8 @@ std::vector<DicomGroup> group_dicom_series(DicomFolder folder, std::vector<std::
         const bool is_damaged = file.kind == DicomKind::damaged;
         if (is_damaged)
             ++damaged;
-        deflated = deflated || file.transfer_syntax == "1.2.840.10008.1.2.1.99"; // the parser does not inflate
+        // The parser cannot inflate this syntax.
+        deflated = deflated || file.transfer_syntax == "1.2.840.10008.1.2.1.99";
         const Key key { is_damaged ? DicomKind::slices : file.kind, file.series_uid,
             file.series_uid.empty() && !is_damaged ? file.identity : std::string() };
         series[key].push_back(std::move(file));
@@ -251,7 +252,7 @@ std::vector<DicomGroup> group_dicom_series(DicomFolder folder, std::vector<std::
         if (files.front().kind == DicomKind::damaged) {
             for (const DicomFile& file : files)
                 passed_over.push_back(file.path.filename().string());
-            continue; // nothing but damage: no series
+            continue; // only damaged files, so no series
         }
         group.kind = std::get<DicomKind>(key);
         group.series = describe_files(files);
@@ -289,7 +290,7 @@ DicomGroup choose_dicom_series(
 std::vector<DicomSeries> list_dicom_series(const fs::path& folder)
 {
     std::vector<DicomSeries> list;
-    std::vector<std::string> notes; // of damaged files, which are in no series
+    std::vector<std::string> notes; // notes about damaged files without a series; not used here
     for (const DicomGroup& group : group_dicom_series(scan_dicom(folder), notes))
         list.push_back(group.series);
     return list;

@@ -9,7 +9,7 @@ namespace retractor::datasets {
 
 namespace {
 
-    /// Exactly `count` finite numbers.
+    /// Returns the values of a tag. @throws InputError unless there are exactly `count` finite numbers.
     const std::vector<double>& needed(
         const std::vector<double>& values, std::size_t count, const char* tag, const std::string& where)
     {
@@ -52,7 +52,7 @@ namespace {
         const auto& p = needed(frame.position, 3, "ImagePositionPatient (0020,0032)", where);
         const auto& o = needed(frame.orientation, 6, "ImageOrientationPatient (0020,0037)", where);
         const auto& s = needed(frame.pixel_spacing, 2, "PixelSpacing (0028,0030)", where);
-        constexpr double kFarthest = 1e5; // mm: 100 m, a damaged number
+        constexpr double kFarthest = 1e5; // mm; a position beyond 100 m is a damaged number
         for (const double x : p)
             if (std::abs(x) > kFarthest)
                 throw InputError("a position of " + mm_text(x) + " mm is outside any scanner",

@@ -45,7 +45,7 @@ namespace {
         { "SliceThickness", DC::SliceThickness },
     } };
 
-    /// Printable, without the padding that DICOM adds.
+    /// The printable text, without the padding that DICOM adds.
     std::string clean(std::string text)
     {
         for (char& c : text)
@@ -70,10 +70,10 @@ namespace {
                                                                         : std::numeric_limits<double>::quiet_NaN();
     }
 
-    /// Text is parsed here: the library takes "1,5" for 1 and "abc" for 0.
+    /// The numbers of a tag. The text is parsed here, because the library reads "1,5" as 1 and "abc" as 0.
     std::vector<double> numbers(const vtkDICOMValue& value)
     {
-        constexpr std::size_t kMost = 64; // no tag that is asked for has more
+        constexpr std::size_t kMost = 64; // no tag that is read has more values
         std::vector<double> result;
         if (!value.IsValid())
             return result;
@@ -103,7 +103,8 @@ namespace {
         return std::search(text.begin(), text.end(), part.begin(), part.end(), same) != text.end();
     }
 
-    /// Free text typed at the scanner may hold what must not leave the file. Long parts count inside words, too.
+    /// True when text that was typed at the scanner contains the patient's name or id. Long parts of a name also count
+    /// inside words.
     bool names_the_patient(const std::string& text, const std::string& name, const std::string& id)
     {
         const std::string folded = fold_case(text);
@@ -117,7 +118,7 @@ namespace {
 
     DicomKind kind_of(vtkDICOMMetaData* data, const DicomFile& file)
     {
-        // An object with rows and columns means to be an image, even when its pixels are gone.
+        // An object with rows and columns is an image, even when its pixels are missing.
         if (file.path.filename() == "DICOMDIR" || (!file.has_pixels && (file.rows.empty() || file.columns.empty())))
             return DicomKind::no_image;
         const std::string type = data->Get(DC::ImageType).AsString();
@@ -190,14 +191,15 @@ namespace {
         file.padding_limit = many(DC::PixelPaddingRangeLimit);
     }
 
-    /// Nothing when the file says something that is no number of frames, or more than it has bytes for.
+    /// The number of frames. Returns nothing when the tag holds no valid number, or more frames than the file has
+    /// bytes.
     std::optional<int> frame_count(vtkDICOMMetaData* data, std::uint64_t file_size)
     {
         const vtkDICOMValue& value = data->Get(DC::NumberOfFrames);
         const std::vector<double> count = numbers(value);
         if (count.empty())
             return 1;
-        constexpr double kMost = 1e5; // a cardiac CT has some thousands
+        constexpr double kMost = 1e5; // a cardiac CT has some thousand frames
         const double most = std::min(kMost, static_cast<double>(file_size));
         if (count.size() != 1 || !(count[0] >= 1.0 && count[0] <= most) || count[0] != std::floor(count[0]))
             return std::nullopt;

@@ -1,6 +1,6 @@
 #pragma once
-// What the tags of DICOM files say, read once per file and without judgement: a folder may hold anything, and only
-// the series that is chosen must be right. Patient name and id are looked at only to keep them out of descriptions.
+// Reads the tags of DICOM files, once per file, without checking the values. A folder may hold any files, and only the
+// chosen series must be correct. Patient name and id are read only to remove them from descriptions.
 
 #include "mesh/base/geometry.h"
 
@@ -12,45 +12,48 @@
 
 namespace retractor::datasets {
 
-/// One slice: a file, or a frame of an enhanced multi-frame object (its functional groups looked up). Numbers as the
-/// file gives them, none when the tag is absent, NaN where the text is no number; checked by dicom_slices().
+/// One slice: a file, or a frame of an enhanced multi-frame object with its functional groups. Each member holds the
+/// numbers that the file gives: none when the tag is absent, NaN when the text is no number. dicom_slices() checks
+/// them.
 struct DicomFrame {
-    std::vector<double> position; ///< ImagePositionPatient
+    std::vector<double> position; ///< ImagePositionPatient, mm
     std::vector<double> orientation; ///< ImageOrientationPatient
-    std::vector<double> pixel_spacing; ///< between rows, between columns
-    std::vector<double> thickness;
-    std::vector<double> spacing_between_slices;
-    std::vector<double> slope;
-    std::vector<double> intercept;
-    std::string rescale_type;
+    std::vector<double> pixel_spacing; ///< PixelSpacing, mm: between rows, between columns
+    std::vector<double> thickness; ///< SliceThickness, mm
+    std::vector<double> spacing_between_slices; ///< SpacingBetweenSlices, mm
+    std::vector<double> slope; ///< RescaleSlope
+    std::vector<double> intercept; ///< RescaleIntercept
+    std::string rescale_type; ///< RescaleType, "HU" for a CT
     std::vector<std::string> phase; ///< values of kDicomPhaseTags
 };
 
-/// What may tell images at the same place apart, in the order in which a radiographer would look.
+/// Names of the tags that may distinguish images at the same place, in the order in which a radiographer would look.
 extern const std::vector<std::string> kDicomPhaseTags;
 
+/// The content of a DICOM file.
 enum class DicomKind {
-    slices, ///< images in the patient, or meant to be
-    localizer, ///< scout, topogram: a projection
-    capture, ///< a screen, a dose table
+    slices, ///< images in the patient
+    localizer, ///< a projection: scout, topogram
+    capture, ///< a captured screen, a dose table
     no_image, ///< structured report, presentation state, DICOMDIR ...
-    damaged, ///< begins like DICOM and cannot be parsed
+    damaged, ///< begins like DICOM, but cannot be parsed
 };
 
+/// The tags of one file. Numbers are stored as in DicomFrame.
 struct DicomFile {
     std::filesystem::path path;
     DicomKind kind = DicomKind::no_image;
     std::string series_uid;
     std::string series_number;
-    std::string description; ///< empty where it repeats the patient's name or id
+    std::string description; ///< SeriesDescription; empty when it repeats the patient's name or id
     std::string modality;
-    std::string identity; ///< tells series apart that have no UID; never shown
+    std::string identity; ///< distinguishes series without a UID; never shown
     std::string sop_instance;
     std::string frame_of_reference;
     std::string transfer_syntax;
     std::string photometric;
-    bool lossy = false;
-    bool modality_lut = false; ///< a table instead of slope and intercept
+    bool lossy = false; ///< the file says that its compression lost information
+    bool modality_lut = false; ///< a table replaces slope and intercept
     bool overlay_in_pixels = false; ///< unused bits of the pixels hold an overlay (retired in DICOM)
     std::vector<double> columns;
     std::vector<double> rows;
@@ -62,17 +65,18 @@ struct DicomFile {
     std::vector<double> padding_value;
     std::vector<double> padding_limit;
     bool has_pixels = false;
-    bool damaged_pixels = false; ///< the tags are whole, the file ends in the middle of the pixels
-    std::uint64_t pixel_offset = 0; ///< bytes from the start of the file
-    std::uint32_t pixel_length = 0; ///< as declared; 0xFFFFFFFF for compressed pixels
-    std::uint64_t file_size = 0;
-    std::vector<DicomFrame> frames;
+    bool damaged_pixels = false; ///< the tags are complete, but the file ends within the pixels
+    std::uint64_t pixel_offset = 0; ///< start of the pixels, bytes from the start of the file
+    std::uint32_t pixel_length = 0; ///< length of the pixels as declared, bytes; 0xFFFFFFFF for compressed pixels
+    std::uint64_t file_size = 0; ///< bytes
+    std::vector<DicomFrame> frames; ///< one per slice
 };
 
-/// Said by the file, or a transfer syntax that always loses (JPEG baseline and extended, near-lossless JPEG-LS).
+/// True when the file declares lossy compression, or uses a transfer syntax that always loses information (JPEG
+/// baseline and extended, near-lossless JPEG-LS).
 bool is_lossy(const DicomFile& file);
 
-/// No DICOM file: nothing.
+/// Reads the tags of a file. Returns nothing when the file is not DICOM.
 std::optional<DicomFile> read_dicom_tags(const std::filesystem::path& path);
 
 } // namespace retractor::datasets

@@ -12,13 +12,13 @@ namespace retractor::datasets {
 
 namespace {
 
-    constexpr std::int16_t kAir = -1024; // HU; the darkest that a 12-bit scanner writes
+    constexpr std::int16_t kAir = -1024; // HU; the lowest value that a 12-bit scanner writes
 
-    /// How the stored words of one file are to be read.
+    /// The format of the stored words of one file.
     struct PixelFormat {
-        unsigned mask = 0xFFFF; ///< of the bits stored
+        unsigned mask = 0xFFFF; ///< selects the stored bits
         bool is_signed = false;
-        bool spare_bits = false; ///< more bits allocated than stored, and nothing (an overlay) allowed in them
+        bool spare_bits = false; ///< more bits are allocated than stored, and the spare bits must be empty (no overlay)
         std::optional<std::array<int, 2>> padding; ///< lowest and highest stored value
 
         int value(unsigned word) const
@@ -28,7 +28,7 @@ namespace {
             return is_signed && (bits & sign) != 0 ? static_cast<int>(bits) - static_cast<int>(mask) - 1
                                                    : static_cast<int>(bits);
         }
-        /// Spare bits repeat the sign, or are zero.
+        /// True when the spare bits repeat the sign or are zero.
         bool fits(unsigned word, unsigned allocated_mask) const
         {
             const unsigned spare = word & ~mask & allocated_mask;
@@ -45,8 +45,8 @@ namespace {
         format.spare_bits = file.bits_stored[0] < file.bits_allocated[0] && !file.overlay_in_pixels;
         if (file.padding_value.empty())
             return format;
-        // Written as signed or unsigned by different scanners: what counts is the pattern of bits. It may be one
-        // that the bits stored do not hold (-2000 in twelve bits).
+        // Scanners write the padding value as a signed or an unsigned number, so the bit patterns are compared. The
+        // pattern may not fit the stored bits (-2000 in twelve bits).
         const auto pattern = [&](double value) {
             const auto word = static_cast<std::uint16_t>(static_cast<std::int64_t>(value));
             return format.is_signed ? static_cast<int>(static_cast<std::int16_t>(word)) : static_cast<int>(word);
@@ -74,16 +74,17 @@ namespace {
 
     void count_padding(DicomPixelCounts& counts, double hu)
     {
-        constexpr double kShown = 1e6; // a damaged slope gives anything
+        constexpr double kShown = 1e6; // HU; a damaged slope could give any number
         const int value = static_cast<int>(std::lround(std::clamp(hu, -kShown, kShown)));
         counts.padding_darkest = counts.padding == 0 ? value : std::min(counts.padding_darkest, value);
         counts.padding_brightest = counts.padding == 0 ? value : std::max(counts.padding_brightest, value);
         ++counts.padding;
     }
 
-    /// Outside the scan circle some scanners write a value no tissue has (-3024 HU) and do not declare it: all four
-    /// corners of the image have it. Other dark pixels (metal, noise) stay as they are. Compression with loss smears
-    /// the value, and declared padding with it: then all that is nearer to it than to air counts.
+    /// Replaces pixels outside the scan circle by air. Some scanners write a value there that no tissue has (-3024 HU),
+    /// without declaring the value as padding. The value is recognised because all four corners of the image have it.
+    /// Other dark pixels (metal, noise) stay the same. Lossy compression changes this value, and declared padding, a
+    /// little; then every pixel that is nearer to the value than to air is replaced.
     void clear_circle(std::span<std::int16_t> slice, const DicomFile& file, double padding, DicomPixelCounts& counts)
     {
         const auto columns = static_cast<std::size_t>(file.columns[0]);
@@ -135,15 +136,15 @@ namespace {
         clear_circle(out, file, padding, counts);
     }
 
-    /// Moves a slice of a tilted stack to its place by linear interpolation between neighbouring pixels; what lies
-    /// outside it is air.
+    /// Moves a slice of a tilted stack to its place, by linear interpolation between neighbouring pixels. Voxels
+    /// outside the slice become air.
     void place_shifted(std::span<const std::int16_t> slice, std::array<int, 2> size, const DicomArrangement& stack,
         std::size_t k, std::span<std::int16_t> out)
     {
         struct Sample {
-            int low = -1; ///< -1 outside
+            int low = -1; ///< first pixel; -1 outside the slice
             int high = -1;
-            double weight = 0.0; ///< of `high`
+            double weight = 0.0; ///< weight of `high`
         };
         const auto samples = [&](std::size_t axis) {
             std::vector<Sample> row(static_cast<std::size_t>(stack.grid.size[axis]));

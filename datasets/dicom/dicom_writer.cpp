@@ -30,7 +30,7 @@ namespace {
                 + std::to_string(volume.grid.voxel_count()));
     }
 
-    /// A folder may be replaced when all it holds is a series written by us.
+    /// @throws IoError when the path is a file, and when the folder holds other files than IM0001.dcm ...
     void check_replaceable(const fs::path& folder)
     {
         if (!fs::exists(folder))
@@ -64,7 +64,7 @@ namespace {
     void write_files(const fs::path& folder, const mesh::Volume& volume, const DicomOptions& options)
     {
         const mesh::ImageGrid& grid = volume.grid;
-        // CT scanners store unsigned numbers with an intercept of -1024; darker padding moves it down.
+        // CT scanners store unsigned numbers with an intercept of -1024. Darker padding lowers the intercept.
         const int darkest = *std::min_element(volume.voxels.begin(), volume.voxels.end());
         const int intercept = std::min(-1024, darkest);
         vtkNew<vtkImageData> image;
@@ -107,7 +107,7 @@ namespace {
 void write_dicom_series(const fs::path& folder, const mesh::Volume& volume, const DicomOptions& options)
 {
     check(volume);
-    const fs::path target = folder.has_filename() ? folder : folder.parent_path(); // "series/" is "series"
+    const fs::path target = folder.has_filename() ? folder : folder.parent_path(); // "series/" becomes "series"
     check_replaceable(target);
     const fs::path temporary
         = target.parent_path() / ("." + target.filename().string() + "." + std::to_string(::getpid()));

@@ -8,7 +8,7 @@ namespace retractor::datasets {
 
 namespace {
 
-    /// Of the code points that UTF-8 writes in two bytes; the results are of that kind again.
+    /// The lower-case form of a code point that UTF-8 writes in two bytes. The result also takes two bytes.
     std::uint32_t lower(std::uint32_t c)
     {
         const auto within = [c](std::uint32_t first, std::uint32_t last) { return c >= first && c <= last; };
@@ -18,10 +18,10 @@ namespace {
             return 0x00FF;
         if (within(0x0100, 0x0137) || within(0x014A, 0x0177) || within(0x01DE, 0x01EF) || within(0x01F8, 0x0233)
             || within(0x0460, 0x0481) || within(0x048A, 0x04BF) || within(0x04D0, 0x052F))
-            return c | 1U; // pairs that begin with the capital at an even place
+            return c | 1U; // the capital has the even code point
         if (within(0x0139, 0x0148) || within(0x0179, 0x017E) || within(0x01CD, 0x01DC) || within(0x04C1, 0x04CE))
-            return c + (c & 1U); // and at an odd one
-        if (c == 0x01A0 || c == 0x01AF) // O and U with horn: Vietnamese
+            return c + (c & 1U); // the capital has the odd code point
+        if (c == 0x01A0 || c == 0x01AF) // O and U with horn (Vietnamese)
             return c + 1;
         if (within(0x0391, 0x03AB) || within(0x0410, 0x042F))
             return c + 0x20;
@@ -32,7 +32,8 @@ namespace {
 
     bool continues(char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; }
 
-    /// Beyond ASCII, the alphabets of two bytes; not punctuation, and not scripts that leave no space between words.
+    /// True for a letter: ASCII, or an alphabet that UTF-8 writes in two bytes. Punctuation and scripts without spaces
+    /// between words do not count.
     bool letter_at(const std::string& text, std::size_t at)
     {
         if (at >= text.size())

@@ -1,6 +1,6 @@
 #pragma once
-// Finding a patient's name in text. Text is UTF-8; letters are compared whatever their case (Latin with accents, Greek
-// and Cyrillic too).
+// Finds a patient's name in text. Text is UTF-8. Upper and lower case are equal, also for accented Latin, Greek and
+// Cyrillic letters.
 
 #include <cstddef>
 #include <string>
@@ -9,20 +9,20 @@
 
 namespace retractor::datasets {
 
-/// The parts of a name as DICOM writes it ("Family^Given=..."), each once.
+/// The parts of a name as DICOM writes a name ("Family^Given=..."), without repetitions.
 std::vector<std::string> name_parts(const std::string& name);
 
-/// In lower case. Takes as many bytes as `text`.
+/// The text in lower case, with the same number of bytes.
 std::string fold_case(std::string text);
 
-/// Where `word` stands in `text` as a whole word: not as part of a longer one. Both folded.
+/// Returns the byte positions at which `word` stands in `text` as a whole word. @pre Both come from fold_case().
 std::vector<std::size_t> whole_words(const std::string& text, const std::string& word);
 
-/// Parts and ids below this length (bytes) are found everywhere, as units and abbreviations: alone they name nobody.
+/// Names and ids shorter than this (bytes) occur everywhere as units and abbreviations, so one alone identifies nobody.
 inline constexpr std::size_t kShortestTelling = 3;
 
-/// The parts of a name that stand in `text`, and by which it is told: long ones as whole words; any, when there are
-/// at least two ("Ng Li").
+/// Returns the parts of `name` that stand in `text` and identify the patient: long parts as whole words, and short
+/// parts when at least two parts occur ("Ng Li").
 std::vector<std::string> telling_parts(const std::string& text, const std::string& name);
 
 } // namespace retractor::datasets

@@ -47,7 +47,7 @@ namespace {
         std::string path_;
     };
 
-    /// Encoded bytes from another source, one buffer at a time.
+    /// Reads encoded bytes from another source, one buffer at a time.
     class InputBuffer {
     public:
         InputBuffer(std::unique_ptr<ByteSource> source, std::string name)
@@ -142,14 +142,14 @@ namespace {
         std::size_t filled_ = 0;
     };
 
-    /// gzip (several members one after the other are one stream, as gzip itself reads them) or zlib.
+    /// Inflates zlib or gzip. Several gzip members form one stream, as for the program gzip.
     class InflateSource final : public ByteSource {
     public:
         InflateSource(InputBuffer input, std::uint64_t streams)
             : input_(std::move(input))
             , streams_left_(streams)
         {
-            constexpr int kAnyFormat = 15 + 32; // largest window, zlib or gzip header
+            constexpr int kAnyFormat = 15 + 32; // largest window; zlib and gzip headers are both accepted
             if (inflateInit2(&stream_, kAnyFormat) != Z_OK)
                 throw IoError("cannot start decompression", input_.where);
         }
@@ -219,7 +219,8 @@ namespace {
                 if (stream_.avail_in == 0) {
                     stream_.avail_in = static_cast<unsigned>(input_.refill());
                     stream_.next_in = input_.bytes.data();
-                    // The decoder may still hold output; without input it makes none at a cut.
+                    // The decoder may still hold output. When the data are cut, the decoder makes no output without
+                    // input.
                     if (stream_.avail_in == 0 && exhausted_)
                         throw InputError(kDamaged, input_.where);
                     exhausted_ = stream_.avail_in == 0;

@@ -29,15 +29,15 @@ namespace {
     constexpr int kSlices = 3;
     constexpr int kIntercept = -1024;
 
-    /// Values with every bit of a 12-bit CT, not compressible to nothing.
+    /// Values that use every bit of a 12-bit CT and do not compress to nothing.
     constexpr int value_at(int x, int y) { return (37 * x + 211 * y + (x * y) % 5 * 300) % 4096; }
 
-    /// One transfer syntax and the slice encoded in it (hexadecimal; empty: as it is).
+    /// A transfer syntax, and the slice encoded with this syntax (hexadecimal; empty for no encoding).
     struct Syntax {
         std::string_view name, uid, encoded;
     };
 
-    // Made from value_at() with GDCM 3.0.
+    // GDCM 3.0 encoded these slices from value_at().
     constexpr std::array<Syntax, 5> kSyntaxes { {
         { "DICOM uncompressed", "1.2.840.10008.1.2.1", "" },
         { "DICOM JPEG lossless", "1.2.840.10008.1.2.4.70",
@@ -63,7 +63,7 @@ namespace {
             "bf60dd7efb78" },
     } };
 
-    // ---- a DICOM file, by hand: explicit VR, little endian ---------------------------------------------------------
+    // ---- a DICOM file written by hand: explicit VR, little endian --------------------------------------------------
 
     std::string number16(unsigned value)
     {
@@ -101,7 +101,7 @@ namespace {
 
     std::string pixel_data(const Syntax& syntax)
     {
-        if (!syntax.encoded.empty()) // a fragment after an empty table of offsets, of undefined length altogether
+        if (!syntax.encoded.empty()) // a fragment after an empty table of offsets, in an element of undefined length
             return number16(0x7FE0) + number16(0x0010) + "OB" + number16(0) + number32(0xFFFFFFFF) + item("")
                 + item(bytes_of(syntax.encoded)) + number16(0xFFFE) + number16(0xE0DD) + number32(0);
         std::string pixels;
@@ -111,7 +111,7 @@ namespace {
         return element(0x7FE0, 0x0010, "OW", pixels);
     }
 
-    /// Slice k of a series: every slice shows the same.
+    /// Slice k of a series. All slices show the same values.
     std::string dicom_file(const Syntax& syntax, int k)
     {
         const std::string uid = "2.25.1" + std::to_string(k);
@@ -132,7 +132,7 @@ namespace {
             + element(0x28, 0x1053, "DS", "1") + pixel_data(syntax);
     }
 
-    // ---- trying ----------------------------------------------------------------------------------------------------
+    // ---- the tests -------------------------------------------------------------------------------------------------
 
     void write_and_read_series(const fs::path& folder, const Syntax& syntax)
     {
@@ -181,7 +181,7 @@ namespace {
         return check;
     }
 
-    /// A new folder that nobody else has or can guess.
+    /// A new folder with a name that nobody else has or can guess.
     class ScratchFolder {
     public:
         explicit ScratchFolder(const fs::path& parent)

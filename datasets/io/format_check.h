@@ -1,5 +1,5 @@
 #pragma once
-// Which image formats this machine reads, tried out on small images of our own.
+// Tests which image formats this machine reads, on small images that the test makes itself.
 
 #include <filesystem>
 #include <string>
@@ -7,15 +7,16 @@
 
 namespace retractor::datasets {
 
+/// The result of the test for one format.
 struct FormatCheck {
     std::string format; ///< "DICOM JPEG lossless", "NRRD" ...
-    bool works = false; ///< every voxel came back
-    std::string problem; ///< of a format that does not work
+    bool works = false; ///< every voxel was read with its value
+    std::string problem; ///< message of the failure; empty when the format works
 };
 
-/// Reads a series of 8 x 8 slices in each lossless transfer syntax of hospitals, and writes and reads each volume
-/// format.
-/// @param folder where it may write; it is left as it was.
+/// Reads a series of 8 x 8 slices in each lossless transfer syntax that hospitals use, then writes and reads each
+/// volume format.
+/// @param folder a writable folder; the test removes its files from the folder
 std::vector<FormatCheck> check_formats(const std::filesystem::path& folder);
 
 /// Names and versions of the libraries that read images.

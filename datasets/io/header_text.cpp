@@ -20,7 +20,7 @@ namespace {
     T parsed(std::string_view text, const std::string& field, const std::string& where, const char* kind)
     {
         const std::string word = trimmed(text);
-        const std::size_t sign = word.starts_with('+') ? 1 : 0; // which the parser does not take
+        const std::size_t sign = word.starts_with('+') ? 1 : 0; // from_chars() does not accept a plus sign
         T value {};
         const auto [end, error] = std::from_chars(word.data() + sign, word.data() + word.size(), value);
         if (error != std::errc() || end != word.data() + word.size())
@@ -28,7 +28,7 @@ namespace {
         return value;
     }
 
-    /// The name of one file of a pattern with a single %d, which may have a width ("%03d").
+    /// The name of one file of a pattern with a single %d, possibly with a width ("%03d").
     std::string numbered(const std::string& pattern, std::int64_t number, const std::string& where)
     {
         const std::size_t percent = pattern.find('%');

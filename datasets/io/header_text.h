@@ -1,6 +1,6 @@
 #pragma once
-// Text headers (NRRD, MetaImage): numbers that are numbers to the last character, and names of data files that stay
-// in their folder.
+// Parses text headers (NRRD, MetaImage). A number must fill its whole text. The names of data files must stay in the
+// folder of the header.
 
 #include <cstdint>
 #include <filesystem>
@@ -11,25 +11,32 @@
 
 namespace retractor::datasets {
 
+/// The text without blanks at its ends.
 std::string trimmed(std::string_view text);
+/// The text in lower case (ASCII).
 std::string lower_case(std::string_view text);
+/// The words of a text, separated by blanks.
 std::vector<std::string> words_of(std::string_view text);
 
-/// NaN passes, text does not. @throws InputError naming `field`.
+/// These functions read one number, one whole number, or numbers separated by blanks. NaN is accepted.
+/// @param field the header field, for messages
+/// @throws InputError, naming `field`, when the text is no number.
 double number_in(std::string_view text, const std::string& field, const std::string& where);
 std::int64_t integer_in(std::string_view text, const std::string& field, const std::string& where);
 std::vector<double> numbers_in(std::string_view text, const std::string& field, const std::string& where);
 
-/// One line without its end (LF or CRLF), or false at the end of the file.
-/// @throws InputError when it is longer than any header's line: the file is something else.
+/// Reads one line without its end (LF or CRLF). Returns false at the end of the file.
+/// @throws InputError when the line is longer than any line of a header, because the file is then no text header.
 bool next_header_line(std::ifstream& file, std::string& line, const std::string& where);
 
-/// `name` beside the file `header`. @throws InputError when it is absolute, climbs out of the header's folder, or is
-/// not there.
+/// The path of the data file `name`, relative to the folder of `header`.
+/// @throws InputError when `name` is absolute, when it leaves the folder of the header, or when the file does not
+/// exist.
 std::filesystem::path data_file(const std::filesystem::path& header, const std::string& name);
 
-/// The files that a header names: one name, "LIST" with names in the lines that follow, or a pattern such as
-/// "slice%03d.raw 1 124 1" (first, last, step). @throws as data_file().
+/// The data files that a header names. `value` is one name, "LIST" with names in the following lines of `rest`, or a
+/// pattern such as "slice%03d.raw 1 124 1" (first, last, step).
+/// @throws as data_file() does.
 std::vector<std::filesystem::path> data_files(
     const std::filesystem::path& header, const std::string& value, std::ifstream& rest);
 

@@ -11,7 +11,7 @@ namespace retractor::datasets {
 
 namespace {
 
-    // The writer of each format is made by name: the library's factories would try whatever is linked.
+    // Makes the writer of each format explicitly, because ITK's factories would try every linked format.
     itk::ImageIOBase::Pointer make_io(ImageFormat format)
     {
         switch (format) {
@@ -24,7 +24,7 @@ namespace {
         }
     }
 
-    /// The last line of an ITK exception says what; the rest is source positions.
+    /// The reason in an ITK exception is its last line; the other lines are source positions.
     std::string reason(const itk::ExceptionObject& error)
     {
         std::string text = error.GetDescription();
@@ -56,7 +56,7 @@ void write_image_file(const std::filesystem::path& path, ImageFormat format, con
         io->SetComponentType(image.is_signed ? itk::IOComponentEnum::SHORT : itk::IOComponentEnum::USHORT);
         io->SetNumberOfComponents(1);
         io->SetUseCompression(format != ImageFormat::nifti || path.extension() == ".gz");
-        io->SetCompressionLevel(2); // the noise of a CT does not compress: more effort only costs time
+        io->SetCompressionLevel(2); // the noise of a CT does not compress, so a higher level only takes time
         io->WriteImageInformation();
         io->Write(bytes);
     } catch (const itk::ExceptionObject& error) {

@@ -29,7 +29,7 @@ std::size_t voxel_bytes(VoxelType type)
 
 std::array<int, 3> checked_sizes(const std::vector<double>& sizes, const std::string& where)
 {
-    constexpr double kMostVoxels = 1LL << 36; // 128 GiB of 16 bits
+    constexpr double kMostVoxels = 1LL << 36; // 128 GiB of 16-bit voxels
     std::array<int, 3> checked { 1, 1, 1 };
     double voxels = 1.0;
     for (std::size_t a = 0; a < 3; ++a) {
@@ -47,7 +47,7 @@ std::array<int, 3> checked_sizes(const std::vector<double>& sizes, const std::st
 
 void set_steps(mesh::ImageGrid& grid, const Mat3& steps, const std::string& where)
 {
-    constexpr double kSquare = 1e-4; // cosine between axes: as check_grid()
+    constexpr double kSquare = 1e-4; // cosine between axes, as in check_grid()
     if (!steps.allFinite())
         throw InputError("the axes have numbers that are not finite", where);
     for (int a = 0; a < 3; ++a) {

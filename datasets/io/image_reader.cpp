@@ -24,7 +24,7 @@ namespace {
 
     namespace fs = std::filesystem;
 
-    constexpr std::size_t kChunk = 1U << 18U; // a multiple of every voxel's size
+    constexpr std::size_t kChunk = 1U << 18U; // bytes; a multiple of the size of every voxel type
     using TakeBytes = std::function<void(std::span<const char>)>;
 
     ImageHeader read_header(const fs::path& path)
@@ -42,7 +42,7 @@ namespace {
             "unknown image format: use a DICOM folder, .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd or .vti", path.string());
     }
 
-    /// First byte after `lines` lines.
+    /// Offset of the first byte after `lines` lines.
     std::uint64_t after_lines(const fs::path& file, std::uint64_t start, std::uint64_t lines)
     {
         if (lines == 0)
@@ -61,21 +61,21 @@ namespace {
         throw InputError("the data end before the lines to skip do", file.string());
     }
 
-    /// The least bytes that can hold `bytes` decoded ones.
+    /// The smallest number of encoded bytes that can hold `bytes` decoded bytes.
     std::uint64_t least_encoded(const VoxelStore& store, std::uint64_t bytes)
     {
-        constexpr std::uint64_t kMostDeflated = 1032; // the format's limit
+        constexpr std::uint64_t kMostDeflated = 1032; // largest compression factor of the format
         switch (store.encoding) {
         case Encoding::raw:
             return bytes;
         case Encoding::deflate:
             return bytes / kMostDeflated;
         case Encoding::text:
-            return 2 * (bytes / voxel_bytes(store.type)) - 1; // a digit and a blank each
+            return 2 * (bytes / voxel_bytes(store.type)) - 1; // one digit and one blank per number
         case Encoding::hex:
             return 2 * bytes;
         default:
-            return 1; // bzip2 has no limit that helps
+            return 1; // bzip2 has no useful limit
         }
     }
 
@@ -86,7 +86,7 @@ namespace {
             file.string());
     }
 
-    /// Decoded bytes of one file from the first voxel on, sizes compared as far as the encoding allows.
+    /// Opens the decoded bytes of one file at the first voxel. Sizes are compared as far as the encoding allows.
     std::unique_ptr<ByteSource> open_voxels(const VoxelStore& store, const fs::path& file, std::uint64_t bytes)
     {
         const std::uint64_t size = fs::file_size(file);
@@ -119,7 +119,7 @@ namespace {
         return source;
     }
 
-    /// What follows the voxels; reading to the end also compares checksums.
+    /// Checks the bytes after the voxels. Reading to the end also compares checksums.
     void check_end(ByteSource& source, const VoxelStore& store, const fs::path& file, std::vector<std::string>& notes)
     {
         constexpr std::uint64_t kCounted = 1U << 24U;
@@ -172,7 +172,7 @@ namespace {
                 header.where);
         std::vector<char> chunk(kChunk);
         std::uint64_t done = 0;
-        for (const fs::path& file : store.files) {
+        for (const fs::path& file : store.files) { // checked before any memory is allocated
             const auto source = open_voxels(store, file, share);
             for (std::uint64_t left = share; left > 0;) {
                 if (job.cancelled())
@@ -199,7 +199,7 @@ namespace {
             return false;
     }
 
-    /// Appends numbers to an image, each checked; a value that cannot be is named with its place.
+    /// Appends numbers to an image and checks each number. The message for an impossible value names the voxel.
     template <typename Out> class VoxelSink {
     public:
         VoxelSink(const ImageHeader& header, std::vector<Out>& voxels)
@@ -207,7 +207,7 @@ namespace {
             , voxels_(voxels)
         {
             voxels_.clear();
-            // Without the promise that so many come: bzip2 says only at its end how much it holds.
+            // The reserved size is limited, because bzip2 tells only at its end how many bytes it holds.
             constexpr std::uint64_t kUnproven = 1U << 24U;
             const std::uint64_t count = number_count(header);
             voxels_.reserve(header.store.encoding == Encoding::bzip2 ? std::min(count, kUnproven) : count);

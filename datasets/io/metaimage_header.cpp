@@ -14,7 +14,7 @@ namespace {
 
     struct HeaderText {
         std::map<std::string, std::string> fields;
-        std::vector<fs::path> data_files; ///< empty: the data follow the header
+        std::vector<fs::path> data_files; ///< empty when the data follow the header
         std::uint64_t end = 0;
     };
 
@@ -46,7 +46,7 @@ namespace {
         return header;
     }
 
-    /// The fields of one header by any of their names.
+    /// The fields of one header. A field may have several names.
     class Fields {
     public:
         Fields(const std::map<std::string, std::string>& fields, const std::string& where)
@@ -119,8 +119,10 @@ namespace {
         return found->second;
     }
 
-    /// The letters name the ends of the axes: by ITK's custom where each begins (RAI is LPS), by the format's own text
-    /// where it goes to. Alone they are believed only where both mean the same frame.
+    /// Checks the letters of "AnatomicalOrientation". By ITK's custom a letter names the side where the axis begins
+    /// (RAI is LPS). By the text of the format a letter names the side where the axis ends. Letters are accepted when
+    /// one of the two readings fits the matrix, or the identity in a header without matrix. Other letters give a note,
+    /// or without a matrix an error.
     void check_letters(const Fields& fields, bool has_matrix, ImageHeader& header)
     {
         const std::string* text = fields.find({ "AnatomicalOrientation" });
@@ -157,13 +159,13 @@ namespace {
         }
         Mat3 steps = Mat3::Identity();
         const std::vector<double> matrix = fields.numbers({ "TransformMatrix", "Rotation", "Orientation" }, 9);
-        for (std::size_t m = 0; m < matrix.size(); ++m) // one axis after the other
+        for (std::size_t m = 0; m < matrix.size(); ++m) // the matrix lists one axis after the other
             steps(static_cast<Eigen::Index>(m % 3), static_cast<Eigen::Index>(m / 3)) = matrix[m];
         for (int a = 0; a < 3; ++a) {
             const double length = spacing[static_cast<std::size_t>(a)];
             if (!(std::isfinite(length) && length > 0.0))
                 throw InputError("\"ElementSpacing\" must be positive and finite", where);
-            constexpr double kUnit = 1e-4; // as check_grid()
+            constexpr double kUnit = 1e-4; // as in check_grid()
             if (!(std::abs(steps.col(a).norm() - 1.0) <= kUnit))
                 throw InputError("the axes of \"TransformMatrix\" must be unit vectors", where);
             steps.col(a) *= length;

@@ -1,12 +1,12 @@
 #pragma once
-// Headers of MetaImage files (.mha, .mhd). Format: https://itk.org/Wiki/ITK/MetaIO/Documentation.
+// Reads headers of MetaImage files (.mha, .mhd). Format: https://itk.org/Wiki/ITK/MetaIO/Documentation.
 
 #include "datasets/io/image_header.h"
 
 namespace retractor::datasets {
 
-/// The frame of a MetaImage is LPS, as ITK writes it.
-/// @throws InputError naming file and field; IoError when it cannot be opened.
+/// Reads a header. The frame of a MetaImage is LPS, as ITK writes the format.
+/// @throws InputError naming file and field; IoError when the file cannot be opened.
 ImageHeader read_metaimage_header(const std::filesystem::path& path);
 
 } // namespace retractor::datasets

@@ -20,7 +20,7 @@ namespace {
     namespace fs = std::filesystem;
 
     constexpr std::size_t kHeaderBytes = 348;
-    constexpr std::size_t kDataBytes = 352; // header and the mark of extensions
+    constexpr std::size_t kDataBytes = 352; // bytes of the header and the flag of extensions
 
     bool named_gz(const fs::path& path) { return lower_case(path.extension().string()) == ".gz"; }
 
@@ -41,7 +41,7 @@ namespace {
         return file.gcount() == 2 && magic[0] == '\x1f' && magic[1] == '\x8b';
     }
 
-    /// The fixed part of the header, byte order settled.
+    /// The fixed part of the header, read in its byte order.
     class RawHeader {
     public:
         RawHeader(std::string bytes, const std::string& where)
@@ -150,7 +150,7 @@ namespace {
         return spacing;
     }
 
-    /// Index to world, as the file has it: RAS, in the file's unit.
+    /// The transform from index to world as in the file: RAS, in the file's unit.
     struct Placement {
         Mat3 steps;
         Vec3 origin;
@@ -159,7 +159,7 @@ namespace {
 
     Placement qform_of(const RawHeader& raw, const Vec3& spacing, const std::string& where)
     {
-        constexpr double kUnit = 1e-4; // single precision, and what text between tools leaves of it
+        constexpr double kUnit = 1e-4; // single precision, reduced by text between tools
         const double b = raw.real(256);
         const double c = raw.real(260);
         const double d = raw.real(264);
@@ -190,14 +190,14 @@ namespace {
 
     std::string text_of(const Vec3& v) { return formatted("(%.4g, %.4g, %.4g)", v.x(), v.y(), v.z()); }
 
-    /// Farthest apart that the two put a corner of the image, and the corner.
+    /// The largest distance at which the two transforms place a corner of the image, and this corner.
     std::pair<double, Vec3> farthest_corner(const Placement& a, const Placement& b, const std::array<int, 3>& size)
     {
         std::pair<double, Vec3> worst { -1.0, Vec3::Zero() };
         for (int corner = 0; corner < 8; ++corner) {
             const Vec3 index(corner & 1 ? size[0] - 1 : 0, corner & 2 ? size[1] - 1 : 0, corner & 4 ? size[2] - 1 : 0);
             const double apart = (a.corner(index) - b.corner(index)).norm();
-            if (!(apart <= worst.first)) // NaN is worst
+            if (!(apart <= worst.first)) // NaN counts as the largest distance
                 worst = { apart, index };
         }
         return worst;
@@ -225,10 +225,10 @@ namespace {
     Placement placement_of(const RawHeader& raw, const ImageHeader& header, std::vector<std::string>& notes)
     {
         constexpr double kApart_mm = 0.1;
-        // Near half a turn a quaternion in single precision is good to about 6e-4 rad.
+        // Near half a turn, a quaternion in single precision is accurate to about 6e-4 rad.
         constexpr double kQuaternion_rad = 6e-4;
         constexpr double kPixdim = 1e-3;
-        constexpr int kStandardSpace = 3; // Talairach, MNI and other templates
+        constexpr int kStandardSpace = 3; // code of Talairach, MNI and other templates
         const std::string& where = header.where;
         const Vec3 spacing = pixdim_of(raw, where);
         const int qform_code = raw.integer(252);
@@ -268,7 +268,7 @@ namespace {
         const double intercept = raw.real(116);
         if (!std::isfinite(slope) || !std::isfinite(intercept))
             throw InputError("NIfTI scl_slope and scl_inter must be finite", header.where);
-        if (slope == 0.0) { // the format's way to say "stored as it is"
+        if (slope == 0.0) { // the format's sign for unscaled voxels
             if (intercept != 0.0)
                 header.notes.push_back("scl_slope is 0, so that scl_inter is not used");
             return;

@@ -19,11 +19,11 @@ namespace {
 
     using Fields = std::map<std::string, std::string>;
 
-    /// The text of a header, and where it ends.
+    /// The fields of a header, and the offset of its end.
     struct HeaderText {
         Fields fields; ///< names in lower case without blanks: "spacedirections"
         std::map<std::string, std::string> keys;
-        std::vector<fs::path> data_files; ///< empty: the data follow the header
+        std::vector<fs::path> data_files; ///< empty when the data follow the header
         std::uint64_t end = 0;
     };
 
@@ -65,7 +65,7 @@ namespace {
                 const std::string value = header.fields[name];
                 header.data_files = data_files(path, value, file);
                 if (value.starts_with("LIST"))
-                    return header; // the list is the last thing in a header
+                    return header; // the list of files ends the header
             }
         }
         if (!blank && header.data_files.empty())
@@ -124,7 +124,7 @@ namespace {
         return found->second;
     }
 
-    /// What turns the header's space into LPS: signs of x, y, z.
+    /// The signs of x, y, z that convert the header's space to LPS.
     Vec3 signs_of_space(const Fields& fields, std::vector<std::string>& notes, const std::string& where)
     {
         const std::string* space = optional_field(fields, "space");
@@ -141,7 +141,7 @@ namespace {
         return found->second;
     }
 
-    /// "(1,0,0) none (0, 1, 0)": the vectors, nothing for "none".
+    /// Parses "(1,0,0) none (0, 1, 0)"; "none" gives no vector.
     std::vector<std::optional<Vec3>> vectors_in(
         const std::string& text, const std::string& field, const std::string& where)
     {
@@ -167,7 +167,7 @@ namespace {
         return vectors;
     }
 
-    /// Units in quotes; only millimetres are read.
+    /// Checks the quoted units. Only millimetres are accepted.
     void check_units(const Fields& fields, const char* field, const std::string& where)
     {
         const std::string* text = optional_field(fields, field);
@@ -183,7 +183,7 @@ namespace {
         }
     }
 
-    /// Number of the first spatial axis: 1 where a list of numbers per voxel comes first.
+    /// Index of the first spatial axis: 1 when a list of numbers per voxel comes first, else 0.
     std::size_t first_spatial_axis(const Fields& fields, std::size_t dimension, const std::string& where)
     {
         const std::string* kinds = optional_field(fields, "kinds");

@@ -13,7 +13,7 @@ namespace retractor::datasets {
 nlohmann::ordered_json parse_strictly(const std::string& text, const std::string& where)
 {
     using Json = nlohmann::ordered_json;
-    std::vector<std::set<std::string>> keys; // of the objects that are open
+    std::vector<std::set<std::string>> keys; // keys of each open object
     std::optional<std::string> twice;
     const auto watch = [&](int, Json::parse_event_t event, Json& value) {
         if (event == Json::parse_event_t::object_start)

@@ -1,5 +1,5 @@
 #pragma once
-// JSON as people and programs write it into our files, read without guessing.
+// Parses JSON without guessing.
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -7,9 +7,10 @@
 
 namespace retractor::datasets {
 
-/// The document, the order of its keys kept.
-/// @throws InputError, its where() as given: not JSON, not UTF-8, or a key given twice in one object (of which the
-/// parser alone would keep the last in silence).
+/// Parses a document and keeps the order of its keys.
+/// @param where place for the messages of errors
+/// @throws InputError when the text is not JSON or not UTF-8, and when a key occurs twice in one object. The JSON
+/// library alone would keep the last of two equal keys without a message.
 nlohmann::ordered_json parse_strictly(const std::string& text, const std::string& where);
 
 } // namespace retractor::datasets

@@ -54,7 +54,8 @@ namespace {
         }));
     }
 
-    /// By its mark, since hospitals leave suffixes out; older files have none, but then they are named .dcm.
+    /// True for a DICOM file, recognised by its mark, since hospitals omit suffixes. Older files have no mark, but the
+    /// suffix .dcm.
     bool is_dicom_file(const fs::path& path)
     {
         constexpr std::streamoff kPreamble = 128;
@@ -78,7 +79,7 @@ namespace {
         return imported;
     }
 
-    /// Scanners and other tools mark what they did not measure with values below air.
+    /// Replaces values below air, with which scanners and other tools mark places without a measurement.
     void replace_padding(ImportedVolume& imported)
     {
         constexpr std::int16_t kAir = -1024;
@@ -95,11 +96,12 @@ namespace {
                 + ") are padding: set to -1024");
     }
 
-    /// Padding made air, and a line for each thing that a chest CT in Hounsfield units and mm does not have.
+    /// Replaces padding by air, and adds a note for every property that a chest CT in Hounsfield units and mm does not
+    /// have.
     void tell_values(ImportedVolume& imported, const std::string& where)
     {
-        constexpr std::int16_t kLung = -200; // every CT of a body has some, or air around it
-        constexpr std::int16_t kMetal = 4000; // above the common 12-bit range
+        constexpr std::int16_t kLung = -200; // HU; every CT of a body has lower values, in lung or in the air outside
+        constexpr std::int16_t kMetal = 4000; // HU; above the usual 12-bit range
         constexpr double kFinest_mm = 0.05;
         constexpr double kCoarsest_mm = 20.0;
         replace_padding(imported);
@@ -188,7 +190,7 @@ mesh::LabelVolume resample_labels_to(const mesh::LabelVolume& labels, const mesh
     mesh::LabelVolume result { grid, std::vector<Label>(grid.voxel_count(), 0), labels.table };
     const mesh::ImageGrid& from = labels.grid;
     const Vec3 start = from.index(grid.origin);
-    Mat3 step; // change of the source index per target index
+    Mat3 step; // change of the source index per step of the target index
     for (int axis = 0; axis < 3; ++axis)
         step.col(axis) = from.index(grid.world(Vec3::Unit(axis))) - start;
     bool overlap = false;

@@ -1,6 +1,7 @@
 #pragma once
-// CT and label images on disk. Every file ends up in patient LPS mm: NIfTI and NRRD files in RAS are converted
-// where they are read. Formats by suffix: .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd, .vti; a folder is a DICOM series.
+// Reads and writes CT and label images. Every image in memory has the frame patient LPS, in mm; the readers convert
+// NIfTI and NRRD files in RAS. The suffix selects the format: .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd, .vti. A folder
+// is a DICOM series.
 
 #include "mesh/base/job.h"
 #include "mesh/image/volume.h"
@@ -11,50 +12,55 @@
 
 namespace retractor::datasets {
 
-/// An image from elsewhere, and what was decided while reading it, one line each, for the user: the series that was
-/// chosen, padding, a gantry that was straightened. No line holds a patient's name or id.
+/// An image of another program, and the decisions made while reading the file.
 struct ImportedVolume {
     mesh::Volume volume;
+    /// One decision each, for the user: chosen series, padding, straightened gantry; without a patient's name or id.
     std::vector<std::string> notes;
 };
+/// How to read DICOM; other formats have no options.
 struct ImportOptions {
     std::string series; ///< see DicomReadOptions
-    bool rectify_tilt = true;
+    bool rectify_tilt = true; ///< see DicomReadOptions
 };
-/// A CT from another program's files: everything read_volume() takes, and DICOM with choice of series (one file too).
-/// Values below -1024 HU become -1024 and are counted in a note; values, spacing or headers that leave a doubt have a
-/// note each. @throws as read_volume() and read_dicom() do.
+/// Reads a CT that another program wrote: every format of read_volume(), and DICOM with a choice of the series, also as
+/// one file. Values below -1024 HU become -1024, and a note gives their number. Doubtful values, spacings and headers
+/// give a note each. @throws as read_volume() and read_dicom() do.
 ImportedVolume import_volume(const std::filesystem::path& path, const ImportOptions& options = {}, const Job& job = {});
 
-/// Records the part "voxels".
-/// @throws InputError for an unknown suffix, an image that is not 3-D with one number per voxel, bad geometry,
-/// fewer pixels than the header promises, values that are no 16-bit Hounsfield numbers; IoError when there is no
-/// such file or it cannot be opened.
+/// Reads a CT in Hounsfield units. Records the part "voxels".
+/// @throws InputError for an unknown suffix, an image that is not 3-D with one number per voxel, bad geometry, fewer
+/// pixels than the header declares, and values that are no 16-bit Hounsfield numbers; IoError when the file does not
+/// exist or cannot be opened.
 mesh::Volume read_volume(const std::filesystem::path& path, const Job& job = {});
 
-/// The labels alone, with an empty table: their ids have no names yet. `notes`, if given, gets a line for what was
-/// decided. Records the part "labels". @throws as read_volume() does, and for values that are no whole numbers from 0
-/// to 65535.
+/// Reads labels with an empty table, so the ids have no names yet. Decisions are appended to `notes`, if given. Records
+/// the part "labels".
+/// @throws as read_volume() does; InputError also for values that are no whole numbers from 0 to 65535.
 mesh::LabelVolume read_label_voxels(
     const std::filesystem::path& path, std::vector<std::string>* notes = nullptr, const Job& job = {});
 
-/// The image and its table from the JSON beside it (`label_table_path`). Records the part "labels".
-/// @throws InputError as above, for a table that is missing or wrong (file and JSON pointer in where()), and for
-/// voxel values that the table does not name.
+/// Reads labels and the table in the JSON file beside the image (label_table_path()). Records the part "labels".
+/// @throws as read_label_voxels() does; InputError also for a missing or wrong table (file and JSON pointer in
+/// where()), and for voxel values that the table does not name.
 mesh::LabelVolume read_label_volume(const std::filesystem::path& path, const Job& job = {});
 
-/// The format follows the suffix; NRRD (gzip, space left-posterior-superior) keeps the geometry exactly, NIfTI in
-/// single precision. The file appears whole or not at all.
+/// Writes a CT; the suffix selects the format. NRRD (gzip, space left-posterior-superior) stores the geometry exactly,
+/// NIfTI in single precision. The file appears complete or not at all.
+/// @throws InputError for a bad grid or suffix; IoError when writing fails.
 void write_volume(const std::filesystem::path& path, const mesh::Volume& volume);
 
-/// The image as above and the table beside it.
+/// Writes labels as write_volume() writes a CT, and the table beside the image.
+/// @throws as write_volume() does; InputError also for voxel values that the table does not name.
 void write_label_volume(const std::filesystem::path& path, const mesh::LabelVolume& labels);
 
-/// `<stem>.labels.json` beside the image: {"frame": "LPS", "labels": [{"id", "name", "material", "role"}]}.
+/// The path `<stem>.labels.json` beside the image. The format is in datasets/io/label_table.h.
 std::filesystem::path label_table_path(const std::filesystem::path& image);
 
-/// The labels seen on another grid: each voxel takes the label nearest to its centre in the world, 0 outside.
-/// @throws InputError when not one voxel centre lies inside the labels' grid (two different frames, most likely).
+/// Returns the labels on another grid. Each voxel takes the label that is nearest to its centre in the world, or 0
+/// outside the labels' grid.
+/// @throws InputError when no voxel centre of `grid` lies inside the labels' grid. Two different frames are then
+/// likely.
 mesh::LabelVolume resample_labels_to(const mesh::LabelVolume& labels, const mesh::ImageGrid& grid);
 
 } // namespace retractor::datasets

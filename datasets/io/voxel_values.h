@@ -1,5 +1,6 @@
 #pragma once
-// One voxel's number made into what the project stores, or refused. Shared by the readers.
+// Converts the number of one voxel to the type that the project stores, or refuses the number. All readers share these
+// functions.
 
 #include "datasets/io/image_header.h"
 #include "mesh/base/geometry.h"
@@ -9,13 +10,13 @@
 
 namespace retractor::datasets {
 
-/// Rounded to the nearest Hounsfield unit. @throws InputError for NaN and for what 16 bits cannot hold.
+/// Rounds to the nearest Hounsfield unit. @throws InputError for NaN and for numbers that do not fit 16 bits.
 std::int16_t to_hounsfield(double value, const std::string& where);
 
-/// @throws InputError unless the value is a whole number from 0 to 65535.
+/// Converts a number to a label. @throws InputError unless the number is whole and from 0 to 65535.
 Label to_label(double value, const std::string& where);
 
-/// Calls `visit(T {})` with the type of the stored voxels.
+/// Calls `visit(T {})` with T the type of the stored voxels.
 template <typename Visit> void with_voxel_type(VoxelType type, const Visit& visit)
 {
     switch (type) {

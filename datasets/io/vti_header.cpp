@@ -18,9 +18,9 @@ namespace {
     namespace fs = std::filesystem;
 
     struct Element {
-        std::string name; ///< "/Piece" where it ends
+        std::string name; ///< an end tag has a slash: "/Piece"
         std::map<std::string, std::string> attributes;
-        std::uint64_t content = 0; ///< place in the file after its ">"
+        std::uint64_t content = 0; ///< offset in the file after the tag's ">"
 
         const std::string* find(const char* attribute) const
         {
@@ -34,7 +34,7 @@ namespace {
         }
     };
 
-    /// The tags of the file one after the other; what is between them is passed over.
+    /// Reads the tags of the file in order and skips the text between them.
     class TagReader {
     public:
         explicit TagReader(const fs::path& path)
@@ -44,7 +44,7 @@ namespace {
             if (!file_)
                 throw IoError("cannot open the file", where_);
         }
-        /// Nothing at the end of the file.
+        /// The next tag, or nothing at the end of the file.
         std::optional<Element> next()
         {
             for (;;) {
@@ -111,14 +111,14 @@ namespace {
         std::uint64_t at_ = 0;
     };
 
-    /// The elements that matter, wherever they stand.
+    /// The elements that describe the image, at any place of the document.
     struct Document {
         Element file;
         Element image;
         Element point_data;
         Element appended;
         std::vector<Element> pieces;
-        std::vector<Element> arrays; ///< of PointData
+        std::vector<Element> arrays; ///< arrays of PointData
         bool cell_arrays = false;
     };
 
@@ -143,7 +143,7 @@ namespace {
             if (element->name == "DataArray" && inside == "PointData")
                 document.arrays.push_back(*element);
             document.cell_arrays = document.cell_arrays || (element->name == "DataArray" && inside == "CellData");
-            if (element->name == "AppendedData") { // what follows may be no text
+            if (element->name == "AppendedData") { // the appended data may be binary
                 document.appended = *element;
                 break;
             }
@@ -198,10 +198,10 @@ namespace {
         Mat3 steps = Mat3::Identity();
         if (document.image.find("Direction") != nullptr) {
             const std::vector<double> direction = required(document.image, "Direction", 9, where);
-            for (std::size_t m = 0; m < 9; ++m) // rows
+            for (std::size_t m = 0; m < 9; ++m) // the matrix is listed row by row
                 steps(static_cast<Eigen::Index>(m / 3), static_cast<Eigen::Index>(m % 3)) = direction[m];
         }
-        constexpr double kUnit = 1e-4; // as check_grid()
+        constexpr double kUnit = 1e-4; // as in check_grid()
         for (int a = 0; a < 3; ++a) {
             if (!(spacing[static_cast<std::size_t>(a)] > 0.0))
                 throw InputError("the spacing of the .vti must be positive", where);
@@ -228,7 +228,7 @@ namespace {
         return found->second;
     }
 
-    /// Numbers that VTK puts before data: byte counts.
+    /// The byte counts that VTK writes before data.
     class Counts {
     public:
         Counts(const Element& file, const VoxelStore& store, const std::string& where)
@@ -275,7 +275,7 @@ namespace {
             where);
     }
 
-    /// Plain data: one count, then the bytes.
+    /// Uncompressed data: one count, then the bytes.
     void set_plain(VoxelStore& store, const Counts& counts, std::uint64_t promised, const std::string& where)
     {
         const std::uint64_t stored = counts.read(1).front();
@@ -286,7 +286,8 @@ namespace {
         store.length = store.base64 ? (all + 2) / 3 * 4 : all;
     }
 
-    /// Packed data: number of blocks, size of each, size of the last if smaller, then each block's packed size.
+    /// Compressed data: number of blocks, size of a block, size of a smaller last block, compressed size of each block,
+    /// then the blocks.
     void set_packed(VoxelStore& store, const Counts& counts, std::uint64_t promised, const std::string& where)
     {
         const std::vector<std::uint64_t> first = counts.read(3);
@@ -305,13 +306,13 @@ namespace {
             packed += all[n];
         }
         const std::uint64_t ahead = counts.size(3 + blocks);
-        store.start += store.base64 ? (ahead + 2) / 3 * 4 : ahead; // encoded apart from the blocks
+        store.start += store.base64 ? (ahead + 2) / 3 * 4 : ahead; // the counts are encoded apart from the blocks
         store.length = store.base64 ? (packed + 2) / 3 * 4 : packed;
         store.encoding = Encoding::deflate;
         store.streams = blocks;
     }
 
-    /// First character from `start` on that is, or is not, blank or a tag's begin.
+    /// Offset of the first character from `start` on that is not blank, or, with `tag`, of the first "<".
     std::uint64_t find_character(const fs::path& path, std::uint64_t start, bool tag)
     {
         std::ifstream file(path, std::ios::binary);
@@ -354,7 +355,7 @@ namespace {
             if (encoding != "raw" && encoding != "base64")
                 throw InputError("the encoding of appended data must be raw or base64", where);
             store.base64 = encoding == "base64";
-            // The data begin after an underscore.
+            // The appended data begin after an underscore.
             store.start
                 = find_character(path, document.appended.content, false) + 1 + static_cast<std::uint64_t>(offset);
         } else {

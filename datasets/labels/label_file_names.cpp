@@ -34,7 +34,7 @@ namespace {
         return plain;
     }
 
-    /// The text of an element: as it is in a CDATA section, else with entities.
+    /// The text of an element. A CDATA section is copied; entities in other text are replaced.
     std::string element_text(std::string_view body)
     {
         constexpr std::string_view kOpen = "<![CDATA[";
@@ -76,7 +76,7 @@ std::map<Label, std::string> label_names_from_xml(const std::string& xml, const 
             throw InputError("the names in the file's header have a key that is no id from 0 to 65535: "
                     + std::string(rest.substr(0, std::min<std::size_t>(open_end + 1, 60))),
                 where);
-        // Id 0 is the background, which some programs name too.
+        // Id 0 is the background. Some programs name it too.
         if (*key != 0 && !names.emplace(*key, element_text(rest.substr(open_end + 1, close - open_end - 1))).second)
             throw InputError("the names in the file's header give id " + std::to_string(*key) + " twice", where);
         rest.remove_prefix(close);

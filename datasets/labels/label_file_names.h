@@ -1,5 +1,5 @@
 #pragma once
-// Names that an image of labels carries in its own header.
+// Reads the names that an image of labels carries in its own header.
 
 #include "mesh/base/geometry.h"
 
@@ -9,12 +9,12 @@
 
 namespace retractor::datasets {
 
-/// The table that TotalSegmentator writes as an extension of the NIfTI-1 header (XML, <Label Key="5">liver</Label>),
-/// without id 0. Empty when there is none, also for files of other formats.
-/// @throws InputError for an extension that is damaged, or that names an id twice.
+/// Returns the table that TotalSegmentator writes as an extension of the NIfTI-1 header (XML, <Label
+/// Key="5">liver</Label>), without id 0. The result is empty for a file without such a table and for other formats.
+/// @throws InputError for a damaged extension, and for an id that occurs twice.
 std::map<Label, std::string> label_names_in_file(const std::filesystem::path& image);
 
-/// The same from the extension's text.
+/// Returns the same table from the text of the extension. @throws InputError as label_names_in_file() does.
 std::map<Label, std::string> label_names_from_xml(const std::string& xml, const std::string& where);
 
 } // namespace retractor::datasets

@@ -23,16 +23,16 @@ namespace {
 
     using Notes = std::vector<std::string>;
     using Names = std::map<Label, std::string>;
-    using Counts = std::map<Label, std::size_t>; ///< voxels per id, 0 left out
+    using Counts = std::map<Label, std::size_t>; ///< voxels per id, without id 0
 
-    constexpr std::size_t kMostTold = 8; ///< names or ids in one line
+    constexpr std::size_t kMostTold = 8; ///< most names or ids in one line
 
     std::string counted(std::size_t count, const std::string& what)
     {
         return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
     }
 
-    /// The first few of a list, and how many more there are.
+    /// The first entries of a list, and the number of the other entries.
     std::string listed(const std::vector<std::string>& items)
     {
         std::string text;
@@ -64,14 +64,16 @@ namespace {
     std::string what_to_do(const fs::path& image)
     {
         std::string presets;
+        // This preset needs names in the file.
         for (const std::string& preset : label_preset_names())
-            if (preset != "slicer") // it needs names in the file
+            if (preset != "slicer")
                 presets += (presets.empty() ? "" : ", ") + preset;
         return "give a preset (" + presets + ") or put a table beside the image ("
             + label_table_path(image).filename().string() + ")";
     }
 
-    /// A table from names in a file. Two ids of one structure keep apart by their ids.
+    /// Makes a table from the names in a file. When two ids have the same structure, the id is appended to the later
+    /// name.
     mesh::LabelTable named_table(const Names& names, Notes& notes)
     {
         mesh::LabelTable table;
@@ -109,7 +111,8 @@ namespace {
                 image.string());
     }
 
-    /// The image may know better than the user which version of a tool wrote it.
+    /// Refuses a preset that contradicts the names in the file. The image may come from another version of a tool than
+    /// the user chose.
     void check_preset_agrees(
         const mesh::LabelTable& table, const Names& own, const std::string& preset, const fs::path& image)
     {
@@ -132,7 +135,7 @@ namespace {
         return found == kTypes.end() ? "type " + std::to_string(type) : found->second;
     }
 
-    /// Packed labels of the Chest Imaging Platform: region + (type << 8).
+    /// Keeps the region of the Chest Imaging Platform's packed labels, region + (type << 8).
     void keep_regions(std::vector<Label>& voxels, Notes& notes)
     {
         constexpr Label kOutsideBody = 30;
@@ -204,7 +207,7 @@ namespace {
         check_all_named(labels.table, present, "the file's header", path);
     }
 
-    /// Segments that the user has not named may have been told what they are.
+    /// Names segments that the user did not name, by their coded terms.
     void name_by_terms(SegmentedImage& image, Notes& notes)
     {
         for (Segment& segment : image.segments) {
@@ -224,7 +227,7 @@ namespace {
     ImportedLabels import_segments(const fs::path& path, const LabelImportOptions& options, const Job& job)
     {
         if (!options.preset.empty() && options.preset != "slicer") {
-            preset_table(options.preset); // a misspelt one is told as such
+            preset_table(options.preset); // throws for a misspelt preset
             throw InputError("preset " + options.preset
                     + " goes by ids, but this file names its segments: leave the preset out, or use slicer",
                 path.string());
@@ -303,8 +306,7 @@ namespace {
         return images;
     }
 
-    /// The names of one image of a folder: of the values that are in it, by the names in its header or by its file
-    /// name.
+    /// The names for the values of one image in a folder, from the image's header or from its file name.
     Names names_of_masks(const fs::path& path, const Counts& present)
     {
         Names names = label_names_in_file(path);
@@ -320,13 +322,13 @@ namespace {
         return names;
     }
 
-    /// Nothing when cancelled.
+    /// Reads all masks of a folder. Returns nothing when cancelled.
     std::vector<StructureMask> read_masks(const fs::path& folder, Notes& notes, const Job& job)
     {
         std::vector<StructureMask> masks;
         const std::vector<fs::path> images = images_in(folder, notes);
         std::vector<std::string> empty;
-        Job silent; // one mask among many is no part of its own
+        Job silent; // reading one of many masks records no part of its own
         silent.cancel = job.cancel;
         for (std::size_t n = 0; n < images.size(); ++n) {
             job.report("read labels", static_cast<double>(n) / static_cast<double>(images.size()));
@@ -336,8 +338,9 @@ namespace {
             const mesh::LabelVolume image = read_label_voxels(images[n], &told, silent);
             if (job.cancelled())
                 return {};
+            // All masks of a tool may give the same note.
             for (const std::string& note : told)
-                if (std::find(notes.begin(), notes.end(), note) == notes.end()) // the masks of one tool are alike
+                if (std::find(notes.begin(), notes.end(), note) == notes.end())
                     notes.push_back(note);
             if (image.voxels.size() > std::numeric_limits<std::uint32_t>::max())
                 throw InputError("the image is too large", images[n].string());
@@ -399,8 +402,9 @@ namespace {
 
     ImportedLabels import_folder(const fs::path& folder, const LabelImportOptions& options, const Job& job)
     {
+        // Throws for a misspelt preset, although the names of the files are used.
         if (!options.preset.empty() && options.preset != "slicer")
-            preset_table(options.preset); // the files' names are used, but a misspelt preset is told
+            preset_table(options.preset);
         const Stopwatch watch;
         ImportedLabels imported;
         const std::vector<StructureMask> masks = read_masks(folder, imported.notes, job);

@@ -15,7 +15,7 @@ namespace {
 
     constexpr std::size_t kMostVoxels = 400'000'000;
 
-    /// A box in continuous indices of the kept grid, faces of voxels included.
+    /// A box in continuous indices of the kept grid. The box reaches to the outer faces of its voxels.
     struct IndexBox {
         Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
         Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
@@ -32,8 +32,8 @@ namespace {
         }
     };
 
-    /// Bounding box of the voxels from `low` to `high` (inclusive, indices of `from`) seen in the indices of `to`;
-    /// `half` 0.5 takes whole voxels, 0 their centres.
+    /// Bounding box, in indices of `to`, of the voxels from `low` to `high` (inclusive, indices of `from`). With `half`
+    /// 0.5 the box contains the whole voxels, with 0 only their centres.
     IndexBox seen_in(
         const mesh::ImageGrid& to, const mesh::ImageGrid& from, const Vec3& low, const Vec3& high, double half)
     {
@@ -49,7 +49,7 @@ namespace {
 
     Vec3 last_index(const mesh::ImageGrid& grid) { return Vec3(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1); }
 
-    /// The voxels a mask has, as a box of indices.
+    /// The lowest and the highest index of a mask's voxels.
     std::pair<std::array<int, 3>, std::array<int, 3>> extent_of(const StructureMask& mask)
     {
         std::array<int, 3> low = mask.grid.size, high { -1, -1, -1 };
@@ -77,11 +77,11 @@ namespace {
         return *std::min_element(masks.begin(), masks.end(), better);
     }
 
-    /// Every image must be joined to the others by images that touch: masks of two patients, or of two frames of one
-    /// patient, must not be laid into one picture.
+    /// Refuses masks whose grids lie apart. Every grid must be connected to the others through touching grids, because
+    /// masks of two patients, or of two frames of one patient, must not be merged.
     void check_one_place(std::span<const StructureMask> masks, const mesh::ImageGrid& grid)
     {
-        constexpr double kSlack = 1.0; // voxels: crops round neighbouring organs may leave a seam
+        constexpr double kSlack = 1.0; // voxels; crops around neighbouring organs may leave a gap
         std::vector<IndexBox> boxes;
         for (const StructureMask& mask : masks)
             boxes.push_back(seen_in(grid, mask.grid, Vec3::Zero(), last_index(mask.grid), 0.5));
@@ -104,7 +104,7 @@ namespace {
                 masks[static_cast<std::size_t>(apart - reached.begin())].source);
     }
 
-    /// The grid extended by whole voxels so that the centres of all labelled voxels lie in it.
+    /// Extends the grid by whole voxels, so that the centres of all labelled voxels lie inside.
     mesh::ImageGrid covering(const mesh::ImageGrid& grid, std::span<const StructureMask> masks)
     {
         IndexBox all;
@@ -120,7 +120,8 @@ namespace {
         mesh::ImageGrid wide = grid;
         Vec3 shift;
         double voxels = 1.0;
-        constexpr double kNearest = 0.5 - 1e-3; // a centre this near is in the outermost voxel already
+        // A centre within this distance (voxels) already lies in the outermost voxel.
+        constexpr double kNearest = 0.5 - 1e-3;
         for (int axis = 0; axis < 3; ++axis) {
             shift[axis] = std::min(0.0, std::floor(all.low[axis] + kNearest));
             const double last = std::max<double>(last_index(grid)[axis], std::ceil(all.high[axis] - kNearest));
@@ -134,10 +135,10 @@ namespace {
         return wide;
     }
 
-    /// Offset of a grid in the kept one where both have the same voxels, as a crop has.
+    /// Offset of `crop` in the kept grid when both have the same voxels, as a cropped image has. Nothing otherwise.
     std::optional<std::array<int, 3>> same_lattice(const mesh::ImageGrid& grid, const mesh::ImageGrid& crop)
     {
-        constexpr double kSame = 1e-2; // of a voxel over the whole crop: NIfTI stores single precision
+        constexpr double kSame = 1e-2; // voxels over the whole crop; NIfTI stores single precision
         const Vec3 last = last_index(crop);
         const Vec3 at_first = grid.index(crop.origin);
         const Vec3 shift = at_first.array().round();
@@ -190,7 +191,8 @@ namespace {
 
     struct Structure {
         std::vector<const StructureMask*> masks;
-        double volume_mm3 = 0.0; ///< of the largest of its masks: joined ones mostly repeat each other
+        /// Volume of the structure's largest mask, since joined masks mostly repeat each other.
+        double volume_mm3 = 0.0;
     };
 
 } // namespace
@@ -245,7 +247,7 @@ MergedMasks merge_masks(std::span<const StructureMask> masks, const Job& job)
     merged.counts.assign(structures.size(), 0);
     merged.lost.resize(structures.size());
 
-    // The largest first, so that the smaller end on top; equal ones in their order.
+    // The largest structure is painted first, so that smaller structures win. Equal structures keep their order.
     std::vector<std::size_t> order(structures.size());
     std::iota(order.begin(), order.end(), std::size_t { 0 });
     std::stable_sort(order.begin(), order.end(),

@@ -1,5 +1,5 @@
-// Names of structures as other tools spell them. A name is taken apart into words; side and number are set aside, the
-// other words are looked up without regard to their order ("vena cava superior" is "superior_vena_cava").
+// Recognises the names of structures as other tools spell them. A name is divided into words. Side and number are set
+// aside, and the other words are looked up in any order ("vena cava superior" is "superior_vena_cava").
 
 #include "datasets/labels/label_presets.h"
 
@@ -19,11 +19,12 @@ namespace {
     bool is_digit(char c) { return c >= '0' && c <= '9'; }
     bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
     bool is_upper(char c) { return c >= 'A' && c <= 'Z'; }
-    /// Bytes beyond ASCII belong to words: names may be in any language.
+    /// Bytes beyond ASCII belong to words, because names may be in any language.
     bool is_word(char c) { return is_digit(c) || is_lower(c) || is_upper(c) || static_cast<unsigned char>(c) >= 0x80; }
     bool all_digits(std::string_view text) { return !text.empty() && std::all_of(text.begin(), text.end(), is_digit); }
 
-    /// "LeftLung", "left lung" and "Left_Lung" are two words each; "rib5" is two, "T5" is one.
+    /// Divides a name into words. "LeftLung", "left lung" and "Left_Lung" have two words each, "rib5" has two, "T5" has
+    /// one.
     Words words_of(std::string_view name)
     {
         Words words;
@@ -52,7 +53,7 @@ namespace {
         return text;
     }
 
-    /// One spelling for each word: plurals, Latin, American.
+    /// The common spelling of a plural, Latin or American word.
     std::string common_word(const std::string& word)
     {
         static const std::map<std::string, std::string> kCommon { { "l", "left" }, { "lt", "left" },
@@ -95,11 +96,11 @@ namespace {
         return std::any_of(words.begin(), words.end(), [&](const std::string& word) { return of.contains(word); });
     }
 
-    /// A name taken apart.
+    /// The parts of a name.
     struct Parsed {
-        Words own; ///< as given, lower case
-        Words words; ///< common spelling, without side and fillers
-        std::string side; ///< "left", "right" or nothing
+        Words own; ///< the words of the name in lower case
+        Words words; ///< the words in common spelling, without side and fillers
+        std::string side; ///< "left", "right" or empty
     };
 
     Parsed parse(std::string_view name)
@@ -122,7 +123,7 @@ namespace {
     }
 
     struct Structure {
-        std::string name; ///< as the planner spells it, side not included
+        std::string name; ///< the planner's name, without side
         std::string material;
         mesh::Role role = mesh::Role::voxel;
     };
@@ -135,7 +136,8 @@ namespace {
         return joined(words, ' ');
     }
 
-    /// Names are separated by commas; the first is the planner's, the others are further spellings of it.
+    /// Adds structures to the dictionary. A structure is a list of names separated by commas: first the planner's name,
+    /// then other spellings.
     void add_structures(Dictionary& dictionary, const char* material, mesh::Role role,
         std::initializer_list<std::string_view> structures)
     {
@@ -220,7 +222,7 @@ namespace {
         const auto found = dictionary().find(key_of(words));
         if (found != dictionary().end())
             return &found->second;
-        // "sternum bone", "trapezius muscle", "thyroid gland": the noun says nothing new.
+        // A general noun adds nothing: "sternum bone", "trapezius muscle", "thyroid gland".
         static const std::set<std::string_view> kNouns { "bone", "muscle", "gland", "organ" };
         Words fewer = words;
         std::erase_if(fewer, [](const std::string& word) { return kNouns.contains(word); });
@@ -228,8 +230,8 @@ namespace {
         return fewer.size() < words.size() && again != dictionary().end() ? &again->second : nullptr;
     }
 
-    /// "rib_left_5", "right rib 5", "Rib L5", "fifth left rib", "5th rib left"; a rib without side or number keeps what
-    /// it has.
+    /// Recognises a rib: "rib_left_5", "right rib 5", "Rib L5", "fifth left rib", "5th rib left". A rib without side or
+    /// number keeps the part that it has.
     std::optional<Structure> rib_of(const Parsed& parsed)
     {
         if (!has(parsed.words, "rib"))
@@ -252,7 +254,7 @@ namespace {
         return Structure { name, "bone", mesh::Role::wall };
     }
 
-    /// "vertebrae_T5", "T5 vertebra", "T5", "fifth thoracic vertebra".
+    /// Recognises a vertebra: "vertebrae_T5", "T5 vertebra", "T5", "fifth thoracic vertebra".
     std::optional<Structure> vertebra_of(const Parsed& parsed)
     {
         static const std::map<std::string_view, char> kRegions { { "cervical", 'C' }, { "thoracic", 'T' },
@@ -274,7 +276,7 @@ namespace {
                 && named == kRegions.end())
                 return std::nullopt;
         }
-        // Alone, "S1" is as likely a first segment, and "fifth thoracic" may be anything.
+        // The name "S1" alone may also be a first segment, and "fifth thoracic" may be any structure.
         const bool alone = parsed.words.size() == 1 && region != 'S';
         const std::map<char, int> last { { 'C', 7 }, { 'T', 13 }, { 'L', 6 }, { 'S', 5 } };
         if (region == 0 || !number || *number < 1 || *number > last.at(region)
@@ -283,7 +285,7 @@ namespace {
         return Structure { std::string("vertebrae_") + region + std::to_string(*number), "bone", mesh::Role::wall };
     }
 
-    /// Words that tell the tissue of a structure that the dictionary does not have.
+    /// Chooses the tissue by single words when the dictionary does not have the structure.
     Structure by_words(const Words& words, std::string name)
     {
         static const std::set<std::string_view> kTarget { "target", "aneurysm", "lumen", "tumour", "lesion", "nodule",
@@ -336,7 +338,7 @@ namespace {
         return by_words(parsed.words, joined(parsed.own, '_'));
     }
 
-    /// The third part of "SCHEME^code^meaning".
+    /// The meaning in "SCHEME^code^meaning".
     std::string_view meaning(std::string_view triple)
     {
         const std::size_t last = triple.rfind('^');
@@ -360,7 +362,8 @@ std::string structure_from_terminology(std::string_view tags)
     const std::size_t key = tags.find(kKey);
     std::string_view entry = key == std::string_view::npos ? tags : tags.substr(key + kKey.size());
     entry = entry.substr(0, entry.find('|'));
-    // context ~ category ~ type ~ modifier of the type ~ context of the region ~ region ~ modifier of the region
+    // The fields are: context ~ category ~ type ~ modifier of the type ~ context of the region ~ region ~ modifier of
+    // the region.
     std::vector<std::string_view> fields;
     while (true) {
         const std::size_t end = entry.find('~');
@@ -374,8 +377,8 @@ std::string structure_from_terminology(std::string_view tags)
     std::string text(meaning(fields[2]));
     if (text.empty() || text == "Tissue")
         return {};
-    // The side may be with the structure or with its region; the region tells the fat of the trunk from that under
-    // skin.
+    // The side may belong to the structure or to the region. The region distinguishes the fat of the trunk from the fat
+    // under the skin.
     for (const std::size_t field : { 3U, 5U, 6U })
         if (field < fields.size() && !meaning(fields[field]).empty())
             text += " " + std::string(meaning(fields[field]));

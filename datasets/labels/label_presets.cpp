@@ -10,8 +10,8 @@ namespace {
 
     using Names = std::vector<std::string>;
 
-    // Runs of names that occur in both versions of TotalSegmentator. Sources: its class table
-    // (totalsegmentator/map_to_binary.py) and the names that its images carry.
+    // Sequences of names that occur in both versions of TotalSegmentator. Sources: its class table
+    // (totalsegmentator/map_to_binary.py), and the names in its images.
 
     void append(Names& names, std::initializer_list<const char*> more)
     {
@@ -24,7 +24,7 @@ namespace {
             names.push_back(std::string("vertebrae_") + region + std::to_string(level));
     }
 
-    /// From the fifth lumbar vertebra to the atlas.
+    /// Appends the vertebrae from the fifth lumbar vertebra to the atlas.
     void append_spine(Names& names)
     {
         append_vertebrae(names, 'L', 5);
@@ -46,7 +46,7 @@ namespace {
                 names.push_back(structure + side);
     }
 
-    /// Task "total" of version 2, ids 1 to 117.
+    /// Names of task "total" of version 2, ids 1 to 117.
     Names totalsegmentator_v2()
     {
         Names names { "spleen", "kidney_right", "kidney_left", "gallbladder", "liver", "stomach", "pancreas",
@@ -69,7 +69,7 @@ namespace {
         return names;
     }
 
-    /// Version 1, ids 1 to 104.
+    /// Names of version 1, ids 1 to 104.
     Names totalsegmentator_v1()
     {
         Names names { "spleen", "kidney_right", "kidney_left", "gallbladder", "liver", "stomach", "aorta",
@@ -108,7 +108,7 @@ namespace {
 
     struct Preset {
         const char* name;
-        Names (*structures)(); ///< ids from 1; null where the names come from the file
+        Names (*structures)(); ///< names of the ids from 1; null when the file has the names
     };
 
     std::span<const Preset> presets()

@@ -1,6 +1,6 @@
-// Connected pieces over runs of voxels: every row of the image is cut into runs of one label, and runs that touch are
-// united (union-find). Time is linear in the voxels, memory in the runs. Pieces of a label connect over faces, edges
-// and corners, and the background, as their complement, over faces only.
+// Finds connected pieces over runs of voxels. Every row of the image is divided into runs of one label, and touching
+// runs are united (union-find). Time is linear in the voxels, memory in the runs. Pieces of a label connect over faces,
+// edges and corners. Pieces of the background connect over faces only, as the complement requires.
 
 #include "datasets/labels/label_repair.h"
 
@@ -23,11 +23,11 @@ namespace {
 
     struct Run {
         std::int32_t from = 0; ///< first voxel in the row
-        std::int32_t to = 0; ///< one past the last
+        std::int32_t to = 0; ///< voxel after the last in the row
         Label label = 0;
     };
 
-    /// What a background piece is surrounded by.
+    /// Values of surroundings() besides labels.
     constexpr std::uint32_t kNothing = 0;
     constexpr std::uint32_t kManyOrBorder = std::numeric_limits<std::uint32_t>::max();
 
@@ -37,7 +37,7 @@ namespace {
             : size_(labels.grid.size)
         {
             cut_into_runs(labels.voxels);
-            // The earliest run of a piece leads it, so that equal pieces are told apart the same way on every machine.
+            // The first run of a piece is its root, so that the choice among equal pieces is the same on every machine.
             DisjointSets<RunIndex> sets(runs_.size());
             for (int k = 0; k < size_[2]; ++k)
                 for (int j = 0; j < size_[1]; ++j) {
@@ -58,7 +58,7 @@ namespace {
         bool is_root(RunIndex run) const { return root_[run] == run; }
         RunIndex piece(RunIndex run) const { return root_[run]; }
 
-        /// Calls visit(run, offset of its first voxel).
+        /// Calls visit(run, offset of the run's first voxel) for every run.
         template <typename Visit> void for_runs(const Visit& visit) const
         {
             for (std::size_t row = 0; row + 1 < row_start_.size(); ++row)
@@ -66,8 +66,8 @@ namespace {
                     visit(run, row * static_cast<std::size_t>(size_[0]) + static_cast<std::size_t>(runs_[run].from));
         }
 
-        /// For each piece of background (by its root) the one label all its neighbours over faces have, or nothing,
-        /// or kManyOrBorder.
+        /// Per root of a background piece: the label of all its neighbours over faces, kNothing without neighbours, or
+        /// kManyOrBorder.
         std::vector<std::uint32_t> surroundings() const
         {
             std::vector<std::uint32_t> around(runs_.size(), kNothing);
@@ -157,10 +157,10 @@ namespace {
         std::vector<Run> runs_;
         std::vector<RunIndex> row_start_;
         std::vector<RunIndex> root_;
-        std::vector<std::size_t> voxels_; ///< per root
+        std::vector<std::size_t> voxels_; ///< voxels per root
     };
 
-    /// Structures that are pairs or many by nature.
+    /// True for structures that have several pieces by nature.
     bool comes_in_pieces(const mesh::LabelInfo& info)
     {
         static const std::set<std::string_view> kTissues { "skin", "fat", "muscle", "intercostal" };
@@ -177,13 +177,13 @@ namespace {
                });
     }
 
-    /// Skin is a shell: what it encloses is the body, no hole.
+    /// False for skin, because skin is a shell and the enclosed body is no hole.
     bool may_have_holes(const mesh::LabelInfo& info) { return info.material != "skin"; }
 
     struct LabelPieces {
         std::size_t voxels = 0;
         std::size_t pieces = 0;
-        RunIndex largest = 0; ///< its root
+        RunIndex largest = 0; ///< root of the largest piece
         std::size_t largest_voxels = 0;
     };
 
@@ -206,7 +206,7 @@ namespace {
         return found;
     }
 
-    /// Calls visit(run, label, offset) for the background runs that `label` alone encloses.
+    /// Calls visit(run, label, offset) for each background run that only `label` encloses.
     template <typename Visit> void for_holes(const Pieces& pieces, const mesh::LabelTable& table, const Visit& visit)
     {
         std::vector<bool> holes_of(std::size_t { std::numeric_limits<Label>::max() } + 1, false);
@@ -260,7 +260,7 @@ namespace {
         return by_label;
     }
 
-    /// Sets to 0 the pieces that are not kept; by label the voxels that went.
+    /// Sets the voxels of pieces that are not kept to 0. Returns the number of these voxels per label.
     std::map<Label, std::size_t> remove_strays(mesh::LabelVolume& labels, const Pieces& pieces, double keep_fraction)
     {
         const std::map<Label, LabelPieces> found = pieces_per_label(pieces);
@@ -320,7 +320,7 @@ std::vector<LabelFragments> repair_labels(mesh::LabelVolume& labels, double keep
             by_label[label].stray_voxels = voxels;
     }
     job.report("repair labels", 0.5);
-    // Strays that are gone may have left holes in others: look again.
+    // Removed strays may leave holes in other labels, so the pieces are computed again.
     const Pieces pieces(labels);
     for_holes(pieces, labels.table, [&](RunIndex run, Label label, std::size_t offset) {
         by_label[label].hole_voxels += pieces.length(run);

@@ -13,7 +13,7 @@ namespace {
 
     constexpr std::size_t kValues = std::size_t { std::numeric_limits<Label>::max() } + 1;
 
-    /// Segment of each layer and value, -1 for none.
+    /// Index of the segment for each layer and value, -1 without a segment.
     std::vector<int> segment_lookup(const SegmentedImage& image)
     {
         std::vector<int> lookup(kValues * static_cast<std::size_t>(image.layers), -1);
@@ -33,7 +33,8 @@ namespace {
         return voxels;
     }
 
-    /// The file's own values where they are different in all layers, else numbers from 1 in the file's order.
+    /// The ids of the segments: the file's values when they differ in all layers, else numbers from 1 in the file's
+    /// order.
     std::vector<Label> ids_of(const SegmentedImage& image, std::vector<std::string>& notes)
     {
         std::vector<Label> ids;

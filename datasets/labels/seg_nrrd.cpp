@@ -18,7 +18,7 @@ namespace {
 
     bool names_segments(const Keys& keys) { return keys.contains("Segment0_ID") || keys.contains("Segment0_Name"); }
 
-    /// "a:1|b:2|" as a map; only the first colon of each part divides.
+    /// Converts "a:1|b:2|" to a map. Only the first colon of each part divides.
     std::map<std::string, std::string> tags_in(const std::string& text)
     {
         std::map<std::string, std::string> tags;
@@ -48,7 +48,7 @@ namespace {
         return static_cast<int>(value);
     }
 
-    /// Files before Slicer 4.11 have no layers: one component or one value per segment.
+    /// Reads the segments. Files of Slicer before 4.11 have no layers, but one component or one value per segment.
     std::vector<Segment> segments_of(const Keys& keys, int layers, const std::string& where)
     {
         std::vector<Segment> segments;
@@ -104,7 +104,7 @@ bool is_seg_nrrd(const fs::path& path)
     try {
         return names_segments(read_nrrd_header(path).keys);
     } catch (const Error&) {
-        return false; // whoever reads it next says why
+        return false; // the reader of the file reports the reason
     }
 }
 

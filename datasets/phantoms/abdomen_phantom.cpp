@@ -26,7 +26,8 @@ namespace {
         check_parameter("noise_hu", p.noise_hu, 0.0, 100.0);
     }
 
-    /// Distances of the organs, laid out for 300 x 200 x 200 mm with a wall of 15 mm and scaled to the cavity.
+    /// Signed distances of the organs. The shapes belong to an abdomen of 300 x 200 x 200 mm with a wall of 15 mm, and
+    /// scale with the cavity.
     class Abdomen {
     public:
         explicit Abdomen(const AbdomenParameters& parameters)
@@ -45,7 +46,7 @@ namespace {
             stomach_ = make_tube(course, radii);
         }
 
-        /// First-order distance to the skin: an elliptic cylinder along z.
+        /// First-order signed distance to the skin, an elliptic cylinder along z.
         double skin(const Vec3& p) const { return cylinder(p, half_.x(), half_.y()); }
         double cavity(const Vec3& p) const { return cylinder(p, half_.x() - wall_, half_.y() - wall_); }
         double spine(const Vec3& p) const
@@ -53,7 +54,7 @@ namespace {
             const double dx = p.x(), dy = p.y() - (half_.y() - wall_ - 8.0 * scale_.y());
             return std::hypot(dx, dy) - 21.0 * std::min(scale_.x(), scale_.y());
         }
-        /// Against the wall on the right and in front, thin to the left.
+        /// The liver lies against the wall on the right and in front, and is thin on the left.
         double liver(const Vec3& p) const
         {
             const Vec3 q = p.cwiseQuotient(scale_);
@@ -63,7 +64,7 @@ namespace {
             const double whole = smooth_min(right, left, 16.0);
             return std::max({ whole * scale_.minCoeff(), cavity(p), -spine(p) });
         }
-        /// Under the liver's left lobe, which lies on it.
+        /// The stomach lies under the left lobe of the liver and touches the lobe.
         double stomach(const Vec3& p) const
         {
             const double free = tube_distance(stomach_, p.cwiseQuotient(scale_)) * scale_.minCoeff();
@@ -151,7 +152,7 @@ Phantom make_liver_phantom(const AbdomenParameters& parameters, const Job& job)
 {
     check(parameters);
     AbdomenParameters wide = parameters;
-    wide.height_mm *= 1.2; // the liver ends within the grid, above and below
+    wide.height_mm *= 1.2; // the grid then contains the whole height of the liver
     Phantom phantom = filled(grid_of(wide, 4.0 * parameters.spacing_mm.maxCoeff()), parameters,
         { { kLiver, "liver", "liver", mesh::Role::wall } }, true, job);
     return phantom;

@@ -17,14 +17,15 @@ namespace {
     constexpr double kAscending = 45.0, kArchRadius = 35.0, kDescending = 65.0; ///< mm
     constexpr double kArch = kPi * kArchRadius;
 
-    /// A place of the centreline, and the directions across it.
+    /// A point of the centreline, and the unit directions across the centreline.
     struct Frame {
-        Vec3 point, outer, side; ///< `outer`: away from the arch's middle; outer x side runs along the centreline
+        /// `outer` points away from the middle of the arch; outer x side points along the centreline.
+        Vec3 point, outer, side;
     };
 
     Frame arch_frame(double s)
     {
-        const Vec3 across = Vec3(0.55, 0.83, 0.0).normalized(); // to the left and back, as an arch runs
+        const Vec3 across = Vec3(0.55, 0.83, 0.0).normalized(); // to the left and back, like an arch in a body
         const Vec3 up = Vec3::UnitZ();
         const double angle = std::clamp((s - kAscending) / kArchRadius, 0.0, kPi);
         const Vec3 outer = -std::cos(angle) * across + std::sin(angle) * up;
@@ -41,7 +42,7 @@ namespace {
         const AortaParameters& p;
         double length;
         double region_middle;
-        double site_angle; ///< round the vessel, from `outer`
+        double site_angle; ///< angle about the vessel, from `outer` (radians)
 
         explicit Sweep(const AortaParameters& parameters)
             : p(parameters)
@@ -57,7 +58,7 @@ namespace {
             const Frame f = frame(s);
             return f.point + radius * (std::cos(angle) * f.outer + std::sin(angle) * f.side);
         }
-        /// Where the branch vessels leave the arch and hold it.
+        /// True where the branch vessels leave the arch and hold the wall.
         bool branches(double s, double angle) const
         {
             constexpr double kHalfLength = 15.0, kHalfAngle = 40.0 * kPi / 180.0; // mm
@@ -66,7 +67,7 @@ namespace {
         }
         bool sclerotic(double s, double angle) const
         {
-            constexpr double kRound = 1e-9; // an element on the border belongs inside
+            constexpr double kRound = 1e-9; // an element on the border counts as inside
             const double half_turn = std::abs(std::remainder(angle - site_angle, 2.0 * kPi)) * 180.0 / kPi;
             return p.region.length_mm > 0.0 && std::abs(s - region_middle) <= 0.5 * p.region.length_mm + kRound
                 && half_turn <= 0.5 * p.region.angle_deg + kRound;
@@ -92,13 +93,13 @@ namespace {
             refuse("elements have 4 or 10 nodes", "nodes");
     }
 
-    /// In the parameters (angle step, layer, length step): the grid before it is bent.
+    /// The grid before bending, in the parameters angle step, layer and length step.
     struct Grid {
         mesh::TetMesh mesh;
-        std::vector<std::array<double, 3>> place; ///< per node; the angle step may be the same as `around` steps less
+        std::vector<std::array<double, 3>> place; ///< parameters of each node; the angle step is periodic with `around`
     };
 
-    /// Kuhn's six tetrahedra per cell are the same in every cell, so the grid closes on itself.
+    /// Kuhn's six tetrahedra are the same in every cell, so the grid closes on itself.
     mesh::TetMesh kuhn_ring(const AortaParameters& p)
     {
         mesh::TetMesh mesh;
@@ -122,7 +123,8 @@ namespace {
                             ++at[static_cast<std::size_t>(kOrders[o][step])];
                             tet[step + 1] = id(at[0], at[1], at[2]);
                         }
-                        // (angle, outwards, along) is left-handed: the first three orders come out turned over.
+                        // The axes (angle, outwards, along) are left-handed, so the first three orders give inverted
+                        // tetrahedra.
                         if (o < 3)
                             std::swap(tet[2], tet[3]);
                         mesh.nodes.insert(mesh.nodes.end(), tet.begin(), tet.end());
@@ -131,7 +133,8 @@ namespace {
         return mesh;
     }
 
-    /// Angle steps of an element's corners made neighbours: those beyond the seam get `around` steps more.
+    /// The parameters of an element's corners, with neighbouring angle steps: corners beyond the seam get `around` more
+    /// steps.
     std::array<std::array<double, 3>, 4> unrolled(const mesh::TetMesh& grid, TetId t, int around)
     {
         std::array<std::array<double, 3>, 4> corners {};

@@ -30,7 +30,7 @@ namespace {
         return found->second;
     }
 
-    /// A document with the file it came from: what is missing is named by both.
+    /// A JSON document and its file. Messages name both.
     struct Document {
         Json json;
         std::string file;
@@ -101,7 +101,7 @@ namespace {
         return static_cast<int>(value);
     }
 
-    /// What only some scenes have.
+    /// Reads the optional parts of a scene.
     void read_parts(const Document& document, PalpationScene& scene)
     {
         constexpr int kMostParticles = 200;

@@ -1,6 +1,6 @@
 #pragma once
-// A body to be touched: tetrahedra with their elasticity, and what its vertices are to it. On disk a VTU file that
-// ParaView and 3D Slicer open, and a scene file (JSON) beside it. Units mm, MPa; frame patient LPS.
+// A body for palpation: tetrahedra with their elasticity, and the roles of the vertices. On disk, the body is a VTU
+// file that ParaView and 3D Slicer open, with a scene file (JSON) beside it. Units mm, MPa; frame patient LPS.
 
 #include "mesh/tetrahedra/tet_mesh.h"
 
@@ -11,60 +11,69 @@
 
 namespace retractor::datasets {
 
+/// The mechanical role of a vertex.
 enum class VertexRole : std::uint8_t {
-    free = 0, ///< moves
-    fixed = 1, ///< does not
-    inner_wall = 2, ///< moves; blood presses on the boundary faces that have such a vertex
+    free = 0, ///< the vertex moves
+    fixed = 1, ///< the vertex does not move
+    inner_wall = 2, ///< the vertex moves, and blood presses on its boundary faces
 };
 
+/// Tetrahedra with isotropic elasticity.
 struct ElasticModel {
     mesh::TetMesh mesh;
     std::vector<VertexRole> roles; ///< one per vertex
-    std::vector<double> youngs_modulus, poissons_ratio; ///< MPa, -; one per element
+    std::vector<double> youngs_modulus, poissons_ratio; ///< MPa and dimensionless; one per element
 };
 
-/// @throws InputError as check_mesh does, on wrong lengths, and naming the element or vertex whose value is out of its
-/// range (E > 0, -1 < nu < 0.5), or that no vertex is fixed.
+/// Checks a model.
+/// @throws InputError as mesh::check_mesh() does, for wrong lengths, for a value outside its range (E > 0, -1 < nu <
+/// 0.5; the message names the element or vertex), and when no vertex is fixed.
 void check_elastic_model(const ElasticModel& model);
 
-/// Whether blood presses on it from inside.
+/// True when blood presses on the body from inside.
 bool has_inner_wall(const ElasticModel& model);
 
-/// Point array "role", cell arrays "youngs_modulus_MPa" and "poissons_ratio". @throws as write_vtu and the check.
+/// Writes the point array "role" and the cell arrays "youngs_modulus_MPa" and "poissons_ratio".
+/// @throws as mesh::write_vtu() and check_elastic_model() do.
 void write_elastic_model(const std::filesystem::path& vtu, const ElasticModel& model);
-/// @throws as read_vtu and the check; InputError naming the array that is missing.
+/// Reads a model. @throws as mesh::read_vtu() and check_elastic_model() do; InputError naming a missing array.
 ElasticModel read_elastic_model(const std::filesystem::path& vtu);
 
-/// A place where a finger presses.
+/// A place to press.
 struct TouchSite {
     std::string name;
-    Vec3 point = Vec3::Zero(); ///< on the surface at rest
-    Vec3 outward = Vec3::UnitX(); ///< unit normal there
+    Vec3 point = Vec3::Zero(); ///< on the surface at rest, mm
+    Vec3 outward = Vec3::UnitX(); ///< unit normal of the surface
 };
 
-/// One of several bodies that touch each other.
+/// One of several bodies in contact with each other.
 struct TouchedOrgan {
-    Label label = 0; ///< of its elements
+    Label label = 0; ///< label of its elements
     std::string name;
 };
 
+/// A body with sites to press and a pulse.
 struct PalpationScene {
     std::string name;
     ElasticModel body;
     std::vector<TouchSite> sites;
-    std::vector<TouchedOrgan> organs = {}; ///< what spheres fill, one by one; empty: the body is one
-    int sheet_particles = 0; ///< a side of the sheet of springs that the body stands for; 0: none
+    /// Organs that the sphere model fills one by one; empty: the body is one organ.
+    std::vector<TouchedOrgan> organs = {};
+    int sheet_particles = 0; ///< particles along a side of the sheet of springs that represents the body; 0: no sheet
+    /// The pulse of the blood.
     double heart_rate_per_min = 75.0, diastolic_mmHg = 80.0, systolic_mmHg = 120.0;
-    double rest_mmHg = 80.0; ///< the pressure at which the body has the shape of its mesh
+    double rest_mmHg = 80.0; ///< pressure at which the body has the shape of its mesh
 
-    /// @throws InputError naming the sites there are.
+    /// Finds a site by its name. @throws InputError naming the existing sites.
     const TouchSite& site(const std::string& wanted) const;
 };
 
-/// `file` (JSON) and the mesh beside it, as STEM.vtu. @throws IoError, InputError.
+/// Writes `file` (JSON), and the mesh beside it as STEM.vtu. @throws InputError as write_elastic_model() does; IoError
+/// when writing fails.
 void write_palpation_scene(const std::filesystem::path& file, const PalpationScene& scene);
-/// Whether a file says that it is one, whatever else is wrong with it.
+/// True when the file declares the format of a palpation scene, even when other parts of the file are wrong.
 bool is_palpation_scene(const std::filesystem::path& file);
+/// Reads a scene and its mesh.
 /// @throws IoError when a file cannot be read; InputError naming the JSON pointer that is missing or wrong.
 PalpationScene read_palpation_scene(const std::filesystem::path& file);
 

@@ -12,7 +12,7 @@ namespace retractor::datasets {
 
 namespace {
 
-    /// (1 2 1)/4 along one axis, the border value repeated.
+    /// Blurs with weights (1 2 1)/4 along one axis. The border value is repeated outside.
     void blur_axis(std::span<float> values, const mesh::ImageGrid& grid, std::size_t axis)
     {
         const auto stride = static_cast<std::size_t>(axis == 0 ? 1
@@ -20,7 +20,7 @@ namespace {
                                                                : grid.size[0] * grid.size[1]);
         const auto count = static_cast<std::size_t>(grid.size[axis]);
         const std::size_t block = stride * count;
-        // Neighbouring lines are done together, so that memory is read in order whatever the axis.
+        // Neighbouring lines are processed together, so that memory is read in order for every axis.
         std::vector<float> before(stride);
         for (std::size_t start = 0; start < values.size(); start += block) {
             std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(start), stride, before.begin());

@@ -1,5 +1,5 @@
 #pragma once
-// From ideal Hounsfield values to what a scanner shows, shared by the phantoms.
+// Turns the ideal Hounsfield values of a phantom into the values that a scanner shows.
 
 #include "mesh/image/volume.h"
 
@@ -8,11 +8,12 @@
 
 namespace retractor::datasets {
 
-/// Partial-volume blur (1 2 1 along each axis) and Gaussian noise, rounded and held to the range of a CT
-/// (-1024 to 3071 HU). `ideal_hu` has one value per voxel of `grid`; it is used as working memory.
+/// Applies partial-volume blur (weights 1 2 1 along each axis) and Gaussian noise of standard deviation `noise_hu`,
+/// then rounds and clamps to the range of a CT (-1024 to 3071 HU).
+/// @param ideal_hu one value per voxel of `grid`; the function overwrites these values
 mesh::Volume render_ct(const mesh::ImageGrid& grid, std::span<float> ideal_hu, double noise_hu, std::uint64_t seed);
 
-/// @throws InputError "NAME must be between LOW and HIGH, got VALUE" unless it is (NaN is not).
+/// @throws InputError "NAME must be between LOW and HIGH, got VALUE" unless LOW <= value <= HIGH; NaN is refused.
 void check_parameter(const char* name, double value, double low, double high);
 
 } // namespace retractor::datasets

@@ -123,7 +123,7 @@ std::vector<Vec3> smooth_polyline(std::span<const Vec3> corners, int pieces)
 
 double gaussian_noise(std::uint64_t seed, std::uint64_t index)
 {
-    // splitmix64 as a hash of (seed, index).
+    // splitmix64 serves as a hash of (seed, index).
     std::uint64_t z = (seed + 1) * 0x9e3779b97f4a7c15ULL + index * 0xbf58476d1ce4e5b9ULL;
     z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9ULL;
     z = (z ^ (z >> 27U)) * 0x94d049bb133111ebULL;
@@ -131,7 +131,7 @@ double gaussian_noise(std::uint64_t seed, std::uint64_t index)
     double sum = 0.0;
     for (unsigned part = 0; part < 4; ++part)
         sum += static_cast<double>((z >> (16U * part)) & 0xffffU) / 65535.0 - 0.5;
-    return sum * std::sqrt(3.0); // four uniform numbers have variance 4/12
+    return sum * std::sqrt(3.0); // the sum of four uniform numbers has variance 4/12
 }
 
 } // namespace retractor::datasets

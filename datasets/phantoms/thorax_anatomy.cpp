@@ -13,25 +13,25 @@ namespace {
     constexpr double kPi = std::numbers::pi;
 
     // The nominal chest.
-    constexpr double kNominalHalfWidth = 132.0; // of the cavity
+    constexpr double kNominalHalfWidth = 132.0; // half-width of the cavity, mm
     constexpr double kNominalHalfDepth = 72.0;
     constexpr double kNominalCentreY = -7.5;
     constexpr double kNominalHeight = 300.0;
-    constexpr double kDomeStart = -10.0; // the pleural dome curves in above this height ...
-    constexpr double kDomeHeight = 138.0; // ... and closes this much higher
+    constexpr double kDomeStart = -10.0; // the pleural dome curves inwards above this height
+    constexpr double kDomeHeight = 138.0; // height of the dome above kDomeStart
     constexpr double kVertebraPitch = 20.5;
     constexpr double kFirstThoracicZ = 112.0; // middle of vertebra T1
 
-    /// Erector spinae: the muscle behind the ribs, as a multiple of the muscle before them.
+    /// Erector spinae: thickness of the muscle behind the ribs, relative to the muscle in front of the ribs.
     constexpr double kBackMuscle = 2.5;
-    /// Room at the flanks beyond the nominal layers, so that the fat never touches the rib cage.
+    /// Additional width at the flanks (mm), so that the fat never touches the rib cage.
     constexpr double kFlankReserve = 2.0;
 
     double radians(double degrees) { return degrees * kPi / 180.0; }
 
     double nominal_centre_y(double z)
     {
-        // The upper chest leans back (sternal angle) as the neck comes forward of the mid-thoracic kyphosis.
+        // The upper chest leans back (sternal angle), and the neck is in front of the mid-thoracic kyphosis.
         const double above = std::max(0.0, z - 10.0);
         return kNominalCentreY + 0.0012 * above * above;
     }
@@ -42,12 +42,12 @@ namespace {
         return t * t;
     }
 
-    /// Half-depth factor of the cavity's front wall at height z.
+    /// Factor of the half-depth of the cavity's front wall at height z.
     double dome_factor(double z) { return std::sqrt(std::max(0.0, 1.0 - dome_term(z))); }
 
     double cage_width_factor(double z)
     {
-        // Widest over the lower ribs, a little narrower towards the loin.
+        // The cavity is widest at the lower ribs and a little narrower towards the loin.
         return 1.0 - 0.05 * smooth_step(-60.0, -160.0, z);
     }
 
@@ -73,7 +73,7 @@ namespace {
     Profile front_profile(const ThoraxParameters& p, double half_depth, double centre_y)
     {
         const double k = p.height_mm / kNominalHeight;
-        // Down to the jugular notch the skin follows the sternum, layer thicknesses apart.
+        // Down to the jugular notch the skin follows the sternum, at the distance of the layers.
         const auto over_sternum = [&](double z) {
             const double scaled = half_depth / kNominalHalfDepth;
             return centre_y + scaled * (nominal_centre_y(z) - kNominalCentreY) - half_depth * dome_factor(z) - kShell
@@ -85,7 +85,7 @@ namespace {
             { 128 * k, over_sternum(92) + 24.0 }, { 150 * k, over_sternum(92) + 28.0 } });
     }
 
-    /// First-order distance from a level set by central differences.
+    /// First-order distance from a level set, with the gradient by central differences.
     template <typename Level> double distance_from_level(const Level& level, const Vec3& p)
     {
         constexpr double kStep = 0.5;
@@ -119,7 +119,7 @@ ThoraxSurfaces::ThoraxSurfaces(const ThoraxParameters& p)
     , body_front_(front_profile(p, cage_half_depth_, cage_centre_y_))
     , body_back_(back_profile(p))
 {
-    // Below these the heart, the great vessels and the aneurysm no longer fit between sternum and spine.
+    // In a smaller cavity (mm) the heart, the great vessels and the aneurysm do not fit between sternum and spine.
     constexpr double kLeastHalfWidth = 95.0;
     constexpr double kLeastHalfDepth = 55.0;
     if (cage_half_width_ < kLeastHalfWidth || cage_half_depth_ < kLeastHalfDepth)
@@ -198,7 +198,7 @@ Vec3 ThoraxSurfaces::world(const Vec3& n) const
 
 namespace {
 
-    /// Where a bony rib ends: angle in degrees (180 = front), nominal height.
+    /// The end of a bony rib: angle in degrees (180 = front), nominal height.
     struct RibEnd {
         double angle;
         double z;
@@ -206,11 +206,12 @@ namespace {
     constexpr std::array<RibEnd, kRibPairs> kRibEnds { { { 150, 80 }, { 151, 49 }, { 149, 24 }, { 147, -1 },
         { 144, -25 }, { 140, -49 }, { 134, -73 }, { 126, -95 }, { 117, -112 }, { 107, -125 }, { 88, -132 },
         { 56, -128 } } };
-    /// Where the cartilages of ribs 1 to 7 reach the sternum, nominal height.
+    /// Nominal heights at which the cartilages of ribs 1 to 7 reach the sternum.
     constexpr std::array<double, 7> kSternalZ { 79, 51, 32, 13, -5, -22, -38 };
     constexpr double kRibHeadX = 21.0; // nominal distance of the rib's head from the midline
 
-    /// A rib lies about in a plane that falls forward: its height follows its depth.
+    /// Nominal height of a rib. A rib lies roughly in a plane that descends to the front, so its height follows its
+    /// depth.
     double rib_z(int rib, double phi)
     {
         const auto depth = [](double angle) { return 0.5 * (1.0 - std::cos(angle)); };
@@ -235,8 +236,9 @@ namespace {
         return course;
     }
 
-    /// From a rib's end to a target on the cage's middle surface. The cartilage first goes on in the rib's
-    /// direction (down) and then turns up: `dip` is how far below the straight line, nominal mm.
+    /// The course of a cartilage from a rib's end to a target on the cage's middle surface. The cartilage first
+    /// continues in the rib's direction (down) and then turns up. `dip` (nominal mm) scales its distance below the
+    /// straight line.
     std::vector<Vec3> cartilage_course(
         const ThoraxSurfaces& surfaces, const Vec3& from, double to_phi, double to_z, double dip, double side)
     {
@@ -258,7 +260,7 @@ namespace {
 std::array<RibCourse, kRibPairs> rib_courses(const ThoraxSurfaces& surfaces, double side)
 {
     constexpr std::array<double, 10> kDip { 0, 0, 0, 3, 6, 8, 8, 4, 3, 2 };
-    constexpr double kJoinFraction = 0.42; // how far along the cartilage above the next one joins it
+    constexpr double kJoinFraction = 0.42; // position along the cartilage above at which the next cartilage joins
     std::array<RibCourse, kRibPairs> courses;
     for (std::size_t rib = 0; rib < courses.size(); ++rib) {
         RibCourse& course = courses[rib];
@@ -275,7 +277,7 @@ std::array<RibCourse, kRibPairs> rib_courses(const ThoraxSurfaces& surfaces, dou
             const std::vector<Vec3>& above = courses[rib - 1].cartilage;
             target = above[static_cast<std::size_t>(kJoinFraction * static_cast<double>(above.size() - 1))];
         }
-        // The angle of a point near the midline is that of a point on the surface with the same x.
+        // The angle of a point near the midline is the angle of the surface point with the same x.
         const auto on_surface_x = [&](double phi) {
             return std::abs(target.x()) - std::abs(surfaces.cage_point(phi, target.z(), side, kRibMiddle).x());
         };
@@ -312,7 +314,7 @@ namespace {
 
 bool in_disc(const Vec3& p)
 {
-    const bool in_body = p.y() < spine_y(p.z()) + 6.0; // arches and processes have no discs between them
+    const bool in_body = p.y() < spine_y(p.z()) + 6.0; // arches and processes have no discs
     return in_body && std::abs(from_vertebra(p.z())) > 0.5 * kVertebraPitch - 2.2;
 }
 
@@ -329,7 +331,7 @@ double spine_distance(const Vec3& p)
     const double arch = ellipse(x, p.y() - (back + 15.0), 13.0, 9.0);
     double processes = 1e9;
     for (const double level : { h, h - kVertebraPitch, h + kVertebraPitch }) {
-        // One vertebra in its own frame: transverse and spinous processes.
+        // Transverse and spinous processes of one vertebra, in the frame of the vertebra.
         const Vec3 q(x, p.y() - back, level);
         const double transverse = nearest_on_segment(q, { 6.0, 14.0, 0.0 }, { 31.0, 21.0, 3.0 }).distance - 4.5;
         const double spinous = nearest_on_segment(q, { 0.0, 20.0, -2.0 }, { 0.0, 33.0, -13.0 }).distance - 4.0;
@@ -344,7 +346,7 @@ namespace {
 
     Mat3 ventricle_axes()
     {
-        const Vec3 axis = Vec3(0.74, -0.42, -0.53).normalized(); // base to apex: left, forward, down
+        const Vec3 axis = Vec3(0.74, -0.42, -0.53).normalized(); // from base to apex: left, forward, down
         const Vec3 side = axis.cross(Vec3::UnitZ()).normalized();
         Mat3 axes;
         axes << axis, side, axis.cross(side);
@@ -392,11 +394,11 @@ ThoraxOrgans::ThoraxOrgans(const ThoraxParameters& parameters, const ThoraxSurfa
     , coronary_radius_(0.5 * parameters.coronary_target_diameter_mm / surfaces.scale())
     , aneurysm_centre_(surfaces.nominal(surfaces.world({ 48.0, 20.0, 47.0 }) + parameters.aneurysm_offset_mm))
 {
-    // Diameters are world mm: undo the scale of the nominal frame.
+    // Diameters are world mm, so the scale of the nominal frame is removed.
     const Vec3 per_mm = surfaces.nominal({ 1.0, 1.0, 1.0 }) - surfaces.nominal(Vec3::Zero());
     aneurysm_radii_ = 0.5 * parameters.aneurysm_diameter_mm * Vec3(1.0, 0.96, 1.06).cwiseProduct(per_mm);
 
-    // Root, ascending part, arch to the left and back, then down along the left of the spine.
+    // The course is: root, ascending part, arch to the left and back, descending part on the left of the spine.
     aorta = smooth_tube({ { 2.0, -14.0, -8.0 }, { -10.0, -22.0, 18.0 }, { -13.0, -23.0, 42.0 }, { -6.0, -18.0, 62.0 },
                             { 9.0, -6.0, 72.0 }, { 22.0, 10.0, 68.0 }, { 27.0, 25.0, 54.0 }, { 27.0, 34.0, 34.0 },
                             { 25.0, 37.0, 0.0 }, { 22.0, 37.0, -50.0 }, { 16.0, 34.0, -100.0 }, { 9.0, 26.0, -170.0 } },
@@ -418,7 +420,7 @@ ThoraxOrgans::ThoraxOrgans(const ThoraxParameters& parameters, const ThoraxSurfa
                                  { 8.0, 28.0, -60.0 }, { 18.0, 14.0, -100.0 } },
         6.0, 7.0);
 
-    // The anastomosis site sits on the front of the heart, left of the midline, over the interventricular groove.
+    // The anastomosis site is on the front of the heart, left of the midline, over the interventricular groove.
     const Vec3 inside(30.0, -22.0, -24.0);
     const Vec3 direction = Vec3(0.30, -1.0, 0.12).normalized();
     const double reach = bisect(0.0, 80.0, [&](double d) { return heart(inside + d * direction); });

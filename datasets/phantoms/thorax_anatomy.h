@@ -1,7 +1,7 @@
 #pragma once
-// The shapes of the thorax phantom: where skin and rib cage are, the courses of ribs and cartilages, spine and
-// organs. World mm, patient LPS. Proportions were set for a chest of 330 x 225 x 300 mm ("nominal" coordinates) and
-// follow the rib cage when the chest is larger or smaller.
+// The shapes of the thorax phantom: skin, rib cage, ribs, cartilages, spine and organs. World mm, patient LPS. The
+// proportions belong to a chest of 330 x 225 x 300 mm, in "nominal" coordinates. The shapes scale with the rib cage of
+// a larger or smaller chest.
 
 #include "datasets/phantoms/phantom.h"
 #include "datasets/phantoms/phantom_shapes.h"
@@ -11,46 +11,51 @@
 
 namespace retractor::datasets {
 
-/// Radial build-up of the rib cage, counted outward from the pleura (mm).
+/// Layers of the rib cage, counted outward from the pleura (mm).
 inline constexpr double kPleuralCover = 3.0; ///< intercostal tissue between a rib and the pleura
 inline constexpr double kRibThickness = 8.0;
 inline constexpr double kRibHeight = 13.0;
-inline constexpr double kShell = 10.0; ///< intercostal layer; ribs stand out of it by 1 mm into the muscle
+inline constexpr double kShell = 10.0; ///< intercostal layer; ribs protrude from this layer by 1 mm into the muscle
 inline constexpr double kRibMiddle = kPleuralCover + 0.5 * kRibThickness;
 inline constexpr int kRibPairs = 12;
 
-/// Closed surfaces are level sets that are 0 on the surface, negative inside and about linear across it.
+/// The surfaces of skin and rib cage. Closed surfaces are level sets: 0 on the surface, negative inside, and about
+/// linear across the surface.
 class ThoraxSurfaces {
 public:
+    /// @throws InputError when the layers leave no room for a chest.
     explicit ThoraxSurfaces(const ThoraxParameters& parameters);
 
-    /// Cross-sections at height z: |x/a|^n + |(y - y0)/b|^n, cage with a dome term added.
+    /// A cross-section at height z: |x/a|^n + |(y - y0)/b|^n, plus the dome term for the cage. n is squareness().
     struct Section {
         double half_width = 1.0; ///< a, mm
         double centre_y = 0.0; ///< y0, mm
         double half_depth = 1.0; ///< b, mm
-        double dome = 0.0; ///< squared height term of the pleural dome, 0 below it
+        double dome = 0.0; ///< squared height term of the pleural dome; 0 below the dome
     };
     Section body_section(double z) const;
     Section cage_section(double z) const;
     double squareness() const { return squareness_; }
 
-    /// First-order signed distances from the skin and from the inner side of the rib cage.
+    /// First-order signed distances (mm) from the skin and from the inner side of the rib cage.
     double body_distance(const Vec3& p) const;
     double cage_distance(const Vec3& p) const;
 
-    /// The point at height z and angle phi (0 = back, pi = front, side +1 = left) that is `outward` mm outside the
-    /// inner side of the rib cage.
+    /// Returns the point at height z and angle phi that lies `outward` mm outside the inner side of the rib cage.
+    /// @param phi angle: 0 is the back, pi the front
+    /// @param side +1 is the patient's left, -1 the right
     Vec3 cage_point(double phi, double z, double side, double outward) const;
-    /// The angle of a point, as above.
+    /// The angle phi of a point, as in cage_point().
     double cage_angle(const Vec3& p) const;
-    /// The front of the chest at (x, z): the point `depth` mm under the skin.
+    /// The point at (x, z) that lies `depth` mm under the skin of the chest's front.
     Vec3 under_front_skin(double x, double z, double depth) const;
 
-    /// Nominal coordinates (organs are laid out in these) from world, and back.
+    /// Convert world coordinates to nominal coordinates, in which the organs are defined, and back.
     Vec3 nominal(const Vec3& world) const;
     Vec3 world(const Vec3& nominal) const;
+    /// Smallest ratio of world to nominal lengths over the three axes.
     double scale() const { return scale_.minCoeff(); }
+    /// Ratio of world to nominal lengths along z.
     double height_scale() const { return scale_.z(); }
 
 private:
@@ -65,33 +70,36 @@ private:
     Profile body_back_;
 };
 
-/// One rib and the cartilage that continues it, as centrelines on the middle surface of the rib cage.
+/// One rib and the cartilage that continues the rib, as centrelines on the middle surface of the rib cage (world mm).
 struct RibCourse {
     std::vector<Vec3> bone; ///< from the spine to the costochondral junction
-    std::vector<Vec3> cartilage; ///< from there to the sternum or the cartilage above; empty for ribs 11 and 12
+    /// From the junction to the sternum or to the cartilage above; empty for ribs 11 and 12.
+    std::vector<Vec3> cartilage;
 };
 
-/// Ribs 1..12 (index 0..11) of one side; side +1 is the patient's left.
+/// Ribs 1..12 (index 0..11) of one side. @param side +1 is the patient's left, -1 the right
 std::array<RibCourse, kRibPairs> rib_courses(const ThoraxSurfaces& surfaces, double side);
 
-/// Half-width of the sternum at a nominal height, 0 where there is none.
+/// Half-width of the sternum at a nominal height; 0 above and below the sternum.
 double sternum_half_width(double nominal_z);
 
-/// Distance to vertebrae, arches and processes (nominal mm), and whether a point of the spine lies in a disc.
+/// Signed distance to vertebrae, arches and processes (nominal mm).
 double spine_distance(const Vec3& nominal);
+/// True when a point of the spine lies in an intervertebral disc.
 bool in_disc(const Vec3& nominal);
-/// y of the back wall of the cavity at the spine (nominal).
+/// y of the cavity's back wall at the spine (nominal).
 double spine_y(double nominal_z);
 
-/// Shapes inside the chest, nominal coordinates.
+/// The organs in the chest, in nominal coordinates.
 class ThoraxOrgans {
 public:
     ThoraxOrgans(const ThoraxParameters& parameters, const ThoraxSurfaces& surfaces);
 
+    /// Signed distances (nominal mm) to heart, coronary target and aneurysm.
     double heart(const Vec3& nominal) const;
     double coronary_target(const Vec3& nominal) const;
     double aneurysm(const Vec3& nominal) const;
-    /// Height of the diaphragm's upper face above (x, y).
+    /// Height of the diaphragm's upper face at (x, y).
     static double diaphragm_height(double x, double y);
 
     Tube aorta;

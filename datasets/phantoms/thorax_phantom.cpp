@@ -35,7 +35,7 @@ namespace {
         check_parameter("noise_hu", p.noise_hu, 0.0, 100.0);
     }
 
-    /// Ids of the labels, in the order of the table.
+    /// The ids of the labels, in the order of the table.
     struct Ids {
         Label skin, fat, muscle, intercostal;
         std::array<std::array<Label, kRibPairs>, 2> rib; ///< [0] left, [1] right
@@ -96,7 +96,7 @@ namespace {
     constexpr double kCortex = 850.0;
     constexpr double kMarrow = 320.0;
 
-    /// The phantom while it is painted.
+    /// Paints the labels and ideal Hounsfield values of the phantom, structure by structure.
     class Painter {
     public:
         Painter(const ThoraxParameters& parameters, const Job& job)
@@ -161,8 +161,8 @@ namespace {
         mesh::ImageGrid grid_;
         std::vector<Label> labels_;
         std::vector<float> hu_;
-        std::vector<float> depth_; ///< mm under the skin
-        std::vector<float> outward_; ///< mm outside the inner side of the rib cage
+        std::vector<float> depth_; ///< depth under the skin, mm
+        std::vector<float> outward_; ///< distance outside the inner side of the rib cage, mm
     };
 
     void Painter::lay_out_grid()
@@ -198,8 +198,8 @@ namespace {
                     visit(grid_.offset(i, j, k), grid_.world(Vec3(i, j, k)));
     }
 
-    /// Fills one field of first-order distances: level sets on the grid, divided by their gradient.
-    /// The powers of x and y are tabled per slice, which leaves one power per voxel.
+    /// Computes a field of first-order distances: level sets on the grid, divided by their gradient. The powers of x
+    /// and y are computed once per slice, so that only one power per voxel remains.
     template <typename SectionAt>
     std::vector<float> distances(const mesh::ImageGrid& grid, double squareness, const SectionAt& section_at)
     {
@@ -256,10 +256,10 @@ namespace {
         outward_ = distances(grid_, surfaces_.squareness(), [this](double z) { return surfaces_.cage_section(z); });
     }
 
-    /// Skin, fat, muscle, the intercostal shell, and the spine with its cover.
+    /// Paints skin, fat, muscle, the intercostal shell, and the spine with its cover.
     void Painter::paint_layers()
     {
-        constexpr double kLeastMuscle = 2.5; // between fat and rib cage, whatever the fat's thickness
+        constexpr double kLeastMuscle = 2.5; // muscle between fat and rib cage at any thickness of the fat
         constexpr double kSpineCover = 3.0; // soft tissue over the vertebral bodies
         constexpr double kSpineReach = 45.0; // half the width of the spine and its processes, nominal
         const std::size_t nx = static_cast<std::size_t>(grid_.size[0]);
@@ -274,14 +274,14 @@ namespace {
                     const Vec3 p = grid_.world(Vec3(static_cast<double>(i), j, k));
                     const double z = p.z() / surfaces_.height_scale();
                     const double front = smooth_step(20.0, -60.0, p.y());
-                    // Thin over the sternum, thick over the belly.
+                    // The fat is thin over the sternum and thick over the belly.
                     const double fat = parameters_.fat_mm
                         * (1.0 + 0.45 * front * smooth_step(-60.0, -150.0, z)
                             - 0.35 * front * std::exp(-p.x() * p.x() / 900.0) * smooth_step(-110.0, -60.0, z));
                     if (depth < parameters_.skin_mm)
                         set(v, id_.skin, 40.0);
                     else if (outward < kShell)
-                        set(v, id_.intercostal, 25.0); // the inside is painted over later
+                        set(v, id_.intercostal, 25.0); // later steps paint the inside
                     else if (depth < parameters_.skin_mm + fat && outward > kShell + kLeastMuscle)
                         set(v, id_.fat, -100.0);
                     else
@@ -295,7 +295,7 @@ namespace {
                     else if (outward < 0.0 && spine >= kSpineCover)
                         labels_[v] = 0;
                 }
-        // What is inside the cage and not spine or its cover is left to the organs.
+        // The organs fill the space inside the cage that is neither spine nor cover of the spine.
         for (std::size_t at = 0; at < labels_.size(); ++at)
             if (labels_[at] == id_.intercostal && outward_[at] < 0.0F) {
                 const auto i = static_cast<double>(at % nx);
@@ -307,7 +307,7 @@ namespace {
             }
     }
 
-    /// Shoulder girdle: scapulae and clavicles, inside the muscle.
+    /// Paints the shoulder girdle: scapulae and clavicles, inside the muscle.
     void Painter::paint_girdle()
     {
         const double h = surfaces_.height_scale();
@@ -346,10 +346,11 @@ namespace {
 
     void Painter::paint_scapula_voxel(std::size_t v, const Vec3& p, double angle)
     {
-        // The blade is laid out on the back of the rib cage: u along it (mm from the midline), w its height.
-        constexpr double kBladeOutward = kShell + 7.0; // a layer of subscapular muscle lies under it
+        // The blade lies on the back of the rib cage: u runs along the cage (mm from the midline), z is the nominal
+        // height.
+        constexpr double kBladeOutward = kShell + 7.0; // leaves a layer of subscapular muscle under the blade
         constexpr double kBladeHalf = 3.2;
-        constexpr double kSpineHeight = 13.0; // how far the scapular spine stands out of the blade
+        constexpr double kSpineHeight = 13.0; // height of the scapular spine over the blade
         const double u = 110.0 * angle * surfaces_.scale();
         const double z = p.z() / surfaces_.height_scale();
         const double outward = outward_[v];
@@ -360,7 +361,7 @@ namespace {
             = triangle_distance(q, { Eigen::Vector2d(62.0, 78.0), { 82.0, -24.0 }, { 146.0, 66.0 } }) - 5.0;
         const double off = std::abs(outward - kBladeOutward) - kBladeHalf;
         double d = std::max(blade, off);
-        // Glenoid and neck, and the spine of the scapula rising to the acromion.
+        // Glenoid and neck; then the spine of the scapula, which rises to the acromion.
         const Vec3 flat(u, z, outward - kBladeOutward);
         d = smooth_min(d, (flat - Vec3(150.0, 70.0, 2.0)).norm() - 11.0, 5.0);
         const Nearest ridge = nearest_on_segment({ u, z, 0.0 }, { 66.0, 56.0, 0.0 }, { 160.0, 90.0, 0.0 });
@@ -371,7 +372,7 @@ namespace {
             set(v, id_.scapula[p.x() > 0.0 ? 0 : 1], d > -1.6 ? kCortex : kMarrow);
     }
 
-    /// Sternum: a rounded plate in the front of the shell.
+    /// Paints the sternum, a rounded plate in the front of the shell.
     void Painter::paint_front()
     {
         constexpr double kInner = kPleuralCover;
@@ -393,7 +394,7 @@ namespace {
             });
     }
 
-    /// Ribs and their cartilages: bands round a centreline, thin across the wall and tall along it.
+    /// Paints ribs and cartilages as bands around a centreline, thin across the wall and high along the wall.
     void Painter::paint_ribs()
     {
         constexpr double kCartilageHeight = 11.0;
@@ -420,7 +421,8 @@ namespace {
                 const Label label = id_.rib[side][rib];
                 band(courses[rib].bone, kRibHeight, [&](std::size_t v, const Vec3& p, double g) {
                     if (labels_[v] == label) {
-                        hu_[v] = g > 0.4 ? hu_[v] : static_cast<float>(kMarrow); // inside, as seen from another piece
+                        // Marrow as seen from another piece of the rib.
+                        hu_[v] = g > 0.4 ? hu_[v] : static_cast<float>(kMarrow);
                         return;
                     }
                     if (soft_wall(v) && spine_distance(surfaces_.nominal(p)) * surfaces_.scale() > kJointGap)
@@ -444,7 +446,7 @@ namespace {
                 for (int i = 0; i < grid_.size[0]; ++i, ++v)
                     if (labels_[v] == 0 && depth_[v] > 0.0F)
                         paint_cavity_voxel(v, grid_.world(Vec3(i, j, k)));
-        // The windpipe leaves the chest through the wall, up the neck.
+        // The windpipe leaves the chest through the wall and runs up the neck.
         const double h = surfaces_.height_scale();
         visit_box({ -20.0, -40.0, 80.0 * h }, { 20.0, 60.0, 0.5 * parameters_.height_mm },
             [&](std::size_t at, const Vec3& p) {
@@ -457,8 +459,8 @@ namespace {
     {
         constexpr double kPericardium = 3.0;
         constexpr double kDiaphragm = 4.0;
-        constexpr double kSheath = 4.0; // fat round the organs of the mediastinum
-        constexpr double kMediastinumReach = 105.0; // nominal half-width that can hold any of them
+        constexpr double kSheath = 4.0; // fat around the organs of the mediastinum
+        constexpr double kMediastinumReach = 105.0; // nominal half-width of the space that contains these organs
         const Vec3 n = surfaces_.nominal(p);
         double sheath = std::numeric_limits<double>::infinity();
         if (std::abs(n.x()) < kMediastinumReach) {
@@ -483,7 +485,7 @@ namespace {
             if (inside(coronary))
                 return set(v, id_.coronary_target, 330.0);
             if (inside(heart))
-                return set(v, id_.heart, heart > -7.0 ? 110.0 : 200.0); // wall and blood
+                return set(v, id_.heart, heart > -7.0 ? 110.0 : 200.0); // muscle of the heart, blood
             if (inside_any(organs_.pulmonary_artery))
                 return set(v, id_.pulmonary_artery, 260.0);
             if (inside(tube_distance(organs_.vena_cava, n)))
@@ -500,11 +502,11 @@ namespace {
             return n.x() < 34.0 - 0.25 * (n.z() + 100.0) ? set(v, id_.liver, 105.0) : set(v, id_.stomach, 20.0);
         if (under_diaphragm > 0.0)
             return set(v, id_.diaphragm, 50.0);
-        // Between the lungs: a sheet from sternum to spine, thin in front, swollen round the organs.
+        // The tissue between the lungs is a sheet from sternum to spine, thin in front, and thicker around the organs.
         const double sheet = std::abs(n.x() - 3.0) - (6.0 + 12.0 * smooth_step(-45.0, 45.0, n.y()));
         if (smooth_min(sheath - kSheath, sheet, 10.0) < 0.0)
             return set(v, id_.mediastinal_fat, -95.0);
-        // Blood settles towards the back of a supine patient.
+        // Blood collects in the back of a supine patient, so the lung is denser there.
         set(v, id_.lung[n.x() > 3.0 ? 0 : 1], -860.0 + 40.0 * smooth_step(-60.0, 60.0, n.y()));
     }
 

@@ -12,10 +12,10 @@ namespace retractor::datasets::segmentation {
 
 namespace {
 
-    constexpr int kContrastHu = 150; // above every tissue but bone
+    constexpr int kContrastHu = 150; // above every tissue except bone
     constexpr int kPlaneStep = 2;
 
-    /// What the discs are told by: HU cut to the range that matters, bone and air at its lower end.
+    /// The image that scores the discs: HU clamped to the range that matters. Bone and air have the lowest value.
     struct Look {
         const WorkingImage& image;
         std::vector<float> value;
@@ -47,16 +47,16 @@ namespace {
     }
 
     struct Disc {
-        Vec3 centre = Vec3::Zero(); ///< index
+        Vec3 centre = Vec3::Zero(); ///< index in the working grid
         double radius = 0.0; ///< mm
     };
 
     constexpr int kSpokes = 16;
 
-    /// How much a disc in the plane of u and w (unit axes, index space scaled to mm) looks like a vessel's section.
+    /// Likeness of a disc to the section of a vessel. The unit axes u and w (index space scaled to mm) span the disc.
     double likeness(const Look& look, const Disc& disc, const Vec3& u, const Vec3& w)
     {
-        constexpr double kRim = 3.0; // mm outside
+        constexpr double kRim = 3.0; // mm outside the disc
         constexpr double kLeastSoft = 5.0;
         constexpr double kLeastContrast = 130.0;
         const Vec3& spacing = look.image.grid.spacing;
@@ -88,7 +88,7 @@ namespace {
         return edge - 1.5 * spread - std::max(0.0, least - mean);
     }
 
-    /// Where to look for discs in one plane: a window of centres, and a place that is likely.
+    /// The search region of one plane: a window of centres, and a likely centre.
     struct Window {
         int k = 0;
         std::array<int, 2> low {};
@@ -98,11 +98,11 @@ namespace {
 
     constexpr std::array<double, 7> kRadii { 8.0, 10.0, 12.0, 14.0, 16.0, 18.5, 21.0 };
 
-    /// The best chain through the windows.
+    /// Finds the best chain of discs through the windows by dynamic programming.
     std::vector<Disc> best_chain(const Look& look, const std::vector<Window>& windows, std::size_t first_radius,
         double pull_per_mm, double& mean_likeness, int threads)
     {
-        constexpr double kStepCost = 2.0; // per voxel of shift from window to window, and per step of radius
+        constexpr double kStepCost = 2.0; // per voxel of shift between windows, and per step of radius
         constexpr int kShift = 2;
         mean_likeness = -std::numeric_limits<double>::infinity();
         if (windows.empty())
@@ -191,13 +191,13 @@ namespace {
         return chain;
     }
 
-    /// What the search goes by, as indices.
+    /// Landmarks of the search, as indices.
     struct Landmarks {
-        std::vector<double> spine_x; ///< per plane
-        std::vector<double> spine_y; ///< its front
-        int carina = 0; ///< plane
-        double sternum_y = 0.0; ///< its back at the carina's height
-        int lowest = 0; ///< plane of the room
+        std::vector<double> spine_x; ///< middle of the spine per plane
+        std::vector<double> spine_y; ///< front of the spine per plane
+        int carina = 0; ///< plane of the carina
+        double sternum_y = 0.0; ///< back of the sternum at the height of the carina
+        int lowest = 0; ///< lowest plane of the room
     };
 
     Window window_in(const WorkingImage& image, int k, const Vec3& low_mm, const Vec3& high_mm, double x, double y)
@@ -213,7 +213,7 @@ namespace {
         return w;
     }
 
-    /// The bow from the ascending to the descending aorta that looks most like a vessel.
+    /// Finds the bow from the ascending to the descending aorta that looks most like a vessel.
     std::vector<Disc> best_arch(const Look& look, const Disc& ascending, const Disc& descending)
     {
         constexpr int kSteps = 14;
@@ -226,7 +226,7 @@ namespace {
                 double sum = 0.0;
                 const auto place = [&](double t) {
                     const double lift = std::sin(std::numbers::pi * t);
-                    // Steep at both ends, flat on top, as a bow of a tube is.
+                    // The bow is steep at both ends and flat on top.
                     const double rise = std::sqrt(std::max(0.0, 1.0 - std::pow(2.0 * t - 1.0, 2.0)));
                     return Vec3(ascending.centre + t * (descending.centre - ascending.centre)
                         + Vec3(bulge * lift, 0.0, height * rise).cwiseQuotient(spacing));
@@ -248,7 +248,7 @@ namespace {
         return best;
     }
 
-    /// Balls along the chain, `factor` times as wide as the discs, plus `more_mm`.
+    /// The union of balls along the chain, with `factor` times the radius of the discs plus `more_mm`.
     Mask tube(const WorkingImage& image, const std::vector<Disc>& chain, double factor, double more_mm)
     {
         Mask out(image.hu.size(), 0);
@@ -272,7 +272,8 @@ namespace {
 
     Landmarks landmarks_of(const AortaInput& input)
     {
-        constexpr double kCarinaShare = 0.62; // of the lungs' height, where the windpipe was not followed
+        // Share of the lungs' height, used when the windpipe could not be followed.
+        constexpr double kCarinaShare = 0.62;
         const Extent extent = input.image.extent();
         Landmarks marks;
         const std::vector<PlaneExtents> spine = plane_extents(extent, input.spine);
@@ -294,10 +295,11 @@ namespace {
 
     std::vector<Disc> follow(const AortaInput& input, const Look& look, const Landmarks& marks, int threads)
     {
-        constexpr double kIntoArch = 4.0; // mm above the carina: both limbs still stand upright there
-        constexpr double kRoot = 45.0; // mm below it, the root
-        constexpr double kLeastLikeness = 25.0; // HU of edge, net
-        // mm from the front of the spine; in the old it leaves the spine for the left and the back.
+        constexpr double kIntoArch = 4.0; // mm above the carina, where both limbs are still upright
+        constexpr double kRoot = 45.0; // mm below the carina, at the root of the aorta
+        constexpr double kLeastLikeness = 25.0; // HU of difference at the edge
+        // The window, in mm from the front of the spine. In old patients the aorta leaves the spine to the left and to
+        // the back.
         const Vec3 kLow(-14.0, -34.0, 0.0);
         const Vec3 kHigh(62.0, 42.0, 0.0);
         const WorkingImage& image = input.image;
@@ -315,7 +317,7 @@ namespace {
         std::vector<Disc> descending = best_chain(look, windows, 0, 0.2, found, threads);
         const auto unlike
             = [&](const Disc& disc) { return likeness(look, disc, Vec3::UnitX(), Vec3::UnitY()) < kLeastLikeness; };
-        // Below the place where nothing looks like it any more, the chain says nothing.
+        // Discs below the lowest disc that looks like a vessel are dropped.
         descending.erase(descending.begin(), std::find_if_not(descending.begin(), descending.end(), unlike));
         windows.clear();
         for (int k = top - static_cast<int>(kRoot / dz); k <= top; k += kPlaneStep) {
@@ -358,8 +360,9 @@ Aorta find_aorta(const AortaInput& input, int threads)
     aorta.usual_hu = upper_median(along);
     aorta.contrast = look.contrast && aorta.usual_hu > kContrastHu;
     if (aorta.contrast) {
-        constexpr double kShare = 0.76; // of the contrast inside: less is heart or vein, more often than not
-        constexpr double kRoom = 14.0; // mm round the tube, for bulges
+        // Share of the contrast in the aorta; darker voxels are more likely heart or vein.
+        constexpr double kShare = 0.76;
+        constexpr double kRoom = 14.0; // mm around the tube, for bulges
         constexpr double kNeck = 3.0;
         Mask bright = common(tube(input.image, chain, 1.1, kRoom), input.room);
         for (std::size_t v = 0; v < bright.size(); ++v)

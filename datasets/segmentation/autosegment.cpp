@@ -32,7 +32,7 @@ namespace {
         { "heart", "heart", mesh::Role::at_risk }, { "aorta", "vessel", mesh::Role::at_risk },
         { "mediastinum", "fat", mesh::Role::voxel }, { "upper_abdomen", "liver", mesh::Role::voxel } } };
     constexpr const char* kGiven = "given";
-    constexpr const char* kBody = "body"; // a given label of this name says what the body is, and is no organ
+    constexpr const char* kBody = "body"; // a given label of this name marks the body, not an organ
 
     void check(const mesh::Volume& ct, const AutosegmentOptions& options)
     {
@@ -51,7 +51,7 @@ namespace {
                 "spacing_mm");
     }
 
-    /// The labels while they are found, step by step.
+    /// Finds the labels, step by step.
     class Segmenter {
     public:
         Segmenter(const mesh::Volume& ct, const AutosegmentOptions& options, const Job& job)
@@ -107,7 +107,7 @@ namespace {
         segmentation::Mask all_bones_;
         segmentation::Mask ribs_;
         segmentation::Cavity cavity_;
-        std::vector<float> depth_; ///< mm under the body's surface
+        std::vector<float> depth_; ///< depth under the body's surface, mm
         Segmentation out_;
     };
 
@@ -153,7 +153,7 @@ namespace {
         return mask;
     }
 
-    /// What was given replaces what was found.
+    /// Replaces a mask by the given label of this name.
     void Segmenter::keep_given(std::string_view name, segmentation::Mask& mask) const
     {
         if (is_given(name))
@@ -223,7 +223,8 @@ namespace {
         take_off_electrodes();
     }
 
-    /// Metal on the skin would pass for bone: pieces that are as bright, begin at the surface and end just under it.
+    /// Turns metal on the skin into soft tissue, because metal looks like bone. Pieces of metal are as bright as bone,
+    /// begin at the surface of the body and end just below.
     void Segmenter::take_off_electrodes()
     {
         constexpr int kBright = 150;
@@ -294,7 +295,7 @@ namespace {
             [](const std::string& name) { return name.starts_with("rib") || name == "costal_cartilages"; });
     }
 
-    /// Where bones could not be told apart, they still bound the cavity.
+    /// Finds bone by a threshold. Bones that could not be separated still bound the cavity.
     void Segmenter::take_bone_by_threshold()
     {
         constexpr int kBoneHu = 180;
@@ -313,7 +314,7 @@ namespace {
             "no spine was found: bone is a threshold only, not told apart, and the wall is rough");
     }
 
-    /// The voxels of the bones whose name is wanted.
+    /// The voxels of all bones with a wanted name.
     segmentation::Mask Segmenter::named_bones(const std::function<bool(const std::string&)>& wanted) const
     {
         std::vector<std::uint8_t> take(out_.labels.table.size() + 1, 0);
@@ -332,7 +333,7 @@ namespace {
         const segmentation::Mask sternum = named_bones([](const std::string& name) { return name == "sternum"; });
         segmentation::Mask cage = segmentation::united(segmentation::united(ribs_, spine), sternum);
         if (segmentation::count_set(spine) == 0) {
-            constexpr float kDeepestRib = 55.0F; // mm; what is bright below may as well be a vessel or a kidney
+            constexpr float kDeepestRib = 55.0F; // mm; a deeper bright voxel may be a vessel or a kidney
             cage = all_bones_;
             for (std::size_t v = 0; v < cage.size(); ++v)
                 if (depth_[v] > kDeepestRib)
@@ -345,7 +346,7 @@ namespace {
         give_airless_lung_back();
     }
 
-    /// Nowhere may a lung or the cavity come to the skin: what lies too near to it is wall.
+    /// Turns lung and cavity near the skin into wall, so that neither opens to the skin.
     void Segmenter::keep_wall_closed()
     {
         constexpr float kLeastWall = 5.0F;
@@ -361,18 +362,19 @@ namespace {
                 + " ml): a wall of 5 mm was kept there; look for a wound or for air under the skin");
     }
 
-    /// Lung without air (consolidation, collapse, fluid) is no mediastinum: what narrow pockets of it the lungs enclose
-    /// with the wall, away from the midline, and what lies far to the right, where the heart does not reach.
+    /// Returns lung without air (consolidation, collapse, fluid) from the mediastinum to the lung. Two regions are
+    /// returned: narrow pockets between the lungs and the wall, away from the midline, and voxels far to the right,
+    /// where no heart reaches.
     void Segmenter::give_airless_lung_back()
     {
         constexpr int kCells = 2;
-        constexpr double kPocket = 9.0; // mm, half its width
+        constexpr double kPocket = 9.0; // half the width of a pocket, mm
         constexpr double kFromMidline = 50.0;
         constexpr double kFarRight = 65.0;
         constexpr double kMuchMl = 30.0;
         const segmentation::Extent cells = segmentation::coarse_extent(extent_, kCells);
         const segmentation::Mask lungs = lungs_.both();
-        segmentation::Mask around(lungs.size()); // lungs and wall, not the abdomen
+        segmentation::Mask around(lungs.size()); // lungs and wall, without the abdomen
         double middle = 0.0;
         double count = 0.0;
         const auto nx = static_cast<std::size_t>(extent_.size[0]);
@@ -438,7 +440,7 @@ namespace {
             job_.threads);
         std::array<Label, 5> id {};
         for (std::size_t n = 0; n < kLayers.size(); ++n)
-            // A layer that was given is complete as it is; muscle takes the place of what else would be found of it.
+            // A given layer is complete. Voxels that would be added to this layer become muscle.
             id[n + 1] = id_of(is_given(kLayers[n].name) ? "muscle" : kLayers[n].name);
         for (std::size_t v = 0; v < wall.size(); ++v)
             if (wall[v] != 0)

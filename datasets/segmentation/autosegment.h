@@ -1,10 +1,10 @@
 #pragma once
-// Segmentation of a chest CT that comes without labels: classical steps (thresholds, distances, connected pieces,
-// anatomy) on a grid of even spacing, good enough to plan on and never taken for more than it is: what is rough says
-// so in the notes. Units mm and Hounsfield units; frame patient LPS.
+// Segmentation of a chest CT without labels, by classical steps (thresholds, distances, connected pieces, anatomy) on
+// an isotropic grid. The labels are good enough for planning, and the notes mark rough structures. Units mm and
+// Hounsfield units; frame patient LPS.
 //
-// Order of the steps: body, lungs and airways, bones (segmentation/bones.h), thoracic cavity, vessels and heart, layers
-// of the wall. Each step can be overruled by given labels of the same names (AutosegmentOptions::given).
+// Order of the steps: body, lungs and airways, bones (bones.h), thoracic cavity, vessels and heart, layers of the wall.
+// Given labels of the same names overrule every step (AutosegmentOptions::given).
 
 #include "datasets/segmentation/image/found_structure.h"
 #include "mesh/base/job.h"
@@ -16,29 +16,32 @@
 
 namespace retractor::datasets {
 
+/// Resolution, and labels that are known already.
 struct AutosegmentOptions {
-    /// Spacing of the labels' grid, even in all directions: thin enough for a rib (8 mm) and for skin, coarse enough
-    /// that a full-resolution CT costs no more than a reduced one. 0.5 to 4 mm.
+    /// Spacing of the labels' grid in all directions, 0.5 to 4 mm. The default resolves a rib (8 mm) and the skin, and
+    /// a CT of full resolution then costs no more than a reduced CT.
     double spacing_mm = 1.5;
-    /// Labels that are right already: each voxel of theirs (by world position) keeps its label, and a structure that
-    /// they hold is not searched for. Their table's names decide what they stand for.
+    /// Labels that are correct already. Their voxels (by world position) keep their labels, and the steps do not search
+    /// for a structure with given voxels. The names in their table identify the structures.
     std::optional<mesh::LabelVolume> given = std::nullopt;
 };
 
+/// The labels, and how each structure was found.
 struct Segmentation {
-    mesh::LabelVolume
-        labels; ///< on its own grid; names and roles as make_thorax_phantom() gives them, where they apply
+    /// On their own grid; names and roles are those of make_thorax_phantom(), where these apply.
+    mesh::LabelVolume labels;
     std::vector<FoundStructure> structures; ///< in the order of the steps
-    std::vector<std::string>
-        warnings; ///< what the user must look at ("rib 1 left not found", "no contrast: the aorta is rough")
+    /// Results that the user must check ("rib 1 left not found", "no contrast: the aorta is rough").
+    std::vector<std::string> warnings;
 };
 
-/// Labels given: skin, fat, muscle, rib_left_1 .. rib_right_12 (those found), costal_cartilages, sternum, spine,
-/// scapula_left/right, clavicle_left/right, bone_other (humeri and unclassified bone), all wall; arm tissue is wall
-/// muscle/fat/skin like any other. lung_left/right, trachea, mediastinum (what fills the cavity between the lungs and
-/// is nothing else), upper_abdomen (below the diaphragm) (voxel); heart, aorta (at risk). Everything of the body has a
-/// label. Records the parts "segmentation" and "labels".
-/// @throws InputError when the image shows no body or no lungs (what was looked for is in the message).
+/// Labels every voxel of the body. Role wall: skin, fat, muscle, rib_left_1 .. rib_right_12 (the ribs found),
+/// costal_cartilages, sternum, spine, scapula_left/right, clavicle_left/right, bone_other (humeri and unclassified
+/// bone). Tissue of the arms is muscle, fat and skin like other tissue. Role voxel: lung_left/right, trachea,
+/// mediastinum (the remaining contents of the cavity between the lungs), upper_abdomen (below the diaphragm). Role at
+/// risk: heart, aorta. Records the parts "segmentation" and "labels".
+/// @throws InputError when the image shows no body or no lungs (the message gives the criterion), for a spacing out of
+/// range, and for more than 120 million voxels.
 Segmentation autosegment(const mesh::Volume& ct, const AutosegmentOptions& options = {}, const Job& job = {});
 
 } // namespace retractor::datasets

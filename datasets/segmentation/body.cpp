@@ -9,12 +9,12 @@ namespace retractor::datasets::segmentation {
 
 namespace {
 
-    constexpr int kSkinHu = -350; // between air and skin; foam and cloth lie below
+    constexpr int kSkinHu = -350; // between air and skin; foam and cloth are darker
     constexpr int kTop = 32767;
-    constexpr int kCells = 2; // voxels a side of a cell
-    constexpr double kLeastTrunkMl = 2000.0; // a child's chest
+    constexpr int kCells = 2; // voxels along each side of a cell
+    constexpr double kLeastTrunkMl = 2000.0; // volume of a child's chest
 
-    /// Share of the grid's side faces (left, right, front, back) that the body covers.
+    /// The share of the grid's side faces (left, right, front, back) that the body covers.
     double cut_off_share(const Extent& extent, const Mask& body)
     {
         std::size_t on_side = 0;
@@ -28,7 +28,8 @@ namespace {
             / (2.0 * static_cast<double>(extent.size[2]) * (extent.size[0] + extent.size[1]));
     }
 
-    /// Beyond the border counts as set when a closing shrinks back, which would bridge the air between skin and border.
+    /// Clears voxels near the side faces. The shrinking half of a closing counts voxels beyond the border as set, and
+    /// would otherwise close the air between skin and border.
     Mask away_from_sides(const Extent& extent, Mask mask, double margin_mm)
     {
         const int mx = static_cast<int>(std::ceil(margin_mm / extent.spacing[0])) + 1;
@@ -46,9 +47,10 @@ namespace {
 
 Body segment_body(const WorkingImage& image, int threads)
 {
-    // Thicker than a table's shell, a lead or a fold of a blanket on both sides, thinner than any chest wall.
+    // An opening of this radius (mm) removes a table's shell, a lead and a fold of a blanket, and keeps every chest
+    // wall.
     constexpr double kOpening = 4.5;
-    constexpr double kRegain = 1.5; // what the opening takes off corners
+    constexpr double kRegain = 1.5; // restores the corners that the opening removes
     constexpr double kClose = 6.0;
     constexpr double kLead = 3.0;
     const Extent extent = image.extent();
@@ -64,12 +66,12 @@ Body segment_body(const WorkingImage& image, int threads)
                 + " HU that is thicker than " + std::to_string(static_cast<int>(2.0 * kOpening)) + " mm has "
                 + std::to_string(std::lround(volume_ml(cells, trunk))) + " ml",
             "body");
-    // The surface comes from the fine image, within a cell of the coarse one.
+    // The surface comes from the fine image, within one cell of the coarse surface.
     const Mask near = fine_values(extent, dilated(cells, trunk, 1.2 * cells.spacing[0]), kCells);
     const Mask inside = fine_values(extent, eroded(cells, trunk, 1.2 * cells.spacing[0]), kCells);
     Body body;
     body.mask = united(common(near, solid), inside);
-    // Wide enough for a lead that lies on the skin to go.
+    // The window is wide enough to remove a lead on the skin.
     const int smoothing = std::max(1, static_cast<int>(std::lround(kLead / extent.spacing[0])));
     body.mask = largest_piece(extent, majority(extent, body.mask, smoothing, threads));
     body.mask = holes_filled(extent, holes_filled_in_planes(extent, body.mask, 2));

@@ -1,5 +1,5 @@
 #pragma once
-// The patient told from table, blankets and leads. Units mm and HU; working grid.
+// Separates the patient from table, blankets and leads. Units mm and HU; working grid.
 
 #include "datasets/segmentation/image/working_image.h"
 
@@ -8,12 +8,15 @@
 
 namespace retractor::datasets::segmentation {
 
+/// The patient.
 struct Body {
-    Mask mask; ///< lungs and gas inside included, also where the image's upper or lower border opens them
+    Mask mask; ///< the body with lungs and inner gas, also where the upper or lower border of the image opens them
     std::vector<std::string> warnings;
 };
 
-/// @throws InputError when nothing in the image is as large as a trunk.
+/// Finds the body with this number of threads.
+/// @throws InputError when no piece of the image is as large as a trunk, and when the image is a crop from inside the
+/// body.
 Body segment_body(const WorkingImage& image, int threads);
 
 } // namespace retractor::datasets::segmentation

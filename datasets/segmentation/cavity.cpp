@@ -16,12 +16,12 @@ namespace {
 
     constexpr float kNone = -1.0F;
 
-    /// What a ray from the axis meets, mm from the axis; kNone where it meets no such thing.
+    /// Distances (mm) from the axis to the tissues on a ray; kNone for a tissue that the ray does not meet.
     struct Sightings {
         PolarField lung; ///< last voxel of lung
         PolarField bone; ///< first voxel of the rib cage
         PolarField muscle; ///< inner face of the fat under the skin
-        PolarField skin; ///< where the body ends
+        PolarField skin; ///< the end of the body
 
         explicit Sightings(int planes)
             : lung(planes, kNone)
@@ -32,7 +32,7 @@ namespace {
         }
     };
 
-    /// In the middle of the lungs, but well in front of the spine.
+    /// An axis in the middle of the lungs, and well in front of the spine.
     PolarAxis axis_of(const CavityInput& input, std::vector<double>& front_y)
     {
         constexpr double kSmoothing = 20.0; // mm
@@ -66,13 +66,13 @@ namespace {
         constexpr double kSkin = 3.0;
         constexpr int kFatLow = -250;
         constexpr int kFatHigh = -30;
-        constexpr double kSureMuscle = 4.5; // this much that is not fat is no septum
+        constexpr double kSureMuscle = 4.5; // a stretch without fat of this length is muscle, not a septum
         const Extent extent = input.image.extent();
         const double turn = 2.0 * std::numbers::pi * angle / kAngles;
         const double dx = std::sin(turn) * kStep / extent.spacing[0];
         const double dy = std::cos(turn) * kStep / extent.spacing[1];
         const std::size_t at = PolarField::offset(angle, k);
-        seen.clear(); // per step: is it fat?
+        seen.clear(); // one entry per step: fat or not
         for (int n = 0;; ++n) {
             const int i = static_cast<int>(std::lround(axis.x[static_cast<std::size_t>(k)] + n * dx));
             const int j = static_cast<int>(std::lround(axis.y[static_cast<std::size_t>(k)] + n * dy));
@@ -114,7 +114,7 @@ namespace {
         return s;
     }
 
-    /// The middle value of the neighbourhood: a gap between two muscles is no way into the abdomen.
+    /// The median over a neighbourhood. A gap between two muscles must not open a way into the abdomen.
     PolarField median_field(const PolarField& field, int angles, int planes, int threads)
     {
         PolarField out(field.planes, kNone);
@@ -136,20 +136,21 @@ namespace {
         return out;
     }
 
-    /// The wall's inner surface. Bone first: it gives a cage that is complete enough to tell whether a lung lies on the
-    /// wall or on something else; then lung where it lies on the wall, bone elsewhere.
+    /// Computes the inner surface of the wall in two passes. The first pass uses bone, and gives a cage that shows
+    /// whether a lung touches the wall. The second pass uses lung at places where the lung touches the wall, and bone
+    /// elsewhere.
     PolarField inner_surface(const CavityInput& input, const Sightings& s, double spacing, int threads)
     {
         constexpr int kMuscleAngles = 16; // 12 degrees to each side
         constexpr int kMusclePlanes = 2;
         constexpr float kCover = 2.0F; // pleura and fascia inside bone
-        constexpr float kOnWall = 12.0F; // lung this near to the cage lies on the wall
-        constexpr float kOnWallAlone = 28.0F; // where no bone near by says where the cage is
+        constexpr float kOnWall = 12.0F; // lung within this distance of the cage touches the wall
+        constexpr float kOnWallAlone = 28.0F; // the same distance at places without bone nearby
         constexpr float kAbdominalMuscle = 12.0F;
         constexpr float kFarFromBone = 20.0F;
         constexpr float kNearBone = 14.0F; // half the widest space between ribs
-        constexpr float kLeastWall = 6.0F; // under the skin
-        constexpr double kApex = 40.0; // mm; here the dome leaves the ribs, and only the lung tells where it is
+        constexpr float kLeastWall = 6.0F; // least thickness of the wall under the skin
+        constexpr double kApex = 40.0; // mm; in this part the dome leaves the ribs, and only the lung shows the dome
         const Extent extent = input.image.extent();
         const int planes = extent.size[2];
         const PolarField muscle = median_field(s.muscle, kMuscleAngles, kMusclePlanes, threads);
@@ -197,11 +198,11 @@ namespace {
         return radius;
     }
 
-    /// Above the plane through the sternum's upper end and the back of the lungs' tops lies the neck. Returns the
+    /// The neck lies above the plane through the sternum's upper end and the back of the lungs' tops. Returns the
     /// highest plane index for each y.
     std::vector<int> inlet(const CavityInput& input, const std::vector<double>& front_y)
     {
-        constexpr double kDrop = 35.0; // mm that the front lies lower when there is no sternum to tell
+        constexpr double kDrop = 35.0; // mm from the lungs' tops down to the front, when no sternum is found
         const Extent extent = input.image.extent();
         const int apex = plane_range(plane_extents(extent, input.lungs.both())).second;
         const std::vector<PlaneExtents> sternum = plane_extents(extent, input.sternum);

@@ -13,7 +13,7 @@ namespace {
 
     constexpr int kNoLung = -1;
 
-    /// The lowest plane with lung, per column.
+    /// The lowest plane with lung in each column.
     std::vector<int> lowest(const Extent& extent, const Mask& lung)
     {
         const auto columns = static_cast<std::size_t>(extent.size[0]) * static_cast<std::size_t>(extent.size[1]);
@@ -40,11 +40,11 @@ namespace {
             visit(column + static_cast<std::size_t>(nx));
     }
 
-    /// Follows the lower face of a lung from its lowest point as far as it is continuous: from the recess up over the
-    /// dome, until it jumps to the side of the heart.
+    /// Follows the lower face of a lung from its lowest point while the face is continuous: from the recess over the
+    /// dome to the jump at the side of the heart.
     void follow(const Extent& extent, const std::vector<int>& low, std::vector<std::uint8_t>& known)
     {
-        constexpr double kJump = 12.0; // mm from one column to the next
+        constexpr double kJump = 12.0; // mm between neighbouring columns
         const int jump = static_cast<int>(kJump / extent.spacing[2]);
         std::size_t start = low.size();
         for (std::size_t c = 0; c < low.size(); ++c)
@@ -63,7 +63,7 @@ namespace {
             });
     }
 
-    /// The height of a dome: what most columns of the zone stay below; NaN for an empty zone.
+    /// The height of a dome, a high quantile of the zone's heights; NaN for an empty zone.
     double dome_top(std::vector<int> heights)
     {
         constexpr double kShare = 0.98;
@@ -72,14 +72,14 @@ namespace {
         return value_of_rank(heights, static_cast<std::size_t>(kShare * static_cast<double>(heights.size() - 1)));
     }
 
-    /// Where the lung's lower face climbs higher than its dome does away from the heart, it lies on the heart. The
-    /// right dome is looked at away from the midline, the left one behind the heart.
+    /// Drops columns where the lung lies on the heart: there the lower face rises above the dome. The height of the
+    /// right dome is measured away from the midline, the height of the left dome behind the heart.
     void drop_heart(const Extent& extent, const std::array<std::vector<int>, 2>& low,
         std::array<std::vector<std::uint8_t>, 2>& followed)
     {
-        constexpr double kAway = 0.4; // of the distance from the midline to the lung's outer face
-        constexpr double kAbove = 4.0; // mm
-                                       // Nearer to the midline than this, in front, the lung lies on the heart's sides.
+        constexpr double kAway = 0.4; // share of the distance from the midline to the lung's outer face
+        constexpr double kAbove = 4.0; // mm above the dome
+        // In front, the lung nearer to the midline than this (share of the half-width) lies on the sides of the heart.
         constexpr std::array<double, 2> kBesideHeart { 0.65, 0.2 };
         double left_x = 0.0;
         double right_x = extent.size[0];
@@ -117,15 +117,16 @@ namespace {
             }
     }
 
-    constexpr int kCells = 4; // columns a side of a cell of the plate
+    constexpr int kCells = 4; // columns along each side of a cell of the plate
 
-    /// A plate under tension through the known columns, on cells: smooth over the domes, stretched between them.
-    /// Heights of columns that are not known are read off it.
+    /// Interpolates unknown heights by a plate under tension through the known columns, on cells. The plate is smooth
+    /// over the domes and stretched between them.
     void complete_columns(const Extent& extent, const std::vector<std::uint8_t>& known, std::vector<double>& height)
     {
-        constexpr double kStiffness = 0.2; // against one known cell
-        constexpr double kTension = 0.2; // more and the domes are flattened, less and it overshoots under the heart
-        constexpr double kHold = 1e-6; // keeps the plate in place where nothing is known
+        constexpr double kStiffness = 0.2; // relative to one known cell
+        // A larger value flattens the domes, a smaller value overshoots under the heart.
+        constexpr double kTension = 0.2;
+        constexpr double kHold = 1e-6; // holds the plate where no column is known
         const int nx = (extent.size[0] + kCells - 1) / kCells;
         const int ny = (extent.size[1] + kCells - 1) / kCells;
         const auto cell_of = [&](std::size_t column) {
@@ -191,7 +192,7 @@ namespace {
 
 DiaphragmHeight diaphragm_height(const Extent& extent, const Lungs& lungs)
 {
-    constexpr double kAgrees = 5.0; // mm between a lung's lower face and the membrane through the rest
+    constexpr double kAgrees = 5.0; // mm between a lung's lower face and the plate through the other columns
     const std::array<std::vector<int>, 2> low { lowest(extent, lungs.left), lowest(extent, lungs.right) };
     const std::size_t columns = low[0].size();
 
@@ -214,7 +215,7 @@ DiaphragmHeight diaphragm_height(const Extent& extent, const Lungs& lungs)
     out.plane.assign(columns, -2.0);
     for (std::size_t c = 0; c < columns; ++c)
         if (known[c] != 0) {
-            // A lung that leaves the image says only that the diaphragm lies below.
+            // A lung that leaves the image shows only that the diaphragm lies below the image.
             out.plane[c] = seen[c] > 0 ? seen[c] - 0.5 : -2.0;
             out.seen = out.seen || seen[c] > 0;
         }

@@ -11,7 +11,7 @@ namespace retractor::datasets::segmentation {
 
 namespace {
 
-    /// The structure that a label is a part of.
+    /// The structure to which a label belongs as a part; nothing for other labels.
     std::optional<mesh::LabelInfo> whole_of(std::string_view name)
     {
         if (name.starts_with("lung_") && name.find("lobe") != std::string_view::npos) {

@@ -14,8 +14,8 @@ namespace {
     constexpr int kAirHu = -400; // half-way between inflated lung and soft tissue
     constexpr int kAirwayHu = -600;
     constexpr int kLowest = -32768;
-    constexpr double kLeastLungMl = 600.0; // both together; more than the gas of a full colon
-    constexpr double kPieceMl = 40.0; // smaller pieces of air are bowel, oesophagus, wounds
+    constexpr double kLeastLungMl = 600.0; // both lungs together; more than the gas of a full colon
+    constexpr double kPieceMl = 40.0; // smaller pieces of air belong to bowel, oesophagus or wounds
 
     struct Piece {
         double volume_ml = 0.0;
@@ -44,8 +44,8 @@ namespace {
         return out;
     }
 
-    /// Gas in stomach and bowel, which thin walls part from the lung by less than the image resolves: purer than lung,
-    /// low, and hardly bordered by lung (unlike a bulla).
+    /// Finds gas in stomach and bowel. The image may not resolve the thin walls between this gas and the lung. The gas
+    /// is purer than lung, lies low, and has little border with lung (unlike a bulla).
     Mask gut_gas(const WorkingImage& image, const Mask& air)
     {
         constexpr int kCells = 2;
@@ -81,7 +81,7 @@ namespace {
             if (z / static_cast<double>(pieces.voxels[n]) > lung_z)
                 continue;
             const Mask all(piece.size(), 1);
-            // Two steps: the first meets the rim, where gas and wall share cells.
+            // The border lies two steps away, because the first step reaches the rim, where gas and wall share cells.
             const Mask near = grown_by_a_voxel(cells, piece, all);
             const Mask border = without(grown_by_a_voxel(cells, near, all), near);
             const auto border_air = static_cast<double>(count_set(common(border, air_cells)));
@@ -94,12 +94,12 @@ namespace {
         return fine;
     }
 
-    /// The pieces of air that are lung (windpipe included): large, textured (gas in the bowel is pure), connected by
-    /// more than a voxel.
+    /// Finds the pieces of air that are lung, with the windpipe: large, textured (gas in the bowel is pure), and
+    /// connected over more than one voxel.
     Mask lung_air(const WorkingImage& image, const Mask& air)
     {
-        constexpr double kPureGas = -960.0; // mean HU; even emphysema lies above
-        constexpr double kBelow = 60.0; // mm below the largest piece's middle
+        constexpr double kPureGas = -960.0; // mean HU; even emphysema is denser
+        constexpr double kBelow = 60.0; // mm below the middle of the largest piece
         const Extent extent = image.extent();
         const Pieces pieces = connected_pieces(extent, shrunk_by_a_voxel(extent, air));
         const std::vector<Piece> described = describe(image, pieces);
@@ -129,7 +129,7 @@ namespace {
     struct Area {
         std::vector<std::size_t> voxels;
         double mm2 = 0.0;
-        double x = 0.0; ///< middle, index
+        double x = 0.0; ///< middle of the area, index
         double y = 0.0;
     };
 
@@ -189,13 +189,13 @@ namespace {
     struct Airway {
         std::vector<std::size_t> voxels;
         int planes = 0;
-        int carina = -1; ///< plane where it parts
+        int carina = -1; ///< plane where the windpipe divides
     };
 
-    /// Follows the windpipe downwards from an area: one area, then two, until they open into the lung.
+    /// Follows the windpipe downwards from an area: one area, then two areas, until both open into the lung.
     Airway follow_airway(const Extent& extent, const Mask& air, int top, const Area& start)
     {
-        constexpr double kBronchiBelow = 35.0; // mm below the carina, where they have divided
+        constexpr double kBronchiBelow = 35.0; // mm below the carina, where the bronchi have divided
         constexpr double kLeastBronchus = 30.0; // mm^2
         constexpr double kMostBronchus = 450.0;
         const std::size_t plane = static_cast<std::size_t>(extent.size[0]) * static_cast<std::size_t>(extent.size[1]);
@@ -211,7 +211,7 @@ namespace {
             if (k == 0 || (airway.carina >= 0 && (airway.carina - k) * extent.spacing[2] > kBronchiBelow))
                 return airway;
             std::vector<Area> next;
-            int below = 0; // with those that have opened into the lung already
+            int below = 0; // counts also areas that have opened into the lung
             for (Area& area : areas_in_plane(extent, air, k - 1)) {
                 std::sort(area.voxels.begin(), area.voxels.end());
                 const double most = airway.carina < 0 ? std::max(2.2 * usual, 200.0) : kMostBronchus;
@@ -233,12 +233,12 @@ namespace {
         }
     }
 
-    /// The longest tube of the right width that comes down near the middle of the body.
+    /// Finds the longest tube of suitable width that descends near the middle of the body.
     Airway find_airway(const Extent& extent, const Mask& air, const Mask& body)
     {
-        constexpr double kMidline = 40.0; // mm
+        constexpr double kMidline = 40.0; // largest distance from the midline, mm
         constexpr double kLeastLength = 25.0;
-        constexpr double kSearch = 0.5; // of the image, from the top
+        constexpr double kSearch = 0.5; // share of the image, from the top
         Airway best;
         Mask used(air.size(), 0);
         for (int k = extent.size[2] - 1; k > (1.0 - kSearch) * extent.size[2]; --k) {
@@ -270,12 +270,12 @@ namespace {
         return best.planes * extent.spacing[2] >= kLeastLength ? best : Airway {};
     }
 
-    /// 1 left, 2 right; 0 elsewhere. Lungs that touch are parted where the air between them is thinnest: each cell
-    /// goes to the core it is nearest to by way of air.
+    /// Divides the lungs: 1 left, 2 right, 0 elsewhere. Lungs that touch are divided where the air between them is
+    /// thinnest, because each cell joins the core that is nearest through air.
     std::vector<std::uint8_t> sides(const Extent& extent, const Mask& lungs, std::vector<std::string>& warnings)
     {
         constexpr int kCells = 2;
-        constexpr double kLeastShare = 0.12; // of both lungs, for the smaller one
+        constexpr double kLeastShare = 0.12; // least share of the smaller lung in both lungs
         const Extent cells = coarse_extent(extent, kCells);
         const Mask all = coarse_mask(extent, lungs, kCells, 0.0);
         const Mask solid = coarse_mask(extent, lungs, kCells, 0.6);
@@ -313,7 +313,7 @@ namespace {
             warnings.push_back(std::string("only one lung was found (") + (left ? "left" : "right")
                 + "), or both could not be parted");
         }
-        // Breadth first from both cores at once.
+        // Breadth-first search from both cores at once.
         std::vector<std::size_t> front;
         for (std::size_t v = 0; v < side.size(); ++v)
             if (side[v] != 0)
@@ -366,7 +366,8 @@ Lungs segment_lungs(const WorkingImage& image, const Mask& body)
     Lungs lungs;
     const Mask air = common(threshold(image.hu, kLowest, kAirHu), body);
     const Mask lung = lung_air(image, without(air, gut_gas(image, air)));
-    // Well below the lung's own threshold, thin walls between windpipe and lung still show in coarse images.
+    // This threshold lies well below the threshold of the lung, so that coarse images still show the thin walls between
+    // windpipe and lung.
     const Airway airway = find_airway(extent, common(threshold(image.hu, kLowest, kAirwayHu), body), body);
     Mask tube(air.size(), 0);
     for (const std::size_t v : airway.voxels)
@@ -385,7 +386,7 @@ Lungs segment_lungs(const WorkingImage& image, const Mask& body)
         Mask filled = without(small_holes_filled(extent, one, kVessel), lungs.trachea);
         (number == 1 ? lungs.left : lungs.right) = std::move(filled);
     }
-    lungs.right = without(lungs.right, lungs.left); // a hole may have been filled from both sides
+    lungs.right = without(lungs.right, lungs.left); // both sides may have filled the same hole
     check_volumes(extent, lungs, lungs.warnings);
     return lungs;
 }

@@ -44,7 +44,7 @@ std::vector<double> smooth_line(std::vector<double> values, int reach)
 
 std::vector<double> spine_front(const Extent& extent, const Mask& spine, const std::vector<double>& middle_x)
 {
-    constexpr double kHalfWidth = 9.0; // of a vertebral body's middle
+    constexpr double kHalfWidth = 9.0; // mm; half-width of the middle part of a vertebral body
     std::vector<double> front(static_cast<std::size_t>(extent.size[2]), std::nan(""));
     for (int k = 0; k < extent.size[2]; ++k) {
         const double x = middle_x[static_cast<std::size_t>(k)];

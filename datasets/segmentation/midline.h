@@ -1,6 +1,6 @@
 #pragma once
-// Where structures lie, plane by plane: the spine's middle and front that other organs are looked for from. Indices of
-// the working grid.
+// Positions of structures in each axial plane, such as the front of the spine. The searches for other organs start from
+// these positions. Indices of the working grid.
 
 #include "datasets/segmentation/image/working_image.h"
 
@@ -9,7 +9,7 @@
 
 namespace retractor::datasets::segmentation {
 
-/// The extents of a mask in an axial plane.
+/// The bounds of a mask in an axial plane, as indices.
 struct PlaneExtents {
     double low_y = std::numeric_limits<double>::infinity();
     double high_y = -std::numeric_limits<double>::infinity();
@@ -18,15 +18,16 @@ struct PlaneExtents {
     bool empty() const { return high_x < low_x; }
 };
 
+/// The bounds of a mask in every axial plane.
 std::vector<PlaneExtents> plane_extents(const Extent& extent, const Mask& mask);
 
-/// First and last plane that holds a voxel; -1 when none does.
+/// First and last plane with a set voxel; -1 and -1 for an empty mask.
 std::pair<int, int> plane_range(const std::vector<PlaneExtents>& planes);
 
-/// Missing values (NaN) take the nearest one, then all are averaged over +- `reach` planes.
+/// Replaces missing values (NaN) by the nearest value, then averages over +- `reach` planes.
 std::vector<double> smooth_line(std::vector<double> values, int reach);
 
-/// The front of the spine in each plane (index y) beside `middle_x`, NaN where there is none.
+/// The front of the spine in each plane (index y), near the column `middle_x`; NaN in planes without spine.
 std::vector<double> spine_front(const Extent& extent, const Mask& spine, const std::vector<double>& middle_x);
 
 } // namespace retractor::datasets::segmentation

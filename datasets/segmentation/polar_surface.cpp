@@ -8,8 +8,8 @@ namespace retractor::datasets::segmentation {
 
 namespace {
 
-    /// A first guess: each plane's unknown values are interpolated between its known neighbours; planes without any
-    /// take the nearest plane that has some.
+    /// Makes a first guess. In each plane, unknown values are interpolated between known neighbours. A plane without
+    /// known values takes the values of the nearest plane with known values.
     void guess(PolarField& field, const std::vector<std::uint8_t>& known)
     {
         std::vector<int> filled;
@@ -48,7 +48,7 @@ namespace {
 void complete(PolarField& field, const std::vector<std::uint8_t>& known)
 {
     constexpr int kSweeps = 250;
-    constexpr float kOverRelaxation = 1.9F; // gaps are up to some 60 cells wide
+    constexpr float kOverRelaxation = 1.9F; // suits gaps of up to about 60 cells
     constexpr float kDone = 0.01F; // mm per sweep
     if (std::find(known.begin(), known.end(), std::uint8_t { 1 }) == known.end())
         return;

@@ -1,12 +1,13 @@
 #pragma once
-// A surface that is seen from an upright axis as one radius per angle and plane: sampled, completed where it was not
-// seen, and turned back into voxels. Angle 0 looks to the back (+y), angles grow towards the left (+x).
+// A surface described by one radius per angle and plane about an upright axis. The functions complete a surface that
+// was sampled in parts, and convert a surface to voxels. Angle 0 points to the back (+y); angles grow towards the left
+// (+x).
 
 #include "datasets/segmentation/image/working_image.h"
 
 namespace retractor::datasets::segmentation {
 
-inline constexpr int kAngles = 480; ///< 2 mm apart at a radius of 150 mm
+inline constexpr int kAngles = 480; ///< samples per plane, 2 mm apart at a radius of 150 mm
 
 /// One number per angle and plane, angles fastest.
 struct PolarField {
@@ -24,17 +25,17 @@ struct PolarField {
     }
 };
 
-/// Where the axis passes each plane, as continuous indices of the grid.
+/// The axis: its position in each plane, as continuous indices of the grid.
 struct PolarAxis {
     std::vector<double> x;
     std::vector<double> y;
 };
 
-/// Fills what is not known with a membrane (Laplace's equation) through what is; angles are periodic. Nothing
-/// happens when nothing is known.
+/// Replaces unknown values by a membrane (solution of Laplace's equation) through the known values. Angles are
+/// periodic. Without known values the field stays the same.
 void complete(PolarField& field, const std::vector<std::uint8_t>& known);
 
-/// Voxels nearer to the axis than the surface, within `limit`.
+/// Sets the voxels of `limit` that are nearer to the axis than the surface.
 Mask inside_surface(
     const Extent& extent, const PolarAxis& axis, const PolarField& radius, const Mask& limit, int threads);
 

@@ -9,21 +9,21 @@ namespace retractor::datasets::segmentation {
 
 namespace {
 
-    constexpr int kSoftHu = -20; // fat of mediastinum and pericardium lies below
+    constexpr int kSoftHu = -20; // fat of mediastinum and pericardium is darker
     constexpr int kCells = 2;
 
-    /// Highest plane of the heart: below the windpipe's parting by the height of the left atrium's roof.
+    /// The highest plane of the heart: below the carina by the height of the left atrium's roof.
     int heart_top(const VesselsInput& input, int low, int high)
     {
         constexpr double kBelowCarina = 25.0; // mm
-        constexpr double kShare = 0.55; // of the cavity's height, where no windpipe was found
+        constexpr double kShare = 0.55; // share of the cavity's height, used when no windpipe was found
         if (!input.lungs.carina_z)
             return low + static_cast<int>(kShare * (high - low));
         const double z = *input.lungs.carina_z - kBelowCarina;
         return static_cast<int>(std::lround(input.image.grid.index(Vec3(0.0, 0.0, z)).z()));
     }
 
-    /// The one blob of soft tissue between the lungs that is thicker than any vessel.
+    /// Finds the piece of soft tissue between the lungs that is thicker than any vessel.
     Mask find_heart(const VesselsInput& input, const Mask& soft)
     {
         constexpr double kThickerThanVessels = 20.0;
@@ -37,7 +37,7 @@ namespace {
                 low = std::min(low, static_cast<int>(v / plane));
                 high = std::max(high, static_cast<int>(v / plane));
             }
-        // Heart and liver lie on each other: the heart is not to be eaten from below.
+        // Heart and liver touch, and the erosion must not remove the heart from below.
         const Mask core
             = eroded(cells, coarse_mask(extent, united(soft, input.abdomen), kCells, 0.5), kThickerThanVessels);
         Mask heart = common(fine_values(extent, dilated(cells, core, kThickerThanVessels + 3.0), kCells), soft);

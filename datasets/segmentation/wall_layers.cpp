@@ -6,7 +6,7 @@ namespace retractor::datasets::segmentation {
 
 namespace {
 
-    /// Pieces of the mask smaller than this go over to the other side; the same for what is left of `wall`.
+    /// Removes small pieces of the mask, and fills small pieces of the remaining `wall`.
     Mask without_specks(const Extent& extent, Mask mask, const Mask& wall)
     {
         constexpr double kSpeckMl = 0.5;
@@ -28,13 +28,13 @@ namespace {
 
 std::vector<Layer> wall_layers(const WallInput& input, int threads)
 {
-    constexpr double kSkin = 3.0; // mm: epidermis, dermis, and what the image blurs together with air
-    constexpr int kFatHu = -30; // between fat (-100) and muscle (50), with room for thin muscle
+    constexpr double kSkin = 3.0; // mm: epidermis, dermis, and the blur between dermis and air
+    constexpr int kFatHu = -30; // between fat (-100) and muscle (50); the margin keeps thin muscle
     constexpr int kCells = 2;
-    constexpr double kBetweenRibs = 13.0; // half the widest space between two ribs
+    constexpr double kBetweenRibs = 13.0; // half the widest space between two ribs, mm
     const Extent extent = input.image.extent();
     const double skin = std::max(kSkin, extent.spacing[0]) * (1.0 + 1e-4);
-    constexpr int kBlur = 2; // voxels
+    constexpr int kBlur = 2; // voxels at which air and tissue mix
     Mask beside_air = input.air;
     for (int step = 0; step < kBlur; ++step)
         beside_air = grown_by_a_voxel(extent, beside_air, Mask(beside_air.size(), 1));

@@ -1,5 +1,6 @@
 #pragma once
-// Gradients of the four linear shape functions of a tetrahedron. Inline: the assembly asks four times per element.
+// Gradients of the four linear shape functions of a tetrahedron, inline because the assembly needs them four times
+// per element.
 
 #include "mesh/base/geometry.h"
 
@@ -10,8 +11,8 @@
 namespace retractor::fem {
 
 struct CornerGradients {
-    std::array<Vec3, 4> of; ///< per corner, 1/mm
-    double volume = 0.0; ///< mm^3; not positive when the element is turned over
+    std::array<Vec3, 4> of; ///< gradient of each corner's shape function, 1/mm
+    double volume = 0.0; ///< mm^3; not positive when the element is inverted
 };
 
 inline CornerGradients corner_gradients(const Vec3& p0, const Vec3& p1, const Vec3& p2, const Vec3& p3)

@@ -10,7 +10,7 @@ namespace {
 
     constexpr std::size_t kPack = CorotationalElements::kPack;
 
-    // Operations on all lanes: GCC and Clang compile them for whatever the function they are inlined into may use.
+    // Operations on all lanes. GCC and Clang compile them for the instruction set of the function that inlines them.
     using Wide = double __attribute__((vector_size(kPack * sizeof(double))));
     using WideMat3 = Wide[3][3];
 #define RETRACTOR_INLINED __attribute__((always_inline)) inline
@@ -50,7 +50,7 @@ namespace {
             sum += a[k / 3][k % 3] * a[k / 3][k % 3];
     }
 
-    /// In lanes where this finds none: from the singular values.
+    /// In lanes without an approximate rotation, the singular values give the rotation.
     void by_singular_values(double (&R)[9], const double (&F)[9])
     {
         const SignedSvd svd = signed_svd(Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(F));
@@ -58,13 +58,13 @@ namespace {
         rotation = svd.U * svd.V.transpose();
     }
 
-    /// The nearest rotations.
+    /// The rotations nearest to F, one per lane.
     RETRACTOR_INLINED void rotations(WideMat3& R, const WideMat3& F)
     {
         constexpr int kMostSteps = 12;
-        constexpr double kScaled = 1e-2; // of a squared step: nearer than this the norms tell nothing
-        constexpr double kConverged = 1e-15; // of a squared step: the next would be of its square
-        constexpr double kFlat = 1e-6; // det F of unit size: the iteration loses digits there
+        constexpr double kScaled = 1e-2; // squared step below which scaling by the norms has no use
+        constexpr double kConverged = 1e-15; // squared step after which the next step would be below round-off
+        constexpr double kFlat = 1e-6; // det F relative to the size of F, below which the iteration loses digits
         for (int k = 0; k < 9; ++k)
             R[k / 3][k % 3] = F[k / 3][k % 3];
         bool found[kPack] = {};
@@ -149,7 +149,7 @@ namespace {
                 square += d * d;
                 trace += d * R[k / 3][k % 3];
             }
-            // As corotational_linear_volumetric(): the pressure goes no further than the largest.
+            // As corotational_linear_volumetric(): the pressure stays below its bound.
             const Wide largest = kLargestBoundedPressure * mu, free = lambda * trace;
             Wide slope = free, volumetric = 0.5 * free * trace;
             for (std::size_t l = 0; l < kPack; ++l)

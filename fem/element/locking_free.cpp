@@ -53,7 +53,7 @@ namespace {
         return model == Elasticity::linear ? F.trace() - 2.0 : F.determinant();
     }
 
-    /// Derivative of the volume ratio by F.
+    /// Derivative of the volume ratio det F by F.
     Mat3 cofactor(Elasticity model, const Mat3& F)
     {
         if (model == Elasticity::linear)
@@ -129,7 +129,8 @@ struct LockingFree::Elements {
 
 namespace {
 
-    constexpr double kElementShare = 0.05; // of the energy of shape; FEBio's own default for its stabilisation
+    // share of the distortional energy; also FEBio's default for its stabilisation
+    constexpr double kElementShare = 0.05;
 
     LockingFree::Elements measure(const mesh::TetMesh& mesh)
     {
@@ -146,11 +147,11 @@ namespace {
         return elements;
     }
 
-    /// Disjoint patches of elements of one law round a vertex, at most eight each, greedily.
-    /// @return the patch of each element: the number of its first element.
+    /// Disjoint patches of at most eight elements of one law round a vertex, chosen greedily.
+    /// @return the patch of each element, identified by the number of the patch's first element.
     std::vector<std::int32_t> patches(const mesh::TetMesh& mesh, const std::vector<std::int32_t>& law)
     {
-        constexpr std::size_t kMost = 8; // as many as one element splits into when it is refined
+        constexpr std::size_t kMost = 8; // refining one element gives eight
         std::vector<std::vector<std::int32_t>> around(mesh.vertex_count());
         for (std::size_t t = 0; t < mesh.tet_count(); ++t)
             for (const VertexId v : mesh.tet(static_cast<TetId>(t)))
@@ -175,11 +176,11 @@ namespace {
         return owner;
     }
 
-    /// The patch that most of a domain's volume belongs to; the first of several alike.
+    /// The patch that contains most of a domain's volume; the first one among equals.
     std::int32_t patch_of(const std::vector<TetId>& tets, const std::vector<std::int32_t>& patch,
         const std::vector<double>& volume_of_element)
     {
-        constexpr double kMore = 1.0 + 1e-9; // volumes that differ by round-off are alike
+        constexpr double kMore = 1.0 + 1e-9; // volumes that differ by round-off count as equal
         std::map<std::int32_t, double> volume;
         for (const TetId t : tets)
             volume[patch[static_cast<std::size_t>(t)]] += volume_of_element[static_cast<std::size_t>(t)];
@@ -195,7 +196,7 @@ namespace {
     {
         Vec3 sum = Vec3::Zero();
         const Vec3 first = fibres[static_cast<std::size_t>(domain.tets[0])].*which;
-        for (const TetId t : domain.tets) { // a fibre has no sense: both ways are alike
+        for (const TetId t : domain.tets) { // a fibre has no sign: both directions are equivalent
             const Vec3& d = fibres[static_cast<std::size_t>(t)].*which;
             sum += elements.volume[static_cast<std::size_t>(t)] * (d.dot(first) < 0.0 ? -d : d);
         }
@@ -207,7 +208,7 @@ namespace {
 std::vector<AveragingDomain> edge_patch_domains(
     const mesh::TetMesh& mesh, const std::vector<std::int32_t>& law_of_element, const std::vector<double>& volume)
 {
-    using EdgeKey = std::array<std::int32_t, 3>; // the edge's vertices, the law
+    using EdgeKey = std::array<std::int32_t, 3>; // two vertices of the edge, and the law
     std::vector<std::pair<EdgeKey, TetId>> all;
     for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
         const auto nodes = mesh.tet(static_cast<TetId>(t));
@@ -421,7 +422,7 @@ void LockingFree::add_volumes(
                 * cofactor(laws_[static_cast<std::size_t>(law_of_point_[p])].model, deformation_gradient(u, p));
             std::size_t local = 0;
             for (auto k = points_.start[p]; k < points_.start[p + 1]; ++k) {
-                while (nodes[local] != points_.node[static_cast<std::size_t>(k)]) // both lists rise
+                while (nodes[local] != points_.node[static_cast<std::size_t>(k)]) // both lists are sorted
                     ++local;
                 c[local].noalias() += G * Eigen::Map<const Vec3>(gradients_.data() + 3 * static_cast<std::size_t>(k));
             }

@@ -13,7 +13,8 @@ namespace {
         { { kFar, kNear, kFar, kFar }, 0.25 }, { { kFar, kFar, kNear, kFar }, 0.25 },
         { { kFar, kFar, kFar, kNear }, 0.25 } } };
 
-    /// Derivatives of the barycentric coordinates by the reference coordinates, which are the last three of them.
+    /// Derivatives of the four barycentric coordinates by the reference coordinates. The reference coordinates are
+    /// the last three barycentric coordinates.
     Eigen::Matrix<double, 4, 3> barycentric_derivatives()
     {
         Eigen::Matrix<double, 4, 3> d;

@@ -11,29 +11,29 @@
 
 namespace retractor::fem {
 
-/// Barycentric coordinates and a weight; the weights of a rule sum to 1.
+/// Barycentric coordinates and weight of a point. The weights of a rule sum to 1.
 struct QuadraturePoint {
     std::array<double, 4> barycentric;
     double weight = 0.0;
 };
 
-/// P1: the centroid, exact for its constant gradients. P2: four points, exact for degree 2, which a straight-edged
-/// element needs (and what CalculiX's C3D10 uses).
+/// The quadrature rule of an element. P1 has the centroid, which is exact for its constant gradients. P2 has four
+/// points, exact for degree 2, which a straight-edged element needs (CalculiX's C3D10 uses the same points).
 std::span<const QuadraturePoint> quadrature(int nodes_per_tet);
 
-/// One row per node.
+/// n x 3, one row per node.
 using NodeGradients = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor, 10, 3>;
 
-/// Values of the shape functions; n rows.
+/// Values of the shape functions at a point, one row per node.
 Eigen::VectorXd shape_values(int nodes_per_tet, const std::array<double, 4>& barycentric);
 
-/// Gradients of the shape functions in rest coordinates, and the rest volume the point stands for.
+/// Gradients of the shape functions in rest coordinates, and the rest volume that belongs to the quadrature point.
 struct ShapeGradients {
     NodeGradients gradients; ///< n x 3, 1/mm
-    double volume = 0.0; ///< mm^3, weight times Jacobian
+    double volume = 0.0; ///< weight times Jacobian, mm^3
 };
-/// @param nodes n x 3 rest positions of the element's nodes. The volume is not positive when the element is turned over
-/// there.
+/// @param nodes n x 3, rest positions of the element's nodes, mm. The volume is not positive where the element is
+/// inverted.
 ShapeGradients shape_gradients(const NodeGradients& nodes, const QuadraturePoint& point);
 
 } // namespace retractor::fem

@@ -48,7 +48,7 @@ void AveragedContact::add_product(const Eigen::VectorXd& u, Eigen::VectorXd& to)
 void AveragedContact::weigh_edges(const mesh::TetMesh& coarse, const mesh::TetMesh& fine)
 {
     std::vector<double> area(coarse.vertex_count(), 0.0);
-    std::map<std::array<VertexId, 2>, double> of_edge; // end and midpoint
+    std::map<std::array<VertexId, 2>, double> of_edge; // area of the contact faces by end and midpoint of an edge
     std::map<VertexId, std::array<VertexId, 2>> ends;
     for (const mesh::TetFace& face : mesh::boundary_faces(coarse)) {
         const auto corners = mesh::face_vertices(coarse, face);
@@ -66,7 +66,7 @@ void AveragedContact::weigh_edges(const mesh::TetMesh& coarse, const mesh::TetMe
             const VertexId middle = nodes[4 + e];
             ends[middle] = { nodes[static_cast<std::size_t>(i)], nodes[static_cast<std::size_t>(j)] };
             for (const VertexId end : ends[middle])
-                of_edge[{ end, middle }] += 0.5 * size; // two of a face's edges end there
+                of_edge[{ end, middle }] += 0.5 * size; // two edges of a face end at each corner
         }
     }
     for (const auto& [edge, size] : of_edge) {

@@ -1,6 +1,6 @@
 #pragma once
-// Contact of four-node elements, felt by ten-node ones on the same mesh. Units mm, N; vectors have three entries per
-// node.
+// Contact that was found for four-node elements, applied to ten-node elements on the same mesh. Units mm, N; vectors
+// have three entries per node.
 
 #include "fem/linear_algebra/block_matrix.h"
 #include "fem/model/elastic_body.h"
@@ -12,26 +12,30 @@
 
 namespace retractor::fem {
 
-/// Contact by the coarse body's pairs. A point of theirs feels the displacement there and the mean of what the finer
-/// elements add on the edges round it, weighted by the area of the faces in contact on both sides of an edge.
+/// Contact by the coarse body's pairs. A point of a pair is displaced by its own displacement plus the mean of the
+/// displacements that the ten-node elements add on the edges round the point. The weight of an edge in this mean is
+/// the area of the contact faces on both sides of the edge.
 class AveragedContact {
 public:
-    /// By the pairs as they are; a body without contact has none. @param fine with_midpoints() of its mesh. @param
-    /// answer of the coarse body, which must outlive this.
+    /// Takes the present pairs; a body without contact has no pairs.
+    /// @param fine with_midpoints() of the coarse mesh.
+    /// @param answer displacement of the coarse body, mm.
+    /// @pre the coarse body lives longer than this object.
     AveragedContact(const ElasticBody& coarse, const mesh::TetMesh& fine, const Eigen::VectorXd& answer);
 
-    /// For add_product(); what is indefinite is left out by the share `lifted`.
+    /// Computes the stiffness for add_product(). The share `lifted` of its indefinite part is left out.
     void linearise(const Eigen::VectorXd& answer, double lifted);
 
-    void add_forces(Eigen::VectorXd& to) const; ///< at the answer
-    void add_product(const Eigen::VectorXd& u, Eigen::VectorXd& to) const; ///< of the stiffness with u
+    void add_forces(Eigen::VectorXd& to) const; ///< adds the contact forces at the answer, N
+    /// adds the product of the contact stiffness with u
+    void add_product(const Eigen::VectorXd& u, Eigen::VectorXd& to) const;
 
-    struct Share { ///< of what an edge's function adds to one of its ends
+    struct Share { ///< weight of an edge's function in the mean at one end of the edge
         VertexId end, other, middle;
         double weight;
     };
-    const std::vector<Share>& shares() const { return shares_; } ///< those of one end stand together
-    const BlockMatrix& linear_stiffness() const { return stiffness_; } ///< as linear functions feel it
+    const std::vector<Share>& shares() const { return shares_; } ///< shares of one end are consecutive
+    const BlockMatrix& linear_stiffness() const { return stiffness_; } ///< contact stiffness for linear functions
 
 private:
     void weigh_edges(const mesh::TetMesh& coarse, const mesh::TetMesh& fine);

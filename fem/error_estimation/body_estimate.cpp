@@ -17,19 +17,20 @@ namespace {
         EstimateStatus status = EstimateStatus::done;
         bool negative_curvature = false;
         Eigen::VectorXd du;
-        double energy = 0.0; ///< du K du
+        double energy = 0.0; ///< du K du, N mm
         int iterations = 0;
     };
 
-    /// Conjugate gradients until what is left, seen over the last few steps [Hestenes, Stiefel 1952], is small beside
-    /// what was found.
+    /// Conjugate gradients, until the energy gained in the last few steps [Hestenes, Stiefel 1952] is small relative
+    /// to the energy of the solution.
     Step solve(const BlockMatrix& K, const AveragedContact& contact, const Eigen::VectorXd& b,
         TwoLevelPreconditioner& levels, double noise, const Job& job)
     {
-        // A thousandth in energy norm: forces, which are quadratic in it, then have two digits of the error.
+        // A thousandth in energy norm. Forces are quadratic in this norm; they then have two digits of the error.
         constexpr double kTolerance = 1e-3;
         constexpr std::size_t kLookBack = 4;
-        constexpr int kMostIterations = 1000; // flat elements take some hundreds, others less than a hundred
+        // flat elements take several hundred iterations, others less than a hundred
+        constexpr int kMostIterations = 1000;
         Step step;
         step.du = Eigen::VectorXd::Zero(b.size());
         Eigen::VectorXd r = b;
@@ -71,7 +72,8 @@ namespace {
         return step;
     }
 
-    /// @param must_be false: where K is not positive definite, false is the answer.
+    /// @param must_be whether an indefinite K is an error.
+    /// @return false when K is not positive definite and `must_be` is false.
     bool is_factorised(ConstrainedSolver& solver, const BlockMatrix& K, bool must_be)
     {
         try {
@@ -109,14 +111,14 @@ BodyEstimate estimate_error(ElasticBody& coarse_body, const std::vector<std::uin
     contact.add_forces(there.forces);
     TwoLevelPreconditioner levels(coarse, nesting, contact, fine_held);
 
-    constexpr double kRoundOff = 1e-24; // of the energy: the square of round-off in forces, with room
+    constexpr double kRoundOff = 1e-24; // relative to the energy: the square of round-off in forces, with a margin
     BodyEstimate estimate;
     Step step;
-    // The true stiffness, or one whose negative eigenvalues are lifted as far as it takes to be positive definite: the
-    // same of both bodies, so that the coarse one's is the finer one's among linear functions.
+    // The true stiffness, or a stiffness whose negative eigenvalues are raised until it is positive definite. Both
+    // bodies use the same share, so that the coarse stiffness is the finer one restricted to linear functions.
     for (const double lifted : { 0.0, 0.25, 1.0 }) {
         const BlockMatrix& coarse_K = coarse_body.stiffness(answer, lifted);
-        if (!is_factorised(coarse, coarse_K, lifted == 1.0)) // among more functions it is no more positive
+        if (!is_factorised(coarse, coarse_K, lifted == 1.0)) // more functions do not make the stiffness more positive
             continue;
         const BlockMatrix& K = fine_body.stiffness(start, lifted);
         contact.linearise(answer, lifted);
@@ -139,7 +141,7 @@ BodyEstimate estimate_error(ElasticBody& coarse_body, const std::vector<std::uin
     estimate.displacement = start + step.du;
     estimate.forces = there.forces + fine_body.last_stiffness().multiply(step.du);
     contact.add_product(step.du, estimate.forces);
-    const double scale = 2.0 * std::abs(there.energy); // of loads alone: minus the work of half of them
+    const double scale = 2.0 * std::abs(there.energy); // with loads alone the energy is minus half of their work
     estimate.coarse_forces = nesting.restrict_to_corners(there.forces);
     Eigen::VectorXd unsolved = estimate.coarse_forces;
     coarse.mask(unsolved);

@@ -1,5 +1,5 @@
 #pragma once
-// The estimate of error_estimate.h for bodies of one's own: whatever loads them and holds single unknowns of theirs.
+// The estimate of error_estimate.h for any elastic body, with its own loads and prescribed unknowns.
 
 #include "fem/model/elastic_body.h"
 #include "mesh/base/job.h"
@@ -14,30 +14,36 @@ namespace retractor::fem {
 
 enum class EstimateStatus {
     done,
-    not_converged, ///< no iteration went on; there is no estimate
+    not_converged, ///< the iteration stopped; there is no estimate
     cancelled,
 };
 
 struct BodyEstimate {
     EstimateStatus status = EstimateStatus::done;
     std::string message;
-    Eigen::VectorXd displacement; ///< the answer with what the finer body adds, three per node of the finer mesh
-    Eigen::VectorXd forces; ///< there, to first order: on prescribed unknowns, what holds them
-    Eigen::VectorXd coarse_displacement; ///< what the coarse body says, to first order: not the answer where other
-                                         ///< equations gave it
-    Eigen::VectorXd coarse_forces; ///< there
+    /// the answer plus the change by the finer body, mm, three per node of the finer mesh
+    Eigen::VectorXd displacement;
+    Eigen::VectorXd forces; ///< forces at `displacement` to first order, N: reactions at prescribed unknowns
+    /// displacement of the coarse body to first order, mm; differs from the answer where other equations gave the
+    /// answer
+    Eigen::VectorXd coarse_displacement;
+    Eigen::VectorXd coarse_forces; ///< forces at `coarse_displacement` to first order, N
     double energy_error = 0.0, algebraic_error = 0.0; ///< as in ErrorEstimate
     int iterations = 0;
-    std::size_t bytes = 0; ///< memory it took
+    std::size_t bytes = 0; ///< memory that the estimate took
 };
 
-/// Contact that the coarse body has, with pairs found at the answer, acts on the finer one by the same pairs: at each
-/// point on the displacement averaged round it, so that a pressure that the points hold evenly is an even one for
-/// ten-node elements too, and not a row of needles. The finer body has none of its own.
+/// Estimates the error of an answer of the coarse body by one Newton step on the finer body.
 ///
-/// @param coarse plain four-node elements; @param fine ten-node ones on with_midpoints() of the same mesh, of the same
-/// model and materials, under the same loads. @param coarse_held, fine_held one per unknown, 1 = prescribed: where the
-/// answer, straight along edges, stands.
+/// Contact of the coarse body, with pairs found at the answer, acts on the finer body by the same pairs. Each point
+/// of a pair moves with the displacement averaged round the point (averaged_contact.h). An even pressure on the
+/// points is then also even for ten-node elements; without the average it would act like single forces. The finer
+/// body has no contact of its own.
+///
+/// @param coarse plain four-node elements.
+/// @param fine ten-node elements on with_midpoints() of the same mesh, with the same model, materials and loads.
+/// @param coarse_held, fine_held one per unknown, 1 = prescribed at the position of the answer, which is linear along
+/// edges.
 /// @throws SolverError when the stiffness is not positive definite.
 BodyEstimate estimate_error(ElasticBody& coarse, const std::vector<std::uint8_t>& coarse_held, ElasticBody& fine,
     const std::vector<std::uint8_t>& fine_held, const Eigen::VectorXd& answer, const Job& job);

@@ -14,7 +14,7 @@ namespace retractor::fem {
 
 namespace {
 
-    constexpr int kNobody = -2, kSupport = -1; // else the index of a hook
+    constexpr int kNobody = -2, kSupport = -1; // values >= 0 are the index of a hook
 
     std::vector<int> holders(const ElasticProblem& problem)
     {
@@ -27,7 +27,7 @@ namespace {
         return holder;
     }
 
-    /// Whether one holder holds all of them.
+    /// Whether the same holder holds all of the vertices.
     template <class Vertices> int common_holder(const std::vector<int>& holder, const Vertices& vertices)
     {
         const int first = holder[static_cast<std::size_t>(vertices[0])];
@@ -49,7 +49,7 @@ namespace {
 
     void check_held(const Prescribed& prescribed, const Eigen::VectorXd& u)
     {
-        constexpr double kRoundOff = 1e-9; // of the largest displacement
+        constexpr double kRoundOff = 1e-9; // relative to the largest displacement
         const double room = kRoundOff * std::max(u.cwiseAbs().maxCoeff(), prescribed.value.cwiseAbs().maxCoeff());
         for (const VertexId v : prescribed.nodes) {
             const auto at = 3 * static_cast<Eigen::Index>(v);

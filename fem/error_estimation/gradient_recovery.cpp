@@ -18,14 +18,17 @@ namespace retractor::fem {
 
 namespace {
 
-    constexpr std::size_t kFewest = 30; // samples, three per term: fewer are added to by the elements round them
-    /// Terms of what is fitted: a quadratic in space, or a linear one, or the mean.
+    // least number of samples, three per term; patches with fewer are extended by the elements round them
+    constexpr std::size_t kFewest = 30;
+    /// Number of terms of the fitted function: quadratic, linear, or constant.
     constexpr std::array<Eigen::Index, 3> kDegrees { 10, 4, 1 };
-    /// Columns shorter than this, of samples with unit spread along their axes, say nothing of their term.
+    /// Least length of a column, for samples with unit spread along their axes. Shorter columns do not determine
+    /// their term.
     constexpr double kRank = 1e-2;
-    /// A value taken from a fit is a weighted sum of samples. The sizes of the weights add up to no more than this, so
-    /// that no recovered gradient is larger than so many of those round it: patches of flat elements, and places far
-    /// outside their samples, get a fit of lower degree. At corners of cubes cut into tetrahedra quadratics take 9.
+    /// Bound of the sum of the weights' sizes, where a value of a fit is a weighted sum of samples. A recovered
+    /// gradient then exceeds the samples by no more than this factor: patches of flat elements, and places far
+    /// outside their samples, get a fit of lower degree. At corners of cubes cut into tetrahedra the sum of a
+    /// quadratic is 9.
     constexpr double kMostWeight = 12.0;
 
     NodeGradients rest_positions(const mesh::TetMesh& mesh, TetId t)
@@ -46,8 +49,8 @@ namespace {
         return H;
     }
 
-    /// Twice the density of the energy of a small change of the gradient; nonlinear tissue has it in axes that turn
-    /// with the tissue.
+    /// Twice the energy density of a small change of the gradient. In nonlinear tissue the change is taken in axes
+    /// that turn with the tissue.
     double twice_density(Elasticity model, const Lame& lame, const Mat3& H, const Mat3& change)
     {
         Mat3 seen = change;
@@ -60,8 +63,8 @@ namespace {
         return 2.0 * lame.mu * (strain.squaredNorm() - trace * trace / 3.0);
     }
 
-    /// Four points in each of the eight parts that the midpoints divide an element into: gradients that are fitted to
-    /// at the four points of the whole look better there than they are.
+    /// Four points in each of the eight parts into which the midpoints divide an element. At the four points of the
+    /// whole element the fitted gradients look better than they are.
     std::vector<QuadraturePoint> fine_rule()
     {
         constexpr std::array<std::array<int, 4>, 8> kParts { { { 0, 4, 6, 7 }, { 1, 4, 5, 8 }, { 2, 5, 6, 9 },
@@ -96,16 +99,16 @@ namespace {
     struct Sample {
         Vec3 at;
         Gradient value;
-        double weight; ///< volume: what is in a sliver counts for little
+        double weight; ///< volume, so that slivers have little influence
     };
 
-    /// Places relative to samples: from their mean, along their axes, in units of their spread. Thin layers are then as
-    /// good as thick ones; a direction that the samples say nothing of is left out.
+    /// Places relative to the samples: from their mean, along their principal axes, in units of their spread. Thin
+    /// layers then fit as well as thick ones. A direction without spread of the samples is left out.
     class SampleFrame {
     public:
         explicit SampleFrame(const std::vector<const Sample*>& samples)
         {
-            constexpr double kFlat = 1e-3; // of the largest spread
+            constexpr double kFlat = 1e-3; // relative to the largest spread
             double total = 0.0;
             for (const Sample* sample : samples) {
                 centre_ += sample->weight * sample->at;
@@ -128,7 +131,7 @@ namespace {
         Mat3 to_frame_ = Mat3::Zero();
     };
 
-    /// The fit's values at places, one per row.
+    /// Values of the fit at the places, one per row.
     Eigen::MatrixXd fitted(const std::vector<const Sample*>& samples, const std::vector<Vec3>& places)
     {
         const SampleFrame frame(samples);
@@ -155,10 +158,10 @@ namespace {
             if (degree == 1 || weights.cwiseAbs().rowwise().sum().maxCoeff() <= kMostWeight)
                 return weights * values;
         }
-        return {}; // not reached: the mean always does
+        return {}; // unreachable: the mean is always accepted
     }
 
-    /// The elements of one tissue, and what is fitted to the answer there.
+    /// The elements of one tissue, with the gradients fitted to the answer there.
     class Tissue {
     public:
         Tissue(const mesh::TetMesh& mesh, std::vector<TetId> tets, const Eigen::VectorXd& u)
@@ -186,7 +189,7 @@ namespace {
 
         const std::vector<TetId>& tets() const { return tets_; }
 
-        /// One column per node of the element.
+        /// Recovered gradients, one column per node of the element.
         Eigen::Matrix<double, 9, 10> recovered(TetId t) const
         {
             Eigen::Matrix<double, 9, 10> at_nodes;
@@ -197,7 +200,7 @@ namespace {
         }
 
     private:
-        static constexpr std::size_t kPerTet = 4; // samples
+        static constexpr std::size_t kPerTet = 4; // samples per element
 
         void fit(VertexId vertex)
         {
@@ -221,16 +224,17 @@ namespace {
             const Eigen::MatrixXd values = fitted(samples, places);
             recovered_[vertex] = values.row(0).transpose();
             Eigen::Index row = 1;
-            for (const VertexId node : midpoints) // the mean of what is fitted round both ends
+            for (const VertexId node : midpoints) // mean of the fits round both ends
                 recovered_.try_emplace(node, Gradient::Zero()).first->second += 0.5 * values.row(row++).transpose();
         }
 
         const mesh::TetMesh& mesh_;
         std::vector<TetId> tets_;
-        std::vector<Sample> samples_; ///< kPerTet per element
-        std::map<VertexId, std::vector<std::size_t>> round_; ///< elements of this tissue, by their place in tets_
-        std::map<VertexId, std::set<VertexId>> midpoints_; ///< of the edges that end at a vertex
-        std::map<VertexId, Gradient> recovered_; ///< at nodes
+        std::vector<Sample> samples_; ///< samples, kPerTet per element
+        /// elements of this tissue round a vertex, as positions in tets_
+        std::map<VertexId, std::vector<std::size_t>> round_;
+        std::map<VertexId, std::set<VertexId>> midpoints_; ///< midpoints of the edges that end at a vertex
+        std::map<VertexId, Gradient> recovered_; ///< recovered gradients at the nodes
     };
 
     void check(const mesh::TetMesh& mesh, std::span<const Lame> lame, const Eigen::VectorXd& u)
@@ -303,7 +307,7 @@ double energy_between(const mesh::TetMesh& mesh, Elasticity model, std::span<con
 double share_left(const mesh::TetMesh& mesh, Elasticity model, std::span<const Lame> lame,
     const Eigen::VectorXd& ten_node, const Eigen::VectorXd& four_node)
 {
-    constexpr double kRoundOff = 1e-20; // of squares
+    constexpr double kRoundOff = 1e-20; // relative to squared quantities
     check(mesh, lame, ten_node);
     check_corners(mesh, four_node);
     Eigen::VectorXd straight = ten_node;

@@ -1,12 +1,13 @@
 #pragma once
-// How far an answer on ten-node elements is from smoother gradients that are fitted to it, and what that says of the
-// error of a number taken from the answer. Units mm, N, MPa.
+// Recovered gradients: smooth gradients fitted to an answer on ten-node elements. Their distance from the answer's
+// own gradients estimates the error of the answer and of numbers taken from the answer. Units mm, N, MPa.
 //
 // Superconvergent patch recovery [Zienkiewicz, Zhu 1992, doi 10.1002/nme.1620330702]: round each vertex, and in each
-// tissue by itself, a quadratic is fitted by least squares to the displacement's gradients at the points where
-// ten-node elements have them best; between vertices it is interpolated quadratically. Where elements are so flat, or
-// so few, that a quadratic would be carried far beyond what is known, it is a linear function or the mean. The distance
-// in energy between those gradients and the answer's own estimates the answer's error in energy norm, smooth or not.
+// tissue separately, a quadratic is fitted by least squares to the displacement gradients at the points where
+// ten-node elements are most accurate. Between vertices the fit is interpolated quadratically. Where the elements are
+// so flat or so few that a quadratic would extrapolate far, a linear function or the mean is fitted instead. The
+// distance in energy between the recovered gradients and the answer's own gradients estimates the answer's error in
+// energy norm, for smooth and singular fields.
 
 #include "fem/material/elasticity.h"
 #include "mesh/tetrahedra/tet_mesh.h"
@@ -17,25 +18,31 @@
 
 namespace retractor::fem {
 
-/// Twice the energy of shape (N mm), of small strains on top of where the answer is, between its gradients and the
-/// recovered ones. That of volume is left out: it is what plain four-node elements lock by, and in nearly
-/// incompressible tissue would hide all else. @param mesh ten-node; fitted per label. @param model of the answer.
-/// @param lame one per element. @param u three per node.
+/// Twice the distortional energy (N mm) of the difference between the answer's gradients and the recovered ones, as
+/// small strains on top of the answer. Volumetric energy is left out: plain four-node elements lock by volumetric
+/// energy, which would dominate the result in nearly incompressible tissue.
+/// @param mesh ten-node elements; gradients are fitted per label.
+/// @param model elasticity of the answer.
+/// @param lame one per element.
+/// @param u the answer, three per node, mm.
 double recovered_energy(
     const mesh::TetMesh& mesh, Elasticity model, std::span<const Lame> lame, const Eigen::VectorXd& u);
 
-/// The same between two answers on one mesh, on top of where the first is.
+/// Twice the distortional energy of the difference of two answers on one mesh, as small strains on top of the first
+/// answer, N mm.
 double energy_between(const mesh::TetMesh& mesh, Elasticity model, std::span<const Lame> lame, const Eigen::VectorXd& u,
     const Eigen::VectorXd& other);
 
-/// What ten-node elements still lack of a number, over what they add to that of plain four-node ones on the same mesh.
-/// Numbers that are like energies (the work of a load, the force of what is moved) err in proportion to the squared
-/// error in energy norm, and the squares of nested spaces add up [Ainsworth, Oden 2000]: the recovered energy over that
-/// between the answers, of shape alone here. 1/3 where stress grows like one over the root of the distance, as at the
-/// ends of a cut, less where it is smooth. Infinite where ten-node elements add nothing and yet lack something; where
-/// it is above one, elements are too large or too flat to tell.
-/// @param ten_node the answer, three per node. @param four_node plain elements' answer at the corners, which come
-/// first. @throws InputError naming what does not fit the mesh.
+/// Remaining error of a number from ten-node elements, relative to the change of this number from plain four-node to
+/// ten-node elements on the same mesh. Numbers that behave like energies (the work of a load, the force of a
+/// prescribed motion) have errors in proportion to the squared error in energy norm, and these squares add up in
+/// nested spaces [Ainsworth, Oden 2000]. The share is therefore recovered_energy() over energy_between(). The share
+/// is 1/3 where stress grows like one over the root of the distance, as at the ends of a cut, and smaller where
+/// stress is smooth. The share is infinite when the two answers are equal and the recovered gradients still differ.
+/// Above one the elements are too large or too flat for an estimate.
+/// @param ten_node the answer, three per node, mm.
+/// @param four_node the answer of plain elements at the corners, which come first, mm.
+/// @throws InputError naming the argument that does not fit the mesh.
 double share_left(const mesh::TetMesh& mesh, Elasticity model, std::span<const Lame> lame,
     const Eigen::VectorXd& ten_node, const Eigen::VectorXd& four_node);
 

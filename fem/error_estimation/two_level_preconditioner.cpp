@@ -18,14 +18,14 @@ namespace {
         return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&K.values[9 * last]);
     }
 
-    /// Where the true stiffness is not positive definite, any positive scale will do.
+    /// Where the true stiffness is not positive definite, any positive scale serves.
     Mat3 made_positive(const Mat3& block)
     {
         return block.llt().info() == Eigen::Success ? block
                                                     : Mat3(block.diagonal().cwiseAbs().maxCoeff() * Mat3::Identity());
     }
 
-    /// Without its negative part: added to a positive definite matrix it leaves one.
+    /// The block without its negative part, so that its sum with a positive definite matrix is positive definite.
     Mat3 without_negative(const Mat3& block)
     {
         const Eigen::SelfAdjointEigenSolver<Mat3> modes(block);
@@ -130,7 +130,8 @@ void TwoLevelPreconditioner::add_block(std::size_t row, std::size_t column, cons
         += block;
 }
 
-/// What the functions taken off at a corner strain; along axes that are held none can be, and the contact is felt.
+/// Stiffness of the functions that are subtracted at a corner. Along held axes nothing can be subtracted, and the
+/// contact stiffness remains.
 Mat3 TwoLevelPreconditioner::felt_at(VertexId corner, const BlockMatrix& coarse_K) const
 {
     const Mat3 contact = diagonal_block(contact_.linear_stiffness(), corner);

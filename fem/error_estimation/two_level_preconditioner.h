@@ -1,14 +1,14 @@
 #pragma once
-// A preconditioner for ten-node elements by four-node ones on the same mesh. Vectors have three entries per node,
+// A preconditioner for ten-node elements by four-node elements on the same mesh. Vectors have three entries per node,
 // corners first.
 //
-// The linear functions by their factor, the edge functions by their diagonal blocks [Bank, Smith 1993; Deuflhard,
-// Leinen, Yserentant 1989].
+// The linear functions are solved by their factor, the edge functions by their diagonal blocks [Bank, Smith 1993;
+// Deuflhard, Leinen, Yserentant 1989].
 //
-// Contact is much stiffer than tissue, and what it feels of an edge function would hide all else of that. From those on
-// surfaces in contact the linear functions are taken off that are the same to the contact, which then knows linear
-// functions alone. What these strain may be bone beside muscle, and couples the edges round a corner: such edges are
-// solved together.
+// Contact is much stiffer than tissue and would dominate the diagonal blocks of edge functions on surfaces in
+// contact. From each such edge function linear functions with the same effect on the contact are subtracted; the
+// contact then acts on linear functions alone. The subtracted functions may strain stiffer tissue, such as bone
+// beside muscle, and couple the edges round a corner. Such edges are therefore solved together.
 
 #include "fem/error_estimation/averaged_contact.h"
 #include "fem/linear_algebra/block_matrix.h"
@@ -26,34 +26,39 @@
 
 namespace retractor::fem {
 
-/// Linear functions among the quadratic ones.
+/// The embedding of the linear functions in the quadratic functions.
 class Nesting {
 public:
-    /// @param fine ten-node elements; their corners are the first vertices.
+    /// @param fine ten-node elements.
+    /// @param corners number of corners, which are the first vertices of the mesh.
     Nesting(const mesh::TetMesh& fine, std::size_t corners);
 
     Eigen::VectorXd prolong(const Eigen::VectorXd& coarse) const;
-    Eigen::VectorXd restrict_to_corners(const Eigen::VectorXd& fine) const; ///< the transpose
+    Eigen::VectorXd restrict_to_corners(const Eigen::VectorXd& fine) const; ///< the transpose of prolong()
 
     Eigen::Index corners() const { return corners_; }
     std::size_t midpoints() const { return ends_.size(); }
 
 private:
     Eigen::Index corners_;
-    std::vector<std::array<VertexId, 2>> ends_; ///< of the edge that each midpoint lies on
+    std::vector<std::array<VertexId, 2>> ends_; ///< ends of the edge on which each midpoint lies
 };
 
 class TwoLevelPreconditioner {
 public:
-    /// @param coarse the linear functions' solver, which the caller keeps up to date. @param held one per unknown of
-    /// the ten-node elements, 1 = prescribed. All of them must outlive this.
+    /// @param coarse solver of the linear functions, which the caller keeps factorised.
+    /// @param held one per unknown of the ten-node elements, 1 = prescribed.
+    /// @pre all arguments live longer than this object
     TwoLevelPreconditioner(ConstrainedSolver& coarse, const Nesting& nesting, const AveragedContact& contact,
         const std::vector<std::uint8_t>& held);
 
-    /// The stiffness of both, with contact in the coarse one; contact is linearised as there.
+    /// Takes the diagonal blocks from the stiffness of both meshes.
+    /// @param coarse_K with contact. The contact of the constructor must be linearised at the same displacement.
+    /// @param K of the ten-node elements, without contact.
     void take_blocks(const BlockMatrix& coarse_K, const BlockMatrix& K);
 
-    /// An inverse of the stiffness, roughly: symmetric and positive definite on what is free.
+    /// Applies the approximate inverse of the stiffness, which is symmetric and positive definite on the free
+    /// unknowns.
     Eigen::VectorXd apply(const Eigen::VectorXd& r);
 
     /// Sets prescribed entries to zero.
@@ -72,10 +77,10 @@ private:
     const Nesting& nesting_;
     const AveragedContact& contact_;
     const std::vector<std::uint8_t>& held_;
-    std::vector<Mat3> inverse_; ///< of each edge's diagonal block
-    std::map<VertexId, std::size_t> number_; ///< of midpoints of edges in contact
-    BlockMatrix matrix_; ///< of these edges, by that number
-    std::optional<ConstrainedSolver> together_; ///< solves it
+    std::vector<Mat3> inverse_; ///< inverse of each edge's diagonal block
+    std::map<VertexId, std::size_t> number_; ///< number of each midpoint of an edge in contact
+    BlockMatrix matrix_; ///< stiffness of the edges in contact, ordered by number_
+    std::optional<ConstrainedSolver> together_; ///< solver of matrix_
 };
 
 } // namespace retractor::fem

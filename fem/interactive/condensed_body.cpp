@@ -76,7 +76,7 @@ AddedVertices CondensedBody::keep_also(const std::vector<VertexId>& vertices)
     AddedVertices hanging { kept_, fresh, {}, {} };
     if (fresh.empty())
         return hanging;
-    constexpr Eigen::Index kTogether = 24; // right sides: BLAS is as fast as it gets, the work space is small
+    constexpr Eigen::Index kTogether = 24; // right sides per solve; BLAS is at full speed and the work space small
     const auto unknowns = 3 * static_cast<Eigen::Index>(free_.size());
     const auto added = 3 * static_cast<Eigen::Index>(fresh.size()), old = stiffness_.rows();
     Eigen::MatrixXd fields(unknowns, added);
@@ -101,7 +101,7 @@ AddedVertices CondensedBody::keep_also(const std::vector<VertexId>& vertices)
         return rows;
     };
     const Eigen::MatrixXd C_ox = rows_of_kept(old, 0), C_xx = rows_of_kept(added, old);
-    const Eigen::MatrixXd SC = product(stiffness_, C_ox); // old x added
+    const Eigen::MatrixXd SC = product(stiffness_, C_ox); // old rows, added columns
     Eigen::MatrixXd S_xx = C_xx - product_transposed(C_ox, SC);
     hanging.follow = SC.transpose();
     hanging.own = S_xx;
@@ -142,7 +142,7 @@ Eigen::MatrixXd CondensedBody::field(const Eigen::MatrixXd& kept_displacement, s
     const auto unknowns = 3 * static_cast<Eigen::Index>(free_.size());
     Eigen::MatrixXd x(unknowns, kept_displacement.cols());
     x.bottomRows(planned) = kept_displacement.topRows(planned);
-    if (added > 0) { // the added vertices are held by forces, whose fields are known
+    if (added > 0) { // forces on the added vertices give their displacements; the fields of these forces are known
         const Eigen::MatrixXd forces = product(Eigen::MatrixXd(stiffness_.bottomRows(added)), kept_displacement);
         x.bottomRows(planned) -= product(Eigen::MatrixXd(compliance_->topRightCorner(planned, added)), forces);
         factor_.fill_from_trailing(planned, x);

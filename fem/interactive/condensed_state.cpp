@@ -20,7 +20,7 @@ namespace {
         return unit;
     }
 
-    /// Adds vertices with u = follow u_kept + own f to a compliance.
+    /// Adds vertices with u = follow u_kept + own f to a compliance matrix.
     Eigen::MatrixXd bordered(
         const Eigen::MatrixXd& C, const Eigen::MatrixXd& follow_times_C, const Eigen::MatrixXd& own_corner)
     {

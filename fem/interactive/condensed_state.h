@@ -1,10 +1,13 @@
 #pragma once
-// A state of a condensed body that later states are solved against: the compliance of the vertices that matter, with
-// all others condensed, and what their rows of the stiffness were. The first is that of the body as it was factored.
-// While a stroke goes on, what it has changed so far is folded into another, so that each step costs what the step
-// changes, not what the stroke has changed. What lies behind the knife leaves the folded state: its compliance is not
-// kept up to date, and its displacements are found from the forces, back through the folds (LowRankUpdate). Exact but
-// for round-off, which adds up slowly; residuals tell. Units mm, N; three rows per vertex.
+// A state of a condensed body against which later states are solved: the compliance of the retained vertices with all
+// other vertices eliminated, and the stiffness rows of that state. The first state is the body as it was factored.
+//
+// While a stroke goes on, low-rank updates (LowRankUpdate) move the changes so far into a new state, so that the cost
+// of a step depends on the step's own changes and not on those of the whole stroke. Vertices behind the knife are
+// dropped from the new state: their compliance is no longer updated, and their displacements follow from the forces,
+// back through the updates. A state is exact except for round-off, which adds up slowly; residuals show the round-off.
+//
+// Units mm, N; three rows per vertex.
 
 #include "fem/interactive/condensed_body.h"
 #include "fem/interactive/online_stiffness.h"
@@ -22,50 +25,55 @@
 
 namespace retractor::fem {
 
-/// Rows of the stiffness as they were in a state, of every vertex touched since.
+/// Stiffness rows of a state, for every vertex that was touched since.
 using ReferenceRows = std::map<VertexId, OnlineStiffness::Row>;
 
-/// Vertices that cuts have added and that are condensed again, behind the knife: what is needed to find them.
+/// Vertices that cuts have added and that are eliminated again, behind the knife, with the factor that gives their
+/// displacements.
 struct EliminatedAdded {
     std::vector<VertexId> vertices; ///< rising
     std::map<VertexId, std::int32_t> place;
-    mutable SparseCholesky factor; ///< of their rows and columns; solving uses its work space
+    /// Factor of the vertices' own stiffness; mutable because a solve uses its work space.
+    mutable SparseCholesky factor;
 
-    /// Sets `place` and `factor` for the vertices as they are now. @param row the stiffness, by vertex.
-    /// @throws SolverError when their part of the stiffness is not positive definite.
+    /// Sets `place` and `factor` for the present `vertices`.
+    /// @param row the stiffness row of a vertex
+    /// @throws SolverError when the vertices' own stiffness is not positive definite
     void number_and_factor(const RowOf& row);
 };
 
-/// How a folded state follows from the one before, where vertices leave it: enough to carry forces back and
-/// displacements on.
+/// The step from one state to the next where vertices are dropped: the data that carry forces back and displacements
+/// forward. "Before" is the state before the step.
 struct LowRankUpdate {
-    std::vector<std::int32_t> staying; ///< rows before of what this state keeps first
-    std::vector<std::int32_t> changed; ///< rows before whose stiffness was changed
+    std::vector<std::int32_t> staying; ///< rows before of the vertices that stay; these come first in the new state
+    std::vector<std::int32_t> changed; ///< rows before whose stiffness changed
     Eigen::MatrixXd columns; ///< compliance before, columns `changed`
-    Eigen::MatrixXd taken; ///< the compliance after is that before less columns taken columns^T
-    std::vector<std::int32_t> beside; ///< rows before that the vertices added here follow
-    Eigen::MatrixXd follow; ///< displacements of these per displacement of those beside
+    Eigen::MatrixXd taken; ///< compliance after = compliance before - columns taken columns^T
+    std::vector<std::int32_t> beside; ///< rows before that the vertices added by this step follow
+    Eigen::MatrixXd follow; ///< displacements of the added vertices per displacement of `beside`
 };
 
-/// Loads on vertices that have left a view, and what they do.
+/// Loads on dropped vertices, and their effect on the state.
 struct LoadOnDropped {
-    Eigen::MatrixXd load; ///< rows of the body's kept vertices
-    Eigen::MatrixXd response; ///< of the view's vertices
-    std::vector<Eigen::MatrixXd> of_changed; ///< per step: response of the rows it changed, before it did
+    Eigen::MatrixXd load; ///< rows of the retained vertices of the body
+    Eigen::MatrixXd response; ///< displacements of the vertices of the state
+    std::vector<Eigen::MatrixXd> of_changed; ///< per step: displacements of the changed rows, before the step
 };
 
+/// Compliance and stiffness rows of the retained vertices.
 struct CondensedState {
     std::vector<VertexId> vertices;
-    std::vector<std::int32_t> places; ///< per vertex id: place in `vertices`, or -1; shorter: -1
-    const CondensedBody* body = nullptr; ///< the compliance is this body's, or
+    std::vector<std::int32_t> places; ///< place in `vertices` per vertex id, or -1; ids beyond the end: -1
+    const CondensedBody* body = nullptr; ///< the body whose compliance this state uses; null: the state uses `own`
     std::shared_ptr<const Eigen::MatrixXd> own;
     ReferenceRows reference;
-    std::set<VertexId> added; ///< those of `vertices` that cuts have added since the body was factored
+    std::set<VertexId> added; ///< members of `vertices` that cuts have added since the body was factored
     EliminatedAdded eliminated_added;
-    std::shared_ptr<const Eigen::MatrixXd> origin; ///< compliance of the body, which `steps` lead back to; may be null
-    std::vector<std::shared_ptr<const LowRankUpdate>> steps; ///< from the body's own view to this one
-    std::set<VertexId> stale; ///< of `vertices`: changed by a fold before; they leave with the next that does not
-    std::set<VertexId> dropped; ///< with the steps
+    std::shared_ptr<const Eigen::MatrixXd> origin; ///< compliance of the body, from which `steps` start; may be null
+    std::vector<std::shared_ptr<const LowRankUpdate>> steps; ///< from the state of the body to this state
+    /// Members of `vertices` that an earlier update changed; the next update that does not change them drops them.
+    std::set<VertexId> stale;
+    std::set<VertexId> dropped; ///< vertices that the steps have dropped
 
     std::shared_ptr<const Eigen::MatrixXd> shared_compliance() const
     {
@@ -76,29 +84,32 @@ struct CondensedState {
     {
         return v >= 0 && static_cast<std::size_t>(v) < places.size() ? places[static_cast<std::size_t>(v)] : -1;
     }
-    /// @param load rows of the body's kept vertices; what it has on others than those left does not count.
+    /// @param load rows of the retained vertices of the body; loads on vertices that are not dropped are ignored
     LoadOnDropped load_on_dropped(const CondensedBody& of, const Eigen::MatrixXd& load) const;
-    /// Displacements of all vertices that the body keeps. @param forces on the rows of this view. @param load null:
-    /// none.
+    /// Displacements of all vertices that the body retains.
+    /// @param forces on the rows of this state
+    /// @param load loads on dropped vertices; null: none
     Eigen::MatrixXd carried_back(Eigen::MatrixXd forces, const LoadOnDropped* load) const;
     std::size_t step_bytes() const;
-    /// Kept or left behind: no newborn vertex of a later cut.
+    /// Whether this state retains the vertex or has eliminated it; false for vertices that later cuts add.
     bool has(VertexId v) const { return place(v) >= 0 || eliminated_added.place.contains(v); }
-    void keep(VertexId v); ///< appends it to `vertices` and `places`; the compliance is the caller's
+    void keep(VertexId v); ///< appends the vertex to `vertices` and `places`; the caller extends the compliance
 };
 
-/// The body as it was factored; referred to as long as the view lives.
+/// The state of the body as it was factored. The body must live as long as the state.
 CondensedState condensed_state_of(const CondensedBody& body);
 
-/// Keeps vertices again that were left behind. @pre no vertex has left. @param K the stiffness now; rows changed since
-/// are in the reference.
+/// Retains eliminated vertices again.
+/// @pre no vertex has been dropped
+/// @param K the present stiffness; rows that changed since are in the reference
 void fetch_back(CondensedState& view, const OnlineStiffness& K, const std::vector<VertexId>& vertices);
 
-/// Keeps what the body keeps now in addition. @pre no vertex has left. @param added as CondensedBody::keep_also()
-/// returned it.
+/// Retains the vertices that the body now retains in addition.
+/// @pre no vertex has been dropped
+/// @param added the result of CondensedBody::keep_also()
 void keep_also(CondensedState& view, const AddedVertices& added);
 
-/// Rows three per vertex at these places.
+/// The rows of these vertices in the compliance, three per vertex.
 std::vector<std::int32_t> rows_of_vertices(const CondensedState& view, const std::vector<VertexId>& vertices);
 
 } // namespace retractor::fem

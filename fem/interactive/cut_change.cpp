@@ -24,8 +24,8 @@ namespace {
         return [&K](VertexId v) -> const OnlineStiffness::Row& { return K.row(v); };
     }
 
-    /// Rows of the change, before the newborn are eliminated. A vertex that is gone, or fixed now, is put on a spring
-    /// of its own: it stays where it is and nothing feels it.
+    /// Adds the blocks of the change, without the contribution of added vertices. A vertex that is gone, or is fixed
+    /// now, is put on a spring of its own: the vertex stays where it is and affects no other vertex.
     void add_change(const OnlineStiffness& K, const CondensedState& view, const std::vector<std::uint8_t>& active,
         const Places& place, CutChange& change)
     {
@@ -52,7 +52,7 @@ namespace {
         }
     }
 
-    void eliminate_newborn(const OnlineStiffness& K, const Places& place, CutChange& change)
+    void eliminate_added(const OnlineStiffness& K, const Places& place, CutChange& change)
     {
         if (change.added.empty())
             return;
@@ -79,7 +79,7 @@ namespace {
 
 } // namespace
 
-Eigen::MatrixXd CutChange::newborn_following(const Eigen::MatrixXd& beside_displacement) const
+Eigen::MatrixXd CutChange::added_following(const Eigen::MatrixXd& beside_displacement) const
 {
     const auto rows = 3 * static_cast<Eigen::Index>(added.size());
     if (rows == 0)
@@ -90,7 +90,7 @@ Eigen::MatrixXd CutChange::newborn_following(const Eigen::MatrixXd& beside_displ
     return x.topRows(rows);
 }
 
-CutChange::Pushed CutChange::newborn_alone(const Eigen::MatrixXd& load) const
+CutChange::Pushed CutChange::added_alone(const Eigen::MatrixXd& load) const
 {
     const auto besides = static_cast<Eigen::Index>(beside.size());
     if (added.empty())
@@ -146,7 +146,7 @@ CutChange make_cut_change(const OnlineStiffness& K, const CondensedState& view, 
             change.added.push_back(v);
         }
     add_change(K, view, active, place, change);
-    eliminate_newborn(K, place, change);
+    eliminate_added(K, place, change);
     return change;
 }
 

@@ -114,12 +114,12 @@ void LocalSystem::prepare_dense()
     factor_.resize(static_cast<Eigen::Index>(free_rows_.size()), static_cast<Eigen::Index>(free_rows_.size()));
     copy_lower(*stiffness_, free_rows_, factor_);
     held_stiffness_.resize(static_cast<Eigen::Index>(hook_rows_.size()), stiffness_->cols());
-    for (std::size_t i = 0; i < hook_rows_.size(); ++i) // it is symmetric
+    for (std::size_t i = 0; i < hook_rows_.size(); ++i) // the matrix is symmetric
         held_stiffness_.row(static_cast<Eigen::Index>(i)) = stiffness_->col(hook_rows_[i]).transpose();
     for (std::size_t i = 0; i < hook_rows_.size(); ++i)
         held_number[static_cast<std::size_t>(hook_rows_[i])] = static_cast<std::int32_t>(i);
     const Rows& changed = change_->kept_rows;
-    const auto add = [&](std::int32_t i, std::int32_t j, double k) { // rows of the change
+    const auto add = [&](std::int32_t i, std::int32_t j, double k) { // adds an entry of the change
         const auto row = static_cast<std::size_t>(changed[static_cast<std::size_t>(i)]),
                    column = static_cast<std::size_t>(changed[static_cast<std::size_t>(j)]);
         if (number[column] >= 0 && number[row] >= number[column])
@@ -177,7 +177,7 @@ Eigen::MatrixXd LocalSystem::low_rank_kept(const Eigen::MatrixXd& load, const Ei
     if (elsewhere.size() != 0)
         through_hooks -= rows_of(elsewhere, hook_rows_);
     forward(hooks_->factor, through_hooks); // L^-1 u_h
-    const auto under = [&](const Eigen::MatrixXd& g) { // C g with the hooks held still
+    const auto under = [&](const Eigen::MatrixXd& g) { // C g while the hooks do not move
         const Eigen::MatrixXd x = product(view_->compliance(), g);
         return Eigen::MatrixXd(x - product(hooks_->columns, product_transposed(hooks_->columns, g)));
     };
@@ -233,13 +233,13 @@ std::size_t LocalSystem::bytes() const
         * sizeof(double);
 }
 
-LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const Eigen::MatrixXd& load_newborn,
+LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const Eigen::MatrixXd& load_added,
     const Eigen::MatrixXd& hook_displacement, const Eigen::MatrixXd& elsewhere) const
 {
     const CutChange& change = *change_;
     const Eigen::Index cases = hook_displacement.cols();
-    Eigen::MatrixXd load = load_kept, newborn_load = load_newborn;
-    // Held vertices that cuts have added pull on their neighbours as they are.
+    Eigen::MatrixXd load = load_kept, added_load = load_added;
+    // Held vertices that cuts have added pull directly on their neighbours.
     for (const HeldVertex& h : *held_) {
         if (view_->place(h.vertex) >= 0)
             continue;
@@ -250,13 +250,13 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
             if (const std::int32_t place = view_->place(row.column[k]); place >= 0)
                 load.middleRows(3 * place, 3) -= pull;
             else if (const auto n = change.added_place.find(row.column[k]); n != change.added_place.end())
-                newborn_load.middleRows(3 * n->second, 3) -= pull;
+                added_load.middleRows(3 * n->second, 3) -= pull;
         }
     }
-    const bool pushed = !is_zero(newborn_load);
+    const bool pushed = !is_zero(added_load);
     CutChange::Pushed alone;
     if (pushed) {
-        alone = change.newborn_alone(newborn_load);
+        alone = change.added_alone(added_load);
         for (Eigen::Index c = 0; c < cases; ++c)
             for (std::size_t b = 0; b < change.beside.size(); ++b)
                 load(change.kept_rows[static_cast<std::size_t>(change.beside[b])], c)
@@ -279,7 +279,7 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
         for (std::size_t b = 0; b < change.beside.size(); ++b)
             beside.row(static_cast<Eigen::Index>(b))
                 = s.kept.row(change.kept_rows[static_cast<std::size_t>(change.beside[b])]);
-        s.added = change.newborn_following(beside);
+        s.added = change.added_following(beside);
         if (pushed)
             s.added += alone.displacement;
     }

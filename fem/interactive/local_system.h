@@ -1,8 +1,8 @@
 #pragma once
-// The small dense system that is left of a body after everything but the kept vertices is condensed: kept vertices,
-// what cuts changed, what they added, and hooks. Exact. Two routes, whichever costs less: few changed unknowns correct
-// the known compliance (a capacitance system of their size, LU); many, and the changed stiffness of all kept vertices
-// is factored (Cholesky). Units mm, N; three rows per vertex, one column per case.
+// The small dense system that remains of a body after static condensation: retained vertices, the change by cuts, added
+// vertices, and hooks. The solution is exact. The cheaper of two routes is taken. Few changed unknowns: a correction of
+// the known compliance by a system of their number (Woodbury formula, LU). Many changed unknowns: a Cholesky factor of
+// the changed stiffness of all retained vertices. Units mm, N; three rows per vertex, one column per case.
 
 #include "fem/interactive/cut_change.h"
 #include "fem/interactive/online_hook.h"
@@ -12,49 +12,55 @@
 
 namespace retractor::fem {
 
-/// Compliance of the kept vertices that hooks hold; made when hooks or the view change.
+/// Compliance C of the retained vertices that hooks hold (index h), computed anew when the hooks or the state change.
 struct HookCompliance {
-    std::vector<std::int32_t> rows; ///< of the held vertices that are kept: their rows among the kept
+    std::vector<std::int32_t> rows; ///< rows of the held retained vertices among the retained
     Eigen::MatrixXd factor; ///< L L^T = C_hh, lower triangle
-    Eigen::MatrixXd columns; ///< C_kh L^-T; C - columns columns^T is the compliance with the hooks held still
+    Eigen::MatrixXd columns; ///< C_kh L^-T; C - columns columns^T is the compliance while the hooks do not move
 };
-/// @param held only those that the view keeps count. @throws SolverError when two held vertices cannot be told apart.
+/// @param held held vertices; vertices that the state does not retain are ignored
+/// @throws SolverError when the compliance of the held vertices is singular
 HookCompliance make_hook_compliance(const CondensedState& view, const std::vector<HeldVertex>& held);
 
 enum class LocalRoute { low_rank, dense };
 
-/// Multiplications that each route takes, roughly.
+/// Approximate number of multiplications of each route.
 double low_rank_work(std::size_t changed_vertices, std::size_t held_vertices);
 double dense_work(std::size_t kept_vertices, std::size_t held_vertices);
 
 class LocalSystem {
 public:
-    // All are referred to as long as this lives.
-    /// By the low-rank route. @param change with its matrix.
+    // All arguments are referred to for the lifetime of this object.
+    /// Low-rank route. @pre `change` has its matrix `stiffness`
     LocalSystem(const OnlineStiffness& K, const CondensedState& view, const CutChange& change,
         const HookCompliance& hooks, const std::vector<HeldVertex>& held);
-    /// By the dense route. @param stiffness of the kept vertices in the view's state.
+    /// Dense route. @param stiffness of the retained vertices in the given state
     LocalSystem(const OnlineStiffness& K, const CondensedState& view, const CutChange& change,
         const Eigen::MatrixXd& stiffness, const std::vector<HeldVertex>& held);
 
     LocalRoute route() const { return stiffness_ == nullptr ? LocalRoute::low_rank : LocalRoute::dense; }
-    /// Estimate for the part that was solved anew: tiny when a piece has come off. 0: not positive definite.
+    /// Estimate for the part that was solved anew: tiny when a piece has come off, 0 when not positive definite.
     double reciprocal_condition() const { return rcond_; }
     std::size_t bytes() const;
 
-    /// Dense route: vertices that have been appended to `held` since this was made are held as well, by one solve per
-    /// unknown with the factor as it is. @pre they are kept.
+    /// Dense route: also holds vertices that were appended to `held` since construction, by one solve per unknown with
+    /// the present factor.
+    /// @pre the vertices are retained
     void hold_appended();
 
     struct Solution {
-        Eigen::MatrixXd kept; ///< displacement of the view's vertices
-        Eigen::MatrixXd kept_forces; ///< low-rank route: that give it in the view's state, less `elsewhere`
-        Eigen::MatrixXd added; ///< of CutChange::newborn
-        Eigen::MatrixXd held_forces; ///< three rows per held vertex that is kept: the force that the hook applies there
+        Eigen::MatrixXd kept; ///< displacement of the retained vertices
+        /// Low-rank route: forces that give `kept` in the given state, without `elsewhere`.
+        Eigen::MatrixXd kept_forces;
+        Eigen::MatrixXd added; ///< displacement of CutChange::added
+        Eigen::MatrixXd held_forces; ///< force of the hook on each held retained vertex, three rows per vertex
     };
-    /// @param load_kept, load_newborn forces; @param hook_displacement three rows per hook. @param elsewhere what loads
-    /// on vertices that have left the view do to those it keeps (LoadOnDropped::response); empty: none.
-    Solution solve(const Eigen::MatrixXd& load_kept, const Eigen::MatrixXd& load_newborn,
+    /// @param load_kept forces on the retained vertices
+    /// @param load_added forces on the added vertices
+    /// @param hook_displacement three rows per hook
+    /// @param elsewhere displacements of the retained vertices by loads on dropped vertices (LoadOnDropped::response);
+    /// empty: none
+    Solution solve(const Eigen::MatrixXd& load_kept, const Eigen::MatrixXd& load_added,
         const Eigen::MatrixXd& hook_displacement, const Eigen::MatrixXd& elsewhere = {}) const;
 
 private:
@@ -69,18 +75,18 @@ private:
     const CondensedState* view_;
     const Eigen::MatrixXd* stiffness_;
     const CutChange* change_;
-    const HookCompliance* hooks_; ///< null by the dense route
-    std::vector<std::int32_t> hook_rows_; ///< of the held vertices that are kept: their rows among the kept
+    const HookCompliance* hooks_; ///< null with the dense route
+    std::vector<std::int32_t> hook_rows_; ///< rows of the held retained vertices among the retained
     const std::vector<HeldVertex>* held_;
     double rcond_ = 1.0;
     std::optional<DenseLu> capacitance_; ///< I + C dK on the changed unknowns
-    std::vector<std::int32_t> free_rows_; ///< dense: rows of the kept that no hook holds
-    Eigen::MatrixXd factor_; ///< dense: Cholesky factor on them
-    std::size_t held_in_factor_ = 0; ///< how many of the held vertices the factor knows of
-    std::vector<std::int32_t> late_; ///< dense: rows, among the free, of those held since
-    Eigen::MatrixXd late_columns_; ///< displacements of the free by unit forces on them
-    Eigen::MatrixXd late_factor_; ///< Cholesky factor of their rows
-    Eigen::MatrixXd held_stiffness_; ///< dense: rows of the changed stiffness of the held vertices, all columns
+    std::vector<std::int32_t> free_rows_; ///< dense route: rows of retained vertices that no hook holds
+    Eigen::MatrixXd factor_; ///< dense route: Cholesky factor on free_rows_
+    std::size_t held_in_factor_ = 0; ///< number of held vertices that the factor includes
+    std::vector<std::int32_t> late_; ///< dense route: rows, among the free, of vertices held since the factorisation
+    Eigen::MatrixXd late_columns_; ///< displacements of the free rows by unit forces on late_
+    Eigen::MatrixXd late_factor_; ///< Cholesky factor of the rows late_ of late_columns_
+    Eigen::MatrixXd held_stiffness_; ///< dense route: rows of the changed stiffness of the held vertices, all columns
 };
 
 } // namespace retractor::fem

@@ -36,8 +36,8 @@ UpdateSource update_source(const CondensedState& view, const CutChange& change, 
 
 namespace {
 
-    /// After a change on the rows t the compliance is C - columns taken columns^T: columns C_t, taken the symmetric
-    /// dK (I + C_tt dK)^-1.
+    /// The compliance after a change on the rows t is C - columns taken columns^T, with columns = C_t and the symmetric
+    /// taken = dK (I + C_tt dK)^-1 (Woodbury formula).
     struct Correction {
         Eigen::MatrixXd columns, taken;
     };
@@ -58,7 +58,8 @@ namespace {
         return c;
     }
 
-    /// Who stays, is left behind, or leaves. @param staying their rows before.
+    /// Decides which vertices the next state retains, eliminates or drops.
+    /// @param staying their rows in the state before
     void sort_out(
         const UpdateSource& source, const CutChange& change, CondensedState& next, std::vector<std::int32_t>& staying)
     {
@@ -92,8 +93,9 @@ namespace {
         std::sort(next.eliminated_added.vertices.begin(), next.eliminated_added.vertices.end());
     }
 
-    /// Of those that stay and of the newborn, which follow those beside them; sets what the step has of that.
-    Eigen::MatrixXd folded_compliance(
+    /// Compliance of the vertices that stay and of the added vertices, which follow `beside`. Sets the members `beside`
+    /// and `follow` of the step.
+    Eigen::MatrixXd updated_compliance(
         const UpdateSource& source, const CutChange& change, const Correction& corrected, LowRankUpdate& step)
     {
         const Eigen::MatrixXd& C = *source.compliance;
@@ -118,10 +120,10 @@ namespace {
             }
             to_staying -= product(half_beside, Eigen::MatrixXd(columns.transpose()));
             among -= product(half_beside, Eigen::MatrixXd(columns_beside.transpose()));
-            step.follow = change.newborn_following(Eigen::MatrixXd::Identity(besides, besides));
+            step.follow = change.added_following(Eigen::MatrixXd::Identity(besides, besides));
             own.bottomLeftCorner(fresh, old) = product(step.follow, to_staying);
             own.bottomRightCorner(fresh, fresh)
-                = change.newborn_alone(Eigen::MatrixXd::Identity(fresh, fresh)).displacement
+                = change.added_alone(Eigen::MatrixXd::Identity(fresh, fresh)).displacement
                 + product(step.follow, product(among, Eigen::MatrixXd(step.follow.transpose())));
         }
         mirror_lower(own);
@@ -136,7 +138,7 @@ CondensedState apply_update(const UpdateSource& source, const CutChange& change)
     CondensedState next;
     auto step = std::make_shared<LowRankUpdate>();
     sort_out(source, change, next, step->staying);
-    next.own = std::make_shared<const Eigen::MatrixXd>(folded_compliance(source, change, corrected, *step));
+    next.own = std::make_shared<const Eigen::MatrixXd>(updated_compliance(source, change, corrected, *step));
     next.eliminated_added.number_and_factor(
         [&](VertexId v) -> const OnlineStiffness::Row& { return source.rows.at(v); });
     if (source.origin) {

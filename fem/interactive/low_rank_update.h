@@ -1,7 +1,7 @@
 #pragma once
-// PendingUpdate a change into the state that it was solved against: the state after the change becomes a CondensedState
-// of its own, against which further cuts are solved. A fold may run beside the stroke that goes on: it reads a copy
-// (UpdateSource). Units mm, N; three rows per vertex.
+// Block low-rank (Woodbury) update of a condensed state: the state after a change becomes a CondensedState of its own,
+// against which further cuts are solved. An update may run on another thread while the stroke goes on; the update reads
+// a copy (UpdateSource). Units mm, N; three rows per vertex.
 
 #include "fem/interactive/condensed_state.h"
 #include "fem/interactive/cut_change.h"
@@ -16,27 +16,31 @@
 
 namespace retractor::fem {
 
-/// All that fold() needs of a view and of the stiffness in the state that a change leads to: they may go on meanwhile.
+/// The data of a state, and of the stiffness after a change, that apply_update() needs. State and stiffness may change
+/// meanwhile.
 struct UpdateSource {
     std::shared_ptr<const Eigen::MatrixXd> compliance;
     std::vector<VertexId> vertices;
-    std::set<VertexId> added, eliminated_added; ///< of the view
-    std::map<VertexId, OnlineStiffness::Row> rows; ///< of the newborn, the change's included, and of those behind
-    std::set<VertexId> held; ///< whose displacement a hook gives
-    std::shared_ptr<const Eigen::MatrixXd> origin; ///< null: nothing may leave
+    std::set<VertexId> added, eliminated_added; ///< as in the state
+    /// Stiffness rows of added vertices, also those of the change, and of eliminated vertices.
+    std::map<VertexId, OnlineStiffness::Row> rows;
+    std::set<VertexId> held; ///< vertices whose displacement a hook gives
+    std::shared_ptr<const Eigen::MatrixXd> origin; ///< as in the state; null: no vertex may be dropped
     std::vector<std::shared_ptr<const LowRankUpdate>> steps;
     std::set<VertexId> stale, dropped;
 
-    /// The folded view will have it.
+    /// Whether the updated state will have the vertex.
     bool has(VertexId v) const { return rows.contains(v) || of_view.contains(v); }
-    std::set<VertexId> of_view; ///< `vertices` again
+    std::set<VertexId> of_view; ///< `vertices` as a set
 };
-/// @param leaving whether vertices may leave; keep_also() and fetch_back() need views that none have left.
+/// @param leaving whether vertices may be dropped; keep_also() and fetch_back() need states without dropped vertices
 UpdateSource update_source(const CondensedState& view, const CutChange& change, const OnlineStiffness& K,
     std::set<VertexId> held, bool leaving);
 
-/// The state that `change` leads to: its newborn vertices are kept, those of earlier changes are left behind, and the
-/// body's own that only earlier changes touched leave, but for held ones. @param change is used up: its work space is.
+/// Computes the state after `change`. The state retains the vertices that the change added. Vertices added by earlier
+/// changes are eliminated, and vertices of the body that only earlier changes touched are dropped, unless a hook holds
+/// them.
+/// @param change its work space is used up
 CondensedState apply_update(const UpdateSource& source, const CutChange& change);
 
 } // namespace retractor::fem

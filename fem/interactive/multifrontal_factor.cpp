@@ -14,14 +14,14 @@ namespace {
 
     using RowBlock = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
 
-    constexpr std::int32_t kOpenWeight = 64; // of a separator's vertex: it is factored anew with every cut
+    constexpr std::int32_t kOpenWeight = 64; // weight of a separator's vertex, which is factored anew with every cut
 
     double front_work(double own, double bound)
     {
         return own * own * own / 3.0 + own * own * bound + own * bound * bound;
     }
 
-    /// Takes vertices apart until few of each part are open.
+    /// Divides vertices until each part has few open vertices.
     class Dissector {
     public:
         Dissector(const OnlineStiffness& K, std::vector<VertexId> free, const std::vector<VertexId>& open,
@@ -186,7 +186,7 @@ MultifrontalFactor::MultifrontalFactor(const OnlineStiffness& stiffness, const D
         active[v] = part_[v] >= 0 ? 1 : 0;
     if (!update(stiffness, active, {}))
         throw SolverError("the stiffness is not positive definite: something is not held");
-    share_out(); // now that it is known what each front costs
+    share_out(); // the cost of each front is known only now
 }
 
 std::vector<VertexId> MultifrontalFactor::open_vertices() const
@@ -211,7 +211,7 @@ void MultifrontalFactor::touch(VertexId v, const OnlineStiffness::Row& before)
 {
     if (closed(v))
         reference_.try_emplace(v, before);
-    if (before.column.empty() && !planned_.contains(v)) // another vertex than the one that had this id
+    if (before.column.empty() && !planned_.contains(v)) // another vertex has had this id
         put(v, -1);
     touched_.insert(v);
 }
@@ -303,8 +303,9 @@ bool MultifrontalFactor::comparable(std::int32_t a, std::int32_t b) const
     return both == a || both == b;
 }
 
-/// Into the deepest of its neighbours' parts, or above all of them where these are strangers to each other.
-void MultifrontalFactor::place_newborn(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active)
+/// Puts each added vertex into the deepest part of its neighbours, or above all these parts where they do not lie on
+/// one path to the root.
+void MultifrontalFactor::place_added(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active)
 {
     std::vector<VertexId> waiting;
     for (const VertexId v : touched_) {
@@ -330,7 +331,7 @@ void MultifrontalFactor::place_newborn(const OnlineStiffness& stiffness, const s
             else
                 put(v, part);
         }
-        if (left.size() == waiting.size()) { // nothing near them is free
+        if (left.size() == waiting.size()) { // these vertices have no free neighbours
             for (const VertexId v : left)
                 put(v, 0);
             return;
@@ -339,8 +340,8 @@ void MultifrontalFactor::place_newborn(const OnlineStiffness& stiffness, const s
     }
 }
 
-/// Neighbours must lie on one way to the root: where they do not, the one that came later goes up. A vertex that is
-/// higher than it need be costs time, nothing else.
+/// Moves vertices up until neighbours lie on one path to the root; of two neighbours, the vertex that was added later
+/// moves. A vertex that lies higher than necessary costs time only.
 void MultifrontalFactor::raise_strangers(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active)
 {
     std::set<VertexId> look = touched_;
@@ -360,7 +361,7 @@ void MultifrontalFactor::raise_strangers(const OnlineStiffness& stiffness, const
     }
 }
 
-/// Who is eliminated in a front, and what lies beyond.
+/// Collects the vertices that a front eliminates, and the higher vertices that couple to them.
 void MultifrontalFactor::collect(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active,
     std::int32_t number, std::vector<std::int32_t>& place)
 {
@@ -393,7 +394,7 @@ void MultifrontalFactor::collect(const OnlineStiffness& stiffness, const std::ve
         for (const VertexId v : fronts_[static_cast<std::size_t>(child)].bound)
             beyond(v);
     std::sort(front.bound.begin(), front.bound.end(), [&](VertexId a, VertexId b) {
-        const std::int32_t pa = part_of(a), pb = part_of(b); // children come after their parents
+        const std::int32_t pa = part_of(a), pb = part_of(b); // children have higher numbers than their parents
         return pa != pb ? pa > pb : a < b;
     });
     for (std::size_t i = 0; i < front.bound.size(); ++i)
@@ -409,7 +410,7 @@ bool MultifrontalFactor::factor(const OnlineStiffness& stiffness, const std::vec
     front.L11 = Eigen::MatrixXd::Zero(3 * own, 3 * own);
     front.L21 = Eigen::MatrixXd::Zero(3 * bound, 3 * own);
     front.update = Eigen::MatrixXd::Zero(3 * bound, 3 * bound);
-    const auto block = [&](Eigen::Index r, Eigen::Index c) { // of the lower triangle
+    const auto block = [&](Eigen::Index r, Eigen::Index c) { // a block of the lower triangle
         Eigen::MatrixXd& in = c >= own ? front.update : r >= own ? front.L21 : front.L11;
         return in.block<3, 3>(3 * (r >= own ? r - own : r), 3 * (c >= own ? c - own : c));
     };
@@ -420,7 +421,7 @@ bool MultifrontalFactor::factor(const OnlineStiffness& stiffness, const std::vec
                 at >= static_cast<std::int32_t>(j))
                 block(at, static_cast<Eigen::Index>(j)) += RowBlock(row.value.data() + 9 * k).transpose();
     }
-    /// Adds the lower triangle of a matrix on some vertices; those without a place are held.
+    /// Adds the lower triangle of a matrix on some vertices. Vertices without a place are held and skipped.
     const auto add = [&](const Eigen::MatrixXd& lower, const std::vector<VertexId>& vertices) {
         std::vector<Eigen::Index> at;
         for (const VertexId v : vertices)
@@ -456,7 +457,7 @@ bool MultifrontalFactor::factor(const OnlineStiffness& stiffness, const std::vec
     return true;
 }
 
-/// Which fronts two cores work on side by side, and which come after them.
+/// Divides the fronts into two groups for two cores, and the fronts that follow both groups.
 void MultifrontalFactor::share_out()
 {
     constexpr double kMuch = 1.0 / 6.0;
@@ -509,7 +510,7 @@ bool MultifrontalFactor::update(
     std::set_symmetric_difference(
         held.begin(), held.end(), held_.begin(), held_.end(), std::inserter(touched_, touched_.end()));
     held_ = held;
-    place_newborn(stiffness, active);
+    place_added(stiffness, active);
     raise_strangers(stiffness, active);
     for (const VertexId v : touched_)
         if (part_of(v) >= 0)
@@ -538,7 +539,7 @@ bool MultifrontalFactor::update(
         good = all_of(below_[0], place, Cores::two) && all_of(below_[1], place, Cores::two);
     }
     if (!good || !other_good || !all_of(above_, place, Cores::two))
-        return false; // all of them are tried again next time
+        return false; // the next update tries all dirty fronts again
     for (Front& front : fronts_)
         front.dirty = false;
     return true;
@@ -560,7 +561,7 @@ Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& load) const
 {
     Eigen::MatrixXd x = load;
     const auto at = [&](std::int32_t number) -> const Front& { return fronts_[static_cast<std::size_t>(number)]; };
-    std::vector<Eigen::MatrixXd> condensed(fronts_.size()); // of leaves with loads on what is closed
+    std::vector<Eigen::MatrixXd> condensed(fronts_.size()); // of leaves with loads on closed vertices
     const auto down = [&](const std::vector<std::int32_t>& numbers, Eigen::MatrixXd& y) {
         for (const std::int32_t number : numbers) {
             const Front& f = at(number);
@@ -609,7 +610,7 @@ Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& load) const
             scatter(all.topRows(inside), f.closed, x);
         }
     };
-    // Both halves take off what lies above: one does so in a field of its own.
+    // Both groups subtract from the fronts above; the second group does so in a field of its own.
     Eigen::MatrixXd apart = Eigen::MatrixXd::Zero(x.rows(), x.cols());
     for (const std::int32_t number : below_[1])
         for (const auto* list : { &at(number).own, &at(number).closed })

@@ -43,7 +43,7 @@ Eigen::VectorXd MultifrontalWoundSolver::correction(const Eigen::VectorXd& resid
     return solve_under(residual, still).displacement.col(0);
 }
 
-/// @param load empty: none.
+/// @param load by vertex id; empty: none
 NearAnswer MultifrontalWoundSolver::solve_under(
     const Eigen::VectorXd& load, const Eigen::MatrixXd& hook_displacement) const
 {

@@ -1,6 +1,6 @@
 #pragma once
-// A wound in a body taken apart (MultifrontalFactor): the parts that cuts touch are factored anew, and an answer is the
-// whole field. Units mm, N.
+// Wound solver on a multifrontal factor (MultifrontalFactor). The fronts that cuts touch are factored anew, and every
+// answer is the whole field. Units mm, N.
 
 #include "fem/interactive/condensed_state.h"
 #include "fem/interactive/multifrontal_factor.h"
@@ -12,7 +12,8 @@ namespace retractor::fem {
 
 class MultifrontalWoundSolver final : public WoundSolver {
 public:
-    /// @param body referred to as long as this lives. @param touched rows touched since `parts` was factored.
+    /// @param body must live as long as the solver
+    /// @param touched rows touched since `parts` was factored
     MultifrontalWoundSolver(
         const OnlineBody& body, std::unique_ptr<MultifrontalFactor> parts, const ReferenceRows& touched);
 
@@ -38,7 +39,7 @@ private:
 
     const OnlineBody& body_;
     std::unique_ptr<MultifrontalFactor> parts_;
-    bool ready_ = false; ///< they are up to date
+    bool ready_ = false; ///< parts_ is up to date
 };
 
 } // namespace retractor::fem

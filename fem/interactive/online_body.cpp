@@ -26,7 +26,7 @@ namespace {
 
     VertexId slots(const OnlineBody& body) { return static_cast<VertexId>(body.K.slot_count()); }
 
-    /// The living alone. @param place per vertex id: its number there, or -1.
+    /// A mesh of the living vertices and elements. @param place per vertex id: number in the mesh, or -1
     mesh::TetMesh compact(const OnlineStiffness& K, std::vector<VertexId>& place)
     {
         mesh::TetMesh mesh;
@@ -181,7 +181,7 @@ std::string partly_lost(const OnlineBody& body)
     return text;
 }
 
-/// Of the elements that have a face in a patch: all that the patches' planes are made of.
+/// Uses only the elements with a face in a patch, which determine the planes of the patches.
 std::vector<FacingHooks> facing_hooks_of(const OnlineBody& body)
 {
     mesh::TetMesh mesh;

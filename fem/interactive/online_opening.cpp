@@ -18,7 +18,7 @@ namespace retractor::fem {
 
 namespace {
 
-    /// Factored as it was at one time: one of the two.
+    /// The factored body in one of two representations; the other is null.
     struct Factored {
         std::unique_ptr<CondensedBody> condensed;
         std::unique_ptr<MultifrontalFactor> parts;
@@ -27,11 +27,11 @@ namespace {
     Factored factored(const OnlineStiffness& K, const std::vector<std::uint8_t>& fixed,
         const std::vector<VertexId>& corridor, const OnlineOptions& options)
     {
-        constexpr double kWorthAsking = 3e9; // multiplications: less is done in the time of an answer
-        // Against a dense system that, with the newborn condensed onto it, takes about twice its factor's work.
+        constexpr double kWorthAsking = 3e9; // multiplications; less work is done within the time of an answer
+        // A dense system takes about twice the work of its factor, because added vertices are condensed onto it.
         constexpr double kDenseExtra = 2.0;
-        // Products of large dense matrices are the fastest work there is, and a hook costs them nothing: measured, at
-        // 0.7 of the work (a box of 67,000 elements) parts answer later, at 0.14 (a graded chest wall) three times
+        // Products of large dense matrices are fast, and hooks cost nothing in them. Measured: with 0.7 of the dense
+        // work (box of 67,000 elements) the divided body answers later, with 0.14 (graded chest wall) three times
         // sooner.
         constexpr double kMuchLess = 0.4;
         const double dense = kDenseExtra * dense_work(corridor.size(), 0);
@@ -62,21 +62,22 @@ struct OnlineOpening::State {
 
     OnlineOptions options;
     OnlineBody body;
-    std::unique_ptr<WoundSolver> solver; ///< of `body`
+    std::unique_ptr<WoundSolver> solver; ///< solver of `body`
     HookId next_hook = 0;
-    std::optional<HookId> lost_hook; ///< why there is no answer
-    std::optional<std::vector<FacingHooks>> facing; ///< of the body and its hooks as they are; none: to be found
+    std::optional<HookId> lost_hook; ///< the hook because of which there is no answer
+    std::optional<std::vector<FacingHooks>> facing; ///< pairs in the present body; none: not computed yet
 
     struct Rebuild {
         std::future<Factored> result;
-        ReferenceRows reference; ///< rows touched since it was begun
+        ReferenceRows reference; ///< rows touched since the rebuild was started
         Eigen::VectorXd load;
     };
     std::optional<Rebuild> rebuild;
 
-    Eigen::MatrixXd columns; ///< drag: by vertex id, three per hook; the last is the field with no hook moved
+    /// For drag(): by vertex id, three columns per hook; under loads a last column with no hook moved.
+    Eigen::MatrixXd columns;
     Eigen::MatrixXd column_forces; ///< three rows per hook
-    double column_residual = 0.0; ///< the worst
+    double column_residual = 0.0; ///< largest residual of the columns
     Eigen::VectorXd dragged;
 
     void drop_columns() { columns.resize(0, 0); }
@@ -97,7 +98,7 @@ struct OnlineOpening::State {
                 body, std::move(fresh.condensed), std::move(touched), std::move(load), options);
     }
 
-    /// The corridor that a new factorisation should have: what was kept, touched, born and held.
+    /// The corridor of a new factorisation: the present corridor, `more`, and the vertices of hooks.
     std::vector<VertexId> corridor_now(const std::vector<VertexId>& more) const
     {
         std::set<VertexId> corridor = hooked_vertices(body);
@@ -117,7 +118,7 @@ struct OnlineOpening::State {
 
     void start_rebuild(std::vector<VertexId> corridor)
     {
-        rebuild.reset(); // waits for one that goes on
+        rebuild.reset(); // waits for a rebuild that is under way
         rebuild.emplace();
         rebuild->load = body.K.load();
         rebuild->result = std::async(
@@ -126,19 +127,19 @@ struct OnlineOpening::State {
             });
     }
 
-    /// A new factorisation where that is cheaper; where the body cannot stand without its hooks, it is the old one all
-    /// the same.
+    /// Factors the body anew where this is cheaper. The old factor stays where the body is not supported without its
+    /// hooks.
     void factor_anew_if_outgrown(const std::vector<VertexId>& needed)
     {
         if (!solver->outgrown(needed))
             return;
         try {
             factor_anew(corridor_now(needed));
-        } catch (const SolverError&) { // not held without hooks
+        } catch (const SolverError&) { // the body is not supported without its hooks
         }
     }
 
-    /// Brings the solver up to date. @return why there is no answer; empty when there is.
+    /// Brings the solver up to date. @return why there is no answer; empty when there is one
     std::string prepare()
     {
         if (solver->ready())
@@ -161,7 +162,7 @@ struct OnlineOpening::State {
                 throw;
             return piece;
         }
-        constexpr double kSuspicious = 1e-11; // a loose piece leaves round-off here
+        constexpr double kSuspicious = 1e-11; // a loose piece leaves only round-off in this number
         if (solver->reciprocal_condition() < kSuspicious)
             if (std::string piece = loose_piece(body); !piece.empty()) {
                 solver->drop_answer();
@@ -174,7 +175,7 @@ struct OnlineOpening::State {
         return {};
     }
 
-    /// A unit displacement per hook and axis, and a last case with none for the loads.
+    /// One case with a unit displacement per hook and axis; under loads also a last case without displacement.
     Eigen::MatrixXd unit_cases() const
     {
         const auto rows = 3 * static_cast<Eigen::Index>(body.hooks.size());
@@ -182,15 +183,15 @@ struct OnlineOpening::State {
         unit.leftCols(rows).setIdentity();
         return unit;
     }
-    /// Loads act in all cases of unit_cases(): takes the last off the others.
+    /// Subtracts the last case from the other cases, because loads act in all cases of unit_cases().
     void without_loads(Eigen::MatrixXd& cases) const
     {
         if (body.K.loaded())
             for (Eigen::Index c = 0; c + 1 < cases.cols(); ++c)
                 cases.col(c) -= cases.rightCols(1);
     }
-    /// What the hooks do to the tissue under them.
-    /// @param forces column_forces where there are columns; empty: to be found.
+    /// Sets the displacements and forces of the hooks.
+    /// @param forces column_forces where the columns exist; empty: computed here
     void place_hooks(OnlineAnswer& answer, const Eigen::MatrixXd& forces = {})
     {
         std::vector<HookDrive> drives;
@@ -219,7 +220,7 @@ struct OnlineOpening::State {
             answer.hooks_at_rest = false;
             answer.message = "the hooks' forces did not come to rest";
         }
-        constexpr double kFarthest = 1e6; // mm: tissue that shows a hook no more than round-off of stiffness
+        constexpr double kFarthest = 1e6; // mm; above, the stiffness at the hook is round-off
         if (!prescribed && !(rest.displacement.lpNorm<Eigen::Infinity>() <= kFarthest)) {
             answer.status = OnlineStatus::unsupported;
             answer.message = "the hooks' forces did not come to rest: nothing holds the tissue that a force draws";
@@ -236,7 +237,7 @@ struct OnlineOpening::State {
         return *facing;
     }
 
-    /// What a column is multiplied with: the hooks' displacements, and 1 for the loads.
+    /// The weights of the columns: the hooks' displacements, and 1 for the loads.
     Eigen::VectorXd column_weights(std::span<const Vec3> hook_displacements) const
     {
         if (columns.rows() == 0 || hook_displacements.size() != body.hooks.size())
@@ -247,6 +248,13 @@ struct OnlineOpening::State {
         return d;
     }
 };
+
+void keep_freed_memory()
+{
+    constexpr int kLarge = 1 << 30;
+    ::mallopt(M_MMAP_MAX, 0); // a threshold alone has no effect beyond 32 MB
+    ::mallopt(M_TRIM_THRESHOLD, kLarge);
+}
 
 OnlineOpening::OnlineOpening(const mesh::CutSession& session, std::span<const Material> material_of_label,
     const Supports& supports, std::span<const VertexId> corridor, OnlineOptions options)
@@ -304,7 +312,7 @@ HookId OnlineOpening::attach(OnlineHook hook)
     State& s = *state_;
     check_hook(s.body, hook);
     const HookId id = s.next_hook++;
-    const auto number = static_cast<std::int32_t>(s.body.hooks.size()); // ids rise: it is the last
+    const auto number = static_cast<std::int32_t>(s.body.hooks.size()); // hook ids rise, so the new hook is the last
     const AttachedHook& attached = s.body.hooks.emplace(id, AttachedHook { std::move(hook) }).first->second;
     for (const VertexId v : attached.nodes)
         s.body.held.push_back({ v, number });
@@ -367,7 +375,7 @@ void OnlineOpening::complete(OnlineAnswer& answer)
     Eigen::VectorXd r = on_free(s.body, all);
     const auto relative = [&] { return load > 0.0 ? r.norm() / load : r.norm(); };
     answer.residual = relative();
-    constexpr int kRefinements = 10; // each takes off several digits, or the factor is of no use
+    constexpr int kRefinements = 10; // each refinement gains several digits, or the factor is useless
     while (answer.residual > s.options.residual && answer.refinements < kRefinements) {
         const Eigen::VectorXd refined = answer.displacement + s.solver->correction(r);
         const Eigen::VectorXd all_refined = imbalance(s.body, refined);
@@ -499,7 +507,7 @@ bool OnlineOpening::adopt_rebuild()
     s.rebuild.reset();
     try {
         s.adopt(rebuild.result.get(), std::move(rebuild.reference), std::move(rebuild.load));
-    } catch (const SolverError&) { // the body does not stand without its hooks
+    } catch (const SolverError&) { // the body is not supported without its hooks
         return false;
     }
     return true;

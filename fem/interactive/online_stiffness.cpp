@@ -16,8 +16,8 @@ namespace retractor::fem {
 
 namespace {
 
-    /// Adds the block of nodes with gradients a and b, row by row. Products of gradients come first, so that the block
-    /// of (b, a) is its transpose to the last bit.
+    /// Adds the block of two nodes with gradients a and b, row by row. The products of gradients are computed first, so
+    /// that the block of (b, a) is the transpose of the block of (a, b) to the last bit.
     void add_block(const Lame& lame, double volume, const Vec3& a, const Vec3& b, double* block)
     {
         const double lambda = lame.lambda * volume, mu = lame.mu * volume;
@@ -30,7 +30,7 @@ namespace {
             }
     }
 
-    /// Runs f(begin, end) over a range, in two halves at once where that is worth a thread.
+    /// Runs f(begin, end) over a range, as two halves on two threads where the range is long enough.
     template <class F> void on_two_cores(std::size_t count, std::size_t worth_a_thread, const F& f)
     {
         if (count < worth_a_thread) {
@@ -41,7 +41,7 @@ namespace {
         const ScopedThread second([&] { f(middle, count); });
         f(std::size_t { 0 }, middle);
     }
-    constexpr std::size_t kRowsWorthAThread = 2000; // a thread takes as long to start as some hundred rows to sum
+    constexpr std::size_t kRowsWorthAThread = 2000; // starting a thread takes as long as some hundred rows
 
     std::string element_name(TetId t) { return "element " + std::to_string(t); }
     std::string vertex_name(VertexId v) { return "vertex " + std::to_string(v); }
@@ -120,7 +120,7 @@ void OnlineStiffness::set_wound(std::span<const mesh::LipFace> lips)
             throw InputError("the wound has a face that is not in the mesh", element_name(lip.face.tet));
         faces.push_back(lip.face);
     }
-    std::sort(faces.begin(), faces.end(), // the same bits for the same wound
+    std::sort(faces.begin(), faces.end(), // a fixed order gives the same bits for the same wound
         [](const mesh::TetFace& a, const mesh::TetFace& b) {
             return std::pair(a.tet, a.corner) < std::pair(b.tet, b.corner);
         });
@@ -176,7 +176,7 @@ std::vector<VertexId> OnlineStiffness::touched_by(const mesh::MeshDelta& delta) 
 void OnlineStiffness::check(const mesh::MeshDelta& delta) const
 {
     const std::string wrong = "the delta does not belong to this state of the mesh: ";
-    std::map<TetId, bool> lives; // where the delta has changed it
+    std::map<TetId, bool> lives; // life of the elements that the delta has changed so far
     for (const mesh::MeshDelta::Tet& tet : delta.tets_gone) {
         const auto id = static_cast<std::size_t>(tet.id);
         const auto known = lives.find(tet.id);
@@ -251,7 +251,8 @@ void OnlineStiffness::remove_tet(const mesh::MeshDelta::Tet& tet)
     --living_tets_;
 }
 
-/// An id that is used again is another vertex: it has no part in the bed of the one before.
+/// Keeps the beds with their vertices. An id that is used again belongs to another vertex, which has no part in the bed
+/// of the earlier vertex.
 void OnlineStiffness::carry_beds(const mesh::MeshDelta& delta)
 {
     for (const mesh::MeshDelta::VertexBorn& born : delta.vertices_born)
@@ -363,7 +364,7 @@ Eigen::VectorXd OnlineStiffness::multiply(const Eigen::VectorXd& x) const
 
 Eigen::MatrixXd OnlineStiffness::multiply(const Eigen::MatrixXd& x) const
 {
-    // With the cases of one unknown side by side, a block is read once for all of them.
+    // The cases of one unknown lie side by side, so that each block is read once for all cases.
     const Eigen::MatrixXd in = x.transpose();
     Eigen::MatrixXd out(in.rows(), in.cols());
     on_two_cores(rows_.size(), kRowsWorthAThread, [&](std::size_t begin, std::size_t end) {
@@ -373,7 +374,8 @@ Eigen::MatrixXd OnlineStiffness::multiply(const Eigen::MatrixXd& x) const
             sum.setZero();
             for (std::size_t k = 0; k < row.column.size(); ++k)
                 sum.noalias() += in.middleCols<3>(3 * row.column[k])
-                    * Eigen::Map<const Mat3>(row.value.data() + 9 * k); // read by columns: transposed
+                    // The map reads the block by columns, which transposes it.
+                    * Eigen::Map<const Mat3>(row.value.data() + 9 * k);
             out.middleCols<3>(3 * static_cast<Eigen::Index>(v)) = sum;
         }
     });

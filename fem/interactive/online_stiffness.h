@@ -1,9 +1,9 @@
 #pragma once
-// The stiffness of small-strain P1 elasticity that follows a CutSession by its deltas: pattern and values cost what the
-// cut costs, not what the mesh costs, and depend on the mesh alone, not on how it came about. A row is always summed
-// over the elements round its node in rising id, so that after any sequence of cuts, undos and redos it has the same
-// bits as a fresh assembly. Rows and vectors are by the session's vertex ids, three entries per vertex; ids that are
-// not alive have empty rows. Units mm, N, MPa.
+// The stiffness of small-strain P1 elasticity that follows a CutSession by its deltas. Pattern and values cost work
+// that grows with the cut, not with the mesh, and depend on the mesh alone, not on its history: a row is always summed
+// over the elements round its node in rising id, so that after any sequence of cuts, undos and redos the row has the
+// same bits as a fresh assembly. Rows and vectors are indexed by the session's vertex ids, with three entries per
+// vertex; ids that are not alive have empty rows. Units mm, N, MPa.
 
 #include "fem/material/elasticity.h"
 #include "fem/material/material.h"
@@ -22,35 +22,37 @@ namespace retractor::fem {
 class OnlineStiffness {
 public:
     /// @param material_of_label indexed by the elements' labels.
-    /// @param stress_of_element tension (MPa, symmetric) per element of the session's first mesh, which wounds set free
-    /// (pre_strain.h); empty: none.
-    /// @throws InputError on bad materials, a label without one, a stress that is not finite or not symmetric, or a
-    /// wrong number of stresses.
+    /// @param stress_of_element tension (MPa, symmetric) per element of the session's first mesh, which wounds release
+    /// (pre_strain.h); empty: none
+    /// @throws InputError on bad materials, a label without material, a stress that is not finite or not symmetric, or
+    /// a wrong number of stresses.
     OnlineStiffness(const mesh::CutSession& session, std::span<const Material> material_of_label,
         std::span<const Mat3> stress_of_element = {});
 
-    /// Springs to the ground, N/mm per vertex id, the same in every direction: a bed that is not modelled. Vertices
-    /// that cuts add have none; those that an undone ablation brings back have theirs, but for vertices ablated before
-    /// this call, which have none. Values for ids where no vertex lives are
-    /// not used. @throws InputError on negative or infinite values.
+    /// Sets springs to the ground, N/mm per vertex id, equally stiff in every direction: a bed of tissue that is not
+    /// modelled. Vertices that cuts add have no spring. Vertices that an undone ablation brings back have their spring,
+    /// unless they were ablated before this call. Values of ids without a living vertex are not used.
+    /// @throws InputError on negative or infinite values
     void set_bed(std::vector<double> stiffness);
     double bed(VertexId v) const
     {
         return static_cast<std::size_t>(v) < bed_.size() ? bed_[static_cast<std::size_t>(v)] : 0.0;
     }
 
-    /// Living vertices whose rows this delta changes, and some round them that stay as they are; rising.
+    /// Living vertices whose rows this delta changes, and some neighbours whose rows stay the same; rising.
     std::vector<VertexId> touched_by(const mesh::MeshDelta& delta) const;
-    /// @throws InputError when the delta does not fit the mesh as it is.
+    /// @throws InputError when the delta does not fit the present mesh
     void check(const mesh::MeshDelta& delta) const;
-    /// @throws InputError as check(); nothing is changed then.
+    /// Follows the delta. @throws InputError as check(); nothing is changed then
     void apply(const mesh::MeshDelta& delta);
 
-    /// The faces of all wounds now, after apply(): the load is what the tension did there. For nothing without tension.
-    /// @throws InputError on a face that is not in the mesh; the load is as it was then.
+    /// Sets the load of all wounds: the traction that the tension exerted on their faces. Call after apply(). Has no
+    /// effect without tension.
+    /// @param lips the present faces of all wounds
+    /// @throws InputError on a face that is not in the mesh; the load is then unchanged
     void set_wound(std::span<const mesh::LipFace> lips);
 
-    /// Sums all rows anew in the pattern as it is; on two cores. For timing: apply() keeps them right.
+    /// Sums all rows anew in the present pattern, on two cores. For timing only: apply() keeps the rows up to date.
     void assemble();
 
     std::size_t slot_count() const { return rows_.size(); } ///< one more than the largest vertex id met
@@ -59,7 +61,7 @@ public:
     bool alive(VertexId v) const { return !rows_[static_cast<std::size_t>(v)].column.empty(); }
     const Vec3& position(VertexId v) const { return position_[static_cast<std::size_t>(v)]; }
 
-    /// The blocks of one row: the diagonal's and those to the right and left of it.
+    /// The blocks of one row, on both sides of the diagonal and on the diagonal.
     struct Row {
         std::vector<VertexId> column; ///< rising; empty when the vertex is not alive
         std::vector<double> value; ///< nine per column, row by row
@@ -68,16 +70,16 @@ public:
     };
     const Row& row(VertexId v) const { return rows_[static_cast<std::size_t>(v)]; }
 
-    /// y = K x. @pre x.size() == 3 slot_count(). On two cores where the matrix is large.
+    /// y = K x. Large matrices use two cores. @pre x.size() == 3 slot_count()
     Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;
     Eigen::MatrixXd multiply(const Eigen::MatrixXd& x) const;
-    /// Nodal forces, N, by vertex id: the tension that the wounds have set free, as release_forces() gives it.
+    /// Nodal forces (N) by vertex id: the tension that the wounds have released, as release_forces() computes it.
     const Eigen::VectorXd& load() const { return load_; }
-    bool loaded() const { return !stress_.empty(); } ///< there is tension, whether anything is cut or not
+    bool loaded() const { return !stress_.empty(); } ///< whether the body has tension, cut or uncut
 
     std::span<const TetId> elements_round(VertexId v) const { return around_[static_cast<std::size_t>(v)]; }
     const std::array<VertexId, 4>& tet(TetId t) const { return tets_[static_cast<std::size_t>(t)].nodes; }
-    /// Ids of elements are below this bound; not all of them live.
+    /// Ids of elements are below this bound; some of these ids do not live.
     std::size_t tet_slots() const { return tets_.size(); }
     bool tet_alive(TetId t) const { return tets_[static_cast<std::size_t>(t)].nodes[0] >= 0; }
     Label label(TetId t) const { return tets_[static_cast<std::size_t>(t)].label; }

@@ -1,5 +1,5 @@
 #pragma once
-// How far tissue is stretched in a field of displacements on a mesh that is being cut: where it may tear. Units mm.
+// The largest strain in a displacement field on a mesh that is being cut: the place where tissue may tear. Units mm.
 
 #include "fem/interactive/online_stiffness.h"
 
@@ -11,13 +11,13 @@ namespace retractor::fem {
 
 struct StrainPeak {
     double p99 = 0.0; ///< largest principal Green-Lagrange strain: 99th percentile by volume
-    Vec3 where = Vec3::Zero(); ///< middle of the element that it was found in, mm, at rest
+    Vec3 where = Vec3::Zero(); ///< middle of the element with this strain, mm, at rest
 };
 
-/// @param displacement three per vertex id, mm.
-/// @param held vertices under hooks: elements that touch them are left out, the strain there has no limit under
-/// refinement.
-/// @throws InputError when the displacement has another size.
+/// @param displacement three per vertex id, mm
+/// @param held vertices under hooks; elements that touch them are excluded, because the strain there has no limit under
+/// refinement
+/// @throws InputError when the displacement has another size
 StrainPeak strain_peak(
     const OnlineStiffness& stiffness, const Eigen::VectorXd& displacement, std::span<const VertexId> held);
 

@@ -25,7 +25,7 @@ namespace {
 
     Eigen::Index rows_of(std::size_t vertices) { return 3 * static_cast<Eigen::Index>(vertices); }
 
-    /// What is gone carries no load.
+    /// Removes the loads on vertices that are gone.
     void clear_inactive(const OnlineBody& body, const std::vector<VertexId>& vertices, Eigen::MatrixXd& load)
     {
         for (std::size_t i = 0; i < vertices.size(); ++i)
@@ -56,10 +56,10 @@ SchurWoundSolver::SchurWoundSolver(const OnlineBody& body, std::unique_ptr<Conde
         base_field_ = condensed_->solve(base_load_);
     for (VertexId v = 0; v < static_cast<VertexId>(body_.K.slot_count()); ++v)
         if (body_.is_active(v) && !condensed_->has(v))
-            newborn_.insert(v);
+            added_.insert(v);
 }
 
-// ---- Following ----
+// ---- Following a delta ----
 
 void SchurWoundSolver::before_delta()
 {
@@ -69,23 +69,22 @@ void SchurWoundSolver::before_delta()
         start_update();
 }
 
-/// Once the local system has grown to several steps' size, what it stands for becomes a state for later ones to be set
-/// up against.
+/// Once the local system has the size of several steps, its state becomes an updated state for later systems.
 bool SchurWoundSolver::is_update_worthwhile() const
 {
     if (pending_update_ || !local_ || local_->route() != LocalRoute::low_rank
         || change_->changed.size() < options_.update_vertices)
         return false;
     const std::set<VertexId> hooked = hooked_vertices(body_);
-    return std::none_of(hooked.begin(), hooked.end(), // a hook on a lip that is not in the view yet
-        [&](VertexId v) { return body_.is_active(v) && !view_->has(v); });
+    // False when a hook holds a vertex that the state does not have yet.
+    return std::none_of(hooked.begin(), hooked.end(), [&](VertexId v) { return body_.is_active(v) && !view_->has(v); });
 }
 
 void SchurWoundSolver::start_update()
 {
     auto source = std::make_shared<const UpdateSource>(
         update_source(*view_, *change_, body_.K, hooked_vertices(body_), leaving_));
-    local_.reset(); // it refers to the change, which the fold uses up
+    local_.reset(); // local_ refers to the change, whose work space the update uses up
     auto taken = std::make_shared<const CutChange>(std::move(*change_));
     change_.reset();
     pending_update_.emplace();
@@ -110,7 +109,7 @@ void SchurWoundSolver::swap_updated_in()
 
 void SchurWoundSolver::drop_updated_state()
 {
-    folded_compliance_.reset();
+    updated_compliance_.reset();
     updated_.reset();
 }
 
@@ -132,18 +131,18 @@ void SchurWoundSolver::row_touched(VertexId v, const OnlineStiffness::Row& befor
 void SchurWoundSolver::vertex_born(VertexId v)
 {
     if (updated_ && updated_->has(v))
-        drop_updated(); // an id that lives again is another vertex
+        drop_updated(); // an id that lives again belongs to another vertex
     if (pending_update_ && pending_update_->source->has(v))
         pending_update_.reset();
     if (!body_.is_fixed(v) && !condensed_->has(v))
-        newborn_.insert(v);
+        added_.insert(v);
 }
 
 void SchurWoundSolver::hooks_changed()
 {
     base_compliance_.reset();
-    folded_compliance_.reset();
-    drop_answer(); // newborn vertices may be held now, or free again
+    updated_compliance_.reset();
+    drop_answer(); // added vertices may have become held or free
 }
 
 void SchurWoundSolver::drop_answer()
@@ -158,15 +157,15 @@ bool SchurWoundSolver::take_appended(HookId hook)
     if (!local_ || local_->route() != LocalRoute::dense
         || !std::all_of(nodes.begin(), nodes.end(), [&](VertexId v) { return view_->place(v) >= 0; }))
         return false;
-    local_->hold_appended(); // the factor stays: it is the dear part there
+    local_->hold_appended(); // the factor stays, because it is the most expensive part
     return true;
 }
 
-// ---- What is kept ----
+// ---- Retained vertices ----
 
 std::vector<VertexId> SchurWoundSolver::corridor() const
 {
-    std::vector<VertexId> vertices(newborn_.begin(), newborn_.end());
+    std::vector<VertexId> vertices(added_.begin(), added_.end());
     vertices.insert(vertices.end(), condensed_->kept().begin(), condensed_->kept().end());
     return vertices;
 }
@@ -202,7 +201,7 @@ void SchurWoundSolver::keep_also_here(const std::vector<VertexId>& missing)
     if (missing.empty())
         return;
     if ((pending_update_ && pending_update_->source->origin) || (updated_ && updated_->origin)) {
-        leaving_ = false; // such a stroke goes outside the corridor; the next step would do the same again
+        leaving_ = false; // this stroke goes outside the corridor, so that the next step would need the same again
         pending_update_.reset();
         drop_updated();
     }
@@ -222,7 +221,7 @@ bool SchurWoundSolver::changed_since(const CondensedState& state, VertexId v) co
     return was != state.reference.end() && !(body_.K.row(v) == was->second);
 }
 
-/// Those that were left behind and that a cut or a hook has come back to.
+/// The eliminated vertices that a cut or a hook touches again.
 std::vector<VertexId> SchurWoundSolver::wanted_back() const
 {
     const std::set<VertexId> held = held_vertices(body_);
@@ -233,7 +232,8 @@ std::vector<VertexId> SchurWoundSolver::wanted_back() const
     return wanted;
 }
 
-/// The folded state still stands for all that has left it.
+/// Whether the updated state is still valid: once vertices were dropped, no dropped or eliminated vertex may be touched
+/// or held.
 bool SchurWoundSolver::updated_state_holds() const
 {
     if (updated_->dropped.empty())
@@ -252,8 +252,8 @@ void SchurWoundSolver::prepare(const std::vector<VertexId>& needed)
     make_local();
 }
 
-/// The folded state where that costs less than the other ways, else the body as it was condensed. Drops a folded one
-/// that no longer stands.
+/// The updated state where it costs less than the other routes, else the body as it was condensed. Drops an updated
+/// state that is no longer valid.
 const CondensedState& SchurWoundSolver::cheapest_view(double work_from_base)
 {
     if (updated_ && !updated_state_holds())
@@ -267,17 +267,17 @@ const CondensedState& SchurWoundSolver::cheapest_view(double work_from_base)
 
 HookCompliance& SchurWoundSolver::compliance_of_hooks()
 {
-    std::optional<HookCompliance>& compliance = view_ == &base_ ? base_compliance_ : folded_compliance_;
+    std::optional<HookCompliance>& compliance = view_ == &base_ ? base_compliance_ : updated_compliance_;
     std::size_t held_rows = 0;
     for (const HeldVertex& h : body_.held)
         held_rows += view_->place(h.vertex) >= 0 ? 3 : 0;
     if (!compliance || compliance->columns.rows() != view_->compliance().rows()
-        || compliance->rows.size() != held_rows) // one was attached to the factor as it was
+        || compliance->rows.size() != held_rows) // a hook was attached to the present factor
         compliance = make_hook_compliance(*view_, body_.held);
     return *compliance;
 }
 
-/// Sets the local system up against the state, and by the route, that cost least.
+/// Sets up the local system against the cheaper state, by the cheaper route.
 void SchurWoundSolver::make_local()
 {
     const auto held = static_cast<std::size_t>(std::count_if(
@@ -287,7 +287,7 @@ void SchurWoundSolver::make_local()
     view_ = &cheapest_view(std::min(low_rank, dense));
     const bool by_dense = view_ == &base_ && dense < low_rank;
     std::set<VertexId> fresh;
-    for (const VertexId v : newborn_)
+    for (const VertexId v : added_)
         if (!view_->has(v))
             fresh.insert(v);
     change_ = make_cut_change(body_.K, *view_, active_vertices(body_), fresh, held_vertices(body_));
@@ -315,8 +315,8 @@ Eigen::VectorXd SchurWoundSolver::grown(const Eigen::VectorXd& by_id) const
     return v;
 }
 
-/// The loads that the system near by sees: those now, less those whose field is added at the end, more what holds that
-/// field back.
+/// Solves near the wound. The near loads are the present loads, less the loads whose field is added at the end, plus
+/// the forces that hold this field at the retained vertices.
 NearAnswer SchurWoundSolver::solve(const Eigen::MatrixXd& hook_displacement) const
 {
     if (!body_.K.loaded())
@@ -337,7 +337,8 @@ Eigen::VectorXd SchurWoundSolver::held_back(Eigen::VectorXd load, const Eigen::V
     return load;
 }
 
-/// Extends a near field to the whole body. @param field of the loads held back; empty: none.
+/// Extends displacements near the wound to the whole body.
+/// @param field field of the loads that were subtracted; empty: none
 Eigen::MatrixXd SchurWoundSolver::extended(const Eigen::MatrixXd& near, const Eigen::VectorXd& field) const
 {
     Eigen::MatrixXd kept = at(condensed_->kept(), near);
@@ -348,12 +349,13 @@ Eigen::MatrixXd SchurWoundSolver::extended(const Eigen::MatrixXd& near, const Ei
         x.colwise() += field;
     for (const VertexId v : condensed_->kept())
         x.middleRows(3 * v, 3) = near.middleRows(3 * v, 3);
-    for (const VertexId v : newborn_)
+    for (const VertexId v : added_)
         x.middleRows(3 * v, 3) = near.middleRows(3 * v, 3);
     return x;
 }
 
-/// For most of the residual where what is condensed away has next to none of it, as after answers: that costs a fifth.
+/// Corrects only the near part of the residual where the eliminated vertices have almost none of it, as after answers.
+/// This costs a fifth of a full correction.
 Eigen::VectorXd SchurWoundSolver::correction(const Eigen::VectorXd& residual) const
 {
     const Eigen::MatrixXd still = Eigen::MatrixXd::Zero(rows_of(body_.hooks.size()), 1);
@@ -361,7 +363,7 @@ Eigen::VectorXd SchurWoundSolver::correction(const Eigen::VectorXd& residual) co
     Eigen::VectorXd away = residual;
     for (const VertexId v : condensed_->kept())
         away.segment<3>(3 * v).setZero();
-    for (const VertexId v : newborn_)
+    for (const VertexId v : added_)
         away.segment<3>(3 * v).setZero();
     if (away.norm() <= kNextToNone * residual.norm())
         return extended(solve_under(residual - away, still).displacement, {}).col(0);
@@ -369,7 +371,7 @@ Eigen::VectorXd SchurWoundSolver::correction(const Eigen::VectorXd& residual) co
     return extended(solve_under(held_back(residual, field), still).displacement, field).col(0);
 }
 
-/// @param load by vertex id, the same in all cases, on vertices near by; empty: none.
+/// @param load by vertex id, the same in all cases, on vertices near the wound; empty: none
 NearAnswer SchurWoundSolver::solve_under(const Eigen::VectorXd& load, const Eigen::MatrixXd& hook_displacement) const
 {
     const Eigen::Index cases = hook_displacement.cols();
@@ -380,16 +382,16 @@ NearAnswer SchurWoundSolver::solve_under(const Eigen::VectorXd& load, const Eige
     Eigen::MatrixXd& x = near.displacement;
     put(body_, view_->vertices, solution.kept, x);
     put(body_, change_->added, solution.added, x);
-    find_those_left(solution.kept_forces, loads, x);
+    find_dropped(solution.kept_forces, loads, x);
     for (const HeldVertex& h : body_.held)
         x.middleRows(3 * h.vertex, 3) = hook_displacement.middleRows(3 * h.hook, 3);
-    find_those_behind(load, x);
+    find_eliminated_added(load, x);
     near.hook_forces = forces_of_hooks(solution, load, x);
     return near;
 }
 
-/// Those left behind hand their load on to their neighbours, as much as these take of it.
-Eigen::VectorXd SchurWoundSolver::felt_beside_those_behind(const Eigen::VectorXd& load) const
+/// Condenses the loads on eliminated added vertices onto their neighbours.
+Eigen::VectorXd SchurWoundSolver::felt_beside_eliminated_added(const Eigen::VectorXd& load) const
 {
     Eigen::VectorXd felt = load;
     const EliminatedAdded& eliminated_added = view_->eliminated_added;
@@ -409,7 +411,7 @@ SchurWoundSolver::NearLoads SchurWoundSolver::near_loads(const Eigen::VectorXd& 
         Eigen::MatrixXd::Zero(rows_of(change_->added.size()), cases), {} };
     if (load.size() == 0)
         return loads;
-    const Eigen::VectorXd felt = felt_beside_those_behind(load);
+    const Eigen::VectorXd felt = felt_beside_eliminated_added(load);
     loads.kept.colwise() += at(view_->vertices, felt).col(0);
     clear_inactive(body_, view_->vertices, loads.kept);
     loads.added.colwise() += at(change_->added, felt).col(0);
@@ -421,8 +423,8 @@ SchurWoundSolver::NearLoads SchurWoundSolver::near_loads(const Eigen::VectorXd& 
     return loads;
 }
 
-/// Those that have left the view.
-void SchurWoundSolver::find_those_left(
+/// Sets the displacements of dropped vertices.
+void SchurWoundSolver::find_dropped(
     const Eigen::MatrixXd& kept_forces, const NearLoads& loads, Eigen::MatrixXd& x) const
 {
     if (view_->dropped.empty())
@@ -432,8 +434,9 @@ void SchurWoundSolver::find_those_left(
         x.middleRows(3 * v, 3) = of_body.middleRows(3 * condensed_->place(v), 3);
 }
 
-/// Those that cuts had added and that are condensed again. @param x of all others near by.
-void SchurWoundSolver::find_those_behind(const Eigen::VectorXd& load, Eigen::MatrixXd& x) const
+/// Sets the displacements of eliminated added vertices.
+/// @param x has the displacements of all other vertices near the wound
+void SchurWoundSolver::find_eliminated_added(const Eigen::VectorXd& load, Eigen::MatrixXd& x) const
 {
     const EliminatedAdded& eliminated_added = view_->eliminated_added;
     if (eliminated_added.vertices.empty())
@@ -460,7 +463,7 @@ Eigen::MatrixXd SchurWoundSolver::forces_of_hooks(
             sum += solution.held_forces.middleRows(rows_of(i), 3);
             continue;
         }
-        for_blocks(body_.K, h.vertex, // all neighbours of a newborn vertex are near
+        for_blocks(body_.K, h.vertex, // all neighbours of an added vertex are near
             [&](VertexId v, const auto& block) { sum += block * x.middleRows(3 * v, 3); });
         if (load.size() != 0)
             sum.colwise() -= Vec3(load.segment<3>(3 * h.vertex));
@@ -472,14 +475,14 @@ std::size_t SchurWoundSolver::bytes() const
 {
     std::size_t sum = condensed_->bytes();
     const auto add = [&](const Eigen::MatrixXd& a) { sum += static_cast<std::size_t>(a.size()) * sizeof(double); };
-    for (const auto* compliance : { &base_compliance_, &folded_compliance_ })
+    for (const auto* compliance : { &base_compliance_, &updated_compliance_ })
         if (*compliance)
             add((*compliance)->columns);
     if (updated_) {
         add(updated_->compliance());
         sum += updated_->eliminated_added.factor.bytes() + updated_->step_bytes();
     }
-    if (pending_update_) // what it will be, at most
+    if (pending_update_) // upper bound of the state that the update makes
         add(*pending_update_->source->compliance);
     if (change_) {
         add(change_->stiffness);

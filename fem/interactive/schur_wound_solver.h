@@ -1,7 +1,7 @@
 #pragma once
-// A wound in a body condensed once onto the vertices where it is cut and held (CondensedBody). What cuts change is a
-// small dense system on these (CutChange, LocalSystem), set up against the body as it was factored or against a state
-// that a stroke has been folded into (CondensedState), whichever costs less. Exact. Units mm, N.
+// Wound solver on a body that is condensed once onto the vertices where it is cut and held (CondensedBody). Cuts change
+// a small dense system on these vertices (CutChange, LocalSystem). The system is set up against the body as it was
+// factored, or against an updated state of the stroke (CondensedState), whichever costs less. Exact. Units mm, N.
 
 #include "fem/interactive/condensed_body.h"
 #include "fem/interactive/condensed_state.h"
@@ -20,15 +20,16 @@ namespace retractor::fem {
 
 class SchurWoundSolver final : public WoundSolver {
 public:
-    /// @param body, options referred to as long as this lives. @param touched rows touched since `condensed` was
-    /// factored, as they were then. @param load of the body then.
+    /// @param body, options must live as long as the solver
+    /// @param touched rows touched since `condensed` was factored, with their values at that time
+    /// @param load loads of the body at that time
     SchurWoundSolver(const OnlineBody& body, std::unique_ptr<CondensedBody> condensed, ReferenceRows touched,
         Eigen::VectorXd load, const OnlineOptions& options);
 
     void before_delta() override;
     void row_touched(VertexId v, const OnlineStiffness::Row& before) override;
     void vertex_born(VertexId v) override;
-    void vertex_gone(VertexId v) override { newborn_.erase(v); }
+    void vertex_gone(VertexId v) override { added_.erase(v); }
     void hooks_changed() override;
     void drop_answer() override;
     bool take_appended(HookId hook) override;
@@ -49,15 +50,15 @@ public:
     std::size_t bytes() const override;
 
 private:
-    /// A stroke's change on its way into a state of its own, on a thread of its own.
+    /// An update with the changes of a stroke, which runs on its own thread.
     struct PendingUpdate {
         std::shared_ptr<const UpdateSource> source;
         std::future<CondensedState> result;
-        ReferenceRows reference; ///< rows touched since it was begun
-        std::vector<AddedVertices> added; ///< kept in addition since
+        ReferenceRows reference; ///< rows touched since the update was started
+        std::vector<AddedVertices> added; ///< vertices retained in addition since then
         int deltas_left = 0;
     };
-    /// Loads on what is near, one column per case.
+    /// Loads near the wound, one column per case.
     struct NearLoads {
         Eigen::MatrixXd kept, added;
         std::optional<LoadOnDropped> on_dropped;
@@ -80,9 +81,9 @@ private:
     bool updated_state_holds() const;
 
     NearLoads near_loads(const Eigen::VectorXd& load, Eigen::Index cases) const;
-    Eigen::VectorXd felt_beside_those_behind(const Eigen::VectorXd& load) const;
-    void find_those_left(const Eigen::MatrixXd& kept_forces, const NearLoads& loads, Eigen::MatrixXd& x) const;
-    void find_those_behind(const Eigen::VectorXd& load, Eigen::MatrixXd& x) const;
+    Eigen::VectorXd felt_beside_eliminated_added(const Eigen::VectorXd& load) const;
+    void find_dropped(const Eigen::MatrixXd& kept_forces, const NearLoads& loads, Eigen::MatrixXd& x) const;
+    void find_eliminated_added(const Eigen::VectorXd& load, Eigen::MatrixXd& x) const;
     Eigen::MatrixXd forces_of_hooks(
         const LocalSystem::Solution& solution, const Eigen::VectorXd& load, const Eigen::MatrixXd& x) const;
     NearAnswer solve_under(const Eigen::VectorXd& load, const Eigen::MatrixXd& hook_displacement) const;
@@ -93,16 +94,17 @@ private:
     const OnlineBody& body_;
     const OnlineOptions& options_;
     std::unique_ptr<CondensedBody> condensed_;
-    Eigen::VectorXd base_load_, base_field_; ///< loads of the body when it was condensed, and its field under them
-    CondensedState base_; ///< of the body as it was condensed
-    bool leaving_ = true; ///< vertices behind the knife may leave the folded state
-    std::optional<CondensedState> updated_; ///< what a stroke has changed so far is in it
+    /// Loads of the body when it was condensed, and its field under these loads.
+    Eigen::VectorXd base_load_, base_field_;
+    CondensedState base_; ///< the body as it was condensed
+    bool leaving_ = true; ///< vertices behind the knife may be dropped from the updated state
+    std::optional<CondensedState> updated_; ///< contains the changes of the stroke up to its last update
     std::optional<PendingUpdate> pending_update_;
-    std::set<VertexId> newborn_; ///< alive and free, but not in the body as it was condensed
+    std::set<VertexId> added_; ///< added vertices: alive and free, but not in the body as it was condensed
 
-    // Made by prepare(), dropped when what they are made of changes.
-    std::optional<HookCompliance> base_compliance_, folded_compliance_;
-    const CondensedState* view_ = nullptr; ///< that the next two are set up against
+    // Made by prepare(); dropped when their inputs change.
+    std::optional<HookCompliance> base_compliance_, updated_compliance_;
+    const CondensedState* view_ = nullptr; ///< state against which change_ and local_ are set up
     std::optional<CutChange> change_;
     std::optional<LocalSystem> local_;
 };

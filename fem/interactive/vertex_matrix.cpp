@@ -7,7 +7,7 @@ namespace retractor::fem {
 
 namespace {
 
-    /// Upper triangle of the graph of the first `count` vertices.
+    /// The upper triangle of the graph of the first `count` vertices.
     SymmetricPattern vertex_graph(const RowOf& row, const std::vector<VertexId>& vertices,
         const std::function<std::int32_t(VertexId)>& number, std::size_t count)
     {

@@ -1,5 +1,5 @@
 #pragma once
-// Parts of the online stiffness as sparse matrices for the factorisation: some vertices, three unknowns each.
+// Parts of the online stiffness as sparse matrices for factorisation: some vertices, with three unknowns each.
 
 #include "fem/interactive/online_stiffness.h"
 #include "fem/linear_algebra/sparse_cholesky.h"
@@ -17,11 +17,12 @@ struct SparseMatrix {
 
 using RowOf = std::function<const OnlineStiffness::Row&(VertexId)>;
 
-/// The rows and columns of `vertices`. @param number per vertex id: its place in `vertices`, or -1.
+/// The rows and columns of `vertices`. @param number per vertex id: place in `vertices`, or -1
 SparseMatrix vertex_matrix(
     const RowOf& row, const std::vector<VertexId>& vertices, const std::function<std::int32_t(VertexId)>& number);
 
-/// An order of elimination of all unknowns: the vertices before `kept_from` in a good order, then the rest as they are.
+/// An order of elimination of all unknowns: the vertices before `kept_from` in an order that keeps the factor small,
+/// then the other vertices in their given order.
 std::vector<std::int32_t> condensing_order(const RowOf& row, const std::vector<VertexId>& vertices,
     const std::function<std::int32_t(VertexId)>& number, std::size_t kept_from, Ordering ordering);
 

@@ -15,7 +15,8 @@ namespace retractor::fem {
 
 namespace {
 
-    /// ccx reads numbers of at most 20 characters: the shortest text that gives the double back, or 13 digits.
+    /// The number as text. ccx reads numbers of at most 20 characters, so the text is the shortest one that
+    /// reproduces the double, or has 13 digits.
     std::string number(double value)
     {
         constexpr std::size_t kWidest = 20;
@@ -29,7 +30,7 @@ namespace {
         return { text.data(), cut.ptr };
     }
 
-    /// A comment must stay one line.
+    /// The text without line breaks, because a comment must stay on one line.
     std::string one_line(std::string text)
     {
         for (char& c : text)
@@ -75,7 +76,7 @@ namespace {
             + ", MATERIAL=" + tissue(label) + "\n";
     }
 
-    /// Springs to the ground, one set per stiffness and axis: a set has one stiffness.
+    /// Springs to the ground. All springs of a set have one stiffness, so there is one set per stiffness and axis.
     void write_beds(std::string& deck, const ElasticProblem& problem)
     {
         std::map<double, std::vector<VertexId>> nodes_of_stiffness;
@@ -102,7 +103,7 @@ namespace {
 
     std::string hook_set(std::size_t hook) { return "HOOK" + std::to_string(hook + 1); }
 
-    /// Node by node.
+    /// Nodal forces, node by node.
     void write_loads(std::string& deck, const Eigen::VectorXd& loads)
     {
         bool any = false;
@@ -135,7 +136,7 @@ namespace {
         deck += "*END STEP\n";
     }
 
-    /// The words of a line that are separated by blanks.
+    /// The words of a line, separated by blanks.
     std::vector<std::string_view> words_of(std::string_view line)
     {
         std::vector<std::string_view> words;
@@ -156,7 +157,7 @@ namespace {
         return value;
     }
 
-    /// "node x y z".
+    /// Reads a line "node x y z".
     std::optional<std::pair<long, Vec3>> node_line(const std::vector<std::string_view>& words)
     {
         if (words.size() != 4)
@@ -181,7 +182,8 @@ namespace {
                 "ccx's .dat file");
     }
 
-    /// What ccx prints for a held node is what its elements pull with, whatever else acts on it.
+    /// Subtracts the loads: for a held node ccx prints the force of its elements, which balances reaction and load
+    /// together.
     void take_off_loads(const ElasticProblem& problem, std::vector<VertexId> held, Points& reaction)
     {
         const Eigen::VectorXd loads = nodal_loads(problem);

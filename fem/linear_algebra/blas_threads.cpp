@@ -19,7 +19,7 @@ std::string blas_description()
 
 bool use_one_blas_thread_unless_asked()
 {
-    // OpenBLAS has read the variable already, and ignores it where it is no number.
+    // OpenBLAS has already read the variable. OpenBLAS ignores a value that is not a number.
     const char* asked = std::getenv("OPENBLAS_NUM_THREADS");
     if (asked == nullptr || std::atoi(asked) < 1)
         set_blas_threads(1);

@@ -19,7 +19,7 @@ namespace {
         return groups;
     }
 
-    /// Groups round each node, compressed.
+    /// The groups of each node, in compressed form.
     struct NodeMembership {
         std::vector<std::size_t> start;
         std::vector<std::int32_t> group;

@@ -1,6 +1,6 @@
 #pragma once
-// Symmetric sparse matrix of 3 x 3 blocks, one row of blocks per mesh node; only its lower triangle is stored. The
-// pattern is made once per mesh; elements then add straight into the values.
+// Symmetric sparse matrix of 3 x 3 blocks, one row of blocks per mesh node. Only the lower triangle is stored. The
+// pattern is made once per mesh; elements then add their stiffness directly to the values.
 
 #include "mesh/tetrahedra/tet_mesh.h"
 
@@ -12,18 +12,20 @@
 
 namespace retractor::fem {
 
-/// Compressed rows of the lower triangle, diagonal included; columns rise within a row, so the diagonal block is last.
+/// Compressed rows of the lower triangle, diagonal included. Columns rise within a row, so the diagonal block is the
+/// last block of its row.
 struct BlockPattern {
-    std::vector<std::int32_t> row_start; ///< node count + 1
-    std::vector<std::int32_t> column; ///< node
+    std::vector<std::int32_t> row_start; ///< offset of each row in `column`; node count + 1 entries
+    std::vector<std::int32_t> column; ///< node of each block
 
     std::size_t block_count() const { return column.size(); }
     std::size_t row_count() const { return row_start.size() - 1; }
 };
 
-/// Sets of nodes that are coupled, compressed: those of an element, or of a domain that spans several.
+/// Sets of coupled nodes, in compressed form. A group holds the nodes of an element, or of a domain of several
+/// elements.
 struct NodeGroups {
-    std::vector<std::int32_t> start { 0 }; ///< group count + 1
+    std::vector<std::int32_t> start { 0 }; ///< offset of each group in `node`; group count + 1 entries
     std::vector<VertexId> node;
 
     std::size_t count() const { return start.size() - 1; }
@@ -33,27 +35,28 @@ struct NodeGroups {
     }
 };
 
-/// Nodes of one group are coupled. Nodes that are in no group have empty rows.
+/// The pattern in which nodes of the same group are coupled. Nodes that are in no group have empty rows.
 BlockPattern block_pattern(std::size_t node_count, const NodeGroups& groups);
-/// Nodes of one element are coupled.
+/// The pattern in which nodes of the same element are coupled.
 BlockPattern block_pattern(const mesh::TetMesh& mesh);
 
-/// Per group and pair of its nodes, as element_block_map(); group g's pairs begin at the sum of those before it.
+/// For each group and pair of its nodes, the block that the pair adds to, encoded as in element_block_map(). The pairs
+/// of group g begin after the pairs of all earlier groups.
 std::vector<std::int32_t> group_block_map(const NodeGroups& groups, const BlockPattern& pattern);
 
-/// Per element and pair of local nodes (a >= b, at a (a + 1) / 2 + b): the block they add to; ~block when the block is
-/// to be added transposed (the global order of the two nodes is the other way round).
+/// For each element and pair of local nodes (a >= b, at index a (a + 1) / 2 + b), the block that the pair adds to. The
+/// entry is ~block when the block must be added transposed, because the two nodes have the other order in the mesh.
 std::vector<std::int32_t> element_block_map(const mesh::TetMesh& mesh, const BlockPattern& pattern);
 
 struct BlockMatrix {
     BlockPattern pattern;
     std::vector<double> values; ///< nine per block, row by row
 
-    /// y = A x for vectors of three entries per node.
+    /// y = A x. Vectors have three entries per node.
     Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;
 };
 
-/// All entries, for small matrices: both triangles.
+/// The full matrix with both triangles, for small matrices.
 Eigen::MatrixXd dense(const BlockMatrix& matrix);
 
 } // namespace retractor::fem

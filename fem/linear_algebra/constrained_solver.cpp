@@ -15,7 +15,7 @@ ConstrainedSolver::ConstrainedSolver(const BlockPattern& pattern, std::vector<st
     std::vector<std::int32_t> number(prescribed_.size(), -1);
     SymmetricPattern upper;
     upper.column_start.push_back(0);
-    // A block row of the lower triangle, read along one scalar row, is a column of the upper triangle.
+    // One scalar row of a block row of the lower triangle is a column of the upper triangle.
     for (std::size_t node = 0; node < pattern.row_count(); ++node)
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const std::size_t unknown = 3 * node + axis;

@@ -1,8 +1,9 @@
 #pragma once
-// Solves K du = b where some unknowns are prescribed: these are eliminated, and only the free ones reach CHOLMOD. A
-// factor of an earlier K serves as the preconditioner of conjugate gradients with the present K: a solve costs a
-// fiftieth of a factorisation, so a stale factor that needs a dozen iterations is cheaper than a fresh one. Vectors
-// have three entries per node; those of prescribed unknowns are left alone.
+// Solves K du = b where some unknowns are prescribed. The prescribed unknowns are eliminated, so that CHOLMOD receives
+// the free unknowns only. Vectors have three entries per node.
+//
+// The factor of an earlier K can precondition conjugate gradients with the present K. A solve costs a fiftieth of a
+// factorisation, so an old factor that needs a dozen iterations is cheaper than a new factor.
 
 #include "fem/linear_algebra/block_matrix.h"
 #include "fem/linear_algebra/sparse_cholesky.h"
@@ -17,36 +18,40 @@ namespace retractor::fem {
 
 class ConstrainedSolver {
 public:
-    /// Orders and analyses the free part of the pattern. @param prescribed one per unknown, 1 = prescribed.
+    /// Orders and analyses the free part of the pattern.
+    /// @param prescribed one flag per unknown, 1 = prescribed
     ConstrainedSolver(const BlockPattern& pattern, std::vector<std::uint8_t> prescribed);
 
     const std::vector<std::uint8_t>& prescribed() const { return prescribed_; }
     std::size_t free_count() const { return free_.size(); }
 
-    /// @throws SolverError naming the node and axis when K is not positive definite on the free unknowns.
+    /// Factors the free part of K.
+    /// @throws SolverError naming the node and axis when K is not positive definite on the free unknowns
     void factorise(const BlockMatrix& K);
     bool factorised() const { return free_.empty() || cholesky_.factorised(); }
     std::size_t bytes() const { return cholesky_.bytes(); }
     double reciprocal_condition() const { return cholesky_.reciprocal_condition(); }
 
-    /// Solves with the factor as it is: exact when it is K's own. Prescribed entries of the result are zero.
+    /// Solves with the present factor. The solution is exact when the factor belongs to K. Prescribed entries of the
+    /// result are zero.
     Eigen::VectorXd solve(const Eigen::VectorXd& b);
-    /// The same for all columns of `b` at once.
+    /// Solves as solve() for all columns of `b` at once.
     Eigen::MatrixXd solve_all(const Eigen::MatrixXd& b);
 
-    /// Halves of a solve for loads on few unknowns (of the mesh; on prescribed ones they do nothing): see
-    /// SparseCholesky::half_solve(), product() and finish(). @pre factorised().
+    /// Halves of a solve for loads on few unknowns: see SparseCholesky::half_solve(), product() and finish(). Unknowns
+    /// are numbered as in the mesh; a load on a prescribed unknown has no effect.
+    /// @pre factorised()
     SparseCholesky::HalfSolution half_solve(std::span<const SparseCholesky::Load> loads, Eigen::Index columns) const;
     Eigen::MatrixXd finish(const SparseCholesky::HalfSolution& half) const;
 
     struct Iterated {
         Eigen::VectorXd solution;
         bool converged = false;
-        bool negative_curvature = false; ///< K is not positive definite: `solution` is as far as it went, a descent
+        bool negative_curvature = false; ///< K is not positive definite; `solution` is then a descent direction
         int iterations = 0;
     };
-    /// Conjugate gradients with K, preconditioned by the factor, until the residual is `tolerance` of b's in the
-    /// factor's norm; stopped where a direction of negative curvature is met [Steihaug 1983].
+    /// Preconditioned conjugate gradients with K. Iteration ends when the residual has fallen to `tolerance` times the
+    /// norm of b, both in the norm of the factor, or at a direction of negative curvature (Steihaug 1983).
     Iterated iterate(const BlockMatrix& K, const Eigen::VectorXd& b, double tolerance, int max_iterations);
 
     /// Sets prescribed entries to zero.
@@ -56,9 +61,8 @@ private:
     Eigen::MatrixXd unpacked(const Eigen::MatrixXd& solution) const;
 
     std::vector<std::uint8_t> prescribed_;
-    std::vector<std::int32_t> free_; ///< unknowns of the mesh that are free, rising
-    std::vector<std::int32_t>
-        value_source_; ///< per entry of the Cholesky pattern: where in BlockMatrix::values it lies
+    std::vector<std::int32_t> free_; ///< free unknowns of the mesh, rising
+    std::vector<std::int32_t> value_source_; ///< index into BlockMatrix::values, per entry of the Cholesky pattern
     std::vector<double> values_;
     SparseCholesky cholesky_;
 };

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <utility>
 
-// LAPACK as OpenBLAS carries it; Debian has no header for it without LAPACKE.
+// The LAPACK functions of OpenBLAS. Debian has no header for them without LAPACKE.
 extern "C" {
 void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
 void dpotri_(const char* uplo, const int* n, double* a, const int* lda, int* info);
@@ -31,17 +31,17 @@ namespace {
 
     int size(Eigen::Index n) { return static_cast<int>(n); }
 
-    /// Columns of a product that the first of two cores makes: half of those of a large one, else all. A function of
-    /// the sizes alone, so that the bits are the same on one core.
+    /// Number of columns of a product that the first of two cores computes: half of a large product, else all. The
+    /// number depends on the sizes alone, so that one core gives the same bits.
     Eigen::Index columns_of_first(Eigen::Index rows, Eigen::Index columns, Eigen::Index inner)
     {
         constexpr double kWorthAThread = 1e7; // multiplications: about a millisecond
-        constexpr Eigen::Index kTogether = 48; // columns: no kernel's block is split
+        constexpr Eigen::Index kTogether = 48; // columns; no block of a kernel is split
         const double work = static_cast<double>(rows) * static_cast<double>(columns) * static_cast<double>(inner);
         return work < kWorthAThread ? columns : columns / 2 / kTogether * kTogether;
     }
 
-    /// The first column of those where the second half of a lower triangle's area begins.
+    /// The column that divides the area of a lower triangle into halves.
     Eigen::Index half_of_lower(Eigen::Index n)
     {
         return static_cast<Eigen::Index>((1.0 - std::sqrt(0.5)) * static_cast<double>(n));
@@ -102,7 +102,8 @@ Eigen::MatrixXd times_own_transpose(const Eigen::MatrixXd& lower)
 {
     const Eigen::Index n = lower.rows();
     Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n, n);
-    // A tile of L L^T takes as many columns of L as reach its first row: a third of what they all do.
+    // A tile of L L^T needs only the columns of L up to its last row. All tiles together take a third of a full
+    // product.
     constexpr Eigen::Index kColumns = 128;
     const auto of_columns = [&](Eigen::Index from, Eigen::Index to) {
         for (Eigen::Index j = from; j < to; j += kColumns) {
@@ -129,7 +130,7 @@ Eigen::MatrixXd times_own_transpose(const Eigen::MatrixXd& lower)
 
 void copy_lower(const Eigen::MatrixXd& from, const std::vector<std::int32_t>& rows, Eigen::Ref<Eigen::MatrixXd> to)
 {
-    struct Run { // rows that follow each other are copied as one
+    struct Run { // consecutive rows, copied together
         Eigen::Index at, from, length;
     };
     std::vector<Run> runs;
@@ -144,7 +145,7 @@ void copy_lower(const Eigen::MatrixXd& from, const std::vector<std::int32_t>& ro
             while (runs[first].at + runs[first].length <= j)
                 ++first;
             const double* column = from.col(rows[static_cast<std::size_t>(j)]).data();
-            for (std::size_t r = first; r < runs.size(); ++r) // from the diagonal's run down
+            for (std::size_t r = first; r < runs.size(); ++r) // from the run of the diagonal down
                 std::copy_n(column + runs[r].from, runs[r].length, to.col(j).data() + runs[r].at);
         }
     };
@@ -188,7 +189,7 @@ void invert_from_factor(Eigen::MatrixXd& L)
 
 namespace {
 
-    /// Rows from `from` to `to` of the panel of columns j to j + width: divided by its factored diagonal block.
+    /// Divides the rows `from` to `to` of the panel (columns j to j + width) by its factored diagonal block.
     void divide_panel(Eigen::MatrixXd& a, Eigen::Index j, Eigen::Index width, Eigen::Index from, Eigen::Index to)
     {
         if (from < to)
@@ -196,7 +197,7 @@ namespace {
                 1.0, &a(j, j), size(a.rows()), &a(from, j), size(a.rows()));
     }
 
-    /// Columns from `from` to `to` of the lower triangle, less what the panel takes off.
+    /// Subtracts the product of the panel from the columns `from` to `to` of the lower triangle.
     void take_off_panel(Eigen::MatrixXd& a, Eigen::Index j, Eigen::Index width, Eigen::Index from, Eigen::Index to)
     {
         constexpr Eigen::Index kColumns = 128;
@@ -233,12 +234,12 @@ bool cholesky(Eigen::MatrixXd& a)
         dpotrf_("L", &order, &a(j, j), &n, &info);
         if (info != 0)
             return false;
-        const Eigen::Index rows = (below + n) / 2; // half of the panel
+        const Eigen::Index rows = (below + n) / 2; // divides the panel into halves
         {
             const ScopedThread other([&] { divide_panel(a, j, width, rows, n); });
             divide_panel(a, j, width, below, rows);
         }
-        // Half of what is left of the triangle's area.
+        // Divides the rest of the triangle into two equal areas.
         const Eigen::Index columns = below + half_of_lower(n - below);
         const ScopedThread other([&] { take_off_panel(a, j, width, columns, n); });
         take_off_panel(a, j, width, below, columns);

@@ -1,5 +1,5 @@
 #pragma once
-// The measure by which forces and displacements are compared: the length of the largest vector of any node.
+// The norm that compares forces and displacements: the length of the largest vector of any node.
 
 #include <Eigen/Core>
 
@@ -8,7 +8,8 @@
 
 namespace retractor::fem {
 
-/// @param vector three entries per node, node by node. @return in the vector's unit; 0 when it is empty.
+/// @param vector three entries per node, node by node
+/// @return the largest length in the unit of the vector; 0 when the vector is empty
 inline double largest_nodal_norm(const Eigen::VectorXd& vector)
 {
     double largest = 0.0;

@@ -1,5 +1,5 @@
 #pragma once
-// How the solver uses a second core, with the same result on any number of them; and whether it may, for all solvers.
+// Use of a second core by the solvers, with the same result on any number of cores, and the setting that allows it.
 
 #include <cstddef>
 #include <thread>
@@ -7,13 +7,15 @@
 
 namespace retractor::fem {
 
-/// How many threads one solve may use: 1, or 2 and more, which are all the same, as the work is split in two halves at
-/// most. One setting for the whole process; to begin with, as many as there are cores.
+/// Sets the number of threads that one solve may use: 1, or 2 and more. All numbers from 2 have the same effect, since
+/// work is split into two halves at most. The setting is for the whole process; its initial value is the number of
+/// cores.
 void set_solver_threads(int threads);
 bool solver_has_second_thread();
 
-/// Runs `work` on a second thread, which is waited for at the end of this one's life; where there is no second thread,
-/// at once. The work must not throw.
+/// Runs `work` on a second thread. The destructor waits for the thread. Where no second thread is allowed, the
+/// constructor runs `work` itself.
+/// @pre `work` throws nothing
 class ScopedThread {
 public:
     template <class F> explicit ScopedThread(F&& work)
@@ -28,8 +30,8 @@ private:
     std::jthread thread_;
 };
 
-/// Runs f(half, begin, end) on the two halves of a range at once where there are two cores. The halves do not depend on
-/// the machine.
+/// Runs f(half, begin, end) on the two halves of a range, at the same time where two threads are allowed. The halves do
+/// not depend on the machine.
 template <class F> void parallel_halves(std::size_t count, const F& f)
 {
     const std::size_t middle = count / 2;

@@ -13,7 +13,7 @@ namespace retractor::fem {
 
 namespace {
 
-    /// The lower triangle's columns before `end`, rows and columns in the order of elimination.
+    /// The columns of the lower triangle before `end`, with rows and columns in the order of elimination.
     struct Columns {
         struct Entry {
             std::int32_t row;
@@ -47,7 +47,8 @@ namespace {
         return columns;
     }
 
-    /// Each supernode is a dense front: its own columns, and the rows below that these reach.
+    /// The dense fronts of all supernodes. A front has the supernode's own columns and the rows below that these
+    /// columns reach.
     class Fronts {
     public:
         Fronts(const Supernodes& f, double* x, Eigen::Index end, Columns matrix)
@@ -63,7 +64,7 @@ namespace {
                     children_[static_cast<std::size_t>(p)].push_back(s);
         }
 
-        /// @return as PartialFactor::stopped_at.
+        /// Factors all fronts. @return as PartialFactor::stopped_at
         Eigen::Index factor_all()
         {
             const TwoParts parts = two_parts(f_, end_);
@@ -75,7 +76,7 @@ namespace {
             };
             std::vector<std::int32_t> at(static_cast<std::size_t>(f_.size), -1), other_at = at;
             Eigen::Index stop = -1, other_stop = -1;
-            std::exception_ptr failed; // for want of memory: thrown here, not there
+            std::exception_ptr failed; // exception of the other thread, e.g. out of memory; rethrown in this thread
             {
                 const ScopedThread other([&] {
                     try {
@@ -92,7 +93,7 @@ namespace {
             return stop >= 0 ? stop : all_of(parts.above, at);
         }
 
-        /// What those without a parent have left over. @pre factor_all() was good.
+        /// Sum of the updates of all fronts without a parent. @pre factor_all() succeeded
         Eigen::MatrixXd trailing()
         {
             Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(f_.size - end_, f_.size - end_);
@@ -108,15 +109,16 @@ namespace {
     private:
         Eigen::Index columns(std::size_t s) const { return std::min<Eigen::Index>(f_.columns(s), end_ - f_.first[s]); }
 
-        /// -1: all rows below belong to what is not factored.
+        /// The parent front, or -1 when all rows below belong to unknowns that are not factored.
         std::int32_t parent(std::size_t s) const
         {
             const Eigen::Index own = columns(s);
             return own == f_.rows(s) || f_.row(s, own) >= end_ ? -1 : f_.supernode_of(f_.row(s, own));
         }
 
-        /// Adds what supernode s takes off to a front whose first `own` columns are the panel's. @param at per unknown:
-        /// its row in the front; where the unknowns rise, these do.
+        /// Adds the update of supernode s to a front. The first `own` columns of the front lie in `panel`, the others
+        /// in `beyond`.
+        /// @param at row of each unknown in the front; rises with the unknowns
         void take_update(std::size_t s, const std::vector<std::int32_t>& at, double* panel, Eigen::Index rows,
             Eigen::Index own, Eigen::MatrixXd& beyond)
         {
@@ -133,7 +135,9 @@ namespace {
             }
         }
 
-        /// @param at -1 throughout, and so it is left. @return as factor_all().
+        /// Factors one front.
+        /// @param at -1 for all unknowns, before and after the call
+        /// @return as factor_all()
         Eigen::Index factor(std::size_t s, std::vector<std::int32_t>& at)
         {
             const Eigen::Index rows = f_.rows(s), own = columns(s), below = rows - own, first = f_.first[s];
@@ -168,7 +172,8 @@ namespace {
         Eigen::Index end_;
         Columns matrix_;
         std::vector<std::vector<std::size_t>> children_;
-        std::vector<Eigen::MatrixXd> updates_; ///< lower triangles on the rows below, until the parent takes them
+        /// Updates on the rows below (lower triangles), until the parent adds them.
+        std::vector<Eigen::MatrixXd> updates_;
     };
 
 } // namespace

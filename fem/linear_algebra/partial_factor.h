@@ -1,6 +1,6 @@
 #pragma once
-// The first unknowns of a symmetric matrix factored and condensed onto the last: CHOLMOD would go on to factor these as
-// well, which costs more than all the rest where they are many. Only for sparse_cholesky.cpp.
+// Factors the first unknowns of a symmetric matrix and condenses them onto the last unknowns. CHOLMOD would also factor
+// the last unknowns, which costs more than all the rest where they are many. Only sparse_cholesky.cpp uses this header.
 
 #include "fem/linear_algebra/supernodes.h"
 #include "fem/linear_algebra/symmetric_pattern.h"
@@ -13,13 +13,15 @@
 namespace retractor::fem {
 
 struct PartialFactor {
-    Eigen::MatrixXd trailing; ///< lower triangle: what the first unknowns, condensed, add among the last
-    Eigen::Index stopped_at
-        = -1; ///< in the order of elimination, where the matrix is not positive definite; -1: nowhere
+    Eigen::MatrixXd trailing; ///< lower triangle: the term that the condensed first unknowns add among the last
+    /// Position in the order of elimination at which the matrix is not positive definite; -1: none.
+    Eigen::Index stopped_at = -1;
 };
-/// Multifrontal Cholesky [Duff and Reid 1983], subtrees on two cores, the same bits on one. Entries of the matrix among
-/// the last unknowns are not read. @param f as analysed. @param x its numbers, written for the columns before `end`.
-/// @param place per unknown: where it comes in the order of elimination.
+/// Multifrontal Cholesky factorisation (Duff, Reid 1983, doi 10.1145/356044.356047). Subtrees use two cores, with the
+/// same bits as one core. Entries of the matrix among the last unknowns are not read.
+/// @param f the analysed factor
+/// @param x values of the factor; the function writes the columns before `end`
+/// @param place position in the order of elimination, per unknown
 PartialFactor factor_before(const Supernodes& f, double* x, Eigen::Index end, const SymmetricPattern& pattern,
     const std::vector<std::int32_t>& place, const std::vector<double>& values);
 

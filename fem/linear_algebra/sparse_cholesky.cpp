@@ -20,14 +20,14 @@ namespace retractor::fem {
 
 namespace {
 
-    /// The first `columns` unknowns of supernode s, which begin at row `first` of y, and what they take off the rows
-    /// below: `row_at` tells where an unknown stands in y.
+    /// Forward substitution with the first `columns` unknowns of supernode s, which begin at row `first` of y, and
+    /// subtraction from the rows below. `row_at` gives the row of an unknown in y.
     template <class RowAt>
     void forward(const Supernodes& f, std::size_t s, Eigen::Index columns, Eigen::Index first, const RowAt& row_at,
         Eigen::MatrixXd& y, Eigen::MatrixXd& beyond)
     {
         if ((y.middleRows(first, columns).array() == 0.0).all())
-            return; // no load has come this way: most of a factor, where loads are few
+            return; // no load reaches this supernode; with few loads this holds for most of a factor
         const Eigen::Index rows = f.rows(s) - columns;
         const double* L = f.block(s).data();
         const auto n = static_cast<int>(columns), m = static_cast<int>(rows), k = static_cast<int>(y.cols());
@@ -51,7 +51,7 @@ namespace {
                 y(row_at(f.row(s, columns + i)), c) -= beyond(i, c);
     }
 
-    /// The unknowns of supernode s that come before `given`, from those after them.
+    /// Back substitution: the unknowns of supernode s before `given`, from the unknowns after them.
     void backward(const Supernodes& f, std::size_t s, Eigen::Index given, Eigen::MatrixXd& y, Eigen::MatrixXd& beyond)
     {
         const Eigen::Index first = f.first[s], columns = std::min<Eigen::Index>(f.columns(s), given - first);
@@ -76,23 +76,23 @@ namespace {
         cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasTrans, CblasNonUnit, n, k, 1.0, L, stride, own, all);
     }
 
-    /// Where y has all unknowns in the order of elimination.
+    /// The row of an unknown in y, when y has all unknowns in the order of elimination.
     constexpr auto in_order = [](Eigen::Index unknown) { return unknown; };
 
-    /// Two cores pay from here on.
+    /// Number of unknowns from which a second core pays.
     constexpr Eigen::Index kUnknownsWorthAThread = 20000;
 
     void backward(const Supernodes& f, const TwoParts& parts, Eigen::Index given, Eigen::MatrixXd& y)
     {
         const bool two_cores = f.size >= kUnknownsWorthAThread;
-        // Room is made before a thread begins: what cannot be had is then told to the caller.
+        // Memory is taken before the thread starts, so that a failure reaches the caller.
         Eigen::MatrixXd beyond(f.most_rows, y.cols()), others(two_cores ? f.most_rows : 0, y.cols());
         const auto all_of = [&](const std::vector<std::size_t>& falling, Eigen::MatrixXd& rows) {
             for (const std::size_t s : falling)
                 backward(f, s, given, y, rows);
         };
         all_of(parts.above, beyond);
-        if (two_cores) { // the unknowns of the two are not the same
+        if (two_cores) { // the two parts have no common unknowns
             const ScopedThread other([&] { all_of(parts.below[1], others); });
             all_of(parts.below[0], beyond);
             return;
@@ -109,7 +109,7 @@ namespace {
                 forward(f, *s, f.columns(*s), f.first[*s], in_order, in, rows);
         };
         if (f.size >= kUnknownsWorthAThread) {
-            // Both take off what lies above: one does so in a vector of its own.
+            // Both parts subtract from the rows of `above`; the second part does so in a vector of its own.
             Eigen::MatrixXd apart = Eigen::MatrixXd::Zero(y.rows(), y.cols()), others(f.most_rows, y.cols());
             for (const std::size_t s : parts.below[1]) {
                 apart.middleRows(f.first[s], f.columns(s)) = y.middleRows(f.first[s], f.columns(s));
@@ -149,7 +149,7 @@ std::vector<std::int32_t> bisect(const SymmetricPattern& graph, const std::vecto
     cholmod_common common {};
     cholmod_start(&common);
     common.print = 0;
-    SymmetricPattern copy = graph; // it is not written into, but not declared so
+    SymmetricPattern copy = graph; // METIS does not write into the graph, but does not declare it const
     std::vector<std::int32_t> vertex_weight = weight, edge_weight(graph.row.size(), 1), side(weight.size(), 0);
     cholmod_sparse a {};
     a.nrow = a.ncol = weight.size();
@@ -171,7 +171,7 @@ struct SparseCholesky::State {
     cholmod_common common {};
     cholmod_factor* factor = nullptr;
     SymmetricPattern pattern;
-    std::vector<std::int32_t> place; ///< in the order of elimination, per unknown
+    std::vector<std::int32_t> place; ///< position of each unknown in the order of elimination
     bool factorised = false;
     std::int32_t failed = -1;
     double rcond = 0.0;
@@ -197,7 +197,7 @@ struct SparseCholesky::State {
         cholmod_free_factor(&factor, &common);
         factorised = false;
     }
-    /// CHOLMOD's view of the arrays; it does not write into them.
+    /// The arrays as a CHOLMOD matrix; CHOLMOD does not write into them.
     cholmod_sparse view(const double* values)
     {
         cholmod_sparse a {};
@@ -214,7 +214,7 @@ struct SparseCholesky::State {
         a.packed = 1;
         return a;
     }
-    /// After the analysis.
+    /// Stores the order of elimination. Call after the analysis.
     void keep_places()
     {
         const auto* order = static_cast<const int*>(factor->Perm);
@@ -222,7 +222,7 @@ struct SparseCholesky::State {
         for (std::size_t i = 0; i < place.size(); ++i)
             place[static_cast<std::size_t>(order[i])] = static_cast<std::int32_t>(i);
     }
-    /// @throws SolverError on the first entry that is not finite.
+    /// @throws SolverError naming the first entry that is not finite
     void check(const std::vector<double>& values)
     {
         const auto bad = std::find_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); });
@@ -283,11 +283,12 @@ void SparseCholesky::analyse_in_order(SymmetricPattern pattern, std::vector<std:
     if (s.pattern.size() <= 0 || order.size() != static_cast<std::size_t>(s.pattern.size()))
         throw InputError("the order of elimination needs each unknown of the matrix once");
     s.common.method[0].ordering = CHOLMOD_GIVEN;
-    // Such factors are kept for long: fewer zeros are stored to join supernodes than where only speed counts.
+    // Such factors are kept for a long time. These settings store fewer zeros when supernodes are joined than the
+    // default, which is tuned for speed.
     s.common.zrelax[0] = 0.4;
     s.common.zrelax[1] = 0.05;
     s.common.zrelax[2] = 0.02;
-    s.common.postorder = 0; // it would change the order
+    s.common.postorder = 0; // postordering would change the given order
     cholmod_sparse a = s.view(nullptr);
     s.factor = cholmod_analyze_p(&a, order.data(), nullptr, 0, &s.common);
     if (s.factor == nullptr || s.common.status < CHOLMOD_OK)
@@ -309,7 +310,7 @@ void SparseCholesky::factorise(const std::vector<double>& values)
     s.check(values);
     cholmod_sparse a = s.view(values.data());
     // CHOLMOD would start four threads per block of columns, which on two cores wait for each other longer than they
-    // work. The setting is the calling thread's own, and the caller's OpenMP needs it as it was.
+    // work. The setting belongs to the calling thread and is restored for the caller's OpenMP.
     const int levels = omp_get_max_active_levels();
     omp_set_max_active_levels(0);
     cholmod_factorize(&a, s.factor, &s.common);
@@ -345,7 +346,7 @@ Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& right_sides) const
 SparseCholesky::HalfSolution SparseCholesky::half_solve(std::span<const Load> loads, Eigen::Index columns) const
 {
     const Supernodes f(*state_->factor);
-    std::vector<Eigen::Index> loaded; // in the order of elimination
+    std::vector<Eigen::Index> loaded; // positions in the order of elimination
     for (const Load& load : loads)
         loaded.push_back(state_->place[static_cast<std::size_t>(load.unknown)]);
     HalfSolution half;
@@ -353,7 +354,7 @@ SparseCholesky::HalfSolution SparseCholesky::half_solve(std::span<const Load> lo
     for (const std::int32_t s : half.supernodes)
         half.start.push_back(half.start.back() + f.columns(static_cast<std::size_t>(s)));
     half.values = Eigen::MatrixXd::Zero(half.start.back(), columns);
-    // Rows below a supernode rise: the search begins where the last one was found.
+    // The rows below a supernode rise, so each search starts where the last search ended.
     std::size_t last = 0;
     const auto row_at = [&](Eigen::Index unknown) {
         const auto within = [&] {
@@ -384,7 +385,7 @@ Eigen::MatrixXd SparseCholesky::product(const HalfSolution& a, const HalfSolutio
             ++(a.supernodes[i] < b.supernodes[j] ? i : j);
             continue;
         }
-        std::size_t same = 1; // ancestors are mostly shared: one product for as long as they are
+        std::size_t same = 1; // number of common supernodes that follow each other; one product serves all of them
         while (i + same < a.supernodes.size() && j + same < b.supernodes.size()
             && a.supernodes[i + same] == b.supernodes[j + same])
             ++same;
@@ -421,7 +422,7 @@ Eigen::MatrixXd SparseCholesky::condense(const std::vector<double>& values, Eige
     s.factorised = false;
     s.failed = -1;
     s.check(values);
-    // Room for the numbers; a factor that has them already is written over.
+    // Allocates the values; a factor with values is overwritten.
     if (cholmod_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, s.factor, &s.common) == 0)
         s.fail("the factorisation");
     const Supernodes f(*s.factor);

@@ -21,7 +21,7 @@ TwoParts two_parts(const Supernodes& f, Eigen::Index given)
 {
     constexpr double kMuch = 1.0 / 12.0;
     std::vector<std::int32_t> parent(f.count, -1);
-    std::vector<double> entries(f.count, 0.0); // of the subtree
+    std::vector<double> entries(f.count, 0.0); // number of factor entries per subtree
     std::vector<std::vector<std::size_t>> children(f.count);
     std::vector<std::size_t> subtrees;
     double total = 0.0;

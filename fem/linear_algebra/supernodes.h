@@ -1,6 +1,6 @@
 #pragma once
-// A supernodal Cholesky factor as CHOLMOD lays it out, for work on it that CHOLMOD has no function for. Only for
-// sparse_cholesky.cpp and partial_factor.cpp.
+// A supernodal Cholesky factor in the layout of CHOLMOD, for operations that CHOLMOD does not offer. Only
+// sparse_cholesky.cpp and partial_factor.cpp use this header.
 
 #include <Eigen/Core>
 
@@ -13,7 +13,7 @@ struct cholmod_factor_struct;
 
 namespace retractor::fem {
 
-/// A supernodal factor's arrays: dense blocks of columns with the same rows, the diagonal block first.
+/// The arrays of a supernodal factor: dense blocks of columns with common rows, the diagonal block first.
 struct Supernodes {
     explicit Supernodes(const cholmod_factor_struct& factor);
     Eigen::Index columns(std::size_t s) const { return first[s + 1] - first[s]; }
@@ -24,7 +24,8 @@ struct Supernodes {
         return { values + value_start[s], rows(s), columns(s) };
     }
 
-    /// That of the first row below the diagonal block, which all further rows belong to ancestors of; -1: none.
+    /// The supernode of the first row below the diagonal block, or -1. All further rows belong to ancestors of this
+    /// parent.
     std::int32_t parent(std::size_t s) const { return rows(s) == columns(s) ? -1 : supernode_of(row(s, columns(s))); }
     std::int32_t supernode_of(Eigen::Index unknown) const
     {
@@ -38,14 +39,15 @@ struct Supernodes {
     const double* values;
 };
 
-/// Supernodes that are substituted back in the order given: first those above, then the two parts below, which do
-/// not need each other. Each falling.
+/// An order of supernodes for back substitution: first the supernodes of `above`, then the two independent parts of
+/// `below`. Each list falls.
 struct TwoParts {
     std::vector<std::size_t> above;
     std::array<std::vector<std::size_t>, 2> below;
 };
 
-/// Of those with columns before `given`: subtrees are split until none is much of the whole.
+/// Divides the supernodes that have columns before `given`. Subtrees are split until none is a large share of the
+/// whole.
 TwoParts two_parts(const Supernodes& f, Eigen::Index given);
 
 } // namespace retractor::fem

@@ -13,9 +13,9 @@ namespace retractor::fem {
 
 namespace {
 
-    // Tissue at half its volume is crushed: no measurement supports the model there, and without the penalty elements
-    // at the rim of a hook patch turn over, which costs the energy only little. Thirty times the P-wave modulus keeps
-    // det F above zero where hooks pull fat across a neighbouring rib.
+    // Tissue at half its volume is crushed: no measurement supports the model there. Without the penalty, elements at
+    // the rim of a hook patch turn over at little cost in energy. Thirty times the P-wave modulus keeps det F above
+    // zero where hooks pull fat across a neighbouring rib.
     constexpr double kCrushed = 0.5;
     constexpr double kCrushPenalty = 30.0;
 
@@ -30,7 +30,7 @@ namespace {
         return { 0.5 * l.lambda * d * d + k * c * c * c / 3.0, l.lambda * d - k * c * c, l.lambda + 2.0 * k * c };
     }
 
-    /// The same for the bounded model, by the trace of S - I.
+    /// The volumetric energy of the corotational_linear model and its derivatives by the trace of S - I.
     Volumetric corotational_linear_volumetric(const Lame& l, double trace)
     {
         const double largest = kLargestBoundedPressure * l.mu, pressure = l.lambda * trace;
@@ -72,7 +72,7 @@ namespace {
         a += eigen.eigenvectors() * lift.asDiagonal() * eigen.eigenvectors().transpose();
     }
 
-    constexpr double kKink = 1e-9; // the energies' kink at sigma_i + sigma_j = 0
+    constexpr double kKink = 1e-9; // width of the energies' kink at sigma_i + sigma_j = 0
 
     Tangent corotational_linear_tangent(const Lame& l, const SignedSvd& svd, double projected)
     {
@@ -138,7 +138,7 @@ namespace {
         return u.cross(axis).normalized();
     }
 
-    /// Sorts columns by falling length; each swap turns one of them round, so that V stays a rotation.
+    /// Sorts columns by falling length. Each swap reverses one column, so that V stays a rotation.
     void sort_columns(Mat3& B, Mat3& V)
     {
         const auto order = [&](int p, int q) {
@@ -154,7 +154,7 @@ namespace {
         order(0, 1);
     }
 
-    /// Turns columns p and q so that the columns of B become perpendicular; false when they already are.
+    /// Rotates columns p and q until the columns of B are perpendicular. @return false when the columns already are.
     bool jacobi_rotate(Mat3& B, Mat3& V, int p, int q)
     {
         const double alpha = B.col(p).squaredNorm(), beta = B.col(q).squaredNorm(), gamma = B.col(p).dot(B.col(q));
@@ -177,7 +177,7 @@ namespace {
 SignedSvd signed_svd(const Mat3& F)
 {
     Mat3 B = F, V = Mat3::Identity();
-    constexpr int kMaxSweeps = 16; // converges quadratically: three to five in practice
+    constexpr int kMaxSweeps = 16; // convergence is quadratic: three to five sweeps in practice
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
         const bool a = jacobi_rotate(B, V, 0, 1), b = jacobi_rotate(B, V, 0, 2), c = jacobi_rotate(B, V, 1, 2);
         if (!a && !b && !c)
@@ -188,7 +188,8 @@ SignedSvd signed_svd(const Mat3& F)
     const double largest = B.col(0).norm();
     if (!(largest > 0.0))
         return svd;
-    constexpr double kRankOne = 1e-13; // below it the second direction is noise, and any perpendicular one is as good
+    // below this ratio the second direction is round-off, and any perpendicular direction serves
+    constexpr double kRankOne = 1e-13;
     const Vec3 u0 = B.col(0) / largest;
     const Vec3 rest = B.col(1) - u0 * u0.dot(B.col(1));
     const Vec3 u1 = rest.norm() > kRankOne * largest ? Vec3(rest.normalized()) : any_perpendicular(u0);

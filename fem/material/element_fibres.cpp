@@ -15,7 +15,7 @@ namespace {
 
     using Corners = std::array<Vec3, 4>;
 
-    /// Seen along the axis, whether it lies within one of the element's faces.
+    /// Whether the axis, seen as a point along its own direction, lies within one of the element's faces.
     bool axis_meets(const Corners& corners, const FibresAround& around, const Vec3& along)
     {
         const auto side = [&](std::size_t i, std::size_t j) {
@@ -25,7 +25,8 @@ namespace {
             const auto a = static_cast<std::size_t>(face[0]), b = static_cast<std::size_t>(face[1]),
                        c = static_cast<std::size_t>(face[2]);
             const std::array<double, 3> s { side(a, b), side(b, c), side(c, a) };
-            constexpr double kEdgeOn = 1e-9; // seen as a line: what runs through the element meets another face
+            // a face seen edge-on: an axis that runs through the element also meets another face
+            constexpr double kEdgeOn = 1e-9;
             if (std::abs(s[0] + s[1] + s[2]) <= kEdgeOn * (corners[a] - corners[b]).squaredNorm())
                 continue;
             if ((s[0] >= 0.0 && s[1] >= 0.0 && s[2] >= 0.0) || (s[0] <= 0.0 && s[1] <= 0.0 && s[2] <= 0.0))

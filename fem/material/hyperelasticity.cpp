@@ -21,7 +21,8 @@ namespace {
 
     double contract(const Mat3& a, const Mat3& b) { return a.cwiseProduct(b).sum(); }
 
-    // Each distortional energy W(A) gives its value and stress, and dP[D]: the derivative of the stress along D.
+    // Each distortional energy W(A) returns its value and stress, and dP[D], the derivative of the stress in the
+    // direction D.
 
     struct MooneyRivlinShape {
         const MooneyRivlin& law;
@@ -52,8 +53,8 @@ namespace {
     struct FibreShape {
         struct Family {
             Mat3 M; ///< e = C : M - 1
-            Mat3 gradient; ///< of e by A
-            double slope = 0.0, curvature = 0.0; ///< of the energy by e; 0 where the fibres are slack
+            Mat3 gradient; ///< derivative of e by A
+            double slope = 0.0, curvature = 0.0; ///< derivatives of the energy by e; 0 where the fibres are slack
             double energy = 0.0;
         };
         const HolzapfelGasserOgden& law;
@@ -105,7 +106,7 @@ namespace {
     struct GuccioneShape {
         const Guccione& law;
         Mat3 A;
-        Mat3 frame; ///< columns: fibre and two directions across it
+        Mat3 frame; ///< columns: the fibre direction and two directions across it
         Mat3 weighted; ///< dQ/dE = 2 weighted
         double Q, growth;
         Mat3 second_piola;
@@ -137,7 +138,7 @@ namespace {
         }
     };
 
-    /// Calls f(row and column index, unit matrix) for each of the nine entries of F.
+    /// Calls f(index of row and column, unit matrix) for each of the nine entries of F.
     template <class F> void for_each_entry(const F& f)
     {
         for (int c = 0; c < 9; ++c) {

@@ -12,7 +12,7 @@ namespace retractor::fem {
 
 namespace {
 
-    constexpr double kTonnePerMm3 = 1e-9; ///< of 1 g/cm^3
+    constexpr double kTonnePerMm3 = 1e-9; ///< density of 1 g/cm^3 in tonne/mm^3
 
     Material tissue(const char* name, double youngs, double poisson, double grams_per_cm3, const char* source)
     {
@@ -74,7 +74,7 @@ void check_material(const Material& m)
         m.density_tonne_per_mm3, "a positive number");
     if (!m.law)
         return;
-    constexpr double kUnit = 1e-6; // what a direction read from text is off by
+    constexpr double kUnit = 1e-6; // error of the length of a unit direction that was read from text
     if (m.law->around)
         check_fibres_around(*m.law->around, "material '" + m.name + "'");
     else if (has_fibres(m.law->law))

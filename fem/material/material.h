@@ -1,5 +1,5 @@
 #pragma once
-// Tissue materials. Units MPa, tonne/mm^3. Values with their sources; the user can change all of them.
+// Tissue materials with published default values, all of which the user can change. Units MPa, tonne/mm^3.
 
 #include "fem/material/elasticity.h"
 #include "fem/material/tissue_law.h"
@@ -17,33 +17,34 @@ struct Material {
     double youngs_modulus_MPa = 0.0; ///< > 0
     double poissons_ratio = 0.0; ///< -1 < nu < 0.5
     double density_tonne_per_mm3 = 0.0; ///< > 0
-    std::string source; ///< where the values come from, and the strain regime they hold in
-    std::optional<TissueLaw> law {}; ///< as hyperelastic tissue; none: neo-Hookean by the values above
-    /// What it is stretched by before the cut. Solvers do not ask for it: see pre_strain.h for what a cut sets free.
+    std::string source; ///< publication of the values, and the strain range in which the values hold
+    std::optional<TissueLaw> law {}; ///< hyperelastic law; without one, a neo-Hookean law with the two moduli above
+    /// Stretch of the tissue before the cut. Solvers ignore this member; pre_strain.h computes the load that a cut
+    /// releases.
     PreStrain pre_strain {};
 };
 
 using MaterialTable = std::vector<Material>;
 
-/// skin, fat, muscle, intercostal, bone, cartilage, vessel, heart, lung, liver with published values.
+/// Published values of skin, fat, muscle, intercostal, bone, cartilage, vessel, heart, lung and liver.
 const MaterialTable& default_materials();
 
 /// @throws InputError when the table has no material of this name.
 const Material& find_material(const MaterialTable& table, std::string_view name);
 
-/// @throws InputError naming the material and the value, of its law too, when one is NaN or out of its range.
+/// @throws InputError naming the material and the value when a value of the material or of its law is NaN or out of
+/// range.
 void check_material(const Material& material);
 
-/// The parameters of linear elasticity that the material's Young's modulus and Poisson's ratio give.
-/// @throws InputError as check_material does.
+/// Lame's parameters from the material's Young's modulus and Poisson's ratio.
 Lame lame(const Material& material);
 
-/// The law a material has as hyperelastic tissue: its own, by with_bulk(); without one neo-Hookean by Young's modulus
-/// and Poisson's ratio.
+/// The material's hyperelastic law with its bulk modulus set by with_bulk(). A material without a law gets a
+/// neo-Hookean one from Young's modulus and Poisson's ratio.
 /// @throws InputError as check_material does.
 Hyperelastic hyperelastic_law(const Material& material);
-/// Its name, and how its fibres wind: "Holzapfel-Gasser-Ogden with fibres at 40 degrees to the circumference round an
-/// axis".
+/// The name of the material's law with the course of its fibres, for example "Holzapfel-Gasser-Ogden with fibres at
+/// 40 degrees to the circumference round an axis".
 std::string law_in_words(const Material& material);
 
 } // namespace retractor::fem

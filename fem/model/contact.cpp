@@ -14,9 +14,10 @@ namespace retractor::fem {
 
 namespace {
 
-    constexpr double kOpposed = -0.2; // cosine between a point's normal and a face's: they look towards each other
-    constexpr double kInside = -0.1; // barycentric coordinates of a point above or below a face
-    constexpr double kThin = 0.5; // edges: a point farther behind a face at rest is on the other side of a sheet
+    // largest cosine between the normals of a point and of a face that look towards each other
+    constexpr double kOpposed = -0.2;
+    constexpr double kInside = -0.1; // least barycentric coordinate of a point above or below a face
+    constexpr double kThin = 0.5; // in edges: at rest, a point farther behind a face is on the other side of a sheet
 
     Mat3 cross_matrix(const Vec3& a)
     {
@@ -25,7 +26,7 @@ namespace {
         return m;
     }
 
-    /// Of the point's place in the face's plane.
+    /// Barycentric coordinates of the point's projection onto the face's plane.
     Vec3 plane_barycentric(const Vec3& point, const std::array<Vec3, 3>& face)
     {
         const Vec3 b = face[1] - face[0], c = face[2] - face[0], w = point - face[0], n = b.cross(c);
@@ -44,7 +45,7 @@ namespace {
         return (point - face[0]).dot(unit_normal(face));
     }
 
-    /// Triangles of the boundary; faces of ten-node elements as four each.
+    /// Triangles of the boundary. Each face of a ten-node element gives four triangles.
     std::vector<std::array<VertexId, 3>> boundary_triangles(const mesh::TetMesh& mesh)
     {
         std::vector<std::array<VertexId, 3>> triangles;
@@ -62,7 +63,7 @@ namespace {
                     if ((a == c && b == d) || (a == d && b == c))
                         return nodes[4 + e];
                 }
-                return a; // no edge: cannot be
+                return a; // unreachable: corners of an element are always joined by an edge
             };
             const VertexId ab = middle(corners[0], corners[1]), bc = middle(corners[1], corners[2]),
                            ca = middle(corners[2], corners[0]);
@@ -72,12 +73,13 @@ namespace {
         return triangles;
     }
 
-    /// A point that comes round a fold or an edge finds itself deep behind a face it was never in front of: no force is
-    /// due there at once. It begins with the depth that it had behind its face before; the rest of the overlap is kept.
+    /// A point that slides round a fold or an edge may lie deep behind a face that it was never in front of. The
+    /// force must not jump there: the pair starts with the point's depth behind its previous face, and the rest of
+    /// the overlap is kept without a force.
     void keep_smooth(ContactPair& pair, double distance, const ContactPair* before, const Points& points_at,
         const Points& faces_at, double edge)
     {
-        constexpr double kJump = 0.1; // edges: neighbouring faces of one surface differ by less
+        constexpr double kJump = 0.1; // in edges: neighbouring faces of one surface differ by less
         if (before != nullptr && before->node == pair.node) {
             pair.overlap = before->overlap;
             return;
@@ -122,7 +124,7 @@ PlaneDistance plane_distance(const Vec3& point, const std::array<Vec3, 3>& face)
     const Vec9 d = dV / N - V * dN / (N * N);
     const Mat9 dd = ddV / N - (dV * dN.transpose() + dN * dV.transpose()) / (N * N) - V * ddN / (N * N)
         + 2.0 * V * dN * dN.transpose() / (N * N * N);
-    Eigen::Matrix<double, 9, 12> to = Eigen::Matrix<double, 9, 12>::Zero(); // w, b, c by the four points
+    Eigen::Matrix<double, 9, 12> to = Eigen::Matrix<double, 9, 12>::Zero(); // derivative of w, b, c by the four points
     for (int i = 0; i < 3; ++i) {
         to.block<3, 3>(3 * i, 3) = -Mat3::Identity();
         to.block<3, 3>(3 * i, i == 0 ? 0 : 3 + 3 * i) = Mat3::Identity();
@@ -154,7 +156,7 @@ Points Contact::Surface::normals(const Points& at) const
         for (const VertexId v : triangle)
             normal.row(v) += n.transpose();
     }
-    for (const VertexId v : points) { // the two lips meet in the depth of a wound: no normal there, and no contact
+    for (const VertexId v : points) { // at the bottom of a wound the two lips meet: no normal there, and no contact
         constexpr double kFlat = 1e-6;
         const double length = normal.row(v).norm();
         double all = 0.0;
@@ -207,7 +209,7 @@ Contact::Contact(const mesh::TetMesh& mesh, const std::vector<Lame>& lame, Conta
         for (const auto& t : surface.triangles)
             triangles.push_back({ t[0] + before, t[1] + before, t[2] + before });
     }
-    options_.fixed.clear(); // kept once
+    options_.fixed.clear(); // the surfaces are kept in fixed_ only
     fixed_ = surface_of(std::move(fixed), std::move(triangles));
     near_fixed_.emplace(fixed_.rest, fixed_.triangles, options_.reach);
 
@@ -221,7 +223,8 @@ Contact::Contact(const mesh::TetMesh& mesh, const std::vector<Lame>& lame, Conta
         }
     for (const VertexId v : body_.points) {
         const auto i = static_cast<std::size_t>(v);
-        for (const std::int32_t t : body_.around[i]) // the short side of a right triangle as large as those here
+        // leg of a right isosceles triangle with the area of the triangles here
+        for (const std::int32_t t : body_.around[i])
             edge_[i] += 2.0 * triangle_area(body_.rest, body_.triangles[static_cast<std::size_t>(t)])
                 / static_cast<double>(body_.around[i].size());
         edge_[i] = std::sqrt(edge_[i]);
@@ -247,14 +250,15 @@ std::array<Vec3, 4> Contact::corners(const Eigen::VectorXd& u, const ContactPair
     return { place(u, pair.node[0]), place(u, pair.node[1]), place(u, pair.node[2]), place(u, pair.node[3]) };
 }
 
-/// The best face of each point, appended to `pairs`. @param body_points, body_faces whose they are: else the fixed
-/// surfaces'.
+/// Appends the best face of each point to `pairs`.
+/// @param body_points, body_faces whether points and faces belong to the body; otherwise they belong to the fixed
+/// surfaces.
 void Contact::pair_points(const Surface& points, const Points& at, const Surface& faces, const Points& faces_at,
     const mesh::TriangleProximity& near, bool body_points, bool body_faces, const std::vector<double>& overlap,
     Pairing pairing, std::vector<ContactPair>& pairs) const
 {
     const auto number = [](std::int32_t v, bool of_body) { return of_body ? v : ~v; };
-    std::map<std::int32_t, const ContactPair*> before; // a point that slides keeps its face while it can
+    std::map<std::int32_t, const ContactPair*> before; // a sliding point keeps its face as long as possible
     for (const ContactPair& pair : pairs_)
         if ((pair.node[0] >= 0) == body_points && (pair.node[1] >= 0) == body_faces)
             before[pair.node[0]] = &pair;
@@ -296,7 +300,7 @@ void Contact::pair_points(const Surface& points, const Points& at, const Surface
                 && known->second->node
                     == std::array<std::int32_t, 4> { number(v, body_points), number(triangle[0], body_faces),
                            number(triangle[1], body_faces), number(triangle[2], body_faces) };
-            // Never seen near, and deep behind: it has been inside all along.
+            // A point that was never near the face and lies deep behind it has been inside all along.
             if (known == before.end() && signed_distance(p, face) - std::min(overlap[i], 0.0) < -0.5 * options_.reach)
                 continue;
             constexpr double kAsGood = 1.25;
@@ -319,7 +323,7 @@ void Contact::pair_points(const Surface& points, const Points& at, const Surface
                 modulus += modulus_per_edge_[static_cast<std::size_t>(corner)] / 3.0;
                 face_area += faces.area_towards(corner, faces_at, n) / 3.0;
             }
-            area = std::min(area, face_area); // a coarse surface's points stand for more than they touch
+            area = std::min(area, face_area); // the points of a coarse surface have more area than they touch
         }
         ContactPair pair { { number(v, body_points), number((*best)[0], body_faces), number((*best)[1], body_faces),
                                number((*best)[2], body_faces) },
@@ -345,7 +349,7 @@ bool Contact::find(const Eigen::VectorXd& u, Pairing pairing)
     }
     const bool changed = found != pairs_;
     pairs_ = std::move(found);
-    for (const ContactPair& pair : pairs_) // what is kept where tissue folds is said like what was there at rest
+    for (const ContactPair& pair : pairs_) // an overlap that was kept at a fold counts like an overlap at rest
         overlap_at_rest_ = std::max(overlap_at_rest_, -pair.overlap);
     return changed;
 }
@@ -396,7 +400,7 @@ double Contact::add_response(const Eigen::VectorXd& u, Eigen::VectorXd& forces) 
 
 BlockPattern Contact::pattern(const BlockPattern& body) const
 {
-    std::vector<std::pair<std::int32_t, std::int32_t>> more; // row and column
+    std::vector<std::pair<std::int32_t, std::int32_t>> more; // additional entries: row and column
     for (const ContactPair& pair : pairs_)
         for (const std::int32_t row : pair.node)
             for (const std::int32_t column : pair.node)
@@ -467,7 +471,7 @@ Contact::State Contact::state(const Eigen::VectorXd& u) const
 double Contact::free_share(
     const Eigen::VectorXd& u, const Eigen::VectorXd& motion, const std::vector<std::uint8_t>& prescribed) const
 {
-    constexpr double kAllowed = 0.01; // mm behind, which no force has to hold
+    constexpr double kAllowed = 0.01; // mm behind a face that are tolerated without a force
     constexpr int kHalvings = 20;
     double free = 1.0;
     for (const ContactPair& pair : pairs_) {

@@ -1,18 +1,18 @@
 #pragma once
-// Contact of a body's surface with itself (the lips of a wound) and with fixed surfaces (bones, organs), by a penalty.
-// Units mm, N, MPa; vectors have three entries per node of the body.
+// Penalty contact of a body's surface with itself (the lips of a wound) and with fixed surfaces (bones, organs),
+// without friction. Units mm, N, MPa; vectors have three entries per node of the body.
 //
-// A point that lies behind the face it is paired with, s < 0, has the energy k/2 s^2: s is the signed distance from the
-// face's plane, which moves and turns with its corners, k the penalty's stiffness times the area the point stands for
-// (of the faces round it, a third as far as they look towards its partner). Its derivative pushes the point and the
-// face apart with opposite, equal forces. Both surfaces' points are taken against the other's faces, each with half the
-// stiffness. Edges are not paired with edges: a sharp edge is held off by its points alone.
+// A point behind the face of its pair has the energy k/2 s^2. Here s < 0 is the signed distance from the face's
+// plane, which moves and turns with the face's corners. k is the penalty stiffness times the point's area: a third of
+// the area of the faces round the point, projected towards the partner. The derivative pushes point and face apart
+// with equal and opposite forces. The points of both surfaces are paired with the faces of the other, each with half
+// the stiffness. Edges are not paired with edges: only its vertices hold a sharp edge off.
 //
 // find() pairs each point with the nearest face that looks towards it (normals opposed), within reach in front and
-// behind, other than those next to it; pairs stay as they are until the next find(), and a pair found before the
-// surfaces meet acts however far they are then pushed. A point behind a face at rest (the other side of a thin sheet)
-// is not in contact with it; one that lies a little behind (a bent cut, a rough segmentation) keeps that overlap
-// without a force, so that rest stays an equilibrium: overlap_at_rest() says how much there is.
+// behind, and not adjacent to the point. Pairs are kept until the next find(); a pair that was found before the
+// surfaces meet acts at any depth. A point behind a face at rest (on the other side of a thin sheet) is not in
+// contact with that face. A point a little behind a face at rest (a bent cut, a rough segmentation) keeps this
+// overlap without a force, so that rest remains an equilibrium. overlap_at_rest() returns the deepest such overlap.
 
 #include "fem/linear_algebra/block_matrix.h"
 #include "fem/material/elasticity.h"
@@ -30,15 +30,17 @@
 namespace retractor::fem {
 
 struct ContactOptions {
-    /// Of the penalty: pressure per depth, in P-wave moduli (lambda + 2 mu) of the tissue per length of an edge. Tissue
-    /// under a pressure of a tenth of its modulus is then pressed in by a two hundredth of an edge.
+    /// Stiffness of the penalty: pressure per depth, in P-wave moduli (lambda + 2 mu) of the tissue per edge length.
+    /// A pressure of a tenth of the tissue's modulus then causes a depth of a two-hundredth of an edge.
     double stiffness = 20.0;
-    double reach = 6.0; ///< mm; twice what a surface moves between two calls of find()
-    std::vector<TriMesh> fixed {}; ///< surfaces that do not move, counter-clockwise seen from outside
+    /// search distance, mm; pairs stay complete while a surface moves less than half of it between two calls of
+    /// find()
+    double reach = 6.0;
+    std::vector<TriMesh> fixed {}; ///< fixed surfaces, triangles counter-clockwise seen from outside
 };
 
-/// Distance of the first point from the plane of the other three, positive on the side from which they are
-/// counter-clockwise, with its derivatives by all four (three entries each).
+/// Distance of a point from the plane of a face, positive on the side from which the corners are counter-clockwise,
+/// with its derivatives by the point and the three corners (three entries each).
 struct PlaneDistance {
     double value = 0.0;
     Eigen::Matrix<double, 12, 1> gradient;
@@ -47,10 +49,11 @@ struct PlaneDistance {
 PlaneDistance plane_distance(const Vec3& point, const std::array<Vec3, 3>& face);
 
 struct ContactPair {
-    /// The point and the corners of the face: nodes of the body, or ~i for corner i of the fixed surfaces.
+    /// The point, then the corners of the face. Numbers >= 0 are nodes of the body; ~i is vertex i of the fixed
+    /// surfaces.
     std::array<std::int32_t, 4> node {};
     double stiffness = 0.0; ///< N/mm
-    double overlap = 0.0; ///< at rest, mm, <= 0: the energy begins there
+    double overlap = 0.0; ///< signed distance at rest, mm, <= 0: the energy is zero down to this distance
 
     bool operator==(const ContactPair&) const = default;
 };
@@ -58,52 +61,55 @@ struct ContactPair {
 class Contact {
 public:
     /// @param lame one per element.
-    /// @throws InputError on options that are not positive, and naming the fixed surface and triangle that has no area
-    /// or a vertex out of range.
+    /// @throws InputError on options that are not positive, and on a fixed surface with an empty triangle or a vertex
+    /// out of range; the message names the surface and the triangle.
     Contact(const mesh::TetMesh& mesh, const std::vector<Lame>& lame, ContactOptions options);
 
-    /// Which points find() pairs: where surfaces are rough, two sets of pairs can lead to each other's equilibrium
-    /// without end, which new ones alone cannot.
+    /// The points that find() pairs: all points, or only points without a pair. On rough surfaces pairing all points
+    /// can alternate between two equilibria without end; pairing only new points cannot.
     enum class Pairing { all_anew, new_only };
 
-    /// Pairs points with faces. @return whether the pairs are others than before.
+    /// Pairs points with faces.
+    /// @return whether the pairs differ from the pairs before.
     bool find(const Eigen::VectorXd& displacement, Pairing pairing = Pairing::all_anew);
     const std::vector<ContactPair>& pairs() const { return pairs_; }
 
     double energy(const Eigen::VectorXd& u) const; ///< N mm
-    /// The same; its derivative is added to `forces`.
+    /// Adds the derivative of the energy to `forces` (N). @return the energy, N mm.
     double add_response(const Eigen::VectorXd& u, Eigen::VectorXd& forces) const;
-    /// The pattern with the pairs' nodes coupled.
+    /// The body's pattern, extended by blocks that couple the nodes of each pair.
     BlockPattern pattern(const BlockPattern& body) const;
-    /// Adds the second derivative, to a matrix with such a pattern; the part of the planes' turning only to the share
-    /// 1 - `projected`, for it is indefinite.
+    /// Adds the second derivative of the energy to a matrix with the pattern of pattern(). The part from the turning
+    /// of the planes is indefinite and is added only with the share 1 - `projected`.
     void add_stiffness(const Eigen::VectorXd& u, double projected, BlockMatrix& matrix) const;
 
     struct State {
-        std::size_t touching = 0; ///< pairs with a force
-        double penetration = 0.0; ///< the deepest, mm
-        Vec3 place = Vec3::Zero(); ///< where
-        double force_N = 0.0; ///< sum of the pairs' forces' sizes
+        std::size_t touching = 0; ///< number of pairs with a force
+        double penetration = 0.0; ///< largest penetration, mm
+        Vec3 place = Vec3::Zero(); ///< place of the largest penetration, mm
+        double force_N = 0.0; ///< sum of the force magnitudes of all pairs, N
     };
     State state(const Eigen::VectorXd& u) const;
 
-    /// How far along `motion` the nodes that are prescribed may go before they are behind faces of prescribed nodes:
-    /// no force holds those apart. 1: all the way.
+    /// Share (0 to 1) of `motion` that the prescribed nodes can move before one of them lies behind a face of
+    /// prescribed nodes. No contact force keeps prescribed nodes apart.
     double free_share(
         const Eigen::VectorXd& u, const Eigen::VectorXd& motion, const std::vector<std::uint8_t>& prescribed) const;
 
-    double overlap_at_rest() const { return overlap_at_rest_; } ///< the deepest, mm, >= 0
+    double overlap_at_rest() const { return overlap_at_rest_; } ///< deepest overlap, mm, >= 0
 
 private:
     using Triangles = std::vector<std::array<VertexId, 3>>;
-    struct Surface { ///< points and triangles with what does not change
+    struct Surface { ///< rest geometry of a surface
         Points rest;
         Triangles triangles;
-        std::vector<VertexId> points; ///< those in triangles, rising
-        std::vector<std::vector<std::int32_t>> around; ///< per point: triangles
-        std::vector<double> overlap_self, overlap_other; ///< at rest, per point, <= 0
-        Points normals(const Points& positions) const; ///< per point, unit; zero where its triangles look all ways
-        double area_towards(VertexId point, const Points& positions, const Vec3& direction) const; ///< mm^2, at rest
+        std::vector<VertexId> points; ///< vertices of the triangles, sorted
+        std::vector<std::vector<std::int32_t>> around; ///< triangles round each point
+        std::vector<double> overlap_self, overlap_other; ///< overlap at rest per point, mm, <= 0
+        /// unit normal per point; zero where the triangles of a point face all directions
+        Points normals(const Points& positions) const;
+        /// area of a point at rest, mm^2
+        double area_towards(VertexId point, const Points& positions, const Vec3& direction) const;
     };
 
     static Surface surface_of(Points rest, Triangles triangles);
@@ -117,8 +123,8 @@ private:
 
     ContactOptions options_;
     Surface body_, fixed_;
-    std::vector<double> modulus_per_edge_; ///< per node of the body: N/mm^3
-    std::vector<double> edge_; ///< per node of the body: mm
+    std::vector<double> modulus_per_edge_; ///< P-wave modulus over edge length, one per node of the body, N/mm^3
+    std::vector<double> edge_; ///< edge length, one per node of the body, mm
     std::optional<mesh::TriangleProximity> near_fixed_;
     std::vector<ContactPair> pairs_;
     double overlap_at_rest_ = 0.0;

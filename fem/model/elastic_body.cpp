@@ -19,7 +19,7 @@ namespace {
     using RowMat3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
     template <int Nodes> using FixedGradients = Eigen::Map<const Eigen::Matrix<double, Nodes, 3, Eigen::RowMajor>>;
 
-    /// Block of two nodes with gradients ga and gb, both in the basis V: see Tangent.
+    /// Stiffness block of two nodes whose gradients ga and gb are given in the basis V: see Tangent.
     Mat3 pair_block(const Tangent& t, const Vec3& ga, const Vec3& gb)
     {
         Mat3 k;
@@ -34,7 +34,7 @@ namespace {
 
     template <int Nodes> constexpr std::size_t kPairs = static_cast<std::size_t>(Nodes) * (Nodes + 1) / 2;
 
-    /// @param target of element_block_map().
+    /// @param target result of element_block_map().
     void add_block(double* values, std::int32_t target, const RowMat3& block)
     {
         if (target >= 0)
@@ -50,7 +50,7 @@ namespace {
             auto to = static_cast<std::size_t>(whole.pattern.row_start[row]);
             const auto end = static_cast<std::size_t>(part.pattern.row_start[row + 1]);
             for (auto from = static_cast<std::size_t>(part.pattern.row_start[row]); from < end; ++from) {
-                while (whole.pattern.column[to] != part.pattern.column[from]) // both rise
+                while (whole.pattern.column[to] != part.pattern.column[from]) // both lists are sorted
                     ++to;
                 for (std::size_t i = 0; i < 9; ++i)
                     whole.values[9 * to + i] += part.values[9 * from + i];
@@ -60,7 +60,7 @@ namespace {
 
     using TangentRows = Eigen::Matrix<double, 3, 9>;
 
-    /// sum_j g_j dP_ij/dF_kl, for a node's row of blocks.
+    /// sum_j g_j dP_ij/dF_kl, for one node's row of blocks.
     TangentRows contract(const Vec3& g, const TangentMatrix& tangent)
     {
         TangentRows rows;
@@ -79,7 +79,7 @@ namespace {
 
     void check_fibres(const std::vector<FibreDirections>& fibres)
     {
-        constexpr double kUnit = 1e-6; // what a direction read from text is off by
+        constexpr double kUnit = 1e-6; // error of the length of a unit direction that was read from text
         for (std::size_t t = 0; t < fibres.size(); ++t)
             for (const Vec3& direction : { fibres[t].first, fibres[t].second })
                 if (!(std::abs(direction.norm() - 1.0) <= kUnit))
@@ -436,7 +436,8 @@ const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double proje
             for (const std::size_t axis : { 0, 4, 8 })
                 diagonal[axis] += bed_[v];
         }
-    for (const FollowerPressure& pressure : loads_.pressures) // indefinite: left out of what must not be
+    // the stiffness of pressure is indefinite, so a projected stiffness omits it
+    for (const FollowerPressure& pressure : loads_.pressures)
         pressure.add_stiffness(u, (1.0 - projected) * load_share_, stiffness_);
     if (contact_)
         contact_->add_stiffness(u, projected, stiffness_);

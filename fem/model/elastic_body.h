@@ -22,70 +22,78 @@
 
 namespace retractor::fem {
 
-/// What the elements of a mesh are made of, by hyperelastic laws.
+/// Hyperelastic laws and fibre directions of the elements of a mesh.
 struct HyperelasticTissue {
     std::vector<Hyperelastic> laws;
     std::vector<std::int32_t> law_of_element; ///< index into `laws`, one per element
-    std::vector<FibreDirections> fibres {}; ///< one per element; empty: along x (laws without fibres do not ask)
+    std::vector<FibreDirections> fibres {}; ///< one per element; empty: along x, which only laws with fibres use
 };
+
+/// Tissue with one law in all elements.
+HyperelasticTissue uniform_tissue(const mesh::TetMesh& mesh, const Hyperelastic& law);
 
 class ElasticBody {
 public:
-    /// Linear, corotational or bounded. @param lame_of_element one per element.
-    /// @throws InputError naming the element that is turned over at a quadrature point.
+    /// A body of the linear, corotational or corotational_linear model.
+    /// @param lame_of_element one per element.
+    /// @throws InputError naming an element that is inverted at a quadrature point.
     ElasticBody(const mesh::TetMesh& mesh, Elasticity model, std::vector<Lame> lame_of_element);
 
-    /// Hyperelastic. The energy is infinite where det F <= 0 at a quadrature point, and a line search on it never turns
-    /// one over.
-    /// @throws InputError as above, and naming the law, element or fibre that is out of its range.
+    /// A hyperelastic body. The energy is infinite where det F <= 0 at a quadrature point, so a line search on the
+    /// energy never inverts an element.
+    /// @throws InputError as above, and naming a law, element or fibre that is out of range.
     ElasticBody(const mesh::TetMesh& mesh, HyperelasticTissue tissue);
 
-    /// Springs that draw each node back to where it was: what the body rests on and is not modelled (a Winkler bed).
-    /// @param stiffness one per node, N/mm, the same in every direction; empty: none.
-    /// @throws InputError on a wrong number, a negative or infinite value.
+    /// Adds springs that pull each node back to its rest position: a Winkler bed that stands for tissue outside the
+    /// model.
+    /// @param stiffness one per node, N/mm, equal in all directions; empty: no springs.
+    /// @throws InputError on a wrong number of values, or a negative or infinite value.
     void set_bed(std::vector<double> stiffness);
 
-    /// Loads from outside; their energy, forces and stiffness are part of what response() and stiffness() give. On a
-    /// linear body pressure acts on the shape at rest. The share that acts starts at 1.
-    /// @throws InputError on a wrong number of nodal loads or one that is not finite.
+    /// External loads. response() and stiffness() include their energy, forces and stiffness. On a linear body
+    /// pressure acts on the shape at rest. The share of the loads that acts starts at 1.
+    /// @throws InputError on a wrong number of nodal loads, or a load that is not finite.
     void set_loads(ExternalLoads loads);
     bool has_loads() const { return !loads_.empty(); }
     void set_load_share(double share) { load_share_ = share; }
-    /// Renews the part of follower pressure that has no energy (loads.h). @return the largest change at a node, N.
+    /// Updates the part of follower pressure that has no energy (loads.h).
+    /// @return the largest change of the force at a node, N.
     double renew_follower_loads(const Eigen::VectorXd& displacement);
 
-    /// Contact of the body's surface; its energy, forces and stiffness are part of what response() and stiffness()
-    /// give.
-    /// Locking-free elements are assembled by themselves then: their pattern is a part of the whole.
+    /// Contact of the body's surface. response() and stiffness() include its energy, forces and stiffness.
+    /// Locking-free elements are then assembled separately: their pattern is a part of the whole pattern.
     void set_contact(Contact contact);
     const Contact* contact() const { return contact_ ? &*contact_ : nullptr; }
-    /// Contact::find(); where the pairs are others, the pattern of the stiffness is too.
+    /// Calls Contact::find(). A change of the pairs changes the pattern of the stiffness.
+    /// @return whether the pairs changed.
     bool find_contact(const Eigen::VectorXd& displacement, Contact::Pairing pairing = Contact::Pairing::all_anew);
 
-    /// Replaces four-node elements by locking-free ones (locking_free.h), whose matrix has more entries.
-    /// @throws InputError on other than four-node elements and bounded elasticity.
+    /// Replaces four-node elements by locking-free elements (locking_free.h), whose matrix has more entries.
+    /// @throws InputError on ten-node elements and on the corotational_linear model.
     void avoid_locking(const AveragingScheme& scheme = edge_patch_domains);
 
     Elasticity model() const { return model_; }
     const mesh::TetMesh& mesh() const { return mesh_; }
 
     struct Response {
-        double energy = 0.0; ///< of tissue, bed, loads and contact, N mm
-        Eigen::VectorXd forces; ///< the derivative of the energy: internal forces less external ones, N
+        double energy = 0.0; ///< energy of tissue, bed, loads and contact, N mm
+        Eigen::VectorXd forces; ///< derivative of the energy: internal forces minus external forces, N
     };
     Response response(const Eigen::VectorXd& displacement) const;
 
-    /// The stiffness at this displacement; its negative eigenvalues, element by element, are lifted by the share
-    /// `projected` of their size (0: the true stiffness, 1: the nearest positive semidefinite one).
-    /// The pattern and the element map are built by the first call; the result is overwritten by the next.
+    /// The stiffness at a displacement. The first call builds the pattern and the element map; the next call
+    /// overwrites the result.
+    /// @param projected the share of their size by which negative eigenvalues are raised, element by element: 0 gives
+    /// the true stiffness, 1 the nearest positive semidefinite one.
     const BlockMatrix& stiffness(const Eigen::VectorXd& displacement, double projected);
     const BlockMatrix& last_stiffness() const { return stiffness_; }
 
     /// Deformation of each element.
     struct Deformation {
-        std::vector<double> strain; ///< largest principal Green-Lagrange strain, mean over the element
-        std::vector<double> smallest_ratio, largest_ratio; ///< of det F over the quadrature points
-        std::vector<double> volume; ///< rest, mm^3
+        /// largest principal value of the Green-Lagrange strain, which is averaged over the element
+        std::vector<double> strain;
+        std::vector<double> smallest_ratio, largest_ratio; ///< extremes of det F over the quadrature points
+        std::vector<double> volume; ///< rest volume, mm^3
     };
     Deformation deformation(const Eigen::VectorXd& displacement) const;
 
@@ -113,22 +121,22 @@ private:
 
     mesh::TetMesh mesh_;
     Elasticity model_;
-    std::vector<Lame> lame_; ///< one per element; empty: hyperelastic
+    std::vector<Lame> lame_; ///< one per element; empty for a hyperelastic body
     HyperelasticTissue tissue_;
-    std::vector<double> bed_; ///< per node, N/mm; empty: none
+    std::vector<double> bed_; ///< stiffness per node, N/mm; empty: no bed
     ExternalLoads loads_;
-    Eigen::VectorXd follower_; ///< nodal loads of pressure beyond the derivative of its energy; empty: none
+    Eigen::VectorXd follower_; ///< nodal loads of the pressure without energy, N; empty: none
     double load_share_ = 1.0;
     std::size_t nodes_per_tet_ = 0, points_per_tet_ = 0;
-    std::vector<double> gradients_; ///< element, quadrature point, node, axis
-    std::vector<double> weights_; ///< element, quadrature point: rest volume, mm^3
-    std::optional<CorotationalElements> bounded_; ///< four-node elements of the bounded model
+    std::vector<double> gradients_; ///< ordered by element, quadrature point, node, axis; 1/mm
+    std::vector<double> weights_; ///< rest volume by element and quadrature point, mm^3
+    std::optional<CorotationalElements> bounded_; ///< set for four-node elements of the corotational_linear model
     std::optional<LockingFree> locking_free_;
     std::optional<Contact> contact_;
-    BlockPattern elements_pattern_; ///< without contact; kept where there is some
+    BlockPattern elements_pattern_; ///< pattern of the elements alone, kept when there is contact
     std::vector<std::int32_t> map_;
     BlockMatrix stiffness_;
-    std::vector<double> second_half_; ///< values of the elements' second half, before they are added
+    std::vector<double> second_half_; ///< matrix values of the second half of the elements, before they are added
 };
 
 } // namespace retractor::fem

@@ -24,10 +24,11 @@ namespace {
         return elements;
     }
 
-    /// What a piece's held nodes keep it from.
+    /// The motions that a piece's held nodes prevent.
     struct Hold {
         std::size_t nodes = 0;
-        bool on_line = true; ///< all, so that it can turn about that line: their second principal extent is zero
+        /// all held nodes lie on one line, about which the piece can turn: their second principal extent is zero
+        bool on_line = true;
     };
 
     Hold hold_on(const mesh::TetMesh& mesh, const Elements& elements, const std::vector<std::uint8_t>& held)
@@ -50,7 +51,7 @@ namespace {
             spread += d * d.transpose();
         }
         const Vec3 extent = Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues();
-        constexpr double kOnLine = 1e-10; // square of width over length
+        constexpr double kOnLine = 1e-10; // square of the ratio of width to length
         return { nodes.size(), !(extent[1] > kOnLine * extent[2]) };
     }
 
@@ -82,7 +83,8 @@ namespace {
         throw SolverError(text.str(), where.str());
     }
 
-    /// Flags the pieces that are held, one after the other: @param held per vertex, gains those of their vertices.
+    /// Flags the pieces that are held, one after the other.
+    /// @param held one flag per vertex; the vertices of held pieces are added.
     std::vector<std::uint8_t> hold_pieces(
         const mesh::TetMesh& mesh, const std::vector<Elements>& pieces, std::vector<std::uint8_t>& held)
     {

@@ -21,7 +21,7 @@ namespace {
     /// Shape functions of a triangle with three or six nodes and their derivatives by its first two coordinates.
     struct FacePoint {
         std::array<double, 6> N {}, ds {}, dt {};
-        double weight = 0.0; ///< of the reference triangle, whose area is 1/2
+        double weight = 0.0; ///< weight for the reference triangle, whose area is 1/2
     };
 
     FacePoint face_point(bool quadratic, const std::array<double, 3>& l, double weight)
@@ -50,7 +50,7 @@ namespace {
         return rule;
     }
 
-    /// Corners counter-clockwise seen from outside, then the midpoints between them.
+    /// Corners counter-clockwise seen from outside, then the midpoints between the corners.
     std::vector<VertexId> face_nodes(const mesh::TetMesh& mesh, const mesh::TetFace& face)
     {
         const auto nodes = mesh.tet(face.tet);
@@ -125,7 +125,7 @@ Eigen::VectorXd traction_loads(const mesh::TetMesh& mesh, std::span<const FaceTr
 
 namespace {
 
-    /// A point of a surface, or how it is displaced, with derivatives by the face's two coordinates.
+    /// Position or displacement at a point of a surface, with derivatives by the face's two coordinates.
     struct SurfacePoint {
         Vec3 x = Vec3::Zero(), s = Vec3::Zero(), t = Vec3::Zero();
     };
@@ -135,8 +135,8 @@ namespace {
         double weight = 0.0;
     };
 
-    /// Of a side with two or three nodes. Gauss's rule with three points, exact for degree 5: the product of three
-    /// quadratic shape functions, one of them derived.
+    /// Shape functions of a side with two or three nodes. Gauss's rule with three points is exact for degree 5: the
+    /// product of three quadratic shape functions, one of them derived.
     std::array<SidePoint, 3> side_rule(bool quadratic)
     {
         const double offset = std::sqrt(0.15);
@@ -150,10 +150,10 @@ namespace {
         return rule;
     }
 
-    /// The nodes of sides that one face has, as FollowerPressure keeps them.
+    /// The nodes of the sides that belong to one face only, in the order of FollowerPressure::rim_.
     std::vector<VertexId> rim_of(const std::vector<VertexId>& nodes, std::size_t nodes_per_face)
     {
-        std::map<std::pair<VertexId, VertexId>, std::vector<VertexId>> sides; // empty: two faces have it
+        std::map<std::pair<VertexId, VertexId>, std::vector<VertexId>> sides; // empty for a side of two faces
         for (std::size_t begin = 0; begin < nodes.size(); begin += nodes_per_face)
             for (std::size_t i = 0; i < 3; ++i) {
                 const VertexId a = nodes[begin + i], b = nodes[begin + (i + 1) % 3];
@@ -202,7 +202,7 @@ FollowerPressure::FollowerPressure(const mesh::TetMesh& mesh, const std::vector<
 
 void FollowerPressure::renew_rim(const Eigen::VectorXd& u) { rim_at_ = u; }
 
-/// Calls f(nodes of the face, shape functions, where the point is, how it is displaced) at every point.
+/// Calls f(nodes of the face, shape functions, position, displacement) at every quadrature point.
 template <class F> void FollowerPressure::for_each_point(const Eigen::VectorXd& u, const F& f) const
 {
     const auto rule = face_rule(nodes_per_face_ == 6);
@@ -225,8 +225,8 @@ template <class F> void FollowerPressure::for_each_point(const Eigen::VectorXd& 
     }
 }
 
-/// Calls f(nodes of the side, shape functions, x at the last renewal, motion since and its derivative along the side)
-/// at every point.
+/// Calls f(nodes of the side, shape functions, position at the last renewal, motion since then, derivative of the
+/// motion along the side) at every quadrature point.
 template <class F> void FollowerPressure::for_each_rim_point(const Eigen::VectorXd& u, const F& f) const
 {
     const auto rule = side_rule(nodes_per_face_ == 6);
@@ -249,7 +249,7 @@ template <class F> void FollowerPressure::for_each_rim_point(const Eigen::Vector
 
 double FollowerPressure::add_response(const Eigen::VectorXd& u, double share, Eigen::VectorXd& gradient) const
 {
-    double volume = 0.0; // gained; by differences that are exact where next to nothing moves
+    double volume = 0.0; // increase of volume, by differences that are exact for tiny motions
     for_each_point(u, [&](auto nodes, const FacePoint& point, const SurfacePoint& at, const SurfacePoint& moved) {
         const auto& [x, s, t] = at;
         const Vec3 normal = s.cross(t);

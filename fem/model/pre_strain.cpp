@@ -24,7 +24,7 @@ namespace {
         return v / length;
     }
 
-    /// The pull as a unit vector, in the plane where there is a normal.
+    /// The pull as a unit vector, projected into the plane when there is a normal.
     Vec3 pull_in_plane(const PreStrain& tension, const Vec3& normal)
     {
         const Vec3 pull = unit(tension.pull, "the pull");
@@ -36,7 +36,7 @@ namespace {
         return flat.normalized();
     }
 
-    /// Hooke's law of a plane that is free in thickness: strains `along` the pull and `across` it.
+    /// Hooke's law in plane stress, with strains `along` the pull and `across` the pull.
     Mat3 plane_stress(
         const PreStrain& tension, double along, double across, const Material& material, const Vec3& normal)
     {
@@ -201,7 +201,7 @@ std::vector<Vec3> surface_normals(
         }
     };
     settle(front);
-    while (!front.empty()) { // ring by ring; a ring takes the mean of what is known round it
+    while (!front.empty()) { // ring by ring: an element of a ring takes the mean of its known neighbours
         std::vector<TetId> next;
         for (const TetId t : front)
             for (std::size_t i = 0; i < 4; ++i)
@@ -213,7 +213,7 @@ std::vector<Vec3> surface_normals(
                         next.push_back(other);
                     sum[o] += sum[static_cast<std::size_t>(t)];
                 }
-        std::sort(next.begin(), next.end()); // one whose sum was zero again stands in it twice
+        std::sort(next.begin(), next.end()); // an element whose sum became zero again is listed twice
         next.erase(std::unique(next.begin(), next.end()), next.end());
         settle(next);
         front = std::move(next);

@@ -1,12 +1,13 @@
 #pragma once
-// Tension that tissue is under before it is cut, and what of it a wound sets free. Units mm, N, MPa; frame patient LPS.
+// Stress of tissue that is under tension before the cut, and the load that a wound releases. Units mm, N, MPa; frame
+// patient LPS.
 //
-// What a CT shows is the body in tension and in equilibrium: its rest positions are those of the stressed tissue, and
-// whatever forces the pre-stress leaves unbalanced there (at the free skin, where two tissues meet) something that is
-// not modelled holds. So nothing moves until a blade has passed; then each face of the wound loses the traction that
-// the tissue beyond it exerted, and that alone opens the wound: the load on a lip is -sigma0 n, n the outward normal.
-// Linear superposition makes this exact for a linear body; its limits: what the pre-stress does besides (removed tissue
-// that leaves no lip, a change of the supports) is not felt, and sigma0 is the stress at rest, whatever opens later.
+// A CT shows the body under tension and in equilibrium, so the rest positions are those of stressed tissue. Where the
+// pre-stress is unbalanced (at the free skin, where two tissues meet), structures outside the model are assumed to
+// hold the balance. Nothing moves until a blade has passed. Then each face of the wound loses the traction of the
+// tissue beyond the face. The load on a lip is therefore -sigma0 n, with n the outward normal, and no other load
+// opens the wound. For a linear body this is exact by superposition. Limits: tissue that is removed without leaving a
+// lip, and changes of the supports, release no tension; sigma0 stays the stress at rest, whatever opens later.
 
 #include "fem/material/material.h"
 #include "fem/material/tissue_tension.h"
@@ -20,35 +21,41 @@
 
 namespace retractor::fem {
 
-/// Whether the two ways in the tissue's plane differ, so that one must be named.
+/// Whether the two directions in the tissue's plane differ, so that a pull is needed.
 bool needs_pull(const PreStrain& tension);
 
-/// Ranges and directions of a pre-strain, whatever the material. The pull may lie along a normal that is not given.
-/// @throws InputError with where() "along", "across", "direction" or "normal".
+/// Checks the ranges and directions of a pre-strain without a material. A pull along a normal that is not given is
+/// not detected.
+/// @throws InputError whose where() is "along", "across", "direction" or "normal".
 void check_pre_strain(const PreStrain& tension);
 
-/// The stress (MPa) of one tissue with its own normal, or the one given when that is zero.
-/// @throws InputError on NaN, a strain out of range, a direction that is missing or along the normal.
+/// The pre-stress of one tissue, MPa.
+/// @param normal_there normal of the tissue's plane, used when the pre-strain has none.
+/// @throws InputError on NaN, on a strain out of range, and on a direction that is missing or along the normal.
 Mat3 pre_stress(const PreStrain& tension, const Material& material, const Vec3& normal_there = Vec3::Zero());
 
-/// One stress per element. @param material_of_label, tension_of_label by label; labels beyond the second have none.
+/// The pre-stress of each element, MPa.
+/// @param material_of_label, tension_of_label by label; labels without an entry in tension_of_label have no tension.
 /// @throws InputError naming the label.
 std::vector<Mat3> pre_stress(const mesh::TetMesh& mesh, std::span<const Material> material_of_label,
     std::span<const PreStrain> tension_of_label);
 
-/// Per element the outward normal of its label's free surface, carried inwards by averages over neighbours of the same
-/// label; zero where no part of the label's piece is free. With `seeds`: of the free surface of these labels alone,
-/// carried on through all tissue. Four-node elements.
-/// @param held a face with all its corners among these is no free surface, but where the body was cut off.
+/// The outward normal of the free surface nearest to each element of four nodes. Normals spread inwards from the
+/// surface of each label by averages over neighbours of the same label. The normal is zero where the label's piece
+/// has no free surface.
+/// @param seeds when not empty: only the free surface of these labels counts, and its normals spread through all
+/// tissue.
+/// @param held vertices of the cut-off border: a face with all its corners held is not a free surface.
 std::vector<Vec3> surface_normals(
     const mesh::TetMesh& mesh, std::span<const Label> seeds = {}, std::span<const VertexId> held = {});
 
-/// What opens the wound: the tractions -sigma0 n on the faces of the lips.
-/// @throws InputError on a face out of range, a wrong number of stresses.
+/// The tractions that open the wound, -sigma0 n on each face of the lips.
+/// @throws InputError on a face out of range, or a wrong number of stresses.
 std::vector<FaceTraction> released_tractions(
     const mesh::TetMesh& mesh, std::span<const mesh::TetFace> lips, std::span<const Mat3> stress_of_element);
 
-/// The same as nodal loads (three per node). P1 and P2. @throws InputError as above.
+/// The tractions of released_tractions() as nodal loads, N, three per node, for four-node and ten-node elements.
+/// @throws InputError as above.
 Eigen::VectorXd release_forces(
     const mesh::TetMesh& mesh, std::span<const mesh::TetFace> lips, std::span<const Mat3> stress_of_element);
 

@@ -20,24 +20,27 @@ namespace {
     using Six = Eigen::Matrix<double, 6, 1>;
     using SixBySix = Eigen::Matrix<double, 6, 6>;
 
-    /// No spring of an element is weaker than this share of the stiffest that one alone would have: a vertex none of
-    /// whose springs counts could go anywhere.
+    /// Smallest stiffness of a spring, relative to the stiffness of a single spring that fits alone. A vertex whose
+    /// springs all vanish would be free to go anywhere.
     constexpr double kWeakest = 0.02;
-    /// Share of the work that braces take at most, where edges are as far from isotropic as in a flat element.
+    /// Largest share of the work that braces take, in elements whose edges are as far from isotropic as in a flat
+    /// element.
     constexpr double kMostBraced = 0.5;
-    /// Penalty on crushed elements over Young's modulus, as stiff beside it as in fem/elasticity.cpp.
+    /// Penalty on crushed elements over Young's modulus, relatively as stiff as in elasticity.cpp.
     constexpr double kSpringCrushPenalty = 30.0;
 
-    /// Weights w >= 0 of six directions with sum w d^4 nearest to the isotropic tensor with lambda = mu = 2/5; its
-    /// product with any d^4 is lambda + 2 mu. Directions whose weight would be negative are left out one by one.
+    /// Weights w >= 0 of six directions whose sum w d^4 is nearest to the isotropic tensor with lambda = mu = 2/5.
+    /// The product of this tensor with any d^4 is lambda + 2 mu. Directions whose weight would be negative are
+    /// removed one by one.
     struct Fit {
         Six weights;
-        double misfit = 0.0; ///< norm of what is missed over the norm of the isotropic tensor
+        double misfit = 0.0; ///< norm of the difference over the norm of the isotropic tensor
     };
 
     Fit isotropic_fit(const std::array<Vec3, 6>& directions)
     {
-        constexpr double kAlong = 1.2, kNormSquared = 7.2; // of the tensor
+        // product of the isotropic tensor with d^4, and its squared norm
+        constexpr double kAlong = 1.2, kNormSquared = 7.2;
         SixBySix gram;
         for (int a = 0; a < 6; ++a)
             for (int b = 0; b < 6; ++b) {
@@ -58,8 +61,7 @@ namespace {
                 }
             const Six weights = matrix.ldlt().solve(right);
             Eigen::Index least = 0;
-            if (weights.minCoeff(&least)
-                >= 0.0) // least squares: what is hit and what is missed are square to each other
+            if (weights.minCoeff(&least) >= 0.0) // in least squares the fit and the difference are orthogonal
                 return { weights.cwiseMax(kWeakest * kAlong),
                     std::sqrt(std::max(0.0, 1.0 - kAlong * weights.sum() / kNormSquared)) };
             used[static_cast<std::size_t>(least)] = false;
@@ -175,7 +177,7 @@ void SpringNetwork::check_options(std::span<const Mat3> stresses, std::size_t el
 
 void SpringNetwork::make_room(std::size_t vertices, std::size_t tets)
 {
-    if (tets_.empty()) { // a quarter to spare for the first cuts
+    if (tets_.empty()) { // a quarter in reserve for the first cuts
         tets_.reserve(tets + tets / 4);
         around_.reserve(vertices + vertices / 4);
         rows_.reserve(vertices + vertices / 4);
@@ -255,7 +257,7 @@ void SpringNetwork::sum_row(VertexId v)
                 place->stiffness += tet.springs.stiffness[e];
                 place->force_density += tet.springs.force_density[e];
             } else {
-                const VertexId low = std::min(a, b), high = std::max(a, b); // the same bits from both ends
+                const VertexId low = std::min(a, b), high = std::max(a, b); // equal bits from both ends
                 row.insert(place,
                     { other, (rest_.row(high) - rest_.row(low)).norm(), tet.springs.stiffness[e],
                         tet.springs.force_density[e] });
@@ -289,7 +291,8 @@ void SpringNetwork::take_in(const mesh::MeshDelta::VertexBorn& born)
 
 void SpringNetwork::apply(const mesh::MeshDelta& delta)
 {
-    std::size_t vertices = rows_.size(), tets = tets_.size(); // room for all at once: it is copied as a whole
+    // one allocation for all: each enlargement copies the whole
+    std::size_t vertices = rows_.size(), tets = tets_.size();
     for (const mesh::MeshDelta::VertexBorn& born : delta.vertices_born)
         vertices = std::max(vertices, at(born.id) + 1);
     for (const mesh::MeshDelta::Tet& tet : delta.tets_born)
@@ -390,7 +393,7 @@ void SpringNetwork::set_displacement(const Points& displacement)
 
 std::vector<std::pair<VertexId, VertexId>> SpringNetwork::copies() const
 {
-    std::map<std::uint32_t, VertexId> oldest; // living, by the original's identity
+    std::map<std::uint32_t, VertexId> oldest; // oldest living vertex by the original's identity
     const auto is_copy = [](const Identity& identity) { return identity.own != identity.original; };
     for (VertexId v = 0; v < static_cast<VertexId>(identity_.size()); ++v)
         if (is_copy(identity_[at(v)])) {

@@ -1,31 +1,30 @@
 #pragma once
-// A mass-spring network on the edges of a four-node mesh: what opens a wound while the blade is still moving.
-// Units mm, N, MPa; frame patient LPS; ids are those of the cutting session.
+// A mass-spring network on the edges of a four-node mesh. The network opens a wound while the blade is still moving.
+// Units mm, N, MPa; frame patient LPS; ids are the ids of the cutting session.
 //
 // Stiffness. A spring along the unit direction d with stiffness k and length L adds k L^2 (d.e.d)^2 / 2 to the energy
 // of a strain e. In each element the six stiffnesses are those whose stress-strain tensor, sum k L^2 d^4 / V, is
-// nearest to that of isotropic tissue with Young's modulus E, by least squares with none negative. Central forces
-// fix Poisson's ratio at 1/4 (lambda = mu = 2 E / 5), so the material's own is not used. In a regular tetrahedron of
-// edge l this is k = (2 sqrt(2) / 25) E l, the value of [Lloyd, Szekely, Harders 2007, doi 10.1109/TVCG.2007.1055];
-// [Van Gelder 1998, doi 10.1080/10867651.1998.10487496] has k = E V / L^2, the same up to 4 % there. A network gives
-// way between its vertices where a finite element does not, so that its modulus is a little off: `calibration` scales
-// it. spring_calibration() in tests/verification/framework/tension.h measures on a mesh, against finite elements, what
-// the factor ought to be.
+// nearest to the tensor of isotropic tissue with Young's modulus E, by least squares with no negative stiffness.
+// Central forces fix Poisson's ratio at 1/4 (lambda = mu = 2 E / 5), so the material's own ratio is not used. In a
+// regular tetrahedron of edge l this gives k = (2 sqrt(2) / 25) E l, the value of [Lloyd, Szekely, Harders 2007, doi
+// 10.1109/TVCG.2007.1055]. [Van Gelder 1998, doi 10.1080/10867651.1998.10487496] has k = E V / L^2, which differs by
+// up to 4 % there. A network yields between its vertices where a finite element does not, so its modulus is slightly
+// off. `calibration` scales the modulus; spring_calibration() (tension.h) measures the right scale against finite
+// elements on a mesh.
 //
-// Braces. All edges of a flat element lie near one plane: whatever their stiffness, they do not resist the slip of one
-// side over the other, which costs a finite element the more the flatter it is. So where six edges are far from
-// isotropic (their tensor misses by more than kGoodFit), a share of their work is given to six springs inside the
-// element, along the axes of an icosahedron, which together are isotropic exactly. They end on the element's own
-// faces, so that what they pull at is its corners.
+// Braces. All edges of a flat element lie near one plane. Whatever their stiffness, such edges do not resist the slip
+// of one side over the other, although the slip costs a finite element more energy the flatter the element is. Where
+// six edges are far from isotropic (their tensor misses by more than kGoodFit), six springs inside the element
+// therefore take a share of the work. These braces lie along the axes of an icosahedron and are exactly isotropic
+// together. Braces end on the element's own faces, so they pull at the element's corners.
 //
-// Tension. Six edge tensions represent a stress in an element exactly: T / L = -V grad N_i . sigma0 . grad N_j. Springs
-// so pre-stressed pull at the vertices as finite elements under sigma0 do; in a uniform field nothing is unbalanced.
-// The uncut body is in equilibrium by definition (fem/pre_strain.h): what the tensions leave unbalanced at rest is
-// taken as held, and only the lips are let go.
+// Tension. Six edge tensions represent a stress in an element exactly: T / L = -V grad N_i . sigma0 . grad N_j.
+// Springs with this pre-stress pull at the vertices like finite elements under sigma0; in a uniform field nothing is
+// unbalanced. The uncut body is in equilibrium by definition (pre_strain.h): forces that the tensions leave
+// unbalanced at rest count as held, and only the lips are released.
 //
-// Springs alone let an element be pushed through itself: slack springs carry compression, as tissue does, but nothing
-// resists when a corner has passed its face. Below kCrushed of its volume an element therefore resists with a cubic
-// penalty, as in fem/elasticity.h.
+// Inversion. Slack springs carry compression, as tissue does, but springs do not resist a corner that has passed the
+// opposite face. An element below kCrushed of its volume therefore resists with a cubic penalty, as in elasticity.h.
 
 #include "fem/material/material.h"
 #include "mesh/cutting/ablated_values.h"
@@ -42,91 +41,105 @@
 
 namespace retractor::fem {
 
-/// What one element gives to its six edges, in the order of kTetEdges.
+/// Springs of one element on its six edges, in the order of kTetEdges.
 struct ElementSprings {
     std::array<double, 6> stiffness {}; ///< N/mm, >= 0
     std::array<double, 6> force_density {}; ///< tension over length, N/mm
-    double brace = 0.0; ///< MPa: per volume and strain of each of brace_axes(); 0: the element has none
+    /// stiffness of each brace along brace_axes(), per volume and strain, MPa; 0: the element has no braces
+    double brace = 0.0;
 };
 
-/// The six axes of an icosahedron, unit.
+/// The six axes of an icosahedron, unit vectors.
 const std::array<Vec3, 6>& brace_axes();
-/// Share of the isotropic tensor's norm by which six edges may miss it before braces take a part: a regular tetrahedron
-/// misses it by 0.2, a flat prism's part by 0.5.
+/// Largest misfit of six edges without braces, relative to the norm of the isotropic tensor. A regular tetrahedron
+/// has a misfit of 0.2, an element of a flat prism 0.5.
 inline constexpr double kGoodFit = 0.25;
 
-/// @param corners with positive volume; @param stress the pre-stress, MPa.
+/// Springs of an element at rest.
+/// @param corners with positive volume, mm.
+/// @param stress the pre-stress, MPa.
 ElementSprings element_springs(const std::array<Vec3, 4>& corners, double youngs_modulus_MPa, const Mat3& stress);
 
-/// Half of a spring: as seen from one of its ends.
+/// A spring as seen from one of its two ends.
 struct SpringEnd {
     VertexId other = 0;
     double length = 0.0; ///< at rest, mm
     double stiffness = 0.0; ///< N/mm
-    double force_density = 0.0; ///< N/mm
+    double force_density = 0.0; ///< tension over length, N/mm
 };
 
 struct SpringOptions {
-    double calibration = 1.0; ///< on every stiffness; see "Stiffness" above
+    double calibration = 1.0; ///< factor on every stiffness; see spring_calibration()
 };
 
 class SpringNetwork {
 public:
-    /// Share of its volume below which an element resists being crushed.
+    /// Share of the rest volume below which an element resists being crushed.
     static constexpr double kCrushed = 0.25;
 
-    /// On a mesh that a session has just been, or will be, started with.
-    /// @param stress_of_element one per element (fem/pre_strain.h), or none at all.
-    /// @throws InputError on a mesh check_mesh() refuses, ten-node elements, a label without a material or with a bad
-    /// one, a calibration that is not positive, stresses that are not finite or of a wrong number.
+    /// A network on the mesh that starts a cutting session.
+    /// @param stress_of_element pre-stress, one per element (pre_strain.h), or empty.
+    /// @throws InputError on a mesh that check_mesh() refuses, on ten-node elements, on a label whose material is
+    /// missing or invalid, on a calibration that is not positive, and on stresses that are not finite or wrong in
+    /// number.
     SpringNetwork(const mesh::TetMesh& mesh, std::span<const Material> material_of_label,
         std::span<const Mat3> stress_of_element = {}, SpringOptions options = {});
-    /// On a session that has cuts already; `stress_of_element` by the elements of its first mesh.
-    /// Copies of the cuts made before are not known to copies(); vertices that an ablation took before come back free
-    /// when it is undone: fix() them then.
+    /// A network on a session that has cuts already. copies() omits the copies of these cuts. When an ablation from
+    /// before is undone, its vertices return free: call fix() for them.
+    /// @param stress_of_element one per element of the session's first mesh.
     SpringNetwork(const mesh::CutSession& session, std::span<const Material> material_of_label,
         std::span<const Mat3> stress_of_element = {}, SpringOptions options = {});
 
-    /// Follows a cut, an undo or a redo: only edges of elements born, gone or with a moved corner are summed anew, from
-    /// their elements in the order of their ids, so that the network has the bits of one built afresh. New vertices
-    /// lie where the tissue they are made of lies now; one on an edge between two fixed vertices is fixed as both are.
-    /// A vertex that comes back without this network having seen it go is free.
-    /// @throws InputError on a new element without volume, material or pre-stress; the network must not be used then.
+    /// Follows a cut, an undo or a redo. Only edges of elements that were added, removed or have a moved corner are
+    /// summed again, from their elements in the order of the ids; the network is therefore equal, bit by bit, to a
+    /// newly built one. A new vertex lies where its tissue lies now. A new vertex on an edge between two fixed
+    /// vertices is fixed along the axes that both have fixed. A vertex that returns, but was removed before this
+    /// network existed, is free.
+    /// @throws InputError on a new element without volume, material or pre-stress; the network must not be used
+    /// afterwards.
     void apply(const mesh::MeshDelta& delta);
-    /// The faces of all wounds, as CutSession::lips() has them after that delta: where tension is set free.
+    /// Sets the faces of all wounds, at which tension is released. Pass CutSession::lips() after each delta.
     /// @throws InputError on a face of an element that does not exist.
     void set_wound(std::span<const mesh::LipFace> lips);
 
-    /// Vertices that stay where they are now, or only along some axes (a plane of symmetry); further calls add to them.
-    /// @param axes bits 1, 2, 4 for x, y, z. @throws InputError on an id or axes out of range.
+    /// Fixes vertices where they are now, completely or along some axes only (in a plane of symmetry). Further calls
+    /// add axes.
+    /// @param axes bits 1, 2, 4 for x, y, z.
+    /// @throws InputError on an id or axes out of range.
     void fix(std::span<const VertexId> vertices, unsigned axes = kAllAxes);
     static constexpr unsigned kAllAxes = 7;
     bool is_fixed(VertexId v) const { return fixed_axes(v) == kAllAxes; }
     unsigned fixed_axes(VertexId v) const { return fixed_[static_cast<std::size_t>(v)]; }
 
-    std::size_t vertex_slots() const { return rows_.size(); } ///< ids are smaller than this
+    std::size_t vertex_slots() const { return rows_.size(); } ///< upper limit of the vertex ids
     std::size_t spring_count() const;
     std::span<const SpringEnd> springs(VertexId v) const { return rows_[static_cast<std::size_t>(v)]; }
-    const Points& rest() const { return rest_; } ///< one row per id; rows of ids not in use mean nothing
-    const Points& displacement() const { return displacement_; } ///< likewise, mm
-    /// @throws InputError on a wrong number of rows or on NaN; fixed vertices keep theirs.
+    /// rest positions, mm, one row per id; rows of unused ids have no meaning
+    const Points& rest() const { return rest_; }
+    /// displacements, mm, one row per id; rows of unused ids have no meaning
+    const Points& displacement() const { return displacement_; }
+    /// Sets all displacements, mm; fixed vertices keep theirs.
+    /// @throws InputError on a wrong number of rows or on NaN.
     void set_displacement(const Points& displacement);
-    /// One vertex; it stays along its fixed axes. @pre finite
+    /// Sets the displacement of one vertex, mm, except along its fixed axes.
+    /// @pre the displacement is finite
     void place(VertexId v, const Vec3& displacement);
     Points positions() const { return rest_ + displacement_; }
-    const Vec3& release(VertexId v) const { return release_[static_cast<std::size_t>(v)]; } ///< load on a lip, N
-    std::span<const VertexId> lip_vertices() const { return lip_vertices_; } ///< by id
-    /// Living vertices that were one before a cut parted them: original and copy; where the original was ablated, the
-    /// oldest copy stands in for it.
+    /// load of the released tension at a vertex of a lip, N
+    const Vec3& release(VertexId v) const { return release_[static_cast<std::size_t>(v)]; }
+    std::span<const VertexId> lip_vertices() const { return lip_vertices_; } ///< sorted by id
+    /// Pairs of living vertices that a cut separated: original and copy. Where the original was ablated, the oldest
+    /// copy replaces it.
     std::vector<std::pair<VertexId, VertexId>> copies() const;
 
-    /// Living elements round a vertex, by id.
+    /// Living elements round a vertex, sorted by id.
     std::span<const TetId> elements(VertexId v) const { return around_[static_cast<std::size_t>(v)]; }
     const std::array<VertexId, 4>& nodes(TetId t) const { return tets_[static_cast<std::size_t>(t)].nodes; }
     double rest_volume(TetId t) const { return tets_[static_cast<std::size_t>(t)].volume; } ///< mm^3
     Label label(TetId t) const { return tets_[static_cast<std::size_t>(t)].label; }
-    double crush_stiffness(TetId t) const; ///< MPa, of the penalty
-    double brace(TetId t) const { return tets_[static_cast<std::size_t>(t)].springs.brace; } ///< MPa
+    double crush_stiffness(TetId t) const; ///< stiffness of the penalty on crushing, MPa
+    /// stiffness of each brace, MPa
+    double brace(TetId t) const { return tets_[static_cast<std::size_t>(t)].springs.brace; }
     std::size_t bytes() const;
 
 private:
@@ -139,10 +152,10 @@ private:
         ElementSprings springs;
     };
 
-    /// Tells a vertex from others that had its id before or will have it.
+    /// Distinguishes a vertex from earlier and later vertices with the same id.
     struct Identity {
-        std::uint32_t own = 0; ///< rises with age; 0: no vertex
-        std::uint32_t original = 0; ///< of the vertex it was parted from, or its own
+        std::uint32_t own = 0; ///< larger for younger vertices; 0: no vertex
+        std::uint32_t original = 0; ///< identity of the vertex from which a cut separated this one, or its own identity
     };
 
     void check_options(std::span<const Mat3> stresses, std::size_t elements) const;
@@ -167,13 +180,13 @@ private:
     };
     mesh::AblatedValues<Ablated> ablated_;
     std::vector<std::vector<TetId>> around_;
-    std::vector<std::vector<SpringEnd>> rows_; ///< by the other end's id
+    std::vector<std::vector<SpringEnd>> rows_; ///< per vertex, sorted by the id of the other end
     std::vector<Tet> tets_;
     std::vector<Vec3> release_;
     std::vector<VertexId> lip_vertices_;
 };
 
-/// Largest distance between two vertices that a cut parted, mm; 0 without a wound.
+/// Largest distance between two vertices that a cut separated, mm; 0 without a wound.
 double widest_gape(const SpringNetwork& network);
 
 } // namespace retractor::fem

@@ -28,7 +28,7 @@ namespace {
             throw InputError("the reach must be finite and not negative", "reach_mm");
     }
 
-    /// Conjugate gradients on the patch's tangent with its diagonal blocks as preconditioner.
+    /// Conjugate gradients on the patch's tangent, preconditioned by the diagonal blocks.
     struct Solve {
         Eigen::VectorXd x;
         int iterations = 0;
@@ -66,7 +66,8 @@ namespace {
         return s;
     }
 
-    /// Goes along the step as far as the energy falls [Armijo]; false when it falls nowhere.
+    /// Shortens the step until the energy falls enough [Armijo].
+    /// @return false when the energy does not fall at any length.
     bool search(const SpringPatch& patch, const Eigen::VectorXd& step, Eigen::VectorXd& u, SpringPatch::Response& state)
     {
         constexpr double kArmijo = 1e-4, kShortest = 1e-6;
@@ -83,8 +84,8 @@ namespace {
         return false;
     }
 
-    /// Newton's method on a patch until the largest unbalanced force is `tolerance` of `scale`; writes into `result`
-    /// and back into the network.
+    /// Newton's method on a patch, until the largest unbalanced force is `tolerance` of `scale`. Writes the outcome
+    /// into `result` and the displacement into the network.
     void descend(SpringPatch& patch, double scale, const RelaxOptions& options, RelaxResult& result,
         SpringNetwork& network, const Job& job)
     {
@@ -270,7 +271,7 @@ SpringPatch::Response SpringPatch::response(const Eigen::VectorXd& u) const
     }
     for (const Braced& element : braced_) {
         const Mat3 F = deformation(element, u);
-        Mat3 stress = Mat3::Zero(); // times the volume
+        Mat3 stress = Mat3::Zero(); // stress times volume
         for (const Vec3& axis : brace_axes()) {
             const Vec3 y = F * axis;
             const double l = y.norm(), strain = l - 1.0;
@@ -298,7 +299,7 @@ std::int32_t SpringPatch::entry(std::int32_t row, std::int32_t column) const
     if (row == column)
         return static_cast<std::int32_t>(ends_.size()) + row;
     std::size_t i = row_[at(row)];
-    while (ends_[i].other != column) // corners of an element are joined by a spring
+    while (ends_[i].other != column) // a spring joins any two corners of an element
         ++i;
     return static_cast<std::int32_t>(i);
 }
@@ -332,7 +333,7 @@ void SpringPatch::linearise(const Eigen::VectorXd& u, bool true_tangent)
     }
     for (const Braced& element : braced_) {
         const Mat3 F = deformation(element, u);
-        std::array<Mat3, 10> sums; // of the pairs i <= j
+        std::array<Mat3, 10> sums; // sums for the pairs i <= j
         sums.fill(Mat3::Zero());
         for (const Vec3& axis : brace_axes()) {
             const Vec3 y = F * axis;
@@ -386,7 +387,7 @@ Eigen::VectorXd SpringPatch::multiply(const Eigen::VectorXd& x) const
 
 std::vector<Mat3> SpringPatch::inverse_diagonal() const
 {
-    constexpr double kFlat = 1e-6; // springs in a plane: nothing resists across it
+    constexpr double kFlat = 1e-6; // all springs lie in one plane: nothing resists motion across the plane
     std::vector<Mat3> inverse;
     inverse.reserve(diagonal_.size());
     for (const Block& block : diagonal_)
@@ -398,7 +399,7 @@ double SpringPatch::gershgorin(const std::vector<double>& masses) const
 {
     const auto n = static_cast<std::int32_t>(active_.size());
     double largest = 0.0;
-    for (std::int32_t v = 0; v < n; ++v) { // the norm of a block is at most its Frobenius norm
+    for (std::int32_t v = 0; v < n; ++v) { // the norm of a block does not exceed its Frobenius norm
         double sum = diagonal_[at(v)].norm() / masses[at(v)];
         for (std::size_t i = row_[at(v)]; i < row_[at(v) + 1]; ++i)
             if (const std::int32_t other = ends_[i].other; other < n)
@@ -461,7 +462,7 @@ RelaxResult relax(SpringNetwork& network, const RelaxOptions& options, const Job
     SpringPatch patch(network, vertices_near_wound(network, released > 0.0 ? options.reach_mm : 0.0));
     result.active = patch.active().size();
     const double first = largest_nodal_norm(patch.response(patch.displacement()).forces);
-    const double scale = released > 0.0 ? released : first; // a wound that was taken back: from where it stood
+    const double scale = released > 0.0 ? released : first; // after an undone cut: relative to the initial force
     descend(patch, scale, options, result, network, job);
     result.gape_mm = widest_gape(network);
     result.seconds = watch.seconds();

@@ -10,7 +10,7 @@ namespace retractor::fem {
 
 namespace {
 
-    /// Nested dissection of the first `count` free nodes.
+    /// An order of the first `count` free nodes by nested dissection.
     std::vector<std::int32_t> dissection(
         const BlockPattern& blocks, const std::vector<std::int32_t>& number, std::size_t count)
     {
@@ -44,7 +44,7 @@ CondensingSystem condensing_system(
             system.free.push_back(static_cast<VertexId>(node));
         }
     const auto kept_from = static_cast<std::int32_t>(system.free.size() - kept);
-    std::vector<std::int32_t> block_of(system.free.size(), -1); // of the row at hand, per free node
+    std::vector<std::int32_t> block_of(system.free.size(), -1); // per free node: its block in the present row, or -1
     std::vector<std::int32_t> columns;
     system.pattern.column_start.push_back(0);
     for (std::size_t j = 0; j < system.free.size(); ++j) {
@@ -99,8 +99,8 @@ CondensedRegion::CondensedRegion(ElasticBody& body, const std::vector<std::uint8
     values.reserve(system.source.size());
     for (const std::int32_t source : system.source)
         values.push_back(K.values[static_cast<std::size_t>(source)]);
-    // The body by itself may be loose at the rim: springs of the rim's own stiffness hold it there while it is
-    // factored, and are taken off again.
+    // The body alone may be loose at the rim. Springs as stiff as the rim's own diagonal hold the rim during the
+    // factorisation and are subtracted afterwards.
     Eigen::VectorXd springs(kept);
     for (Eigen::Index i = 0; i < kept; ++i) {
         double& diagonal = values[static_cast<std::size_t>(

@@ -16,7 +16,7 @@ namespace {
         std::size_t most;
     };
     constexpr std::array kReaches { Reach { 40.0, 60'000 }, Reach { 30.0, 60'000 }, Reach { 20.0, 100'000 } };
-    /// Of a frame while the hand moves; the rest comes when it is still.
+    /// Quasi-Newton steps per frame while the hand moves; the equilibrium is found when the hand is still.
     constexpr int kFrameIterations = 2;
 
 } // namespace
@@ -30,7 +30,8 @@ DragRegion drag_region(const mesh::TetMesh& mesh, const Points& wound)
         if (count <= reach.most)
             return { std::move(near), reach.mm };
     }
-    throw InputError(std::to_string(count) + " elements lie near the wound: too many to be dragged", "near field");
+    throw InputError(
+        std::to_string(count) + " elements lie near the wound: too many to be dragged", "nonlinear region");
 }
 
 NonlinearRegionOptions drag_options(Eigen::VectorXd load)

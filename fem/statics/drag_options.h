@@ -1,6 +1,6 @@
 #pragma once
-// The near field under a hand that drags hooks: how much of the tissue is nonlinear, and how near to equilibrium a
-// frame comes, so that frames follow the hand. Units mm, N.
+// Options of the nonlinear region while a hand drags hooks: the extent of the region and the work of a frame. Both are
+// limited so that frames follow the hand. Units mm, N.
 
 #include "fem/statics/nonlinear_region.h"
 
@@ -11,15 +11,16 @@ namespace retractor::fem {
 
 struct DragRegion {
     std::vector<std::uint8_t> near; ///< one per element, 1 = nonlinear
-    double within_mm = 0.0; ///< of the wound
+    double within_mm = 0.0; ///< distance from the wound that the region reaches
 };
 
-/// Within 40 mm of the wound; nearer where that is more elements than can be dragged.
-/// @param wound the vertices of its lips, at rest. @throws InputError where even those within 20 mm are too many, and
-/// as elements_near() does.
+/// The elements within 40 mm of the wound; within 30 or 20 mm where the number of elements would be too large to drag.
+/// @param wound vertices of the lips, at rest
+/// @throws InputError when even the elements within 20 mm are too many, and as elements_near()
 DragRegion drag_region(const mesh::TetMesh& mesh, const Points& wound);
 
-/// Bounded elasticity: cuts through patients leave flat elements. @param load as in NonlinearRegionOptions.
+/// Options with corotational_linear elasticity, because cuts through patients leave flat elements.
+/// @param load as NonlinearRegionOptions::load
 NonlinearRegionOptions drag_options(Eigen::VectorXd load = {});
 
 } // namespace retractor::fem

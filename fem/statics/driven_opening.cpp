@@ -19,10 +19,11 @@ namespace retractor::fem {
 
 namespace {
 
-    constexpr double kAtRest = 5e-4; // of the farthest way: the next step of Newton's method
-    constexpr double kFarthestStepMm = 10.0; // of nonlinear tissue, whose tangent foretells no more
+    constexpr double kAtRest = 5e-4; // limit of the next Newton step, relative to the farthest hook displacement
+    constexpr double kFarthestStepMm = 10.0; // limit in nonlinear tissue, whose tangent predicts no farther
     constexpr int kMostOpenings = 30, kMostHalvings = 4;
-    constexpr double kTornStrain = 4.0; // Green-Lagrange, threefold stretch: skin, the toughest, fails below twofold
+    // Green-Lagrange strain at threefold stretch; skin, the toughest tissue, fails below twofold stretch.
+    constexpr double kTornStrain = 4.0;
 
     double farthest(const Eigen::VectorXd& x)
     {
@@ -32,7 +33,8 @@ namespace {
         return most;
     }
 
-    /// The true stiffness where it is positive definite, else the least lifted one.
+    /// Factors the true stiffness where it is positive definite, else the stiffness with the smallest sufficient lift
+    /// of negative eigenvalues.
     const BlockMatrix& factorise(ElasticBody& body, const Eigen::VectorXd& u, ConstrainedSolver& solver)
     {
         constexpr double kLeast = 1.0 / 64.0, kMore = 4.0;
@@ -53,7 +55,7 @@ namespace {
         return opening.status == OpeningStatus::converged || opening.status == OpeningStatus::inverted;
     }
 
-    /// What the openings of a search report of themselves, as one stage that only rises.
+    /// Joins the progress of all openings of a search into one stage that only rises.
     class SearchProgress {
     public:
         explicit SearchProgress(const Job& job)
@@ -71,7 +73,7 @@ namespace {
         SearchProgress(const SearchProgress&) = delete;
         SearchProgress& operator=(const SearchProgress&) = delete;
 
-        /// @param openings foreseen, with this one.
+        /// @param openings expected number of openings, this one included
         const Job& next_opening(double openings)
         {
             from_ = shown_;
@@ -113,11 +115,11 @@ namespace {
             const Points rest = Points::Zero(problem_.mesh.vertices.rows(), 3);
             HookRest next = rest_at(rest, at_);
             int halvings = 0;
-            double share = 1.0; // of the way that is tried
+            double share = 1.0; // share of the Newton step that is tried
             SearchProgress progress(job);
             while (found_.openings < kMostOpenings) {
                 Eigen::VectorXd step = share * (next.displacement - at_);
-                double steps = 1.0; // as long as this one
+                double steps = 1.0; // number of steps of this length that the way needs
                 if (const double way = farthest(step); nonlinear() && way > kFarthestStepMm) {
                     steps = way / kFarthestStepMm;
                     step /= steps;
@@ -148,7 +150,7 @@ namespace {
         }
 
     private:
-        /// Why tissue does not follow the hooks any farther, said of where they are; empty: it does.
+        /// Why the tissue cannot follow the hooks from their present place; empty: it can.
         std::string beyond_tissue() const
         {
             std::ostringstream text;
@@ -162,7 +164,7 @@ namespace {
 
         DrivenOpening without_rest(const HookRest& next, const std::string& why)
         {
-            std::size_t hook = 0; // that moved farthest
+            std::size_t hook = 0; // the hook that moved farthest
             for (std::size_t h = 1; h < found_.hooks.size(); ++h)
                 if (found_.hooks[h].displacement.norm() > found_.hooks[hook].displacement.norm())
                     hook = h;
@@ -180,7 +182,8 @@ namespace {
 
         void make_opening() { opening_.emplace(problem_, options_); }
 
-        /// Kept: it is kept on the way, whatever it is off there. Given up: so it stays.
+        /// Fixes the choice for the openings that follow: a linear region that was kept stays, with any error, until
+        /// the hooks are at rest; a linear region that was given up stays nonlinear.
         void decide_on_far_field()
         {
             const std::optional<LinearFarField>& far = found_.opening.far;
@@ -194,7 +197,8 @@ namespace {
             }
         }
 
-        /// At rest it is held to what was asked for. @return false where it is given up now.
+        /// Compares the error of the linear region at rest with the requested limit.
+        /// @return false when the region is given up now
         bool is_far_field_good()
         {
             const std::optional<LinearFarField>& far = found_.opening.far;
@@ -220,7 +224,7 @@ namespace {
 
         bool nonlinear() const { return options_.elasticity != Elasticity::linear || options_.contact.has_value(); }
 
-        /// Where the hooks would rest if the tissue went on as at this state.
+        /// Predicts the rest of the hooks from the forces and the tangent at this state.
         HookRest rest_at(const Points& displacement, const Eigen::VectorXd& forces)
         {
             if (stiffness_.size() == 0 || nonlinear())
@@ -241,10 +245,10 @@ namespace {
         const ElasticProblem& problem_;
         std::vector<HookDrive> drives_;
         OpeningOptions options_;
-        double far_tolerance_; ///< as asked for
+        double far_tolerance_; ///< the requested limit
         std::optional<LinearFarField> given_up_;
         std::optional<Opening> opening_;
-        Eigen::VectorXd at_; ///< the hooks, three each
+        Eigen::VectorXd at_; ///< displacement of the hooks, three per hook
         Eigen::MatrixXd stiffness_;
         DrivenOpening found_;
     };
@@ -256,18 +260,18 @@ HookResponse hook_response(const ElasticProblem& problem, const TissueModel& mod
 {
     ElasticBody body = tissue_body(problem.mesh, problem.material_of_label, model);
     body.set_bed(bed_stiffness(problem.mesh, problem.supports));
-    std::vector<HookPatch> still = problem.hooks; // hooks that share nodes move alike only if they are told the same
+    std::vector<HookPatch> still = problem.hooks; // equal displacements, as hooks that share nodes require
     for (HookPatch& hook : still)
         hook.displacement.setZero();
     const Prescribed held = prescribe(problem.mesh, problem.supports, still);
     const Eigen::VectorXd u = Eigen::Map<const Eigen::VectorXd>(displacement.data(), displacement.size());
     ExternalLoads loads = external_loads(problem);
-    const bool at_rest = model.elasticity == Elasticity::linear; // linear tissue is pressed as it lay at rest
+    const bool at_rest = model.elasticity == Elasticity::linear; // linear tissue receives the pressure at rest
     Eigen::VectorXd load = at_rest ? nodal_loads(problem) : loads.nodal;
     if (!at_rest)
         for (const FollowerPressure& pressure : loads.pressures)
             load = (load.size() == 0 ? Eigen::VectorXd(Eigen::VectorXd::Zero(u.size())) : load) + pressure.force(u);
-    if (!loads.pressures.empty()) { // dead loads have no stiffness
+    if (!loads.pressures.empty()) { // dead loads have no stiffness, follower loads have
         body.set_loads(std::move(loads));
         (void)body.renew_follower_loads(u);
     }
@@ -295,8 +299,8 @@ HookResponse hook_response(const ElasticProblem& problem, const TissueModel& mod
     return response;
 }
 
-std::optional<HooksLetGo> let_go(const HookResponse& response, const Eigen::VectorXd& at, const Eigen::VectorXd& forces,
-    const Eigen::VectorXd& other_forces, const std::vector<HookDrive>& drives)
+std::optional<ReleasedHooks> release_hooks(const HookResponse& response, const Eigen::VectorXd& at,
+    const Eigen::VectorXd& forces, const Eigen::VectorXd& other_forces, const std::vector<HookDrive>& drives)
 {
     constexpr double kMostRatio = 10.0;
     Eigen::VectorXd by_way = forces, other_by_way = other_forces;
@@ -307,7 +311,7 @@ std::optional<HooksLetGo> let_go(const HookResponse& response, const Eigen::Vect
     const double own = by_way.norm(), other = other_by_way.norm();
     const double ratio = own > 0.0 ? other / own : 1.0;
     const bool alike = other_by_way.dot(by_way) > 0.0 || own == 0.0;
-    if (!(alike && ratio <= kMostRatio && ratio * kMostRatio >= 1.0)) // not what is no number either
+    if (!(alike && ratio <= kMostRatio && ratio * kMostRatio >= 1.0)) // also true for NaN
         return std::nullopt;
     const Eigen::MatrixXd R = ratio * definite(response.stiffness);
     const Eigen::VectorXd there = forces + resisted(response.stiffness, other_forces - forces);
@@ -315,19 +319,19 @@ std::optional<HooksLetGo> let_go(const HookResponse& response, const Eigen::Vect
     if (!rest.converged)
         return std::nullopt;
     const Eigen::VectorXd way = rest.displacement - at;
-    return HooksLetGo { way, there + R * way };
+    return ReleasedHooks { way, there + R * way };
 }
 
 namespace {
 
-    /// Two hooks that share a node stay together only if both go where they are told, and to the same place.
+    /// Hooks that share a node stay together only when all of them prescribe the same displacement.
     void check_shared_nodes(const ElasticProblem& problem, std::span<const HookDrive> drives)
     {
         std::vector<int> hook_of_node(problem.mesh.vertex_count(), -1);
         for (std::size_t h = 0; h < drives.size(); ++h)
             for (const VertexId v : problem.hooks[h].nodes) {
                 if (v < 0 || static_cast<std::size_t>(v) >= hook_of_node.size())
-                    continue; // prescribe() names it
+                    continue; // prescribe() reports the bad node
                 int& first = hook_of_node[static_cast<std::size_t>(v)];
                 if (first < 0) {
                     first = static_cast<int>(h);

@@ -1,6 +1,6 @@
 #pragma once
-// An opened wound as a problem of elasticity: what is solved here, written for other programs and estimated for its
-// error. Units mm, N, MPa; frame patient LPS.
+// An opened wound as a problem of elasticity. The same problem is solved here, written for other programs, and used to
+// estimate the discretisation error. Units mm, N, MPa; frame patient LPS.
 
 #include "fem/material/elasticity.h"
 #include "fem/material/material.h"
@@ -18,59 +18,67 @@
 namespace retractor::fem {
 
 struct ElasticProblem {
-    mesh::TetMesh mesh; ///< cut, at rest; P1 or P2
-    std::vector<Material> material_of_label; ///< by label; labels not met may be anything
+    mesh::TetMesh mesh; ///< with the cut, at rest; P1 or P2
+    std::vector<Material> material_of_label; ///< indexed by label; entries of labels that no element has are not used
     Supports supports;
     std::vector<HookPatch> hooks;
-    std::vector<FaceTraction> loads {}; ///< on faces of the mesh: the tension that the cut set free (pre_strain.h)
-    std::vector<SurfacePressure> pressures {}; ///< of what the tissue borders on; linear bodies feel them as at rest
+    std::vector<FaceTraction> loads {}; ///< on faces of the mesh: the tension that the cut released (pre_strain.h)
+    /// Pressure of the surroundings on surfaces; a linear body receives the pressure at rest.
+    std::vector<SurfacePressure> pressures {};
 };
 
-/// What supports and hooks prescribe: a flag and a value per unknown.
+/// The unknowns that supports and hooks prescribe: a flag and a value per unknown.
 struct Prescribed {
     std::vector<std::uint8_t> flag; ///< three per node, 1 = prescribed
     Eigen::VectorXd value;
     std::vector<VertexId> nodes;
-    std::vector<int> hook_of_node; ///< the hook a node's force is counted for; -1: none
+    std::vector<int> hook_of_node; ///< hook that receives the force of each node; -1: none
 };
 
-/// @throws InputError when a node is out of range, a patch is empty, or two patches disagree on a node.
+/// Collects the prescribed unknowns.
+/// @throws InputError when a node is out of range, a patch is empty, or two patches prescribe different displacements
+/// of a node
 Prescribed prescribe(const mesh::TetMesh& mesh, const Supports& supports, std::span<const HookPatch> hooks);
 
-/// One per element. @throws InputError naming the element whose label has no material, or the material that is wrong.
+/// Lame parameters, one per element.
+/// @throws InputError naming the element whose label has no material, or the invalid material
 std::vector<Lame> element_parameters(const mesh::TetMesh& mesh, std::span<const Material> material_of_label);
 
-/// Each element by its label's hyperelastic_law(), with that material's fibres in it. @throws InputError as above, and
-/// as element_fibres() does.
+/// The law of each element: hyperelastic_law() of its label, with the fibres of that material.
+/// @throws InputError as element_parameters() and element_fibres()
 HyperelasticTissue hyperelastic_tissue(const mesh::TetMesh& mesh, std::span<const Material> material_of_label);
 
-/// What the equations are made of.
+/// The choice of equations.
 struct TissueModel {
     Elasticity elasticity = Elasticity::corotational;
-    bool locking_free = false; ///< four-node elements only: locking_free.h in place of plain ones
+    bool locking_free = false; ///< only for four-node elements: uses the elements of locking_free.h
 };
 
-/// The mesh as a body of these materials. @throws InputError as above, and as ElasticBody::avoid_locking() does.
+/// Makes a body of the mesh with these materials.
+/// @throws InputError as element_parameters() and ElasticBody::avoid_locking()
 ElasticBody tissue_body(
     const mesh::TetMesh& mesh, std::span<const Material> material_of_label, const TissueModel& model);
 
-/// N/mm, one per node; empty when nothing is bedded. @throws InputError on a vertex out of range or named twice, or a
-/// stiffness that is not positive.
+/// Stiffness of the bed, N/mm, one per node; empty without a bed.
+/// @throws InputError on a vertex out of range or named twice, or a stiffness that is not positive
 std::vector<double> bed_stiffness(const mesh::TetMesh& mesh, const Supports& supports);
 
-/// All of the above, its loads and check_mesh(). @throws InputError as they do, and on a mesh without elements.
+/// Checks mesh, materials, supports, hooks and loads.
+/// @throws InputError as the functions above and check_mesh(), and on a mesh without elements
 void check_problem(const ElasticProblem& problem);
 
-/// The problem's loads as a body of its mesh takes them. @throws InputError as traction_loads() and FollowerPressure.
+/// The loads of the problem in the form that a body takes.
+/// @throws InputError as traction_loads() and FollowerPressure
 ExternalLoads external_loads(const ElasticProblem& problem);
 
-/// The same at rest, pressures too, N, three per node; empty where there are none. @throws InputError as above.
+/// The loads of the problem at rest, pressures included, N, three per node; empty without loads.
+/// @throws InputError as external_loads()
 Eigen::VectorXd nodal_loads(const ElasticProblem& problem);
 
-/// The labels that elements of the mesh carry, rising.
+/// The labels of the elements of the mesh, rising.
 std::vector<Label> labels_met(const mesh::TetMesh& mesh);
 
-/// Forces at the nodes (three per node), summed over the nodes of each hook.
+/// Sums nodal forces (three per node) over the nodes of each hook.
 std::vector<Vec3> hook_forces(const Eigen::VectorXd& nodal_forces, const Prescribed& prescribed, std::size_t hooks);
 
 } // namespace retractor::fem

@@ -23,7 +23,7 @@ namespace {
         return largest;
     }
 
-    /// One call of EquilibriumSolver::solve: the state and the clocks of the Newton iteration.
+    /// State and clocks of the Newton iteration during one call of EquilibriumSolver::solve.
     class Newton {
     public:
         Newton(ElasticBody& body, ConstrainedSolver& solver, const EquilibriumOptions& options, const Job& job,
@@ -42,11 +42,11 @@ namespace {
         {
             u_ = u;
             reach_ = std::max(reach_, largest_nodal_norm(u_));
-            (void)body_.renew_follower_loads(u_); // they may be those of a state that was given up
+            (void)body_.renew_follower_loads(u_); // the body may hold the follower loads of a state that was given up
             state_ = respond(u_);
         }
-        /// Takes the size of the body's whole loads as they are at u: loads that balance each other leave no other
-        /// force to judge the rest by.
+        /// Stores the largest nodal force of the body's whole loads at u. Loads that balance each other leave no other
+        /// force as a scale of the residual.
         void take_loads(const Eigen::VectorXd& u)
         {
             body_.set_load_share(0.0);
@@ -58,10 +58,11 @@ namespace {
         double energy() const { return state_.energy; }
         const Eigen::VectorXd& forces() const { return state_.forces; }
 
-        /// Adds `motion` (zero on free unknowns), or as much of it as the linearisation holds for, to the prescribed
-        /// unknowns, the free ones following by a linearised solve: where it has stretched turning bone or thrown
-        /// elements inside out, the energy is many times what it foretold.
-        /// @return the share of the motion that was made: 1, 1/2, 1/4 .. or 0 when none would do and nothing was moved.
+        /// Adds `motion` (zero on free unknowns) to the prescribed unknowns; the free unknowns follow by a linearised
+        /// solve. Where the linearisation fails (stretched bone that turns, inverted elements), the energy is many
+        /// times the predicted energy, and the motion is halved.
+        /// @return the share of the motion that was made: 1, 1/2, 1/4 .. or 0 when no share was accepted and nothing
+        /// moved
         double move(const Eigen::VectorXd& motion)
         {
             constexpr double kTrusted = 3.0, kSmallest = 1.0 / 32.0;
@@ -71,7 +72,8 @@ namespace {
             const Eigen::VectorXd rest = solver_.solve(-state_.forces);
             const Eigen::VectorXd follow = motion - solver_.solve(K.multiply(motion));
             for (double share = 1.0; share >= kSmallest; share *= 0.5)
-                for (const double settled : { 1.0, 0.0 }) { // where the body was not at rest, its settling may go wrong
+                // A body that was not at rest settles too, unless this fails.
+                for (const double settled : { 1.0, 0.0 }) {
                     const Eigen::VectorXd du = settled * rest + share * follow;
                     const double foretold = state_.forces.dot(du) + 0.5 * du.dot(K.multiply(du));
                     Eigen::VectorXd u = u_ + du;
@@ -89,7 +91,7 @@ namespace {
 
         enum class Outcome { converged, out_of_iterations, failed, cancelled };
 
-        /// Pairs the surfaces in contact anew, where there is contact. @return whether that changed anything.
+        /// Pairs the surfaces in contact anew. @return whether the pairs changed
         bool renew_contact(Contact::Pairing pairing = Contact::Pairing::all_anew)
         {
             if (body_.contact() == nullptr || !body_.find_contact(u_, pairing))
@@ -101,11 +103,11 @@ namespace {
             return true;
         }
 
-        /// As below, with the pairs in contact those of the state that is reached.
+        /// Iterates as iterate(), until the pairs in contact are the pairs of the state that is reached.
         Outcome settle(double tolerance, int max_iterations)
         {
-            // A point that slides over some faces needs as many rounds as those; where two sets of pairs lead to each
-            // other's equilibrium, more would not end it.
+            // A point that slides over some faces needs one round per face. Where two sets of pairs lead to each
+            // other's equilibrium, further rounds do not end.
             constexpr int kRoundsAnew = 6, kRounds = 12;
             Outcome outcome = iterate(tolerance, max_iterations);
             for (int round = 0; outcome == Outcome::converged
@@ -137,9 +139,9 @@ namespace {
             }
         }
 
-        /// Relative to the largest force that what is held bears, or nodal load: a load that balances itself leaves far
-        /// supports next to nothing. Where a rigid motion, or the way back to rest, leaves nothing but round-off: at
-        /// most kNoForce.
+        /// Largest residual force relative to the largest support force or nodal load. The load is part of the scale
+        /// because a load that balances itself leaves almost no force on far supports. Where a rigid motion, or the way
+        /// back to rest, leaves only round-off, the result is at most kNoForce.
         double residual() const
         {
             const double noise = kNoForce * stiffest_ * std::max(reach_, largest_nodal_norm(u_));
@@ -153,9 +155,9 @@ namespace {
         }
 
     private:
-        static constexpr double kNoForce = 1e-12; ///< relative, round-off: no smaller residual is asked for
+        static constexpr double kNoForce = 1e-12; ///< relative round-off; no smaller residual is requested
 
-        /// Not foretold where surfaces meet: it is Newton's to bring down.
+        /// Contact energy is excluded from the prediction; Newton's method reduces it.
         double contact_energy(const Eigen::VectorXd& u) const
         {
             return body_.contact() != nullptr ? body_.contact()->energy(u) : 0.0;
@@ -168,13 +170,13 @@ namespace {
             return kRoundOff * (stiffest_ * size * size + std::abs(state_.energy));
         }
 
-        /// One Newton step; false when no descent is found.
+        /// Makes one Newton step. @return false when no descent is found
         bool step()
         {
             Eigen::VectorXd r = state_.forces;
             solver_.mask(r);
-            // A coarse linear solve is enough far from rest; near it, two digits per Newton step [Eisenstat, Walker
-            // 1996].
+            // Far from rest a coarse linear solve is sufficient; near rest a step gains two digits (Eisenstat, Walker
+            // 1996).
             const double forcing = std::clamp(result_.residual, 1e-2, 0.1);
             const Eigen::VectorXd du = solve(-r, forcing);
             ++result_.newton_iterations;
@@ -184,7 +186,7 @@ namespace {
         bool search(const Eigen::VectorXd& du, double slope)
         {
             constexpr double kArmijo = 1e-4, kShortest = 1e-4;
-            const double noise = 1e-13 * std::abs(state_.energy); // below it energies cannot be told apart
+            const double noise = 1e-13 * std::abs(state_.energy); // energies closer than this cannot be distinguished
             if (!(slope < 0.0))
                 return false;
             for (double length = 1.0; length > kShortest; length *= 0.5) {
@@ -201,8 +203,8 @@ namespace {
             return false;
         }
 
-        /// A stiffness that was lifted is too stiff: its steps are too short. Goes where a parabola through the
-        /// energies puts the minimum, when that is well beyond the full step and really lower.
+        /// A lifted stiffness is too stiff and its steps are too short. This function goes to the minimum of a parabola
+        /// through the energies when the minimum lies well beyond the full step and the energy there is lower.
         void lengthen(const Eigen::VectorXd& du, double slope, Eigen::VectorXd& u, ElasticBody::Response& there)
         {
             constexpr double kWorthATry = 1.5, kFarthest = 4.0;
@@ -220,9 +222,9 @@ namespace {
             }
         }
 
-        /// Conjugate gradients with the true stiffness, lifted as little as makes it positive definite along the way,
-        /// and the factor at hand; with a new factor, of the projected stiffness, when they take longer than that is
-        /// worth.
+        /// Solves by conjugate gradients with the true stiffness and the present factor. The stiffness is lifted by the
+        /// smallest share that makes it positive definite along the way. When the iterations cost more than a
+        /// factorisation, the projected stiffness is factored anew.
         Eigen::VectorXd solve(const Eigen::VectorXd& b, double tolerance)
         {
             if (body_.model() == Elasticity::hyperelastic) {
@@ -251,9 +253,10 @@ namespace {
             }
         }
 
-        /// Factorises the true stiffness where it is positive definite, else the least lifted one that is. At a stable
-        /// equilibrium the whole is positive definite though elements are not, and Newton converges quadratically;
-        /// conjugate gradients on the factor of the lifted stiffness need hundreds of iterations there.
+        /// Factors the true stiffness where it is positive definite, else the stiffness with the smallest sufficient
+        /// lift. At a stable equilibrium the whole matrix is positive definite although elements are not, and Newton's
+        /// method converges quadratically. Conjugate gradients on the factor of the lifted stiffness need hundreds of
+        /// iterations there.
         const BlockMatrix& factorise_least_lifted()
         {
             constexpr double kLeast = 1.0 / 64.0, kFactor = 4.0;
@@ -315,11 +318,11 @@ namespace {
         const Job& job_;
         Equilibrium& result_;
         bool& assembled_;
-        double stiffest_; ///< N/mm
-        double reach_ = 0.0; ///< mm: how far from rest a start was
-        double largest_load_ = 0.0; ///< N, on a node
+        double stiffest_; ///< largest diagonal entry of the stiffness, N/mm
+        double reach_ = 0.0; ///< mm: largest displacement of a start state
+        double largest_load_ = 0.0; ///< largest nodal load, N
         Eigen::VectorXd u_;
-        double lift_ = 0.0; ///< share of negative curvature taken out of the stiffness last
+        double lift_ = 0.0; ///< share of the negative eigenvalues that was last removed from the element stiffness
         ElasticBody::Response state_;
     };
 
@@ -339,30 +342,30 @@ namespace {
     }
 
     struct StepLimits {
-        double tolerance; ///< of a state on the way
-        int iterations; ///< for it
+        double tolerance; ///< of an intermediate state
+        int iterations; ///< of an intermediate state
         int last_iterations; ///< at the full load
-        double smallest; ///< step, as a share of the full one
-        bool must_rest; ///< states on the way must be at rest
+        double smallest; ///< smallest step, as a share of the full step
+        bool must_rest; ///< intermediate states must be at rest
     };
 
     StepLimits step_limits(const ElasticBody& body, const EquilibriumOptions& options, const Eigen::VectorXd& u)
     {
         constexpr int kIterationsOnTheWay = 4, kIterationsUnderLoad = 15;
-        constexpr int kMoreInContact = 4; // points come into touch and leave it: Newton finds that out one by one
+        constexpr int kMoreInContact = 4; // Newton's method finds one by one which points touch
         const bool touches = body.contact() != nullptr && body.contact()->state(u).touching > 0;
         const int last_iterations = (touches ? kMoreInContact : 1) * options.max_newton_iterations;
         if (body.has_loads())
             return { std::max(1e-4, options.tolerance), std::min(kIterationsUnderLoad, options.max_newton_iterations),
                 last_iterations, 1.0 / 64.0, true };
-        if (touches) // the pairs must be of a state at rest
+        if (touches) // the pairs must belong to a state at rest
             return { std::max(1e-2, options.tolerance), std::min(kIterationsUnderLoad, options.max_newton_iterations),
                 last_iterations, 1.0 / 64.0, false };
         return { std::max(0.05, options.tolerance), std::min(kIterationsOnTheWay, options.max_newton_iterations),
             options.max_newton_iterations, 1.0 / 16.0, false };
     }
 
-    /// @param of what was raised from `found` to `missed`, shares of it
+    /// @param of the quantity that rose from the share `found` to the share `missed`
     std::string no_equilibrium(const std::string& of, double found, double missed)
     {
         const auto percent = [](double share) { return formatted("%.4g %%", 100.0 * share); };
@@ -385,8 +388,8 @@ namespace {
             "what is held meets what is held at %.4g %% of its motion, and goes no farther", 100.0 * share);
     }
 
-    /// Load steps: full ones, halved where Newton finds no way on. A state on the way only has to be a good place to go
-    /// on from: a few iterations are spent on it, and what is left is left to the next.
+    /// Makes full load steps, and halves a step where Newton's method fails. An intermediate state is only a start for
+    /// the next step: it takes a few iterations, and the next step removes its residual.
     void load_in_steps(ElasticBody& body, Newton& newton, const Eigen::VectorXd& motion,
         const std::vector<std::uint8_t>& prescribed, const EquilibriumOptions& options, const Job& job,
         Equilibrium& result)
@@ -398,10 +401,11 @@ namespace {
             body.set_load_share(loads_before + share * (1.0 - loads_before));
             newton.start_from(u);
         };
-        /// From the state at rest before a step that failed; it is kept.
+        /// Tests whether the loads alone have an equilibrium, from the state at rest before the step that failed. The
+        /// state is kept.
         const auto loads_rest_alone = [&](double share, const Eigen::VectorXd& u, const StepLimits& limits) {
             if (loads_before == 1.0)
-                return Newton::Outcome::converged; // they are all on it
+                return Newton::Outcome::converged; // all loads act already
             put_loads(share, u);
             const auto outcome = newton.move(Eigen::VectorXd::Zero(u.size())) == 0.0
                 ? Newton::Outcome::failed
@@ -418,7 +422,7 @@ namespace {
             const Eigen::VectorXd saved = newton.displacement();
             (void)newton.renew_contact();
             const StepLimits limits = step_limits(body, options, saved);
-            bool blocked = false; // a step that is cut short where hooks meet
+            bool blocked = false; // the step is cut short where hooks meet
             if (body.contact() != nullptr)
                 if (const double free = body.contact()->free_share(saved, (next - result.load) * motion, prescribed);
                     free < 1.0) {
@@ -466,7 +470,7 @@ namespace {
             else if (!give_up || !newton.displacement().allFinite() || !newton.forces().allFinite())
                 newton.start_from(saved);
             else
-                result.load = next; // the best there is: at the load asked for, at rest only in part
+                result.load = next; // the best state so far: at the requested load, not fully at rest
             if (give_up) {
                 result.status = EquilibriumStatus::not_converged;
                 if (!limits.must_rest)

@@ -1,24 +1,32 @@
 #pragma once
 // Static equilibrium of an elastic body under prescribed displacements, by bounded load steps and Newton's method.
+// Units mm, N, MPa.
 //
-// Each load step starts from a linearised solve with a fresh factor of the projected stiffness, which spreads the new
-// motion over the body; where the energy grows much more than that foretold (stiff bone that turns comes out
-// stretched), half the motion is made, and so on. Then Newton by truncated conjugate gradients with the true stiffness,
-// the step's factor as preconditioner and Armijo line search on the energy. Where a direction of negative curvature is
-// met [Steihaug 1983], negative eigenvalues of the element stiffness are lifted by a growing share until there is none:
-// the true stiffness alone ends in tiny steps (nearly incompressible tissue under tension is full of negative
-// curvature), the projected one alone is too stiff and crawls.
-// Hyperelastic bodies: the true stiffness is factorised at each step where the whole is positive definite, else the
-// least lifted one.
-// A body with loads (ElasticBody::set_loads) is given them in the same steps. There each state on the way is brought to
-// rest, for the loads may have no equilibrium: then the step is halved, down to 1/64, and the result says above which
-// share of the loads none was found, and whether it is for the loads or for what is prescribed. The part of follower
-// loads that has no energy is renewed at each Newton step. Contact (ElasticBody::set_contact): surfaces are paired
-// before each step and after each equilibrium, until the pairs stay as they are; after six rounds points that have a
-// face keep it, for on rough surfaces two sets of pairs can lead to each other's equilibrium without end. Linear bodies
-// take steps then too. What is prescribed is not held apart by forces: where it meets itself or a fixed surface the
-// motion ends, not converged, and the message says at which share. Without loads, states on the way need four
-// iterations at most, the last one max_newton_iterations at most: the work is bounded. Units mm, N, MPa.
+// Load steps. A step starts from a linearised solve with a fresh factor of the projected stiffness, which spreads the
+// new motion over the body. Where the energy grows much more than this solve predicts (turning bone comes out
+// stretched), half of the motion is made, and so on.
+//
+// Newton's method. Directions come from truncated conjugate gradients with the true stiffness; the factor of the step
+// is the preconditioner, and an Armijo line search on the energy shortens the direction. At a direction of negative
+// curvature (Steihaug 1983), the negative eigenvalues of the element stiffness are raised by a growing share until no
+// such direction is left. The true stiffness alone ends in tiny steps, since nearly incompressible tissue under tension
+// is full of negative curvature; the projected stiffness alone is too stiff and converges slowly. Hyperelastic bodies
+// factor the true stiffness at each Newton step where the whole matrix is positive definite, else the stiffness with
+// the smallest sufficient share.
+//
+// Work. Without loads, an intermediate state takes at most four Newton iterations and the last state at most
+// max_newton_iterations.
+//
+// Loads (ElasticBody::set_loads) rise in the same steps. Each intermediate state is then brought to rest, since the
+// loads may have no equilibrium. Without an equilibrium the step is halved, down to 1/64. The result then says above
+// which share of the loads no equilibrium was found, and whether the loads or the prescribed motion are the cause. The
+// part of follower loads that has no energy is renewed at each Newton step.
+//
+// Contact (ElasticBody::set_contact). Surfaces are paired before each step and after each equilibrium, until the pairs
+// no longer change. After six rounds, points that have a face keep this face: on rough surfaces two sets of pairs can
+// lead to each other's equilibrium without end. Linear bodies with contact take load steps too. Contact forces do not
+// separate prescribed nodes. Where these meet each other or a fixed surface, the motion ends without convergence, and
+// the message names the share of the motion.
 
 #include "fem/linear_algebra/constrained_solver.h"
 #include "fem/model/elastic_body.h"
@@ -34,9 +42,9 @@
 namespace retractor::fem {
 
 struct EquilibriumOptions {
-    int load_steps = 4; ///< at least as many
-    double load_step_mm = 3.0; ///< and none that moves a node farther
-    int max_newton_iterations = 40; ///< at full load; the states on the way take a few each
+    int load_steps = 4; ///< least number of load steps
+    double load_step_mm = 3.0; ///< longest motion of a node in one step
+    int max_newton_iterations = 40; ///< at full load; intermediate states take a few iterations
     double tolerance = 1e-5; ///< largest residual force of a free node over the largest force or load of any node
     double load_at_start = 0.0; ///< share of the body's loads that acts on the start state
 };
@@ -45,26 +53,29 @@ enum class EquilibriumStatus { converged, not_converged, cancelled };
 
 struct [[nodiscard]] Equilibrium {
     EquilibriumStatus status = EquilibriumStatus::converged;
-    Eigen::VectorXd displacement; ///< three per node; finite whatever the status
-    Eigen::VectorXd forces; ///< internal forces there less the loads: on prescribed unknowns, what holds them
+    Eigen::VectorXd displacement; ///< three per node; finite for every status
+    /// Internal forces less the loads at this state; on prescribed unknowns, the forces of their supports.
+    Eigen::VectorXd forces;
     double load = 0.0; ///< share of the prescribed displacement and of the loads that was reached
-    bool none_found = false; ///< not converged: under loads, for want of an equilibrium (what is held has met nothing)
-    /// Under loads, not converged: from the last state at rest, the loads of the step that failed came to rest while
-    /// what is prescribed stood still. It is its motion, then, that finds none.
+    /// Not converged because no equilibrium was found under loads; prescribed nodes have met nothing.
+    bool none_found = false;
+    /// Set when the solve under loads did not converge: starting from the last state at rest, the loads of the failed
+    /// step found an equilibrium while the prescribed nodes stood still. The motion of these nodes is then the cause.
     bool loads_rest_alone = false;
-    std::string message {}; ///< why it is not converged, where there is more to say than the residual
-    double residual = 0.0; ///< as in EquilibriumOptions::tolerance
+    std::string message {}; ///< why the solution did not converge, where more is known than the residual
+    double residual = 0.0; ///< as EquilibriumOptions::tolerance
     int newton_iterations = 0, factorisations = 0, solver_iterations = 0;
     double assemble_seconds = 0.0, factor_seconds = 0.0, solve_seconds = 0.0;
 };
 
-/// Keeps the ordering from one call to the next, while the same unknowns are prescribed.
+/// Finds equilibria. The ordering is kept from call to call while the same unknowns are prescribed.
 class EquilibriumSolver {
 public:
-    /// Moves the body from `start` until `prescribed` unknowns stand at `target`. A linear body takes one linear solve.
-    /// @param prescribed one per unknown, 1 = prescribed.
+    /// Moves the body from `start` until the prescribed unknowns have their `target`. A linear body without contact
+    /// takes one linear solve.
+    /// @param prescribed one flag per unknown, 1 = prescribed
     /// @throws SolverError when the stiffness is not positive definite, InputError when the energy of `start` is not
-    /// finite.
+    /// finite
     Equilibrium solve(ElasticBody& body, const std::vector<std::uint8_t>& prescribed, const Eigen::VectorXd& target,
         const Eigen::VectorXd& start, const EquilibriumOptions& options, const Job& job);
 

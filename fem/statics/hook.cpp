@@ -30,7 +30,7 @@ namespace {
 
         bool covers(const Vec3& p) const
         {
-            constexpr double kRoundOff = 1e-9; // a node on the rim of the patch is under it
+            constexpr double kRoundOff = 1e-9; // includes nodes on the border of the patch
             const Vec3 d = p - centre;
             const double reach = 2.0 * std::max(half_width, half_height);
             return std::abs(d.dot(along)) <= half_width * (1.0 + kRoundOff)
@@ -55,7 +55,7 @@ namespace {
         return { centre, unit_along, unit_normal.cross(unit_along), unit_normal, 0.5 * width, 0.5 * height };
     }
 
-    /// Twice the area of the largest triangle found from the two nodes furthest apart: zero for nodes on a line.
+    /// Whether some node lies off the line through the first node and the node farthest from the first node.
     bool spans_a_plane(const mesh::TetMesh& mesh, const std::vector<VertexId>& nodes)
     {
         if (nodes.size() < 3)
@@ -65,7 +65,7 @@ namespace {
         for (const VertexId v : nodes)
             if ((point_at(mesh.vertices, v) - a).squaredNorm() > far.squaredNorm())
                 far = point_at(mesh.vertices, v) - a;
-        constexpr double kOnLine = 1e-6; // relative distance from the line
+        constexpr double kOnLine = 1e-6; // distance from the line, relative to the length
         return std::any_of(nodes.begin(), nodes.end(),
             [&](VertexId v) { return far.cross(point_at(mesh.vertices, v) - a).norm() > kOnLine * far.squaredNorm(); });
     }

@@ -15,9 +15,9 @@ namespace retractor::fem {
 
 namespace {
 
-    constexpr double kSoftest = 1e-6; // of the stiffest mode of the hooks
+    constexpr double kSoftest = 1e-6; // relative to the stiffest mode of the hooks
 
-    /// Where x >= 0 makes x^T H x / 2 + c^T x lowest: from a given x, by an active set. H is lifted by round-off.
+    /// Minimises x^T H x / 2 + c^T x over x >= 0 by an active set, from a given x. H is raised by round-off.
     Eigen::VectorXd lowest_over_positive(Eigen::MatrixXd H, const Eigen::VectorXd& c, Eigen::VectorXd x)
     {
         constexpr double kLift = 1e-13;
@@ -26,7 +26,8 @@ namespace {
         for (Eigen::Index i = 0; i < x.size(); ++i)
             if (x[i] > 0.0)
                 free.push_back(i);
-        const int most = 10 * static_cast<int>(x.size()) + 10; // round-off can free and stop one in turns
+        // Bounds the turns, since round-off can free and stop the same unknown in turns.
+        const int most = 10 * static_cast<int>(x.size()) + 10;
         for (int turn = 0; turn < most; ++turn) {
             if (!free.empty()) {
                 const Eigen::MatrixXd of_free = H(free, free);
@@ -55,11 +56,11 @@ namespace {
         return x;
     }
 
-    /// Hooks that are drawn to somewhere. A hook's force f gives its slip, target - d = (1 / grip + rho) f, where
-    /// rho >= 0 is just as large as keeps |f| within its limit. So f = (1 + R M)^-1 f_0, with M = 1 / grip + rho and
-    /// f_0 the forces with all at their targets. What rho makes lowest is the dual of the hooks' energy: smooth and
-    /// convex, in one unknown per hook that may yield, its slope (limit^2 - |f|^2) / 2, its curvature F^T (1 + R M)^-1
-    /// R F with each hook's force in a column of F.
+    /// The hooks that move to a target. The force f of a hook gives its slip, target - d = (1 / grip + rho) f, where
+    /// rho >= 0 is the smallest number that keeps |f| within the limit. Hence f = (1 + R M)^-1 f_0, with M = 1 / grip +
+    /// rho and f_0 the forces with all hooks at their targets. rho minimises the dual of the hooks' energy. The dual is
+    /// smooth and convex, in one unknown per hook that may yield; its slope is (limit^2 - |f|^2) / 2, its curvature F^T
+    /// (1 + R M)^-1 R F, with the force of each hook in a column of F.
     class YieldSearch {
     public:
         YieldSearch(const Eigen::MatrixXd& R, Eigen::VectorXd at_targets, const std::vector<HookDrive>& drives)
@@ -76,14 +77,14 @@ namespace {
             rho_ = Eigen::VectorXd::Zero(count());
         }
 
-        /// Newton's method over rho >= 0, each step shortened until the energy falls enough. It is strictly convex, so
-        /// that this ends at its lowest point from anywhere. From rho = 0, where stiff tissue's forces are many times
-        /// the limit, a step makes it half as large again.
-        /// @return false where round-off leaves no digits, R is not positive definite or numbers are NaN.
+        /// Newton's method over rho >= 0; each step is shortened until the energy falls enough. The energy is strictly
+        /// convex, so the method ends at its minimum from any start. Where the forces of stiff tissue are many times
+        /// the limit, a step from a small rho enlarges rho by half.
+        /// @return false where round-off leaves no digits, R is not positive definite, or numbers are NaN
         bool search()
         {
-            constexpr int kSearchSteps = 400; // forces 1e9 times the limit take some 60
-            constexpr double kExact = 1e-13, kRoundOff = 1e-6; // of a limit
+            constexpr int kSearchSteps = 400; // forces of 1e9 times the limit take about 60 steps
+            constexpr double kExact = 1e-13, kRoundOff = 1e-6; // relative to a limit
             if (!forces(rho_, force_))
                 return false;
             double off = off_limits();
@@ -91,7 +92,8 @@ namespace {
                 if (!newton_step())
                     break;
                 const double was = std::exchange(off, off_limits());
-                if (was <= kRoundOff && !(off < 0.5 * was)) // near the end each step squares it: this is round-off
+                // Steps near the end square the error; a slower step is round-off.
+                if (was <= kRoundOff && !(off < 0.5 * was))
                     break;
             }
             return off <= kRoundOff;
@@ -110,7 +112,7 @@ namespace {
     private:
         struct Limited {
             std::size_t hook = 0;
-            Eigen::Index at = 0; ///< its first row
+            Eigen::Index at = 0; ///< first row of the hook
             double limit_N = 0.0;
         };
 
@@ -135,7 +137,7 @@ namespace {
             return found.allFinite();
         }
 
-        /// How far the worst force is from what its limit wants, in limits.
+        /// Largest deviation of a force from its limit, relative to the limit.
         double off_limits() const
         {
             double worst = 0.0;
@@ -172,7 +174,7 @@ namespace {
                 there = share == 1.0 ? to : Eigen::VectorXd(rho_ + share * way);
                 if (!forces(there, force))
                     continue;
-                double change = 0.0; // of the energy: exact, and no difference of large numbers
+                double change = 0.0; // of the energy, computed without a difference of large numbers
                 for (Eigen::Index i = 0; i < count(); ++i) {
                     const double limit = limited(i).limit_N;
                     const Vec3 new_force = force.segment<3>(limited(i).at);
@@ -190,7 +192,7 @@ namespace {
         const Eigen::MatrixXd& R_;
         Eigen::VectorXd at_targets_, grip_, rho_, force_;
         std::vector<Limited> may_yield_;
-        Eigen::PartialPivLU<Eigen::MatrixXd> factor_; ///< of 1 + R M at the last forces()
+        Eigen::PartialPivLU<Eigen::MatrixXd> factor_; ///< of 1 + R M at the last call of forces()
     };
 
     bool good(double positive) { return positive > 0.0; } // false for NaN
@@ -229,10 +231,10 @@ void check_drive(const HookDrive& drive, const std::string& name)
 
 HookRest rest_of_hooks(const Eigen::MatrixXd& R, const Eigen::VectorXd& r, const std::vector<HookDrive>& drives)
 {
-    std::vector<Eigen::Index> forced, drawn; // rows
+    std::vector<Eigen::Index> forced, drawn; // rows of hooks with a force, and of hooks with a target
     std::vector<HookDrive> drawing;
     std::vector<std::size_t> hook_of_drawing;
-    Eigen::VectorXd given = Eigen::VectorXd::Zero(r.size()); // a force, or a target
+    Eigen::VectorXd given = Eigen::VectorXd::Zero(r.size()); // per row: the force or the target
     for (std::size_t h = 0; h < drives.size(); ++h) {
         const auto at = 3 * static_cast<Eigen::Index>(h);
         given.segment<3>(at) = drives[h].force_N.value_or(drives[h].displacement);
@@ -244,7 +246,8 @@ HookRest rest_of_hooks(const Eigen::MatrixXd& R, const Eigen::VectorXd& r, const
         hook_of_drawing.push_back(h);
     }
     HookRest rest { .displacement = given, .yielded = std::vector<bool>(drives.size(), false) };
-    // Hooks that pull with a given force go along: what the others see is stiffness without them.
+    // Hooks with a given force move freely under this force. The other hooks therefore feel the stiffness with the
+    // force-driven hooks condensed.
     Eigen::MatrixXd seen = R(drawn, drawn);
     Eigen::VectorXd offset = r(drawn);
     Eigen::LLT<Eigen::MatrixXd> free;

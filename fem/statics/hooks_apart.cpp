@@ -15,7 +15,8 @@ namespace retractor::fem {
 
 namespace {
 
-    /// A hook's patch as a disc: middle, radius, outward unit normal of the surface it lies on (zero: on none).
+    /// The patch of a hook as a disc: middle, radius, and outward unit normal of the surface under the patch (zero
+    /// without surface).
     struct PatchPlane {
         Vec3 middle = Vec3::Zero(), normal = Vec3::Zero();
         double radius = 0.0;
@@ -43,7 +44,7 @@ namespace {
             planes[static_cast<std::size_t>(hook)].normal += area_vector(mesh.vertices, corners);
         }
         for (PatchPlane& plane : planes)
-            plane.normal.normalize(); // leaves zero as it is
+            plane.normal.normalize(); // a zero vector stays zero
         return planes;
     }
 
@@ -55,7 +56,7 @@ namespace {
 
     Eigen::Index row_of(std::size_t hook) { return 3 * static_cast<Eigen::Index>(hook); }
 
-    /// The way of all hooks, three unknowns each, along which a pair parts.
+    /// The direction, in the unknowns of all hooks, that separates a pair.
     Eigen::VectorXd parting(const FacingHooks& pair, Eigen::Index unknowns)
     {
         Eigen::VectorXd way = Eigen::VectorXd::Zero(unknowns);
@@ -69,7 +70,7 @@ namespace {
         return crossing_mm(pair, d.segment<3>(row_of(pair.a)), d.segment<3>(row_of(pair.b)));
     }
 
-    /// Hooks that prescribe where they go, kept apart from each other. @return the pairs that were drawn back.
+    /// Separates hooks that prescribe their displacement. @return the pairs that were moved back
     std::vector<FacingHooks> draw_prescribed_back(std::span<const FacingHooks> facing, std::vector<HookDrive>& drives)
     {
         std::vector<FacingHooks> both;
@@ -85,9 +86,9 @@ namespace {
         return met;
     }
 
-    /// Contact of hooks that a force, a grip or a limit holds: a spring between the planes of the pairs that press,
-    /// stiff against the tissue, and the force that it bears added to what the next solution starts from, which takes
-    /// what is left of the crossing off (augmented Lagrangian: Nocedal, Wright, Numerical Optimization, 17.4).
+    /// Contact of hooks that a force, a grip or a limit controls (augmented Lagrangian: Nocedal, Wright 2006, Numerical
+    /// Optimization, 17.4). A stiff spring acts between the planes of each pair that presses. The force of the spring
+    /// is added to the start of the next solution, which removes the rest of the overlap.
     class PressingPairs {
     public:
         PressingPairs(const Eigen::MatrixXd& R, std::vector<FacingHooks> pairs)
@@ -95,7 +96,8 @@ namespace {
             , presses_(pairs_.size(), 0)
             , ahead_mm_(pairs_.size(), 0.0)
         {
-            constexpr double kStiff = 1e4; // more loses digits of the tissue, less takes more rounds
+            // A larger factor loses digits of the tissue, a smaller factor takes more rounds.
+            constexpr double kStiff = 1e4;
             if (!pairs_.empty())
                 spring_ = kStiff * R.diagonal().maxCoeff();
         }
@@ -111,7 +113,7 @@ namespace {
             }
         }
 
-        /// @return whether the same pairs press as before.
+        /// Updates which pairs press. @return whether the same pairs press as before
         bool stay(const Eigen::VectorXd& d)
         {
             bool same = true;
@@ -126,10 +128,10 @@ namespace {
             return same;
         }
 
-        /// @return whether none has passed through the other any more.
+        /// Adds the spring forces. @return whether no pair overlaps any more
         bool press_on(const Eigen::VectorXd& d)
         {
-            constexpr double kRoundOff = 100.0; // forces that keep to limits are known less well than ways
+            constexpr double kRoundOff = 100.0; // forces at their limits are less exact than displacements
             bool apart = true;
             for (std::size_t i = 0; i < pairs_.size(); ++i) {
                 if (presses_[i] == 0)
@@ -151,7 +153,7 @@ namespace {
     private:
         std::vector<FacingHooks> pairs_;
         std::vector<char> presses_;
-        std::vector<double> ahead_mm_; ///< per pair: the force so far, over the spring
+        std::vector<double> ahead_mm_; ///< per pair: accumulated force divided by the spring stiffness
         double spring_ = 0.0; ///< N/mm
     };
 
@@ -164,7 +166,8 @@ std::vector<FacingHooks> facing_hooks(const mesh::TetMesh& mesh, std::span<const
         return facing;
     const std::vector<PatchPlane> planes = patch_planes(mesh, hooks);
     constexpr double kFacing = -0.5, kRoundOff = 1e-9;
-    constexpr double kOverlap = 0.25; // of the reach: lips that are bent; farther behind each other, tissue is between
+    // Relative to the reach, for bent lips; with a larger overlap there is tissue between the hooks.
+    constexpr double kOverlap = 0.25;
     for (std::size_t a = 0; a < hooks.size(); ++a)
         for (std::size_t b = a + 1; b < hooks.size(); ++b) {
             if (hooks[a].side * hooks[b].side >= 0 || planes[a].normal.dot(planes[b].normal) > kFacing)
@@ -173,7 +176,7 @@ std::vector<FacingHooks> facing_hooks(const mesh::TetMesh& mesh, std::span<const
             const Vec3 apart = planes[b].middle - planes[a].middle;
             const double gap = apart.dot(normal), reach = planes[a].radius + planes[b].radius;
             if ((apart - gap * normal).norm() > reach || gap > reach || gap < -kOverlap * reach)
-                continue; // they do not face each other
+                continue; // the two patches do not face each other
             facing.push_back({ a, b, normal, std::max(gap, 0.0), kRoundOff * reach });
         }
     return facing;
@@ -199,7 +202,8 @@ void check_hooks_apart(const mesh::TetMesh& mesh, std::span<const HookPatch> hoo
 std::vector<FacingHooks> draw_back(
     std::span<const FacingHooks> facing, std::span<const double> gives_way, std::vector<Vec3>& moved)
 {
-    constexpr int kRounds = 200; // each pair's plane in turn: one round for one pair, some for several
+    // One round treats the pairs in turn; one pair takes one round, several pairs take some.
+    constexpr int kRounds = 200;
     std::vector<char> met(facing.size(), 0);
     bool changed = true;
     for (int round = 0; round < kRounds && changed; ++round) {

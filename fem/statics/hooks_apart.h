@@ -1,6 +1,6 @@
 #pragma once
-// Hooks on facing lips must not be drawn through each other: lips cannot pass. Patches are looked at as planes that
-// move as a whole; what the tissue between hooks does is contact.h's. Units mm, N; frame patient LPS.
+// Keeps hooks on facing lips from passing through each other, since lips cannot pass. A patch counts as a plane that
+// moves rigidly; contact.h covers the tissue between hooks. Units mm, N; frame patient LPS.
 
 #include "fem/statics/boundary_conditions.h"
 #include "fem/statics/hook_drive.h"
@@ -14,38 +14,40 @@
 
 namespace retractor::fem {
 
-/// Two hooks of opposite sides whose patches lie opposite each other at rest.
+/// Two hooks on opposite lips whose patches face each other at rest.
 struct FacingHooks {
-    std::size_t a = 0, b = 0; ///< their places among the hooks
-    Vec3 normal = Vec3::UnitX(); ///< unit, from a's lip to b's
-    double gap_mm = 0.0; ///< between the lips at rest, >= 0
-    double round_off_mm = 0.0; ///< of patches of their size
+    std::size_t a = 0, b = 0; ///< indices of the two hooks
+    Vec3 normal = Vec3::UnitX(); ///< unit vector from the lip of a to the lip of b
+    double gap_mm = 0.0; ///< distance between the lips at rest, >= 0
+    double round_off_mm = 0.0; ///< round-off of distances between patches of this size
 };
 
-/// @pre the hooks' nodes are in the mesh.
+/// Finds the pairs of facing hooks. @pre the hooks' nodes are in the mesh
 std::vector<FacingHooks> facing_hooks(const mesh::TetMesh& mesh, std::span<const HookPatch> hooks);
 
-/// By how far two hooks that have moved so, mm, have passed through each other; negative: what is left between them.
+/// Overlap (mm) of two hooks after these displacements (mm). A negative value is the gap between the hooks.
 double crossing_mm(const FacingHooks& pair, const Vec3& moved_a, const Vec3& moved_b);
 
-/// @throws InputError naming two hooks of opposite sides that would pass through each other, and by how far.
-/// @pre as facing_hooks().
+/// Checks that no hooks pass through each other.
+/// @throws InputError naming two facing hooks that would pass through each other, with the overlap
+/// @pre as facing_hooks()
 void check_hooks_apart(const mesh::TetMesh& mesh, std::span<const HookPatch> hooks);
 
-/// Draws hooks that have passed through each other back to where their lips meet, straight apart: along the lips they
-/// go where they were going.
-/// @param gives_way per hook, >= 0: the shares in which the hooks of a pair are drawn back; both 0: they stay.
-/// @param moved per hook, mm; changed. @return the pairs that were drawn back.
+/// Moves overlapping hooks back along the normal until their lips meet. Displacements along the lips remain.
+/// @param gives_way per hook, >= 0: shares in which the two hooks of a pair move back; a pair with two zeros stays
+/// @param moved displacement per hook, mm; changed
+/// @return the pairs that were moved back
 std::vector<FacingHooks> draw_back(
     std::span<const FacingHooks> facing, std::span<const double> gives_way, std::vector<Vec3>& moved);
 
 struct RestApart {
     HookRest rest;
-    std::vector<FacingHooks> meeting; ///< pairs that hold each other back
+    std::vector<FacingHooks> meeting; ///< pairs of hooks that stop each other
 };
 
-/// rest_of_hooks() with hooks that stop where their lips meet, and press on each other there without friction. Those
-/// that prescribe where they go give way to each other alike. @param R, r as there; not used where all prescribe.
+/// Computes rest_of_hooks() with hooks that stop where their lips meet. Meeting hooks press on each other without
+/// friction. Two hooks that prescribe their displacement move back by equal shares.
+/// @param R, r as in rest_of_hooks(); not used when all hooks prescribe their displacement
 RestApart rest_of_hooks_apart(const Eigen::MatrixXd& R, const Eigen::VectorXd& r, std::vector<HookDrive> drives,
     std::span<const FacingHooks> facing);
 

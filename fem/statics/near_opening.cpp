@@ -11,7 +11,7 @@ namespace retractor::fem {
 
 namespace {
 
-    constexpr int kQuasiNewtonSteps = 10; // of each Newton step allowed, as opening_types.h says
+    constexpr int kQuasiNewtonSteps = 10; // per allowed Newton step, see OpeningOptions::max_newton_iterations
 
     std::vector<HookDrive> targets(std::span<const HookPatch> hooks)
     {
@@ -21,10 +21,10 @@ namespace {
         return to;
     }
 
-    /// How far a hook goes that is driven farthest.
+    /// Displacement of the hook that moves farthest.
     double farthest_way(NonlinearRegion& field, std::span<const HookDrive> from, std::span<const HookDrive> to)
     {
-        constexpr double kNoFartherMm = 150.0; // stiffness at rest says little of where a large force leads
+        constexpr double kNoFartherMm = 150.0; // stiffness at rest predicts large displacements badly
         std::vector<Vec3> foretold;
         if (std::any_of(to.begin(), to.end(), [](const HookDrive& drive) { return drive.force_N.has_value(); }))
             foretold = field.foretold(to);
@@ -82,7 +82,7 @@ namespace {
                     .load = options_.load });
             (void)made.prepare();
             result_.factor_seconds += watch.seconds();
-            record_part(job_, "near field", watch, made.bytes());
+            record_part(job_, "nonlinear region", watch, made.bytes());
             return made;
         }
 
@@ -101,13 +101,14 @@ namespace {
                 return;
             settle(near, dragged);
             if (near.rim_vertices() > 0 && result_.status == OpeningStatus::converged) {
-                near.refresh(); // the factor at hand may be that of rest, and tells too little of stretched tissue
+                near.refresh(); // the present factor may belong to rest and underestimate stretched tissue
                 judge(near.far_change());
             }
             job_.report("opening", 1.0);
         }
 
-        /// Given up, and cancelled before anything came of it: the answer is of a linear far field that is not good.
+        /// Result when the job is cancelled at the moment the linear region is given up: the last state of a linear
+        /// region that is not good enough.
         void stop_before_whole()
         {
             result_.far.reset();
@@ -118,8 +119,9 @@ namespace {
             result_.residual = from_.residual;
         }
 
-        /// What a linear far field is off grows with the way. Where it is going to be off by much, what is made of the
-        /// way is kept, and all is nonlinear from there on.
+        /// Decides after a step whether the linear region can stay. Its error grows with the displacement of the hooks.
+        /// Where the final error would be far above the limit, the present state is kept and the rest is computed
+        /// nonlinearly everywhere.
         bool worth_going_on(const FarChange& change, const NearFrame& frame, double share)
         {
             constexpr double kHopeless = 15.0;
@@ -160,7 +162,8 @@ namespace {
             settle(whole, dragged);
         }
 
-        /// At rest or not: where they were cancelled on their way, the hooks are not where they should be.
+        /// Brings the body to equilibrium. After a cancelled drag the hooks are not at their targets, even in
+        /// equilibrium.
         void settle(NonlinearRegion& field, const NearFrame& dragged)
         {
             const bool on_the_way = job_.cancelled();
@@ -191,8 +194,8 @@ namespace {
         const OpeningOptions& options_;
         const Job& job_;
         std::vector<HookDrive> to_;
-        NearFrame from_; ///< the last state at which far elements were as they should be
-        double share_ = 0.0; ///< of the hooks' way that it is at
+        NearFrame from_; ///< the last state with valid far elements
+        double share_ = 0.0; ///< share of the hooks' motion at this state
         NearFrame settled_;
         OpeningResult result_;
         Stopwatch watch_;

@@ -1,7 +1,8 @@
 #pragma once
-// Openings whose far field is linear (nonlinear_region.h), as plans want them: drawn from rest, brought to equilibrium,
-// and with the linear far field judged. Where ribs swing it is wrong by much, and may even turn elements over; there
-// the whole is solved nonlinearly from where it was still good. Units mm, N.
+// Opening with a nonlinear region near the wound and linear tissue beyond (nonlinear_region.h), for plans. The hooks
+// are drawn from rest, the body comes to equilibrium, and the error of the linear region is estimated. Where ribs
+// swing, the linear region has a large error and elements may turn over. The whole body is then solved nonlinearly,
+// from the last good state. Units mm, N.
 
 #include "fem/material/material.h"
 #include "fem/statics/boundary_conditions.h"
@@ -16,21 +17,26 @@
 
 namespace retractor::fem {
 
-/// Hooks drawn in steps, as a hand would: tissue that has more than one rest comes to the one on the way.
+/// Draws hooks in steps, as a hand would. Tissue with more than one equilibrium then reaches the equilibrium on this
+/// path.
 struct DragInSteps {
-    double step_mm = 3.0; ///< the longest; of a hook that a force draws, as foretold at the beginning
+    /// Longest step; for a hook that pulls with a force, measured on the displacement predicted at the start.
+    double step_mm = 3.0;
     int least_steps = 1;
-    double refresh_above = 0.05; ///< residual above which a new factor is made, at most three times a step
-    std::function<bool(const NearFrame& frame, double share)> keep_going {}; ///< asked after each step
+    double refresh_above = 0.05; ///< residual above which the factor is renewed, at most three times per step
+    /// Called after each step; false ends the drag.
+    std::function<bool(const NearFrame& frame, double share)> keep_going {};
 };
 
-/// @param from where the hooks are. Ends where they stop short, where keep_going says no, and when cancelled.
-/// @return the last frame.
+/// Draws the hooks in steps. The drag ends early where the hooks stop short, where keep_going returns false, and when
+/// the job is cancelled.
+/// @param from present drives of the hooks
+/// @return the last frame
 NearFrame drag_in_steps(NonlinearRegion& field, std::span<const HookDrive> from, std::span<const HookDrive> to,
     const DragInSteps& how, const Job& job);
 
-/// Opening::open() for OpeningOptions::near, without what is measured on the deformed elements.
-/// @throws as NonlinearRegion's constructor.
+/// Implements Opening::open() for OpeningOptions::near, without the measures on deformed elements.
+/// @throws as the constructor of NonlinearRegion
 OpeningResult open_near(const mesh::TetMesh& mesh, std::span<const Material> material_of_label,
     const Supports& supports, std::span<const HookPatch> hooks, const OpeningOptions& options, const Job& job);
 

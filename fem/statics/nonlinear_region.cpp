@@ -19,12 +19,13 @@ namespace retractor::fem {
 
 namespace {
 
-    /// Some elements of a mesh with the nodes they use: those of the rim last, else in the mesh's order.
+    /// Some elements of a mesh with their nodes. The nodes of the rim come last; the other nodes keep the order of the
+    /// mesh.
     struct Part {
         mesh::TetMesh mesh;
-        std::vector<VertexId> vertex; ///< per node of the part: of the whole mesh
-        std::vector<VertexId> node; ///< per vertex of the whole mesh: of the part, or -1
-        std::vector<TetId> element; ///< per element of the part: of the whole mesh
+        std::vector<VertexId> vertex; ///< vertex of the whole mesh, per node of the part
+        std::vector<VertexId> node; ///< node of the part, per vertex of the whole mesh, or -1
+        std::vector<TetId> element; ///< element of the whole mesh, per element of the part
     };
 
     Part part_of(const mesh::TetMesh& mesh, const std::vector<std::uint8_t>& near, std::uint8_t which,
@@ -58,7 +59,7 @@ namespace {
         return part;
     }
 
-    /// Free vertices with elements on both sides.
+    /// Free vertices that have elements on both sides of the border.
     std::vector<VertexId> rim_of(
         const mesh::TetMesh& mesh, const std::vector<std::uint8_t>& near, const Prescribed& prescribed)
     {
@@ -86,7 +87,7 @@ namespace {
         return fixed;
     }
 
-    /// Of the bed, what is in this part; the rim's belongs to the near one.
+    /// The bed of this part. The bed of the rim belongs to the near part.
     std::vector<double> bed_of(const std::vector<double>& bed, const Part& part, std::size_t without_last)
     {
         std::vector<double> own;
@@ -103,7 +104,7 @@ namespace {
         if (load.size() == 0)
             return {};
         if (load.size() != 3 * static_cast<Eigen::Index>(vertices))
-            throw InputError("a load has three entries per vertex", "near field");
+            throw InputError("a load has three entries per vertex", "nonlinear region");
         ExternalLoads own { .nodal = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(part.vertex.size())) };
         for (VertexId v = 0; v < static_cast<VertexId>(vertices); ++v) {
             const auto force = load.segment<3>(3 * static_cast<Eigen::Index>(v));
@@ -123,7 +124,7 @@ namespace {
 std::vector<std::uint8_t> elements_near(const mesh::TetMesh& mesh, const Points& points, double distance)
 {
     if (points.rows() == 0 || !points.allFinite() || !(distance > 0.0))
-        throw InputError("elements are near some points, within a positive distance", "near field");
+        throw InputError("elements are near some points, within a positive distance", "nonlinear region");
     std::vector<std::uint8_t> near_vertex(mesh.vertex_count(), 0), near(mesh.tet_count(), 0);
     for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
         near_vertex[static_cast<std::size_t>(v)]
@@ -137,43 +138,43 @@ std::vector<std::uint8_t> elements_near(const mesh::TetMesh& mesh, const Points&
 
 struct NonlinearRegion::State {
     NonlinearRegionOptions options;
-    std::size_t vertices = 0; ///< of the whole mesh
+    std::size_t vertices = 0; ///< number of vertices of the whole mesh
     Part near, far;
     std::size_t rim = 0;
-    std::vector<std::vector<VertexId>> hook_nodes; ///< of the near part
+    std::vector<std::vector<VertexId>> hook_nodes; ///< nodes of each hook in the near part
     std::optional<ElasticBody> body;
-    double largest_load = 0.0; ///< N, on a node
+    double largest_load = 0.0; ///< largest nodal load, N
     std::vector<std::uint8_t> far_fixed; ///< per node of the far part
     std::optional<CondensedRegion> beyond;
-    std::vector<Material> materials; ///< by label
+    std::vector<Material> materials; ///< indexed by label
     std::vector<double> far_bed; ///< per node of the far part, or empty
-    std::optional<ElasticBody> far_body; ///< by its own law; made when first asked for
-    std::vector<std::uint8_t> fixed; ///< per node of the near part, hooks too
+    std::optional<ElasticBody> far_body; ///< the far part with its own law; made when first needed
+    std::vector<std::uint8_t> fixed; ///< per node of the near part, with nodes of hooks included
 
     CondensingSystem system;
     SparseCholesky factor;
-    Eigen::MatrixXd columns; ///< per hook and axis: how the near part follows, by the factor at hand
-    Eigen::MatrixXd far_columns; ///< likewise the far part's forces on the rim
+    Eigen::MatrixXd columns; ///< displacement of the near part per hook and axis, by the present factor
+    Eigen::MatrixXd far_columns; ///< forces of the far part on the rim per hook and axis
     Eigen::MatrixXd hook_stiffness; ///< N/mm, three rows per hook
 
     struct Point {
         Eigen::VectorXd u; ///< three per node of the near part
-        Eigen::VectorXd far_force; ///< of the far part on the rim
+        Eigen::VectorXd far_force; ///< forces of the far part on the rim
         double energy = 0.0;
         Eigen::VectorXd forces;
     } now;
-    std::vector<Vec3> at; ///< the hooks
+    std::vector<Vec3> at; ///< displacement of the hooks, mm
     std::vector<HookDrive> drives;
     std::vector<bool> yielded; ///< per hook
-    std::vector<FacingHooks> facing, meeting; ///< those that can meet, and those that do
-    Eigen::VectorXd last_u, last_far_force; ///< where the last frame began; empty: none
+    std::vector<FacingHooks> facing, meeting; ///< pairs of hooks that can meet, and pairs that meet now
+    Eigen::VectorXd last_u, last_far_force; ///< state at the start of the last frame; empty: none
     std::vector<Vec3> last_at;
     struct Pair {
         Eigen::VectorXd s, y;
         double sy;
     };
     std::deque<Pair> pairs;
-    double lift = 0.0; ///< share of negative curvature taken out of the stiffness last
+    double lift = 0.0; ///< share of the negative eigenvalues that was last removed from the element stiffness
     int iterations = 0, factorisations = 0;
 
     Eigen::Index rim_size() const { return 3 * static_cast<Eigen::Index>(rim); }
@@ -214,12 +215,12 @@ struct NonlinearRegion::State {
 
     double residual() const
     {
-        // Forces are what is left of a load: where only far tissue holds, nothing but the load says how large they are.
+        // Loads reduce the forces on supports. Where only far tissue supports the body, the load alone gives a scale.
         const double scale = std::max(largest_nodal_norm(now.forces), largest_load);
         return scale > 0.0 ? largest_nodal_norm(unbalanced(now)) / scale : 0.0;
     }
 
-    /// Of right sides that have three rows per node; those of nodes that are not free are left out.
+    /// Solves for right sides with three rows per node. Rows of nodes that are not free are ignored.
     Eigen::MatrixXd solve(const Eigen::MatrixXd& b)
     {
         Eigen::MatrixXd packed(3 * static_cast<Eigen::Index>(system.free.size()), b.cols());
@@ -261,8 +262,8 @@ struct NonlinearRegion::State {
         ++factorisations;
     }
 
-    /// Factors the stiffness as it is now, its negative curvature lifted as little as will do: it begins a little below
-    /// what was needed last.
+    /// Factors the present stiffness with the smallest sufficient lift of negative eigenvalues. The search starts a
+    /// little below the last lift.
     void refresh()
     {
         constexpr double kLeast = 1.0 / 64.0, kMore = 4.0;
@@ -326,19 +327,19 @@ struct NonlinearRegion::State {
     void check_drives(std::span<const HookDrive> of_hooks) const
     {
         if (of_hooks.size() != at.size())
-            throw InputError("there are " + std::to_string(at.size()) + " hooks", "near field");
+            throw InputError("there are " + std::to_string(at.size()) + " hooks", "nonlinear region");
         for (std::size_t h = 0; h < of_hooks.size(); ++h)
             check_drive(of_hooks[h], std::to_string(h));
     }
 
-    /// As far as the forces and the stiffness at hand tell.
+    /// Predicts the rest of the hooks from the present forces and stiffness.
     RestApart rest_with(const std::vector<HookDrive>& of_hooks) const
     {
         const Eigen::MatrixXd R = definite(hook_stiffness);
         return rest_of_hooks_apart(R, packed(hook_forces()) - R * packed(at), of_hooks, facing);
     }
 
-    /// Says which have yielded and which meet, too.
+    /// Places where the hooks rest. Also sets which hooks have yielded and which meet.
     std::vector<Vec3> where_hooks_rest()
     {
         RestApart apart = hooks_go_where_told() ? rest_of_hooks_apart({}, {}, drives, facing) : rest_with(drives);
@@ -352,14 +353,14 @@ struct NonlinearRegion::State {
         for (std::size_t h = 0; h < at.size(); ++h)
             if (!drives[h].prescribes())
                 farthest = std::max(farthest, (where[h] - at[h]).norm());
-        constexpr double kFarthestMm = 10.0; // the stiffness foretells no more
+        constexpr double kFarthestMm = 10.0; // the stiffness predicts no farther
         for (std::size_t h = 0; h < at.size() && farthest > kFarthestMm; ++h)
             if (!drives[h].prescribes())
                 where[h] = at[h] + kFarthestMm / farthest * (where[h] - at[h]);
         return where;
     }
 
-    /// The quasi-Newton direction from the pairs at hand.
+    /// The L-BFGS direction from the stored pairs.
     Eigen::VectorXd direction(const Eigen::VectorXd& r)
     {
         Eigen::VectorXd q = -r;
@@ -374,7 +375,7 @@ struct NonlinearRegion::State {
         return d;
     }
 
-    /// One quasi-Newton step. @return false when the energy falls along no direction that is known.
+    /// Makes one quasi-Newton step. @return false when the energy falls along no known direction
     bool iterate()
     {
         constexpr double kArmijo = 1e-4, kShortest = 1e-3, kNoise = 1e-13;
@@ -396,7 +397,8 @@ struct NonlinearRegion::State {
                     pair.sy = pair.s.dot(pair.y);
                     now = std::move(there);
                     ++iterations;
-                    if (pair.sy > 1e-6 * length * -slope * length) { // curvature too small to be told from noise
+                    // A smaller curvature cannot be distinguished from noise.
+                    if (pair.sy > 1e-6 * length * -slope * length) {
                         pairs.push_back(std::move(pair));
                         if (pairs.size() > kPairs)
                             pairs.pop_front();
@@ -410,7 +412,8 @@ struct NonlinearRegion::State {
         }
     }
 
-    /// Moves the hooks by a share of what is asked for, the tissue following as foretold.
+    /// Moves the hooks by a share of `motion`; the tissue follows as predicted.
+    /// @return false when no prediction has a finite energy
     bool move(const std::vector<Vec3>& motion, double share)
     {
         const Eigen::VectorXd step = share * packed(motion);
@@ -434,7 +437,7 @@ struct NonlinearRegion::State {
             }
         }
         ways.push_back(follow(step));
-        std::optional<Point> best; // a frame that is far from rest is not a good guide: what it says is compared
+        std::optional<Point> best; // the prediction with the lowest energy; a frame far from rest predicts badly
         for (const Way& way : ways) {
             Point there
                 = point(now.u + way.u, beyond ? Eigen::VectorXd(now.far_force + way.far_force) : Eigen::VectorXd());
@@ -449,10 +452,10 @@ struct NonlinearRegion::State {
         return true;
     }
 
-    /// Towards these places, with the quasi-Newton steps of a frame. @return whether the hooks are there.
+    /// Moves the hooks towards `target`, with the quasi-Newton steps of a frame. @return whether the hooks have arrived
     bool draw_to(const std::vector<Vec3>& target)
     {
-        constexpr int kParts = 4; // of a motion that cannot be made at once: the frame's work is bounded
+        constexpr int kParts = 4; // most parts of a motion that cannot be made at once; bounds the work of a frame
         constexpr double kSmallest = 1.0 / 16.0;
         for (int part = 0; part < kParts; ++part) {
             std::vector<Vec3> motion;
@@ -470,7 +473,7 @@ struct NonlinearRegion::State {
         return false;
     }
 
-    /// Of both parts, each with its nodes' displacements.
+    /// The displacement of the whole mesh from the displacements of both parts.
     Eigen::VectorXd whole_field(const Eigen::VectorXd& far_u, const Eigen::VectorXd& near_u) const
     {
         Eigen::VectorXd whole = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(vertices));
@@ -504,18 +507,18 @@ struct NonlinearRegion::State {
         }
         const Eigen::VectorXd step = -solve(r);
         change.displacement = whole_field(left ? beyond->field(step.tail(rim_size()), *left) : Eigen::VectorXd(), step);
-        // A force on a free node is borne by the hooks as far as the node follows them [Betti].
+        // By Betti's theorem the hooks bear a force on a free node in proportion to the node's displacement per hook.
         const Eigen::VectorXd borne = columns.transpose() * r;
         for (std::size_t h = 0; h < hook_nodes.size(); ++h)
             change.hook_forces_N[h] = segment(borne, static_cast<VertexId>(h));
         return change;
     }
 
-    /// With the hooks where they are.
+    /// Iterates to equilibrium while the hooks stand still.
     NearStatus come_to_rest(const Job& job)
     {
-        constexpr int kWorthAFactor = 30; // a factor takes as long
-        constexpr std::size_t kSeen = 5; // residuals that a rate is taken from
+        constexpr int kWorthAFactor = 30; // iterations that cost as much as a factor
+        constexpr std::size_t kSeen = 5; // residuals from which the rate is estimated
         std::vector<double> seen;
         bool fresh = false;
         for (int i = 0; i <= options.max_iterations; ++i) {
@@ -532,7 +535,7 @@ struct NonlinearRegion::State {
             }
             if (slow || !iterate()) {
                 if (fresh && !slow)
-                    return NearStatus::not_settled; // no way down even with the factor of this very state
+                    return NearStatus::not_settled; // no descent even with the factor of this state
                 refresh();
                 seen.clear();
                 fresh = true;
@@ -567,17 +570,18 @@ NonlinearRegion::NonlinearRegion(const mesh::TetMesh& mesh, std::span<const Mate
 {
     State& s = *state_;
     if (options.elasticity == Elasticity::linear)
-        throw InputError("the near field is nonlinear: hyperelastic, corotational or bounded", "near field");
+        throw InputError(
+            "the nonlinear region is nonlinear: hyperelastic, corotational or corotational_linear", "nonlinear region");
     if (options.frame_iterations < 1 || options.max_iterations < 1
         || !(options.tolerance > 0.0 && options.tolerance < 1.0))
-        throw InputError("a frame takes at least one step, and the tolerance lies between 0 and 1", "near field");
+        throw InputError("a frame takes at least one step, and the tolerance lies between 0 and 1", "nonlinear region");
     for (HookPatch& hook : hooks)
         hook.displacement.setZero();
     check_problem({ mesh, { material_of_label.begin(), material_of_label.end() }, supports, hooks });
     if (near.size() != mesh.tet_count())
-        throw InputError("a near field needs a flag for each element", "near field");
+        throw InputError("a nonlinear region needs a flag for each element", "nonlinear region");
     if (std::find(near.begin(), near.end(), std::uint8_t { 1 }) == near.end())
-        throw InputError("no element is near", "near field");
+        throw InputError("no element is near", "nonlinear region");
     s.options = options;
     s.options.load.resize(0);
     s.vertices = mesh.vertex_count();
@@ -605,7 +609,7 @@ NonlinearRegion::NonlinearRegion(const mesh::TetMesh& mesh, std::span<const Mate
         std::vector<VertexId> nodes;
         for (const VertexId v : hook.nodes)
             if (prescribed.hook_of_node[static_cast<std::size_t>(v)]
-                == static_cast<int>(s.hook_nodes.size())) // a node of two hooks counts for the first
+                == static_cast<int>(s.hook_nodes.size())) // a node of two hooks belongs to the first
                 nodes.push_back(s.near.node[static_cast<std::size_t>(v)]);
         s.hook_nodes.push_back(std::move(nodes));
     }
@@ -644,13 +648,13 @@ void NonlinearRegion::start_from(const NearFrame& frame)
     State& s = *state_;
     if (frame.displacement.size() != 3 * static_cast<Eigen::Index>(s.vertices)
         || frame.hook_displacements.size() != s.at.size() || !frame.displacement.allFinite())
-        throw InputError("the answer to start from is of another mesh, or not finite", "near field");
+        throw InputError("the answer to start from is of another mesh, or not finite", "nonlinear region");
     Eigen::VectorXd u = Eigen::VectorXd::Zero(s.now.u.size());
     for (std::size_t i = 0; i < s.near.vertex.size(); ++i)
         u.segment<3>(3 * static_cast<Eigen::Index>(i)) = segment(frame.displacement, s.near.vertex[i]);
     State::Point there = s.point(std::move(u));
     if (!std::isfinite(there.energy))
-        throw InputError("the answer to start from turns an element over", "near field");
+        throw InputError("the answer to start from turns an element over", "nonlinear region");
     s.now = std::move(there);
     s.at = frame.hook_displacements;
     s.drives = prescribed_drives(s.at);
@@ -689,7 +693,7 @@ NearFrame NonlinearRegion::settle(const Job& job)
     State& s = *state_;
     const int iterations = s.iterations, factorisations = s.factorisations;
     NearStatus status = s.come_to_rest(job);
-    // Hooks that do not simply go where they are told are drawn on until they stay where they are.
+    // Hooks that do not prescribe their displacement are moved until they stay where they are.
     constexpr int kRounds = 60, kWorthAFactor = 8;
     for (int round = 1; status == NearStatus::settled && !s.hooks_go_where_told(); ++round) {
         const std::vector<Vec3> target = s.where_hooks_rest();

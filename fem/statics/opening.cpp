@@ -38,13 +38,13 @@ namespace {
         if (options.near.empty())
             return;
         if (options.elasticity == Elasticity::linear)
-            throw InputError("nothing is nonlinear near the wound when the elasticity is linear", "near field");
+            throw InputError("nothing is nonlinear near the wound when the elasticity is linear", "nonlinear region");
         if (options.contact || options.locking_free || !options.pressures.empty())
-            throw InputError(std::string("a linear far field goes without ")
+            throw InputError(std::string("a condensed region goes without ")
                     + (options.contact             ? "contact"
                             : options.locking_free ? "locking-free elements"
                                                    : "pressure"),
-                "near field");
+                "nonlinear region");
     }
 
     /// 99th percentile by volume of the strain outside the elements that touch a hook patch.
@@ -67,7 +67,7 @@ namespace {
         return at == order.end() ? 0.0 : d.strain[*at];
     }
 
-    /// @pre result.displacement is set.
+    /// Computes strain and volume ratios. @pre result.displacement is set
     void measure(const ElasticBody& body, const Prescribed& prescribed, OpeningResult& result)
     {
         const mesh::TetMesh& mesh = body.mesh();
@@ -130,8 +130,8 @@ namespace {
         result.message = text.str();
     }
 
-    /// Up to where there was an equilibrium, in what people set pressures in.
-    /// @param held share of the pressures and the hooks' way
+    /// Message: the largest pressure that had an equilibrium, in the unit in which users set pressures.
+    /// @param held share of the pressures and of the hooks' motion
     std::string no_rest_under(
         const std::vector<SurfacePressure>& pressures, double held, bool hooks, bool hooks_are_why)
     {
@@ -170,7 +170,7 @@ struct Opening::State {
     std::vector<double> bed;
     std::unique_ptr<ElasticBody> body; ///< built by the first open()
     EquilibriumSolver solver;
-    Eigen::VectorXd warm; ///< the last converged state; empty: none
+    Eigen::VectorXd warm; ///< last converged displacement; empty: none
 
     void make_body(const Job& job);
     OpeningResult open_all(const Prescribed& prescribed, std::size_t hooks, const Job& job);
@@ -248,7 +248,7 @@ OpeningResult Opening::open(std::span<const HookPatch> hooks, const Job& job)
 {
     State& s = *state_;
     const Prescribed prescribed = prescribe(s.mesh, s.supports, hooks);
-    if (!s.options.contact) // else it lets them meet and go no farther
+    if (!s.options.contact) // contact lets hooks meet and stops them there
         check_hooks_apart(s.mesh, hooks);
     std::vector<VertexId> held = prescribed.nodes;
     for (const BeddedVertex& bedded : s.supports.bedded)

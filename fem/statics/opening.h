@@ -1,15 +1,18 @@
 #pragma once
-// Pulling a wound open: quasi-static elasticity on the cut wall with hooks as rigid patches.
-// Units mm, N, MPa; frame patient LPS.
+// Opens a wound: quasi-static elasticity of the cut wall with hooks as rigid patches. Units mm, N, MPa; frame patient
+// LPS.
 //
-// Linear: small-strain isotropic elasticity. Corotational: the fixed-corotated energy
-// mu |F - R|^2 + lambda/2 (det F - 1)^2 [Stomakhin et al. 2012, eq. 4.2], whose linearisation is the linear model, with
-// a penalty on tissue crushed below half its volume (elasticity.h); Newton-CG with line search and load steps
-// (equilibrium.h), so that large hook displacements neither swell nor invert the tissue. Hyperelastic: the materials'
-// own laws, neo-Hookean where they have none (hyperelasticity.h); no step of the solver turns an element over.
+// - Linear: small-strain isotropic elasticity.
+// - Corotational: the fixed-corotated energy mu |F - R|^2 + lambda/2 (det F - 1)^2 (Stomakhin and others 2012, eq.
+// 4.2), whose linearisation is the linear model, with a penalty on tissue crushed below half its volume (elasticity.h).
+// Newton-CG with line search and load steps (equilibrium.h) solves the problem, so that large hook displacements
+// neither swell nor invert the tissue.
+// - Hyperelastic: the laws of the materials, neo-Hookean by default (hyperelasticity.h). No step of the solver turns an
+// element over.
 //
-// Four-node elements lock above nu of about 0.49: there take locking-free ones or ten-node ones (with_midpoints).
-// Nonlinear near the wound and linear beyond, as far as that is right: OpeningOptions::near (near_opening.h).
+// Four-node elements lock above a Poisson's ratio of about 0.49; use locking-free elements or ten-node elements
+// (with_midpoints) there. OpeningOptions::near computes tissue near the wound nonlinearly and tissue beyond linearly,
+// within an error limit (near_opening.h).
 
 #include "fem/material/material.h"
 #include "fem/statics/boundary_conditions.h"
@@ -23,23 +26,24 @@
 
 namespace retractor::fem {
 
-/// Holds the mesh's stiffness pattern and its symbolic factorisation; both are built when first needed. A further
-/// open() starts from the last converged state (status converged), and with the same nodes held it keeps the ordering.
+/// Holds the stiffness pattern of the mesh and its symbolic factorisation, both built when first needed. A further
+/// open() starts from the last state with status converged, and keeps the ordering while the same nodes are held.
 class Opening {
 public:
-    /// @param materials one per element label id: materials_of_label[label]; labels not met may be anything.
-    /// @throws InputError on bad meshes, materials, supports, and on options that contradict each other.
+    /// @param material_of_label indexed by label; entries of labels that no element has are not used
+    /// @throws InputError on bad meshes, materials, supports, and on options that contradict each other
     Opening(const mesh::TetMesh& mesh, std::span<const Material> material_of_label, Supports supports,
         OpeningOptions options = {});
-    /// With the problem's loads; its hooks are not used. @throws InputError as above, and where the options have a load
-    /// too.
+    /// Takes the loads of the problem too; the hooks of the problem are not used.
+    /// @throws InputError as above, and when the options have a load as well
     Opening(const ElasticProblem& problem, OpeningOptions options = {});
     ~Opening();
     Opening(Opening&&) noexcept;
 
-    /// @throws InputError when a patch is empty, out of range, holds a node that is not near, or two patches disagree
-    /// on a node; SolverError naming the piece when a connected piece of the mesh has neither support nor hook (its
-    /// size and place are in the message), and when a factorisation fails.
+    /// Opens the wound with these hooks.
+    /// @throws InputError when a patch is empty, is out of range or holds a node that is not near, or when two patches
+    /// prescribe different displacements of a node; SolverError naming size and place of a connected piece of the mesh
+    /// without support and hook, and when a factorisation fails
     OpeningResult open(std::span<const HookPatch> hooks, const Job& job = {});
 
 private:

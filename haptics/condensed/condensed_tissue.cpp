@@ -12,9 +12,10 @@ namespace retractor::haptics {
 
 namespace {
 
-    constexpr std::size_t kSpareResidents = 8; ///< stations kept beside those in use: a finger rocks to and fro
-    constexpr double kAhead = 0.25; ///< s of a finger's way that columns are fetched for
-    constexpr double kMargin = 8.0; ///< mm about a finger's reach that columns are fetched for
+    /// Contact nodes kept beside the ones in use, for a finger that moves to and fro.
+    constexpr std::size_t kSpareResidents = 8;
+    constexpr double kAhead = 0.25; ///< s; columns are fetched for the finger's motion within this time
+    constexpr double kMargin = 8.0; ///< mm; columns are fetched within this distance of a finger's reach
 
     std::vector<fem::Lame> lame_of(const datasets::ElasticModel& model)
     {
@@ -70,10 +71,10 @@ namespace {
 struct CondensedTissue::Finger {
     TouchedPlace place {};
     std::vector<Candidate> candidates;
-    std::size_t count = 0; ///< of candidates
+    std::size_t count = 0; ///< number of candidates
     int missing = 0, missing_before = 0;
     bool fallback_stiffness = false, stand_in_before = false;
-    std::vector<std::int32_t> pressing {}; ///< stations that pressed at the last tick
+    std::vector<std::int32_t> pressing {}; ///< contact nodes that pressed at the last tick
     std::size_t pressing_count = 0;
     std::size_t first_point = 0, last_point = 0;
     Vec3 raw = Vec3::Zero(), raw_before = Vec3::Zero(), offset = Vec3::Zero();
@@ -180,7 +181,7 @@ std::unique_ptr<CondensedTissue::Body> CondensedTissue::build(datasets::ElasticM
     return body;
 }
 
-// ---- servo thread ----
+// ---- Servo thread ----
 
 void CondensedTissue::forget_residents() noexcept { std::fill(resident_.begin(), resident_.end(), -1); }
 
@@ -209,7 +210,7 @@ std::int32_t CondensedTissue::make_resident(
         if (resident_[q] < 0)
             continue;
         const double* block = body.block(contact_node, resident_[q]);
-        if (block == nullptr) { // one of the two was forgotten meanwhile
+        if (block == nullptr) { // the store has forgotten one of the two since
             const auto placed = point_place_.begin() + static_cast<std::ptrdiff_t>(points);
             const bool in_use = std::find(point_place_.begin(), placed, static_cast<std::int32_t>(q)) != placed;
             if (q == empty || in_use || !body.ready(contact_node)) { // a contact point of this tick keeps its place
@@ -260,7 +261,7 @@ bool CondensedTissue::find_forces() noexcept
                 sum += solver_.force(a);
             if (sum >= 0.0)
                 continue;
-            pulls = true; // it lets go
+            pulls = true; // the finger pulls as a whole, so the finger loses contact
             for (std::size_t a = finger.first_point; a < finger.last_point; ++a)
                 solver_.pressing(a) = 0;
         }
@@ -268,7 +269,7 @@ bool CondensedTissue::find_forces() noexcept
     return true;
 }
 
-/// Which of the first `points` contact points presses this station; `points`: none.
+/// Index of the contact point among the first `points` that presses this contact node; `points` when there is none.
 std::size_t CondensedTissue::point_at(std::int32_t contact_node, std::size_t points) const noexcept
 {
     for (std::size_t p = 0; p < points; ++p)
@@ -295,7 +296,7 @@ bool CondensedTissue::solve_contact(Body& body, double pressure, std::span<const
             if (const std::size_t taken = point_at(candidate.contact_node, finger.first_point);
                 taken < finger.first_point) {
                 solver_.demand(taken) = std::max(solver_.demand(taken), candidate.demand);
-                continue; // two fingers in one place: the first one's
+                continue; // two fingers press one contact node: it belongs to the first finger
             }
             const std::int32_t place = make_resident(f, candidate.contact_node, points, compliance);
             if (place < 0) {
@@ -399,7 +400,8 @@ void CondensedTissue::report(std::span<const Fingertip> fingers, std::span<Finge
         if (!contact.touching)
             continue;
         Vec3 force = finger.raw + finger.offset;
-        force -= std::min(0.0, force.dot(finger.place.normal)) * finger.place.normal; // handed over, it might pull
+        // The blended offset might make the force pull.
+        force -= std::min(0.0, force.dot(finger.place.normal)) * finger.place.normal;
         contact.force = options_.force_gain * force;
         contact.normal = finger.place.normal;
         contact.depth = finger.place.depth;
@@ -429,9 +431,9 @@ void CondensedTissue::publish(double time, double pressure, std::span<const Fing
     snapshots_.publish();
 }
 
-// ---- simulation thread ----
+// ---- Simulation thread ----
 
-/// ContactNodes under the fingers, or where they will be within `ahead_s`, nearest first.
+/// Contact nodes under the fingers, or under their positions within `ahead_s`, nearest first.
 static std::vector<std::int32_t> wanted_by(
     std::span<const Fingertip> fingers, double ahead_s, double margin, const TouchSurface& touch)
 {
@@ -515,7 +517,7 @@ void CondensedTissue::start_build()
         });
 }
 
-/// @return null when edits that made no body together are to be tried one by one.
+/// @return null when the edits gave no valid body together, and the next builds try them one at a time
 std::unique_ptr<CondensedTissue::Body> CondensedTissue::built_body()
 {
     try {
@@ -535,7 +537,7 @@ std::unique_ptr<CondensedTissue::Body> CondensedTissue::built_body()
     }
 }
 
-/// What is felt, and the edits that were made later, are what the model says.
+/// Sets the model to the last valid body with the later edits that still apply.
 void CondensedTissue::take_back_build()
 {
     building_edits_.clear();
@@ -543,7 +545,7 @@ void CondensedTissue::take_back_build()
     const auto cannot_be = [this](const ElasticTemplate& edit) {
         try {
             return apply(edit, model_) == 0;
-        } catch (const InputError&) { // it leaned on what was taken back
+        } catch (const InputError&) { // the edit depends on the edit that was taken back
             return true;
         }
     };
@@ -560,7 +562,7 @@ void CondensedTissue::take_back_build()
 
 void CondensedTissue::publish_body(std::unique_ptr<Body> fresh, std::span<const Fingertip> fingers)
 {
-    const ServoGate nobody; // no servo knows it yet
+    const ServoGate nobody; // no servo knows the new body yet
     fresh->compliance->fetch(
         wanted_by(fingers, 0.0, 0.0, *fresh->touch), 4 * options_.patch_limit * options_.fingers, nobody);
     published_.store(fresh.get(), std::memory_order_seq_cst);
@@ -585,11 +587,11 @@ void CondensedTissue::follow(Points& deformed)
             fetched = compliance.fetch(all, ContactNodeCompliance::kBatch, gate_);
         }
     }
-    // Beyond the most that may wait no more come than go.
+    // When more batches wait than allowed, as many are finished as arrived, and one more.
     const std::size_t came = (fetched + ContactNodeCompliance::kBatch - 1) / ContactNodeCompliance::kBatch;
     compliance.finish_columns(compliance.columns_missing() > ContactNodeCompliance::kMostWaiting ? came + 1 : 1);
     deformed = shown_.vertices;
-    // Until the servo has met a new body its forces name the old one's stations.
+    // Until the servo has used a new body, the forces refer to contact nodes of the old body.
     const Body& pressed = retired_ != nullptr && s.body == retired_.get() ? *retired_ : *body_;
     pressed.compliance->add_displacement(s.pressure, { s.force.data(), s.forces }, deformed);
 }

@@ -17,11 +17,11 @@ namespace retractor::haptics {
 
 namespace {
 
-    /// ContactNodes that fit: each has its columns and a row of blocks.
+    /// Number of contact nodes within the budget. Each contact node has its columns and a row of blocks.
     std::size_t contact_nodes_within(std::size_t budget, std::size_t shown_nodes, std::size_t contact_nodes)
     {
         const std::size_t each = 9 * sizeof(double) * (shown_nodes + contact_nodes);
-        constexpr std::size_t kFewestColumns = 96; // the reach of two fingers
+        constexpr std::size_t kFewestColumns = 96; // reach of two fingers
         return std::min(contact_nodes, std::max(kFewestColumns, budget / each));
     }
 
@@ -36,18 +36,18 @@ void ServoGate::wait_for_tick_end() const noexcept
         std::this_thread::yield();
 }
 
-/// ContactNodes whose columns are not solved yet.
+/// Contact nodes whose columns are not solved yet.
 struct ContactNodeCompliance::Batch {
     std::vector<std::int32_t> contact_nodes, places;
-    fem::SparseCholesky::HalfSolution half; ///< three columns per station
+    fem::SparseCholesky::HalfSolution half; ///< three columns per contact node
 };
 
 struct ContactNodeCompliance::Solver {
     std::unique_ptr<fem::ConstrainedSolver> solver;
-    Eigen::VectorXd pressure_load; ///< of 1 MPa
+    Eigen::VectorXd pressure_load; ///< load of a pressure of 1 MPa
     Eigen::Index unknowns = 0;
 
-    /// Unit forces on stations: column of a station's axis.
+    /// Solves the forward half for unit forces on contact nodes; one column per axis of a contact node.
     fem::SparseCholesky::HalfSolution half_solve(
         const TouchSurface& surface, std::span<const std::int32_t> contact_nodes) const
     {
@@ -123,7 +123,8 @@ ContactNodeCompliance::ContactNodeCompliance(const TouchedBody& body, const Touc
 
 ContactNodeCompliance::~ContactNodeCompliance() = default;
 
-/// ContactNodes near each other share what they reach: a handful and all that pads on them press are solved together.
+/// Contact nodes near each other reach nearly the same unknowns. A group of middles and all contact nodes that their
+/// pads press are therefore solved together.
 void ContactNodeCompliance::measure_pads(const Job& job)
 {
     const std::vector<PadGroup> groups = pad_groups(*surface_, kStandInRadius);
@@ -207,7 +208,7 @@ std::size_t ContactNodeCompliance::fetch(std::span<const std::int32_t> wanted, s
     for (std::size_t i = 0; i < missing.size(); ++i) {
         const std::int32_t p = free_place(now_);
         if (p < 0) {
-            missing.resize(i); // everything in the store is wanted now
+            missing.resize(i); // all contact nodes in the store are wanted now
             break;
         }
         const auto at = static_cast<std::size_t>(p);
@@ -241,14 +242,14 @@ void ContactNodeCompliance::fetch_all(const ServoGate& gate, const Job& job)
     }
 }
 
-/// Whether this station is still in that place, without columns.
+/// Whether this contact node is still in this place and has no columns.
 bool ContactNodeCompliance::awaits_columns(std::int32_t place, std::int32_t contact_node) const
 {
     const auto p = static_cast<std::size_t>(place);
     return contact_node_at_[p] == contact_node && columns_[p].empty();
 }
 
-/// Their blocks with each other and with all that are ready; then the servo may use them.
+/// Computes the blocks of these contact nodes with each other and with all ready ones; then the servo may use them.
 void ContactNodeCompliance::take_in(std::span<const std::int32_t> contact_nodes, std::span<const std::int32_t> places)
 {
     Batch fresh { { contact_nodes.begin(), contact_nodes.end() }, { places.begin(), places.end() },
@@ -290,7 +291,7 @@ void ContactNodeCompliance::finish_columns(std::size_t batches)
                 last = std::max(last, last_wanted_[p]);
         return last;
     };
-    std::erase_if(batches_, [&](const Batch& batch) { // forgotten meanwhile
+    std::erase_if(batches_, [&](const Batch& batch) { // forgotten since
         for (std::size_t i = 0; i < batch.places.size(); ++i)
             if (awaits_columns(batch.places[i], batch.contact_nodes[i]))
                 return false;
@@ -298,7 +299,8 @@ void ContactNodeCompliance::finish_columns(std::size_t batches)
     });
     for (std::size_t done = 0; done < batches && !batches_.empty() && !shown_.empty(); ++done) {
         const auto next = std::max_element(batches_.begin(), batches_.end(),
-            [&](const Batch& a, const Batch& b) { return last_wanted(a) < last_wanted(b); }); // the first of equals
+            // The first of several equals.
+            [&](const Batch& a, const Batch& b) { return last_wanted(a) < last_wanted(b); });
         const Eigen::MatrixXd fields = solver_->solver->finish(next->half);
         for (std::size_t i = 0; i < next->places.size(); ++i)
             if (awaits_columns(next->places[i], next->contact_nodes[i]))
@@ -319,7 +321,7 @@ void ContactNodeCompliance::keep_columns(std::int32_t place, const Eigen::Ref<co
                 kept[3 * (static_cast<std::size_t>(axis) * shown_.size() + v) + static_cast<std::size_t>(k)]
                     = columns(3 * shown_[v] + k, axis);
     for (std::int32_t s = 0; s < static_cast<std::int32_t>(contact_nodes_); ++s)
-        if (!ready(s)) // the servo reads the others
+        if (!ready(s)) // the servo may read the blocks of ready contact nodes
             for (Eigen::Index axis = 0; axis < 3; ++axis)
                 block_at(place, s).row(axis) = mean(columns.col(axis), s).transpose();
 }

@@ -90,7 +90,7 @@ bool ContactSolver::solve(std::size_t points) noexcept
     double largest = 0.0;
     for (std::size_t a = 0; a < points; ++a)
         largest = std::max(largest, std::abs(demand_[a]));
-    const double slack = 1e-12 * largest; // mm: round-off of C f - d
+    const double slack = 1e-12 * largest; // mm; round-off of C f - d
     constexpr int kTries = 3;
     const int limit = 20 + 4 * static_cast<int>(points);
     std::size_t fewest = points + 1;

@@ -1,9 +1,11 @@
 #pragma once
-// Which points of a contact press, and how hard: forces f >= 0 with C f >= d and f (C f - d) = 0, C the compliance of
-// the points along their normals (mm/N) and d how far each must give way (mm). Contact pushes and never pulls.
+// Finds the points of a contact that press, and their forces: f >= 0, C f >= d and f (C f - d) = 0. C is the compliance
+// of the points along their normals (mm/N), and d is the required displacement of each point (mm). Contact pushes and
+// never pulls.
 //
-// Block principal pivoting [Portugal, Judice, Vicente 1994], warm: all infeasible points change sides at once, and one
-// at a time (the last, after [Murty 1974]) where that does not lessen them; C is positive definite, so it ends.
+// Method: block principal pivoting with a warm start (Portugal, Judice, Vicente, Math Comp 63, 1994). All infeasible
+// points change sides at once. When this does not lessen their number, only the last infeasible point changes side
+// (Murty 1974). C is positive definite, so the method ends.
 
 #include <cstddef>
 #include <cstdint>
@@ -13,26 +15,29 @@ namespace retractor::haptics {
 
 class ContactSolver {
 public:
-    /// Makes room for so many points; nothing is allocated later.
+    /// Reserves memory for `capacity` points; no later call allocates.
     explicit ContactSolver(std::size_t capacity);
 
-    /// The compliance between points a and b. Only b <= a is read.
+    /// Compliance between points a and b. Only b <= a is read.
     double& compliance(std::size_t a, std::size_t b) noexcept { return compliance_[a * capacity_ + b]; }
+    /// Required displacement of point a, mm.
     double& demand(std::size_t a) noexcept { return demand_[a]; }
-    /// Whether a point presses: a guess before solve(), the answer after it.
+    /// Whether point a presses: a guess before solve(), the result after solve().
     std::uint8_t& pressing(std::size_t a) noexcept { return pressing_[a]; }
+    /// Force of point a, N.
     double force(std::size_t a) const noexcept { return force_[a]; }
 
-    /// @return false when no answer was found (the compliance is not positive definite).
+    /// @return false when no solution was found, because the compliance is not positive definite
     [[nodiscard]] bool solve(std::size_t points) noexcept;
-    /// The forces of the points marked as pressing when these give way exactly by their demand, pulled where need be.
+    /// Computes the forces of the points marked as pressing when each moves exactly by its demand; forces may pull.
     [[nodiscard]] bool hold(std::size_t points) noexcept;
 
-    /// Sum of the forces on points [first, last) per unit that these give way together, the other pressing points held.
-    /// @pre solve() succeeded.
+    /// Sum of the forces on points [first, last) per unit of their common displacement, while the other pressing points
+    /// stay in place, N/mm.
+    /// @pre solve() succeeded
     double stiffness(std::size_t first, std::size_t last) noexcept;
 
-    int factorisations() const noexcept { return factorisations_; } ///< of the last solve()
+    int factorisations() const noexcept { return factorisations_; } ///< in the last solve()
 
 private:
     bool factorise() noexcept;

@@ -12,8 +12,8 @@ namespace retractor::haptics {
 
 namespace {
 
-    constexpr std::size_t kMostSeen = 512; ///< stations looked at per finger
-    constexpr double kNowhere = -1e30; ///< the demand of a station out of reach
+    constexpr std::size_t kMostSeen = 512; ///< largest number of contact nodes that one search of a finger tests
+    constexpr double kNowhere = -1e30; ///< demand of a contact node out of reach
 
 } // namespace
 
@@ -93,7 +93,7 @@ TouchedPlace FingertipSearch::find(const Fingertip& finger, const ContactNodeCom
     normal.normalize();
     const double height = (finger.position - point).dot(normal);
     const double aside = (finger.position - point - height * normal).norm();
-    if (aside > 0.5 * finger.radius) { // past a rim
+    if (aside > 0.5 * finger.radius) { // the finger is past a rim
         outside_ = height >= 0.0;
         return place;
     }
@@ -112,7 +112,7 @@ double FingertipSearch::demand(const Fingertip& finger, const TouchedPlace& plac
     const ContactNodeCompliance& body, double pressure) const noexcept
 {
     const ContactNode& s = surface_->contact_nodes()[static_cast<std::size_t>(contact_node)];
-    constexpr double kFacing = 0.2; // not the far side of a thin vessel
+    constexpr double kFacing = 0.2; // excludes the far side of a thin vessel
     if (s.normal.dot(place.normal) < kFacing)
         return kNowhere;
     const Vec3 pulse = pressure * body.pulse_of_contact_node(contact_node);
@@ -149,7 +149,7 @@ std::size_t FingertipSearch::candidates(const Fingertip& finger, const TouchedPl
     for (const std::int32_t v : surface_->neighbours().of(static_cast<std::size_t>(place.vertex)))
         if (const std::int32_t s = surface_->contact_node_of(v); s >= 0)
             look_at(s);
-    // A station that must give way by less than none may still press: others push it out. A rim of one spacing is kept.
+    // A contact node with a negative demand may still press, because others push it out. A rim of one spacing is kept.
     const double reach = std::min(finger.radius, surface_->spacing());
     for (; first < last; ++first) {
         const double wanted = demand(finger, place, queue_[first], body, pressure);

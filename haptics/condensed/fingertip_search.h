@@ -1,6 +1,7 @@
 #pragma once
-// Where a fingertip meets a surface that breathes with the pulse: found by a walk from where it was, in a time that
-// does not depend on the size of the mesh. Proxy-based contact after [Ruspini, Kolarov, Khatib 1997]. Units mm.
+// Finds the place where a fingertip meets a surface that moves with the pulse. The search walks from the last place, in
+// a time that does not depend on the size of the mesh. Proxy-based contact after Ruspini, Kolarov, Khatib 1997. Units
+// mm.
 
 #include "haptics/condensed/contact_node_compliance.h"
 #include "haptics/condensed/touch_surface.h"
@@ -11,27 +12,28 @@
 
 namespace retractor::haptics {
 
-/// What a fingertip is like where it touches.
+/// Shape of a fingertip at the contact.
 enum class FingertipShape {
-    pad, ///< soft: it has taken the shape of the surface, and presses all of it within its radius in alike, as far as
-         ///< that takes pushing
-    sphere, ///< rigid: it touches in few places
-    held, ///< the seed's equation as it stands: all within its radius is held where the finger is, some of it by
-          ///< pulling; only the finger as a whole never pulls
+    pad, ///< soft: the pad follows the surface and displaces all of it within the radius by the same depth; only pushes
+    sphere, ///< rigid: touches few contact nodes
+    /// The equation of Nakao et al. 2006: the finger holds all contact nodes within its radius; single contact nodes
+    /// may pull, the finger as a whole never pulls.
+    held,
 };
 
-/// What a fingertip presses, before the tissue gives way.
+/// The place that a fingertip presses, before the tissue moves.
 struct TouchedPlace {
     bool touching = false;
-    Vec3 normal = Vec3::Zero(); ///< outward
-    double depth = 0.0; ///< of the fingertip under the surface along the normal
-    double rest_depth = 0.0; ///< the same under the surface without pulse
-    std::int32_t vertex = -1; ///< nearest
+    Vec3 normal = Vec3::Zero(); ///< outward unit normal
+    double depth = 0.0; ///< depth of the fingertip under the surface along the normal, mm
+    double rest_depth = 0.0; ///< depth under the surface without pulse, mm
+    std::int32_t vertex = -1; ///< nearest vertex of the touch surface; -1: none
 };
 
-/// A station the fingertip may press, and how far it must give way along the normal.
+/// A contact node that the fingertip may press.
 struct Candidate {
     std::int32_t contact_node = -1;
+    /// Required displacement along the normal, mm.
     double demand = 0.0;
 };
 
@@ -39,20 +41,21 @@ class FingertipSearch {
 public:
     FingertipSearch(const TouchSurface& surface, FingertipShape shape);
 
-    /// Servo thread, when another state of the body is swapped in: goes on from where `before` was, on the same surface
-    /// or one of the same body.
+    /// Servo thread, when another state of the body is swapped in: continues from the place of `before`.
+    /// @pre both surfaces belong to the same body
     void go_on_from(const FingertipSearch& before) noexcept;
 
-    /// Servo thread. A fingertip touches only when it comes from outside: one that starts within the body, jumps by
-    /// more than two diameters or comes round the rim of an open surface is free until it has been outside. @param
-    /// pressure MPa
+    /// Servo thread. A fingertip touches only when it comes from outside. A fingertip that starts within the body,
+    /// jumps by more than two diameters or comes round the rim of an open surface is free until it has been outside.
+    /// @param pressure MPa
     TouchedPlace find(const Fingertip& finger, const ContactNodeCompliance& body, double pressure) noexcept;
 
-    /// The stations the fingertip presses or nearly presses, those that must give way most first; `most` at most.
-    /// All give way along the place's normal: under a sphere as far as it reaches there; under a pad all alike, less
-    /// and less in the last tenth of its radius, so that nothing jumps when it slides (held: all alike). Those not
-    /// ready are counted in `missing` where the fingertip presses them, and left out.
-    /// @return how many were written.
+    /// Lists the contact nodes that the fingertip presses or nearly presses, largest demand first, at most `most`. All
+    /// contact nodes move along the normal of `place`. Under a sphere the demand follows the sphere's shape. Under a
+    /// pad the demand is uniform, and decreases in the last tenth of the radius so that the force does not jump when
+    /// the pad slides. For FingertipShape::held the demand is uniform. A contact node that is not ready is left out,
+    /// and counted in `missing` when the fingertip presses it.
+    /// @return the number of candidates written to `into`
     std::size_t candidates(const Fingertip& finger, const TouchedPlace& place, const ContactNodeCompliance& body,
         double pressure, std::vector<Candidate>& into, std::size_t most, int& missing) noexcept;
 
@@ -65,11 +68,11 @@ private:
 
     const TouchSurface* surface_;
     FingertipShape shape_;
-    bool outside_ = false; ///< the fingertip's centre was outside at the last tick, or presses from there
+    bool outside_ = false; ///< the fingertip's centre was outside at the last tick, or presses from outside
     bool touched_ = false;
     std::int32_t vertex_ = -1;
-    Vec3 last_ = Vec3::Constant(1e30); ///< where the fingertip was
-    std::vector<std::uint32_t> seen_; ///< per station: the search that met it last
+    Vec3 last_ = Vec3::Constant(1e30); ///< last position of the fingertip
+    std::vector<std::uint32_t> seen_; ///< per contact node: number of the last search that met it
     std::uint32_t search_ = 0;
     std::vector<std::int32_t> queue_;
 };

@@ -10,8 +10,9 @@ namespace retractor::haptics {
 
 namespace {
 
-    constexpr std::size_t kMiddles = 8; ///< in a group: more share less of what they reach
-    constexpr double kFacing = 0.2; // not the far side of a thin vessel
+    /// Contact nodes in a group; in a larger group fewer of the reached unknowns are shared.
+    constexpr std::size_t kMiddles = 8;
+    constexpr double kFacing = 0.2; // excludes the far side of a thin vessel
 
     const ContactNode& at(const TouchSurface& surface, std::int32_t s)
     {
@@ -24,7 +25,7 @@ namespace {
             && at(surface, s).normal.dot(at(surface, middle).normal) >= kFacing;
     }
 
-    /// Breadth first from `start` over stations for which `inside` holds.
+    /// Breadth-first search from `start` over the contact nodes for which `inside` holds.
     template <class Inside>
     std::vector<std::int32_t> around(const TouchSurface& surface, std::int32_t start, const Inside& inside)
     {
@@ -75,7 +76,7 @@ double pad_stiffness(const TouchSurface& surface, std::int32_t middle, double ra
         const double above = from.dot(at(surface, middle).normal);
         const double share = std::max(0.0, from.squaredNorm() - above * above) / (radius * radius),
                      s4 = share * share * share * share;
-        solver.demand(a) = 1.0 - s4 * s4 * s4; // as FingertipSearch
+        solver.demand(a) = 1.0 - s4 * s4 * s4; // the same decrease as in FingertipSearch
         solver.pressing(a) = 1;
         for (std::size_t b = 0; b <= a; ++b)
             solver.compliance(a, b) = compliance(under[a], under[b]);

@@ -1,5 +1,5 @@
 #pragma once
-// What a fingertip pad feels where it is pressed in, from the compliance of the stations under it. Units mm, N.
+// The stiffness that a fingertip pad feels, from the compliance of the contact nodes under the pad. Units mm, N.
 
 #include "haptics/condensed/touch_surface.h"
 
@@ -10,17 +10,18 @@
 
 namespace retractor::haptics {
 
-/// ContactNodes near each other, and all that pads on any of them press (they are among those).
+/// Contact nodes near each other (`middles`), and all contact nodes that pads on them press (`pressed`, which contains
+/// `middles`).
 struct PadGroup {
     std::vector<std::int32_t> middles, pressed;
 };
 
-/// Every station is a middle once.
+/// Divides the contact nodes into groups. Every contact node is a middle of exactly one group.
 std::vector<PadGroup> pad_groups(const TouchSurface& surface, double radius);
 
-/// Sum of the forces, per mm, of a pad pressed on the middle of a station: all within its radius give way alike as far
-/// as that takes pushing (FingertipShape::pad), each along its own normal. @param compliance of the group's pressed
-/// stations along their normals, mm/N.
+/// Force per mm of a pad pressed on a contact node, N/mm. All contact nodes within the radius move by the same depth as
+/// far as this takes pushing (FingertipShape::pad), each along its own normal.
+/// @param compliance of the group's pressed contact nodes along their normals, mm/N
 double pad_stiffness(const TouchSurface& surface, std::int32_t middle, double radius,
     const std::vector<std::int32_t>& pressed, const Eigen::MatrixXd& compliance);
 

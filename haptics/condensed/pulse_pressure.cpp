@@ -23,7 +23,7 @@ namespace {
         return 60.0 / heart_rate_per_min;
     }
 
-    /// Flow out of the heart, ml/s, at a time of a beat of 0.8 s.
+    /// Flow out of the heart at a time of a beat of 0.8 s, ml/s.
     double ejection(double t)
     {
         constexpr double kEjection = 0.30, kBackFlow = 0.04, kPeak = 420.0, kBackPeak = 90.0;
@@ -34,14 +34,15 @@ namespace {
         return 0.0;
     }
 
-    /// Pressure over one beat of 0.8 s, mmHg, once it repeats itself.
+    /// Pressure over one beat of 0.8 s in the periodic state, mmHg.
     std::vector<double> windkessel()
     {
         constexpr double kImpedance = 0.05, kResistance = 1.0, kCompliance = 1.5, kBeat = 0.8;
-        constexpr int kSubsteps = 16, kBeats = 20; // fifteen time constants: the first beat is forgotten
+        // Twenty beats are fifteen time constants, so the start has no influence.
+        constexpr int kSubsteps = 16, kBeats = 20;
         const double step = kBeat / (static_cast<double>(kSamples) * kSubsteps);
         std::vector<double> pressure(kSamples);
-        double stored = 90.0; // in the compliance, mmHg
+        double stored = 90.0; // pressure of the compliance, mmHg
         for (int beat = 0; beat < kBeats; ++beat)
             for (std::size_t i = 0; i < kSamples; ++i) {
                 for (int s = 0; s < kSubsteps; ++s) {
@@ -138,7 +139,7 @@ PulsePressure PulsePressure::constant(double mmHg)
 PulsePressure PulsePressure::read_csv(const std::filesystem::path& file, double heart_rate_per_min)
 {
     const std::vector<CsvRow> rows = read_rows(file);
-    constexpr double kClosesWithin = 1.0; // mmHg: what measured beats close by
+    constexpr double kClosesWithin = 1.0; // mmHg; the tolerance allows for measured beats
     if (!(std::abs(rows.back().pressure - rows.front().pressure) <= kClosesWithin))
         throw InputError("the last line must close the beat: its pressure is that of the first", file.string());
     const double recorded = rows.back().time - rows.front().time;

@@ -1,5 +1,6 @@
 #pragma once
-// Blood pressure over time: one beat, repeated. Files and people speak of mmHg and beats per minute; inside it is MPa.
+// Blood pressure over time: one beat, repeated. Files and the user interface use mmHg and beats per minute; the code
+// uses MPa.
 
 #include <atomic>
 #include <filesystem>
@@ -12,36 +13,37 @@ inline constexpr double kMPaPerMmHg = 133.322387415e-6;
 
 class PulsePressure {
 public:
-    /// Aortic pressure of a resting adult. The shape is that of a three-element windkessel (characteristic impedance
-    /// 0.05 mmHg s/ml, resistance 1 mmHg s/ml, compliance 1.5 ml/mmHg: the normal ranges in [Westerhof, Lankhaar,
-    /// Westerhof 2009, doi 10.1007/s11517-008-0359-2]) behind a heart that ejects in a half sine over 0.3 s, with a
-    /// short back flow that closes the valve; between `diastolic_mmHg` and `systolic_mmHg`.
-    /// @throws InputError when diastole is not below systole, or on a heart rate outside 20 to 300 per minute.
+    /// Aortic pressure of a resting adult, between `diastolic_mmHg` and `systolic_mmHg`. The shape is that of a
+    /// three-element windkessel: characteristic impedance 0.05 mmHg s/ml, resistance 1 mmHg s/ml, compliance 1.5
+    /// ml/mmHg, in the normal ranges of Westerhof, Lankhaar, Westerhof 2009 (doi 10.1007/s11517-008-0359-2). The heart
+    /// ejects in a half sine over 0.3 s, with a short back flow that closes the valve.
+    /// @throws InputError when diastole is not below systole, or on a heart rate outside 20 to 300 per minute
     static PulsePressure aortic(
         double heart_rate_per_min = 75.0, double diastolic_mmHg = 80.0, double systolic_mmHg = 120.0);
 
-    /// The same pressure at all times.
+    /// A constant pressure.
     static PulsePressure constant(double mmHg);
 
-    /// Lines "time_s,pressure_mmHg" after a header of these two names; lines that begin with # are left out. Times
-    /// rise; the last line closes the beat: its pressure is that of the first (within 1 mmHg, else it is refused).
-    /// @param heart_rate_per_min stretches the beat; 0: as it is in the file.
-    /// @throws IoError when the file cannot be read; InputError naming its line.
+    /// Reads a beat from lines "time_s,pressure_mmHg" after a header with these two names. Lines that begin with # are
+    /// skipped. Times must rise. The last line closes the beat: its pressure must equal the first pressure within 1
+    /// mmHg.
+    /// @param heart_rate_per_min stretches the beat to this rate; 0 keeps the rate of the file
+    /// @throws IoError when the file cannot be read; InputError naming the line
     static PulsePressure read_csv(const std::filesystem::path& file, double heart_rate_per_min = 0.0);
 
-    /// MPa; any time, also a negative one. Linear between samples. Allocates nothing.
+    /// Pressure at any time, also a negative one, MPa. Linear between samples. Allocates nothing.
     double at(double time_s) const noexcept;
 
     double period_s() const { return period_s_; }
-    /// How much faster than its own the curve is for this many beats per minute. @throws InputError outside 20 to 300.
+    /// Ratio of this heart rate to the curve's own rate. @throws InputError outside 20 to 300 per minute.
     double rate_for(double heart_rate_per_min) const;
     double lowest_mmHg() const;
     double highest_mmHg() const;
-    /// What the curve is, for a report.
+    /// Description of the curve for a report.
     const std::string& source() const { return source_; }
 
 private:
-    /// @param samples at equal steps over one beat, the last of which is followed by the first; mmHg
+    /// @param samples mmHg, at equal steps over one beat; the last sample is followed by the first
     PulsePressure(std::vector<double> samples, double period_s, std::string source);
 
     std::vector<double> samples_; ///< MPa
@@ -49,13 +51,13 @@ private:
     std::string source_;
 };
 
-/// The time a heart keeps: the clock's, until it is told to beat faster or slower; from then on it goes on from where
-/// it was, without a jump.
+/// The time of the beating heart. It equals the clock's time until the rate is changed; then it continues at the new
+/// rate without a jump.
 class BeatClock {
 public:
-    /// Any thread, from the next at() on. @pre rate is positive; 1 is the curve's own
+    /// Any thread; takes effect at the next at(). @pre rate is positive; 1 is the curve's own rate
     void set_rate(double rate) noexcept { wanted_.store(rate, std::memory_order_relaxed); }
-    /// Servo thread. Exactly the clock's time as long as the rate was never changed.
+    /// Servo thread. Equals the clock's time exactly while the rate was never changed.
     double at(double time_s) noexcept
     {
         if (const double wanted = wanted_.load(std::memory_order_relaxed); wanted != rate_) {

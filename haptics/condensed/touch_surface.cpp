@@ -18,7 +18,7 @@ namespace {
 
     Vec3 at(const Points& points, std::int32_t v) { return points.row(v).transpose(); }
 
-    /// Nodes of a face: three corners, then the midpoints of 01, 12, 20 where there are any.
+    /// Nodes of a face: three corners, then the midpoints of edges 01, 12, 20 if the mesh has midpoints.
     std::vector<VertexId> face_nodes(const mesh::TetMesh& mesh, const mesh::TetFace& face)
     {
         const auto corners = mesh::face_vertices(mesh, face);
@@ -57,7 +57,7 @@ namespace {
         return lists;
     }
 
-    /// Points by the cube of space they lie in.
+    /// Spatial hash of points by cubes.
     class Cubes {
     public:
         explicit Cubes(double size)
@@ -207,12 +207,12 @@ void TouchSurface::place_contact_nodes(const std::vector<std::uint8_t>& fixed)
 
 void TouchSurface::weigh_contact_nodes(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& outer)
 {
-    std::map<std::pair<std::int32_t, std::int32_t>, double> weight; // station and node: mm^2
+    std::map<std::pair<std::int32_t, std::int32_t>, double> weight; // by contact node and mesh node: mm^2
     const auto add = [&](std::int32_t vertex, VertexId node, double value) {
         if (const std::int32_t s = contact_node_of(vertex); s >= 0)
             weight[{ s, node }] += value;
     };
-    // Six points, exact for degree 4 [Dunavant 1985]: a hat function times a quadratic shape function is of degree 3.
+    // Six points, exact for degree 4 (Dunavant 1985); a hat function times a quadratic shape function has degree 3.
     constexpr double a = 0.445948490915965, b = 0.091576213509771, wa = 0.223381589678011, wb = 0.109951743655322;
     for (const mesh::TetFace& face : outer) {
         const std::vector<VertexId> on_face = face_nodes(mesh, face);
@@ -235,7 +235,7 @@ void TouchSurface::weigh_contact_nodes(const mesh::TetMesh& mesh, const std::vec
                 for (std::size_t k = 0; k < 3; ++k) {
                     std::array<double, 3> hat { v, v, v };
                     hat[k] = 1.0 - 2.0 * v;
-                    std::array<double, 3> l {}; // in the whole face
+                    std::array<double, 3> l {}; // barycentric coordinates in the whole face
                     for (std::size_t i = 0; i < 3; ++i)
                         for (std::size_t axis = 0; axis < 3; ++axis)
                             l[axis] += hat[i] * kLocal[sub[i]][axis];
@@ -251,7 +251,7 @@ void TouchSurface::weigh_contact_nodes(const mesh::TetMesh& mesh, const std::vec
     for (const auto& [key, value] : weight)
         total[static_cast<std::size_t>(key.first)] += value;
     contact_node_vertices_.start.assign(contact_nodes_.size() + 1, 0);
-    for (const auto& [key, value] : weight) { // in the order of stations
+    for (const auto& [key, value] : weight) { // ordered by contact node
         ++contact_node_vertices_.start[static_cast<std::size_t>(key.first) + 1];
         contact_node_vertices_.entry.push_back(key.second);
         weights_.push_back(value / total[static_cast<std::size_t>(key.first)]);
@@ -264,7 +264,7 @@ void TouchSurface::fill_grid()
 {
     const Vec3 low = rest_.colwise().minCoeff().transpose() - Vec3::Constant(kReach),
                high = rest_.colwise().maxCoeff().transpose() + Vec3::Constant(kReach);
-    constexpr double kCells = 96.0, kFinest = 2.0; // along the longest side; mm
+    constexpr double kCells = 96.0, kFinest = 2.0; // cells along the longest side; smallest cell, mm
     cell_ = std::max(kFinest, (high - low).maxCoeff() / kCells);
     grid_low_ = low;
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -287,7 +287,8 @@ void TouchSurface::fill_grid()
         const Vec3 c = (at(rest_, v) - grid_low_) / cell_;
         offer(static_cast<int>(c.x()), static_cast<int>(c.y()), static_cast<int>(c.z()), v);
     }
-    // Cells take the vertices of the cells before them, forwards and backwards, twice: exact enough to start a walk.
+    // Cells take over the vertices of their neighbours in two forward and two backward sweeps. The result is exact
+    // enough to start a walk.
     for (int sweep = 0; sweep < 4; ++sweep) {
         const int step = sweep % 2 == 0 ? 1 : -1;
         const auto first = [&](std::size_t axis) { return step > 0 ? 0 : cells_[axis] - 1; };

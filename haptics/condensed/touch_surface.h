@@ -1,13 +1,14 @@
 #pragma once
-// The surface of a body that fingers touch, made ready for a servo: where it is nearest, and the stations that carry
-// contact. Units mm.
+// The surface of a body that fingers touch, prepared for a servo: a grid to find near vertices, and the contact nodes
+// that carry contact forces. Units mm.
 //
-// A station is a patch of surface about one vertex, with a fixed spacing between stations: where the mesh is finer,
-// several vertices share a station, so that contact has a limit under refinement (a force on a single vertex has none);
-// where it is coarser every vertex is a station. A force on a station is spread over its nodes by `weights`, and its
-// displacement is the mean of theirs by the same weights: P1 meshes by the area round each vertex, P2 meshes by the
-// integral of each shape function over the patch (a force on single nodes of a P2 mesh would feel corners and midpoints
-// apart).
+// A contact node is a patch of surface about one vertex, with a fixed spacing between contact nodes. Where the mesh is
+// finer than the spacing, several vertices share a contact node, so that the contact has a limit under refinement (a
+// force on a single vertex has none). Where the mesh is coarser, every vertex is a contact node. A force on a contact
+// node is spread over its mesh nodes by `weights`, and the displacement of a contact node is the mean of its mesh nodes
+// by the same weights. In P1 meshes a weight is the area round the vertex. In P2 meshes a weight is the integral of the
+// shape function over the patch, because a force on single nodes of a P2 mesh would act differently on corners and
+// midpoints.
 
 #include "mesh/tetrahedra/tet_mesh.h"
 
@@ -17,9 +18,9 @@
 
 namespace retractor::haptics {
 
-/// Lists of numbers, one per item, compressed.
+/// Compressed lists of indices, one list per item.
 struct NumberLists {
-    std::vector<std::int32_t> start { 0 }; ///< item count + 1
+    std::vector<std::int32_t> start { 0 }; ///< item count + 1 offsets into `entry`
     std::vector<std::int32_t> entry;
 
     std::size_t count() const { return start.size() - 1; }
@@ -30,49 +31,53 @@ struct NumberLists {
 };
 
 struct ContactNode {
-    std::int32_t vertex = 0; ///< of the touch surface
-    Vec3 point = Vec3::Zero(); ///< at rest
-    Vec3 normal = Vec3::Zero(); ///< outward
+    std::int32_t vertex = 0; ///< index in the touch surface
+    Vec3 point = Vec3::Zero(); ///< at rest, mm
+    Vec3 normal = Vec3::Zero(); ///< outward unit normal
 };
 
-/// Boundary faces of a mesh: those blood presses on, and all others.
+/// Boundary faces of a mesh: faces under blood pressure (`inner`) and touchable faces (`outer`).
 struct WallFaces {
     std::vector<mesh::TetFace> inner, outer;
 };
-/// @param inner_wall, fixed one per node. A face with a corner on the inner wall is one; a face whose corners are all
-/// fixed is in neither list.
+/// Sorts the boundary faces of a mesh. A face with a corner on the inner wall is inner. A face with only fixed corners
+/// is in neither list.
+/// @param inner_wall,fixed one per node
 WallFaces wall_faces(
     const mesh::TetMesh& mesh, std::span<const std::uint8_t> inner_wall, std::span<const std::uint8_t> fixed);
 
 class TouchSurface {
 public:
-    /// @param outer the faces that can be touched. @param fixed one per node of the mesh.
-    /// @param spacing between stations, mm. @throws InputError when there is nothing to touch.
+    /// @param outer faces that can be touched
+    /// @param fixed one per node of the mesh
+    /// @param spacing distance between contact nodes, mm
+    /// @throws InputError when there is nothing to touch
     TouchSurface(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& outer,
         const std::vector<std::uint8_t>& fixed, double spacing);
 
-    // Vertices: corners, and midpoints where elements have them.
+    // Vertices are corners, and midpoints where the elements have midpoints.
     std::size_t vertex_count() const { return nodes_.size(); }
-    const std::vector<VertexId>& nodes() const { return nodes_; } ///< of the mesh, per vertex
+    const std::vector<VertexId>& nodes() const { return nodes_; } ///< node of the mesh for each vertex
     const Points& rest() const { return rest_; }
     const Points& normals() const { return normals_; }
-    const NumberLists& neighbours() const { return neighbours_; } ///< vertices of each vertex
-    const NumberLists& triangles_round() const { return triangles_round_; } ///< of each vertex
+    const NumberLists& neighbours() const { return neighbours_; } ///< neighbouring vertices of each vertex
+    const NumberLists& triangles_round() const { return triangles_round_; } ///< triangles round each vertex
     const std::vector<std::array<std::int32_t, 3>>& triangles() const { return triangles_; }
 
     const std::vector<ContactNode>& contact_nodes() const { return contact_nodes_; }
-    /// The station whose patch this vertex belongs to; -1: none (fixed).
+    /// Contact node whose patch contains this vertex; -1: none, because the vertex is fixed.
     std::int32_t contact_node_of(std::int32_t vertex) const noexcept
     {
         return contact_node_of_vertex_[static_cast<std::size_t>(vertex)];
     }
     const NumberLists& contact_node_neighbours() const { return contact_node_neighbours_; }
-    /// Nodes of a station and how much of a force each takes; the weights sum to 1 but for fixed nodes' share.
+    /// Mesh nodes of each contact node. Their `weights` sum to 1, less the share of fixed nodes.
     const NumberLists& contact_node_vertices() const { return contact_node_vertices_; }
-    const std::vector<double>& weights() const { return weights_; } ///< per entry of contact_node_vertices()
+    /// Share of a force for each entry of contact_node_vertices().
+    const std::vector<double>& weights() const { return weights_; }
     double spacing() const { return spacing_; }
 
-    /// A vertex near a point, as a start for a walk; -1: the point is farther than kReach from the surface's box.
+    /// A vertex near a point, as the start of a walk. -1: the point is farther than kReach from the box of the surface.
     std::int32_t near(const Vec3& point) const noexcept;
     static constexpr double kReach = 16.0; ///< mm
 

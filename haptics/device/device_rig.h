@@ -1,10 +1,12 @@
 #pragma once
-// Real devices by name, and the one source that ticks them all: the vendor's scheduler when a Touch is among them, our
-// own thread otherwise.
+// Opens real devices by name and ticks them all from one source: the vendor's scheduler when a Touch is among the
+// devices, else our own thread. Names of devices:
 //
-//   touch             the default Touch           udp:PORT      a device on another computer (udp_bridge.h)
-//   touch:NAME        by the vendor's name        replay:FILE   a recording, in real time
-//   touch:#SERIAL     by its serial number     udp:ADDRESS:PORT  the same, heard on this address of ours alone
+// - touch: the default Touch
+// - touch:NAME: a Touch by the vendor's name; touch:#SERIAL: a Touch by its serial number
+// - udp:PORT: a device on another computer (udp_bridge.h); udp:ADDRESS:PORT: the same, received on this address of our
+//   computer only
+// - replay:FILE: a recording, in real time
 
 #include "haptics/device/device.h"
 #include "haptics/device/hd_session.h"
@@ -17,23 +19,23 @@
 
 namespace retractor::haptics {
 
-/// Whether a name asks for hardware, which only lives in real time: touch or udp.
+/// Whether a name means hardware, which works in real time only: touch or udp.
 bool is_live_device(const std::string& name);
 
 class DeviceRig {
 public:
-    /// @throws InputError on a name that is none of these; IoError as HdSession, UdpDevice and read_motion
-    /// @param fingers of each device: a recording is played as its finger's device, or as the first one where there are
-    /// not so many; empty: the names' order
+    /// @param fingers finger of each device. A replay plays the recorded device with this number, or the first device
+    /// when the recording has fewer devices. Empty: the order of the names.
+    /// @throws InputError on an unknown name; IoError as HdSession, UdpDevice and read_motion
     explicit DeviceRig(
         std::span<const std::string> names, const HdOptions& options = {}, std::span<const std::size_t> fingers = {});
 
     /// In the order of the names.
     [[nodiscard]] const std::vector<Device*>& devices() const noexcept { return devices_; }
     [[nodiscard]] TickSource& source() noexcept;
-    /// Of the last run. @pre it is stopped
+    /// Times of the last run. @pre the source is stopped
     [[nodiscard]] const TickTimes& times() const noexcept;
-    /// What the Touches' error queue told since the last call; empty without one.
+    /// Entries of the Touches' error queue since the last call; empty without a Touch.
     [[nodiscard]] std::vector<HdProblem> take_problems();
 
 private:

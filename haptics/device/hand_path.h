@@ -1,6 +1,6 @@
 #pragma once
-// Where a simulated hand means to be: key points in time, joined by minimum-jerk motion [Flash, Hogan 1985, eq. 3], the
-// way hands move from rest to rest.
+// The motion that a simulated hand intends: key points in time, joined by minimum-jerk motion from rest to rest (Flash,
+// Hogan 1985, eq. 3). Units mm, s.
 
 #include "mesh/base/geometry.h"
 
@@ -12,10 +12,10 @@ namespace retractor::haptics {
 struct HandKey {
     double time_s = 0.0;
     Vec3 position = Vec3::Zero(); ///< device frame, mm
-    std::uint32_t buttons = 0; ///< from this time on
+    std::uint32_t buttons = 0; ///< pressed buttons from this time on
 };
 
-/// Before the first key the hand rests there, after the last one too.
+/// The hand rests at the first key before its time, and at the last key after its time.
 class HandPath {
 public:
     /// @throws InputError when there is no key, a number is not finite, or times do not increase

@@ -15,7 +15,7 @@ namespace {
 
     namespace fs = std::filesystem;
 
-    constexpr const char* kVendor = "2988"; // 3D Systems, on USB
+    constexpr const char* kVendor = "2988"; // USB vendor id of 3D Systems
 
     std::string first_line(const fs::path& file)
     {
@@ -52,7 +52,7 @@ namespace {
             finding.ok = false;
             finding.found = error.what();
         }
-        // What a library that is there lacks itself is worth more than the names that are not.
+        // A missing dependency of a library that exists tells more than the names that do not exist.
         std::string lacking;
         for (std::size_t at = 0; at < finding.found.size(); ++at) {
             const std::string missing = missing_library(finding.found.substr(at));
@@ -88,7 +88,7 @@ namespace {
                       "--reload && udevadm trigger" };
     }
 
-    /// The device's node, below `root`; empty when none is plugged in.
+    /// The device file below `root`; empty when no device is plugged in.
     fs::path plugged_in(const fs::path& root, std::string& name)
     {
         for (const fs::path& device : entries_of(root / "sys/bus/usb/devices"))

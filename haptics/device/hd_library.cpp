@@ -16,7 +16,7 @@ namespace {
         return function != nullptr;
     }
 
-    /// @return the first function that is not there; nullptr when all are
+    /// @return name of the first missing function; nullptr when all exist
     const char* resolve_all(void* library, hd::Functions& f)
     {
 #define RETRACTOR_RESOLVE(function)                                                                                    \
@@ -65,7 +65,7 @@ std::vector<std::string> default_hd_libraries()
 
 std::string HdLibrary::load(const std::string& name)
 {
-    // Global, as its own libraries look for each other's symbols.
+    // Global symbols, because the vendor's libraries look for each other's symbols.
     void* const library = ::dlopen(name.c_str(), RTLD_LAZY | RTLD_GLOBAL);
     if (library == nullptr)
         return linker_message();
@@ -100,7 +100,7 @@ HdLibrary::~HdLibrary()
 
 std::string missing_library(const std::string& reason)
 {
-    // glibc: "libX.so.1: cannot open shared object file: No such file or directory".
+    // Format of glibc: "libX.so.1: cannot open shared object file: No such file or directory".
     const std::size_t end = reason.find(": cannot open shared object file");
     return end == std::string::npos ? std::string() : reason.substr(0, end);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// HDAPI found and loaded at run time.
+// Finds HDAPI and loads it at run time.
 
 #include "haptics/device/hdapi.h"
 
@@ -8,19 +8,19 @@
 
 namespace retractor::haptics {
 
-/// In the order in which they are tried; RETRACTOR_HD_LIBRARY in the environment names the only one.
+/// Names in the order of the attempts. The environment variable RETRACTOR_HD_LIBRARY replaces the list by one name.
 std::vector<std::string> default_hd_libraries();
 
-/// Why one name could not be loaded: the dynamic linker's own words name a library that it needs in turn.
+/// A name that could not be loaded. The reason is the dynamic linker's message, which names a missing dependency.
 struct HdAttempt {
     std::string name, reason;
 };
 
-/// Keeps the library loaded for as long as it lives.
+/// Keeps the library loaded for the object's lifetime.
 class HdLibrary {
 public:
-    /// The first of `names` that loads and has every function.
-    /// @throws IoError with what was tried and why it failed
+    /// Loads the first of `names` that has every function.
+    /// @throws IoError with all attempts and their reasons
     explicit HdLibrary(const std::vector<std::string>& names = default_hd_libraries());
     ~HdLibrary();
     HdLibrary(const HdLibrary&) = delete;
@@ -28,7 +28,7 @@ public:
 
     [[nodiscard]] const hd::Functions& functions() const noexcept { return functions_; }
     [[nodiscard]] const std::string& name() const noexcept { return name_; }
-    /// Those before it.
+    /// Failed attempts before the loaded library.
     [[nodiscard]] const std::vector<HdAttempt>& attempts() const noexcept { return attempts_; }
 
 private:
@@ -40,7 +40,8 @@ private:
     std::vector<HdAttempt> attempts_;
 };
 
-/// The library that the linker's message says is missing ("libncurses.so.5"); empty when it says no such thing.
+/// The library that the linker's message reports as missing ("libncurses.so.5"); empty when the message has another
+/// reason.
 std::string missing_library(const std::string& reason);
 
 } // namespace retractor::haptics

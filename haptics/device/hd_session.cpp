@@ -13,11 +13,12 @@ namespace retractor::haptics {
 
 namespace {
 
-    constexpr int kQueueLimit = 64; ///< entries in one go: a queue that never ends must not hold the servo
-    constexpr std::chrono::milliseconds kSilentScheduler { 300 }; ///< it will not call any more
-    constexpr double kOverrun = 50.0; ///< mm beyond the workspace: no arm reaches there
+    constexpr int kQueueLimit = 64; ///< entries read in one go; an endless queue must not hold up the servo
+    /// After this time without a call the scheduler counts as dead.
+    constexpr std::chrono::milliseconds kSilentScheduler { 300 };
+    constexpr double kOverrun = 50.0; ///< mm outside the workspace, farther than the device's arm reaches
 
-    /// The vendor's configuration files have decimal points.
+    /// Sets the C locale for numbers, because the vendor's configuration files have decimal points.
     class PlainNumbers {
     public:
         PlainNumbers()
@@ -103,7 +104,7 @@ std::string describe(const HdProblem& problem)
     return text;
 }
 
-/// One device within the session's callback.
+/// One device inside the session's callback.
 class HdSession::Touch : public Device {
 public:
     Touch(HdSession& session, hd::Handle device_handle)
@@ -135,7 +136,7 @@ public:
         if (fresh.trouble == DeviceTrouble::none && beyond.maxCoeff() > kOverrun)
             fresh.trouble = DeviceTrouble::over_limit;
         if (fresh.trouble == DeviceTrouble::over_limit)
-            trouble = DeviceTrouble::none; // it recovers when left alone, and says so again when not
+            trouble = DeviceTrouble::none; // the device recovers by itself, and reports again if it does not
         if (!session_.options_.frames_overlap) {
             put_force();
             hd.hdEndFrame(handle);
@@ -156,7 +157,7 @@ public:
 
     hd::Handle handle;
     DeviceInfo own;
-    DeviceTrouble trouble = DeviceTrouble::none; ///< lost is for good
+    DeviceTrouble trouble = DeviceTrouble::none; ///< `lost` is permanent
     Vec3 force = Vec3::Zero();
 
 private:
@@ -221,14 +222,14 @@ void HdSession::check_queue(const std::string& what) const
 
 hd::Handle HdSession::handle_of(const HdDeviceRequest& request)
 {
-    // A serial number alone is looked for behind the names that the vendor's set-up gives.
+    // Without a name, the serial number is searched for under the names that the vendor's set-up gives.
     std::vector<std::string> names { request.name };
     if (request.name.empty() && !request.serial.empty())
         names = { "", "Default Device", "Left Device", "Right Device", "Phantom1", "Phantom2" };
     std::string seen;
     for (const std::string& name : names) {
         for (int i = 0; i < kQueueLimit && hd_.hdGetError().code != hd::kSuccess; ++i)
-            ; // an old error must not be blamed on this call
+            ; // removes old errors, which do not belong to this call
         const hd::Handle handle = hd_.hdInitDevice(name.empty() ? nullptr : name.c_str());
         if (handle == hd::kInvalidHandle) {
             if (names.size() == 1)
@@ -262,7 +263,7 @@ void HdSession::initialise(const HdDeviceRequest& request)
     const auto number = [&](hd::Enum what, double& value) {
         double got = 0.0;
         hd_.hdGetDoublev(what, &got);
-        if (got > 0.0 && std::isfinite(got)) // some models answer nothing: the data sheet's value stays
+        if (got > 0.0 && std::isfinite(got)) // some models report nothing; the value of the data sheet stays then
             value = got;
     };
     info.name = request.name.empty() ? "default" : request.name;
@@ -279,7 +280,7 @@ void HdSession::initialise(const HdDeviceRequest& request)
     if (workspace_of(box).low.array().isFinite().all()
         && (workspace_of(box).high - workspace_of(box).low).minCoeff() > 0.0)
         info.workspace = workspace_of(box);
-    // What guards the force comes before the force.
+    // The safety functions are enabled before the force.
     hd_.hdEnable(hd::kForceClamping);
     hd_.hdEnable(hd::kSoftwareForceLimit);
     hd_.hdEnable(hd::kForceRamping);
@@ -321,7 +322,7 @@ void HdSession::run_tick() noexcept
     const double step = timer_->begin();
     calls_.fetch_add(1, std::memory_order_relaxed);
     const bool stopping = stopping_.load(std::memory_order_relaxed);
-    const double ramp_step = std::min(step, 2.0 / options_.rate_hz); // a ramp is no shorter for a late tick
+    const double ramp_step = std::min(step, 2.0 / options_.rate_hz); // a late tick must not shorten a ramp
     gain_
         = std::clamp(gain_ + (stopping ? -ramp_step / options_.ramp_down_s : ramp_step / options_.ramp_up_s), 0.0, 1.0);
     ticked_->tick(timer_->time_s(), step);
@@ -392,7 +393,7 @@ void HdSession::stop() noexcept
     if (!running_)
         return;
     stopping_ = true;
-    // As long as the scheduler calls, however slowly; an unplugged device's may never call again.
+    // Waits while the scheduler calls, however slowly. The scheduler of an unplugged device may never call again.
     auto last_call = std::chrono::steady_clock::now();
     std::uint64_t calls = calls_.load();
     while (!faded_.load(std::memory_order_acquire) && std::chrono::steady_clock::now() - last_call < kSilentScheduler) {

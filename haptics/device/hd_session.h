@@ -1,5 +1,6 @@
 #pragma once
-// 3D Systems Touch devices (and older Phantoms) through HDAPI: one session, one scheduler callback for all of them.
+// 3D Systems Touch devices (and older Phantoms) through HDAPI: one session, one scheduler callback for all devices.
+// Units mm, s, N.
 
 #include "haptics/device/device.h"
 #include "haptics/device/hd_library.h"
@@ -14,54 +15,57 @@
 
 namespace retractor::haptics {
 
-/// Which device: by the name in the vendor's configuration, by serial number, or the default one when both are empty.
+/// A device by its name in the vendor's configuration or by its serial number. Both empty: the default device.
 struct HdDeviceRequest {
     std::string name = {};
     std::string serial = {};
 };
 
-/// One entry of HDAPI's error queue, understood.
+/// One interpreted entry of HDAPI's error queue.
 struct HdProblem {
     hd::ErrorCode code = 0;
     int internal = 0;
-    std::size_t device = 0; ///< index in the session; the number of devices when it belongs to none
-    DeviceTrouble trouble = DeviceTrouble::none; ///< what it means for the servo; none: our call was wrong, or no harm
+    std::size_t device = 0; ///< index in the session; the number of devices when the entry belongs to no device
+    /// Meaning for the servo; none: our call was wrong, or the entry is harmless.
+    DeviceTrouble trouble = DeviceTrouble::none;
 };
-/// "0x0302, communication error: device lost"; numbers and our words, where the library's are not at hand.
+/// A message such as "0x0302, communication error: device lost", with our own words because the library's may be
+/// missing.
 std::string describe(const HdProblem& problem);
 DeviceTrouble trouble_of(hd::ErrorCode code) noexcept;
 
 struct HdOptions {
     std::vector<std::string> libraries = default_hd_libraries();
     unsigned rate_hz = 1000;
-    double ramp_up_s = 0.5,
-           ramp_down_s = 0.1; ///< of the force, beside the servo's own: a session may be used without one
-    std::chrono::milliseconds calibration_limit { 15000 }; ///< for a person to put the stylus into its inkwell
-    TickTimer::Clock clock = tick_clock_s; ///< another one for tests that run the scheduler by hand
-    bool frames_overlap = true; ///< all devices' frames are open while the tissue is asked; off: each is closed at
-                                ///< once, and forces are a tick later
+    /// Ramps of the force beside the servo's ramps, because a session may run without a servo.
+    double ramp_up_s = 0.5, ramp_down_s = 0.1;
+    std::chrono::milliseconds calibration_limit { 15000 }; ///< time for a person to put the stylus into its inkwell
+    TickTimer::Clock clock = tick_clock_s; ///< another clock for tests that run the scheduler by hand
+    /// The frames of all devices stay open while the tissue is asked; off: each frame is closed at once, and forces are
+    /// one tick later.
+    bool frames_overlap = true;
 };
 
 class HdSession : public TickSource {
 public:
-    /// Loads the library, initialises and calibrates the devices, and reads what they can do. Force stays off.
-    /// @throws IoError naming library, device and HDAPI's error, with what to do
+    /// Loads the library, initialises and calibrates the devices, and reads their limits. Force stays off.
+    /// @throws IoError naming the library, the device and HDAPI's error, with advice
     HdSession(const std::vector<HdDeviceRequest>& requests, const HdOptions& options = {});
-    /// Stops, and disables the devices.
+    /// Stops the session and disables the devices.
     ~HdSession() override;
 
     [[nodiscard]] std::size_t device_count() const noexcept { return devices_.size(); }
-    /// To be read and written within the tick only.
+    /// Device for use within the tick only.
     [[nodiscard]] Device& device(std::size_t i);
     [[nodiscard]] const std::string& library() const noexcept { return library_.name(); }
 
     void start(Ticked& ticked) override;
-    /// Force fades, then the callback, the scheduler and the force output end, in this order.
+    /// Ramps the force down, then ends the callback, the scheduler and the force output, in this order.
     void stop() noexcept override;
 
-    /// What the error queue told since the last call, at most 64 entries. One thread, not the servo's.
+    /// Entries of the error queue since the last call, at most 64. One thread, not the servo's.
     [[nodiscard]] std::vector<HdProblem> take_problems();
-    /// Of the last run. @pre it is stopped
+    /// Times of the last run. @pre the session is stopped
     [[nodiscard]] const TickTimes& times() const noexcept { return timer_->times(); }
 
 private:
@@ -85,7 +89,7 @@ private:
     bool running_ = false;
     double gain_ = 0.0;
     std::atomic<bool> stopping_ { false }, faded_ { false };
-    std::atomic<std::uint64_t> calls_ { 0 }; ///< of the callback
+    std::atomic<std::uint64_t> calls_ { 0 }; ///< number of calls of the callback
 
     static constexpr std::size_t kProblems = 64;
     std::array<HdProblem, kProblems> problems_ {};

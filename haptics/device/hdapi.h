@@ -1,6 +1,6 @@
 #pragma once
-// The part of 3D Systems' HDAPI that we use, declared by ourselves from its documented interface: the library is loaded
-// at run time, nothing of the vendor's is needed to build. x86-64, System V. Units of the interface: mm, mm/s, N, N/mm.
+// The part of 3D Systems' HDAPI that we use, declared from its documented interface. The library is loaded at run time,
+// so that a build needs nothing of the vendor's. Platform: x86-64, System V. Units of the interface: mm, mm/s, N, N/mm.
 
 #include <cstdint>
 
@@ -25,7 +25,7 @@ constexpr std::uint32_t kCallbackDone = 0, kCallbackContinue = 1;
 constexpr std::uint32_t kCheckStatus = 0;
 constexpr std::uint16_t kHighestPriority = 0xFFFF;
 
-// Errors.
+// Error codes.
 constexpr ErrorCode kSuccess = 0x0000, kInvalidInputType = 0x0103;
 constexpr ErrorCode kWarmMotors = 0x0200, kExceededForce = 0x0201, kExceededImpulse = 0x0202,
                     kExceededVelocity = 0x0203, kForceError = 0x0204;
@@ -36,17 +36,17 @@ constexpr ErrorCode kInvalidPriority = 0x0500, kSchedulerFull = 0x0501, kInvalid
 
 // State of a device.
 constexpr Enum kButtons = 0x2000, kPosition = 0x2050, kVelocity = 0x2051, kTransform = 0x2052;
-// What it is.
+// Properties of a device.
 constexpr Enum kModel = 0x2501, kSerial = 0x2504, kUsableWorkspace = 0x2551, kMaxWorkspace = 0x2550;
 constexpr Enum kMaxStiffness = 0x2602, kMaxForce = 0x2603, kContinuousForce = 0x2604, kMaxDamping = 0x2609;
-// Output and what guards it.
+// Force output and its safety functions.
 constexpr Enum kForce = 0x2700;
 constexpr Enum kForceOutput = 0x4000, kForceClamping = 0x4001, kForceRamping = 0x4002, kSoftwareForceLimit = 0x4003;
 // Calibration.
 constexpr Enum kCalibrationOk = 0x5000, kCalibrationNeedsUpdate = 0x5001, kCalibrationNeedsInput = 0x5002;
 constexpr Enum kStyleInkwell = 4;
 
-/// Every function we call; HdLibrary fills it.
+/// All functions of the library that we call; HdLibrary fills the struct.
 struct Functions {
     Handle (*hdInitDevice)(const char*);
     void (*hdDisableDevice)(Handle);

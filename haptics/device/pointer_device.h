@@ -1,7 +1,7 @@
 #pragma once
-// The mouse as a device: the pointer's place in a plane and the wheel for the depth, or a place in space that a view
-// makes of them. It cannot push, so a view shows the force instead. Events come some sixty times a second; between them
-// the tip glides.
+// The mouse as a device: the pointer's position in a plane and the wheel for the depth, or a place in space that a view
+// computes. The mouse cannot push, so a view shows the force instead. Events arrive about sixty times a second; between
+// events the tip glides. Units mm, s.
 
 #include "haptics/device/device.h"
 #include "mesh/base/triple_buffer.h"
@@ -9,7 +9,7 @@
 namespace retractor::haptics {
 
 struct PointerOptions {
-    double time_s = 0.02; ///< the tip follows the pointer with this time constant: events make no blows
+    double time_s = 0.02; ///< time constant with which the tip follows the pointer, so that events make no blows
     Workspace workspace { Vec3(-200.0, -200.0, -200.0), Vec3(200.0, 200.0, 200.0) }; ///< mm
 };
 
@@ -18,42 +18,42 @@ public:
     /// @throws InputError when the time is not positive or the workspace is empty
     explicit PointerDevice(const PointerOptions& options = {}, const DeviceInfo& info = { .name = "pointer" });
 
-    // One thread: the window's.
-    /// Where the pointer is in the plane, mm; kept within the workspace. Not finite: left out.
+    // The window's thread:
+    /// Sets the pointer's place in the plane, mm, limited to the workspace. Ignores values that are not finite.
     void point_at(double x, double y);
-    /// A place in space, kept and refused alike.
+    /// Sets a place in space, limited and checked in the same way.
     void point_at(const Vec3& place);
-    /// The same without a way: the tip is lifted, taken there and set down at rest, kHop mm in a tick. What it is
-    /// pointed at afterwards it glides to from there, also when that comes before the hop is done.
+    /// Moves the tip as if it were lifted and set down: at rest, by at most kHop mm a tick. The tip glides on from
+    /// there to a later point_at(), even when point_at() comes before the hop is finished.
     void hop_to(const Vec3& place);
-    /// Further away (positive) or nearer.
+    /// Moves the tip away from the viewer (positive) or nearer, mm.
     void turn_wheel(double mm);
-    /// Bit 0 is the first button.
+    /// Sets the pressed buttons; bit 0 is the first button.
     void press(std::uint32_t buttons);
 
-    // Servo thread.
+    // Servo thread:
     [[nodiscard]] const DeviceInfo& info() const noexcept override { return info_; }
     DeviceReading read(double time_s, double step_s) noexcept override;
-    /// @return nothing: a mouse pushes nobody
+    /// @return zero, because a mouse cannot push
     Vec3 write(const Vec3& force) noexcept override;
 
-    static constexpr double kHop = 80.0; ///< mm: less than what a servo takes for a fault
+    static constexpr double kHop = 80.0; ///< mm; less than the jump that a servo takes for a fault
 
 private:
     struct Target {
         Vec3 position = Vec3::Zero();
         std::uint32_t buttons = 0;
-        Vec3 landing = Vec3::Zero(); ///< of the last hop
-        std::uint64_t hops = 0; ///< asked for so far
+        Vec3 landing = Vec3::Zero(); ///< landing place of the last hop
+        std::uint64_t hops = 0; ///< number of requested hops
     };
     void go_to(const Vec3& place);
     void publish();
 
     double time_s_;
     DeviceInfo info_;
-    Target pointed_; ///< the window's
+    Target pointed_; ///< target as the window's thread set it
     TripleBuffer<Target> target_;
-    std::uint64_t hops_done_ = 0; ///< the servo's
+    std::uint64_t hops_done_ = 0; ///< number of finished hops; servo thread
     Vec3 position_;
 };
 

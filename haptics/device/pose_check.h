@@ -1,5 +1,5 @@
 #pragma once
-// What no hand does: a pose beyond these comes from a fault, and is refused wherever poses come in.
+// Limits of a plausible pose. A pose beyond these limits comes from a fault; every input of poses refuses it.
 
 #include "mesh/base/geometry.h"
 
@@ -9,10 +9,10 @@
 
 namespace retractor::haptics {
 
-constexpr double kMostSpeed = 1e6; ///< mm/s; a device's own limit lies near 1e3
-constexpr double kUnitTolerance = 1e-3; ///< a quaternion's length may be off by this: more is no rounding
+constexpr double kMostSpeed = 1e6; ///< mm/s; the limit of a device is near 1e3
+constexpr double kUnitTolerance = 1e-3; ///< largest error of a quaternion's length; a larger error is not rounding
 
-/// NaN is none of either.
+/// Both functions return false for NaN.
 inline bool is_rotation(const Eigen::Quaterniond& q) noexcept { return std::abs(q.norm() - 1.0) <= kUnitTolerance; }
 inline bool is_speed(const Vec3& velocity) noexcept { return velocity.norm() <= kMostSpeed; }
 

@@ -10,7 +10,7 @@ namespace retractor::haptics {
 namespace {
 
     constexpr double kPerNewtonPerMetre = 1e-3; // N/m to N/mm, and N s/m to N s/mm
-    constexpr double kPerKilogram = 1e-3; // to tonne
+    constexpr double kPerKilogram = 1e-3; // kg to tonne
 
     void check_positive(const Vec3& value, const char* where)
     {
@@ -84,7 +84,8 @@ SimulatedHand::SimulatedHand(const SimulatedHandOptions& options, const DeviceIn
 void SimulatedHand::integrate(double from_s, double step_s) noexcept
 {
     const HandParameters& h = options_.hand;
-    // A late tick is walked through in steps as small; nobody's hand is followed through a longer pause than that.
+    // A late tick is integrated in steps of the usual size. Of a longer pause only the first kLongestPause is
+    // integrated.
     constexpr double kLongestStep = 2.5e-4, kLongestPause = 0.25;
     step_s = std::min(step_s, kLongestPause);
     const int substeps = std::max(options_.substeps, static_cast<int>(std::ceil(step_s / kLongestStep)));
@@ -96,7 +97,7 @@ void SimulatedHand::integrate(double from_s, double step_s) noexcept
         const Vec3 arm = h.arm_stiffness.cwiseProduct(target - hand_) - h.arm_damping.cwiseProduct(hand_velocity_);
         const Vec3 push = motor_ + grip - options_.stylus_damping * tip_velocity_;
         tip_velocity_ += dt / options_.stylus_mass * push;
-        // Dry friction takes speed away, at most all of it.
+        // Dry friction reduces the speed, at most to zero.
         const double speed = tip_velocity_.norm(), braked = dt / options_.stylus_mass * options_.friction;
         tip_velocity_ *= speed > braked ? 1.0 - braked / speed : options_.friction > 0.0 ? 0.0 : 1.0;
         hand_velocity_ += dt * (arm - grip).cwiseQuotient(h.mass);
@@ -107,7 +108,7 @@ void SimulatedHand::integrate(double from_s, double step_s) noexcept
 
 DeviceReading SimulatedHand::read(double time_s, double step_s) noexcept
 {
-    // What the motors have held since the last write is the force written `delay_ticks` before it.
+    // Since the last write() the motors have held the force that was written `delay_ticks` earlier.
     motor_ = pending_.front();
     integrate(time_s - step_s, step_s);
     DeviceReading reading;

@@ -1,5 +1,5 @@
 #pragma once
-// How regular a servo is: histograms of periods and of compute times that are filled inside the tick.
+// Regularity of a servo: histograms of periods and of compute times, filled inside the tick. Units s.
 
 #include <array>
 #include <cstdint>
@@ -7,8 +7,9 @@
 
 namespace retractor::haptics {
 
-/// Counts of durations in bins that grow by a twentieth of a decade's factor, 12 %, from 100 ns to 10 s. Allocates
-/// nothing; reading it is for when nothing is added.
+/// Counts of durations in bins from 100 ns to 10 s. There are twenty bins a decade, so a bin is 12 % wider than the one
+/// before. Allocates nothing.
+/// @pre the reading functions run only when nothing is added
 class TickHistogram {
 public:
     struct Bin {
@@ -18,12 +19,12 @@ public:
 
     void add(double seconds) noexcept;
     [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
-    /// Exact; 0 when empty.
+    /// Exact mean; 0 when empty.
     [[nodiscard]] double mean_s() const noexcept;
     [[nodiscard]] double max_s() const noexcept { return max_; }
-    /// The upper end of the bin that holds this share of the counts, at most the largest value: never flattering.
+    /// Upper end of the bin that contains this share of the counts, limited to the largest value. Never too small.
     [[nodiscard]] double percentile_s(double share) const noexcept;
-    /// From the first to the last that is not empty.
+    /// All bins from the first to the last that is not empty.
     [[nodiscard]] std::vector<Bin> bins() const;
 
 private:
@@ -31,24 +32,25 @@ private:
     static constexpr int kPerDecade = 20, kDecades = 8;
     static double edge(std::size_t bin);
 
-    std::array<std::uint64_t, kPerDecade * kDecades + 2> counts_ {}; ///< the first is for less, the last for more
+    /// The first counts shorter durations, the last longer ones.
+    std::array<std::uint64_t, kPerDecade * kDecades + 2> counts_ {};
     std::uint64_t count_ = 0;
     double sum_ = 0.0, max_ = 0.0;
 };
 
-/// What a tick source measures of itself.
+/// The measurements of a tick source.
 struct TickTimes {
-    TickHistogram periods; ///< from tick to tick
-    TickHistogram jitter; ///< how far a period is from the nominal one, either way
-    TickHistogram compute; ///< in the tick, by the wall clock: what other programs took is in it
+    TickHistogram periods; ///< time from tick to tick
+    TickHistogram jitter; ///< absolute difference between a period and the nominal period
+    TickHistogram compute; ///< wall-clock time of a tick, including time that other programs took
     std::uint64_t ticks = 0;
-    std::uint64_t missed = 0; ///< whole periods in which no tick began
+    std::uint64_t missed = 0; ///< number of whole periods in which no tick began
 };
 
 /// Monotonic clock, s.
 double tick_clock_s() noexcept;
 
-/// Runs begin() and end() around each tick.
+/// Measures ticks. Call begin() and end() around each tick.
 class TickTimer {
 public:
     using Clock = double (*)() noexcept;
@@ -57,10 +59,10 @@ public:
         , clock_(clock)
     {
     }
-    /// @return seconds since the tick before; the nominal period at the first
+    /// @return time since the last tick, s; the nominal period at the first tick
     double begin() noexcept;
     void end() noexcept;
-    /// Of this tick since the first.
+    /// Start of this tick since the start of the first, s.
     [[nodiscard]] double time_s() const noexcept { return begun_ - first_; }
     [[nodiscard]] const TickTimes& times() const noexcept { return times_; }
 

@@ -39,7 +39,7 @@ TickThread::~TickThread() { stop(); }
 
 void TickThread::loop(Ticked& ticked) noexcept
 {
-    prctl(PR_SET_TIMERSLACK, 1UL); // ns; the default of 50 us is for batteries
+    prctl(PR_SET_TIMERSLACK, 1UL); // ns; the default of 50 us saves power
     const double first = tick_clock_s() + options_.period_s;
     double number = 0.0;
     while (!stopping_.load(std::memory_order_relaxed)) {

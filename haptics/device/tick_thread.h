@@ -1,5 +1,5 @@
 #pragma once
-// Our own thread as a tick source, for devices whose vendors bring no scheduler.
+// Our own thread as a tick source, for devices whose vendors provide no scheduler.
 
 #include "haptics/device/device.h"
 #include "haptics/device/tick_statistics.h"
@@ -13,10 +13,11 @@ namespace retractor::haptics {
 
 struct TickThreadOptions {
     double period_s = 1e-3;
-    int priority = 80; ///< under SCHED_FIFO: above what else runs, below the kernel's own threads; 0 asks for none
+    /// Priority under SCHED_FIFO: above other programs, below the kernel's own threads; 0: ordinary scheduling.
+    int priority = 80;
 };
 
-/// Wakes at multiples of the period after the start; those it slept through are left out, never made up for.
+/// Wakes at multiples of the period after the start. Missed periods are skipped, and no tick makes up for them.
 class TickThread : public TickSource {
 public:
     explicit TickThread(const TickThreadOptions& options = {});
@@ -25,10 +26,12 @@ public:
     void start(Ticked& ticked) override;
     void stop() noexcept override;
 
-    /// Whether the thread runs under SCHED_FIFO; why not otherwise ("Operation not permitted: ..."). After start().
+    /// Whether the thread runs under SCHED_FIFO. If not, realtime_note() is the reason ("Operation not permitted:
+    /// ...").
+    /// @pre start() was called
     [[nodiscard]] bool is_realtime() const noexcept { return realtime_note_.empty(); }
     [[nodiscard]] const std::string& realtime_note() const noexcept { return realtime_note_; }
-    /// Of the last run. @pre it is stopped
+    /// Times of the last run. @pre the source is stopped
     [[nodiscard]] const TickTimes& times() const noexcept { return timer_->times(); }
 
 private:
@@ -41,7 +44,7 @@ private:
     std::string realtime_note_;
 };
 
-/// Runs nothing for a while: the machine's own jitter. @param seconds of it
+/// Measures the jitter of the machine with empty ticks. @param seconds length of the measurement
 TickTimes empty_loop(double seconds, const TickThreadOptions& options = {});
 
 } // namespace retractor::haptics

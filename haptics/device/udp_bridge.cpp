@@ -28,7 +28,7 @@ namespace {
 
     constexpr std::uint32_t kPacketVersion = 1;
     constexpr std::uint32_t kPoseMark = 0x50525452u, kForceMark = 0x46525452u; // "RTRP", "RTRF"
-    constexpr int kWaiting = 1000; ///< datagrams taken in one tick: a flood must not hold the servo
+    constexpr int kWaiting = 1000; ///< datagrams read in one tick; a flood must not hold up the servo
 
     struct PoseDatagram {
         std::uint32_t mark, version;
@@ -129,7 +129,7 @@ bool DatagramSocket::wait(double seconds) const noexcept
         if (::poll(&socket, 1, static_cast<int>(std::max<std::int64_t>(0, left.count()))) > 0)
             return (socket.revents & POLLIN) != 0;
         if (left.count() <= 0)
-            return false; // interrupted before: go on
+            return false; // interrupted by a signal: wait on
     }
 }
 
@@ -140,7 +140,7 @@ UdpDevice::UdpDevice(const UdpDeviceOptions& options, const DeviceInfo& info)
 {
     if (info_.model.empty())
         info_.model = "device on another computer";
-    // There, on the way, and there again: whatever the network adds is not known.
+    // One tick to the device and one back. The delay of the network is unknown.
     info_.limits.delay_ticks = std::max(info_.limits.delay_ticks, 2);
     last_.position = 0.5 * (info_.workspace.low + info_.workspace.high);
     last_.trouble = DeviceTrouble::silent;
@@ -150,7 +150,7 @@ DeviceReading UdpDevice::read(double, double step_s) noexcept
 {
     last_.trouble = DeviceTrouble::silent;
     silent_s_ += step_s;
-    // One byte more than fits: a longer datagram is told from a right one.
+    // One byte more than a pose, so that longer datagrams can be recognised.
     std::array<std::byte, sizeof(PoseDatagram) + 1> bytes;
     for (int i = 0; i < kWaiting; ++i) {
         const std::size_t size = socket_.receive(bytes.data(), bytes.size());
@@ -169,9 +169,9 @@ DeviceReading UdpDevice::read(double, double step_s) noexcept
         ++received_;
         if (seen_ && pose.number <= newest_) {
             if (silent_s_ <= silence_s_)
-                continue; // late, or twice
-            lost_before_ = lost_; // the peer was started anew, and counts from 1 again
-            received_before_ = received_ - pose.number; // as if all of its had come so far
+                continue; // late or repeated
+            lost_before_ = lost_; // the peer started anew and counts from 1
+            received_before_ = received_ - pose.number; // as if all datagrams of the new start had arrived
         }
         newest_ = pose.number;
         seen_ = true;

@@ -1,15 +1,15 @@
 #pragma once
-// A device on another computer: its side sends poses and takes forces over UDP, ours is a Device like any other. One
-// datagram per tick and direction, each with the newest state only: what is lost is not sent again, what comes late or
-// twice is left out. When nothing new has come for a while, both sides let go: the servo by its latch (the reading is
-// silent), the device's side by a ramp of its own.
+// A device on another computer. The device's side sends poses and receives forces over UDP; on our side the device is a
+// Device like any other. Each tick sends one datagram per direction, with the newest state only. A lost datagram is not
+// sent again; a late or repeated datagram is ignored. When nothing new has arrived for a while, both sides fade the
+// force out: the servo by its fault latch (the reading is silent), the device's side by its own ramp.
 //
-// Datagrams, version 1, little-endian, packed:
-//   pose (to the servo):   "RTRP" u32 version, u64 number, f64 position[3], f64 velocity[3], f64 quaternion[4] (w x y
-//   z),
-//                          u32 buttons, u32 trouble
-//   force (to the device): "RTRF" u32 version, u64 number, f64 force[3]
-// No names, no encryption: for a local network between two computers of one laboratory.
+// Datagrams, version 1, little-endian, packed; units mm, mm/s, N:
+// - pose (to the servo): "RTRP" u32 version, u64 number, f64 position[3], f64 velocity[3], f64 quaternion[4] (w x y z),
+//   u32 buttons, u32 trouble
+// - force (to the device): "RTRF" u32 version, u64 number, f64 force[3]
+//
+// There are no names and no encryption: use the bridge only between two computers of one laboratory's local network.
 
 #include "haptics/device/device.h"
 
@@ -20,26 +20,27 @@
 
 namespace retractor::haptics {
 
-/// A UDP socket that never waits.
+/// A UDP socket that never blocks.
 class DatagramSocket {
 public:
-    /// Bound to `address` ("127.0.0.1", "0.0.0.0"), `port` 0 for any.
-    /// @throws IoError naming address and port and the system's reason
+    /// Binds the socket to `address` ("127.0.0.1", "0.0.0.0"); `port` 0 means any port.
+    /// @throws IoError naming address, port and the system's reason
     DatagramSocket(const std::string& address, std::uint16_t port);
     ~DatagramSocket();
     DatagramSocket(const DatagramSocket&) = delete;
     DatagramSocket& operator=(const DatagramSocket&) = delete;
 
     [[nodiscard]] std::uint16_t port() const noexcept { return port_; }
-    /// All that is sent goes there. @throws InputError when it is no numeric IPv4 address
+    /// Sets the receiver of all later datagrams. @throws InputError when `address` is no numeric IPv4 address
     void send_to(const std::string& address, std::uint16_t port);
-    /// To the sender of the last datagram that was accepted.
+    /// Sets the receiver to the sender of the last accepted datagram.
     void answer_last() noexcept;
-    /// @return whether the system took it; without an address nothing is sent
+    /// @return whether the system accepted the datagram; without a receiver nothing is sent
     bool send(const void* data, std::size_t size) noexcept;
-    /// @return its size; 0 when none waits. Longer ones are cut, which no format accepts.
+    /// @return the size of the datagram; 0 when none waits. A longer datagram is cut, and no format accepts a cut
+    /// datagram.
     std::size_t receive(void* data, std::size_t room) noexcept;
-    /// Not in a tick: waits, in real time, until a datagram waits. @return whether one does
+    /// Blocks until a datagram waits, in real time; not for use in a tick. @return whether a datagram waits
     [[nodiscard]] bool wait(double seconds) const noexcept;
 
 private:
@@ -50,13 +51,13 @@ private:
 };
 
 struct UdpDeviceOptions {
-    std::string address = "127.0.0.1"; ///< ours
-    std::uint16_t port = 0; ///< where poses arrive; 0: any, see port()
-    double silence_s = 0.02; ///< without a pose, after which a lower number is a peer that was started anew
+    std::string address = "127.0.0.1"; ///< our address
+    std::uint16_t port = 0; ///< port for poses; 0: any, see port()
+    double silence_s = 0.02; ///< after this time without a pose, a lower number means that the peer started anew
 };
 
-/// The servo's side. read() takes the newest pose that has come; without a new one the reading is silent, and the force
-/// is sent all the same. Until the first pose comes it is silent at its workspace's middle.
+/// The servo's side. read() takes the newest pose; without a new pose the reading is silent, and the force is still
+/// sent. Until the first pose arrives the device is silent at the middle of its workspace.
 class UdpDevice : public Device {
 public:
     /// @throws IoError when the socket cannot be opened
@@ -67,15 +68,14 @@ public:
     Vec3 write(const Vec3& force) noexcept override;
     [[nodiscard]] std::uint16_t port() const noexcept { return socket_.port(); }
 
-    /// Between ticks in simulated time, which does not wait for the system's: until a datagram has come.
+    /// For use between ticks in simulated time, which does not follow real time: blocks until a datagram has arrived.
     [[nodiscard]] bool wait(double seconds) const noexcept { return socket_.wait(seconds); }
-    /// Servo thread, or when no tick runs.
+    /// Number of accepted datagrams. Servo thread, or when no tick runs; the same holds for lost() and refused().
     [[nodiscard]] std::uint64_t received() const noexcept { return received_; }
-    [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; } ///< numbers that never came, or came too late
-    [[nodiscard]] std::uint64_t refused() const noexcept
-    {
-        return refused_;
-    } ///< datagrams that were none of ours, or no pose
+    /// Numbers that never arrived or arrived too late.
+    [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; }
+    /// Datagrams of another format, or with an impossible pose.
+    [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; }
 
 private:
     DatagramSocket socket_;
@@ -83,28 +83,28 @@ private:
     DeviceReading last_;
     double silence_s_, silent_s_ = 0.0;
     std::uint64_t newest_ = 0, sent_ = 0, received_ = 0, lost_ = 0, refused_ = 0;
-    std::uint64_t lost_before_ = 0, received_before_ = 0; ///< the peer's last start
+    std::uint64_t lost_before_ = 0, received_before_ = 0; ///< counts before the peer's last start
     bool seen_ = false;
 };
 
 struct UdpRelayOptions {
     std::string servo_address = "127.0.0.1";
     std::uint16_t servo_port = 0;
-    double silence_s = 0.02; ///< without a force from the servo; then a lower number is a servo started anew
+    double silence_s = 0.02; ///< after this time without a force, a lower number means that the servo started anew
     double ramp_s = 0.1;
 };
 
-/// The device's side: ticked by the device's own tick source, it passes pose and force on.
+/// The device's side, ticked by the device's own tick source: passes pose and force on.
 class UdpRelay : public Ticked {
 public:
-    /// @param device lives longer
+    /// @param device must outlive the relay
     /// @throws IoError, InputError as DatagramSocket
     UdpRelay(Device& device, const UdpRelayOptions& options);
 
     void tick(double time_s, double step_s) noexcept override;
     /// As UdpDevice::wait().
     [[nodiscard]] bool wait(double seconds) const noexcept { return socket_.wait(seconds); }
-    /// Share of the last force that is put out: 1 while forces come.
+    /// Share of the last force that is put out: 1 while forces arrive.
     [[nodiscard]] double share() const noexcept { return share_; }
 
 private:

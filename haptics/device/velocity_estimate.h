@@ -1,7 +1,8 @@
 #pragma once
-// Velocity from a quantised position: first-order adaptive windowing, end-fit form [Janabi-Sharifi, Hayward, Chen 2000,
-// Discrete-time adaptive windowing for velocity estimation, IEEE Trans. Control Systems Technology 8(6)]. The longest
-// window in which a straight line explains all positions to within the resolution: no noise at rest, no lag in a turn.
+// Velocity from a quantised position by first-order adaptive windowing, end-fit form (Janabi-Sharifi, Hayward, Chen,
+// Discrete-time adaptive windowing for velocity estimation, IEEE Trans. Control Systems Technology 8(6), 2000). The
+// window is the longest in which a straight line fits all positions within the resolution. The estimate therefore has
+// no noise at rest and no lag in a turn.
 
 #include "mesh/base/geometry.h"
 
@@ -10,7 +11,7 @@
 
 namespace retractor::haptics {
 
-/// Each axis for itself. Allocates nothing.
+/// Each axis has its own window. Allocates nothing.
 class VelocityEstimate {
 public:
     /// @param resolution of the position, mm
@@ -19,13 +20,13 @@ public:
     {
     }
 
-    /// @param step_s since the call before; not positive counts as no time: the last answer is repeated
+    /// @param step_s time since the last call; when not positive, the last estimate is returned
     /// @return mm/s
     Vec3 update(const Vec3& position, double step_s) noexcept;
     void restart() noexcept { count_ = 0; }
 
 private:
-    static constexpr std::size_t kWindow = 24; ///< ticks: 1 quantum in 24 ms is 2.3 mm/s at 0.055 mm
+    static constexpr std::size_t kWindow = 24; ///< ticks; one quantum of 0.055 mm in 24 ms is 2.3 mm/s
 
     struct Sample {
         Vec3 position;

@@ -13,8 +13,9 @@ namespace retractor::haptics {
 
 namespace {
 
-    constexpr double kShortest = 80.0, kLongest = 600.0; // mm, corner to corner: a child's; an adult's with the forearm
-    constexpr double kThinnest = 1.0, kThickest = 30.0; // mm, of a fingertip
+    // mm, diagonal of the box: a child's hand; an adult's hand with the forearm
+    constexpr double kShortest = 80.0, kLongest = 600.0;
+    constexpr double kThinnest = 1.0, kThickest = 30.0; // radius of a fingertip, mm
 
     [[noreturn]] void refuse(const std::string& what, const std::filesystem::path& path)
     {

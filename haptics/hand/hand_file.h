@@ -1,6 +1,6 @@
 #pragma once
-// A hand to be shown, from a Wavefront OBJ file: a right hand in mm as hand_model.h lays it (the middle finger along
-// +y, the palm looking along -z, the thumb towards -x), the faces of each fingertip in a group or object of its own:
+// Reads a hand to show from a Wavefront OBJ file. The file contains a right hand in mm, in the frame of hand_model.h
+// (middle finger along +y, palm facing -z, thumb towards -x). The faces of each fingertip form a group or object:
 // fingertip-1 (thumb) to fingertip-5 (little finger).
 
 #include "haptics/hand/hand_model.h"
@@ -9,8 +9,9 @@
 
 namespace retractor::haptics {
 
-/// @param left the mirror image. @throws IoError when it cannot be read; InputError as read_obj_surface(), when a
-/// fingertip is not named, and when it is not of a hand's size.
+/// @param left gives the mirror image
+/// @throws IoError when the file cannot be read; InputError as read_obj_surface(), when the name of a fingertip is
+/// missing, and when the size is not that of a hand
 HandModel read_hand(const std::filesystem::path& path, bool left);
 
 } // namespace retractor::haptics

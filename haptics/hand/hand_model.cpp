@@ -14,9 +14,9 @@ namespace retractor::haptics {
 
 namespace {
 
-    constexpr double kApart = 0.1; ///< mm: fingertips nearer to each other give no direction
+    constexpr double kApart = 0.1; ///< mm; fingertips closer than this define no direction
 
-    /// A bone with its flesh: two balls and what lies between.
+    /// A bone with its flesh: two balls and the cone between them.
     struct Capsule {
         Vec3 a, b;
         double radius_a = 0.0, radius_b = 0.0;
@@ -31,12 +31,12 @@ namespace {
 
     struct Finger {
         Vec3 knuckle;
-        double yaw = 0.0; ///< in the palm's plane, away from +y, rad
-        std::array<double, 3> bones {}, bend {}; ///< mm; rad at each joint, towards the palm
-        double radius = 8.0; ///< at the knuckle; the tip has 0.8 of it
+        double yaw = 0.0; ///< angle from +y in the plane of the palm, rad
+        std::array<double, 3> bones {}, bend {}; ///< length of each bone, mm; bend at each joint towards the palm, rad
+        double radius = 8.0; ///< radius at the knuckle, mm; the tip has 0.8 of this radius
     };
 
-    /// A right hand of 180 mm.
+    /// Fingers of a right hand of 180 mm.
     const std::array<Finger, 5>& fingers()
     {
         static const std::array<Finger, 5> hand { {
@@ -72,7 +72,7 @@ namespace {
             hand.tips[f] = joint;
             hand.tip_radius[f] = 0.8 * finger.radius * scale;
         }
-        bones.push_back({ Vec3(0.0, -45.0, 0.0), Vec3(0.0, 6.0, 0.0), 23.0, 22.0 }); // the forearm's end
+        bones.push_back({ Vec3(0.0, -45.0, 0.0), Vec3(0.0, 6.0, 0.0), 23.0, 22.0 }); // end of the forearm
         for (Capsule& bone : bones) {
             bone.radius_a *= scale;
             bone.radius_b *= scale;
@@ -96,7 +96,7 @@ HandModel make_hand(bool left, double length_mm)
 {
     if (!(length_mm >= 100.0 && length_mm <= 260.0))
         throw InputError("a hand is 100 to 260 mm long, got " + std::to_string(length_mm));
-    constexpr double kLength = 185.0, kVoxel = 2.0; // of the hand as laid out above; mm
+    constexpr double kLength = 185.0, kVoxel = 2.0; // length of the hand laid out above; mm
     HandModel hand;
     const std::vector<Capsule> bones = bones_of(hand, left, length_mm / kLength);
     Vec3 low = bones.front().a, high = low;
@@ -133,12 +133,12 @@ HandPlace place_hand(
         if (!tips[i].allFinite())
             throw InputError("its place is not finite", "fingertip " + std::to_string(i));
     const auto flat = [&](const Vec3& v) -> Vec3 { return v - v.dot(outward) * outward; };
-    constexpr double kAlong = 0.2; // of a unit vector: less gives no direction
+    constexpr double kAlong = 0.2; // a projected unit vector shorter than this defines no direction
     HandPlace place;
     Vec3 ahead = flat(up);
     if (ahead.norm() < kAlong)
         ahead = flat(sight);
-    if (ahead.norm() < kAlong) // looked at from the side
+    if (ahead.norm() < kAlong) // the camera looks from the side
         ahead = outward.unitOrthogonal();
     ahead.normalize();
     place.turn.col(2) = outward;
@@ -171,7 +171,7 @@ std::array<std::optional<HandPlace>, 2> place_hands(
             met.push_back(finger.tip);
             tips.push_back(finger.tip + lift * finger.outward);
         }
-        // Fingers against each other have no common way out: the hand then comes from the eye.
+        // Opposed fingers have no common outward direction; the hand then comes from the eye.
         constexpr double kAgree = 0.5;
         const Vec3 outward = out.norm() > kAgree ? Vec3(out.normalized()) : Vec3(-sight.normalized());
         placed[h] = place_hand(hands[h], outward, sight, up, tips);

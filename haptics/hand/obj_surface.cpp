@@ -17,7 +17,7 @@ namespace retractor::haptics {
 
 namespace {
 
-    /// "7", "7/1", "7//3", "-2": the position's index, from 0.
+    /// Index of a position, from 0, of a word such as "7", "7/1", "7//3" or "-2".
     VertexId position_index(const std::string& word, std::size_t count, const std::string& where)
     {
         char* end = nullptr;
@@ -42,7 +42,7 @@ TriMesh read_obj_surface(
         throw IoError("cannot be read", path.string());
     std::vector<std::array<double, 3>> places;
     std::map<std::array<double, 3>, VertexId> number_of;
-    std::vector<VertexId> joined; // file's vertex to ours
+    std::vector<VertexId> joined; // our vertex for each vertex of the file
     TriMesh mesh;
     std::map<std::string, std::set<VertexId>> members;
     std::string line, group;

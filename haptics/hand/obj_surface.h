@@ -1,5 +1,6 @@
 #pragma once
-// Triangle surfaces from Wavefront OBJ files: organs, hands. Positions and faces only; polygons become fans.
+// Reads triangle surfaces of organs and hands from Wavefront OBJ files. Only positions and faces are read; polygons
+// become triangle fans.
 
 #include "mesh/base/geometry.h"
 
@@ -10,10 +11,11 @@
 
 namespace retractor::haptics {
 
-/// Vertices at one place are joined (files that carry texture seams repeat them), those no face uses are left out.
-/// @param unit_mm what one unit of the file is
-/// @throws IoError when it cannot be read; InputError naming the line that is wrong, or that there are no faces.
-/// @param groups where given: the vertices of every named group or object ("g", "o") that has faces, rising
+/// Joins vertices at one place (files with texture seams repeat vertices) and drops vertices that no face uses.
+/// @param unit_mm length of the file's unit, mm
+/// @param groups receives the vertices of every named group or object ("g", "o") with faces, in rising order; may be
+/// null
+/// @throws IoError when the file cannot be read; InputError naming the wrong line, or when there are no faces
 TriMesh read_obj_surface(const std::filesystem::path& path, double unit_mm = 1.0,
     std::map<std::string, std::vector<VertexId>>* groups = nullptr);
 

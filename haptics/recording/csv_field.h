@@ -1,11 +1,11 @@
 #pragma once
-// Text as a field of a CSV file (RFC 4180).
+// Formats text as a field of a CSV file (RFC 4180).
 
 #include <string>
 
 namespace retractor::haptics {
 
-/// In quotes where it holds a comma, a quote or an end of line; quotes inside are doubled.
+/// Puts the text in quotes when it contains a comma, a quote or an end of line, and doubles quotes inside.
 std::string csv_field(const std::string& text);
 
 } // namespace retractor::haptics

@@ -41,7 +41,7 @@ namespace {
         out += text;
     }
 
-    /// Takes values from the front; knows where it is.
+    /// Reads values from the front and tracks the position for messages.
     class Bytes {
     public:
         Bytes(std::string_view content, const std::string& where)
@@ -194,7 +194,7 @@ MotionRecording motion_from_binary(std::string_view content, const std::string& 
     }
     if (version == kVersionWithoutFrames)
         place_pointers(recording);
-    // Before any room is taken: a damaged count must not ask for the machine's memory.
+    // Checked before any allocation: a damaged count must not request all memory.
     const std::size_t tick_bytes = sizeof(double) + devices * kSampleBytes;
     if (bytes.left() < sizeof(std::uint64_t) || (bytes.left() - sizeof(std::uint64_t)) % tick_bytes != 0
         || (bytes.left() - sizeof(std::uint64_t)) / tick_bytes != ticks)

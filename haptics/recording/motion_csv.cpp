@@ -22,7 +22,8 @@ namespace {
     void put(std::string& out, double value)
     {
         std::array<char, 32> text;
-        const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr; // shortest that reads back
+        // Shortest text that reads back exactly.
+        const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
         out.append(text.data(), end);
         out += ',';
     }
@@ -32,7 +33,7 @@ namespace {
             put(out, v[i]);
     }
 
-    /// Names are free text: what would end a field or a line becomes a blank.
+    /// Replaces characters that would end a field or a line by blanks, because names are free text.
     std::string one_field(std::string text)
     {
         for (char& c : text)

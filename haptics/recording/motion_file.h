@@ -1,5 +1,5 @@
 #pragma once
-// Files of motion recordings. The two formats, binary and CSV, are described in haptics/README.md.
+// Files of motion recordings in two formats, binary and CSV; docs/method/haptics.md describes both.
 
 #include "haptics/recording/motion_recording.h"
 
@@ -7,13 +7,13 @@
 
 namespace retractor::haptics {
 
-/// Writes binary, or CSV when the name ends in .csv. Replaces what was there, atomically.
-/// @throws IoError naming the path; InputError when counts do not fit each other
+/// Writes CSV when the name ends in .csv, else binary. Replaces an existing file atomically.
+/// @throws IoError naming the path; InputError when the counts of the recording do not match
 void write_motion(const std::filesystem::path& path, const MotionRecording& recording);
-/// Either format, told by its first bytes.
-/// @throws IoError when it cannot be read; InputError naming the file and the line or byte when it is none of ours, of
-/// a later version, cut off, damaged, or has numbers that are not finite, poses beyond pose_check.h, or times that do
-/// not increase
+/// Reads either format; the first bytes tell which.
+/// @throws IoError when the file cannot be read; InputError naming the file and the line or byte when the file has
+/// another format or a later version, is cut off or damaged, or has numbers that are not finite, poses beyond
+/// pose_check.h, or times that do not increase
 MotionRecording read_motion(const std::filesystem::path& path);
 
 } // namespace retractor::haptics

@@ -7,7 +7,7 @@
 namespace retractor::haptics {
 
 namespace {
-    constexpr double kOwnDamping = 5e-3; ///< N s/mm: what a stylus in a hand is taken to dissipate
+    constexpr double kOwnDamping = 5e-3; ///< N s/mm; assumed damping of a stylus in a hand
 } // namespace
 
 ReplayDevice::ReplayDevice(MotionRecording recording, std::size_t device)
@@ -33,7 +33,7 @@ MotionSample ReplayDevice::sample_at(double time_s) noexcept
 {
     const std::vector<double>& times = recording_.times_s;
     double time = times.front() + time_s;
-    // Recorded times carry rounding: a tick that is due within a millionth of a step has come.
+    // Recorded times are rounded: a tick that is due within a millionth of a step counts as reached.
     time += 1e-6 / recording_.rate_hz;
     if (time < times[cursor_])
         cursor_ = 0;

@@ -1,6 +1,6 @@
 #pragma once
-// A recorded motion as a device: the same positions again whatever force there is, at any tick rate. After the end the
-// last pose stays.
+// A recorded motion as a device. The device repeats the recorded positions whatever the force, at any tick rate. After
+// the end the last pose stays.
 
 #include "haptics/device/device.h"
 #include "haptics/recording/motion_recording.h"
@@ -16,7 +16,7 @@ public:
     DeviceReading read(double time_s, double step_s) noexcept override;
     Vec3 write(const Vec3& force) noexcept override;
     [[nodiscard]] double duration_s() const noexcept;
-    /// Where the device stood in the scene it was recorded in, where the recording tells.
+    /// Frame of the device in the scene of the recording, when the recording has one.
     [[nodiscard]] const std::optional<SceneFrame>& frame() const noexcept { return recording_.devices[device_].frame; }
 
 private:
@@ -25,7 +25,7 @@ private:
     MotionRecording recording_;
     std::size_t device_;
     DeviceInfo info_;
-    std::size_t cursor_ = 0; ///< the tick at or before the last time asked for
+    std::size_t cursor_ = 0; ///< last tick at or before the last requested time
 };
 
 } // namespace retractor::haptics

@@ -13,7 +13,7 @@ FingerCoupling::FingerCoupling(const CouplingOptions& options, const DeviceLimit
 {
     if (!(options.damping_share >= 0.0) || !(options.damping_share <= 1.0))
         throw InputError("a share of the device's range lies between 0 and 1", "damping_share");
-    // The tissue's own stiffness is rendered as it is, up to the device's end.
+    // The tissue's own stiffness is rendered up to the device's largest stiffness.
     coupling_ = { limits.max_stiffness / gain, options.damping_share * limits.max_damping / gain };
     if (options.within_limits)
         coupling_ = within_limits(coupling_, limits, step_s, gain);
@@ -39,8 +39,9 @@ Vec3 FingerCoupling::force(const Fingertip& finger, const FingerContact& contact
     const Vec3& normal = contact.normal;
     Vec3 force = contact.force;
     if (contact.stiffness > coupling_.stiffness) {
-        // A spring Kc in series makes both together as stiff as may be: k Kc / (k + Kc) = K. The tissue was asked at
-        // `held_back_`; where the two forces agree, with the tissue linear in between, is where it is asked next.
+        // A spring Kc in series gives the stiffest combination that the device renders: k Kc / (k + Kc) = K. The tissue
+        // was asked at `held_back_`. The next question is at the point where both forces agree, with the tissue taken
+        // as linear in between.
         const double k = contact.stiffness, series = k * coupling_.stiffness / (k - coupling_.stiffness);
         const double at = held_back_.dot(normal), tissue = contact.force.dot(normal);
         const double place = (tissue + k * at) / (series + k);

@@ -8,9 +8,9 @@ namespace retractor::haptics {
 
 namespace {
 
-    constexpr double kDampedFrom = 0.5; ///< of the allowance
-    constexpr double kSofter = 0.9; ///< for every allowance that came out in spite of damping
-    constexpr double kRecovery = 2.0; ///< s in free space, from nothing to all
+    constexpr double kDampedFrom = 0.5; ///< share of the allowance at which damping starts
+    constexpr double kSofter = 0.9; ///< factor on the force each time the whole allowance came out in spite of damping
+    constexpr double kRecovery = 2.0; ///< time in free space from zero to the full force, s
 
 } // namespace
 
@@ -52,7 +52,7 @@ Vec3 PassivityController::control(
         const Vec3 moved = position - last_;
         energy_ -= held_[delay_].dot(moved);
         energy_ += limits_.own_damping * moved.squaredNorm() / step_s + limits_.own_friction * moved.norm();
-        // The tissue's own life fills up what lacks, never more.
+        // The power that living tissue may supply fills up missing energy, but never more.
         if (energy_ < 0.0)
             energy_ = std::min(0.0, energy_ + options_.active_power * step_s);
     }
@@ -66,7 +66,7 @@ Vec3 PassivityController::control(
     if (!(owed > 0.0))
         return share_ * force;
     if (-energy_ > options_.allowance) {
-        share_ *= kSofter; // and a new count: what is gone cannot be fetched back
+        share_ *= kSofter; // restart the count, because released energy cannot be recovered
         energy_ = -kDampedFrom * options_.allowance;
     }
     ++damped_ticks_;

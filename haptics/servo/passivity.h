@@ -1,6 +1,6 @@
 #pragma once
-// What may be rendered without adding energy, and a watch that nothing more is.
-// Units N, mm, s: energies in N mm (mJ).
+// Limits of stiffness and damping that add no energy, and an observer and controller of energy. Units N, mm, s;
+// energies in N mm (mJ).
 
 #include "haptics/device/device.h"
 
@@ -15,50 +15,50 @@ struct Coupling {
     double damping = 0.0; ///< N s/mm
 };
 
-/// The damping b that a device's mechanics must have for a wall of this coupling to be passive: b > K T/2 + |B|
-/// [Colgate, Schenkel 1997, Passivity of a class of sampled-data systems, eq. 22], and K T more for each tick of delay
-/// (the same condition for a wall that answers d ticks late: K T (2 d + 1)/2).
+/// The damping b of the device's mechanics that makes a wall with this coupling passive, N s/mm: b > K T/2 + |B|
+/// (Colgate, Schenkel, Passivity of a class of sampled-data systems, 1997, eq. 22). Each tick of delay adds K T: the
+/// same condition for a wall that responds d ticks late gives K T (2 d + 1)/2.
 double damping_for_passivity(const Coupling& coupling, double step_s, int delay_ticks) noexcept;
 
-/// The stiffest passive wall without damping of its own.
+/// Largest stiffness of a passive wall without damping of its own, N/mm.
 double passive_stiffness(const DeviceLimits& limits, double step_s) noexcept;
 
-/// `wanted` within what the device can do: its largest stiffness and damping, and, when its own damping is known, the
-/// passivity bound; damping is given up before stiffness.
-/// @param gain device N/mm per scene N/mm; `wanted` and the result are the scene's
+/// Limits `wanted` to the device's largest stiffness and damping and, when the device's own damping is known, to the
+/// passivity bound. Damping is reduced before stiffness.
+/// @param gain device N/mm per scene N/mm; `wanted` and the result are in the scene
 Coupling within_limits(const Coupling& wanted, const DeviceLimits& limits, double step_s, double gain = 1.0) noexcept;
 
 struct PassivityOptions {
-    double allowance
-        = 0.05; ///< N mm that may come out before anything is done: rounding, and the touch of a beating vessel
-    double active_power
-        = 0.2; ///< N mm/s (0.2 mW) that the tissue may give for good; more for a pulse that is to be felt
+    /// Energy that may come out without a reaction, N mm: rounding, and the contact with a beating vessel.
+    double allowance = 0.05;
+    /// Power that the tissue may supply permanently, N mm/s (0.2 mW); larger for a pulse that the hand should feel.
+    double active_power = 0.2;
 };
 
-/// Passivity observer and controller [Hannaford, Ryu 2002, Time-domain passivity control of haptic interfaces, IEEE
-/// Trans. Robotics and Automation 18(1)], impedance causality, one per device: counts the energy that comes out of the
-/// simulated world through a force held from tick to tick (that force exactly: [Ryu et al. 2004]), credits what the
-/// device's own damping and friction take, and damps when more came out than went in. Where damping cannot help - a
-/// buzz faster than the loop's delay - the wall gets softer instead, until it gives nothing any more; in free space it
-/// hardens again. Allocates nothing.
+/// Passivity observer and controller in impedance causality, one per device (Hannaford, Ryu, Time-domain passivity
+/// control of haptic interfaces, IEEE Trans. Robotics and Automation 18(1), 2002). The observer counts the energy that
+/// the simulated world releases through a force held from tick to tick, exactly for such a force (Ryu et al. 2004),
+/// less the energy that the device's own damping and friction dissipate. The controller damps when more energy came out
+/// than went in. Where damping cannot help (an oscillation faster than the delay of the loop), the controller reduces
+/// the force, down to zero; in free space the force recovers. Allocates nothing.
 class PassivityController {
 public:
     PassivityController(const DeviceLimits& limits, const PassivityOptions& options);
 
-    /// The force to write instead of `force`.
+    /// The force to write instead of `force`, device frame, N.
     /// @param position,velocity of the device at this tick
-    /// @param touching nothing is stored in free space: what went in before cannot pay for what comes later
+    /// @param touching false in free space, where the stored energy is reset
     Vec3 control(const Vec3& force, const Vec3& position, const Vec3& velocity, double step_s, bool touching) noexcept;
-    /// Counts anew: while forces are ramped, tissue is pressed in without paying. @param stored what lies in it now, N
-    /// mm
+    /// Restarts the count, because ramped forces press tissue in without the full energy.
+    /// @param stored energy stored in the tissue now, N mm
     void restart(double stored) noexcept { energy_ = stored; }
-    /// What the device made of it.
+    /// Takes the force that the device applied after its own limits.
     void written(const Vec3& applied) noexcept;
 
-    /// Energy that went in, less what came out, since the last time nothing was touched, N mm.
+    /// Energy that went in less energy that came out since the last free space, N mm.
     [[nodiscard]] double energy() const noexcept { return energy_; }
     [[nodiscard]] std::uint64_t damped_ticks() const noexcept { return damped_ticks_; }
-    /// Share of the force that is left: 1 as long as damping was enough.
+    /// Factor on the force: 1 while damping is enough.
     [[nodiscard]] double share() const noexcept { return share_; }
 
 private:
@@ -67,7 +67,7 @@ private:
     DeviceLimits limits_;
     PassivityOptions options_;
     std::size_t delay_;
-    std::array<Vec3, kMaxDelay + 1> held_; ///< forces written, the newest first
+    std::array<Vec3, kMaxDelay + 1> held_; ///< forces written, newest first
     Vec3 last_ = Vec3::Zero();
     bool started_ = false;
     double energy_ = 0.0, share_ = 1.0;

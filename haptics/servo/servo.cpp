@@ -11,10 +11,11 @@ namespace retractor::haptics {
 
 namespace {
 
-    constexpr double kClutchRamp = 0.05; ///< s: letting go of the clutch inside tissue is no blow
-    constexpr double kHeatRoom = 20.0; ///< s at sqrt(2) of the continuous force before motors are spared
+    constexpr double kClutchRamp = 0.05; ///< s; releasing the clutch inside tissue must not be a blow
+    constexpr double kHeatRoom = 20.0; ///< s; time at sqrt(2) of the continuous force until the motors are spared
 
-    constexpr double kLeastGain = 1e-3; ///< no force at all limits no stiffness
+    /// Lower bound of the gain in the stiffness limits; without force no limit is needed.
+    constexpr double kLeastGain = 1e-3;
 
     std::vector<FingerMount> mounts_of(const ServoOptions& options, std::size_t devices)
     {
@@ -115,14 +116,14 @@ void Servo::check(std::size_t device, const DeviceReading& reading, double time_
         && is_rotation(Eigen::Quaterniond(reading.orientation));
     if (!possible) {
         latch(FaultKind::bad_position, device, time_s);
-        channel.told.velocity.setZero(); // the pose stays where it was
+        channel.told.velocity.setZero(); // the pose stays the last valid pose
         channel.reading.velocity.setZero();
         return;
     }
     const double moved = channel.has_pose ? (reading.position - channel.told.position).norm() : 0.0;
     if (moved >= limits.jump_mm) {
         latch(FaultKind::jump, device, time_s, moved);
-        channel.away = true; // or the finger would sweep through the tissue, which springs do not forget
+        channel.away = true; // else the finger would sweep through the tissue, with a lasting effect on springs
     }
     channel.told = reading;
     channel.placed = std::exchange(channel.landing, false);
@@ -166,7 +167,7 @@ void Servo::ask_tissue(double time_s, double step_s) noexcept
             && (!c.touching || (c.proxy.allFinite() && c.normal.allFinite() && std::isfinite(c.stiffness)));
         forces_[f] = answered ? couplings_[f].force(fingers_[f], c, step_s) : Vec3(Vec3::Zero());
         Vec3 felt = channel.mapping.force_to_device(options_.force_gain * forces_[f]);
-        // Finite answers may still overflow in the coupling.
+        // Finite contacts may still overflow in the coupling.
         const bool finite = answered && std::isfinite(felt.squaredNorm());
         if (!finite) {
             latch(FaultKind::bad_force, f, time_s);
@@ -181,7 +182,7 @@ void Servo::ask_tissue(double time_s, double step_s) noexcept
 
 Vec3 Servo::limited(DeviceChannel& channel, const Vec3& force, double step_s) noexcept
 {
-    // Full force for a moment, the continuous one for as long as one likes: heat grows with the force's square.
+    // The full force is allowed for a moment, the continuous force for any time. Heat grows with the squared force.
     const DeviceLimits& limits = channel.device->info().limits;
     const double load = force.squaredNorm() / (limits.continuous_force * limits.continuous_force);
     channel.heat = std::clamp(channel.heat + step_s * (load - 1.0), 0.0, kHeatRoom);
@@ -197,7 +198,7 @@ void Servo::write_devices(double time_s, double step_s) noexcept
         const double target = channel.mapping.clutched() ? 0.0 : 1.0;
         channel.share = target > channel.share ? std::min(target, channel.share + step_s / kClutchRamp)
                                                : std::max(target, channel.share - step_s / kClutchRamp);
-        // After a fault nothing new is trusted: what was held fades.
+        // After a fault no new force is trusted: the last force fades.
         if (!latch_.latched())
             channel.held = channel.wanted;
         Vec3 force = limited(channel, gain * channel.share * channel.held, step_s);
@@ -250,7 +251,7 @@ void Servo::tick(double time_s, double step_s) noexcept
         latch_.rearm();
         for (DeviceChannel& channel : channels_)
             if (std::exchange(channel.away, false)) {
-                channel.has_pose = false; // the next one comes from nowhere
+                channel.has_pose = false; // the next pose has no predecessor, so it is no jump
                 channel.landing = true;
             }
     }
@@ -258,7 +259,7 @@ void Servo::tick(double time_s, double step_s) noexcept
         latch(FaultKind::let_go, 0, time_s);
     if (!(step_s > 0.0) || step_s > options_.faults.late_s) {
         latch(FaultKind::late, 0, time_s, step_s);
-        step_s = options_.step_s; // a ramp is no shorter for a tick that came late
+        step_s = options_.step_s; // a late tick must not shorten a ramp
     }
     read_devices(time_s, step_s);
     ask_tissue(time_s, step_s);

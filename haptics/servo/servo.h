@@ -1,6 +1,7 @@
 #pragma once
-// The loop between devices and tissue: in each tick all devices are read, the tissue is asked once with all fingertips,
-// and every device is given its force, limited, watched for energy, and let go at a fault.
+// The loop between devices and tissue. In each tick the servo reads all devices, asks the tissue once with all
+// fingertips, and writes a force to every device. The servo limits each force, observes its energy, and fades all
+// forces out at a fault.
 
 #include "haptics/recording/motion_recording.h"
 #include "haptics/servo/device_mapping.h"
@@ -17,54 +18,54 @@
 
 namespace retractor::haptics {
 
-/// A fingertip on a device: one on its stylus, or several on the hand that it carries.
+/// A fingertip on a device: a single fingertip on the stylus, or several on a hand that the stylus carries.
 struct FingerMount {
-    std::size_t device = 0;
-    Vec3 offset = Vec3::Zero(); ///< from the device's tip, in the stylus' axes, scene mm
+    std::size_t device = 0; ///< index of the device
+    Vec3 offset = Vec3::Zero(); ///< offset from the device's tip, in the axes of the stylus, scene mm
     double radius = 4.0; ///< mm
 };
 
 struct ServoDevice {
-    Device* device = nullptr; ///< lives longer than the servo
+    Device* device = nullptr; ///< must outlive the servo
     MappingOptions mapping = {};
 };
 
 struct ServoOptions {
-    std::vector<FingerMount> fingers; ///< empty: one on each device's tip
+    std::vector<FingerMount> fingers; ///< empty: one fingertip on the tip of each device
     CouplingOptions coupling;
     PassivityOptions passivity;
-    bool watch_passivity = true; ///< off only to measure what it does
+    bool watch_passivity = true; ///< off only to measure the effect of the controller
     FaultOptions faults;
-    double force_gain = 1.0; ///< of all forces, before every limit: show it when it is not 1
-    double step_s = 1e-3; ///< nominal
+    double force_gain = 1.0; ///< factor on all forces before every limit; a view shows the factor when it is not 1
+    double step_s = 1e-3; ///< nominal period of a tick, s
 };
 
 constexpr std::size_t kMaxFingers = 8;
 
-/// What a tick leaves for the simulation and the view.
+/// The result of a tick for the simulation and the view.
 struct ServoState {
     std::uint64_t ticks = 0;
     double time_s = 0.0;
     std::size_t finger_count = 0;
-    std::array<Fingertip, kMaxFingers> fingers; ///< where the hands are, scene frame
+    std::array<Fingertip, kMaxFingers> fingers; ///< positions of the hands, scene frame
     std::array<FingerContact, kMaxFingers> contacts;
-    std::array<Vec3, kMaxFingers> forces; ///< asked for, on each finger, scene frame, N
-    std::array<std::uint32_t, kMaxFingers> buttons; ///< of each finger's device
-    double force_share = 0.0; ///< that goes out: less than 1 while ramping
+    std::array<Vec3, kMaxFingers> forces; ///< wanted force on each finger, scene frame, N
+    std::array<std::uint32_t, kMaxFingers> buttons; ///< pressed buttons of each finger's device
+    double force_share = 0.0; ///< share of the force that is written: less than 1 during a ramp
     Fault fault;
 };
 
 class Servo : public Ticked {
 public:
-    /// @throws InputError when there is no device, a finger's device does not exist, there are more than kMaxFingers,
-    /// or the response takes another number of fingers
+    /// @throws InputError when there is no device, a finger's device does not exist, there are more than kMaxFingers
+    /// fingers, or the response takes another number of fingers
     Servo(std::vector<ServoDevice> devices, TissueResponse& response, const ServoOptions& options = {});
 
-    /// Any thread: keeps every tick from the next one on. A recorder that was taken away may still be written to by
-    /// the tick that is going on: it is free when latest() is of a later one.
+    /// Any thread: records every tick from the next tick on. A running tick may still write to a recorder that was
+    /// replaced; the old recorder is free when latest() shows a later tick.
     /// @throws InputError when the recorder is for another number of devices
     void record_to(MotionRecorder* recorder);
-    /// For a recorder; where they stand in the scene it is told by the first tick that it keeps.
+    /// Devices for a new recorder. The first recorded tick sets their frames in the scene.
     [[nodiscard]] std::vector<RecordedDevice> recorded_devices() const;
 
     /// Servo thread. Allocates nothing, takes no lock, throws nothing.
@@ -72,13 +73,13 @@ public:
 
     /// One other thread: the newest state.
     const ServoState& latest() noexcept { return state_.latest(); }
-    /// Any thread: clears a fault at the next tick; the force comes back slowly. A device that jumped is a finger that
-    /// is placed anew (Fingertip::placed), wherever its device is by now.
+    /// Any thread: clears a fault at the next tick; the force ramps up again. A device that jumped places its fingers
+    /// anew (Fingertip::placed) at its present position.
     void rearm() noexcept { rearm_.store(true, std::memory_order_relaxed); }
-    /// Any thread: lets go for good, as at a fault, for a clean end.
+    /// Any thread: ends the session; the force ramps down as at a fault.
     void let_go() noexcept { let_go_.store(true, std::memory_order_relaxed); }
 
-    /// When no tick runs.
+    /// @pre no tick runs
     [[nodiscard]] const PassivityController& passivity(std::size_t device) const
     {
         return channels_.at(device).passivity;
@@ -86,23 +87,26 @@ public:
     [[nodiscard]] const Coupling& coupling(std::size_t finger) const { return couplings_.at(finger).coupling(); }
 
 private:
-    /// All that belongs to one device.
+    /// The state of one device.
     struct DeviceChannel {
         Device* device;
         DeviceMapping mapping;
         PassivityController passivity;
-        DeviceReading reading = {}; ///< what the tissue is asked with
-        DeviceReading told = {}; ///< what is recorded: the last possible reading, also while the finger is away
+        DeviceReading reading = {}; ///< pose that the tissue is asked with
+        DeviceReading told = {}; ///< pose that is recorded: the last valid reading, also while the finger is away
         bool has_pose = false, touching = false;
-        bool landing = false; ///< armed again after a jump: its next pose is placed
-        bool placed = false; ///< its pose is the first since then
-        bool away = false; ///< it jumped: until the servo is armed again, the tissue sees it where it was
+        bool landing = false; ///< armed again after a jump: the next pose is placed
+        bool placed = false; ///< the pose is the first after a jump
+        /// The device jumped: until the servo is armed again, the tissue sees the pose before the jump.
+        bool away = false;
+        /// Time without a new reading, s.
         double silent_s = 0.0;
-        double share = 1.0; ///< of its force: none while the clutch is held
-        double heat = 0.0; ///< s of continuous force beyond what it bears
-        double stored = 0.0; ///< N mm of the device that its fingers have pressed into the tissue, were it linear
-        Vec3 wanted = Vec3::Zero(); ///< N, device frame, before limits
-        Vec3 held = Vec3::Zero(); ///< the last wanted before a fault
+        double share = 1.0; ///< share of the force: zero while the clutch is pressed
+        double heat = 0.0; ///< heat of the motors: time integral of (force / continuous force)^2 - 1, s
+        /// Energy that the fingers have stored in the tissue if the tissue is linear, N mm of the device.
+        double stored = 0.0;
+        Vec3 wanted = Vec3::Zero(); ///< force before limits, device frame, N
+        Vec3 held = Vec3::Zero(); ///< last wanted force before a fault, device frame, N
     };
 
     void read_devices(double time_s, double step_s) noexcept;

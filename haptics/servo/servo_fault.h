@@ -1,6 +1,6 @@
 #pragma once
-// What makes a servo let go: a fault latches, the force goes to zero in a short ramp and stays there until somebody
-// arms it again, and the reason can be read.
+// Faults that stop a servo. A fault latches: the force falls to zero in a short ramp and stays zero until somebody arms
+// the servo again. The reason can be read.
 
 #include "haptics/device/device.h"
 
@@ -14,43 +14,44 @@ enum class FaultKind : std::uint8_t {
     none,
     let_go, ///< no fault: somebody ended the session
     bad_position, ///< a device's pose is not finite
-    jump, ///< a device moved further in one tick than a hand can
-    late, ///< a tick came too late
-    silent, ///< a device has told nothing new for too long
-    over_limit, ///< a device complains: warm motors, force, velocity
+    jump, ///< a device moved farther in one tick than a hand can
+    late, ///< a tick started too late
+    silent, ///< a device sent no new reading for too long
+    over_limit, ///< a device reports warm motors, or too much force or velocity
     lost, ///< a device is gone
-    bad_force, ///< the tissue's answer is not finite
+    bad_force, ///< the tissue's force is not finite
 };
 
 struct Fault {
     FaultKind kind = FaultKind::none;
-    std::size_t device = 0; ///< or finger, for bad_force
+    std::size_t device = 0; ///< index of the device; of the finger for bad_force
     std::uint64_t tick = 0;
     double time_s = 0.0;
-    double value = 0.0; ///< mm of a jump, s of lateness or silence
+    double value = 0.0; ///< mm of a jump; s of lateness or silence
 };
 /// "device 1 jumped by 140 mm in one tick (tick 2041, 2.041 s)"; empty without a fault.
+/// A message such as "device 1 jumped by 140 mm in one tick (tick 2041, 2.041 s)"; empty without a fault.
 std::string describe(const Fault& fault);
 
 struct FaultOptions {
-    double jump_mm = 100.0; ///< in one tick, device frame; as far is too far
-    double late_s = 0.02; ///< since the tick before: held force and moving hand are out of step by then
-    double silence_s = 0.02; ///< without news from a device
-    double ramp_down_s = 0.1; ///< from full force to none
-    double ramp_up_s = 0.5; ///< after start and rearming
+    double jump_mm = 100.0; ///< smallest displacement in one tick that is a fault, mm, device frame
+    double late_s = 0.02; ///< longest time between two ticks: later, the held force no longer fits the moving hand
+    double silence_s = 0.02; ///< longest time without a new reading from a device
+    double ramp_down_s = 0.1; ///< time from full force to zero
+    double ramp_up_s = 0.5; ///< time from zero to full force, at the start and after rearming
 };
 
-/// Allocates nothing.
+/// Keeps the first fault and ramps the force. Allocates nothing.
 class FaultLatch {
 public:
     explicit FaultLatch(const FaultOptions& options)
         : options_(options)
     {
     }
-    /// The first fault is kept.
+    /// Does nothing when a fault is latched already.
     void latch(const Fault& fault) noexcept;
     void rearm() noexcept { fault_ = {}; }
-    /// Once per tick: the share of the force that may go out.
+    /// The share of the force to write, 0 to 1. Call once per tick.
     double gain(double step_s) noexcept;
     [[nodiscard]] bool latched() const noexcept { return fault_.kind != FaultKind::none; }
     [[nodiscard]] const Fault& fault() const noexcept { return fault_; }

@@ -16,7 +16,7 @@ namespace {
 
     using Site = std::array<int, 3>;
 
-    /// Sites i + j + k even, `edge` apart along the axes: nearest ones are edge times sqrt 2 apart.
+    /// Lattice sites with even i + j + k, `edge` apart along the axes. Nearest sites are sqrt 2 times `edge` apart.
     std::vector<Site> sites_inside(const SurfaceLocator& surface, double radius)
     {
         const double edge = radius * std::numbers::sqrt2;
@@ -61,7 +61,7 @@ namespace {
             std::sort(filling.neighbours.begin() + static_cast<std::ptrdiff_t>(begin), filling.neighbours.end());
             filling.first.push_back(static_cast<std::int32_t>(filling.neighbours.size()));
         }
-        constexpr double kFarthest = 2.5; // radii: gaps are smaller where a surface is about flat
+        constexpr double kFarthest = 2.5; // in radii; gaps are smaller under a nearly flat surface
         for (std::size_t i = 0; i < sites.size(); ++i)
             filling.reach.push_back(filling.of(i).size() == 12
                     ? radius
@@ -106,14 +106,15 @@ SphereFilling fill_with_count(const TriMesh& surface, std::size_t wanted, double
         }
         return count;
     };
-    // A sphere of the lattice takes 4 sqrt 2 r^3; the rim, where none fits, makes it fewer: from above, halving.
+    // A sphere of the lattice takes the volume 4 sqrt 2 r^3. The rim, where no sphere fits, reduces the count, so the
+    // bisection starts from this radius downwards.
     double high = std::cbrt(volume / (aim * 4.0 * std::numbers::sqrt2)), low = 0.3 * high;
     constexpr int kHalvings = 14;
     for (int i = 0; i < kHalvings; ++i) {
         const double middle = 0.5 * (low + high);
         (attempt(middle) > aim ? low : high) = middle;
     }
-    // The count is no smooth function of the radius: a look around where it crosses.
+    // The count is no smooth function of the radius, so nearby radii are tried as well.
     const auto off = [&] { return std::abs(static_cast<double>(best.size()) - aim) / aim; };
     const double around = 0.5 * (low + high);
     for (int i = 1; i <= 60 && off() > 0.25 * tolerance; ++i)

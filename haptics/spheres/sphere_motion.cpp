@@ -11,7 +11,7 @@ namespace retractor::haptics {
 
 namespace {
 
-    constexpr double kStill = 1e-4; // mm: a displacement that counts as none
+    constexpr double kStill = 1e-4; // mm; a smaller displacement counts as zero
 
     void check(const std::vector<SphereOrgan>& organs, const SphereLaw& law)
     {
@@ -102,14 +102,14 @@ SphereMotion::SphereMotion(std::vector<SphereOrgan> organs, const SphereLaw& law
             bindings_.push_back(bind(surface_.vertices.row(row++).transpose(), o));
 }
 
-/// The four nearest spheres of the organ at rest.
+/// Finds the four spheres of the organ that are nearest at rest.
 SphereMotion::Binding SphereMotion::bind(const Vec3& rest, std::size_t organ) const
 {
     std::array<std::pair<double, std::int32_t>, 4> nearest;
     nearest.fill({ std::numeric_limits<double>::infinity(), -1 });
     for (double reach = 2.0 * grid_cell_; nearest[3].second < 0 && reach < 1e3 * grid_cell_; reach *= 2.0) {
         nearest.fill({ std::numeric_limits<double>::infinity(), -1 });
-        // At rest: the grid may hold displaced spheres, so a little wider than what is taken.
+        // The grid may contain displaced spheres, so the search is a little wider than the accepted distance at rest.
         near(rest, reach, [&](std::int32_t i) {
             if (organ_of_[static_cast<std::size_t>(i)] != organ)
                 return;
@@ -138,7 +138,7 @@ SphereMotion::Binding SphereMotion::bind(const Vec3& rest, std::size_t organ) co
     return binding;
 }
 
-/// Counting sort of the spheres by cell; what left the grid is in its outermost cells.
+/// Counting sort of the spheres by cell. Spheres outside the grid belong to its outermost cells.
 void SphereMotion::build_grid() noexcept
 {
     std::fill(grid_first_.begin(), grid_first_.end(), 0);
@@ -156,7 +156,7 @@ void SphereMotion::build_grid() noexcept
     }
     for (std::size_t c = 1; c < grid_first_.size(); ++c)
         grid_first_[c] += grid_first_[c - 1];
-    // From the last sphere down, so that each cell's are rising and its start ends where it belongs.
+    // Goes from the last sphere down, so that the spheres of each cell are in rising order.
     for (Eigen::Index i = now_.rows() - 1; i >= 0; --i)
         grid_items_[static_cast<std::size_t>(
             --grid_first_[static_cast<std::size_t>(grid_at_[static_cast<std::size_t>(i)]) + 1])]
@@ -224,7 +224,7 @@ void SphereMotion::touch(std::span<const Fingertip> fingers) noexcept
             for (std::size_t k = 0; k < 4; ++k) {
                 const std::int32_t i = pinches_[f].sphere[k];
                 if (layer_[static_cast<std::size_t>(i)] == 0)
-                    continue; // named twice, or another finger's
+                    continue; // the sphere is listed twice or belongs to another finger
                 now_.row(i) = (fingers[f].position + pinches_[f].sphere_offset[k]).transpose();
                 claim(i, f, 0);
                 frontier_[frontier_count_++] = i;
@@ -240,14 +240,14 @@ void SphereMotion::touch(std::span<const Fingertip> fingers) noexcept
                 return;
             now_.row(i) = (centre + out * (reach / distance)).transpose();
             if (layer_[static_cast<std::size_t>(i)] == 0)
-                return; // another finger's already: it yields to both, and counts for the first
+                return; // the sphere belongs to another finger: both fingers displace it, and it counts for the first
             claim(i, f, 0);
             frontier_[frontier_count_++] = i;
         });
     }
 }
 
-/// Sphere i of the frontier asks j to be displaced.
+/// Sphere i of the frontier demands a displacement of sphere j.
 void SphereMotion::ask(std::int32_t i, std::int32_t j, const Vec3& displacement) noexcept
 {
     if (displacement.squaredNorm() < kStill * kStill)
@@ -319,7 +319,7 @@ void SphereMotion::measure(std::span<SphereContact> contacts) const noexcept
         const std::int32_t i = displaced_[k];
         const auto s = static_cast<std::size_t>(i);
         if (layer_[s] == kUntouched)
-            continue; // on its way back
+            continue; // on the way back to rest
         SphereContact& contact = contacts[owner_[s]];
         const Vec3 displacement = at(now_, i) - at(rest_, i);
         contact.force -= organs_[organ_of_[s]].stiffness * displacement;
@@ -343,7 +343,7 @@ void SphereMotion::advance(double dt, std::span<const Fingertip> fingers, std::s
         farthest = std::max(farthest, (fingers[f].position - last_[f]).norm());
     }
     started_ = true;
-    // So that a fast finger pushes spheres ahead of it instead of stepping over them.
+    // Several sub-steps let a fast finger push spheres ahead instead of passing over them.
     const int steps = std::clamp(static_cast<int>(std::ceil(farthest / largest_radius_)), 1, kMostSteps);
     std::array<Fingertip, kMostFingers> on_the_way;
     for (int s = 1; s <= steps; ++s) {
@@ -389,10 +389,11 @@ VertexId SphereMotion::add_vertex(const NearestOnSurface& at_surface, std::size_
     return static_cast<VertexId>(surface_.vertices.rows() - 1);
 }
 
-/// A vertex exactly there: one that exists, or the polygon's two or three parts meet in a new one.
+/// Finds or creates a vertex at this place: an existing vertex, or a new vertex that divides the polygon into two or
+/// three parts.
 VertexId SphereMotion::divide_at(const NearestOnSurface& place)
 {
-    constexpr double kCorner = 1e-6; // weights: closer than this it is the corner or the edge itself
+    constexpr double kCorner = 1e-6; // weights; a place closer than this is the corner or lies on the edge
     const std::size_t t = place.triangle;
     const auto corners = surface_.triangles[t];
     for (std::size_t i = 0; i < 3; ++i)
@@ -407,7 +408,7 @@ VertexId SphereMotion::divide_at(const NearestOnSurface& place)
     for (std::size_t i = 0; i < 3; ++i) {
         if (place.weights(static_cast<Eigen::Index>(i)) >= kCorner)
             continue;
-        const VertexId a = corners[(i + 1) % 3], b = corners[(i + 2) % 3]; // on this edge
+        const VertexId a = corners[(i + 1) % 3], b = corners[(i + 2) % 3]; // the place lies on this edge
         surface_.triangles[t] = { corners[i], a, made };
         add(corners[i], made, b);
         for (std::size_t other = 0; other < surface_.triangles.size(); ++other) {
@@ -472,8 +473,8 @@ double calibrate_sphere_force(double sphere_radius, const SphereLaw& law, double
         throw InputError("a half-space needs a positive Young's modulus and a Poisson's ratio between -1 and 0.5");
     if (!(finger_radius > 0.0) || !(depth > 0.0))
         throw InputError("the finger's radius and the depth must be positive");
-    // Wide and deep enough that the depth limit ends the motion, not the block; beyond kTail layers nothing is left of
-    // it.
+    // The block is wide and deep enough that the depth limit ends the motion and not the block; beyond kTail layers no
+    // motion is left.
     constexpr int kTail = 24;
     const double half = 2.0 * sphere_radius * (std::min(law.depth_limit, kTail) + 2) + 2.0 * finger_radius;
     TriMesh box;
@@ -486,12 +487,12 @@ double calibrate_sphere_force(double sphere_radius, const SphereLaw& law, double
     SphereLaw one = law;
     one.fingers = 1;
     SphereFilling filling = fill_with_spheres(box, sphere_radius);
-    constexpr double top = 0.0; // the outer spheres reach to the block's face
+    constexpr double top = 0.0; // the outer spheres reach the face of the block
     SphereMotion motion({ { "block", box, std::move(filling), 1.0 } }, one);
     Fingertip tip { Vec3(0.0, 0.0, top + finger_radius), Vec3::Zero(), finger_radius };
     SphereContact contact;
     constexpr int kSteps = 40;
-    for (int i = 1; i <= 2 * kSteps; ++i) { // down, and until it no longer changes
+    for (int i = 1; i <= 2 * kSteps; ++i) { // down, and then until the force is constant
         tip.position.z() = top + finger_radius - depth * std::min(1.0, static_cast<double>(i) / kSteps);
         motion.advance(1.0 / 60.0, { &tip, 1 }, { &contact, 1 });
     }

@@ -1,22 +1,22 @@
 #pragma once
-// Organs of spheres under fingertips [Suzuki et al.]. Units mm, s, N.
+// Motion of sphere-filled organs under fingertips (Suzuki et al., see sphere_filling.h). Units mm, s, N.
 //
-// One step: every displaced sphere goes back towards its place; spheres under a finger are put on its surface; those
-// displace their neighbours, those theirs, layer by layer down to the depth limit. A sphere displaced by d asks of a
-// neighbour that lies along n at rest a displacement of T ((1 - s) d + 2 s n (n.d)): the share T = `transmission` of
-// its own, bent aside by the share s = kSpread, as packed balls do. What several neighbours ask is averaged, so that
-// the order does not matter, and counts from the place at rest, so that nothing creeps. Spheres of another organ are
-// pushed alike by what closes the gap between their reaches (an outer sphere reaches to the surface): neighbouring
-// organs need no calculation of their own. All spheres stay; how much volume they keep is measured, not imposed
-// (volumes()).
+// Step. Every displaced sphere moves back towards its rest place. Spheres under a finger are put on its surface. Those
+// spheres displace their neighbours, and so on, layer by layer down to the depth limit. A sphere with displacement d
+// demands of a neighbour in direction n (at rest) the displacement T ((1 - s) d + 2 s n (n.d)). T = `transmission` is
+// the transmitted share; s = kSpread is the share that is deflected sideways, as in packed balls. The demands of
+// several neighbours are averaged, so that the order does not matter. Demands count from the rest place, so that
+// nothing creeps. Spheres of different organs push each other when their reaches overlap (an outer sphere reaches to
+// the surface), so neighbouring organs need no separate calculation. The number of spheres is constant. The volume is
+// not constrained; volumes() measures it.
 //
-// The force on a finger is -stiffness times the sum of the displacements of the spheres it displaced (each counts for
-// the finger that reached it first, the lower number where two did at once). calibrate_sphere_force() sets the
-// stiffness so that a press has the force of an elastic half-space.
+// Force. The force on a finger is -stiffness times the sum of the displacements of its spheres. A sphere belongs to the
+// finger that reached it first, or to the lower finger number when two fingers reached it at once.
+// calibrate_sphere_force() sets the stiffness so that a press has the force of an elastic half-space.
 //
-// The surface follows: each of its vertices moves with the spheres nearest to it at rest, by inverse squared distance.
-// A finger can pinch the exact point of the surface under it: the polygon there is divided at that point, and the new
-// vertex is held where the finger is, with the spheres beneath it.
+// Surface. Each surface vertex moves with the spheres nearest to it at rest, weighted by inverse squared distance. A
+// finger can pinch the exact surface point under it: the polygon is divided at this point, and the finger holds the new
+// vertex and the spheres beneath.
 
 #include "haptics/servo/tissue_response.h"
 #include "haptics/spheres/sphere_filling.h"
@@ -36,18 +36,18 @@ struct SphereOrgan {
 };
 
 struct SphereLaw {
-    int depth_limit = 8; ///< layers of spheres that a contact moves; 1 to 250
-    double transmission = 0.75; ///< share of a displacement that is passed on, above 0 to kMostTransmission
-    double recovery_time = 0.15; ///< s: displacements fade with it when nothing presses
+    int depth_limit = 8; ///< number of sphere layers that a contact moves, 1 to 250
+    double transmission = 0.75; ///< share of a displacement that a sphere passes on, above 0 to kMostTransmission
+    double recovery_time = 0.15; ///< time constant with which displacements fade when nothing presses, s
     std::size_t fingers = 1;
 };
 
-/// What a finger meets.
+/// The contact of one finger.
 struct SphereContact {
     Vec3 force = Vec3::Zero(); ///< on the finger, N
-    double depth = 0.0; ///< largest displacement among its spheres, mm
-    double radius = 0.0; ///< of the sphere displaced so far, mm; 0: it touches none
-    std::size_t spheres = 0; ///< displaced by it, in all layers
+    double depth = 0.0; ///< largest displacement among the finger's spheres, mm
+    double radius = 0.0; ///< radius of the sphere with the largest displacement, mm; 0 without contact
+    std::size_t spheres = 0; ///< number of spheres that the finger displaces, in all layers
     bool touching = false;
 };
 
@@ -55,34 +55,37 @@ class SphereMotion {
 public:
     static constexpr std::size_t kMostFingers = 6;
     static constexpr double kSpread = 0.25;
-    /// (1 + kSpread) times this is 1: straight ahead a displacement never grows.
+    /// (1 + kSpread) times kMostTransmission is 1: straight ahead a displacement never grows.
     static constexpr double kMostTransmission = 0.8;
 
-    /// @throws InputError on no organs, a law out of its range, a filling without spheres or a stiffness that is not
-    /// positive, naming the organ.
+    /// @throws InputError on no organs, a law out of range, a filling without spheres, or a stiffness that is not
+    /// positive, naming the organ
     SphereMotion(std::vector<SphereOrgan> organs, const SphereLaw& law);
 
-    /// One step; a finger that moves far is taken there in several. Allocates nothing.
-    /// @pre fingers.size() == contacts.size() == law().fingers, positions finite; dt >= 0
+    /// Makes one step; a finger that moves far is moved in several sub-steps. Allocates nothing.
+    /// @pre fingers.size() == contacts.size() == law().fingers, positions are finite, dt >= 0
     void advance(double dt, std::span<const Fingertip> fingers, std::span<SphereContact> contacts) noexcept;
 
-    /// From the next step on the finger holds the exact point of the surface nearest to its tip: a new vertex, or the
-    /// one that is there already. @returns the vertex. @throws InputError on a finger out of range, one that pinches
-    /// already, or a surface farther from the tip's surface than `reach` (mm).
+    /// From the next step on the finger holds the exact surface point nearest to its tip. The point becomes a new
+    /// vertex unless a vertex is there already.
+    /// @return the vertex
+    /// @throws InputError on a finger out of range, a finger that pinches already, or a surface farther than `reach`
+    /// (mm) from the tip's surface
     VertexId pinch(std::size_t finger, const Fingertip& tip, double reach = 2.0);
     void release(std::size_t finger) noexcept;
     bool pinches(std::size_t finger) const { return pinches_[finger].vertex >= 0; }
 
-    /// All organs' surfaces in one; triangle labels are organ numbers from 1. Changes when a pinch divides a polygon.
+    /// The surfaces of all organs in one mesh. Triangle labels are organ numbers from 1. The mesh changes when a pinch
+    /// divides a polygon.
     const TriMesh& surface() const { return surface_; }
-    /// Writes the deformed surface; allocates only when `deformed` has another number of rows.
+    /// Writes the deformed surface, mm. Allocates only when `deformed` has another number of rows.
     void deform(Points& deformed) const;
 
     struct Volume {
-        double rest = 0.0, now = 0.0; ///< enclosed by the surface, mm^3
+        double rest = 0.0, now = 0.0; ///< volume inside the surface, mm^3
         double error() const { return now / rest - 1.0; }
     };
-    /// One per organ.
+    /// One volume per organ.
     std::vector<Volume> volumes() const;
 
     std::size_t sphere_count() const { return static_cast<std::size_t>(rest_.rows()); }
@@ -92,7 +95,7 @@ public:
     double radius_of(std::size_t sphere) const { return organs_[organ_of_[sphere]].filling.radius; }
     const Points& rest() const { return rest_; }
     const Points& positions() const { return now_; }
-    /// Layer in which the last step moved sphere i; -1: it did not.
+    /// Layer in which the last step moved sphere i; -1: not moved.
     int layer(std::size_t i) const { return layer_[i] == kUntouched ? -1 : layer_[i]; }
     double reach_of(std::size_t sphere) const { return reach_[sphere]; }
     const SphereLaw& law() const { return law_; }
@@ -105,7 +108,7 @@ private:
     };
     struct Pinch {
         VertexId vertex = -1;
-        Vec3 offset = Vec3::Zero(); ///< of the vertex from the finger's centre
+        Vec3 offset = Vec3::Zero(); ///< from the finger's centre to the vertex, mm
         std::array<std::int32_t, 4> sphere {};
         std::array<Vec3, 4> sphere_offset {};
     };
@@ -129,7 +132,7 @@ private:
     std::vector<double> reach_; ///< per sphere
     std::vector<std::int32_t> first_, neighbours_;
     std::vector<std::uint8_t> layer_, owner_;
-    std::vector<double> asked_; ///< three per sphere: sum of what its neighbours ask
+    std::vector<double> asked_; ///< three per sphere: sum of the displacements that neighbours demand
     std::vector<std::uint16_t> askers_;
     std::vector<std::int32_t> frontier_, next_frontier_, displaced_;
     std::vector<std::uint8_t> is_displaced_;
@@ -143,13 +146,14 @@ private:
 
     TriMesh surface_;
     std::vector<Binding> bindings_; ///< per vertex of the surface
-    std::vector<Vec3> last_; ///< per finger
+    std::vector<Vec3> last_; ///< last position of each finger
     std::vector<Pinch> pinches_;
     bool started_ = false;
 };
 
-/// The stiffness of one sphere (N/mm) with which pressing `finger_radius` into the middle of a block of such spheres by
-/// `depth` has Sneddon's force on a half-space of E, nu; by doing it, for a filling of this radius and law.
+/// The stiffness of one sphere (N/mm) that gives a press Sneddon's force on a half-space with E and nu. The function
+/// presses a finger of `finger_radius` by `depth` into the middle of a block of such spheres, with this radius and law,
+/// and scales the result. Lengths in mm.
 double calibrate_sphere_force(double sphere_radius, const SphereLaw& law, double youngs_modulus_MPa,
     double poissons_ratio, double finger_radius = 8.0, double depth = 4.0);
 

@@ -45,11 +45,11 @@ void SphereTissue::tick(
     const double share = blend_time_ > 0.0 ? -std::expm1(-std::max(0.0, step_s) / blend_time_) : 1.0;
     for (std::size_t f = 0; f < fingers.size(); ++f) {
         const Answer& answer = answers[f];
-        // Deeper or shallower than the spheres last knew it, along the way it is pushed.
+        // Change of depth since the last answer, along its normal.
         const double deeper = -(fingers[f].position - answer.at).dot(answer.normal);
         Vec3 force = answer.force + answer.stiffness * deeper * answer.normal;
         if (!answer.pulls && force.dot(answer.normal) <= 0.0)
-            force.setZero(); // it only ever pushes
+            force.setZero(); // the force only pushes
         felt_[f] += share * (force - felt_[f]);
         contacts[f] = contact_of(answer, fingers[f], felt_[f]);
     }
@@ -67,7 +67,7 @@ void SphereTissue::follow(Points& deformed)
             try {
                 motion_.pinch(f, question.fingers[f]);
             } catch (const InputError&) {
-                wants_pinch_[f].store(false); // nothing near: an expected outcome
+                wants_pinch_[f].store(false); // no surface nearby, which is an expected outcome
             }
         } else if (!wants && motion_.pinches(f))
             motion_.release(f);
@@ -87,8 +87,8 @@ void SphereTissue::follow(Points& deformed)
         const double size = contacts[f].force.norm();
         if (size > 0.0) {
             answer.normal = contacts[f].force / size;
-            // A lattice tells nothing of less than a sphere's radius: where the first spheres are met the secant would
-            // be many times too steep, and a hand that goes on before the next frame would be hit by it.
+            // A lattice does not resolve depths below a sphere's radius. At the first contact the secant would be many
+            // times too steep, and would hit a hand that moves on before the next frame.
             answer.stiffness = size / std::max(contacts[f].radius, contacts[f].depth);
         }
     }

@@ -1,8 +1,8 @@
 #pragma once
-// Sphere-filled organs as the servo meets them. The spheres move at the display's pace, in follow(); the servo answers
-// from what they last said of each finger: a force and how it grows with depth (an "intermediate representation"), so
-// that the hand feels 1,000 Hz whatever the number of spheres. A new answer is blended in over blend_time, so that its
-// steps are not felt. Units mm, N, s; the frame is the scene's.
+// Sphere-filled organs under the servo. The spheres move at the display's rate, in follow(). The servo computes forces
+// from the last answer about each finger: a force and its growth with depth (an "intermediate representation"), so that
+// the hand feels 1,000 Hz for any number of spheres. A new answer is blended in over `blend_time`, so that its step is
+// not felt. Units mm, N, s. Frame: the scene's.
 
 #include "haptics/servo/tissue_response.h"
 #include "haptics/spheres/sphere_motion.h"
@@ -15,7 +15,7 @@ namespace retractor::haptics {
 
 class SphereTissue final : public TissueResponse {
 public:
-    /// @throws InputError as SphereMotion, or when blend_time is negative or not finite.
+    /// @throws InputError as SphereMotion, or when blend_time is negative or not finite
     SphereTissue(std::vector<SphereOrgan> organs, const SphereLaw& law, double blend_time = 0.01);
 
     std::string_view name() const noexcept override { return "spheres"; }
@@ -23,28 +23,28 @@ public:
     void tick(double time_s, double step_s, std::span<const Fingertip> fingers,
         std::span<FingerContact> contacts) noexcept override;
     const TriMesh& surface() const noexcept override { return motion_.surface(); }
-    /// Also takes up pinches and releases that were asked for. Before the first tick nothing touches the spheres.
+    /// Also carries out the pinches and releases of want_pinch(). Before the first tick nothing touches the spheres.
     void follow(Points& deformed) override;
 
-    /// Any thread: from the next follow() on the finger holds the exact point of the surface under it, or lets go. A
-    /// pinch with nothing near is forgotten.
+    /// Any thread: from the next follow() on the finger holds the exact surface point under it, or releases it. A pinch
+    /// without a surface nearby is dropped.
     void want_pinch(std::size_t finger, bool pinched) noexcept { wants_pinch_[finger].store(pinched); }
 
-    /// Simulation thread.
+    /// Simulation thread:
     SphereMotion& motion() { return motion_; }
     const SphereMotion& motion() const { return motion_; }
 
 private:
     struct Question {
-        bool valid = false; ///< asked by a tick: before the first one there are no fingers
+        bool valid = false; ///< false until the first tick, when there are no fingers yet
         double time_s = 0.0;
         std::array<Fingertip, SphereMotion::kMostFingers> fingers;
     };
     struct Answer {
         Vec3 force = Vec3::Zero(), normal = Vec3::Zero();
-        Vec3 at = Vec3::Zero(); ///< where the finger was
+        Vec3 at = Vec3::Zero(); ///< position of the finger in the question
         double depth = 0.0, stiffness = 0.0;
-        bool pulls = false; ///< pinched
+        bool pulls = false; ///< the finger pinches, so the force may pull
     };
     using Answers = std::array<Answer, SphereMotion::kMostFingers>;
 
@@ -55,8 +55,8 @@ private:
     TripleBuffer<Question> questions_;
     TripleBuffer<Answers> answers_;
     std::array<std::atomic<bool>, SphereMotion::kMostFingers> wants_pinch_ {};
-    std::array<Vec3, SphereMotion::kMostFingers> felt_; ///< servo thread: the force of the last tick
-    double followed_s_ = 0.0; ///< time of the last question answered
+    std::array<Vec3, SphereMotion::kMostFingers> felt_; ///< servo thread: force of the last tick
+    double followed_s_ = 0.0; ///< time of the last answered question
 };
 
 } // namespace retractor::haptics

@@ -82,7 +82,7 @@ SurfaceLocator::SurfaceLocator(const TriMesh& surface)
     low_ = surface.vertices.colwise().minCoeff().transpose();
     high_ = surface.vertices.colwise().maxCoeff().transpose();
     const Vec3 extent = high_ - low_;
-    // About as many cells on the surface as triangles.
+    // About as many cells meet the surface as there are triangles.
     cell_ = std::max(
         extent.norm() * 1e-3, std::sqrt(extent.squaredNorm() / static_cast<double>(surface.triangles.size())));
     for (std::size_t i = 0; i < 3; ++i)
@@ -123,7 +123,8 @@ bool SurfaceLocator::inside(const Vec3& p) const
 {
     if (!((p.array() > low_.array()).all() && (p.array() < high_.array()).all()))
         return false;
-    // Lattices and meshes like round numbers: a ray through an edge would be counted twice or not at all.
+    // Lattices and meshes have round coordinates. The nudge avoids rays through an edge, which would count twice or not
+    // at all.
     const double nudge = 1e-7 * (high_ - low_).maxCoeff();
     const Vec3 q = p + nudge * Vec3(0.7548776662, 0.5698402910, 0.0);
     const auto cell = cell_of(q);

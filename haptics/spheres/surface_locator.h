@@ -1,5 +1,6 @@
 #pragma once
-// Where points lie about a closed triangle surface: inside or not, near it or not, the nearest point on it. Units mm.
+// Queries of a closed triangle surface: whether a point is inside, the distance to the surface, and the nearest surface
+// point. Units mm.
 
 #include "mesh/base/geometry.h"
 
@@ -11,30 +12,30 @@ namespace retractor::haptics {
 
 struct NearestOnSurface {
     std::size_t triangle = 0;
-    Vec3 weights = Vec3::Zero(); ///< of the triangle's corners, each >= 0, together 1
+    Vec3 weights = Vec3::Zero(); ///< barycentric weights of the triangle's corners: each >= 0, sum 1
     Vec3 point = Vec3::Zero();
     double distance = 0.0; ///< mm
 };
 
-/// The nearest point of a triangle.
+/// The point of the triangle nearest to p.
 NearestOnSurface nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
-/// By a look at every triangle: for surfaces that move. @pre the surface has triangles
+/// The nearest surface point by a test of every triangle, for surfaces that move. @pre the surface has triangles
 NearestOnSurface nearest_on_surface(
     const Vec3& p, const Points& vertices, const std::vector<std::array<VertexId, 3>>& triangles);
 
-/// Volume enclosed by a closed surface, mm^3; positive when it is oriented outwards.
+/// Volume inside a closed surface, mm^3; positive when the surface is oriented outwards.
 double enclosed_volume(const Points& vertices, const std::vector<std::array<VertexId, 3>>& triangles);
 
 class SurfaceLocator {
 public:
     /// @throws InputError on no triangles, indices out of range, coordinates that are not finite, or an edge without
-    /// exactly one triangle on each side (an open or torn surface has no inside).
+    /// exactly one triangle on each side (an open or torn surface has no inside)
     explicit SurfaceLocator(const TriMesh& surface);
 
     bool inside(const Vec3& p) const;
-    /// Whether a point of the surface is nearer to p than `distance`.
+    /// Whether a surface point is nearer to p than `distance`.
     bool is_near(const Vec3& p, double distance) const { return distance_within(p, distance) < distance; }
-    /// Distance to the surface (mm) where that is less than `most`, else `most`.
+    /// Distance to the surface (mm), or `most` when the distance is larger.
     double distance_within(const Vec3& p, double most) const;
 
     const Vec3& low() const { return low_; }
@@ -48,7 +49,7 @@ private:
     double cell_ = 1.0;
     std::array<int, 3> size_ { 1, 1, 1 };
     std::vector<std::vector<std::int32_t>> cells_; ///< triangles whose box meets the cell
-    std::vector<std::vector<std::int32_t>> columns_; ///< the same, seen along z
+    std::vector<std::vector<std::int32_t>> columns_; ///< triangles whose box meets the column along z
 };
 
 } // namespace retractor::haptics

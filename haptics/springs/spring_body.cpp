@@ -93,7 +93,8 @@ namespace {
                 "held vertex " + std::to_string(v) + " does not exist");
             body.held[static_cast<std::size_t>(v)] = 1;
         }
-        std::map<std::pair<VertexId, VertexId>, double> stiffness; // ordered: the same springs on any machine
+        // Ordered, so that the springs are the same on any machine.
+        std::map<std::pair<VertexId, VertexId>, double> stiffness;
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
             const auto element = static_cast<std::size_t>(t);
             const auto nodes = mesh.tet(t);
@@ -122,7 +123,7 @@ namespace {
         for (std::size_t v = 0; v < outer.size(); ++v) {
             if (outer[v] != 0)
                 body.touchable.push_back(static_cast<VertexId>(v));
-            if (body.mass[v] == 0.0) // in no element: nothing pulls at it
+            if (body.mass[v] == 0.0) // the particle is in no element, so no spring pulls it
                 require(false, "vertex " + std::to_string(v) + " belongs to no element");
         }
         return body;

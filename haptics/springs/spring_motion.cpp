@@ -101,10 +101,10 @@ void SpringMotion::add_element_forces(double dt) noexcept
         const double dx = x[b] - x[a], dy = x[b + 1] - x[a + 1], dz = x[b + 2] - x[a + 2];
         const double squared = dx * dx + dy * dy + dz * dz;
         if (squared == 0.0)
-            continue; // no direction to pull in
+            continue; // the spring has no direction
         const double length = std::sqrt(squared), inverse = 1.0 / length;
         const double closing
-            = dx * (v[b] - v[a]) + dy * (v[b + 1] - v[a + 1]) + dz * (v[b + 2] - v[a + 2]); // length times l'
+            = dx * (v[b] - v[a]) + dy * (v[b + 1] - v[a + 1]) + dz * (v[b + 2] - v[a + 2]); // length times its rate
         double pull = spring.stiffness * (length - spring.length + law_.voigt_time * closing * inverse);
         if (arms) {
             arm_force_[s] = decay * arm_force_[s] + gain * spring.stiffness * (length - length_[s]);
@@ -121,8 +121,8 @@ void SpringMotion::add_element_forces(double dt) noexcept
     }
 }
 
-/// What all particles of a body that nothing holds share: gravity, and what else its momentum lacks to follow the
-/// forces on it, given that its particles resist those with more than their mass.
+/// Common acceleration of the particles of a body without supports: gravity, and the momentum that is missing because
+/// particles resist forces with more than their mass.
 Vec3 SpringMotion::common_acceleration() const noexcept
 {
     if (!is_free_)
@@ -146,7 +146,7 @@ void SpringMotion::begin_step(double dt)
     add_element_forces(dt);
     const double kept = 1.0 / (1.0 + law_.drag * dt);
     const Vec3 common = common_acceleration();
-    const Vec3 weight = is_free_ ? Vec3(Vec3::Zero()) : law_.gravity; // per mass, taken up by the springs
+    const Vec3 weight = is_free_ ? Vec3(Vec3::Zero()) : law_.gravity; // per mass; supports and springs carry the weight
     for (std::size_t v = 0; v < body_.mass.size(); ++v)
         for (std::size_t i = 0; i < 3; ++i) {
             const std::size_t j = 3 * v + i;
@@ -225,8 +225,8 @@ std::vector<VertexId> SpringMotion::ring(VertexId v) const
     for (const TissueSpring& spring : body_.springs)
         if (spring.a == v || spring.b == v)
             shortest = std::min(shortest, spring.length);
-    // In a sheet all eight round it; in an organ, whose edges differ, likewise what is not far beyond its shortest
-    // edge.
+    // The ring includes springs up to kRing times the shortest length: all eight neighbours in a sheet, and edges of
+    // similar length in an organ.
     constexpr double kRing = 1.5;
     std::vector<VertexId> found;
     for (const TissueSpring& spring : body_.springs)
@@ -270,7 +270,7 @@ double slow_down_to(SpringBody& body, double step_s, double arm_ratio)
         throw InputError("a step must be positive, got " + std::to_string(step_s));
     const double stable = SpringMotion(body, { .arm_ratio = arm_ratio }).stable_step();
     const double factor
-        = std::max(1.0, (step_s / stable) * (step_s / stable) * (1.0 + 1e-9)); // the bound goes as sqrt(m)
+        = std::max(1.0, (step_s / stable) * (step_s / stable) * (1.0 + 1e-9)); // the bound is proportional to sqrt(m)
     for (double& mass : body.mass)
         mass *= factor;
     return factor;

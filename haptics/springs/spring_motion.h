@@ -1,20 +1,23 @@
 #pragma once
-// Mass-spring tissue in motion: Voigt elements (a spring beside a dashpot), each with a Maxwell arm for relaxation,
-// stepped explicitly. Units mm, N, s, tonne.
+// Motion of mass-spring tissue: Voigt elements (a spring beside a dashpot), each with a Maxwell arm for relaxation, in
+// explicit time steps. Units mm, N, s, tonne.
 //
-// An element of stiffness k at length l pulls with k (l - l0) + c l' + q: c = k `voigt_time`; the arm's force q follows
-// q' = k1 l' - q / `arm_time` with k1 = k `arm_ratio`, integrated exactly over a step of constant l'. Without the arm
-// it is Kelvin and Voigt's, which creeps but does not relax; with it and without the dashpot the standard linear solid.
+// Force. An element of stiffness k at length l pulls with k (l - l0) + c l' + q, with c = k `voigt_time`. The force q
+// of the arm follows q' = k1 l' - q / `arm_time` with k1 = k `arm_ratio`; q is integrated exactly over a step of
+// constant l'. Without the arm the element is a Kelvin-Voigt element, which creeps but does not relax. With the arm and
+// without the dashpot the element is the standard linear solid.
 //
-// Step. v' = v + dt f / (m + dt D), x' = x + dt v', where f has the dashpots at the old velocities and D is the sum of
-// their coefficients at the particle. So what a particle's own velocity meets is taken at the new time; what remains is
-// that each particle carries dt D more inertia, which vanishes with dt and moves no equilibrium, but makes large swings
-// slower (ElementLaw's defaults in the source's sheet: 9 times the mass); a body that nothing holds falls as one by its
-// mass alone, which no dashpot resists. As the dashpots'
-// matrix C obeys C <= 2 D, stability needs dt^2 K + 2 dt C <= 4 (M + dt D), for which dt^2 K <= 4 M is enough: the
-// bound is 2 / w whatever the dashpots are. w^2 is bounded by Gershgorin's discs, max over particles of sum (k + k1)
-// times 2 (1 where the other end is held) over m. An element's tangent never exceeds its k along or across its
-// direction, so that bound is certain however the tissue is deformed; it is sharp for chains and sheets.
+// Step. v' = v + dt f / (m + dt D), x' = x + dt v'. The force f has the dashpots at the old velocities, and D is the
+// sum of the dashpot coefficients at the particle. A particle's own velocity is thus taken at the new time. As a side
+// effect each particle carries dt D more inertia. The added inertia vanishes with dt and changes no equilibrium, but
+// slows large oscillations (with the defaults of ElementLaw, 9 times the mass in the sheet of Tang et al. 2020). A body
+// without supports falls with its mass alone, which no dashpot resists.
+//
+// Stability. The dashpot matrix C obeys C <= 2 D. Stability needs dt^2 K + 2 dt C <= 4 (M + dt D), and dt^2 K <= 4 M is
+// enough. The bound is therefore dt <= 2 / w for any dashpots. Gershgorin's discs bound w^2 by the largest sum of 2 (k
+// + k1) / m over a particle's springs, with 1 instead of 2 for a spring whose other end is held. The tangent stiffness
+// of an element never exceeds its k along or across its direction, so the bound holds for any deformation. The bound is
+// sharp for chains and sheets.
 
 #include "haptics/device/device.h"
 #include "haptics/springs/spring_body.h"
@@ -23,49 +26,53 @@
 
 namespace retractor::haptics {
 
-/// Of all elements of a body; dashpots and arms in proportion to their springs.
+/// The law of all elements of a body. Dashpots and arms are proportional to their springs.
 struct ElementLaw {
-    double voigt_time = 0.001; ///< c / k, s: a Voigt element creeps with it; >= 0
-    double arm_ratio = 0.0; ///< k1 / k; 0: no arm
-    double arm_time = 1.0; ///< s: an arm relaxes with it; > 0
-    double drag = 10.0; ///< per second, of the velocity: the air's part; >= 0
+    double voigt_time = 0.001; ///< c / k, s: time constant of the creep of a Voigt element; >= 0
+    double arm_ratio = 0.0; ///< k1 / k; 0 means no arm
+    double arm_time = 1.0; ///< time constant of the relaxation of an arm, s; > 0
+    double drag = 10.0; ///< drag of the surrounding air, as a rate of velocity decay, 1/s; >= 0
     Vec3 gravity = Vec3::Zero(); ///< mm/s^2
 };
 inline constexpr double kGravity = 9806.65; ///< mm/s^2
 
-/// A Voigt element by the source's two numbers: its stiffness and damping as fractions of what a device can render.
+/// A Voigt element by the two numbers of Tang et al. 2020: stiffness and damping as fractions of the largest values
+/// that a device can render.
 struct DeviceVoigt {
     double stiffness = 0.0; ///< N/mm
     double voigt_time = 0.0; ///< s
 };
 inline constexpr double kSourceStiffness = 0.15, kSourceDamping = 0.9;
-/// @throws InputError on a fraction outside 0 (stiffness: not 0) to 1.
+/// @throws InputError on a stiffness fraction outside (0, 1] or a damping fraction outside [0, 1]
 DeviceVoigt device_voigt(
     const DeviceLimits& device, double stiffness_fraction = kSourceStiffness, double damping_fraction = kSourceDamping);
 
-/// @throws InputError naming what is negative or not finite.
+/// @throws InputError naming the value that is negative or not finite
 void check_element_law(const ElementLaw& law);
 
 class SpringMotion {
 public:
-    /// At rest. @throws InputError as check_spring_body() and check_element_law().
+    /// Starts at rest. @throws InputError as check_spring_body() and check_element_law()
     SpringMotion(SpringBody body, const ElementLaw& law);
 
-    double stable_step() const { return stable_step_; } ///< s; infinite when nothing can move
+    double stable_step() const { return stable_step_; } ///< largest stable step, s; infinite when nothing can move
 
-    /// One step; nothing is allocated. @throws InputError when dt is not positive or beyond stable_step(), naming both;
-    /// nothing has moved then.
+    /// Makes one step; allocates nothing.
+    /// @throws InputError naming both values when dt is not positive or exceeds stable_step(); no particle has moved
+    /// then
     void step(double dt)
     {
         begin_step(dt);
         end_step();
     }
-    /// The same in two halves: between them next() may be changed, to hold a particle at a place.
+    /// The two halves of a step. Between them the caller may change next(), to hold a particle at a place.
     void begin_step(double dt);
     void end_step() noexcept;
-    /// Where particle v arrives in this step.
+    /// New position of particle v in this step, mm.
     Eigen::Map<Vec3> next(VertexId v) { return Eigen::Map<Vec3>(&next_[3 * static_cast<std::size_t>(v)]); }
-    /// Moves next(v) to `place`. @returns the force that takes, N; zero when v is held already.
+    /// Moves next(v) to `place`. @returns the force that takes, N; zero when v is held already. Moves next(v) to
+    /// `place`.
+    /// @return the force that this takes, N; zero when v is held already
     Vec3 hold_next(VertexId v, const Vec3& place) noexcept;
 
     Eigen::Map<const Vec3> position(VertexId v) const
@@ -78,22 +85,27 @@ public:
         return Eigen::Map<const Vec3>(&velocity_[3 * static_cast<std::size_t>(v)]);
     }
     double largest_speed() const noexcept; ///< mm/s
-    /// All velocities become zero: towards an equilibrium, whenever the kinetic energy has peaked.
+    /// Sets all velocities to zero. Called when the kinetic energy peaks, this leads to an equilibrium.
     void stop() noexcept;
-    double energy() const noexcept; ///< kinetic, of springs and arms, and of gravity from the rest positions; N mm
+    /// Kinetic energy, energy of springs and arms, and of gravity from the rest positions, N mm.
+    double energy() const noexcept;
 
-    /// A steady force on a particle, N, until changed. @throws InputError on an id out of range or NaN.
+    /// Sets a steady force on a particle, N, until the next change. @throws InputError on an index out of range or NaN
     void set_load(VertexId v, const Vec3& force);
-    /// Puts a particle somewhere, at rest: for tests and for loading. @throws InputError as set_load().
+    /// Shares the force evenly between the particle and its ring, as in figs 15 and 16 of Tang et al. 2020. The ring is
+    /// the particles one structural (shortest) spring away.
+    /// @return the number of particles that share the force
+    std::size_t set_ring_load(VertexId v, const Vec3& force);
+    /// Moves a particle to a position, at rest; for tests and for loading. @throws InputError as set_load()
     void place(VertexId v, const Vec3& position);
-    /// What held it lets go, or holds it where it is. @throws InputError on an id out of range.
+    /// Holds a particle where it is, or frees it. @throws InputError on an index out of range
     void set_held(VertexId v, bool held);
     bool is_held(VertexId v) const { return body_.held[static_cast<std::size_t>(v)] != 0; }
     void back_to_rest() noexcept;
-    /// Of the elements at v, on v, N: springs, arms and dashpots as they were at the last begin_step().
+    /// Force of the elements at v on v, N: springs, arms and dashpots at the last begin_step().
     Vec3 element_force(VertexId v) const { return Eigen::Map<const Vec3>(&force_[3 * static_cast<std::size_t>(v)]); }
 
-    /// The particles one shortest spring from v, rising.
+    /// The particles one shortest spring from v, in rising order.
     std::vector<VertexId> ring(VertexId v) const;
     const SpringBody& body() const { return body_; }
     const ElementLaw& law() const { return law_; }
@@ -107,15 +119,17 @@ private:
 
     SpringBody body_;
     ElementLaw law_;
-    std::vector<double> position_, velocity_, next_, force_, load_; ///< three per particle
-    std::vector<double> damping_, inertia_, inverse_inertia_; ///< per particle; zero inverse: held
+    std::vector<double> position_, velocity_, next_, force_, load_; ///< three numbers per particle
+    /// Per particle; inverse_inertia_ is zero for a held particle.
+    std::vector<double> damping_, inertia_, inverse_inertia_;
     std::vector<double> arm_force_, length_; ///< per spring
     double stable_step_ = 0.0, dt_ = 0.0, mass_ = 0.0;
-    bool is_free_ = false; ///< nothing is held
+    bool is_free_ = false; ///< no particle is held
 };
 
-/// Makes every mass `factor` times what it was so that steps of `step_s` are stable, where they are not yet: what is
-/// pressed slowly is answered alike, what moves fast is heavier. @return the factor, at least 1.
+/// Multiplies every mass by one factor, so that steps of `step_s` are stable. Slow presses feel the same; fast motion
+/// is heavier.
+/// @return the factor, at least 1; 1 when the steps are stable already
 double slow_down_to(SpringBody& body, double step_s, double arm_ratio = 0.0);
 
 } // namespace retractor::haptics

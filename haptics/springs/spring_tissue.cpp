@@ -40,10 +40,11 @@ namespace {
             throw InputError("the pressure at rest must be finite", "pulse");
     }
 
-    /// All at once: a search through the springs per particle would take long in a large sheet.
+    /// The rings of all particles in one pass, because a search through the springs for each particle is slow in a
+    /// large sheet.
     std::vector<std::vector<VertexId>> all_rings(const SpringBody& body)
     {
-        constexpr double kRing = 1.5; // as SpringMotion::ring()
+        constexpr double kRing = 1.5; // the ratio in SpringMotion::ring()
         std::vector<double> shortest(body.mass.size(), std::numeric_limits<double>::infinity());
         for (const TissueSpring& spring : body.springs)
             for (const VertexId v : { spring.a, spring.b })
@@ -95,12 +96,12 @@ int SpringTissue::steps_of(double tick_s) const noexcept
 
 void SpringTissue::take_hold(Finger& finger, const Fingertip& tip) noexcept
 {
-    // A little beyond the sphere: what rests on its surface is touched up to rounding.
+    // A little beyond the sphere, because particles on its surface touch it up to rounding.
     const double reach = 1.001 * tip.radius;
     finger.gripped_count = 0;
     const auto hold = [&](VertexId v) {
         if (gripped_[static_cast<std::size_t>(v)] != 0)
-            return; // in another finger's hold
+            return; // another finger holds the particle
         gripped_[static_cast<std::size_t>(v)] = 1;
         finger.gripped[finger.gripped_count] = v;
         finger.offsets[finger.gripped_count++] = motion_.position(v) - tip.position;
@@ -175,7 +176,8 @@ FingerContact SpringTissue::contact_of(const Finger& finger, const Fingertip& ti
             if ((motion_.position(v) - tip.position).squaredNorm() < reach * reach)
                 deepen(v);
     }
-    // Secant; a slack sheet is much stiffer deep down than at first touch. Below this depth it would be noise.
+    // The secant stiffness, because a slack sheet is much stiffer deep down than at first touch. At a smaller depth the
+    // secant is noise.
     constexpr double kShallow = 1e-3; // mm
     contact.stiffness = options_.tells_stiffness && contact.depth > kShallow ? force / contact.depth : 0.0;
     return contact;
@@ -185,7 +187,7 @@ void SpringTissue::tick(
     double time_s, double step_s, std::span<const Fingertip> fingers, std::span<FingerContact> contacts) noexcept
 {
     const double tick = std::min(step_s, options_.longest_tick);
-    if (!(tick > 0.0)) { // nothing to move, NaN included: the servo takes NaN as a fault
+    if (!(tick > 0.0)) { // no time to move in, or NaN; the servo takes NaN as a fault
         for (std::size_t f = 0; f < fingers.size(); ++f) {
             contacts[f] = {};
             contacts[f].proxy = fingers[f].position;
@@ -196,7 +198,7 @@ void SpringTissue::tick(
     for (std::size_t f = 0; f < fingers_.size(); ++f) {
         Finger& finger = fingers_[f];
         if (!started_ || fingers[f].placed) {
-            let_go(finger); // it would take along what it holds
+            let_go(finger); // else the finger would carry its grip along
             finger.last = fingers[f].position;
         }
         finger.impulse.setZero();
@@ -223,7 +225,7 @@ void SpringTissue::tick(
     }
     if (--until_frame_ <= 0) {
         until_frame_ = options_.ticks_per_frame;
-        frames_.draft() = motion_.positions(); // of the size it has: no allocation
+        frames_.draft() = motion_.positions(); // sizes are equal, so no allocation
         frames_.publish();
     }
 }

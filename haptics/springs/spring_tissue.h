@@ -1,16 +1,16 @@
 #pragma once
-// Mass-spring tissue under fingertips, stepped inside the servo's own tick: each tick is divided into as many equal
-// steps as the stability bound asks for (haptics/spring_motion.h). Units mm, N, s, tonne; the frame is the scene's.
+// Mass-spring tissue under fingertips, stepped inside the servo's tick. Each tick is divided into equal steps within
+// the stability bound (spring_motion.h). Units mm, N, s, tonne. Frame: the scene's.
 //
-// A finger is a rigid sphere that moves evenly from where the last tick left it to where this one has it; one that is
-// placed there (Fingertip::placed) lets go of what it held, and touches nothing on the way. Particles
-// that a step would carry inside are put on its surface, radially, without friction. What that takes, inertia included,
-// is the finger's force, averaged over the tick's steps: momentum is exchanged exactly, and at rest it is what the
-// springs press with. The tissue yields wholly, so the proxy is the finger itself; a coupling to the device's limits is
-// the servo's.
+// A finger is a rigid sphere that moves evenly from its position at the last tick to its position at this tick. A
+// finger that is placed (Fingertip::placed) releases its grip and touches nothing on the way. Particles that a step
+// would carry into the sphere are put on its surface, radially, without friction. The force that this takes, inertia
+// included, averaged over the tick's steps, is the force on the finger. Momentum is thus exchanged exactly, and at rest
+// the finger feels the springs. The tissue yields fully, so the proxy is the finger itself; the servo couples the force
+// to the device's limits.
 //
-// A grip takes hold of the particles under a finger (all it touches, the nearest one, or the nearest with its ring) and
-// carries them along until let go: then, and only then, the finger is pulled as well.
+// A grip holds the particles under a finger (all touched particles, the nearest particle, or the nearest particle with
+// its ring) and carries them along until the finger releases them. Only a grip can pull the finger.
 
 #include "haptics/condensed/pulse_pressure.h"
 #include "haptics/servo/tissue_response.h"
@@ -22,34 +22,35 @@
 
 namespace retractor::haptics {
 
-/// What a grip takes hold of.
+/// The particles that a grip holds.
 enum class GripPatch { touched, point, ring };
 
-/// A pressure on the inside of a hollow body: on each of these particles, along its area.
+/// Pressure on the inside of a hollow body. The pressure acts on each of these particles over its area.
 struct SpringPulse {
     PulsePressure pulse = PulsePressure::constant(0.0);
-    double rest_pressure = 0.0; ///< MPa, at which the body has its shape
+    double rest_pressure = 0.0; ///< pressure at which the body has its shape, MPa
     std::vector<VertexId> particles;
-    std::vector<Vec3> areas; ///< mm^2, out of the hollow; per entry of `particles`
+    std::vector<Vec3> areas; ///< area vector of each particle, mm^2, pointing out of the hollow
 };
 
 struct SpringTissueOptions {
     std::size_t fingers = 1;
     GripPatch grip = GripPatch::ring;
-    double longest_tick = 0.005; ///< s: a later tick moves the tissue by this much time only
-    int ticks_per_frame = 8; ///< every so many ticks the positions are handed to follow()
-    SpringPulse pulse = {}; ///< without particles: none
-    /// Off for springs made heavier: they answer a moved finger by their inertia first, and a coupling that moves where
-    /// they are asked, as it does for tissue stiffer than a device may render, would only set them swinging. The
-    /// device's force limits and the passivity observer stay.
+    double longest_tick = 0.005; ///< a longer tick moves the tissue by this time only, s
+    int ticks_per_frame = 8; ///< number of ticks between positions for follow()
+    SpringPulse pulse = {}; ///< no particles: no pulse
+    /// Whether contacts report a stiffness. Off for springs with increased masses, which answer a moved finger by their
+    /// inertia first. The servo's coupling moves the asked fingertip where tissue is stiffer than the device may
+    /// render, and would only make such springs oscillate. The device's force limits and the passivity observer stay
+    /// active.
     bool tells_stiffness = true;
 };
 
 class SpringTissue final : public TissueResponse {
 public:
-    /// @throws InputError as SpringMotion, and on no fingers, a tick or a number of ticks that is not positive, a pulse
-    /// on particles that do not exist or with areas that are not theirs, or
-    /// springs so stiff for their mass that a tick would need more than kMostSteps steps, naming the bound.
+    /// @throws InputError as SpringMotion; on no fingers; on a tick or a number of ticks that is not positive; on a
+    /// pulse with particles that do not exist or areas that do not match the particles; and, naming the bound, on
+    /// springs so stiff for their mass that a tick would need more than kMostSteps steps
     SpringTissue(SpringBody body, const ElementLaw& law, const SpringTissueOptions& options = {});
 
     std::string_view name() const noexcept override { return "springs"; }
@@ -59,31 +60,31 @@ public:
     const TriMesh& surface() const noexcept override { return motion_.body().surface; }
     void follow(Points& deformed) override;
 
-    /// Any thread: from the next tick on the finger holds what is under it, or lets go.
+    /// Any thread: from the next tick on the finger grips the particles under it, or releases them.
     void grip(std::size_t finger, bool held) noexcept { fingers_[finger].wants_grip.store(held); }
     [[nodiscard]] bool has_pulse() const noexcept { return !options_.pulse.particles.empty(); }
-    /// Any thread: the pulse goes on at this rate. @throws InputError outside 20 to 300 per minute.
+    /// Any thread: sets the rate of the pulse. @throws InputError outside 20 to 300 per minute.
     void set_heart_rate(double per_min) { beat_.set_rate(options_.pulse.pulse.rate_for(per_min)); }
-    /// Any thread: of the last tick, MPa.
+    /// Any thread: pressure of the last tick, MPa.
     [[nodiscard]] double last_pressure() const noexcept { return pressure_.load(std::memory_order_relaxed); }
 
-    /// How many particles the finger holds; servo thread.
+    /// Number of particles that the finger grips; servo thread.
     std::size_t gripped(std::size_t finger) const noexcept { return fingers_[finger].gripped_count; }
 
-    /// Between ticks only.
+    /// Between ticks only:
     SpringMotion& motion() { return motion_; }
     const SpringMotion& motion() const { return motion_; }
-    /// Steps that a tick of so long is divided into.
+    /// Number of steps in a tick of this length.
     int steps_of(double tick_s) const noexcept;
 
-    static constexpr int kMostSteps = 1000; ///< of the longest tick
+    static constexpr int kMostSteps = 1000; ///< in the longest tick
 
 private:
     struct Finger {
         std::atomic<bool> wants_grip { false };
         bool holds = false;
         Vec3 last = Vec3::Zero();
-        std::vector<VertexId> gripped; ///< room for all particles; gripped_count of them in use
+        std::vector<VertexId> gripped; ///< room for all particles; the first gripped_count entries are in use
         std::vector<Vec3> offsets;
         std::size_t gripped_count = 0;
         Vec3 impulse = Vec3::Zero();
@@ -99,7 +100,7 @@ private:
     SpringMotion motion_;
     SpringTissueOptions options_;
     std::vector<Finger> fingers_;
-    std::vector<std::vector<VertexId>> rings_; ///< per particle, for grips; empty unless GripPatch::ring
+    std::vector<std::vector<VertexId>> rings_; ///< ring of each particle for grips; empty unless GripPatch::ring
     std::vector<std::uint8_t> gripped_; ///< per particle
     TripleBuffer<Points> frames_;
     BeatClock beat_;

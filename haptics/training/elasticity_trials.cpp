@@ -14,7 +14,7 @@ namespace retractor::haptics {
 
 namespace {
 
-    /// A random number from a seed and a place alone [Steele, Lea, Flood 2014: splitmix64].
+    /// A random number that depends on the seed and the index alone (splitmix64; Steele, Lea, Flood 2014).
     std::uint64_t mixed(std::uint64_t seed, std::uint64_t index)
     {
         std::uint64_t z = seed * 0x9e3779b97f4a7c15ULL + (index + 1) * 0xbf58476d1ce4e5b9ULL;
@@ -93,7 +93,7 @@ std::vector<int> trial_order(int count, std::uint64_t seed)
 {
     std::vector<int> order(static_cast<std::size_t>(std::max(0, count)));
     std::iota(order.begin(), order.end(), 0);
-    for (std::size_t i = order.size(); i > 1; --i) // Fisher and Yates
+    for (std::size_t i = order.size(); i > 1; --i) // Fisher-Yates shuffle
         std::swap(order[i - 1], order[static_cast<std::size_t>(mixed(seed, i) % i)]);
     return order;
 }
@@ -102,7 +102,7 @@ double SimulatedTrainee::normal_number()
 {
     const double u = unit(mixed(seed, drawn)), v = unit(mixed(seed, drawn + 1));
     drawn += 2;
-    return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * std::numbers::pi * v); // Box and Muller
+    return std::sqrt(-2.0 * std::log(u)) * std::cos(2.0 * std::numbers::pi * v); // Box-Muller transform
 }
 
 double SimulatedTrainee::choose(const std::vector<double>& models, const std::vector<int>& order, Tissue tissue)
@@ -164,7 +164,7 @@ std::vector<ElasticityTrial> simulate_recognition_study(std::uint64_t seed)
 std::vector<ElasticityTrial> simulate_learning_study(std::uint64_t seed)
 {
     const std::vector<double> models = trial_models();
-    // About twice a week for 23 days.
+    // About two sessions a week within 23 days.
     const std::array<const char*, 7> dates { "2005-03-01", "2005-03-04", "2005-03-08", "2005-03-11", "2005-03-15",
         "2005-03-18", "2005-03-23" };
     std::vector<ElasticityTrial> trials;

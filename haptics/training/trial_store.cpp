@@ -14,7 +14,7 @@ namespace retractor::haptics {
 
 namespace {
 
-    constexpr int kApplication = 0x52545254; // "RTRT": whose file it is
+    constexpr int kApplication = 0x52545254; // "RTRT", application id in the SQLite header
     constexpr int kStoreVersion = 1;
 
     constexpr const char* kTables = R"(
@@ -51,7 +51,7 @@ struct TrialStore::State {
 
 namespace {
 
-    /// One statement with its values.
+    /// A prepared statement with its values.
     class Statement {
     public:
         Statement(sqlite3* database, const std::string& file, const char* sql)
@@ -79,7 +79,7 @@ namespace {
             check(sqlite3_bind_int(statement_.get(), ++bound_, value));
             return *this;
         }
-        /// @returns whether there is a row.
+        /// @return whether there is a row
         bool step()
         {
             const int result = sqlite3_step(statement_.get());
@@ -126,7 +126,7 @@ TrialStore::TrialStore(const std::filesystem::path& file)
     state_->database.reset(database);
     if (opened != SQLITE_OK)
         state_->fail("the trials' file cannot be opened");
-    constexpr int kPatience = 5000; // ms, while another program writes
+    constexpr int kPatience = 5000; // ms; waits while another program writes
     sqlite3_busy_timeout(database, kPatience);
     const auto pragma = [&](const char* sql) {
         Statement statement(database, state_->file, sql);
@@ -207,7 +207,7 @@ void TrialStore::add(const std::vector<ElasticityTrial>& trials)
                 .bind(std::string(to_string(trial.tissue)))
                 .bind(trial.chosen_MPa)
                 .bind(trial.right_MPa)
-                .bind(std::to_string(trial.order_seed)) // 64 bits without a sign do not fit its integers
+                .bind(std::to_string(trial.order_seed)) // an unsigned 64-bit number does not fit SQLite's integers
                 .step();
         }
         state_->run("COMMIT");
@@ -226,7 +226,7 @@ std::vector<ElasticityTrial> TrialStore::trials() const
         const std::string seed = statement.text(7);
         ElasticityTrial trial { statement.text(0), Instruction::none, statement.integer(2), statement.text(3),
             Tissue::normal, statement.number(5), statement.number(6), 0 };
-        try { // the file may have been changed by another program
+        try { // another program may have changed the file
             trial.instruction = instruction_of(statement.text(1));
             trial.tissue = tissue_of(statement.text(4));
             check_trial(trial);

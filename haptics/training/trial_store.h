@@ -1,6 +1,6 @@
 #pragma once
-// Elasticities that experts named, trials and questionnaires, kept over days in one SQLite file that other programs can
-// read. Units MPa.
+// A store of named elasticities of experts, trials and questionnaires: one SQLite file that lasts over days and that
+// other programs can read. Units MPa.
 
 #include "haptics/training/elasticity_trials.h"
 
@@ -18,35 +18,36 @@ struct NamedElasticity {
 
 class TrialStore {
 public:
-    /// Opens the file, or makes it. @throws IoError when it cannot be opened, is no SQLite file, or is another
-    /// program's or a later version's.
+    /// Opens the file, or creates it.
+    /// @throws IoError when the file cannot be opened, is no SQLite file, or belongs to another program or a later
+    /// version
     explicit TrialStore(const std::filesystem::path& file);
     ~TrialStore();
     TrialStore(TrialStore&&) noexcept;
     TrialStore& operator=(TrialStore&&) noexcept;
 
-    /// An elasticity of that name is replaced. @throws InputError on an empty name or values out of range.
+    /// Replaces an elasticity with the same name. @throws InputError on an empty name or values out of range
     void keep(const NamedElasticity& elasticity);
-    std::vector<NamedElasticity> elasticities() const; ///< by name
-    /// @throws InputError naming those there are.
+    std::vector<NamedElasticity> elasticities() const; ///< in order of names
+    /// @throws InputError naming the existing elasticities when the name is unknown
     NamedElasticity elasticity(const std::string& name) const;
 
-    /// All or none. @throws InputError as check_trial().
+    /// Adds all trials or none. @throws InputError as check_trial()
     void add(const std::vector<ElasticityTrial>& trials);
-    std::vector<ElasticityTrial> trials() const; ///< in the order they were added
-    /// The next session of a trainee: one after the last.
+    std::vector<ElasticityTrial> trials() const; ///< in the order in which they were added
+    /// The number of the trainee's next session: the last session plus 1.
     int next_session(const std::string& trainee) const;
 
-    /// A person's answers are replaced. @throws InputError on no name.
+    /// Replaces the person's earlier answers. @throws InputError on an empty name
     void answer(const QualityAnswer& answer);
-    std::vector<QualityAnswer> answers() const; ///< by person
+    std::vector<QualityAnswer> answers() const; ///< in order of persons
 
 private:
     struct State;
     std::unique_ptr<State> state_;
 };
 
-/// One line per trial, with a line of names first; RFC 4180.
+/// The trials as CSV (RFC 4180): a header, then one line per trial.
 std::string trials_csv(const std::vector<ElasticityTrial>& trials);
 
 } // namespace retractor::haptics

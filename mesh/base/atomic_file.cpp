@@ -54,14 +54,15 @@ namespace {
 
     constexpr const char* kMark = ".retractor-";
 
-    /// All of ".nii.gz", which libraries go by: given ".gz" alone they would write beside the file that is locked.
+    /// The whole extension, such as ".nii.gz". Libraries choose their format by the whole extension; with ".gz" alone
+    /// they would write beside the locked file.
     std::string whole_extension(const fs::path& path)
     {
         const std::string last = path.extension().string();
         return last == ".gz" ? path.stem().extension().string() + last : last;
     }
 
-    /// ".<stem>.retractor-<process>-<count><extension>"
+    /// Path of a temporary file, named ".<stem>.retractor-<process>-<count><extension>".
     fs::path temporary_beside(const fs::path& path)
     {
         static std::atomic<unsigned> counter { 0 };
@@ -83,8 +84,8 @@ namespace {
             && by_name.st_ino == by_descriptor.st_ino && by_name.st_dev == by_descriptor.st_dev;
     }
 
-    /// A writer holds a lock on its temporary file, which ends with the process. Libraries may put files of their own
-    /// beside it, which nobody locks: all files of a writer are left over when none of them is locked.
+    /// A writer holds a lock on its temporary file, and the lock ends with the process. Nobody locks the files that
+    /// libraries put beside the temporary file. All files of a writer are leftovers when none of them is locked.
     void remove_leftovers_of_writer(const std::vector<fs::path>& paths)
     {
         std::vector<std::unique_ptr<FileDescriptor>> locked;
@@ -92,7 +93,7 @@ namespace {
             locked.push_back(
                 std::make_unique<FileDescriptor>(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)));
             if (!locked.back()->good() && errno == ENOENT)
-                continue; // its writer has just finished
+                continue; // the writer has just finished
             if (!locked.back()->good() || ::flock(locked.back()->get(), LOCK_EX | LOCK_NB) != 0)
                 return;
         }
@@ -100,7 +101,7 @@ namespace {
             ::unlink(path.c_str());
     }
 
-    /// Once per process and folder: of writers that were killed.
+    /// Removes the temporary files of writers that were killed; works once per process and folder.
     void remove_leftovers(const fs::path& folder)
     {
         static std::mutex mutex;
@@ -120,14 +121,14 @@ namespace {
             remove_leftovers_of_writer(paths);
     }
 
-    /// A new file, locked. `path` is this file until a library replaces it.
+    /// A new, locked file. `path` names this file until a library replaces the file.
     struct Temporary {
         explicit Temporary(const fs::path& made)
             : path(made)
             , file(::open(made.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666))
         {
             if (file.good())
-                ::flock(file.get(), LOCK_EX | LOCK_NB); // file systems without locks have no leftovers removed
+                ::flock(file.get(), LOCK_EX | LOCK_NB); // on file systems without locks no leftovers are removed
         }
         fs::path path;
         FileDescriptor file;
@@ -136,7 +137,7 @@ namespace {
     std::unique_ptr<Temporary> make_temporary(const fs::path& target)
     {
         remove_leftovers(folder_of(target));
-        constexpr int kAttempts = 8; // somebody who is just cleaning up may take the file for a leftover
+        constexpr int kAttempts = 8; // another process that is cleaning up may take the file for a leftover
         for (int attempt = 0; attempt < kAttempts; ++attempt) {
             auto made = std::make_unique<Temporary>(temporary_beside(target));
             if (!made->file.good() && errno != EEXIST)
@@ -149,7 +150,7 @@ namespace {
         fail("cannot make a temporary file beside it", target);
     }
 
-    /// Libraries may have put files of their own beside it, named after it.
+    /// Removes the temporary file and the files that a library put beside it and named after it.
     void remove_with_companions(const fs::path& temporary)
     {
         const std::string name = temporary.filename().string();
@@ -160,16 +161,18 @@ namespace {
                 ::unlink(entry->path().c_str());
     }
 
-    // ---- what can go wrong -----------------------------------------------------------------------------------------
+    // ---- failures --------------------------------------------------------------------------------------------------
 
-    /// Libraries say that they failed but not why: what they wrote last may have been this large.
+    /// Libraries report that they failed, not why. The last block that they tried to write may have been this large
+    /// (bytes).
     constexpr std::size_t kRoomAfterFailure = 1U << 16U;
-    /// Some do not even notice when their last block found no room. The file then ends where the file system had to
-    /// stop, so that not one byte more can be written. (A whole file that fills the disk to its last byte looks the
-    /// same, and is refused.)
+    /// Some libraries do not notice that their last block found no room. The file then ends where the file system had
+    /// to stop, so that no further byte can be written. A whole file that fills the disk to its last byte looks the
+    /// same and is refused too.
     constexpr std::size_t kRoomAfterSuccess = 1;
 
-    /// Why `room` more bytes cannot be written to this file; nothing when they can. The file system itself is asked.
+    /// The reason why `room` more bytes cannot be written to this file, or nothing when they can be written. The
+    /// function writes the bytes as zeros and cuts the file back to its length.
     std::optional<std::string> why_full(const FileDescriptor& file, std::size_t room)
     {
         static const std::array<char, kRoomAfterFailure> zeros {};
@@ -191,10 +194,10 @@ namespace {
         return reason;
     }
 
-    /// The system's reason when it cannot be flushed.
+    /// Flushes a file or folder to disk; returns the system's reason when flushing fails.
     std::optional<std::string> flush_to_disk(const FileDescriptor& file)
     {
-        // Some file systems cannot flush a folder, and say so.
+        // Some file systems cannot flush a folder and report EINVAL or ENOTSUP.
         if (file.good() && (::fsync(file.get()) == 0 || errno == EINVAL || errno == ENOTSUP))
             return std::nullopt;
         return last_error();
@@ -223,7 +226,7 @@ namespace {
         fs::rename(temporary, path, code);
         if (code)
             fail("cannot rename the finished file: " + code.message(), path);
-        if (const auto reason = flush_to_disk(folder)) // the name, too, must outlive a power cut
+        if (const auto reason = flush_to_disk(folder)) // the name must survive a power cut too
             fail("the new file is in place, but its name cannot be flushed to disk: " + *reason, path);
     }
 

@@ -1,8 +1,9 @@
 #pragma once
-// Files appear whole or not at all: written under a temporary name beside the target, flushed to disk, then renamed.
-// A temporary file is hidden (".case.retractor-<process>-<n>.json") and locked by its writer; what a writer that was
-// killed left behind is removed by the next one in that folder. Files that a library puts beside the temporary file,
-// named after it, are removed with it.
+// Writes files atomically: a file appears whole or not at all. The content goes into a temporary file beside the
+// target, is flushed to disk, and is then renamed to the target. A temporary file is hidden
+// (".case.retractor-<process>-<n>.json") and locked by its writer. The next writer in the folder removes temporary
+// files of writers that were killed. Files that a library puts beside the temporary file, named after the temporary
+// file, are removed with it.
 
 #include <filesystem>
 #include <functional>
@@ -10,13 +11,14 @@
 
 namespace retractor {
 
-/// Writes `content` to `path`, replacing what was there.
-/// @throws IoError naming the path and the system's reason when any step fails; the old file is then untouched, except
-/// when the message says that the new one is in place: then only its name could not be flushed to disk.
+/// Writes `content` to `path` and replaces an existing file.
+/// @throws IoError naming the path and the system's reason when a step fails. The old file is then untouched, with one
+/// exception: the message may say that the new file is in place and only its name could not be flushed to disk.
 void write_file_atomically(const std::filesystem::path& path, std::string_view content);
 
-/// For libraries that write by file name: `write` is given a temporary path (same folder, same
-/// extension, all of ".nii.gz") and the result is renamed to `path`. The temporary file is removed when `write` throws.
+/// The same for libraries that write by file name. `write` gets a temporary path in the same folder and with the same
+/// extension (all of ".nii.gz"); the finished file is renamed to `path`. The temporary file is removed when `write`
+/// throws.
 /// @throws IoError as above.
 void write_file_atomically(
     const std::filesystem::path& path, const std::function<void(const std::filesystem::path& temporary)>& write);

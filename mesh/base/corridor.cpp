@@ -40,7 +40,7 @@ double share_within(std::span<const Vec3> polyline, double radius, const Vec3& c
 
 namespace {
     constexpr double kBlockMm = 8.0;
-    /// Half the diagonal of a block, and a hair that round-off cannot cross.
+    /// Half the diagonal of a block, plus a margin above round-off.
     const double kBlockReachMm = 0.5 * std::sqrt(3.0) * kBlockMm + 1e-6;
 } // namespace
 

@@ -1,5 +1,5 @@
 #pragma once
-// The planned incision as a polyline with distances to it. Units mm; frame: whatever the points are in.
+// Distances from the planned incision, which is a polyline. Units mm; any frame, the same for all points.
 
 #include "mesh/base/geometry.h"
 
@@ -12,16 +12,16 @@ namespace retractor {
 /// Distance (mm) from `p` to a polyline; infinite when it has no point.
 double polyline_distance(std::span<const Vec3> polyline, const Vec3& p);
 
-/// The same distance for many points of a box: space is divided into blocks whose distance is known, so that most
-/// questions need no search. Points beyond the box are answered too, only slower.
+/// Answers the same questions for many points of a box. The box is divided into blocks with known distances, so that
+/// most questions need no search. Questions about points beyond the box are slower.
 class CorridorDistance {
 public:
-    /// @param low, high corners of the box that most points lie in.
+    /// @param low, high corners of the box (mm) that holds most points
     CorridorDistance(std::vector<Vec3> polyline, const Vec3& low, const Vec3& high);
 
     /// Whether `p` lies within `radius` (mm): polyline_distance(...) <= radius, to the last bit.
     bool within(const Vec3& p, double radius) const;
-    /// share_within() of the polyline.
+    /// The result of share_within() for the polyline.
     double share(double radius, const Vec3& centre, const Vec3& edges, int samples) const;
 
     const std::vector<Vec3>& polyline() const { return polyline_; }
@@ -33,11 +33,11 @@ private:
     std::vector<Vec3> polyline_;
     Vec3 low_;
     std::array<int, 3> blocks_ { 0, 0, 0 };
-    std::vector<double> distance_; ///< of the blocks' centres
+    std::vector<double> distance_; ///< distance of each block's centre from the polyline (mm)
 };
 
-/// Share (0 to 1) of a box, given by its centre and full edge lengths along the axes, that lies within
-/// `radius` of the polyline; sampled at `samples`^3 points when the border may cross the box.
+/// Share (0 to 1) of a box that lies within `radius` (mm) of the polyline. The box is given by its centre and its full
+/// edge lengths along the axes. The function samples `samples`^3 points when the border may cross the box.
 double share_within(std::span<const Vec3> polyline, double radius, const Vec3& centre, const Vec3& edges, int samples);
 
 } // namespace retractor

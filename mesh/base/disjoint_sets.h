@@ -1,5 +1,5 @@
 #pragma once
-// Disjoint sets of the numbers 0 .. size - 1 that are joined two by two (union-find with path halving).
+// Disjoint sets of the numbers 0 to size - 1, joined two by two: union-find with path halving.
 
 #include <algorithm>
 #include <concepts>
@@ -9,7 +9,7 @@
 
 namespace retractor {
 
-/// The root of a set is its smallest number: the same roots in whatever order the sets are joined.
+/// The root of a set is its smallest number, so that the roots do not depend on the order of joins.
 template <std::unsigned_integral Index = std::size_t> class DisjointSets {
 public:
     /// Every number is a set of its own.
@@ -19,7 +19,7 @@ public:
         std::iota(parent_.begin(), parent_.end(), Index { 0 });
     }
 
-    /// The root of the set that holds a number. @pre number < size
+    /// Root of the set that holds a number. @pre number < size
     Index root(Index number)
     {
         while (parent_[number] != number)
@@ -27,7 +27,7 @@ public:
         return number;
     }
 
-    /// Joins the sets of two numbers; false where both were in one set already. @pre a, b < size
+    /// Joins the sets of two numbers; returns false when both were in one set already. @pre a, b < size
     bool join(Index a, Index b)
     {
         a = root(a);
@@ -36,7 +36,7 @@ public:
         return a != b;
     }
 
-    /// The root of the set of every number.
+    /// For every number the root of its set.
     std::vector<Index> roots()
     {
         for (std::size_t i = 0; i < parent_.size(); ++i)

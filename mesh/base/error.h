@@ -1,6 +1,6 @@
 #pragma once
-// The three kinds of failure that are the caller's business. Expected outcomes (not converged,
-// cancelled, the cut misses the body) are not errors: they are statuses in the results.
+// The three kinds of failure that a caller has to handle. Expected outcomes (not converged, cancelled, the cut misses
+// the body) are no errors; results report them as a status.
 
 #include <stdexcept>
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace retractor {
 
-/// Base of all errors thrown by this project. `where()` names the place: a file, a JSON pointer
-/// ("/approaches/0/depth_mm"), a DICOM tag, an element or a vertex; empty when there is none.
-/// `fields()` names the fields of a request that the user can change, as the request calls them ("depth_mm"); mostly
-/// empty. A front end tells its users what it calls these fields itself: its options or its controls.
+/// Base of all errors that this project throws. `where()` names the place: a file, a JSON pointer
+/// ("/approaches/0/depth_mm"), a DICOM tag, an element or a vertex; `where()` is empty when there is no place.
+/// `fields()` names the fields of a request that the user can change, as the request names them ("depth_mm");
+/// `fields()` is mostly empty. A front end translates these names into its options or controls.
 class Error : public std::runtime_error {
 public:
     explicit Error(const std::string& what, std::string where = {}, std::vector<std::string> fields = {})
@@ -29,19 +29,19 @@ private:
     std::vector<std::string> fields_;
 };
 
-/// What the caller handed in is wrong: out of range, NaN, missing, contradictory.
+/// The input is wrong: out of range, NaN, missing or contradictory.
 class InputError : public Error {
 public:
     using Error::Error;
 };
 
-/// A well-posed call could not be solved: singular, floating, indefinite.
+/// A valid problem could not be solved: the matrix is singular or indefinite, or the body floats.
 class SolverError : public Error {
 public:
     using Error::Error;
 };
 
-/// Reading or writing failed.
+/// Reading or writing a file failed.
 class IoError : public Error {
 public:
     using Error::Error;
@@ -50,14 +50,14 @@ public:
 /// An exception as plain data: it can be kept, handed to another thread and shown.
 struct Failure {
     std::string what;
-    std::string where {}; ///< Error::where(); empty: the failure names no place
+    std::string where {}; ///< Error::where(); empty when the failure names no place
     std::vector<std::string> fields {}; ///< Error::fields()
 };
 
-/// "where: what"; "what" alone when the failure names no place.
+/// The text "where: what", or "what" alone when the failure names no place.
 std::string to_string(const Failure& failure);
 
-/// The exception that is being handled. Call this function only inside a catch block.
+/// The exception that is being handled, as plain data. @pre called inside a catch block
 Failure current_failure();
 
 } // namespace retractor

@@ -1,5 +1,5 @@
 #pragma once
-// The shared words for points and triangle surfaces. Units mm; frame: patient LPS unless said otherwise.
+// The shared types for points and triangle surfaces. Units mm; frame patient LPS unless a comment names another.
 
 #include <Eigen/Core>
 
@@ -11,21 +11,21 @@ namespace retractor {
 
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
-/// n x 3, one point contiguous: the layout VTK and Embree read too.
+/// Points as rows, n x 3; the coordinates of a point are contiguous, as VTK and Embree expect.
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 using VertexId = std::int32_t;
 using TetId = std::int32_t;
-/// What a voxel or an element is made of: an index into a LabelTable. 0 is "nothing".
+/// The structure that a voxel or an element belongs to, an id of a LabelTable; 0 means nothing.
 using Label = std::uint16_t;
 
 inline Vec3 point_at(const Points& points, VertexId v) { return points.row(v).transpose(); }
 
-/// Triangles over a point set, counter-clockwise seen from outside.
+/// Triangles over a point set; the corners run counter-clockwise seen from outside.
 struct TriMesh {
     Points vertices;
     std::vector<std::array<VertexId, 3>> triangles;
-    std::vector<Label> labels; ///< one per triangle, or empty
+    std::vector<Label> labels; ///< one label per triangle, or empty
 };
 
 } // namespace retractor

@@ -1,7 +1,7 @@
 #pragma once
-// What long work is given besides its input: a way to report progress, to be cancelled, and a
-// ledger of the parts it builds (for `--profile` and for the tests that assert that a scene does
-// not build what it does not need).
+// A Job accompanies long work: it reports progress, carries the request to cancel, and refers to a ledger of the parts
+// that the work builds. `--profile` prints the ledger, and tests check with it that a scene builds nothing that it does
+// not need.
 
 #include <atomic>
 #include <chrono>
@@ -14,14 +14,14 @@
 
 namespace retractor {
 
-/// One part that was built: voxels, tetrahedra, a factorisation, a ray tracer, a renderer ...
+/// A part that was built, such as voxels, tetrahedra, a factorisation, a ray tracer or a renderer.
 struct BuiltPart {
     std::string name;
-    double seconds = 0.0;
-    std::size_t bytes = 0; ///< memory owned by the part, as its builder counts it
+    double seconds = 0.0; ///< time of building (s)
+    std::size_t bytes = 0; ///< memory that the part owns, as its builder counts it
 };
 
-/// The parts built so far, in order. Safe to use from several threads.
+/// The parts built so far, in order. Several threads may use a ledger at once.
 class Ledger {
 public:
     void add(BuiltPart part);
@@ -33,13 +33,13 @@ private:
     std::vector<BuiltPart> parts_;
 };
 
-/// Handed down by const reference; a default-made Job reports nothing and is never cancelled.
+/// Callers pass a Job by const reference. A default Job reports nothing and is never cancelled.
 struct Job {
-    /// Called with a stage name and the done fraction of that stage, 0 to 1.
+    /// Called with the name of a stage and the finished fraction of that stage, 0 to 1.
     std::function<void(std::string_view stage, double fraction)> on_progress;
-    const std::atomic<bool>* cancel = nullptr;
-    Ledger* ledger = nullptr;
-    int threads = 2; ///< how many the work may use at once
+    const std::atomic<bool>* cancel = nullptr; ///< true asks the work to stop; null: the work cannot be cancelled
+    Ledger* ledger = nullptr; ///< receives the parts built; may be null
+    int threads = 2; ///< largest number of threads that the work may use
 
     void report(std::string_view stage, double fraction) const
     {
@@ -49,7 +49,7 @@ struct Job {
     bool cancelled() const { return cancel != nullptr && cancel->load(std::memory_order_relaxed); }
 };
 
-/// Wall clock seconds since construction.
+/// Wall-clock seconds since construction.
 class Stopwatch {
 public:
     double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
@@ -58,7 +58,7 @@ private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Records a built part, timed since the stopwatch started; does nothing without a ledger.
+/// Adds a part to the job's ledger, with the time since the stopwatch started. Does nothing without a ledger.
 void record_part(const Job& job, std::string_view name, const Stopwatch& watch, std::size_t bytes);
 
 } // namespace retractor

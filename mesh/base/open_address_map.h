@@ -1,6 +1,6 @@
 #pragma once
-// A map that is looked up only, never walked: open addressing with linear probing, values in chunks, so that asking
-// costs a few instructions and a reference stays good until its key is erased.
+// A hash map with open addressing and linear probing. A look-up costs a few instructions. Values lie in chunks, so that
+// a reference to a value stays valid until its key is erased. The map cannot be iterated.
 
 #include <array>
 #include <bit>
@@ -13,7 +13,7 @@ namespace retractor {
 
 template <class Value> class OpenAddressMap {
 public:
-    /// The value of a key; a new one (Value {}) when there was none, as `is_new` tells.
+    /// The value of a key. When the key is missing, the function adds Value {} and sets `is_new`.
     Value& at(std::uint64_t key, bool& is_new)
     {
         if (2 * (size_ + 1) > table_.size())
@@ -44,7 +44,8 @@ public:
             return;
         free_.push_back(table_[hole].value);
         --size_;
-        // What would be found through the hole only moves into it (Knuth, TAOCP 3, 6.4, algorithm R).
+        // An entry that a look-up would reach only through the hole moves into the hole (Knuth, The Art of Computer
+        // Programming 3, section 6.4, algorithm R).
         for (std::size_t i = (hole + 1) & mask; table_[i].value != nullptr; i = (i + 1) & mask)
             if (((i - home(table_[i].key)) & mask) >= ((i - hole) & mask)) {
                 table_[hole] = table_[i];
@@ -56,7 +57,7 @@ public:
 private:
     struct Place {
         std::uint64_t key = 0;
-        Value* value = nullptr; ///< none: free
+        Value* value = nullptr; ///< null: the slot is free
     };
     static constexpr std::size_t kChunk = 64, kFirstTable = 256;
 
@@ -95,7 +96,7 @@ private:
             }
     }
 
-    std::vector<Place> table_; ///< its size is a power of two
+    std::vector<Place> table_; ///< slots; their number is a power of two
     int shift_ = 64;
     std::size_t size_ = 0, in_last_ = kChunk;
     std::vector<std::unique_ptr<std::array<Value, kChunk>>> chunks_;

@@ -48,7 +48,7 @@ void SerialExecutor::post_latest(std::string key, Task task)
 void SerialExecutor::cancel()
 {
     const std::lock_guard lock(mutex_);
-    cancelled_.store(true); // the next task begins with its own
+    cancelled_.store(true); // the next task resets the flag
     for (Waiting& waiting : waiting_)
         waiting.cancelled = true;
 }
@@ -65,7 +65,8 @@ SerialExecutor::Progress SerialExecutor::progress() const
     return progress_;
 }
 
-/// @pre the lock is held, as it is afterwards. @return false when no task waited.
+/// Runs the next waiting task. @pre the lock is held; the lock is held again afterwards
+/// @return false when no task waited
 bool SerialExecutor::run_next(std::unique_lock<std::mutex>& lock)
 {
     if (waiting_.empty())
@@ -87,7 +88,7 @@ bool SerialExecutor::run_next(std::unique_lock<std::mutex>& lock)
             options_.on_progress();
     };
     next.task(job);
-    next.task = nullptr; // what it holds is destroyed without the lock
+    next.task = nullptr; // destroys the task's captured values while the lock is free
     lock.lock();
     return true;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// Values at points, found by place: a hash of cubic cells. The number of cells is that of the occupied ones, so that
-// the points may lie far apart. Units mm, or whatever the points have.
+// Finds values by their position: a hash of cubic cells. Only occupied cells take memory, so that the points may lie
+// far apart. Units mm, or the unit of the points.
 
 #include "mesh/base/geometry.h"
 
@@ -14,18 +14,19 @@ namespace retractor {
 
 template <class Value> class SpatialHash {
 public:
-    /// @param cell edge of a cell (> 0): about the distance that will be asked for.
+    /// @param cell edge of a cell (> 0), about the usual search distance
     explicit SpatialHash(double cell)
         : cell_(cell)
     {
     }
 
-    /// @pre the point lies within 2^20 cells of the origin along each axis.
+    /// @pre the point lies within 2^20 cells of the origin along each axis
     void add(const Vec3& point, Value value) { cells_[key(cell_of(point))].push_back(std::move(value)); }
 
-    /// Calls visit(value) for every value whose cell is at most `distance`, rounded up to whole cells, away from the
-    /// point's own along each axis: all within the distance, and more. Stops where visit returns false.
-    /// @return whether all were visited
+    /// Calls visit(value) for every value in the cells round the point's cell, up to `distance` rounded up to whole
+    /// cells along each axis. The visit includes all values within the distance and some beyond. The visit stops when
+    /// visit returns false.
+    /// @return true when no call returned false
     template <class Visit> bool visit_near(const Vec3& point, double distance, Visit&& visit) const
     {
         const auto reach = static_cast<std::int64_t>(std::ceil(distance / cell_));

@@ -1,5 +1,5 @@
 #pragma once
-// Order statistics of a range of numbers. None of the functions interpolates: the result is one of the numbers.
+// Order statistics of a range of numbers. No function interpolates: each result is one of the numbers.
 
 #include <algorithm>
 #include <cstddef>
@@ -10,8 +10,8 @@
 
 namespace retractor {
 
-/// The number that stands at `rank` when the range is sorted by `before`; rank 0 is the first.
-/// Reorders the range (std::nth_element); takes time linear in its length. @pre rank < size of the range
+/// The number at position `rank` (from 0) of the range sorted by `before`. Reorders the range (std::nth_element) in
+/// linear time. @pre rank < size of the range
 template <std::ranges::random_access_range Range, class Before = std::less<>>
 auto value_of_rank(Range&& values, std::size_t rank, Before before = {})
 {
@@ -20,15 +20,14 @@ auto value_of_rank(Range&& values, std::size_t rank, Before before = {})
     return *at;
 }
 
-/// The median; of an even count the larger of the two numbers in the middle.
-/// Reorders the range. @pre the range is not empty
+/// The median; for an even count, the larger of the two middle numbers. Reorders the range. @pre the range is not empty
 template <std::ranges::random_access_range Range> auto upper_median(Range&& values)
 {
     return value_of_rank(values, static_cast<std::size_t>(std::ranges::size(values)) / 2);
 }
 
-/// The first item of a sorted range at which the weights up to it, itself included, reach `share` of `total`; the
-/// range's end where they do not.
+/// The first item of a sorted range at which the sum of weights, the item's own included, reaches `share` of `total`.
+/// Returns the end of the range when the sum stays below.
 template <std::ranges::forward_range Range, class Weight>
 auto weighted_percentile(const Range& sorted, double share, double total, Weight&& weight_of)
 {

@@ -13,7 +13,7 @@ std::string formatted(const char* format, ...)
     const int length = std::vsnprintf(nullptr, 0, format, values);
     va_end(values);
     std::string text(length > 0 ? static_cast<std::size_t>(length) : 0, '\0');
-    std::vsnprintf(text.data(), text.size() + 1, format, again); // the string's own terminator is written again
+    std::vsnprintf(text.data(), text.size() + 1, format, again); // overwrites the string's terminator with a terminator
     va_end(again);
     return text;
 }

@@ -8,7 +8,7 @@
 
 namespace retractor {
 
-/// What printf() would write, of any length.
+/// The text that printf() would write, of any length.
 [[gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...);
 
 inline std::string in_words(double value, int digits = 0) { return formatted("%.*f", digits, value); }
@@ -18,21 +18,21 @@ inline std::string in_words(const Vec3& point)
     return formatted("(%.1f, %.1f, %.1f) mm", point.x(), point.y(), point.z());
 }
 
-/// Adds a remark to a message, unless it is empty.
+/// Appends a remark to a message, after "; ". Does nothing for an empty remark.
 inline void remark(std::string& message, const std::string& text)
 {
     if (!text.empty())
         message += (message.empty() ? "" : "; ") + text;
 }
 
-/// A label's name without underscores.
+/// A label's name with spaces for underscores.
 inline std::string readable(std::string label)
 {
     std::replace(label.begin(), label.end(), '_', ' ');
     return label;
 }
 
-/// "966.2 cm3"; what is less than 0.1 cm3 in mm3.
+/// A volume such as "966.2 cm3"; in mm3 below 0.1 cm3.
 inline std::string volume_text(double volume_mm3)
 {
     constexpr double kLeastCm3 = 0.1, kLeastMm3 = 1.0;

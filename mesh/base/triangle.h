@@ -1,5 +1,5 @@
 #pragma once
-// Corners, area and normal of a triangle that runs counter-clockwise seen from outside. Units of the points: mm, mm^2.
+// Corners, area and normal of a triangle whose corners run counter-clockwise seen from outside. Units mm and mm^2.
 
 #include "mesh/base/geometry.h"
 
@@ -15,10 +15,10 @@ inline std::array<Vec3, 3> triangle_corners(const Points& points, const std::arr
     return { point_at(points, corners[0]), point_at(points, corners[1]), point_at(points, corners[2]) };
 }
 
-/// Along the outward normal, as long as the area.
+/// Vector along the outward normal whose length is the area (mm^2).
 inline Vec3 area_vector(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * (b - a).cross(c - a); }
 inline Vec3 area_vector(const std::array<Vec3, 3>& p) { return area_vector(p[0], p[1], p[2]); }
-/// Of a triangle over a point set, or a face of a mesh: area_vector(mesh.vertices, face_vertices(mesh, face)).
+/// The same for a triangle over a point set. A face of a mesh: area_vector(mesh.vertices, face_vertices(mesh, face)).
 inline Vec3 area_vector(const Points& points, const std::array<VertexId, 3>& corners)
 {
     return area_vector(points.row(corners[0]), points.row(corners[1]), points.row(corners[2]));
@@ -31,7 +31,7 @@ inline double triangle_area(const Points& points, const std::array<VertexId, 3>&
     return area_vector(points, corners).norm();
 }
 
-/// Outward; zero where the triangle has no area.
+/// Outward unit normal; zero for a triangle without area.
 inline Vec3 unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) { return area_vector(a, b, c).normalized(); }
 inline Vec3 unit_normal(const std::array<Vec3, 3>& p) { return area_vector(p).normalized(); }
 inline Vec3 unit_normal(const Points& points, const std::array<VertexId, 3>& corners)

@@ -1,6 +1,6 @@
 #pragma once
-// What a follower of a session's deltas keeps of vertices that an ablation took, so that undoing it gives it back.
-// Ids are reused in between: several vertices of one id may be kept at once, and return last gone, first back.
+// Keeps values of vertices that an ablation removed, for a follower of a session's deltas, so that undo can restore the
+// values. Ids are reused in between, so that several values of one id may be kept; the last kept value returns first.
 
 #include "mesh/tetrahedra/tet_mesh.h"
 
@@ -13,9 +13,10 @@ namespace retractor::mesh {
 
 template <class Value> class AblatedValues {
 public:
-    /// For a vertex gone with MeshDelta::Origin::restored.
+    /// Keeps the value of a vertex that a delta removes with MeshDelta::Origin::restored.
     void keep(VertexId v, Value value) { kept_[v].push_back(std::move(value)); }
-    /// For one born with that origin; nothing when it was ablated before the follower was made.
+    /// The value of a vertex that a delta adds with MeshDelta::Origin::restored. Nothing when the vertex was ablated
+    /// before the follower was made.
     std::optional<Value> give_back(VertexId v)
     {
         const auto found = kept_.find(v);
@@ -30,7 +31,7 @@ public:
     void clear() { kept_.clear(); }
 
 private:
-    std::map<VertexId, std::vector<Value>> kept_; ///< by id, last gone last; none empty
+    std::map<VertexId, std::vector<Value>> kept_; ///< by id, the last kept value last; no list is empty
 };
 
 } // namespace retractor::mesh

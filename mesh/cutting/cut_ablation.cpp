@@ -16,9 +16,9 @@ namespace {
 
     using Edge = std::pair<VertexId, VertexId>; ///< sorted
 
-    const CutFaces kNothingCut; ///< only what is gone parts anything
+    const CutFaces kNothingCut; ///< empty: only removed elements separate others
 
-    /// Cancellation is looked at once per this many elements.
+    /// Number of elements between two tests for cancellation.
     constexpr std::size_t kCheckEvery = 4096;
 
     class Ablation {
@@ -38,7 +38,7 @@ namespace {
 
         CutStore& store_;
         int cut_number_;
-        std::set<VertexId> rim_; ///< vertices of what was removed that are still in use
+        std::set<VertexId> rim_; ///< vertices of removed elements that are still in use
         CutReport report_ {};
     };
 
@@ -56,7 +56,7 @@ namespace {
                     continue;
                 std::array<Vec3, 3> p;
                 std::array<LipTag, 4> lips = store_.tet(other).lips;
-                for (std::size_t k = 0; k < 4; ++k) // the corner of the other that this element does not have
+                for (std::size_t k = 0; k < 4; ++k) // the corner of the neighbour that this element does not have
                     if (store_.corner(marked[i], store_.tet(other).nodes[k]) < 0)
                         lips[k] = { cut_number_, 0 };
                 store_.set_lips(other, lips);
@@ -84,7 +84,8 @@ namespace {
         }
     }
 
-    /// Edges round which several fans of elements are left that would still share both ends get a vertex of their own.
+    /// Gives an edge a vertex of its own when several fans of elements remain round the edge and would still share both
+    /// ends.
     void Ablation::part_edges()
     {
         std::set<Edge> edges;
@@ -114,7 +115,7 @@ namespace {
         }
     }
 
-    /// What is joined in a vertex only gets vertices of its own.
+    /// Gives groups of elements that are connected in a vertex only vertices of their own.
     void Ablation::part_vertices()
     {
         for (const VertexId v : rim_) {

@@ -1,5 +1,5 @@
 #pragma once
-// Removing elements from the store of a cutting session: what CutSession::ablate does. Units mm.
+// Removes elements from the store of a cutting session, for CutSession::ablate(). Units mm.
 
 #include "mesh/base/job.h"
 #include "mesh/cutting/store/cut_store.h"
@@ -10,12 +10,15 @@
 
 namespace retractor::mesh {
 
-/// The elements by id, each once. @throws InputError when there is none, all are named, or one is not there.
+/// The elements in ascending order without duplicates.
+/// @throws InputError when `tets` names no element, every element, or a missing element
 std::vector<TetId> checked_marks(const CutStore& store, std::span<const TetId> tets);
 
-/// Between store.begin() and store.finish(), both called by the caller, who also rolls back when the status is not
-/// `done` or something is thrown. Fills status, message and the counts of the report, not the delta.
-/// @param marked from checked_marks().
+/// Removes elements and separates remaining elements that are connected in a point or along an edge only. Fills status,
+/// message and the counts of the report, not the delta.
+/// @param marked from checked_marks()
+/// @pre the caller has called store.begin(); the caller calls store.finish(), or store.rollback() after a status other
+/// than `done` or an exception
 CutResult ablate_elements(CutStore& store, std::span<const TetId> marked, int cut_number, const Job& job);
 
 } // namespace retractor::mesh

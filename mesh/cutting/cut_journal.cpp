@@ -31,7 +31,7 @@ namespace {
 
     // ---- digests ---------------------------------------------------------------------------------------------------
 
-    /// FNV-1a, 64 bits; numbers enter by their bytes, the lowest first.
+    /// FNV-1a with 64 bits. Numbers enter as bytes, the lowest byte first.
     class Digest {
     public:
         explicit Digest(std::uint64_t start = kOffset)
@@ -156,7 +156,7 @@ namespace {
 
     Json written(const CutOptions& options)
     {
-        // Named here one by one: an option that is not written would be forgotten by a replay.
+        // The structured binding names every option, because a replay would lose an option that is not written.
         const auto& [subdivision, snap, snap_angle_deg, improve_below_deg, crease_deg, uncut_labels, element_limit]
             = options;
         Json json;
@@ -190,17 +190,17 @@ namespace {
         return options;
     }
 
-    /// How many entries two lists have in common at their beginning.
+    /// Number of equal entries at the beginning of two lists.
     std::size_t common(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
     {
         std::size_t n = 0;
         while (n < a.size() && n < b.size()
-            && std::memcmp(a[n].data(), b[n].data(), 3 * sizeof(double)) == 0) // bits: -0 is not 0 here
+            && std::memcmp(a[n].data(), b[n].data(), 3 * sizeof(double)) == 0) // compares bits: -0 differs from 0
             ++n;
         return n;
     }
 
-    /// The blade of an operation; of a step, only what is new since the step before.
+    /// The blade of an operation as JSON. For a step, only the changes since the step before.
     Json written(const Blade& blade, const Blade* before)
     {
         Json json;
@@ -237,7 +237,7 @@ namespace {
         return blade;
     }
 
-    /// Sorted ids as first and last of each run.
+    /// Sorted ids as the first and last id of each run.
     Json written_ranges(std::span<const TetId> tets)
     {
         Json list = Json::array();
@@ -287,16 +287,16 @@ namespace {
         return "";
     }
 
-    // ---- where a journal has come to -------------------------------------------------------------------------------
+    // ---- progress of a journal -------------------------------------------------------------------------------------
 
-    /// What the next line depends on.
+    /// The state that the next line depends on.
     struct Progress {
         std::uint64_t digest = 0, check = 0;
-        std::optional<Blade> blade; ///< of the last step of the open stroke
-        CutOptions options; ///< likewise
+        std::optional<Blade> blade; ///< blade of the open stroke's last step
+        CutOptions options; ///< options of the open stroke's last step
     };
 
-    /// Ends the line's object with its check, and moves the progress on.
+    /// Adds the check to the line's object, and updates the progress.
     std::string finished_line(const Json& json, Progress& progress)
     {
         std::string line = json.dump();
@@ -312,7 +312,7 @@ namespace {
             { "mesh", hexadecimal(mesh_checksum(mesh)) } };
     }
 
-    /// After an operation: what a further step may refer to.
+    /// Updates the blade and the options that a further step may refer to.
     void follow(Progress& progress, const CutEvent& event)
     {
         if (event.kind == CutEvent::Kind::stroke_step) {
@@ -364,7 +364,7 @@ namespace {
         JournalFile(const JournalFile&) = delete;
         JournalFile& operator=(const JournalFile&) = delete;
 
-        /// What lies beyond is dropped; writing goes on there.
+        /// Drops the bytes beyond `size`; writing continues there.
         void truncate(std::size_t size)
         {
             if (::ftruncate(file_, static_cast<::off_t>(size)) != 0
@@ -372,7 +372,7 @@ namespace {
                 fail("cannot shorten the journal", errno);
             size_ = size;
         }
-        /// All of the text or nothing, on disk.
+        /// Writes the whole text to disk or nothing.
         void append(const std::string& text)
         {
             std::size_t done = 0;
@@ -388,7 +388,7 @@ namespace {
                 give_back("cannot flush the journal to disk", errno);
             size_ += text.size();
         }
-        /// The name of a new file reaches the disk with its folder.
+        /// Flushes the folder to disk, which holds the name of a new file.
         void sync_folder() const
         {
             const std::filesystem::path folder = path_.has_parent_path() ? path_.parent_path() : ".";
@@ -397,7 +397,7 @@ namespace {
                 fail("cannot flush the journal's name to disk", errno);
             const int result = ::fsync(handle), error = errno;
             ::close(handle);
-            if (result != 0 && error != EINVAL) // EINVAL: a file system whose folders need none
+            if (result != 0 && error != EINVAL) // EINVAL: the file system does not flush folders
                 fail("cannot flush the journal's name to disk", error);
         }
 
@@ -418,7 +418,7 @@ namespace {
         std::size_t size_ = 0;
     };
 
-    /// The witness of a session that writes; copies share the file.
+    /// The witness of a session that writes a journal. Copies share the file.
     struct JournalWriter {
         std::shared_ptr<JournalFile> file;
         std::shared_ptr<Progress> progress;
@@ -436,7 +436,7 @@ namespace {
     struct Lines {
         std::vector<std::string> lines;
         std::size_t whole = 0; ///< bytes of whole lines
-        std::size_t torn = 0; ///< bytes after them
+        std::size_t torn = 0; ///< bytes after the whole lines
     };
 
     Lines read_lines(const std::filesystem::path& path)
@@ -454,7 +454,7 @@ namespace {
         return read;
     }
 
-    /// The line without its check, which must be right.
+    /// Parses a line, tests its check and removes the check.
     Json parse_line(const std::string& line, Progress& progress)
     {
         const std::string mark = ",\"check\":\"";
@@ -473,7 +473,7 @@ namespace {
         if (!head.is_object() || !head.contains("journal") || head.at("journal") != kName)
             throw InputError("this is no journal of cuts");
         if (const int version = head.at("version").get<int>(); version != kCutJournalVersion)
-            // Replayed by another version's cutter, the operations would make other elements than they did.
+            // Another version's cutter would make other elements from the same operations.
             throw InputError("the journal has version " + std::to_string(version) + ", written by "
                 + (version < kCutJournalVersion ? "an older" : "a newer") + " program; this program reads version "
                 + std::to_string(kCutJournalVersion));
@@ -506,7 +506,7 @@ namespace {
         bool cancelled_ = false;
     };
 
-    /// What goes wrong in it is said to be in this line.
+    /// Runs `work` and adds the number of the line to its errors.
     template <class Work> void Replay::at_line(std::size_t i, Work&& work) const
     {
         const std::string where = path_.string() + ":" + std::to_string(i + 1);
@@ -525,7 +525,7 @@ namespace {
         const auto digest = json.at("digest").get<std::string>();
         const auto options
             = [&] { return json.contains("options") ? read_options(json.at("options")) : progress_.options; };
-        // The session's witness moves the progress on, as it did when the journal was written.
+        // The session's witness updates the progress, as it did when the journal was written.
         session.set_witness([&](const CutEvent& event) {
             follow(progress_, event);
             if (hexadecimal(progress_.digest) != digest)

@@ -1,23 +1,22 @@
 #pragma once
-// The journal of a cutting session on disk: every operation is written as it is done, so that a crash loses at most the
-// operation under way, and replaying the journal on the same mesh gives the same session, bit for bit, on any machine
-// with IEEE arithmetic and any number of threads. Units mm; frame patient LPS.
+// The journal of a cutting session on disk. Every operation is written when it is done, so that a crash loses at most
+// the operation under way. Replaying the journal on the same mesh gives the same session bit for bit, on any machine
+// with IEEE arithmetic and with any number of threads. Units mm; frame patient LPS.
 //
-// The file is text, one JSON object per line (version 4). The first line is the head:
+// The file is text with one JSON object per line (version 4). The first line is the head:
 //   {"journal":"retractor cuts","version":4,"frame":"LPS","units":"mm","vertices":n,"tets":n,"mesh":"<checksum>",...}
-// and every further line an operation, by its key "do":
+// Every further line is an operation, named by its key "do":
 //   cut       "blade": {"line": [[x,y,z],...], "directions": [...], "depth_mm": d, "above_mm": a}, "options": {...}
-//   step      of a freehand stroke, as given: a blade whose "line" and "directions" may leave out what they have in
-//   common
-//             with the step before ("same_points", "same_directions": how many); "options" where they changed
-//   end, abandon     of the stroke
+//   step      of a freehand stroke: a blade as in "cut"; "same_points" and "same_directions" count the entries that
+//             "line" and "directions" leave out because they begin as in the step before; "options" when changed
+//   end, abandon     the stroke
 //   ablate    "tets": ids of the session, in ranges [first, last, first, last, ...]
 //   undo, redo
 // Numbers are the shortest decimals that read back as the same double. Every operation has a "digest": FNV-1a (64 bits)
-// over the digest of the line before and what the operation changed, so that a replay that goes another way is noticed
-// where it does; and every line ends with "check": FNV-1a over the check of the line before and the bytes of its own
-// line in front of it, so that a line that was changed, lost, doubled or swapped is noticed when the file is read.
-// A last line without its line end is an operation that was under way: it is dropped, and a message says so.
+// over the digest of the line before and the changes of the operation, so that a replay detects the first operation
+// with another result. Every line ends with "check": FNV-1a over the check of the line before and the preceding bytes
+// of its own line, so that reading detects a line that was changed, lost, doubled or swapped. A last line without line
+// end is an operation that was under way; the reader drops the line and says so in a message.
 
 #include "mesh/cutting/cut_session.h"
 
@@ -28,32 +27,33 @@
 
 namespace retractor::mesh {
 
-/// Counts up whenever the format changes, or the same operation gives other elements than before.
+/// Increases when the format changes, or when an operation gives other elements than before.
 inline constexpr int kCutJournalVersion = 4;
 
-/// FNV-1a (64 bits) over the numbers of vertices and elements, the vertices' coordinates, nodes and labels.
+/// FNV-1a (64 bits) over the numbers of vertices and elements, the coordinates of vertices, the nodes and the labels.
 std::uint64_t mesh_checksum(const TetMesh& mesh);
 
-/// A session whose every operation is flushed to disk before it is kept; when writing fails, the operation has not
-/// happened. Only one session at a time writes to a journal. The file is closed with the session.
-/// @throws InputError as CutSession does; IoError when the file is there already or cannot be written.
+/// Starts a session with a new journal. Every operation is flushed to disk before the session keeps it; when writing
+/// fails, the operation is taken back. Only one session at a time writes to a journal. The file is closed with the
+/// session.
+/// @throws InputError as CutSession; IoError when the file exists already or cannot be written
 CutSession start_journal(const std::filesystem::path& path, TetMesh mesh);
 
 struct [[nodiscard]] ReplayedJournal {
-    CutStatus status = CutStatus::done; ///< or cancelled: the session then holds a part of the journal, and writes none
-    CutSession session;
-    std::size_t operations = 0; ///< lines after the head
-    std::string message; ///< what was dropped, and whether a stroke is open; empty when there is nothing to say
+    CutStatus status = CutStatus::done; ///< done or cancelled
+    CutSession session; ///< after cancellation: holds a part of the operations and writes no journal
+    std::size_t operations = 0; ///< number of lines after the head
+    std::string message; ///< remarks on a dropped line and an open stroke; may be empty
 };
 
-/// The session that a journal describes, as it was when the last whole line was written (a freehand stroke may be
-/// open: extend, finish or abandon it). It goes on writing to the journal.
+/// Replays a journal up to its last whole line. The session continues the journal. A freehand stroke may be open:
+/// extend, finish or abandon the stroke.
 /// @throws IoError when the file cannot be read or written, or another session writes to it; InputError naming file and
-/// line ("cuts.jsonl:7") when it is no such journal, of another version, of another mesh, damaged, or when an operation
-/// does not do what it did.
+/// line ("cuts.jsonl:7") when the file is no journal, is damaged, belongs to another version or another mesh, or when
+/// an operation has another result than before
 ReplayedJournal open_journal(const std::filesystem::path& path, TetMesh mesh, const Job& job = {});
 
-/// The same without writing: the file stays as it is, and may be read-only.
+/// The same without writing: the file is not changed and may be read-only.
 ReplayedJournal replay_journal(const std::filesystem::path& path, TetMesh mesh, const Job& job = {});
 
 } // namespace retractor::mesh

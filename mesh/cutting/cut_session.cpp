@@ -31,7 +31,7 @@ namespace {
         return mesh;
     }
 
-    /// Refuses what no later stage could work with.
+    /// Refuses added elements that no later stage could use.
     void check_born(const CutStore& store, const MeshDelta& delta)
     {
         for (const MeshDelta::Tet& tet : delta.tets_born)
@@ -42,8 +42,9 @@ namespace {
 
     double as_angle(double cosine) { return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi; }
 
-    /// Fills in the counts and the quality of what was born: by cosines, of which only the worst become angles.
-    /// @returns per element born the cosine of its smallest angle.
+    /// Fills in the counts and the quality of added elements. The function works with cosines and turns only the worst
+    /// cosines into angles.
+    /// @return per added element the cosine of its smallest angle
     std::vector<double> measure_born(const CutStore& store, const MeshDelta& delta, CutReport& report)
     {
         std::vector<double> cosines, largest;
@@ -65,20 +66,23 @@ namespace {
             return largest;
         report.p01_dihedral_deg = as_angle(value_of_rank(cosines, cosines.size() / 100, std::greater<> {}));
         report.worst_dihedral_deg = as_angle(*std::max_element(largest.begin(), largest.end()));
-        if (report.tets_removed > 0 && report.removed_volume_mm3 == 0.0) // the same tissue, up to moved surfaces
+        if (report.tets_removed > 0
+            && report.removed_volume_mm3
+                == 0.0) // elements born and gone fill the same tissue, except for moved surfaces
             report.smallest_volume_ratio = smallest / (total / static_cast<double>(report.tets_removed));
         return largest;
     }
 
-    /// How bad the elements were that the record replaces, and how many of those born are much worse.
-    /// @param born per element born the cosine of its smallest angle
+    /// Fills in the quality of the replaced elements, and the number of added elements that are much worse.
+    /// @param born per added element the cosine of its smallest angle
     void compare_with_gone(
         const CutStore& store, const CutRecord& record, const std::vector<double>& born, CutReport& report)
     {
-        std::unordered_map<VertexId, Vec3> moved; // where a moved vertex was first; looked up only
+        std::unordered_map<VertexId, Vec3> moved; // first position of each moved vertex; never iterated
         for (const auto& change : record.delta.vertices_moved)
             moved.try_emplace(change.id, change.from);
-        std::unordered_map<TetId, double> parent; // cosine of the smallest angle, by the first mesh's element; likewise
+        std::unordered_map<TetId, double>
+            parent; // cosine of the smallest angle per element of the first mesh; never iterated
         double worst = -1.0;
         for (const MeshDelta::Tet& tet : record.delta.tets_gone) {
             std::array<Vec3, 4> p;
@@ -101,10 +105,11 @@ namespace {
                     ++report.tets_below_half_parent;
     }
 
-    /// What a cut should leave: the smallest dihedral angle, and the 1st percentile of all of those born (degrees).
+    /// Quality below which the user gets a remark (degrees): the smallest dihedral angle, and the 1st percentile of the
+    /// dihedral angles of added elements.
     constexpr double kLeastDihedralDeg = 5.0, kLeastP01Deg = 8.0;
 
-    /// What a person should know of a cut that was done; empty when all is well.
+    /// A remark for the user about a finished cut; empty when the quality is good.
     std::string remark(const CutReport& report)
     {
         const std::string again = report.attempts > 1
@@ -127,7 +132,8 @@ namespace {
         return text.str();
     }
 
-    /// Counts add up, extremes are kept; what depends on the finished record is measured anew.
+    /// Adds the report of a step: counts are summed, extremes kept. Values that depend on the finished record are
+    /// computed later.
     void add_step(CutReport& sum, const CutReport& step)
     {
         if (sum.tets_crossed == 0 && sum.tets_before == 0)
@@ -158,11 +164,11 @@ namespace {
 
 } // namespace
 
-/// A freehand stroke that has begun.
+/// An open freehand stroke.
 struct OpenStroke {
     Blade blade;
     CutOptions options;
-    StrokeRest rest; ///< what the last step left to the next
+    StrokeRest rest; ///< state after the last step
     std::vector<CutRecord> steps;
     CutReport report;
 };
@@ -179,8 +185,8 @@ struct CutSession::State {
             throw InputError("a freehand stroke is open: finish or abandon it first");
     }
 
-    /// One operation on the store: `work` does it between begin() and finish(), the record goes to `record` when it is
-    /// done. Whatever goes wrong, the witness included, the store is then as it was.
+    /// Performs one operation on the store: `work` runs between begin() and finish(), and `record` receives the record.
+    /// After any failure, a failure of the witness included, the store is unchanged.
     template <class Work> CutResult step(CutEvent event, CutRecord& record, Work&& work)
     {
         const Stopwatch watch;
@@ -201,7 +207,7 @@ struct CutSession::State {
         return result;
     }
 
-    /// Begins, works and finishes; the store is as it was unless the result is done.
+    /// Calls begin(), `work` and finish(). The store is unchanged unless the result is `done`.
     template <class Work> CutResult attempt(CutRecord& record, Work&& work)
     {
         store.begin();
@@ -225,7 +231,7 @@ struct CutSession::State {
         }
     }
 
-    /// step() for a stroke, which is tried again with more care where a promise was not kept.
+    /// step() for a stroke, which is repeated with other settings when an attempt breaks a guarantee.
     CutResult stroke_step(const CutEvent& event, CutRecord& record, const SweptBlade& blade, const CutOptions& options,
         StrokeStep part, const Job& job, StrokeRest* rest = nullptr)
     {
@@ -262,7 +268,7 @@ struct CutSession::State {
 
     CutRecord merged(std::vector<CutRecord> steps) const
     {
-        while (steps.size() > 1) { // pairs, so that no record is copied more often than log2 of their number
+        while (steps.size() > 1) { // merges pairs, so that a record is copied at most log2(number of records) times
             std::vector<CutRecord> half;
             for (std::size_t i = 0; i < steps.size(); i += 2)
                 half.push_back(i + 1 < steps.size() ? store.merged(steps[i], steps[i + 1]) : std::move(steps[i]));
@@ -273,7 +279,7 @@ struct CutSession::State {
 
     CutStore store;
     std::vector<CutRecord> journal;
-    std::size_t done = 0; ///< records of the journal that are in force; the rest can be redone
+    std::size_t done = 0; ///< records of the journal that are not undone; the rest can be redone
     std::optional<OpenStroke> stroke;
     CutWitness witness;
 };
@@ -313,7 +319,7 @@ CutResult CutSession::extend_stroke(const Blade& so_far, const CutOptions& optio
     CutResult result = s.stroke_step(event, record, swept, options, part, job, &rest);
     if (result.status == CutStatus::cancelled)
         return result;
-    const bool nothing_yet = result.status == CutStatus::missed_body; // nothing is crossed completely
+    const bool nothing_yet = result.status == CutStatus::missed_body; // no element is crossed completely
     if (nothing_yet) {
         CutEvent told = event;
         told.delta = &result.delta;

@@ -1,13 +1,13 @@
 #pragma once
-// Cutting as a session: a blade goes in, a MeshDelta comes out. Ids are stable, freed slots are reused,
-// every change is journalled, and undo replays the journal backwards. FEM, view and haptics consume the
-// same deltas. Units mm; frame patient LPS (the rest configuration).
+// A cutting session: a blade goes in, a MeshDelta comes out. Ids are stable, and freed ids are reused. The session
+// journals every change; undo replays the journal backwards. Finite elements, view and haptics follow the same deltas.
+// Units mm; frame patient LPS (the rest configuration).
 //
-// Subdivision is adaptive, with two patterns: an element whose section is a triangle or a quadrilateral is divided
-// along it, by bisecting the crossed edges where the blade crosses them (its neighbours follow, so that the mesh stays
-// conforming); where the blade passes near a vertex, the vertex moves onto the blade instead, along the surface or
-// interface it lies on. Then the slivers that are left are opened, and the elements on the two sides are given their
-// own copies of the vertices on the blade.
+// Subdivision is adaptive, with two patterns (Nakao et al. 2006, doi 10.1007/s10916-006-9021-4). An element whose
+// section is a triangle or a quadrilateral is divided along the section: the crossed edges are bisected where the blade
+// crosses them, and the neighbours are divided likewise, so that the mesh stays conforming. A vertex near the blade
+// moves onto the blade instead, along the surface or interface that it lies on. Then the remaining slivers are opened,
+// and the elements on the two sides get their own copies of the vertices on the blade.
 
 #include "mesh/base/job.h"
 #include "mesh/cutting/store/blade.h"
@@ -23,102 +23,109 @@
 
 namespace retractor::mesh {
 
-/// Maps between a session's stable ids and a compact mesh's consecutive ones; -1 where there is none.
+/// Maps between the stable ids of a session and the consecutive ids of a compact mesh; -1 for an id without partner.
 struct SlotMap {
-    std::vector<VertexId> vertex_slot; ///< per compact vertex: its session id
-    std::vector<TetId> tet_slot; ///< per compact element: its session id
-    std::vector<VertexId> compact_vertex; ///< per session id: the compact vertex
-    std::vector<TetId> compact_tet;
+    std::vector<VertexId> vertex_slot; ///< session id of each compact vertex
+    std::vector<TetId> tet_slot; ///< session id of each compact element
+    std::vector<VertexId> compact_vertex; ///< compact vertex of each session id
+    std::vector<TetId> compact_tet; ///< compact element of each session id
 };
 
-/// An operation on a session, as its witness is told of it.
+/// An operation on a session, as the session reports it to its witness.
 struct CutEvent {
     enum class Kind { cut, stroke_step, stroke_end, stroke_abandoned, ablation, undo, redo };
     Kind kind = Kind::cut;
-    const Blade* blade = nullptr; ///< of cut and stroke_step
-    const CutOptions* options = nullptr; ///< likewise
-    std::span<const TetId> tets {}; ///< of ablation
-    const MeshDelta* delta = nullptr; ///< what it changes; never null
+    const Blade* blade = nullptr; ///< for cut and stroke_step, else null
+    const CutOptions* options = nullptr; ///< for cut and stroke_step, else null
+    std::span<const TetId> tets {}; ///< for ablation: the removed elements
+    const MeshDelta* delta = nullptr; ///< change of the mesh; never null
 };
-/// Called when an operation has succeeded and before it is kept. What it throws goes to the caller of the operation,
-/// which then has not happened: the session is as it was before.
+/// Called after an operation has succeeded and before the session keeps the change. When the witness throws, the
+/// operation is taken back, and the exception goes to the caller of the operation.
 using CutWitness = std::function<void(const CutEvent&)>;
 
-/// Memory in use.
+/// Memory in use (bytes).
 struct SessionBytes {
-    std::size_t mesh = 0; ///< and what finds its elements
-    std::size_t journal = 0; ///< what undo and redo need; grows with what was cut, not with the mesh
+    std::size_t mesh = 0; ///< mesh with its search structures
+    std::size_t journal = 0; ///< records for undo and redo; grows with the cuts, not with the mesh
 };
 
+/// A mesh with its history of cuts, strokes and ablations.
 class CutSession {
 public:
-    /// @throws InputError as check_mesh does; four-node elements only.
+    /// @param mesh four-node elements
+    /// @throws InputError as check_mesh()
     explicit CutSession(TetMesh mesh);
     ~CutSession();
     CutSession(CutSession&&) noexcept;
     CutSession& operator=(CutSession&&) noexcept;
 
-    /// Cuts; after a status other than `done`, or a throw, the session is as it was.
-    /// @throws InputError on a malformed blade, SolverError when no attempt keeps the promises made here.
+    /// Cuts. After a status other than `done`, or an exception, the session is unchanged.
+    /// @throws InputError on a malformed blade; CutQualityError when no attempt keeps the guarantees of cut_retry.h;
+    /// SolverError when the element limit is exceeded
     CutResult cut(const Blade& blade, const CutOptions& options = {}, const Job& job = {});
 
-    /// A freehand cut that grows while the hand moves: `so_far` is the blade drawn up to now, each time the former
-    /// one with more of its line. Only what is completely crossed is cut; the element under the tip waits until
-    /// finish_stroke(), which cuts up to the tip exactly. Each call gives the delta of its own step; together they are
-    /// one cut to undo. While a stroke is open, nothing else may change the session. When a step is not `done`, or
-    /// throws, the session and the stroke are as they were before the step: another blade may be tried, or the stroke
-    /// finished or abandoned as it is.
+    /// Extends a freehand cut while the hand moves. `so_far` is the blade drawn up to now: the blade of the previous
+    /// call with a longer line. Only elements that the blade crosses completely are cut; the element under the tip
+    /// waits until finish_stroke(), which cuts exactly up to the tip. Each call returns the delta of its own step; all
+    /// steps together are one cut for undo. While a stroke is open, no other operation may change the session. After a
+    /// step with a status other than `done`, or with an exception, the session and the stroke are unchanged: the caller
+    /// may try another blade, finish the stroke or abandon it.
     /// @throws InputError on a malformed blade.
     CutResult extend_stroke(const Blade& so_far, const CutOptions& options = {}, const Job& job = {});
-    /// When it is cancelled or throws, the stroke is still open and as it was: it may be extended, finished again or
-    /// abandoned.
+    /// Cuts up to the tip and ends the stroke. After cancellation or an exception the stroke is still open and
+    /// unchanged.
     /// @throws InputError when no stroke is open.
     CutResult finish_stroke(const Job& job = {});
-    /// Gives the open stroke up. The session is bit for bit as it was before the stroke, redo included.
-    /// @returns what takes all its steps back.
-    /// @throws InputError when no stroke is open.
+    /// Gives up the open stroke and restores the session bit for bit, redo included.
+    /// @return the delta that takes back all steps of the stroke
+    /// @throws InputError when no stroke is open
     MeshDelta abandon_stroke();
     bool stroke_open() const;
 
-    /// Removes elements (by id; each counts once). The faces this bares become lips of a cut of its own, with side 0;
-    /// vertices that no element uses are gone. Where what stays would hang together in a point or along an edge only,
-    /// it is parted there (an edge gets a vertex in its middle first), so that the surface stays manifold but for
+    /// Removes elements, given by id; duplicates count once. The bared faces become lips of a cut of its own, with side
+    /// 0; vertices without elements are removed. Where remaining elements would be connected in a point or along an
+    /// edge only, they are separated (an edge first gets a vertex in its middle). The surface stays manifold except at
     /// pinched_vertices().
-    /// @throws InputError when no element or every element is named, or one that is not there.
+    /// @throws InputError when `tets` names no element, every element, or a missing element
     CutResult ablate(std::span<const TetId> tets, const Job& job = {});
 
     bool can_undo() const;
     bool can_redo() const;
-    MeshDelta undo(); ///< @throws InputError when there is nothing to undo
+    /// Takes back the last operation (undo) or repeats the operation that was taken back last (redo), and returns the
+    /// changes.
+    /// @throws InputError when there is no such operation, or when a stroke is open
+    MeshDelta undo();
     MeshDelta redo();
 
     std::size_t tet_count() const; ///< living elements
     std::size_t vertex_count() const; ///< living vertices
-    std::size_t cut_count() const; ///< cuts, strokes and ablations in force
+    std::size_t cut_count() const; ///< cuts, strokes and ablations that are not undone
 
-    /// Is there a living element (vertex) of this id?
+    /// True for the id of a living element or vertex.
     bool has_tet(TetId tet) const;
     bool has_vertex(VertexId vertex) const;
-    /// Ids run below these bounds.
+    /// Upper bounds of ids: every id is smaller.
     std::size_t tet_slots() const;
     std::size_t vertex_slots() const;
-    /// Of a living element or vertex. @throws InputError when it is not there.
+    /// Data of a living element or vertex. @throws InputError when the id has no living element or vertex
     MeshDelta::Tet tet(TetId tet) const;
     Vec3 position(VertexId vertex) const; ///< mm, rest configuration
-    std::vector<TetId> tets_at(VertexId vertex) const; ///< the elements round it, by id
+    std::vector<TetId> tets_at(VertexId vertex) const; ///< elements round a vertex, ascending
 
-    /// One witness, told of every operation from now on; an empty one for none. A journal on disk is one.
+    /// Sets the witness, which is called for every further operation, such as the journal on disk. An empty function
+    /// removes the witness.
     void set_witness(CutWitness witness);
     SessionBytes bytes() const;
 
-    /// Vertices where two parts of the surface touch in a point (the tip of a wound just reaches another wound or the
-    /// skin): there alone the surface is no manifold. By id.
+    /// Vertices where two parts of the surface touch in a point, ascending: for example, the tip of a wound reaches
+    /// another wound or the skin. At these vertices alone the surface is no manifold.
     std::vector<VertexId> pinched_vertices() const;
-    /// The faces of all wounds made so far.
+    /// The faces of all wounds.
     std::vector<LipFace> lips() const;
-    /// The element of the first mesh that a living element is a part of.
+    /// The element of the first mesh that contains a living element.
     TetId origin(TetId tet) const;
-    /// A compact copy for FEM, view or file.
+    /// A compact copy for finite elements, view or file.
     TetMesh compact_mesh(SlotMap* map = nullptr) const;
 
 private:
@@ -126,15 +133,16 @@ private:
     std::unique_ptr<State> state_;
 };
 
-/// One cut on a mesh of one's own, on top of CutSession.
+/// Result of a single cut of a mesh without a session of the caller.
 struct [[nodiscard]] CutMesh {
     CutStatus status = CutStatus::done;
-    std::string message;
+    std::string message; ///< remarks for the user; may be empty
     TetMesh mesh;
-    std::vector<TetId> origin; ///< per element of `mesh`: the element it is a part of
+    std::vector<TetId> origin; ///< per element of `mesh`: the uncut element that contains it
     std::vector<LipFace> lips; ///< ids of `mesh`
     CutReport report;
 };
+/// Cuts a mesh once. @throws InputError and SolverError as CutSession and CutSession::cut()
 CutMesh cut(const TetMesh& mesh, const Blade& blade, const CutOptions& options = {}, const Job& job = {});
 
 } // namespace retractor::mesh

@@ -1,10 +1,9 @@
 #pragma once
-// The pieces of a body that is being cut, and marking what an ablation removes: a piece, or elements of some labels in
-// a ball. Element ids are the session's. Units mm; frame patient LPS (rest
-// configuration).
+// Finds the pieces of a body that is being cut, and marks elements of some labels in a ball for an ablation. Element
+// ids are ids of the session. Units mm; frame patient LPS (the rest configuration).
 //
-// Pieces are joined by faces and found on demand, at the cost of the whole mesh. An element is in a region when its
-// centroid is: cut along the region's border first where the border matters.
+// Elements of a piece are connected by faces. Every search for pieces visits the whole mesh. An element is in a region
+// when its centroid is in the region; where the border matters, cut along the border first.
 
 #include "mesh/cutting/cut_session.h"
 
@@ -17,17 +16,17 @@
 namespace retractor::mesh {
 
 struct Piece {
-    std::vector<TetId> tets; ///< by id
+    std::vector<TetId> tets; ///< ascending ids
     double volume_mm3 = 0.0;
     Vec3 centroid = Vec3::Zero();
-    std::vector<std::pair<Label, double>> labels; ///< what it is made of: label and mm^3, the largest share first
+    std::vector<std::pair<Label, double>> labels; ///< volume (mm^3) of each label, the largest first
 };
 
-/// All pieces, by number: the one with most elements is 0 (among equal ones, that with the smallest id).
+/// All pieces; the piece with most elements comes first (among equal pieces, the piece with the smallest id).
 std::vector<Piece> find_pieces(const CutSession& session);
 
-/// Elements (by id) of these labels with the centroid in the ball; no labels: of all.
-/// @throws InputError on NaN, a radius that is not positive.
+/// Elements (ascending ids) of these labels with the centroid in the ball. Without labels: elements of all labels.
+/// @throws InputError on NaN or a radius that is not positive
 std::vector<TetId> mark_ball(
     const CutSession& session, const Vec3& centre, double radius_mm, std::span<const Label> labels = {});
 } // namespace retractor::mesh

@@ -9,8 +9,8 @@
 namespace retractor::mesh {
 
 namespace {
-    constexpr std::int64_t kSurface = -1; ///< nothing on the other side
-    constexpr std::int64_t kOpen = -2; ///< the neighbour is gone and nothing has taken its place yet
+    constexpr std::int64_t kSurface = -1; ///< no element on the other side
+    constexpr std::int64_t kOpen = -2; ///< the neighbour is gone and has no successor yet
 
     [[noreturn]] void refuse(TetId t)
     {
@@ -55,7 +55,7 @@ SurfaceFollower::Key SurfaceFollower::key(Half half) const
     return key;
 }
 
-/// Faces in buckets by their least vertex: a bucket is small, whatever the mesh.
+/// Sorts faces into buckets by their least vertex; buckets are small for every mesh.
 void SurfaceFollower::pair_all()
 {
     std::vector<std::size_t> start(positions_.size() + 1, 0);
@@ -102,7 +102,7 @@ void SurfaceFollower::hide(const Key& gone)
         refuse(-1);
     const std::size_t place = it->second;
     place_.erase(it);
-    if (place + 1 < faces_.size()) { // the last face takes its place
+    if (place + 1 < faces_.size()) { // the last face takes the free place
         faces_[place] = faces_.back();
         place_.at(key(4 * Half { faces_[place].face.tet } + faces_[place].face.corner)) = place;
         changed_.push_back(place);
@@ -127,7 +127,7 @@ void SurfaceFollower::take(const MeshDelta::Tet& tet)
             open_[k] = other;
         }
     }
-    // The nodes are kept till all are taken: hide() asks for the keys of other faces.
+    // The nodes stay until all elements are taken, because hide() needs the keys of other faces.
 }
 
 void SurfaceFollower::put(const MeshDelta::Tet& tet)
@@ -153,7 +153,8 @@ void SurfaceFollower::put(const MeshDelta::Tet& tet)
         if (const auto it = open_.find(k); it != open_.end()) {
             other = it->second;
             open_.erase(it);
-        } else if (const auto at = place_.find(k); at != place_.end()) { // a piece is put back on a bare face
+        } else if (const auto at = place_.find(k);
+                   at != place_.end()) { // undo puts a removed piece back on a bare face
             const TetFace& face = faces_[at->second].face;
             other = 4 * Half { face.tet } + face.corner;
             hide(k);
@@ -187,7 +188,7 @@ void SurfaceFollower::follow(const MeshDelta& delta)
     bare.reserve(open_.size());
     for (const auto& [k, half] : open_)
         bare.push_back(half);
-    std::sort(bare.begin(), bare.end()); // whatever order the table had
+    std::sort(bare.begin(), bare.end()); // removes the order of the hash table
     for (const Half half : bare)
         show(half);
     std::sort(changed_.begin(), changed_.end());

@@ -10,12 +10,13 @@ namespace retractor::mesh {
 
 namespace {
 
-    // What a unit of interface area is worth in misfit volume, mm: smooths what single cells crumple, and is far below
-    // the thickness of any layer that has cells of its own.
+    // Weight of interface area against misfit volume (mm). The length smooths an interface that single cells crumple,
+    // and is far below the thickness of a layer with cells of its own.
     constexpr double kAreaLength = 0.7;
-    // Degrees. Cells flatter than this outside are no pits, and refinement has not seen to their shape.
+    // Cells outside the body with a smaller angle (degrees) are no pits, and refinement has not controlled their shape.
     constexpr double kFlattestAdded = 8.0;
-    // Cells flatter than this (degrees) go where they smooth the interface: what little fills them counts less.
+    // Cells with a smaller angle (degrees) get the label that smooths the interface, because their small content counts
+    // less.
     constexpr double kFlattestFilled = 15.0;
     constexpr double kFlatWeight = 0.1;
     constexpr int kMostSweeps = 20;
@@ -30,7 +31,7 @@ namespace {
 
     struct Cell {
         std::size_t number;
-        double volume; ///< that counts
+        double volume; ///< volume that counts as misfit
         std::array<double, 4> areas;
         std::array<int, kSamples.size()> samples;
         bool flat;
@@ -138,7 +139,8 @@ namespace {
 
         LabelledCells& cells_;
         const LabelField& field_;
-        std::vector<TetId> candidate_; ///< number in candidates_ of each cell, -1 while it was on no interface
+        std::vector<TetId>
+            candidate_; ///< index in candidates_ of each cell; -1 while the cell has been on no interface
         std::vector<Cell> candidates_;
     };
 

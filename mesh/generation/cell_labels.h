@@ -1,8 +1,8 @@
 #pragma once
-// Which cells of a tetrahedralisation belong to which label. Delaunay refinement gives a cell the label at its
-// circumcentre; in a layer thinner than the cells are wide the circumcentre often lies outside the cell, beyond the
-// layer, and the surface gets pits and spikes of single cells. Here cells get the label that fills them, as far as
-// that does not crumple the interfaces. Local frame of mesh/label_field.h, mm. Sequential and deterministic.
+// Decides which label each cell of a tetrahedralisation gets. Delaunay refinement gives a cell the label at its
+// circumcentre. In a layer thinner than the cells, the circumcentre often lies outside the cell and beyond the layer,
+// and the surface gets pits and spikes of single cells. Here each cell gets the label that fills it, unless that
+// crumples the interfaces. Local frame of mesh/image/label_field.h, mm. Sequential and deterministic.
 
 #include "mesh/image/label_field.h"
 
@@ -12,17 +12,17 @@
 
 namespace retractor::mesh {
 
-/// A tetrahedralisation of more than the body: what is outside has label 0.
+/// A tetrahedralisation that also covers space outside the body; cells outside have label 0.
 struct LabelledCells {
-    std::vector<Vec3> vertices;
+    std::vector<Vec3> vertices; ///< mm
     std::vector<std::array<VertexId, 4>> tets; ///< positive orientation
-    std::vector<std::array<TetId, 4>> neighbours; ///< beyond the face opposite each corner; -1: none
-    std::vector<std::uint8_t> labels; ///< LabelField::at
+    std::vector<std::array<TetId, 4>> neighbours; ///< neighbour across the face opposite each corner; -1: none
+    std::vector<std::uint8_t> labels; ///< label number per cell, as LabelField::at
 };
 
-/// Lowers the sum of misfit volume (parts of cells where the field has another label) and interface area (times a
-/// small length) by changing the labels of single cells, until none gains.
-/// @return the number of cells whose label changed.
+/// Changes the labels of single cells while a change lowers the sum of misfit volume and interface area. Misfit volume
+/// is the volume of parts of cells where the field has another label; the area is multiplied by a small length.
+/// @return number of cells whose label changed
 std::size_t fit_labels(LabelledCells& cells, const LabelField& field);
 
 } // namespace retractor::mesh

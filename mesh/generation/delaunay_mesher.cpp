@@ -10,7 +10,7 @@
 #include <CGAL/Random.h>
 #include <CGAL/refine_mesh_3.h>
 
-// After the others: it relies on their includes.
+// This header comes last because it relies on the includes of the others.
 #include <CGAL/exude_mesh_3.h>
 
 #include <atomic>
@@ -27,20 +27,20 @@ namespace {
     using Point = Domain::Point_3;
     using Index = Domain::Index;
 
-    // Circumradius over edge length: 0.577 for an equilateral triangle, 0.612 for a regular tetrahedron. What
-    // refinement leaves is smaller than its bounds; these factors make the mean edge the wanted one.
+    // Circumradius over edge length: 0.577 for an equilateral triangle, 0.612 for a regular tetrahedron. Refinement
+    // ends with radii below its bounds; these factors make the mean edge equal to the wanted edge.
     constexpr double kFacetRadiusPerEdge = 0.75;
     constexpr double kCellRadiusPerEdge = 0.85;
-    constexpr double kFacetAngle = 25.0; ///< degrees; refinement provably ends up to 30
+    constexpr double kFacetAngle = 25.0; ///< degrees; refinement is proven to end for angles up to 30
     constexpr double kCellRadiusEdgeRatio = 2.5; ///< circumradius over shortest edge
-    constexpr double kSliverBound = 12.0; ///< degrees; exudation works on tetrahedra below
-    constexpr double kSurfaceTolerance = 0.02; ///< mm, bisection on the label function
+    constexpr double kSliverBound = 12.0; ///< degrees; exudation works on tetrahedra with a smaller angle
+    constexpr double kSurfaceTolerance = 0.02; ///< mm; tolerance of bisection on the label function
 
     struct Cancelled { };
 
     Vec3 vec(const Point& p) { return { p.x(), p.y(), p.z() }; }
 
-    /// Label function for CGAL; also the place where a running refinement can be stopped.
+    /// Label function for CGAL. A cancelled refinement is stopped here.
     class LabelFunction {
     public:
         LabelFunction(const LabelField& field, const Job& job)
@@ -95,7 +95,7 @@ namespace {
         }
     }
 
-    /// Every finite cell of the triangulation, also those outside.
+    /// Every finite cell of the triangulation, cells outside the body included.
     template <class Complex> LabelledCells copy_cells(const Complex& complex)
     {
         LabelledCells cells;
@@ -150,7 +150,8 @@ namespace {
         using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation>;
         using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 
-        // Random numbers of our own, and CGAL's global ones reset: the same mesh on every call in a process.
+        // Random numbers start from a fixed seed, and CGAL's global generator is reset, so that every call in a process
+        // gives the same mesh.
         CGAL::Random random(0);
         CGAL::get_default_random() = CGAL::Random(0);
         const Vec3 low = field.lower(), high = field.upper();
@@ -174,8 +175,8 @@ namespace {
         if (job.cancelled())
             throw Cancelled {};
 
-        // Exudation alone: perturbation gains little where the last touches of mesh/mesh_polish.h follow, and takes
-        // from a fifth to twenty times the refinement's time.
+        // Only exudation: perturbation gains little before the polish of mesh/generation/mesh_polish.h, and takes
+        // between a fifth and twenty times the time of refinement.
         job.report("optimise tetrahedra", 0.0);
         watch = Stopwatch();
         CGAL::exude_mesh_3(complex, params::sliver_bound = kSliverBound, params::time_limit = 0);

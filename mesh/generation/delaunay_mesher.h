@@ -1,7 +1,7 @@
 #pragma once
-// Delaunay refinement of labelled space by CGAL Mesh_3 [Boltcheva, Yvinec, Boissonnat 2009], then sliver
-// exudation [Cheng et al. 2000]. The only file with CGAL.
-// Local frame of mesh/label_field.h, mm.
+// Delaunay refinement of labelled space by CGAL Mesh_3 (Boltcheva, Yvinec and Boissonnat 2009, doi
+// 10.1007/978-3-642-04271-3_35), then sliver exudation (Cheng et al. 2000, doi 10.1145/355483.355487). No other module
+// uses CGAL. Local frame of mesh/image/label_field.h, mm.
 
 #include "mesh/base/job.h"
 #include "mesh/generation/size_field.h"
@@ -16,14 +16,15 @@
 namespace retractor::mesh {
 
 struct LocalMesh {
-    std::vector<Vec3> vertices;
+    std::vector<Vec3> vertices; ///< mm
     std::vector<std::array<VertexId, 4>> tets; ///< positive orientation in the local frame
-    std::vector<std::uint8_t> labels; ///< number of the label (LabelField::at), per tet
+    std::vector<std::uint8_t> labels; ///< label number per element, as LabelField::at
     double refine_seconds = 0.0, optimise_seconds = 0.0;
     bool cancelled = false;
 };
 
-/// @param parallel uses all cores; the mesh then differs from run to run.
+/// Meshes the field with the wanted edge lengths, starting from the seeds.
+/// @param parallel uses all cores; the mesh then differs from run to run
 LocalMesh delaunay_mesh(
     const LabelField& field, const SizeField& size, std::span<const SurfaceSeed> seeds, bool parallel, const Job& job);
 

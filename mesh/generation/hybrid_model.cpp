@@ -52,16 +52,17 @@ namespace {
                 throw InputError("corridor point " + std::to_string(i) + " is not finite", "corridor");
     }
 
-    // Degrees. Exudation leaves one element in a hundred below 12; what the fit may flatten, and what is opened again
-    // after.
+    // Degrees. Exudation leaves one element in a hundred below 12. The fit of interfaces may flatten elements to this
+    // angle, and elements below are opened again afterwards.
     constexpr double kPolishAngle = 11.0;
     constexpr double kFlattestAngle = 9.0;
 
-    /// A piece with fewer elements, or less volume than the cube of the fine edge, is no anatomy that can be cut or
-    /// held.
+    /// A piece with fewer elements, or with less volume than the cube of the fine edge, is no anatomy that can be cut
+    /// or held.
     constexpr std::size_t kFewestTets = 12;
 
-    /// Removes specks, and parts kept whole that only graze the region and hang on nothing; says so in `message`.
+    /// Removes specks, and loose parts of whole labels that only graze the region, and reports the removal in
+    /// `message`.
     void drop_loose_pieces(LocalMesh& mesh, double smallest_volume, const WallVoxels& wall, std::string& message)
     {
         TetMesh whole;
@@ -106,7 +107,7 @@ namespace {
             + " tetrahedra, " + std::to_string(dropped_volume) + " mm3)";
     }
 
-    /// To patient LPS, with the labels of the volume; vertices that no element uses are left out.
+    /// The mesh in patient LPS with the labels of the volume, without unused vertices.
     TetMesh world_mesh(const LocalMesh& local, const LabelVolume& labels, const WallVoxels& wall)
     {
         TetMesh mesh;

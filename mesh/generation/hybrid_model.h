@@ -1,10 +1,10 @@
 #pragma once
-// The hybrid model: what is cut and moved becomes tetrahedra (labels of role `wall`), everything else
-// stays voxels. CGAL Mesh_3 meshes the labels with conforming interfaces, smooth where the anatomy is
-// smooth, fine in a corridor round the planned incision and coarse elsewhere. Units mm, patient LPS.
+// Builds the hybrid model: labels of role `wall`, which are cut and moved, become tetrahedra; all other labels stay
+// voxels. CGAL Mesh_3 meshes the labels with conforming interfaces, smooth where the anatomy is smooth, fine in a
+// corridor round the planned incision and coarse elsewhere. Units mm; frame patient LPS.
 //
-// Meshing runs in the grid's own axes (index times spacing), with the corridor rounded to kLocalGrain,
-// so that the same patient shifted or turned gives the same mesh, shifted and turned.
+// Meshing runs in the grid's own axes (index times spacing), with the corridor rounded to kLocalGrain. A patient who is
+// shifted or turned therefore gives the same mesh, shifted or turned.
 
 #include "mesh/base/job.h"
 #include "mesh/generation/mesh_sizing.h"
@@ -20,12 +20,13 @@ enum class MeshStatus { done, nothing_to_mesh, cancelled };
 
 struct [[nodiscard]] HybridModel {
     MeshStatus status = MeshStatus::done;
-    std::string message;
+    std::string message; ///< remarks for the user; may be empty
     TetMesh wall; ///< P1, labels of the LabelVolume
     MeshStatistics statistics;
 };
 
-/// @throws InputError on an empty table, a bad grid or non-positive sizes.
+/// Meshes the wall of a label image.
+/// @throws InputError on an empty table, a bad grid or sizes that are not positive
 HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizing, const Job& job = {});
 
 } // namespace retractor::mesh

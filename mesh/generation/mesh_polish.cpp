@@ -12,18 +12,18 @@ namespace retractor::mesh {
 
 namespace {
 
-    constexpr int kPasses = 4; ///< over the flat elements
+    constexpr int kPasses = 4; ///< passes over the flat elements
     constexpr int kClimbSteps = 12; ///< halvings or moves per vertex
     constexpr double kFirstStep = 0.15; ///< share of the vertex's mean edge
-    constexpr double kJunctionAngle
-        = 7.0; ///< degrees; below, vertices where three labels meet may leave their curve ...
-    constexpr double kJunctionReach = 0.15; ///< ... by this share of the mean edge
+    /// Below this angle (degrees), vertices where three labels meet may leave their curve.
+    constexpr double kJunctionAngle = 7.0;
+    constexpr double kJunctionReach = 0.15; ///< largest such move, as a share of the mean edge
     constexpr int kFitPasses = 2;
-    // Cosines of angles between an interface face and the normal at a corner: the fit turns none farther than this,
-    // except where the interface has a crease.
+    // Cosines of angles between an interface face and the normal at a corner. The fit turns no face farther than this
+    // limit, except at a crease of the interface.
     constexpr double kRoughest = 0.9;
     constexpr double kCrease = 0.8;
-    constexpr double kTolerance = 0.01; ///< mm, on the label function
+    constexpr double kTolerance = 0.01; ///< mm; tolerance of searches on the label function
 
     std::size_t u(VertexId v) { return static_cast<std::size_t>(v); }
 
@@ -52,7 +52,7 @@ namespace {
         }
     };
 
-    /// A face on an interface: outward from the label `inside`; `outside` may be 0.
+    /// A face on an interface, oriented outwards from the label `inside`; `outside` may be 0.
     struct InterfaceFace {
         std::array<VertexId, 3> vertices;
         int inside = 0, outside = 0;
@@ -91,7 +91,7 @@ namespace {
         return faces;
     }
 
-    /// Where a vertex may go: anywhere inside one label, along the interface of two, or nowhere.
+    /// Permitted moves of a vertex: anywhere inside one label, along the interface of two labels, or no move.
     struct Freedom {
         enum Kind : std::uint8_t { inner, on_interface, fixed } kind = inner;
         int inside = 0, outside = 0;
@@ -130,8 +130,8 @@ namespace {
         return smallest;
     }
 
-    /// Unit normal of the interface at v, out of label `inside`: the interface's faces round v and the faces opposite v
-    /// in the elements of that label close a surface, so their area vectors cancel.
+    /// Unit normal of the interface at v, out of label `inside`. The interface's faces round v and the faces opposite v
+    /// in the elements of that label form a closed surface, so that their area vectors cancel.
     Vec3 interface_normal(const LocalMesh& mesh, const Stars& stars, VertexId v, int inside)
     {
         Vec3 sum = Vec3::Zero();
@@ -147,7 +147,8 @@ namespace {
         return sum.normalized();
     }
 
-    /// Signed distance along `normal` (out of `inside`) from p to the interface of the two labels; none within `reach`.
+    /// Signed distance (mm) along `normal` (out of `inside`) from p to the interface of the two labels; nothing when
+    /// the interface is farther than `reach`.
     std::optional<double> offset_to_interface(
         const LabelField& field, const Vec3& p, const Vec3& normal, int inside, int outside, double reach)
     {
@@ -205,7 +206,7 @@ namespace {
         { .577, .577, -.577 }, { -.577, -.577, .577 }, { -.577, .577, -.577 }, { .577, -.577, -.577 },
         { -.577, -.577, -.577 } } };
 
-    /// Pattern search for the place of v that makes the smallest angle round it largest, up to `enough`.
+    /// Pattern search for the position of v that maximises the smallest angle round v, up to `enough`.
     void climb(
         LocalMesh& mesh, const LabelField& field, const Stars& stars, VertexId v, const Freedom& freedom, double enough)
     {

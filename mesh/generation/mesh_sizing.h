@@ -1,6 +1,6 @@
 #pragma once
-// What the user asks of a mesh: where the elements are fine, how large they are there and beyond, and how much of the
-// wall is meshed. The size field, the statistics and the hybrid model read these options. Units mm; frame patient LPS.
+// The user's options for a mesh: edge lengths in the corridor and beyond, and the meshed part of the wall. The size
+// field, the statistics and the hybrid model read these options. Units mm; frame patient LPS.
 
 #include "mesh/base/geometry.h"
 #include "mesh/image/volume.h"
@@ -10,15 +10,16 @@
 namespace retractor::mesh {
 
 struct MeshSizing {
-    std::vector<Vec3> corridor; ///< polyline the fine corridor follows, mm; empty: coarse everywhere
-    double corridor_radius_mm = 15.0; ///< fine within this distance of the polyline ...
-    double corridor_edge_mm = 3.0; ///< ... with edges of this length,
-    double coarse_edge_mm = 15.0; ///< growing with the distance up to this length (thin parts stay finer)
-    double region_mm = 0.0; ///< only tissue within this distance of the polyline is meshed; 0: all of it
-    /// Labels whose parts that the region meets are kept to their ends, bare beyond the region, and with them what
-    /// of these labels touches them: where a rib is held decides how it yields. Without a region this changes nothing.
+    std::vector<Vec3> corridor; ///< polyline along which the mesh is fine (mm); empty: coarse everywhere
+    double corridor_radius_mm = 15.0; ///< distance from the polyline within which the mesh is fine
+    double corridor_edge_mm = 3.0; ///< edge length in the corridor
+    double coarse_edge_mm = 15.0; ///< largest edge length far from the corridor; thin parts stay finer
+    double region_mm = 0.0; ///< only tissue within this distance of the polyline is meshed; 0: the whole wall
+    /// Labels that are meshed beyond the region: a part of such a label that meets the region is kept to its end,
+    /// without the tissue round it beyond the region, together with the parts of these labels that touch it. The place
+    /// where a rib is held decides how the rib yields. Without a region the list has no effect.
     std::vector<Label> whole_labels;
-    bool deterministic = true; ///< one thread, the same mesh on every run; false: both cores
+    bool deterministic = true; ///< true: one thread, the same mesh on every run; false: all cores
 };
 
 } // namespace retractor::mesh

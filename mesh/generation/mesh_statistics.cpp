@@ -11,13 +11,13 @@ namespace retractor::mesh {
 
 namespace {
 
-    constexpr int kVoxelSamples = 3; ///< per axis, in voxels that a distance border crosses
-    constexpr int kTetSplits = 3; ///< halvings of an element that the corridor's border crosses: 2^9 parts at most
+    constexpr int kVoxelSamples = 3; ///< samples per axis in voxels that a distance border crosses
+    constexpr int kTetSplits = 3; ///< divides an element at the corridor's border into at most 2^9 parts
 
     using Corners = std::array<Vec3, 4>;
 
-    /// Volume of the part of a tetrahedron within `radius` of the polyline: bisected at its longest edge where the
-    /// border crosses it, decided by the centroid at the end.
+    /// Volume (mm^3) of the part of a tetrahedron within `radius` of the polyline. A tetrahedron that the border
+    /// crosses is bisected at its longest edge; the centroid decides for the smallest parts.
     double volume_within(const std::vector<Vec3>& polyline, double radius, const Corners& c, int splits)
     {
         const double volume = std::abs(tet_volume(c[0], c[1], c[2], c[3]));
@@ -80,8 +80,8 @@ namespace {
         }
     }
 
-    /// Distance along the normal from a point on a face (label `inside` behind it) to where the label function
-    /// changes from or to that label; searched up to `reach`.
+    /// Distance (mm) along the normal from a point on a face, with label `inside` behind the face, to the place where
+    /// the label function changes from or to that label; the search ends at `reach`.
     double distance_to_interface(
         const LabelField& field, const Vec3& p, const Vec3& normal, int inside, double step, double reach)
     {
@@ -96,7 +96,7 @@ namespace {
     void surface_distances(
         const TetMesh& local, const std::vector<int>& number, const LabelField& field, MeshStatistics& statistics)
     {
-        // Every face between two labels is met once: from the tetrahedron with the larger label number.
+        // Every face between two labels is counted once, from the tetrahedron with the larger label number.
         struct Record {
             std::array<VertexId, 3> key;
             TetFace face;
@@ -198,7 +198,7 @@ MeshStatistics mesh_statistics(const TetMesh& mesh, const LabelVolume& labels, c
     for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
         local.vertices.row(v)
             = (labels.grid.direction.transpose() * (mesh.vertices.row(v).transpose() - labels.grid.origin)).transpose();
-    if (labels.grid.direction.determinant() < 0.0) // mirrored axes: the local frame sees the elements inside out
+    if (labels.grid.direction.determinant() < 0.0) // mirrored axes turn the elements inside out in the local frame
         for (std::size_t t = 0; t < local.tet_count(); ++t)
             std::swap(local.nodes[4 * t + 2], local.nodes[4 * t + 3]);
 

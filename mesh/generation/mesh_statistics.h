@@ -1,5 +1,5 @@
 #pragma once
-// What a mesh of labels is worth: volumes against the voxels, distance of its surfaces from the smooth
+// Measures the quality of a mesh of labels: volumes against the voxels, distance of the mesh's surfaces from the smooth
 // label boundary, dihedral angles, connectedness. Units mm.
 
 #include "mesh/generation/mesh_sizing.h"
@@ -16,30 +16,31 @@ namespace retractor::mesh {
 
 struct LabelFit {
     Label label = 0;
-    double voxel_volume_mm3 = 0.0; ///< of the labels inside the meshed region
-    double mesh_volume_mm3 = 0.0;
-    double corridor_voxel_volume_mm3 = 0.0; ///< the same inside the corridor
-    double corridor_mesh_volume_mm3 = 0.0;
+    double voxel_volume_mm3 = 0.0; ///< volume of the label's voxels in the meshed region
+    double mesh_volume_mm3 = 0.0; ///< volume of the label's elements
+    double corridor_voxel_volume_mm3 = 0.0; ///< voxel volume inside the corridor
+    double corridor_mesh_volume_mm3 = 0.0; ///< mesh volume inside the corridor
 };
 
 struct MeshStatistics {
     std::size_t vertices = 0, tets = 0;
-    std::vector<LabelFit> fit; ///< one per wall label met
+    std::vector<LabelFit> fit; ///< one per wall label in the mesh
     double total_volume_error = 0.0; ///< |mesh - voxels| / voxels
-    double surface_distance_mean_mm = 0.0; ///< mesh boundary to the (smoothed) label boundary
-    double surface_distance_p95_mm = 0.0;
-    double dihedral_worst_deg = 0.0;
-    double dihedral_p01_deg = 0.0;
+    double surface_distance_mean_mm = 0.0; ///< mean distance of the mesh boundary from the smoothed label boundary
+    double surface_distance_p95_mm = 0.0; ///< 95th percentile of the same distance
+    double dihedral_worst_deg = 0.0; ///< smallest dihedral angle
+    double dihedral_p01_deg = 0.0; ///< 1st percentile of the dihedral angles
     int pieces = 0; ///< connected pieces of the mesh
-    std::map<std::string, int>
-        rib_pieces; ///< connected pieces of each rib inside the region (1: connected from end to end)
+    /// Connected pieces of each rib inside the region, by name; 1 means connected from end to end.
+    std::map<std::string, int> rib_pieces;
     double refine_seconds = 0.0, optimise_seconds = 0.0, total_seconds = 0.0;
     std::size_t bytes = 0;
 };
 
-/// @param mesh labels of `labels`; vertices in patient LPS. @param field the label function it was made from.
-/// @param local_corridor the corridor in the field's frame.
-/// Fills everything but the times.
+/// Computes all statistics except the times.
+/// @param mesh labels of `labels`; vertices in patient LPS
+/// @param field label function that the mesh was made from
+/// @param local_corridor the corridor in the field's frame
 MeshStatistics mesh_statistics(const TetMesh& mesh, const LabelVolume& labels, const LabelField& field,
     const std::vector<Vec3>& local_corridor, const MeshSizing& sizing);
 

@@ -12,8 +12,8 @@ namespace retractor::mesh {
 
 namespace {
 
-    /// Edge length over thickness that a label bears. A sheet keeps its volume with edges of two or three
-    /// times its thickness; a rib is curved and must stay in one piece; what else is thin follows its neighbours.
+    /// Largest edge length over thickness for a label. A sheet keeps its volume with edges of two or three times its
+    /// thickness; a rib is curved and must stay in one piece; other thin labels follow their neighbours.
     double edge_per_thickness(const LabelInfo& info)
     {
         if (is_skeleton(info))
@@ -23,11 +23,12 @@ namespace {
         return 4.0;
     }
 
-    /// Bones kept beyond the region bend, but nothing there is looked at.
+    /// Coarser edges for bones beyond the region: these bones bend, but nobody looks at them.
     constexpr double kBareFactor = 1.4;
 
-    /// A chord of length h leaves a sagitta of h^2 / 8 R: this share of the edge bears anything rounder than
-    /// R = h before edges get shorter. The facets are shifted onto the surface afterwards (mesh/mesh_polish.h).
+    /// Allowed facet distance as a share of the edge. A chord of length h has a sagitta of h^2 / (8 R); with this
+    /// share, edges get shorter only on surfaces with a radius R below h. The facets are shifted onto the surface
+    /// afterwards (mesh/generation/mesh_polish.h).
     constexpr double kDistancePerEdge = 0.12;
 
 } // namespace

@@ -1,6 +1,6 @@
 #pragma once
-// Wanted edge length at each point: fine in the corridor, growing with the distance, never larger than a
-// label's thickness can bear. Local frame of mesh/label_field.h, mm.
+// Wanted edge length at each point: fine in the corridor and growing with the distance, with an upper limit from the
+// label's thickness. Local frame of mesh/image/label_field.h, mm.
 
 #include "mesh/generation/mesh_sizing.h"
 #include "mesh/image/label_field.h"
@@ -9,19 +9,20 @@
 
 namespace retractor::mesh {
 
-/// How much the wanted edge grows per mm of distance from the corridor: neighbours then differ by about a
-/// third, which refinement can follow without slivers.
+/// Growth of the wanted edge (mm) per mm of distance from the corridor. Neighbours then differ by about a third, and
+/// refinement makes no slivers.
 inline constexpr double kEdgeGrowth = 0.4;
 
 class SizeField {
 public:
-    /// @param table names the materials, which decide how many elements a label needs across.
+    /// @param table names the materials; a label's material decides the number of elements across the label
     SizeField(
         const WallVoxels& wall, const LabelTable& table, const MeshSizing& sizing, std::vector<Vec3> local_corridor);
 
-    /// Wanted edge length (mm) at a point in label a, or on the interface of a and b (0: none or outside).
+    /// Wanted edge length (mm) at a local point in label a, or on the interface of labels a and b. A label number 0
+    /// means outside or no second label.
     double edge(const Vec3& local, int a, int b = 0) const;
-    /// Largest distance (mm) allowed between a surface facet and the true interface.
+    /// Largest allowed distance (mm) between a surface facet and the true interface.
     double facet_distance(const Vec3& local, int a, int b) const;
 
 private:
@@ -32,7 +33,7 @@ private:
     const WallVoxels& wall_;
     MeshSizing sizing_;
     std::vector<Vec3> corridor_;
-    std::vector<double> edges_per_thickness_; ///< per label number
+    std::vector<double> edges_per_thickness_; ///< largest edge length over thickness, per label number
     std::vector<float> thickness_;
 };
 

@@ -15,10 +15,10 @@ namespace retractor::mesh {
 namespace {
 
     constexpr double kSeedTolerance = 0.01; ///< mm; far below any facet distance
-    constexpr double kSeedSpacing = 2.0; ///< edge lengths between seeds: sparse, so that refinement decides the rest
-    constexpr double kSpacingPerExtent
-        = 0.5; ///< of a small component's longest side: at least some points all round it
-    constexpr std::size_t kSmallestComponent = 6; ///< voxels; smaller ones vanish when smoothed
+    constexpr double kSeedSpacing = 2.0; ///< edge lengths between seeds; sparse, so that refinement decides the rest
+    /// Largest spacing as a share of a small component's longest side, so that points lie all round the component.
+    constexpr double kSpacingPerExtent = 0.5;
+    constexpr std::size_t kSmallestComponent = 6; ///< voxels; smaller components vanish by smoothing
 
     /// Root voxel of the face-connected component of each voxel.
     std::vector<std::uint32_t> components(const WallVoxels& wall)
@@ -26,14 +26,14 @@ namespace {
         DisjointSets<std::uint32_t> sets(wall.voxels.size());
         const std::size_t strides[3] = { 1, wall.offset(0, 1, 0), wall.offset(0, 0, 1) };
         for (std::size_t at = 0; at < wall.voxels.size(); ++at)
-            if (wall.voxels[at] != 0) // the margin makes at - stride legal for every voxel inside
+            if (wall.voxels[at] != 0) // the margin keeps at - stride in range for every voxel inside
                 for (const std::size_t stride : strides)
                     if (wall.voxels[at - stride] == wall.voxels[at])
                         sets.join(static_cast<std::uint32_t>(at), static_cast<std::uint32_t>(at - stride));
         return sets.roots();
     }
 
-    /// Adds a point, unless one is there that is nearer than `distance`.
+    /// Adds a point unless another point is nearer than `distance` (mm).
     bool add_apart(SpatialHash<Vec3>& points, const Vec3& p, double distance)
     {
         if (!points.visit_near(p, distance, [&](const Vec3& other) { return (other - p).norm() >= distance; }))
@@ -67,7 +67,7 @@ namespace {
         return found;
     }
 
-    /// The interface between two neighbouring voxels, when the smooth labels agree with the voxels' own.
+    /// A seed on the interface between two neighbouring voxels, when the smooth labels agree with the voxels' labels.
     std::optional<SurfaceSeed> seed_between(const LabelField& field, const Vec3& here, int a, const Vec3& there, int b)
     {
         if (field.at(here) != a || field.at(there) != b)

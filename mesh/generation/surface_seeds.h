@@ -1,6 +1,6 @@
 #pragma once
-// First points for the mesher: on the surface of every connected component of every label, so that none is
-// overlooked. Local frame of mesh/label_field.h, mm.
+// First points for the mesher, on the surface of every connected component of every label, so that the mesher finds
+// every component. Local frame of mesh/image/label_field.h, mm.
 
 #include "mesh/generation/size_field.h"
 #include "mesh/image/label_field.h"
@@ -14,7 +14,7 @@ struct SurfaceSeed {
     int a = 0, b = 0; ///< a < b; 0 is outside
 };
 
-/// A sparse set of points, two edge lengths apart, closer on components smaller than that.
+/// A sparse set of points, two edge lengths apart, and closer on smaller components.
 std::vector<SurfaceSeed> surface_seeds(const LabelField& field, const SizeField& size);
 
 } // namespace retractor::mesh

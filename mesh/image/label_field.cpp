@@ -12,7 +12,7 @@ namespace retractor::mesh {
 namespace {
 
     constexpr std::uint8_t kMixed = 255;
-    constexpr int kMargin = 4; ///< voxels of "outside" round the crop: the spline's support and room for the surface
+    constexpr int kMargin = 4; ///< voxels of "outside" round the crop, for the spline's support and the surface
 
     /// Number of each label id in the crop's numbering; roles other than wall become 0.
     std::vector<int> wall_numbers(const LabelVolume& labels)
@@ -77,8 +77,8 @@ namespace {
         return box;
     }
 
-    /// What is kept to its ends: one byte per voxel of the grid, none when nothing is. Grown from the voxels of the
-    /// whole labels within the region through touching ones.
+    /// The voxels that are kept beyond the region, one byte per voxel of the grid; empty when no label is kept whole.
+    /// The set grows from the voxels of whole labels within the region through touching voxels of whole labels.
     std::vector<char> whole_voxels(const LabelVolume& labels, const Region& region)
     {
         if (region.whole_labels.empty() || region.region_mm == 0.0)
@@ -215,7 +215,7 @@ WallVoxels wall_voxels(const LabelVolume& labels, const Region& region)
         0);
     for_each_voxel(box, [&](int i, int j, int k) {
         const auto label = static_cast<std::size_t>(voxel_number(i, j, k));
-        if (!whole[label] || kept[grid.offset(i, j, k)]) // of a whole label only what hangs together with the region
+        if (!whole[label] || kept[grid.offset(i, j, k)]) // a whole label keeps only voxels connected to the region
             wall.voxels[wall.offset(i - wall.first[0], j - wall.first[1], k - wall.first[2])] = compact[label];
     });
     return wall;
@@ -239,7 +239,7 @@ int LabelField::at(const Vec3& local) const
         const auto a = static_cast<std::size_t>(axis);
         const double index = local[axis] / wall_.spacing[axis] - wall_.first[a];
         if (!(index >= 1.0) || !(index < wall_.size[a] - 2))
-            return 0; // inside the margin nothing but "outside" is within the spline's support
+            return 0; // within the margin the spline's support holds only "outside"
         cell[a] = static_cast<int>(index);
         fraction[axis] = index - cell[a];
     }
@@ -255,7 +255,7 @@ int LabelField::at(const Vec3& local) const
 int LabelField::smooth_at(const std::array<int, 3>& cell, const Vec3& fraction) const
 {
     const auto wx = spline_weights(fraction[0]), wy = spline_weights(fraction[1]), wz = spline_weights(fraction[2]);
-    // Few labels meet in one place: a short list of (label, weight) beats a table of all labels.
+    // Few labels meet at a point, so that a short list of (label, weight) is faster than a table of all labels.
     std::array<std::uint8_t, 64> met;
     std::array<double, 64> weight;
     std::size_t count = 0;

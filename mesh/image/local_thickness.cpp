@@ -10,8 +10,8 @@ namespace retractor::mesh {
 
 namespace {
 
-    /// One-dimensional squared distance transform of a run of equal labels: out[i] = min over j of
-    /// f[j] + (h (i - j))^2 [Felzenszwalb & Huttenlocher 2012], then bounded by the distance to the run's ends.
+    /// One-dimensional squared distance transform of a run of equal labels: out[i] = min over j of f[j] + (h (i - j))^2
+    /// (Felzenszwalb and Huttenlocher 2012). The result is bounded by the distance to the run's ends.
     class RunTransform {
     public:
         explicit RunTransform(std::size_t longest)
@@ -100,7 +100,7 @@ std::vector<float> depth_in_label(const WallVoxels& wall)
 std::vector<float> local_thickness(const WallVoxels& wall)
 {
     const std::vector<float> depth = depth_in_label(wall);
-    // Every voxel points at its deepest neighbour of the same label; ridges point at themselves.
+    // Every voxel points to its deepest neighbour of the same label; a ridge voxel points to itself.
     std::vector<std::uint32_t> uphill(depth.size());
     std::iota(uphill.begin(), uphill.end(), 0U);
     for (int k = 1; k + 1 < wall.size[2]; ++k)
@@ -119,7 +119,8 @@ std::vector<float> local_thickness(const WallVoxels& wall)
                         }
                 uphill[at] = static_cast<std::uint32_t>(best);
             }
-    // A layer of an even number of voxels has its ridge half a voxel off its middle: half of that on average.
+    // In a layer of an even number of voxels the ridge lies half a voxel off the middle. The bias is half of the error,
+    // because half of all layers are even.
     const auto bias = static_cast<float>(0.5 * wall.spacing.minCoeff());
     std::vector<float> thickness(depth.size(), 0.0F);
     for (std::size_t at = 0; at < depth.size(); ++at) {

@@ -1,11 +1,11 @@
 #pragma once
-// Which labels are skeleton: the one place that knows the names of hard materials.
+// Decides which labels belong to the skeleton. No other module names the hard materials.
 
 #include "mesh/image/volume.h"
 
 namespace retractor::mesh {
 
-/// Bone or cartilage, whatever its role.
+/// True for bone and cartilage of any role.
 inline bool is_skeleton(const LabelInfo& info) { return info.material == "bone" || info.material == "cartilage"; }
 
 } // namespace retractor::mesh

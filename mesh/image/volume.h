@@ -1,5 +1,5 @@
 #pragma once
-// Voxel images: the CT in Hounsfield units and the labels, each on its own grid in patient LPS mm.
+// Voxel images: the CT in Hounsfield units and the labels, each on its own grid. Units mm; frame patient LPS.
 
 #include "mesh/base/geometry.h"
 
@@ -15,9 +15,8 @@
 
 namespace retractor::mesh {
 
-/// A regular grid: voxel (i, j, k) has its centre at origin + direction * (spacing .* (i, j, k)).
-/// Memory order: i runs fastest. `direction` columns are the unit axes of i, j, k; orthonormal, of
-/// either handedness (mirrored axes are legal).
+/// A regular grid. The centre of voxel (i, j, k) is origin + direction * (spacing .* (i, j, k)). In memory i runs
+/// fastest. The columns of `direction` are the unit axes of i, j and k; they are orthonormal and may be left-handed.
 struct ImageGrid {
     std::array<int, 3> size { 0, 0, 0 };
     Vec3 spacing = Vec3::Ones(); ///< mm
@@ -46,8 +45,9 @@ struct ImageGrid {
     double voxel_volume() const { return spacing.prod(); }
 };
 
-/// @throws InputError unless sizes are positive, spacing positive and finite, direction orthonormal
-/// to 1e-4 (DICOM stores direction cosines as decimal strings).
+/// Checks a grid.
+/// @throws InputError unless sizes are positive, spacing is positive and finite, and direction is orthonormal to 1e-4
+/// (DICOM stores direction cosines as decimal strings)
 void check_grid(const ImageGrid& grid);
 
 /// CT values, Hounsfield units rounded to integers.
@@ -56,10 +56,10 @@ struct Volume {
     std::vector<std::int16_t> voxels;
 };
 
-/// What the planner does with an organ. Material and role are two things.
+/// Use of a structure by the planner; independent of its material.
 enum class Role {
     wall, ///< becomes tetrahedra: it is cut and moved
-    voxel, ///< stays as voxels; blocks the view unless an approach retracts it
+    voxel, ///< stays as voxels; blocks the view unless an approach holds the organ aside
     target, ///< what the surgeon wants to see; stays as voxels
     at_risk, ///< stays as voxels, and distances to it are reported
 };
@@ -80,7 +80,7 @@ using LabelTable = std::vector<LabelInfo>;
 const LabelInfo* find_label(const LabelTable& table, std::string_view name);
 const LabelInfo* find_label(const LabelTable& table, Label id);
 
-/// Labels with the table that names them. Every voxel value is 0 or an id of the table.
+/// Labels with their table. Every voxel value is 0 or an id of the table.
 struct LabelVolume {
     ImageGrid grid;
     std::vector<Label> voxels;

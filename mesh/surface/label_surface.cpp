@@ -22,10 +22,10 @@ namespace retractor::mesh {
 namespace {
 
     constexpr double kLevel = 0.5;
-    /// The Gaussian is cut off here; what is left out (0.3 %) is renormalised by the filter.
+    /// The Gaussian is cut off at this number of standard deviations; the filter renormalises the missing 0.3 %.
     constexpr double kKernelRadius = 3.0;
-    /// Value given to voxels that smoothing would erase: their outline then runs about half-way to the
-    /// neighbours outside, whose smoothed value is about 0.2.
+    /// Value of voxels that smoothing would erase. Their outline then runs about half-way to the neighbours outside,
+    /// whose smoothed value is about 0.2.
     constexpr float kThinValue = 0.75F;
 
     struct Box {
@@ -51,7 +51,7 @@ namespace {
         return box.high[0] < 0 ? std::nullopt : std::optional<Box>(box);
     }
 
-    /// The values inside `box` (which may reach beyond the image: 0 there), as an image whose extent is the box.
+    /// The values inside `box` as an image with the extent of the box. Values beyond the original image are 0.
     template <typename Value>
     vtkSmartPointer<vtkImageData> indicator(const ImageGrid& grid, const Value& values, const Box& box)
     {
@@ -79,8 +79,8 @@ namespace {
         return offsets;
     }
 
-    /// Lifts voxels of the mask that smoothing erased together with all their neighbours, and the ones that join
-    /// them to what survived. The box has an empty margin, so that neighbours always exist.
+    /// Restores voxels of the mask that smoothing erased together with all their neighbours, and voxels that connect
+    /// the restored voxels to the rest. The box has an empty margin, so that every voxel has all neighbours.
     void keep_thin_parts(const float* sharp, float* smooth, const Box& box)
     {
         const std::size_t count = box.size(0) * box.size(1) * box.size(2);
@@ -133,7 +133,8 @@ namespace {
             mesh.triangles.push_back(
                 { static_cast<VertexId>(ids[0]), static_cast<VertexId>(ids[1]), static_cast<VertexId>(ids[2]) });
         }
-        // A closed surface encloses a positive volume when it faces outwards, whatever the handedness of the axes.
+        // The signed volume of a closed surface is positive when the surface faces outwards, for axes of either
+        // handedness.
         if (!mesh.triangles.empty() && signed_volume(mesh) < 0.0)
             for (auto& t : mesh.triangles)
                 std::swap(t[1], t[2]);
@@ -167,7 +168,7 @@ namespace {
         return in_world(contour->GetOutput(), grid);
     }
 
-    /// Room for the Gaussian round the voxels, and an empty border.
+    /// Widens the box by the radius of the Gaussian and an empty border.
     void widen(Box& box, const Vec3& sigma)
     {
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -177,7 +178,7 @@ namespace {
         }
     }
 
-    /// The grid whose voxels are blocks of `factor` voxels of `grid`; the last ones may reach beyond it.
+    /// The grid whose voxels are blocks of `factor` voxels of `grid`. The last blocks may reach beyond `grid`.
     ImageGrid joined(const ImageGrid& grid, const std::array<int, 3>& factor)
     {
         ImageGrid coarse = grid;

@@ -1,5 +1,5 @@
 #pragma once
-// Smooth triangle surfaces of voxel labels: what blocks the view, what is looked at, what is drawn.
+// Smooth triangle surfaces of voxel labels, for the line of sight and for pictures. Units mm; frame patient LPS.
 
 #include "mesh/base/job.h"
 #include "mesh/image/volume.h"
@@ -10,17 +10,16 @@
 
 namespace retractor::mesh {
 
-/// Surface of the union of the given labels: the half-level of the slightly smoothed indicator, closed
-/// (also where the labels touch the image border), oriented outwards, mm in patient LPS.
-/// @param smoothing_mm standard deviation of the Gaussian on the indicator (0: none). Parts too thin to survive it
-/// (below about 1.35 standard deviations, e.g. a small artery) keep their voxels' outline.
-/// @throws InputError on a bad grid, a wrong number of voxels, or negative or NaN smoothing.
-/// @returns an empty mesh when no voxel has one of the labels.
+/// Surface of the union of the given labels: the half-level of the slightly smoothed indicator. The surface is closed
+/// (also where the labels touch the image border) and oriented outwards. Empty when no voxel has one of the labels.
+/// @param smoothing_mm standard deviation of the Gaussian on the indicator; 0: no smoothing. Parts below about 1.35
+/// standard deviations, such as a small artery, would vanish and keep the outline of their voxels instead.
+/// @throws InputError on a bad grid, a wrong number of voxels, or negative or NaN smoothing
 TriMesh label_surface(
     const LabelVolume& labels, std::span<const Label> which, double smoothing_mm = 1.0, const Job& job = {});
 
-/// A surface to look at, not to measure: small voxels are joined to about half the smoothing first, and thin parts
-/// are smoothed away like everything else.
+/// A surface for pictures, not for measurements: small voxels are first joined to about half the smoothing length, and
+/// smoothing may remove thin parts.
 TriMesh viewing_surface(
     const LabelVolume& labels, std::span<const Label> which, double smoothing_mm, const Job& job = {});
 

@@ -13,7 +13,7 @@ namespace retractor::mesh {
 
 namespace {
 
-    constexpr int kBits = 20; // of a cell's number along an axis
+    constexpr int kBits = 20; // bits of a cell's number along an axis
 
     std::uint64_t key(std::int64_t x, std::int64_t y, std::int64_t z)
     {
@@ -80,7 +80,8 @@ TriangleProximity::TriangleProximity(Points vertices, std::vector<std::array<Ver
         high = high.cwiseMax(to);
         extent += (to - from).maxCoeff() / static_cast<double>(triangles_.size());
     }
-    // Cells as large as the reach are looked at 27 at a time; smaller than the triangles they would only be more.
+    // With cells as large as the reach, a search visits 27 cells. Cells smaller than the triangles would only be more
+    // cells.
     size_ = std::max({ reach, extent, (high - low).maxCoeff() / ((1 << kBits) - 4) });
     origin_ = low - Vec3::Constant(size_);
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
@@ -97,7 +98,7 @@ TriangleProximity::TriangleProximity(Points vertices, std::vector<std::array<Ver
 std::array<std::int64_t, 3> TriangleProximity::cell(const Vec3& point) const
 {
     std::array<std::int64_t, 3> place {};
-    for (Eigen::Index axis = 0; axis < 3; ++axis) // points far away fall into cells where no triangle is
+    for (Eigen::Index axis = 0; axis < 3; ++axis) // points far away fall into cells without triangles
         place[static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(
             std::clamp(std::floor((point[axis] - origin_[axis]) / size_), 0.0, static_cast<double>((1 << kBits) - 1)));
     return place;
@@ -113,7 +114,7 @@ std::vector<TriangleProximity::Nearby> TriangleProximity::within(const Vec3& poi
     std::vector<std::int32_t> met;
     for (std::int64_t z = first[2]; z <= last[2]; ++z)
         for (std::int64_t y = first[1]; y <= last[1]; ++y) {
-            // Cells of one row lie one after another in the list.
+            // The cells of a row are successive in the list.
             const auto from = std::lower_bound(cells_.begin(), cells_.end(), std::pair(key(first[0], y, z), 0));
             for (auto at = from; at != cells_.end() && at->first <= key(last[0], y, z); ++at)
                 met.push_back(at->second);

@@ -1,12 +1,12 @@
 #pragma once
-// Normals of triangle surfaces as smooth ones have them.
+// Vertex normals that make a triangle surface look smooth.
 
 #include "mesh/base/geometry.h"
 
 namespace retractor::mesh {
 
-/// Unit normals of the vertices, outward: means of the triangles round them by area. Zero where no triangle is, or
-/// where they cancel.
+/// Outward unit normals of the vertices, n x 3: the area-weighted mean over the triangles round a vertex. Zero for a
+/// vertex without triangles, or when the normals cancel.
 Points vertex_normals(const TriMesh& surface);
 
 } // namespace retractor::mesh

@@ -26,8 +26,8 @@ namespace {
         return surface.vertices.row(surface.triangles[t][c]).transpose();
     }
 
-    /// Triangles at an edge, two by two across the body between them. Seen along the edge p, q, the body is next to a
-    /// triangle that runs from p to q in the sense of falling angles.
+    /// Pairs of triangles at an edge with the body between them. Seen along the edge p, q, the body lies next to a
+    /// triangle that runs from p to q, in the direction of falling angles.
     std::vector<std::array<std::size_t, 2>> pairs_across(
         const TriMesh& surface, const Edge& edge, const std::vector<std::size_t>& triangles)
     {
@@ -62,7 +62,8 @@ namespace {
         return pairs;
     }
 
-    /// Corners (3 * triangle + corner) that are one vertex of the surface: joined across edges, not at points.
+    /// Sets of corners (3 * triangle + corner) that form one vertex of the surface: corners are joined across edges,
+    /// not at points.
     DisjointSets<> joined_corners(const TriMesh& surface)
     {
         DisjointSets<> corners(3 * surface.triangles.size());
@@ -81,7 +82,7 @@ namespace {
         return corners;
     }
 
-    /// Unit, outward, weighted by the triangles' angles.
+    /// Outward unit normals of vertices, weighted by the triangles' angles.
     std::vector<Vec3> angle_weighted_normals(const TriMesh& surface)
     {
         std::vector<Vec3> normals(static_cast<std::size_t>(surface.vertices.rows()), Vec3::Zero());
@@ -102,12 +103,12 @@ namespace {
     {
         std::vector<std::vector<VertexId>> neighbours(static_cast<std::size_t>(surface.vertices.rows()));
         for (const auto& triangle : surface.triangles)
-            for (std::size_t c = 0; c < 3; ++c) // closed and oriented: every edge once each way
+            for (std::size_t c = 0; c < 3; ++c) // a closed oriented surface has every edge once in each direction
                 neighbours[static_cast<std::size_t>(triangle[c])].push_back(triangle[(c + 1) % 3]);
         return neighbours;
     }
 
-    /// [Taubin 1995]: the creases between a mesher's triangles go, the volume stays.
+    /// Smooths the creases between a mesher's triangles and keeps the volume (Taubin 1995).
     void smooth_creases(TriMesh& surface, const std::vector<std::vector<VertexId>>& neighbours)
     {
         constexpr int kRounds = 10;
@@ -123,17 +124,17 @@ namespace {
             }
     }
 
-    /// How far the surface is on the other side, straight through the organ, if nearer than `most`.
+    /// Distance (mm) straight through the organ to the surface on the other side, or `most` when that is nearer.
     double way_through(const TriMesh& surface, const Vec3& from, const Vec3& inward, double most)
     {
-        constexpr double kStart = 1e-6; // share of `most`: not the surface it starts on
+        constexpr double kStart = 1e-6; // share of `most`; skips the surface at the start
         double nearest = most;
         for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
             const Vec3 a = corner_point(surface, t, 0);
             const Vec3 u = corner_point(surface, t, 1) - a, v = corner_point(surface, t, 2) - a;
             const Vec3 normal = u.cross(v);
             const double along = normal.dot(inward);
-            if (along <= 0.0) // seen from within, the other side looks away
+            if (along <= 0.0) // the other side faces away from a point inside
                 continue;
             const double way = normal.dot(a - from) / along;
             if (way <= kStart * most || way >= nearest)
@@ -146,8 +147,8 @@ namespace {
         return nearest;
     }
 
-    /// The three tetrahedra of a prism between triangle (a, b, c) and the one beneath: outer vertices in the order of
-    /// their numbers, down one edge after the other, so that neighbours split the side between them alike.
+    /// The three tetrahedra of the prism between triangle (a, b, c) and the triangle beneath. The outer vertices go
+    /// down one after another in the order of their numbers, so that neighbours divide their common side alike.
     std::array<std::array<VertexId, 4>, 3> prism(const std::array<VertexId, 3>& triangle, VertexId outer)
     {
         std::array<VertexId, 3> v = triangle;
@@ -167,16 +168,16 @@ namespace {
         return tets;
     }
 
-    /// What lies beneath each vertex of the outside.
+    /// The wall beneath each vertex of the outside.
     struct Layer {
-        std::vector<Vec3> inward; ///< unit
+        std::vector<Vec3> inward; ///< unit directions
         std::vector<double> thickness; ///< mm
     };
 
-    /// As thick as asked for, but where the organ is narrow.
+    /// The wall with the requested thickness (mm), thinned where the organ is narrow.
     Layer layer_beneath(const TriMesh& outer, double thickness_mm)
     {
-        constexpr double kShareOfWidth = 0.3; // walls of both sides leave room between them
+        constexpr double kShareOfWidth = 0.3; // leaves room between the walls of both sides
         Layer layer { angle_weighted_normals(outer), {} };
         for (std::size_t v = 0; v < layer.inward.size(); ++v) {
             layer.inward[v] = -layer.inward[v];
@@ -187,7 +188,7 @@ namespace {
         return layer;
     }
 
-    /// Three tetrahedra beneath each triangle; the inner vertices have no places yet.
+    /// Three tetrahedra beneath each triangle; the inner vertices have no positions yet.
     TetMesh prisms_beneath(const TriMesh& outer, Label label)
     {
         const Eigen::Index n = outer.vertices.rows();
@@ -202,10 +203,11 @@ namespace {
         return mesh;
     }
 
-    /// The inner vertices, at the layer's thickness. @throws SolverError where next to nothing of the wall is left.
+    /// Puts the inner vertices at the layer's thickness. @throws SolverError naming a place where almost no wall is
+    /// left
     void place_inside(TetMesh& mesh, const Layer& layer, double thickness_mm)
     {
-        constexpr double kThinnest = 0.05; // of what was asked for
+        constexpr double kThinnest = 0.05; // share of the requested thickness
         for (std::size_t v = 0; v < layer.thickness.size(); ++v) {
             const Vec3 outside = mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose();
             if (layer.thickness[v] < kThinnest * thickness_mm)
@@ -218,10 +220,10 @@ namespace {
         }
     }
 
-    /// Per vertex of the outside: 1 where an element beneath is turned over or nearly flat.
+    /// One entry per vertex of the outside: 1 when an element beneath is turned over or nearly flat.
     std::vector<char> where_too_thick(const TetMesh& mesh, const TriMesh& outer, const Layer& layer)
     {
-        constexpr double kLeastVolume = 0.2; // of an element beneath a flat triangle
+        constexpr double kLeastVolume = 0.2; // share of the volume of an element beneath a flat triangle
         std::vector<char> too_thick(layer.thickness.size(), 0);
         for (std::size_t t = 0; t < outer.triangles.size(); ++t) {
             const auto& triangle = outer.triangles[t];
@@ -239,13 +241,13 @@ namespace {
 
     void thin(Layer& layer, const std::vector<char>& where, const std::vector<std::vector<VertexId>>& neighbours)
     {
-        constexpr double kThinner = 0.8; // a round
+        constexpr double kThinner = 0.8; // factor per round
         const std::vector<Vec3> before = layer.inward;
         for (std::size_t v = 0; v < where.size(); ++v) {
             if (where[v] == 0)
                 continue;
             layer.thickness[v] *= kThinner;
-            Vec3 way = before[v]; // a crease's vertices go the way of those beside it
+            Vec3 way = before[v]; // vertices on a crease take the direction of their neighbours
             for (const VertexId other : neighbours[v])
                 way += before[static_cast<std::size_t>(other)] / static_cast<double>(neighbours[v].size());
             layer.inward[v] = way.normalized();
@@ -285,7 +287,7 @@ TriMesh largest_closed_surface(const TetMesh& mesh)
         for (std::size_t c = 1; c < 3; ++c)
             pieces.join(static_cast<std::size_t>(triangle[0]), static_cast<std::size_t>(triangle[c]));
     const auto piece_of = [&](std::size_t t) { return pieces.root(static_cast<std::size_t>(all.triangles[t][0])); };
-    std::map<std::size_t, double> volume; // of each; negative: a cavity
+    std::map<std::size_t, double> volume; // volume of each surface; negative for a cavity
     for (std::size_t t = 0; t < all.triangles.size(); ++t)
         volume[piece_of(t)]
             += corner_point(all, t, 0).dot(corner_point(all, t, 1).cross(corner_point(all, t, 2))) / 6.0;

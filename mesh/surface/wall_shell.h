@@ -1,29 +1,29 @@
 #pragma once
-// The wall of a hollow organ: one layer of tetrahedra beneath its closed outer surface. Labels of vessels are filled
-// (blood and wall alike), and a wall of 2 mm is thinner than the voxels of most CTs; so the wall is given its thickness
-// instead of being meshed from voxels. Units mm.
+// Makes the wall of a hollow organ: one layer of tetrahedra beneath the closed outer surface. Labels of vessels are
+// filled (blood and wall alike), and a wall of 2 mm is thinner than the voxels of most CTs. The wall therefore gets its
+// thickness from the caller instead of being meshed from voxels. Units mm.
 
 #include "mesh/tetrahedra/tet_mesh.h"
 
 namespace retractor::mesh {
 
-/// A mesh's boundary as closed surfaces, oriented outwards. Where it touches itself at a vertex or along an edge, these
-/// are doubled: every edge has one triangle on each side.
+/// The boundary of a mesh as closed surfaces, oriented outwards. Vertices and edges at which the boundary touches
+/// itself are doubled, so that every edge has exactly two triangles.
 TriMesh closed_surfaces(const TetMesh& mesh);
-/// The largest of them: without cavities and without other pieces.
+/// The largest closed surface of a mesh, without cavities and without other pieces.
 TriMesh largest_closed_surface(const TetMesh& mesh);
 
 struct WallShell {
     TetMesh mesh; ///< the n vertices of the surface first, then vertex n + v beneath vertex v
-    std::size_t thinned = 0; ///< vertices under which the wall had to be thinner than asked for
-    double thinnest_mm = 0.0; ///< of those, else the thickness asked for
+    std::size_t thinned = 0; ///< number of vertices with a wall thinner than requested
+    double thinnest_mm = 0.0; ///< smallest thickness; the requested thickness when thinned == 0
 };
 
-/// The surface is smoothed a little (Taubin: its volume stays), then three tetrahedra lie beneath each triangle, split
-/// alike on both sides of every edge. The wall is thinned where the organ is no wider than a few walls, and where its
-/// surface bends too sharply inwards for elements of good volume.
+/// Smooths the surface a little (Taubin's method, which keeps the volume), then puts three tetrahedra beneath each
+/// triangle. Neighbouring triangles divide their common side alike. The wall is thinned where the organ is only a few
+/// walls wide, and where the surface bends too sharply inwards for elements of good volume.
 /// @pre the surface is closed and oriented outwards, as largest_closed_surface() makes it
-/// @throws InputError on a thickness that is not positive; SolverError naming the place where no wall fits.
+/// @throws InputError on a thickness that is not positive; SolverError naming the place where no wall fits
 WallShell make_wall_shell(const TriMesh& closed, double thickness_mm, Label label = 1);
 
 } // namespace retractor::mesh

@@ -26,10 +26,10 @@ namespace {
         for (std::size_t e = 0; e < kTetEdges.size(); ++e)
             if ((kTetEdges[e][0] == a && kTetEdges[e][1] == b) || (kTetEdges[e][0] == b && kTetEdges[e][1] == a))
                 return nodes[4 + e];
-        return -1; // not reached: any two of four corners are an edge
+        return -1; // not reached: any two of the four corners form an edge
     }
 
-    /// One triangle, or the four of a quadratic face.
+    /// The triangle of a linear face, or the four triangles of a quadratic face.
     std::vector<std::array<VertexId, 3>> face_triangles(const TetMesh& mesh, const TetFace& face)
     {
         const auto corner = face_vertices(mesh, face);
@@ -71,7 +71,7 @@ namespace {
         return out;
     }
 
-    /// The same mesh reduced to some of its elements; `kept` tells which.
+    /// The mesh reduced to elements with the given labels; `kept` receives the ids of these elements.
     TetMesh part_of(const TetMesh& mesh, std::span<const Label> labels, std::vector<TetId>& kept)
     {
         TetMesh part;

@@ -158,7 +158,7 @@ namespace {
                 fields.cell_scalars[array->GetName()] = values_of(array);
     }
 
-    /// VTK reports errors as events; this keeps the first one's text and keeps it off the standard error stream.
+    /// Keeps the text of the first error that VTK reports as an event, and keeps VTK from writing to standard error.
     class ErrorNote {
     public:
         explicit ErrorNote(vtkObject* source)

@@ -6,7 +6,7 @@
 namespace retractor::mesh {
 
 namespace {
-    constexpr int kMostCellsPerAxis = 256; // memory stays bounded for a mesh with a few far vertices
+    constexpr int kMostCellsPerAxis = 256; // bounds the memory for a mesh with a few far vertices
     constexpr std::array<std::int16_t, 6> kNotListed { 1, 0, 1, 0, 1, 0 };
 } // namespace
 
@@ -63,7 +63,7 @@ void TetGrid::remove(TetId t)
     Range& listed = listed_[static_cast<std::size_t>(t)];
     for_cells(listed, [&](std::size_t cell) {
         auto& tets = cells_[cell];
-        *std::find(tets.rbegin(), tets.rend(), t) = tets.back(); // cuts remove what they have just made
+        *std::find(tets.rbegin(), tets.rend(), t) = tets.back(); // cuts mostly remove elements that they have just made
         tets.pop_back();
     });
     listed = kNotListed;

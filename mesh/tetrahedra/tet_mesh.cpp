@@ -79,7 +79,7 @@ std::array<double, 6> dihedral_angles_deg(const Vec3& a, const Vec3& b, const Ve
     }
     std::array<double, 6> angles {};
     for (std::size_t e = 0; e < 6; ++e) {
-        // The two faces that share an edge are those opposite the two corners not on it.
+        // The two faces at an edge are opposite the two corners that are not on the edge.
         std::array<std::size_t, 2> opposite {};
         std::size_t found = 0;
         for (int corner = 0; corner < 4; ++corner)
@@ -128,7 +128,8 @@ std::vector<int> connected_pieces(const TetMesh& mesh)
         i += count;
     }
     const std::vector<std::size_t> roots = sets.roots();
-    std::vector<std::size_t> size(roots.size(), 0), order; // of each piece; the root of each, the largest first
+    std::vector<std::size_t> size(roots.size(), 0),
+        order; // elements of each piece; roots of the pieces, the largest piece first
     for (const std::size_t root : roots)
         if (size[root]++ == 0)
             order.push_back(root);
@@ -203,7 +204,7 @@ TetMesh kuhn_box(int nx, int ny, int nz, double spacing, Label label)
         for (int j = 0; j <= ny; ++j)
             for (int i = 0; i <= nx; ++i)
                 mesh.vertices.row(id(i, j, k)) << i * spacing, j * spacing, k * spacing;
-    // Each path from corner 000 to corner 111 along the axes is one tetrahedron; odd permutations are flipped.
+    // Each path from corner 000 to corner 111 along the axes is a tetrahedron; odd permutations are flipped.
     constexpr std::array<std::array<int, 3>, 6> kPaths { { { 0, 1, 2 }, { 1, 2, 0 }, { 2, 0, 1 }, { 0, 2, 1 },
         { 2, 1, 0 }, { 1, 0, 2 } } };
     for (int k = 0; k < nz; ++k)

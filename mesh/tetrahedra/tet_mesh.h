@@ -1,5 +1,5 @@
 #pragma once
-// The tetrahedral mesh: a plain struct of arrays with free functions. Units mm; frame patient LPS.
+// The tetrahedral mesh, a plain struct of arrays, with free functions. Units mm; frame patient LPS.
 
 #include "mesh/base/geometry.h"
 
@@ -10,7 +10,7 @@
 
 namespace retractor::mesh {
 
-/// Node order: the four corners v0..v3 with det(v1-v0, v2-v0, v3-v0) > 0; with ten nodes the edge
+/// An element's nodes begin with its four corners v0 to v3, with det(v1-v0, v2-v0, v3-v0) > 0. With ten nodes the edge
 /// midpoints follow in VTK's order: 01, 12, 02, 03, 13, 23.
 struct TetMesh {
     Points vertices; ///< n x 3, mm
@@ -42,7 +42,7 @@ double tet_volume(const TetMesh& mesh, TetId t);
 /// The six dihedral angles (degrees) of the tetrahedron a, b, c, d.
 std::array<double, 6> dihedral_angles_deg(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
-/// A face of an element: element and the local corner it is opposite to.
+/// A face of an element, given by the element and the local corner opposite the face.
 struct TetFace {
     TetId tet = 0;
     int corner = 0;
@@ -51,22 +51,23 @@ struct TetFace {
 /// The three corners of a face, counter-clockwise seen from outside its element.
 std::array<VertexId, 3> face_vertices(const TetMesh& mesh, const TetFace& face);
 
-/// Faces that belong to one element only. @throws InputError when a face belongs to more than two.
+/// Faces that belong to one element only. @throws InputError when a face belongs to more than two elements
 std::vector<TetFace> boundary_faces(const TetMesh& mesh);
 
-/// The piece each element belongs to (pieces are joined by faces); numbered from 0, largest first,
-/// of equal ones the one with the first element.
+/// For each element the number of its piece; elements of a piece are connected by faces. Pieces are numbered from 0,
+/// the largest first; of equal pieces, the piece with the first element comes first.
 std::vector<int> connected_pieces(const TetMesh& mesh);
 
-/// Refuses what no later stage can work with: indices out of range, NaN or infinite coordinates, wrong
-/// array lengths, elements of zero or negative volume. @throws InputError naming the element or vertex.
+/// Refuses meshes that no later stage can use: indices out of range, NaN or infinite coordinates, wrong array lengths,
+/// elements of zero or negative volume.
+/// @throws InputError naming the element or vertex
 void check_mesh(const TetMesh& mesh);
 
-/// Quadratic mesh over a linear one: adds the edge midpoints; corners keep their ids.
+/// The quadratic mesh of a linear mesh: adds the edge midpoints; corners keep their ids.
 /// @pre mesh.nodes_per_tet == 4
 TetMesh with_midpoints(const TetMesh& mesh);
 
-/// Kuhn box: nx x ny x nz cubes of `spacing` mm, each split into six tetrahedra, corner at the origin.
+/// Kuhn box: nx x ny x nz cubes of `spacing` mm, each divided into six tetrahedra, with a corner at the origin.
 TetMesh kuhn_box(int nx, int ny, int nz, double spacing, Label label = 1);
 
 } // namespace retractor::mesh

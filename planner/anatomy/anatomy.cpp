@@ -17,9 +17,10 @@ namespace {
 
     constexpr double kRibNodeDeg = 4.0; ///< spacing of a rib's centre-line points round the chest
     constexpr double kSternumNodeMm = 6.0;
-    constexpr double kElongated = 2.0; ///< least ratio of the two largest variances of a bone that gives an axis
+    /// A bone has an axis when its largest variance is at least this many times the second largest.
+    constexpr double kElongated = 2.0;
 
-    /// The voxels of one structure, by index. Sums of whole numbers are exact in any order, so that turned and mirrored
+    /// The voxels of one structure, by index. Sums of whole numbers are exact in any order, so turned and mirrored
     /// grids give the same landmarks.
     struct Voxels {
         std::vector<std::array<int, 3>> indices;
@@ -61,7 +62,7 @@ namespace {
         std::vector<RibVoxels> ribs;
     };
 
-    /// "rib_left_5" -> side and number.
+    /// Reads side and number of a rib's label: "rib_left_5".
     bool parse_rib(const mesh::LabelInfo& info, RibVoxels& rib)
     {
         const std::string_view name = info.name;
@@ -140,7 +141,7 @@ namespace {
         }
     }
 
-    /// The unit `axis`, signed so that rib numbers grow against it.
+    /// The unit `axis`, with the sign that points towards the first rib.
     Vec3 towards_first_rib(const mesh::ImageGrid& grid, const std::vector<RibVoxels>& ribs, const Vec3& axis)
     {
         double mean_number = 0.0, mean_height = 0.0;
@@ -194,13 +195,14 @@ namespace {
         return frame;
     }
 
-    /// Centroids of bins that overlap linearly: a continuous function of the voxels, with no ties at bin borders.
+    /// Centroids of bins that overlap linearly. They are a continuous function of the voxels, without ties at the bins'
+    /// borders.
     class HatBins {
     public:
         HatBins(double low, double high, double spacing)
             : low_(low)
         {
-            // The small shift keeps a range that is a whole number of bins from tipping over by round-off.
+            // The small shift keeps round-off from changing the count of a range that is a whole number of bins.
             const int count = std::max(1, static_cast<int>(std::ceil((high - low) / spacing - 0.0123)));
             width_ = (high - low) / count;
             bins_.resize(static_cast<std::size_t>(count) + 1);
@@ -231,7 +233,7 @@ namespace {
         std::vector<Bin> bins_;
     };
 
-    /// Angle round the axis of the chest: 0 straight back, 180 straight ahead, beyond it on the other side.
+    /// Angle round the axis of the chest: 0 straight back, 180 straight ahead, above 180 on the other side.
     double chest_angle(const AnatomicalFrame& frame, bool left, const Vec3& from_origin)
     {
         const double lateral = (left ? 1.0 : -1.0) * frame.left.dot(from_origin);
@@ -252,7 +254,7 @@ namespace {
         places.reserve(rib.voxels.indices.size());
         double low = 360.0, high = -360.0;
         for (const auto& v : rib.voxels.indices) {
-            // Relative to the chest axis, which keeps the sums small.
+            // Positions relative to the chest axis keep the sums small.
             const Vec3 p = grid.world(Vec3(v[0], v[1], v[2])) - frame.origin;
             const double angle = chest_angle(frame, rib.left, p);
             low = std::min(low, angle);
@@ -263,7 +265,8 @@ namespace {
         for (const auto& [angle, p] : places)
             bins.add(angle, p);
         for (const HatBins::Bin& bin : bins.bins())
-            if (bin.weight > 0.3) { // less than a voxel's worth: a gap in the rib
+            // Less weight than a voxel is a gap in the rib.
+            if (bin.weight > 0.3) {
                 line.points.push_back(frame.origin + bin.sum / bin.weight);
                 line.angle_deg.push_back(bin.parameter / bin.weight);
             }
@@ -271,7 +274,7 @@ namespace {
         return line;
     }
 
-    /// Where the voxels of some labels are round a point: their weighted mean, and their share of all weights.
+    /// The voxels of some labels near a point: their weighted mean, and their share of all weights.
     std::pair<Vec3, double> local_mean(
         const mesh::LabelVolume& labels, const std::vector<bool>& counts, const Vec3& point, double radius)
     {
@@ -296,7 +299,8 @@ namespace {
         return { found > 0.0 ? Vec3(point + grid.direction * (sum / found)) : point, found / all };
     }
 
-    /// Follows the cartilage from the rib's front end: step forwards, then to the middle of the cartilage there.
+    /// Follows the cartilage from the rib's front end. Each round makes a step forwards, and then moves to the middle
+    /// of the cartilage there.
     void follow_cartilage(const mesh::LabelVolume& labels, const AnatomicalFrame& frame, RibLine& line)
     {
         constexpr double kStepMm = 4.0, kRadiusMm = 9.0, kLeastShare = 0.08, kTurn = 0.4;
@@ -345,7 +349,8 @@ namespace {
             low = std::min(low, s);
             high = std::max(high, s);
         }
-        // A parabola: the breastbone bulges forwards, and the middle of its bins wanders with its notches.
+        // The midline is fitted by a parabola: the breastbone bulges forwards, and the middle of a bin moves with the
+        // bone's notches.
         Mat3 moments = Mat3::Zero();
         Mat3 values = Mat3::Zero();
         const double scale = 1.0 / std::max(high - low, 1e-9);

@@ -14,13 +14,13 @@ namespace {
 
     constexpr double kLeastKernelMm = 3.0; ///< below this the staircase of common CT labels shows
     constexpr double kKernelVoxels = 1.8; ///< kernel radius in voxels: enough to cover several layers
-    constexpr double kEvening = 3.5; ///< the skin is evened out over a kernel so much wider
-    constexpr double kStepMm = 1.0; ///< ray sampling; below the kernel radius, so that nothing is stepped over
+    constexpr double kEvening = 3.5; ///< factor of the wider kernel that averages the skin
+    constexpr double kStepMm = 1.0; ///< ray sampling; smaller than the kernel radius, so that nothing is missed
     constexpr int kBisections = 40; ///< 1 mm / 2^40: below round-off of the coordinates
     constexpr double kProjectionReachMm = 60.0;
 
     /// Calls visit(label, offset from the point in mm in grid axes, weight) for all lattice places within `radius` of a
-    /// point; beyond the grid its border goes on. The weight goes smoothly to zero at the radius.
+    /// point. Beyond the grid the labels of its border continue. The weight falls smoothly to zero at the radius.
     template <typename Visit>
     void visit_ball(const mesh::LabelVolume& labels, const Vec3& point, double radius, Visit&& visit)
     {
@@ -47,7 +47,7 @@ namespace {
 
     bool has(const LabelMask& mask, Label label) { return label < mask.size() && mask[label] != 0; }
 
-    /// The root of inside(t) between a t that is inside and one that is outside.
+    /// Finds the change of inside(t) between a t that is inside and one that is outside.
     template <typename Inside> double bisect(double inside_t, double outside_t, Inside&& inside)
     {
         for (int n = 0; n < kBisections; ++n) {
@@ -142,7 +142,7 @@ double BodyProbe::share_within(const LabelMask& mask, const Vec3& point, double 
     return all > 0.0 ? inside / all : 0.0;
 }
 
-/// The passage from body to outside of the wider kernel nearest to one found with the narrow kernel.
+/// The passage from body to outside for the wider kernel, nearest to the passage for the narrow kernel.
 double BodyProbe::evened(const Vec3& from, const Vec3& direction, double distance) const
 {
     const double radius = kEvening * radius_;
@@ -196,7 +196,7 @@ std::optional<double> BodyProbe::wall_thickness(const Vec3& skin, const Vec3& di
 
 Vec3 BodyProbe::skin_normal(const Vec3& skin, double radius_mm) const
 {
-    // Weighted straight-line fit of the body's indicator: right also where the image ends.
+    // A weighted straight-line fit of the body's indicator, which is also correct where the image ends.
     Eigen::Matrix4d moments = Eigen::Matrix4d::Zero();
     Eigen::Vector4d values = Eigen::Vector4d::Zero();
     visit_ball(labels_, skin, std::max(radius_mm, 2.0 * radius_), [&](Label label, const Vec3& offset, double weight) {
@@ -221,7 +221,7 @@ Vec3 BodyProbe::project_to_skin(const Vec3& point) const
     if (!first)
         return refuse();
     Vec3 skin = wall_centroid_ + *first * outward;
-    // The nearest point is where the normal leads back to the given one: fixed-point iteration.
+    // Fixed-point iteration: the normal at the nearest point leads back to the given point.
     for (int n = 0; n < 12; ++n) {
         const Vec3 normal = skin_normal(skin);
         const Vec3 start = point - kProjectionReachMm * normal;

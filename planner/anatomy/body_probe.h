@@ -1,6 +1,6 @@
 #pragma once
-// Feeling for the skin and for the far side of the wall along rays. The labels are seen through a small smooth kernel,
-// so that every answer is a continuous function of the ray and no staircase shows. Units mm; frame patient LPS.
+// Finds the skin and the inner side of the wall along rays. A small smooth kernel is laid over the labels, so that
+// every answer is a continuous function of the ray and shows no staircase of voxels. Units mm; frame patient LPS.
 
 #include "mesh/image/volume.h"
 
@@ -11,36 +11,37 @@
 
 namespace retractor::planner {
 
-/// Which labels count, indexed by label id.
+/// The labels that count: one flag per label id.
 using LabelMask = std::vector<std::uint8_t>;
 
 LabelMask wall_mask(const mesh::LabelTable& table); ///< all labels of role `wall`
 LabelMask body_mask(const mesh::LabelTable& table); ///< all labels but 0
 LabelMask mask_of(const mesh::LabelTable& table, std::span<const Label> labels);
 
-/// Keeps a reference to the labels: they must outlive it.
+/// Probes the labels, and keeps a reference to them. @pre the labels outlive the probe
 class BodyProbe {
 public:
-    /// @throws InputError when no voxel has a wall label.
+    /// @throws InputError when no voxel has a wall label
     explicit BodyProbe(const mesh::LabelVolume& labels);
 
-    /// Share of the labels in `mask` within a smooth ball round a point, 0 to 1; 1/2 on a flat boundary.
+    /// Share of the labels in `mask` within a smooth ball round a point, from 0 to 1; a half on a flat boundary.
     double share(const LabelMask& mask, const Vec3& point) const;
 
-    /// Distance from `from` along the unit `direction` to the last passage from wall to outside: the skin, evened out
-    /// over some voxels so that its staircase does not show in a line drawn on it.
+    /// Distance from `from` along the unit `direction` to the skin: the last passage from wall to outside. The distance
+    /// is averaged over some voxels, so that a line drawn on the skin shows no staircase.
     std::optional<double> skin_along(const Vec3& from, const Vec3& direction) const;
-    /// The same for the first skin on the way, where an arm beside the chest has skin of its own beyond a gap.
+    /// Distance to the first skin along the ray. Use this where an arm beside the chest has its own skin beyond a gap.
     std::optional<double> first_skin_along(const Vec3& from, const Vec3& direction) const;
 
-    /// Thickness of the wall from a point on the skin along a unit direction into the body: to the first cavity or
-    /// organ at least kCavityMm deep. Nothing when there is none within `limit_mm`.
+    /// Thickness of the wall from a point on the skin along a unit direction into the body. The wall ends at the first
+    /// cavity or organ that is at least kCavityMm deep.
+    /// @returns nothing when there is no such cavity within `limit_mm`
     std::optional<double> wall_thickness(const Vec3& skin, const Vec3& direction, double limit_mm = 150.0) const;
 
     /// Outward unit normal of the body, averaged over about `radius_mm`.
     Vec3 skin_normal(const Vec3& skin, double radius_mm = 25.0) const;
 
-    /// The nearest point on the skin for a point not far from it. @throws InputError when none is found.
+    /// The point of the skin nearest to a point close to the skin. @throws InputError when none is found
     Vec3 project_to_skin(const Vec3& point) const;
 
     const Vec3& wall_centroid() const { return wall_centroid_; }
@@ -55,7 +56,7 @@ private:
     LabelMask wall_;
     LabelMask body_;
     Vec3 wall_centroid_ = Vec3::Zero();
-    double radius_ = 0.0; ///< of the kernel, mm
+    double radius_ = 0.0; ///< radius of the kernel, mm
     double reach_ = 0.0; ///< diagonal of the grid, mm
 };
 

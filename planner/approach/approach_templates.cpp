@@ -17,11 +17,12 @@ namespace retractor::planner {
 namespace {
 
     constexpr double kPointSpacingMm = 6.0; ///< between incision points
-    constexpr double kDepthMarginMm = 5.0; ///< the blade goes this far beyond the thickest wall
-    constexpr double kBeyondSternumMm = 10.0; ///< so that the saw leaves the bone at both ends
+    constexpr double kDepthMarginMm = 5.0; ///< distance of the blade's end beyond the thickest wall
+    constexpr double kBeyondSternumMm = 10.0; ///< distance at both ends, so that the saw leaves the bone
     constexpr double kNodeDeg = 1.5; ///< sampling of an intercostal space
-    constexpr double kLeastClearanceMm = 1.0; ///< from the blade to bone
-    constexpr double kThickWall = 2.0; ///< times the median thickness: no longer the chest wall (shoulder, belly)
+    constexpr double kLeastClearanceMm = 1.0; ///< between the blade and bone
+    /// Multiple of the median thickness; a thicker wall is no chest wall (shoulder, belly).
+    constexpr double kThickWall = 2.0;
 
     struct ParsedTemplate {
         std::string kind;
@@ -100,8 +101,9 @@ namespace {
         return target.is_sphere() ? target.centre : label_centroid(labels, target.label);
     }
 
-    /// Fills in depth and wall thickness along the finished line. @returns how many places have no chest wall before a
-    /// cavity (or one beyond kThickWall times the median), and were left out of the depth.
+    /// Sets depth and wall thickness along the finished line.
+    /// @returns the number of places without a chest wall before a cavity, or thicker than kThickWall times the median.
+    /// These places do not count in the depth.
     std::size_t measure_wall(const BodyProbe& probe, Approach& approach)
     {
         std::vector<double> found;
@@ -118,26 +120,26 @@ namespace {
         std::sort(found.begin(), found.end());
         const double limit = kThickWall * found[found.size() / 2];
         double thickest = 0.0;
-        std::size_t reduction_error = 0;
+        std::size_t omitted = 0;
         for (const double wall : approach.wall_thickness_mm)
             if (wall <= limit)
                 thickest = std::max(thickest, wall);
             else
-                ++reduction_error;
+                ++omitted;
         approach.depth_mm = thickest + kDepthMarginMm;
         for (double& wall : approach.wall_thickness_mm)
             wall = std::min(wall, approach.depth_mm);
-        return reduction_error;
+        return omitted;
     }
 
-    std::string wall_words(const Approach& approach, std::size_t reduction_error)
+    std::string wall_words(const Approach& approach, std::size_t omitted)
     {
         const auto [thin, thick]
             = std::minmax_element(approach.wall_thickness_mm.begin(), approach.wall_thickness_mm.end());
         std::string text = " The wall along it is " + in_words(*thin) + " to " + in_words(*thick)
             + " mm thick; the blade goes " + in_words(approach.depth_mm) + " mm deep.";
-        if (reduction_error > 0)
-            text += " At " + std::to_string(reduction_error) + " of its " + std::to_string(approach.incision.size())
+        if (omitted > 0)
+            text += " At " + std::to_string(omitted) + " of its " + std::to_string(approach.incision.size())
                 + " points no cavity lies near behind the wall, and the blade ends inside it.";
         return text;
     }
@@ -155,11 +157,11 @@ namespace {
         }
     }
 
-    /// "point 3": the third of the given points has the index 2.
+    /// Name of a point for people: the index 2 gives "point 3".
     std::string point_name(std::size_t index) { return "point " + std::to_string(index + 1); }
 
-    /// The blade must not cross itself either, by the cutter's own check.
-    /// @param given per incision point: the last of the given points at or before it.
+    /// Refuses a blade that crosses itself, by the cutter's own check.
+    /// @param given last given point at or before each incision point
     void check_crossing(
         const Approach& approach, const std::vector<Vec3>& points, const std::vector<std::size_t>& given)
     {
@@ -201,7 +203,7 @@ namespace {
         const int count = std::max(2, static_cast<int>(std::ceil(length / kPointSpacingMm - 0.0123)));
         const auto& midline = sternum.midline;
         for (int n = 0; n <= count; ++n) {
-            // Distance below the notch, in midline nodes; the line goes straight on beyond both ends.
+            // Distance below the notch, in midline nodes. The line continues straight beyond both ends.
             const double depth = length * n / count - kBeyondSternumMm;
             const double place = depth / (length - 2.0 * kBeyondSternumMm) * static_cast<double>(midline.size() - 1);
             const auto node
@@ -218,27 +220,27 @@ namespace {
             approach.directions.push_back(back);
             approach.hook_depth_mm.push_back(*skin);
         }
-        const std::size_t reduction_error = measure_wall(probe, approach);
+        const std::size_t omitted = measure_wall(probe, approach);
         approach.rationale = "Full median sternotomy: the midline of the sternum, found in its label, from "
             + in_words(kBeyondSternumMm) + " mm above the notch to " + in_words(kBeyondSternumMm)
             + " mm below the xiphoid, put on the skin square to the bone. The sternum ("
             + in_words((sternum.top - sternum.bottom).norm()) + " mm long) is sawn through; ribs and spine are not cut."
-            + wall_words(approach, reduction_error);
+            + wall_words(approach, omitted);
     }
 
     // ---- between two ribs ------------------------------------------------------------------------------------------
 
     /// A place in an intercostal space.
     struct SpaceNode {
-        double angle_deg = 0.0; ///< round the chest, see RibLine
+        double angle_deg = 0.0; ///< angle round the chest, see RibLine
         Vec3 middle; ///< half way between the two ribs' centre-lines
-        Vec3 outward; ///< unit, square to the space and to the line between the ribs
+        Vec3 outward; ///< unit vector at right angles to the space and to the line between the ribs
         Vec3 skin;
         double along = 0.0; ///< mm along the skin from the first node
-        bool free = true; ///< no bone over it (the shoulder blade)
+        bool free = true; ///< no bone lies over the place (the shoulder blade)
     };
 
-    /// Gaussian mean over neighbours; the ends keep their place by point reflection.
+    /// Gaussian mean over neighbours. Point reflection at the ends keeps the ends in place.
     std::vector<Vec3> smoothed(const std::vector<Vec3>& values, double sigma_nodes)
     {
         const auto n = static_cast<int>(values.size());
@@ -277,7 +279,7 @@ namespace {
         return std::string(left ? "left" : "right") + " intercostal space " + std::to_string(space);
     }
 
-    /// The whole space from back to front, as far as both ribs reach.
+    /// The whole space from back to front, over the length of both ribs.
     std::vector<SpaceNode> space_nodes(const BodyProbe& probe, const Anatomy& anatomy, bool left, int space)
     {
         const RibLine& upper = find_rib(anatomy, left, space);
@@ -297,7 +299,7 @@ namespace {
             middle.push_back(0.5 * (above + below));
             across.push_back((above - below).normalized());
         }
-        constexpr double kSmoothNodes = 4.0; // 6 degrees: the spacing of the centre-lines' own points
+        constexpr double kSmoothNodes = 4.0; // 6 degrees: the spacing of the points of the centre-lines
         middle = smoothed(middle, kSmoothNodes);
         across = smoothed(across, kSmoothNodes);
         const std::vector<Vec3> along = tangents(middle);
@@ -323,7 +325,7 @@ namespace {
         return nodes;
     }
 
-    /// Least distance (mm) from a stretch of the blade to a voxel of the mask; capped at `reach`.
+    /// Smallest distance (mm) from a stretch of the blade to a voxel of the mask, at most `reach`.
     double clearance(const mesh::LabelVolume& labels, const LabelMask& mask, const Vec3& skin, const Vec3& inward,
         double depth, double reach)
     {
@@ -343,8 +345,8 @@ namespace {
         return least - 0.5 * grid.spacing.maxCoeff();
     }
 
-    /// No incision where bone or cartilage lies in its way (the shoulder blade, ribs that join), nor through the
-    /// shoulder or an arm.
+    /// Marks the places where no incision is possible: bone or cartilage is in the way (the shoulder blade, ribs that
+    /// join), or the line would cross the shoulder or an arm.
     void mark_covered(const mesh::LabelVolume& labels, std::vector<SpaceNode>& nodes)
     {
         constexpr double kReachMm = 4.0, kBelowRibsMm = 8.0;
@@ -359,7 +361,7 @@ namespace {
                 && clearance(labels, hard, node.skin, -node.outward, (node.skin - node.middle).norm() + kBelowRibsMm,
                        kReachMm)
                     >= 1.25 * kLeastClearanceMm;
-        // Where the skin leaps, the line would cross the fold to an arm.
+        // A jump of the skin means that the line would cross the fold to an arm.
         constexpr double kSteepest = 1.5;
         for (std::size_t n = 1; n < nodes.size(); ++n)
             if (std::abs(cover(nodes[n]) - cover(nodes[n - 1]))
@@ -369,10 +371,10 @@ namespace {
 
     struct Window {
         double from = 0.0, to = 0.0; ///< mm along the nodes
-        bool slid = false; ///< it could not stay centred where it was wanted
+        bool slid = false; ///< the window could not stay centred at the wanted place
     };
 
-    /// A window of the wanted length, centred where wanted as far as the free stretch between two angles allows.
+    /// A window of the wanted length, centred at the wanted place as far as the free stretch between two angles allows.
     Window window_in(const std::vector<SpaceNode>& nodes, double centre, double length, double from_deg, double to_deg)
     {
         Window free_stretch, stretch;
@@ -397,7 +399,7 @@ namespace {
         return { from, from + taken, std::abs(from + 0.5 * taken - centre) > 1.0 };
     }
 
-    /// Node values at a place along the space, put on the skin anew.
+    /// Interpolates the node values at places along the space, and projects the places onto the skin.
     void sample_window(
         const BodyProbe& probe, const std::vector<SpaceNode>& nodes, const Window& window, Approach& approach)
     {
@@ -420,7 +422,7 @@ namespace {
         }
     }
 
-    /// Refuses a blade that would touch bone. @returns the room beside it, in words.
+    /// Refuses a blade that would touch bone. @returns the clearance beside the blade, in words
     std::string check_clearance(const mesh::LabelVolume& labels, const Approach& approach, const std::string& space)
     {
         constexpr double kReachMm = 12.0;
@@ -436,7 +438,7 @@ namespace {
         return " The blade keeps at least " + in_words(room, 1) + " mm from every bone and cartilage.";
     }
 
-    /// How far the target's centre lies from the space (mm), and where along it.
+    /// Distance (mm) of the target's centre from the space, and the nearest place along the space.
     std::pair<double, double> nearest_to(const std::vector<SpaceNode>& nodes, const Vec3& target)
     {
         std::pair<double, double> best { std::numeric_limits<double>::infinity(), 0.0 };
@@ -457,11 +459,11 @@ namespace {
 
     struct SpacePlan {
         bool left = true;
-        std::vector<int> spaces; ///< the one nearest to the target is taken
+        std::vector<int> spaces; ///< candidates; the space nearest to the target is taken
         double length_mm = 0.0;
         double centre_deg = -1.0; ///< negative: nearest to the target
-        double from_deg = 0.0, to_deg = 360.0; ///< where on the chest the incision may lie
-        std::string words; ///< what this template is
+        double from_deg = 0.0, to_deg = 360.0; ///< allowed range of the incision on the chest
+        std::string words; ///< description of the template
     };
 
     void place_in_space(
@@ -483,7 +485,7 @@ namespace {
         const double centre = faces ? nearest_to(nodes, target).second : along_at_angle(nodes, plan.centre_deg);
         const Window window = window_in(nodes, centre, plan.length_mm, plan.from_deg, plan.to_deg);
         sample_window(probe, nodes, window, approach);
-        const std::size_t reduction_error = measure_wall(probe, approach);
+        const std::size_t omitted = measure_wall(probe, approach);
         const std::string name = space_name(plan.left, space);
         const std::string room = check_clearance(probe.labels(), approach, name);
         approach.rationale = plan.words + " The line follows the middle of the " + name
@@ -494,7 +496,7 @@ namespace {
             + (faces
                     ? (window.slid ? ", as far as the shoulder blade, the back muscles and the ribs' ends allow." : ".")
                     : "")
-            + room + wall_words(approach, reduction_error);
+            + room + wall_words(approach, omitted);
     }
 
     SpacePlan plan_for(const ParsedTemplate& parsed, const ApproachRequest& request)
@@ -522,7 +524,7 @@ namespace {
             .words = "Lateral thoracotomy, centred just in front of the mid-axillary line." };
     }
 
-    /// What is looked for must be in the body, behind the wall.
+    /// Refuses a target that is not in the body, behind the wall.
     void check_target(const mesh::LabelVolume& labels, const TargetSpec& target)
     {
         if (target.is_sphere()) {
@@ -575,7 +577,7 @@ namespace {
 
 Approach approach_from_template(const mesh::LabelVolume& labels, const ApproachRequest& request)
 {
-    parse_template(request.template_name); // a misspelt template is refused before the landmarks are sought
+    parse_template(request.template_name); // a misspelt template is refused before the search for landmarks
     check_request(labels, request);
     return approach_from_template(labels, find_anatomy(labels), request);
 }
@@ -589,7 +591,7 @@ Approach approach_from_template(const mesh::LabelVolume& labels, const Anatomy& 
     approach.uncut_labels = bone_names(labels.table);
     if (parsed.kind == "median") {
         place_median(probe, anatomy, approach);
-        // The saw goes through what lies in its way: the sternum, and calcified cartilage that no name is known of.
+        // The saw goes through the sternum, and through calcified cartilage without a name of its own.
         for (const char* sawn : { "sternum", "bone_other" })
             std::erase(approach.uncut_labels, sawn);
         approach.retracted = retracted_organs(labels.table, true, true, true);
@@ -599,7 +601,7 @@ Approach approach_from_template(const mesh::LabelVolume& labels, const Anatomy& 
         approach.retracted = retracted_organs(labels.table, plan.left, !plan.left, parsed.kind == "midcab");
     }
     check_sweep(approach);
-    static_cast<void>(mesh::SweptBlade(blade_of(approach))); // the cutter's own check, before anything is planned on it
+    static_cast<void>(mesh::SweptBlade(blade_of(approach))); // the cutter's own check, before planning
     add_target_words(labels, approach);
     check_approach(approach);
     return approach;
@@ -661,8 +663,8 @@ PointsApproach approach_from_points(const mesh::LabelVolume& labels, const std::
     if (depth_mm > 0.0)
         approach.depth_mm = depth_mm;
     else {
-        const std::size_t reduction_error = measure_wall(probe, approach);
-        approach.rationale += wall_words(approach, reduction_error);
+        const std::size_t omitted = measure_wall(probe, approach);
+        approach.rationale += wall_words(approach, omitted);
     }
     approach.uncut_labels = bone_names(labels.table);
     check_sweep(approach);

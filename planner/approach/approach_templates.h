@@ -1,16 +1,15 @@
 #pragma once
-// Approaches by template or by points. Templates find their landmarks in the labels, so they work on another patient,
-// and on the same one shifted and turned. Units mm; frame patient LPS.
+// Makes an approach from a template or from points. A template finds its landmarks in the labels, so the same template
+// serves every patient, in any position. Units mm; frame patient LPS.
 //
-//   median         full sternotomy: the sternum's midline from 10 mm above the notch to 10 mm below the xiphoid, blade
-//                  square to the sternum, sternum sawn through.
-//   intercostal:N  thoracotomy: the middle between rib N and rib N+1, left unless said otherwise, lateral (170 mm).
-//   distal[:N]     left posterolateral thoracotomy for the distal arch and the descending aorta: the 6th space (or N)
-//   between
-//                  the back muscles and the side, slid along the space to face the target (160 mm).
-//   midcab[:N]     left anterior mini-thoracotomy: the 4th or 5th space (or N), whichever lies nearer to the target,
-//   centred
-//                  over it (70 mm).
+// - median: full sternotomy. The incision follows the sternum's midline from 10 mm above the notch to 10 mm below the
+//   xiphoid. The blade is square to the sternum and saws it through.
+// - intercostal:N: thoracotomy in the middle between rib N and rib N+1, lateral, 170 mm long, on the left unless the
+//   request says otherwise.
+// - distal[:N]: left posterolateral thoracotomy for the distal arch and the descending aorta, 160 mm long, in space N
+//   (the 6th by default). The incision lies between the back muscles and the side, where it faces the target.
+// - midcab[:N]: left anterior mini-thoracotomy, 70 mm long, centred over the target. The space is N, or whichever of
+//   the 4th and 5th is nearer to the target.
 
 #include "planner/anatomy/anatomy.h"
 #include "planner/case/approach.h"
@@ -22,29 +21,30 @@
 namespace retractor::planner {
 
 struct ApproachRequest {
-    std::string template_name; ///< as above
+    std::string template_name; ///< one of the templates above
     std::string name; ///< empty: the template's name, ":" replaced by "_"
     TargetSpec target;
-    bool left = true; ///< intercostal only: the others have their side
-    double length_mm = 0.0; ///< 0: the template's own
+    bool left = true; ///< side of an intercostal approach; the other templates have a fixed side
+    double length_mm = 0.0; ///< length of the incision; 0: the template's own length
     SizingSpec sizing;
     ViewSpec view;
 };
 
 /// @throws InputError when the template is unknown, a landmark is missing, or the space has no room for the blade.
 Approach approach_from_template(const mesh::LabelVolume& labels, const ApproachRequest& request);
-/// The same with landmarks found before.
+/// Makes the approach from landmarks that were found before.
 Approach approach_from_template(
     const mesh::LabelVolume& labels, const Anatomy& anatomy, const ApproachRequest& request);
 
 struct PointsApproach {
     Approach approach; ///< template_name "points"
-    std::vector<double> moved_mm; ///< per given point: how far it was from the skin
+    std::vector<double> moved_mm; ///< distance of each given point from the skin
 };
 
-/// An incision through given points, moved onto the skin; the blade goes in square to the skin.
-/// @param depth_mm 0: through the wall, as measured. @throws InputError when a point is more than `reach_mm` off the
-/// skin, or when no cavity lies behind the wall and no depth is given.
+/// Makes an incision through the given points, which are moved onto the skin. The blade goes in square to the skin.
+/// @param depth_mm depth of the blade; 0: through the wall, as measured
+/// @throws InputError when a point is more than `reach_mm` from the skin, or when no cavity lies behind the wall and no
+/// depth is given
 PointsApproach approach_from_points(const mesh::LabelVolume& labels, const std::vector<Vec3>& points,
     const ApproachRequest& request, double depth_mm = 0.0, double reach_mm = 40.0);
 

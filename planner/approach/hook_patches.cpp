@@ -14,7 +14,7 @@ namespace retractor::planner {
 
 namespace {
 
-    /// Where a hook sits: on the blade, `along` the incision and below the skin.
+    /// The place of a hook on the blade: along the incision and below the skin.
     struct HookPlace {
         Vec3 centre, along, depth;
     };
@@ -35,11 +35,12 @@ namespace {
         return { on_skin + spec.depth_mm * depth, (approach.incision[i + 1] - approach.incision[i]) / length, depth };
     }
 
-    /// A hook in front of a bone bears on it: a retractor's blade lies against the rib, with the muscle between them
-    /// squeezed flat. Bone vertices under the patch and this far behind it move with the hook; without them the layer
-    /// between hook and rib would have to be crushed to nothing before the rib moves.
+    /// A hook in front of a bone bears on the bone: a retractor's blade lies against the rib and squeezes the muscle
+    /// between them flat. Bone vertices under the patch, up to this distance behind it, move with the hook. Otherwise
+    /// the layer between hook and rib would have to be crushed to nothing before the rib moves.
     constexpr double kBearingMm = 8.0;
-    /// Of the patch's width, to either side: the bone is borne on in its middle, so that it can turn on the hook.
+    /// Share of the patch's width, to either side of the middle, over which the patch bears on bone. The bone can then
+    /// turn on the hook.
     constexpr double kBearingShare = 0.25;
 
     std::vector<VertexId> bone_vertices(const mesh::TetMesh& mesh, const mesh::LabelTable& table)
@@ -83,7 +84,7 @@ std::vector<fem::HookPatch> hook_patches(const mesh::TetMesh& wall, std::span<co
         for (const VertexId v : bones)
             if (is_behind_patch(spec, place, wall.vertices.row(v).transpose()))
                 nodes.insert(v);
-        // Where the cut ends inside the tissue both lips share their vertices: no hook can hold those.
+        // Where the cut ends inside the tissue, both lips share their vertices. No hook can hold these vertices.
         const std::set<VertexId>& other_lip = vertices_of_side[-spec.side];
         std::erase_if(nodes, [&](VertexId v) { return other_lip.contains(v) || held.contains(v); });
         if (nodes.size() < 3)

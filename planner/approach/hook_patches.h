@@ -1,5 +1,6 @@
 #pragma once
-// Where the hooks of an approach take hold of its cut wall. Units mm; frame patient LPS (rest configuration).
+// Finds the nodes of the cut wall that each hook of an approach holds. Units mm; frame patient LPS (rest
+// configuration).
 
 #include "fem/statics/boundary_conditions.h"
 #include "fem/statics/hook_drive.h"
@@ -11,13 +12,13 @@
 
 namespace retractor::planner {
 
-/// One patch per hook of the approach: nodes of its lip, and of the bone it bears on.
-/// @param lips faces of `wall` on the incision's two sides.
-/// @throws InputError naming the hook, when fewer than three free nodes lie under it.
+/// One patch per hook of the approach: nodes of the hook's lip, and of the bone that the hook bears on.
+/// @param lips faces of `wall` on the incision's two sides
+/// @throws InputError naming the hook, when fewer than three free nodes lie under it
 std::vector<fem::HookPatch> hook_patches(const mesh::TetMesh& wall, std::span<const mesh::LipFace> lips,
     const Approach& approach, const mesh::LabelTable& table, const fem::Supports& supports);
 
-/// What the hook does to the tissue under it.
+/// The drive of a hook: its motion, force, limit and grip, as the solver takes them.
 fem::HookDrive drive_of(const HookSpec& spec);
 
 } // namespace retractor::planner

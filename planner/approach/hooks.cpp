@@ -13,9 +13,10 @@ namespace retractor::planner {
 
 namespace {
 
-    constexpr double kHeldShare = 0.8; ///< hooks stand in this middle part of the incision: its ends hardly open
+    /// Hooks stand in this middle part of the incision, because its ends hardly open.
+    constexpr double kHeldShare = 0.8;
     constexpr double kSpreaderShare = 0.5, kSpreaderLargestMm = 60.0;
-    constexpr double kRimMm = 2.0; ///< a patch keeps this far from the skin and from the cavity
+    constexpr double kRimMm = 2.0; ///< distance of a patch from the skin and from the cavity
 
     /// A place on the incision: interpolated between its points.
     struct Place {
@@ -40,7 +41,7 @@ namespace {
         return (1.0 - place.t) * values[place.segment] + place.t * values[place.segment + 1];
     }
 
-    /// Towards the left of the cutting direction, looking down on the skin: side +1, see BladeCoordinates.
+    /// Direction to the left of the cut, looking down on the skin: side +1, see BladeCoordinates.
     Vec3 left_at(const Approach& approach, double along, double width)
     {
         const auto point = [&](double s) {
@@ -49,7 +50,7 @@ namespace {
                 (1.0 - place.t) * approach.incision[place.segment] + place.t * approach.incision[place.segment + 1]);
         };
         const double length = incision_length(approach);
-        // The chord under the patch: a rigid patch has one direction.
+        // The tangent is the chord under the patch, because a rigid patch has one direction.
         const Vec3 tangent = point(std::min(length, along + 0.5 * width)) - point(std::max(0.0, along - 0.5 * width));
         const Place place = place_at(approach, along);
         const Vec3 down
@@ -57,7 +58,7 @@ namespace {
         return tangent.cross(down).normalized();
     }
 
-    /// Thinnest wall and mean hold depth under a patch.
+    /// Fits a hook to the thinnest wall and the mean hold depth under its patch.
     void fit_depth(const Approach& approach, HookSpec& hook)
     {
         double wall = approach.depth_mm;
@@ -76,8 +77,8 @@ namespace {
         if (!(room > kRimMm))
             throw InputError("the wall is only " + in_words(wall, 1) + " mm thick under the hook at "
                 + in_words(hook.along_mm) + " mm along the incision: no room for a hook");
-        // A retractor's blade reaches from the skin through the wall: held deep only, the skin would hang into the
-        // field.
+        // The blade of a retractor reaches from the skin through the wall. If it held only deep tissue, the skin would
+        // hang into the field.
         hook.patch_height_mm = room;
         const double half = 0.5 * hook.patch_height_mm;
         hook.depth_mm = std::clamp(hold, kRimMm + half, wall - kRimMm - half);
@@ -110,7 +111,7 @@ std::vector<HookSpec> make_hooks(
                 + " hooks of " + in_words(model.patch_width_mm) + " mm on each lip",
             "hook template", { "hook_template" });
 
-    // The blades of a spreader are parallel: on one piece of bone, directions that differ would pull it in two.
+    // The blades of a spreader are parallel. Different directions would pull one piece of bone in two.
     const auto along_of = [&](int n) { return 0.5 * (1.0 - kHeldShare) * length + (n + 0.5) * spacing; };
     Vec3 left = Vec3::Zero();
     for (int n = 0; n < per_lip; ++n)

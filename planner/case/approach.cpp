@@ -14,9 +14,10 @@ namespace retractor::planner {
 
 namespace {
 
-    constexpr double kUnitTolerance = 1e-6; ///< directions are stored to the last bit, typed in by hand to a few digits
-    constexpr double kLeastPull = 1e-3; ///< N or N/mm, of a wall that shows a hook some 10 N/mm: a mistaken unit
-    constexpr double kLargestMm = 1e4; ///< beyond any patient: a mistaken unit
+    constexpr double kUnitTolerance = 1e-6; ///< directions are stored to the last bit, but typed to a few digits
+    /// N or N/mm; a wall resists a hook with some 10 N/mm, so less is a mistaken unit.
+    constexpr double kLeastPull = 1e-3;
+    constexpr double kLargestMm = 1e4; ///< larger than any patient; more is a mistaken unit
 
     [[noreturn]] void refuse(const std::string& what, const std::string& where) { throw InputError(what, where); }
 
@@ -221,7 +222,7 @@ void check_approach(const Approach& approach, const std::string& pointer)
 {
     if (approach.name.empty())
         refuse("an approach needs a name", pointer + "/name");
-    for (const char c : approach.name) // names become file names
+    for (const char c : approach.name) // names become names of files
         if (c == '/' || c == '\\' || static_cast<unsigned char>(c) < 0x20)
             refuse("a name must not hold slashes or control characters", pointer + "/name");
     if (approach.name.front() == '.')

@@ -187,7 +187,7 @@ void check_pressures(const Case& planned_case)
                 where + "/label");
         if (!labels.insert(spec.label).second)
             throw InputError("the label \"" + spec.label + "\" comes twice", where + "/label");
-        if (!(spec.pressure_kPa >= -kMostSuctionKPa && spec.pressure_kPa <= kMostPressureKPa)) // nor what is no number
+        if (!(spec.pressure_kPa >= -kMostSuctionKPa && spec.pressure_kPa <= kMostPressureKPa)) // refuses NaN too
             throw InputError("the pressure of \"" + spec.label + "\" must be between " + in_words(-kMostSuctionKPa)
                     + " (suction) and " + in_words(kMostPressureKPa) + " kPa",
                 where + "/pressure_kPa");

@@ -86,7 +86,7 @@ namespace {
             throw InputError(what, pointer_.empty() ? "/" : pointer_);
         }
 
-        /// An object with these keys and no others.
+        /// Checks for an object with these keys and no others.
         const Node& object(std::initializer_list<std::string_view> required,
             std::initializer_list<std::string_view> optional = {}) const
         {
@@ -317,7 +317,7 @@ namespace {
         throw InputError("a neo-Hookean material is one without a law", "/materials");
     }
 
-    /// Without "across" tissue is free to narrow.
+    /// Tissue without "across" is free to narrow.
     fem::PreStrain read_pre_strain(const Node& node)
     {
         node.object({ "along" }, { "across", "direction", "normal" });
@@ -578,7 +578,8 @@ namespace {
 
     Approach read_approach(const Node& node)
     {
-        // The last two came later: a case without them has no ablations, and its loose pieces are held.
+        // "ablations" and "loose_pieces" were added later. A case without them has no ablations, and its loose pieces
+        // are held.
         node.object({ "name", "template", "incision_mm", "directions", "depth_mm", "wall_thickness_mm", "hook_depth_mm",
                         "target", "hooks", "retracted", "uncut_labels", "sizing", "view", "rationale" },
             { "ablations", "loose_pieces" });
@@ -622,7 +623,7 @@ namespace {
 
     void check_head(const Node& root)
     {
-        // The schema comes first: another one may have other keys.
+        // The schema is checked first, because another schema may have other keys.
         if (root.has("schema"))
             if (const int schema = root["schema"].integer(0, 1000000); schema != kCaseSchema)
                 root["schema"].refuse("the case has schema " + std::to_string(schema) + ", written by "
@@ -697,7 +698,7 @@ std::string checksum(const fs::path& path)
     std::sort(names.begin(), names.end());
     Sha256 sum;
     for (const std::string& name : names) {
-        const std::string line = file_checksum(path / name) + "  " + name + "\n"; // as sha256sum prints it
+        const std::string line = file_checksum(path / name) + "  " + name + "\n"; // in the format of sha256sum
         sum.add(line.data(), line.size());
     }
     return sum.hexadecimal();

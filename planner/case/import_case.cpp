@@ -83,14 +83,14 @@ namespace {
         return counts;
     }
 
-    /// Compared as it is: far away, an index does not fit into an int.
+    /// Whether the grid holds the index. The comparison is made in double: a far index does not fit into an int.
     bool holds_index(const mesh::ImageGrid& grid, const Vec3& index)
     {
         return index.minCoeff() >= 0.0 && index.x() < grid.size[0] && index.y() < grid.size[1]
             && index.z() < grid.size[2];
     }
 
-    /// At least one labelled voxel lies inside the CT, or one of the two is of another patient or frame.
+    /// Checks that a labelled voxel lies inside the CT. Otherwise one of the two images is of another patient or frame.
     void check_overlap(const mesh::Volume& ct, const mesh::LabelVolume& labels, const fs::path& where)
     {
         std::size_t at = 0;
@@ -115,8 +115,8 @@ namespace {
         throw InputError("there are more labels than ids", "labels", { "labels" });
     }
 
-    /// Writes `later` over `labels`, on the grid of `labels`. The same name is the same label.
-    /// @returns the voxels that had another label before.
+    /// Writes `later` over `labels`, on the grid of `labels`. Labels with the same name become one label.
+    /// @returns the number of voxels that had another label before
     std::size_t write_over(mesh::LabelVolume& labels, const mesh::LabelVolume& later)
     {
         const mesh::LabelVolume moved = datasets::resample_labels_to(later, labels.grid);
@@ -161,7 +161,8 @@ namespace {
             if (const std::size_t changed = write_over(*labels, read.labels); changed > 0)
                 imported.notes.push_back(std::to_string(changed)
                     + " voxels of earlier label maps were overruled by number "
-                    + std::to_string(&path - request.labels.data() + 1)); // a file's name may be the patient's
+                    // The name of a file may be the patient's name.
+                    + std::to_string(&path - request.labels.data() + 1));
         }
         return labels;
     }
@@ -194,7 +195,7 @@ namespace {
         return std::move(found.labels);
     }
 
-    /// Mean of the CT over a label, where the two images meet.
+    /// Mean of the CT over a label, in the common part of the two images.
     struct LabelValues {
         std::size_t inside = 0, outside = 0;
         double sum_hu = 0.0;
@@ -227,20 +228,21 @@ namespace {
         return values;
     }
 
-    /// Bone that is not dense, lungs that are not air, organs in air: the labels are of another image, or shifted.
+    /// Whether the labels belong to another image or are shifted: bone that is not dense, lungs that are not air,
+    /// organs in air.
     bool is_implausible(const mesh::LabelInfo& info, double mean_hu)
     {
         if (info.material == "bone")
             return mean_hu < 50.0;
         if (info.material == "lung")
             return mean_hu > -300.0;
-        // The wall of the airways is thinner than a voxel, and gut is full of gas.
+        // The wall of an airway is thinner than a voxel, and the gut is full of gas.
         const bool hollow
             = info.material == "cartilage" || (info.material == "muscle" && info.role == mesh::Role::voxel);
         return !hollow && mean_hu < -300.0;
     }
 
-    /// Labels that lie on the CT only by their numbers are told: same grid, other patient.
+    /// Warns when the labels do not fit the values of the CT. Labels of another patient may well have the same grid.
     void check_plausibility(const mesh::Volume& ct, const mesh::LabelVolume& labels, ImportedCase& imported)
     {
         constexpr std::size_t kEnoughVoxels = 100;
@@ -263,7 +265,7 @@ namespace {
             imported.warnings.push_back(in_words(100.0 * share) + " % of the labelled voxels lie outside the CT");
     }
 
-    /// What the notes quote (series descriptions, file names) may hold the name.
+    /// Withholds the patient's name in texts that the notes quote (series descriptions, file names).
     void withhold_identity(const ImportRequest& request, ImportedCase& imported)
     {
         if (request.ct.empty() || !datasets::holds_dicom(request.ct))
@@ -311,7 +313,7 @@ namespace {
             throw IoError("cannot make the folder: " + code.message(), folder.string());
     }
 
-    /// A hidden folder for files that are not whole yet; it goes with whatever is still in it.
+    /// A hidden folder for incomplete files. The destructor deletes the folder with its content.
     class Staging {
     public:
         explicit Staging(const fs::path& parent)
@@ -332,7 +334,7 @@ namespace {
     private:
         static inline const std::string kPrefix = ".retractor-import-";
 
-        /// Of imports that were killed.
+        /// Removes the folders of imports that were killed.
         static void remove_abandoned(const fs::path& parent)
         {
             std::error_code error;
@@ -361,7 +363,7 @@ namespace {
             && checksum(a) == checksum(b);
     }
 
-    /// The first of <stem>.nrrd, <stem>-2.nrrd ... that is free or already is what is wanted.
+    /// The first of <stem>.nrrd, <stem>-2.nrrd ... that does not exist or already has the wanted content.
     template <typename Same> fs::path place_for(const fs::path& folder, const std::string& stem, Same&& same)
     {
         for (int n = 1;; ++n) {
@@ -404,8 +406,8 @@ namespace {
         return make_reference(folder, path);
     }
 
-    /// The spine holds the ribs; a spine that is labelled vertebra by vertebra does so too. Without one, the border of
-    /// the meshed region holds alone.
+    /// The labels that hold the ribs: the spine, or the vertebrae when each has its own label. Without them, only the
+    /// border of the meshed region holds the wall.
     std::vector<std::string> supporting_labels(const mesh::LabelTable& table)
     {
         if (mesh::find_label(table, "spine") != nullptr)
@@ -436,7 +438,7 @@ ImportedCase read_import(const ImportRequest& request, const Job& job)
     try {
         read_all(request, imported, job);
     } catch (const Error&) {
-        if (!job.cancelled()) // work that was stopped half-way may complain about what it has
+        if (!job.cancelled()) // a cancelled step may complain about incomplete data
             datasets::rethrow_without_identity(request.ct);
     }
     imported.cancelled = job.cancelled();
@@ -445,8 +447,8 @@ ImportedCase read_import(const ImportRequest& request, const Job& job)
 
 void check_case_file_name(const fs::path& case_file)
 {
-    constexpr std::string_view kTable
-        = ".labels.json"; // of label volumes: labels.labels.json lies beside the case file
+    // Name of a label table: labels.labels.json lies beside the case file.
+    constexpr std::string_view kTable = ".labels.json";
     const std::string name = case_file.filename().string();
     if (case_file.extension() != ".json" || name.ends_with(kTable))
         throw InputError(

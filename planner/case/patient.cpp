@@ -14,7 +14,7 @@ namespace retractor::planner {
 
 namespace {
 
-    /// The body is looked at, not measured: no trace of the voxels should show.
+    /// The body is only looked at, so its surface may be smooth enough to hide the voxels.
     constexpr double kBodySmoothingMm = 2.5;
 
     std::size_t bytes_of(const TriMesh& surface)

@@ -1,5 +1,5 @@
 #pragma once
-// A patient's parts, each built when it is first asked for: a scene that needs no CT loads none.
+// A patient's parts. A part is built when it is first asked for, so a scene that needs no CT loads none.
 // Units mm; frame patient LPS.
 
 #include "mesh/base/job.h"
@@ -16,33 +16,32 @@
 
 namespace retractor::planner {
 
-/// Safe to use from several threads; what is handed out stays valid and unchanged.
+/// Safe to use from several threads. A part that was handed out stays valid and unchanged.
 class Patient {
 public:
-    /// Reads nothing yet. The job's ledger receives the parts.
+    /// Reads nothing yet. The job's ledger records the parts.
     explicit Patient(Case planned_case, Job job = {});
 
     const Case& planned_case() const { return case_; }
     const Job& job() const { return job_; }
     bool has_ct() const { return case_.ct.has_value(); }
 
-    /// The CT ("voxels" in the ledger). @throws InputError when the case has none; IoError.
+    /// The CT ("voxels" in the ledger). @throws InputError when the case has none; IoError
     std::shared_ptr<const mesh::Volume> ct();
-    /// The labels with the case's own table. @throws InputError, IoError.
+    /// The labels with the table of the case. @throws InputError, IoError
     std::shared_ptr<const mesh::LabelVolume> labels();
-    /// Landmarks. @throws InputError as find_anatomy does.
+    /// The landmarks. @throws InputError as find_anatomy() does
     std::shared_ptr<const Anatomy> anatomy();
-    /// The patient's own axes; the frame's axes (x left, y back, z head) when the labels have no sternum to find them
-    /// by.
-    /// @throws InputError as find_anatomy does.
+    /// The patient's own axes. Labels without a sternum give the axes of the frame (x left, y back, z head).
+    /// @throws InputError as find_anatomy() does
     AnatomicalFrame frame();
-    /// Whether any voxel has this label. @throws InputError when the label is unknown.
+    /// Whether any voxel has this label. @throws InputError when the label is unknown
     bool has_voxels(std::string_view name);
-    /// Closed surface of one label. @throws InputError when the label is unknown or has no voxel.
+    /// Closed surface of one label. @throws InputError when the label is unknown or has no voxel
     std::shared_ptr<const TriMesh> organ(std::string_view name);
-    /// Surface of the whole wall, skin outside and cavity inside: the patient before any cut.
+    /// Surface of the whole wall before any cut, with the skin outside and the cavity inside.
     std::shared_ptr<const TriMesh> body();
-    /// Surface of a target: its label's, or a sphere.
+    /// Surface of a target: the surface of its label, or a sphere.
     std::shared_ptr<const TriMesh> target(const TargetSpec& target);
 
 private:
@@ -54,7 +53,7 @@ private:
     std::shared_ptr<const Anatomy> anatomy_;
     std::map<std::string, std::shared_ptr<const TriMesh>, std::less<>> organs_;
     std::shared_ptr<const TriMesh> body_;
-    std::vector<bool> label_occurs_; ///< by label id; empty until asked for
+    std::vector<bool> label_occurs_; ///< one flag per label id; empty until first needed
 
     std::shared_ptr<const mesh::LabelVolume> labels_locked();
     std::shared_ptr<const TriMesh> organ_locked(std::string_view name);
@@ -63,7 +62,7 @@ private:
 /// A sphere as an icosahedron subdivided until its chords deviate by less than 0.2 % of the radius.
 TriMesh sphere_surface(const Vec3& centre, double radius_mm);
 
-/// Whether the label is of an organ of the patient's that the approach leaves where it is.
+/// Whether the label is of a patient's organ that the approach does not hold aside.
 bool stays_in_place(const mesh::LabelInfo& label, const Approach& approach, Patient& patient);
 
 } // namespace retractor::planner

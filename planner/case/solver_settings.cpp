@@ -58,7 +58,7 @@ double largest_poissons_ratio(ElementKind element)
 
 fem::Material as_solved(fem::Material material, ElementKind element)
 {
-    // Beyond it four-node elements lock and fold.
+    // Above this ratio four-node elements lock and fold.
     material.poissons_ratio = std::min(material.poissons_ratio, largest_poissons_ratio(element));
     return material;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// How an opened wound is solved: the model of the tissue, the elements, and how much of the wall is nonlinear. One
-// choice for all approaches of a case, so that they can be compared. Units mm.
+// How an opened wound is solved: the model of the tissue, the kind of element, and the size of the nonlinear region.
+// All approaches of a case use the same settings, so that they can be compared. Units mm.
 
 #include "fem/material/elasticity.h"
 #include "fem/material/material.h"
@@ -12,32 +12,33 @@
 namespace retractor::planner {
 
 enum class ElementKind {
-    p1, ///< four nodes; Poisson's ratios at most 0.45, above it they lock
-    locking_free, ///< four nodes, strain averaged over neighbours (fem/locking_free.h)
+    p1, ///< four nodes; Poisson's ratios at most 0.45, because these elements lock above
+    locking_free, ///< four nodes, strain averaged over neighbours (fem/element/locking_free.h)
     p2, ///< ten nodes
 };
 
 struct SolverSettings {
     fem::Elasticity elasticity = fem::Elasticity::corotational;
     ElementKind element = ElementKind::p1;
-    double near_mm = 0.0; ///< nonlinear within this distance of the lips and linear beyond; 0: the same everywhere
+    /// Tissue within this distance of the lips is nonlinear, and linear beyond; 0: the same law everywhere.
+    double near_mm = 0.0;
 
     bool operator==(const SolverSettings&) const = default;
 };
 
-/// "linear", "corotational", "hyperelastic"; "p1", "locking-free", "p2".
+/// Names in files: "linear", "corotational", "hyperelastic"; "p1", "locking-free", "p2".
 std::string_view to_string(fem::Elasticity elasticity);
 std::string_view to_string(ElementKind element);
 std::optional<fem::Elasticity> elasticity_from_string(std::string_view text);
 std::optional<ElementKind> element_from_string(std::string_view text);
 
-/// The largest Poisson's ratio that the elements are given; what a material has above it is cut off.
+/// The largest Poisson's ratio of these elements. A larger ratio of a material is replaced by this one.
 double largest_poissons_ratio(ElementKind element);
 
 /// The material as elements of that kind can have it: its Poisson's ratio is cut off at largest_poissons_ratio().
 fem::Material as_solved(fem::Material material, ElementKind element);
 
-/// "hyperelastic within 40 mm of the lips, linear beyond; ten-node elements".
+/// Text for people: "hyperelastic within 40 mm of the lips, linear beyond; ten-node elements".
 std::string solution_text(const SolverSettings& choice);
 
 /// @param contact whether surfaces hold each other off.

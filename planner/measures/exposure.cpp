@@ -18,9 +18,11 @@ namespace {
     constexpr unsigned kTargetMask = 1, kOrganMask = 2, kWallMask = 4;
     constexpr unsigned kAllMask = kTargetMask | kOrganMask | kWallMask;
     constexpr double kDegree = std::numbers::pi / 180.0;
-    /// Where a ray goes on after a hit (mm): beyond the round-off of single precision at 1 m, below any tissue.
+    /// Distance (mm) behind a hit at which a ray continues: larger than the round-off of single precision at 1 m,
+    /// smaller than any tissue.
     constexpr double kStepPastHit = 1e-3;
-    /// A closed surface winds once round a point inside it; a flat plate never reaches a half.
+    /// Winding number above which a point is inside. A closed surface winds once round a point inside; a flat plate
+    /// never reaches a half.
     constexpr double kInsideWinding = 0.75;
 
     void check_surface(const TriMesh& mesh, const std::string& name)
@@ -63,7 +65,8 @@ namespace {
             throw InputError("a view cone needs at least one eye, not " + std::to_string(cone.eyes));
     }
 
-    /// Times the surface winds round a point: the sum of its triangles' solid angles [van Oosterom and Strackee 1983].
+    /// Number of times that the surface winds round a point: the sum of the solid angles of its triangles, over 4 pi
+    /// [van Oosterom and Strackee 1983].
     double winding_number(const TriMesh& mesh, const Vec3& point)
     {
         double sum = 0.0;
@@ -79,7 +82,7 @@ namespace {
         return sum / (2.0 * std::numbers::pi);
     }
 
-    /// What a triangle of a body is called and made of.
+    /// Name and material of the triangles of a body.
     struct TissueName {
         std::string name, material;
     };
@@ -90,14 +93,14 @@ namespace {
         Eigen::AlignedBox3d box;
         std::string name;
         unsigned mask = 0;
-        std::vector<int> tissue; ///< per triangle: index into the scene's tissue names
+        std::vector<int> tissue; ///< index into the scene's tissue names, per triangle
     };
 
-    /// What is counted while lines of sight are followed, over all eyes.
+    /// Counts over all eyes while lines of sight are followed.
     struct Tally {
         std::size_t facing = 0, reached = 0;
         std::vector<std::size_t> blocked, bone; ///< per tissue name
-        std::vector<std::size_t> seen, seen_without_wall; ///< per sample: eyes
+        std::vector<std::size_t> seen, seen_without_wall; ///< number of eyes, per sample
     };
 
     double share(std::size_t part, std::size_t whole)
@@ -132,7 +135,7 @@ std::vector<Vec3> eye_positions(const ViewCone& cone)
     const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
     std::vector<Vec3> eyes;
     for (int i = 0; i < cone.eyes; ++i) {
-        // Equal steps in height are equal areas; the first cell is the cap round the axis, seen from its middle.
+        // Equal steps in height have equal areas. The first cell is the cap round the axis, with the eye in its middle.
         const double drop = i == 0 ? 0.0 : cap * (i + 0.5) / cone.eyes;
         const double radius = std::sqrt(drop * (2.0 - drop)), turn = golden * i;
         eyes.push_back(cone.aim
@@ -163,7 +166,8 @@ std::vector<SurfaceSample> surface_samples(const TriMesh& surface, int count)
             ++t;
         const auto n = static_cast<std::uint64_t>(i) + 1;
         double u = radical_step(n, 1.0 / kPlastic), v = radical_step(n, 1.0 / (kPlastic * kPlastic));
-        if (u + v > 1.0) { // fold the unit square onto the triangle
+        // Reflect the second half of the unit square onto the triangle.
+        if (u + v > 1.0) {
             u = 1.0 - u;
             v = 1.0 - v;
         }
@@ -174,9 +178,9 @@ std::vector<SurfaceSample> surface_samples(const TriMesh& surface, int count)
 }
 
 struct RayScene::State {
-    std::vector<Body> bodies; ///< the target first; Embree's geometry ids are the indices
+    std::vector<Body> bodies; ///< the target is first; indices are Embree's geometry ids
     std::vector<TissueName> tissues;
-    Vec3 centre = Vec3::Zero(); ///< single precision starts from here
+    Vec3 centre = Vec3::Zero(); ///< origin of the single precision coordinates
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
     double target_area = 0.0;
@@ -235,7 +239,7 @@ void RayScene::State::add(Occluder occluder, unsigned mask)
     bodies.push_back(std::move(body));
 }
 
-/// Hands the surfaces to Embree; returns about how many bytes they take there.
+/// Passes the surfaces to Embree. @returns the approximate number of bytes that they take there
 std::size_t RayScene::State::build()
 {
     Eigen::AlignedBox3d box;
@@ -323,7 +327,7 @@ std::optional<RTCRayHit> RayScene::State::first(
     return query;
 }
 
-/// Every tissue met on the way, each once.
+/// All tissues along a line of sight, each once.
 std::vector<int> RayScene::State::tissues_along(
     const Vec3& from, const Vec3& direction, double far, unsigned mask) const
 {
@@ -340,7 +344,7 @@ std::vector<int> RayScene::State::tissues_along(
     return met;
 }
 
-/// Follows the lines of sight from one eye to all samples: fills the view's shares and adds to the tally.
+/// Follows the lines of sight from one eye to all samples. Fills the view's shares and adds to the tally.
 void RayScene::State::look(EyeView& view, const std::vector<SurfaceSample>& samples, const ExposureOptions& options,
     const std::vector<bool>& is_bone, Tally& tally) const
 {
@@ -352,7 +356,7 @@ void RayScene::State::look(EyeView& view, const std::vector<SurfaceSample>& samp
         const double distance = line.norm(), far = distance - options.contact_mm;
         const Vec3 direction = line / distance;
         if (!clear(view.eye, direction, distance - options.tolerance_mm, kTargetMask))
-            continue; // the target hides it itself
+            continue; // the target hides the sample itself
         ++tally.facing;
         const auto hit = first(view.eye, direction, 0.0, far, kOrganMask | kWallMask);
         if (hit)
@@ -440,7 +444,7 @@ namespace {
             throw InputError("at least one sample is needed, not " + std::to_string(options.samples));
     }
 
-    /// The numbers over all eyes, from the single views and the counts.
+    /// Computes the numbers over all eyes from the single views and the tally.
     void summarise(Exposure& out, const Tally& tally, const std::vector<TissueName>& tissues)
     {
         const auto count_seen = [](const std::vector<std::size_t>& by) {

@@ -1,5 +1,5 @@
 #pragma once
-// The numbers of one planned surgical field, as plain data: what metrics.json, the report and the legends show.
+// The numbers of one planned surgical field, as plain data for metrics.json, the report and the legends.
 // Units mm, N; fractions 0 to 1. Definitions: README, "What the numbers mean".
 
 #include "fem/material/tissue_tension.h"
@@ -17,7 +17,7 @@
 
 namespace retractor::planner {
 
-/// A structure between the eyes and the target, with the share of sight lines it is the first to block.
+/// A structure between the eyes and the target. The share counts the sight lines that meet this structure first.
 struct SightBlocker {
     std::string name;
     double share = 0.0;
@@ -26,103 +26,108 @@ struct SightBlocker {
 
 struct HookForce {
     std::string name;
-    int side = 0; ///< +1 or -1: the lip it pulls
+    int side = 0; ///< lip that the hook pulls, +1 or -1
     double force_N = 0.0;
-    bool pushes = false; ///< holds the lip back, which would go farther without it: no part of the side's sum
-    double moved_mm = 0.0; ///< the tissue under it
-    double asked_mm = 0.0; ///< of the hook; nothing where it pulls with a force
+    /// The hook holds the lip back, which would move farther without it; its force is no part of the side's sum.
+    bool pushes = false;
+    double moved_mm = 0.0; ///< motion of the tissue under the hook
+    double asked_mm = 0.0; ///< prescribed motion of the hook; 0 for a hook that pulls with a force
     HookPull pull {};
-    bool yielded = false; ///< its limit holds it back
+    bool yielded = false; ///< the force limit holds the hook back
 };
 
 /// The same wound with all of the wall solved as the part near it was: what linearising the rest changed.
 struct WholeMetrics {
-    std::string message {}; ///< why it has no numbers; empty: it has
+    std::string message {}; ///< reason for missing numbers; empty: the numbers are there
     double opening_width_mm = 0.0, opening_area_mm2 = 0.0, hook_force_N = 0.0;
-    double lips_difference = 0.0; ///< largest distance between the lips' places, over the largest displacement
+    /// Largest distance between the two solutions at the lips, divided by the largest displacement.
+    double lips_difference = 0.0;
     double seconds = 0.0;
 };
 
-/// What became of the linear tissue far from the lips.
+/// The linear tissue far from the lips.
 struct FarFieldMetrics {
-    bool linear = true; ///< false: it was off by too much, and all of the wall is nonlinear
-    double linear_share = 1.0; ///< not linear: of the hooks' way that was made with it
-    std::string message {}; ///< linear: why how far that is off is not told; empty: it is
-    /// Linear: what the tissue's own law would change there, to first order (OpeningOptions::far_tolerance).
+    bool linear = true; ///< false: the linear tissue was too inexact, and the whole wall was made nonlinear
+    double linear_share = 1.0; ///< if not linear: share of the hooks' motion that was solved with linear tissue
+    std::string message {}; ///< if linear: reason for a missing estimate; empty: the estimate is there
+    /// If linear: the change by the tissue's own law there, to first order (OpeningOptions::far_tolerance).
     double opening_width_mm = 0.0, opening_area_mm2 = 0.0, hook_force_N = 0.0;
 };
 
-/// Tension that tissue was under before the cut, and what it does to the wound by itself.
+/// Tension of the tissue before the cut, and its effect on the wound without hooks.
 struct TensionMetrics {
-    std::vector<std::pair<std::string, fem::PreStrain>> tissues; ///< materials of the wall, with the pre-strain of each
-    std::string message {}; ///< why there is no gape; empty: there is
+    /// Materials of the wall under tension, with their pre-strain.
+    std::vector<std::pair<std::string, fem::PreStrain>> tissues;
+    std::string message {}; ///< reason for a missing gape; empty: the gape is there
     double gape_mm = 0.0, gape_area_mm2 = 0.0; ///< opening width and area before any hook pulls
-    double seconds = 0.0; ///< that it took
+    double seconds = 0.0; ///< time of the computation
 };
 
 /// How the wound was solved.
 struct SolutionMetrics {
     SolverSettings choice {};
-    std::size_t nodes = 0; ///< of the wall, midpoints too
-    std::vector<std::pair<std::string, std::string>> laws {}; ///< of hyperelastic tissue: material and law
-    std::size_t near_tets = 0; ///< nonlinear ones, where the rest is linear
-    std::optional<FarFieldMetrics> far {}; ///< where there was one, and an equilibrium
-    std::optional<WholeMetrics> whole {}; ///< all of it nonlinear, when that was asked for
+    std::size_t nodes = 0; ///< number of nodes of the wall, with midpoints
+    std::vector<std::pair<std::string, std::string>> laws {}; ///< material and law of hyperelastic tissue
+    std::size_t near_tets = 0; ///< number of nonlinear elements, where the rest is linear
+    std::optional<FarFieldMetrics> far {}; ///< filled when there was linear tissue and an equilibrium
+    std::optional<WholeMetrics> whole {}; ///< the whole wall nonlinear; filled on request
 };
 
-/// Of an answer by plain four-node elements, all of one elasticity.
+/// Error in energy of a solution by plain four-node elements with one elasticity.
 struct EnergyBars {
-    double energy_error = 0.0; ///< in energy norm, relative
-    double algebraic_error = 0.0; ///< the part of it that comes from equations left unsolved
+    double energy_error = 0.0; ///< relative error in energy norm
+    double algebraic_error = 0.0; ///< the part of energy_error that comes from the unsolved residual
 };
 
-/// How far the numbers of the mechanics may be off, by what ten-node elements on the same mesh would add to the answer.
-/// Of the discretisation only, to first order at the answer (fem/error_estimate.h): the model, its materials and its
-/// supports may be off by more. Driven hooks are let go in that answer (hook_equilibrium_correction.h).
+/// Error bars of the mechanics: the first-order change of the solution by ten-node elements on the same mesh
+/// (fem/error_estimation/error_estimate.h). The bars cover the discretisation only; the model, its materials and its
+/// supports may be off by more. Hooks that pull with a force follow the changed solution
+/// (hook_equilibrium_correction.h).
 struct ErrorBars {
-    std::string message; ///< why there is no estimate; empty: there is one
+    std::string message; ///< reason for a missing estimate; empty: the estimate is there
     double opening_width_mm = 0.0, opening_area_mm2 = 0.0;
-    std::vector<double> hook_forces_N; ///< in the order of the hooks; 0 where the force is what was asked for
-    std::vector<double> hook_moved_mm; ///< 0 where the hook is told its place
+    std::vector<double> hook_forces_N; ///< in the order of the hooks; 0 where the force is prescribed
+    std::vector<double> hook_moved_mm; ///< in the order of the hooks; 0 where the place of the hook is prescribed
     double side_forces_N[2] = { 0.0, 0.0 }; ///< sides +1 and -1
-    double hook_force_N = 0.0; ///< of the larger side
-    std::optional<EnergyBars> energy; ///< where it is known
+    double hook_force_N = 0.0; ///< sum of the larger side
+    std::optional<EnergyBars> energy; ///< filled where it is known
     double seconds = 0.0;
 };
 
-/// The opened wound solved once more by another program: the same mesh, element, supports and hooks, linearly.
+/// The opened wound solved again, linearly, by another program with the same mesh, element, supports and hooks.
 struct SecondOpinion {
     std::string program;
     std::string status; ///< "agrees", "differs", "failed"
-    std::string message; ///< why it failed, and what to do
-    double displacement_difference = 0.0; ///< largest, over the largest displacement
-    double force_difference = 0.0; ///< largest of a hook, over the largest hook force
+    std::string message; ///< reason of a failure, and the remedy
+    double displacement_difference = 0.0; ///< largest difference divided by the largest displacement
+    double force_difference = 0.0; ///< largest difference of a hook divided by the largest hook force
     double largest_displacement_mm = 0.0;
-    std::vector<double> hook_forces_N, own_hook_forces_N; ///< linear, in the order of the hooks
+    std::vector<double> hook_forces_N, own_hook_forces_N; ///< of the linear solutions, in the order of the hooks
     double seconds = 0.0, own_seconds = 0.0;
 };
 
-/// Where surfaces hold each other off, when that was asked for.
+/// Contact between surfaces; filled when contact was requested.
 struct ContactMetrics {
-    std::size_t touching = 0; ///< points
+    std::size_t touching = 0; ///< number of points in contact
     double largest_penetration_mm = 0.0;
-    double force_N = 0.0; ///< sum of the points' forces' sizes
-    double overlap_at_rest_mm = 0.0; ///< the deepest of surfaces that overlapped before: kept, without a force
+    double force_N = 0.0; ///< sum of the magnitudes of the points' forces
+    /// Largest overlap of the surfaces at rest; the solution keeps this overlap, without a force.
+    double overlap_at_rest_mm = 0.0;
 };
 
 struct FieldMetrics {
-    std::string name; ///< of the approach
+    std::string name; ///< name of the approach
     std::string target;
 
-    double visible_fraction = 0.0; ///< of the target's area, seen from at least one eye of the cone
+    double visible_fraction = 0.0; ///< share of the target's area that is seen from at least one eye of the cone
     double visible_fraction_mean_eye = 0.0; ///< mean over the eyes of the cone
-    double visible_fraction_central_eye = 0.0;
-    double visible_fraction_wall_removed = 0.0; ///< upper bound: the same cone with no wall in the way
+    double visible_fraction_central_eye = 0.0; ///< from the eye on the axis
+    double visible_fraction_wall_removed = 0.0; ///< upper bound: the same cone without the wall
     double eye_distance_mm = 0.0, cone_half_angle_deg = 0.0;
     int eyes = 0, target_samples = 0;
     std::vector<SightBlocker> blockers; ///< largest share first
     std::vector<std::string> bone_in_sight;
-    std::vector<std::string> retracted; ///< organs held aside in this approach
+    std::vector<std::string> retracted; ///< organs that this approach holds aside
 
     double opening_area_mm2 = 0.0;
     double opening_width_mm = 0.0;
@@ -133,27 +138,27 @@ struct FieldMetrics {
     std::vector<HookForce> hooks;
     double hook_force_N = 0.0; ///< sum of the larger side
     double strain_p99 = 0.0;
-    std::optional<Vec3> strain_p99_at; ///< at rest, mm: middle of the element that has it
+    std::optional<Vec3> strain_p99_at; ///< middle of the element with this strain, at rest, mm
     int inverted_elements = 0;
     double max_volume_ratio = 1.0;
-    double residual = 0.0; ///< of the mechanical equilibrium, relative
-    std::string mechanics_status; ///< "converged", or what happened instead
+    double residual = 0.0; ///< relative residual of the mechanical equilibrium
+    std::string mechanics_status; ///< "converged", or the reason of a failure
     SolutionMetrics solution;
 
-    std::vector<RemovedTissue> removed; ///< by ablations and as loose pieces
-    double removed_skin_mm2 = 0.0; ///< area, at rest, of the skin on it: no part of the opening, which the lips bound
-    std::vector<std::string> loose_pieces; ///< what the cut left without support, and what became of it
+    std::vector<RemovedTissue> removed; ///< tissue removed by ablations and as loose pieces
+    double removed_skin_mm2 = 0.0; ///< area of the removed skin at rest; no part of the opening, which the lips bound
+    std::vector<std::string> loose_pieces; ///< pieces that the cut left without support, and their treatment
 
     std::size_t tets = 0;
-    std::vector<std::pair<std::string, double>> seconds; ///< per stage, in order
+    std::vector<std::pair<std::string, double>> seconds; ///< duration of each stage, in order
 
     std::optional<ContactMetrics> contact;
-    std::vector<PressureMetrics> pressures; ///< on the wall
-    std::optional<TensionMetrics> tension; ///< where tissue of the wall is under some
+    std::vector<PressureMetrics> pressures; ///< pressures on the wall
+    std::optional<TensionMetrics> tension; ///< filled where tissue of the wall is under tension
     std::optional<ErrorBars> error;
     std::optional<SecondOpinion> second_opinion; ///< when it was asked for
 
-    std::string explanation; ///< why the field is as it is, in words
+    std::string explanation; ///< the reasons for what is seen and what is not, in words
 };
 
 } // namespace retractor::planner

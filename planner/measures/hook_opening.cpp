@@ -38,7 +38,7 @@ std::string asked_text(const FieldMetrics& field)
     std::string text;
     if (const auto asked = hook_opening(field).asked_mm)
         text = in_words(*asked, 1) + " mm";
-    std::map<double, int> limits, forces; // how many hooks have each
+    std::map<double, int> limits, forces; // number of hooks for each value
     for (const HookForce& hook : field.hooks) {
         if (hook.pull.force_limit_N)
             ++limits[*hook.pull.force_limit_N];

@@ -129,7 +129,7 @@ namespace {
         json["elasticity"] = to_string(choice.elasticity);
         json["element"] = to_string(choice.element);
         json["nodes"] = solution.nodes;
-        constexpr double kAny = 0.5; // no elements cut off less
+        constexpr double kAny = 0.5; // no limit: no element restricts Poisson's ratio
         if (const double most = largest_poissons_ratio(choice.element); most < kAny)
             put(json, field, "poissons_ratio_at_most", most);
         for (const auto& [material, law] : solution.laws)
@@ -264,7 +264,7 @@ namespace {
         return json;
     }
 
-    /// "31.2", or with its bar "31.2 +- 4.1".
+    /// Motion of a hook's tissue: "31.2", or with its bar "31.2 +- 4.1".
     std::string moved_text(const FieldMetrics& field, std::size_t hook)
     {
         const double moved = field.hooks[hook].moved_mm;
@@ -277,7 +277,7 @@ namespace {
 
 std::string removed_text(const std::vector<RemovedTissue>& removed)
 {
-    std::vector<RemovedTissue> sums; // several loose pieces are spoken of as one
+    std::vector<RemovedTissue> sums; // several loose pieces are reported as one
     for (const RemovedTissue& tissue : removed) {
         const auto same = std::find_if(sums.begin(), sums.end(),
             [&](const RemovedTissue& sum) { return sum.what == tissue.what && sum.label == tissue.label; });

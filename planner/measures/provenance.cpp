@@ -66,7 +66,7 @@ namespace {
 
     std::string file_text(const FileReference& file)
     {
-        constexpr std::size_t kDigits = 16; // enough to tell images apart; metrics.json has all of them
+        constexpr std::size_t kDigits = 16; // these digits tell images apart; metrics.json has all of them
         return file.path.generic_string()
             + (file.sha256.empty() ? std::string() : ", SHA-256 " + file.sha256.substr(0, kDigits) + "...");
     }
@@ -83,7 +83,7 @@ Provenance computation_of(const Case& planned_case, std::string program, std::ch
     Provenance made;
     made.date = utc_text(when);
     made.program = std::move(program);
-    // The folder's own name only: the path to it is nobody's business who reads the page.
+    // Only the folder's own name is shown, because the path to it may be private.
     const std::filesystem::path file = std::filesystem::absolute(planned_case.file()).lexically_normal();
     made.case_file = (file.parent_path().filename() / file.filename()).generic_string();
     made.identity_in_case = planned_case.patient.has_value();

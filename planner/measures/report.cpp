@@ -97,7 +97,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
 
     bool has_bars(const FieldMetrics& field) { return field.error && field.error->message.empty(); }
 
-    /// The opening's bar as a share of the opening. None where there is no estimate.
+    /// The error bar of the opening as a share of the opening; nothing without an estimate.
     std::optional<double> relative_opening_bar(const FieldMetrics& field)
     {
         if (!has_bars(field) || !(field.opening_width_mm > 0.0))
@@ -105,7 +105,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         return field.error->opening_width_mm / field.opening_width_mm;
     }
 
-    /// How far a number may be off. None where that is not known.
+    /// The error bar of a number; nothing when it is unknown.
     std::optional<double> bar_of(const MetricField& metric, const FieldMetrics& field)
     {
         switch (metric.bar) {
@@ -123,8 +123,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         return std::nullopt;
     }
 
-    /// The approach that is better than every other by more than both their bars. None where the lead is within the
-    /// error or the error is not known; one that was not fully opened is no candidate.
+    /// The approach that is better than every other by more than both error bars. Nothing when the lead is within the
+    /// error, or the error is unknown. An approach that was not fully opened is no candidate.
     const FieldMetrics* leader(const MetricField& row, const std::vector<FieldMetrics>& fields)
     {
         const FieldMetrics* best = nullptr;
@@ -149,7 +149,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         return best;
     }
 
-    /// What the marks mean, and that the share seen is less certain than it looks.
+    /// Explains the marks, and that the visible share is less certain than it looks.
     void write_reading(std::ostream& out, const std::vector<FieldMetrics>& fields)
     {
         out << "<p class=\"reading\">Green: better than every other approach by more than both error bars together; "
@@ -164,7 +164,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << " of its width, and its leads are judged by that.</p>";
     }
 
-    /// The hooks that yielded, with the force and how far they went of what was asked.
+    /// The hooks that yielded, with their force and the reached part of the prescribed motion.
     std::string yielded_hooks(const FieldMetrics& field)
     {
         std::string text;

@@ -1,5 +1,5 @@
 #pragma once
-// The report page: one self-contained HTML file (pictures inside) for the case conference.
+// The report page for the case conference: one HTML file with its pictures inside.
 
 #include "planner/measures/field_metrics.h"
 #include "planner/measures/provenance.h"
@@ -13,22 +13,22 @@ namespace retractor::planner {
 
 /// A picture of the report, already on disk as PNG.
 struct ReportPicture {
-    std::string approach; ///< name of the approach it belongs to; empty: of the patient
+    std::string approach; ///< name of the approach; empty: the picture shows the patient
     std::string caption;
     std::filesystem::path file;
 };
 
 struct Report {
     std::string title;
-    std::string patient; ///< which data, in words; never a name or an id of a person
-    std::optional<Provenance> computed; ///< from what, by what and when
+    std::string patient; ///< the data in words; never a name or an id of a person
+    std::optional<Provenance> computed; ///< inputs, program and date
     std::vector<FieldMetrics> fields;
-    std::vector<std::string> refused; ///< which approaches have no numbers, and why
+    std::vector<std::string> refused; ///< approaches without numbers, and the reasons
     std::vector<ReportPicture> pictures;
-    std::vector<std::string> limits; ///< what these numbers do not say
+    std::vector<std::string> limits; ///< limits of these numbers, in words
 };
 
-/// Writes the page atomically. @throws IoError when a picture cannot be read or the page not written.
+/// Writes the page in one step. @throws IoError when a picture cannot be read or the page cannot be written
 void write_report(const std::filesystem::path& path, const Report& report);
 
 } // namespace retractor::planner

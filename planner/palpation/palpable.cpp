@@ -76,7 +76,7 @@ namespace {
         });
     }
 
-    /// The structure alone, ready to be meshed; a hollow one as a single label.
+    /// The structure alone, for the mesher. A hollow structure becomes a single label.
     mesh::LabelVolume structure_alone(const mesh::LabelVolume& labels, const PalpableRequest& request, bool hollow)
     {
         mesh::LabelVolume alone { labels.grid, labels.voxels, {} };
@@ -99,9 +99,9 @@ namespace {
         return alone;
     }
 
-    constexpr double kVoxels = 1.25; ///< smoothed by so many at the least: single voxels tell no shape
+    constexpr double kVoxels = 1.25; ///< smallest smoothing width in voxels; single voxels are no shape
 
-    /// A Gaussian along one axis of the grid; at the image's border the border's voxels go on.
+    /// A Gaussian blur along one axis of the grid. At the image's border the voxels of the border continue.
     void blur_along(std::vector<float>& values, const std::array<int, 3>& size, std::size_t axis, double sigma_voxels)
     {
         const int reach = static_cast<int>(std::ceil(3.0 * sigma_voxels));
@@ -127,8 +127,8 @@ namespace {
         }
     }
 
-    /// A body without what is much thinner than `sigma_mm` and with its dents filled: fingers meet organs, not single
-    /// voxels. Where labels meet, each point goes to the one that has most round it.
+    /// Smooths a body: removes parts much thinner than `sigma_mm` and fills dents, so that fingers meet organs instead
+    /// of voxels. Where labels meet, each point goes to the label with the largest share round it.
     mesh::LabelVolume smoothed(mesh::LabelVolume body, double sigma_mm)
     {
         mesh::ImageGrid& grid = body.grid;
@@ -259,7 +259,8 @@ namespace {
         return name;
     }
 
-    /// The surface that fingers see; the scene's mesh and roles made. Where no wall fits the outline is smoothed more.
+    /// Makes the scene's mesh and roles. The outline is smoothed more where no wall fits. @returns the surface that
+    /// fingers see
     TriMesh make_wall(datasets::PalpationScene& scene, const mesh::LabelVolume& alone, double wall_mm, double edge_mm,
         bool blood, std::vector<std::string>& notes, const Job& job)
     {
@@ -323,13 +324,13 @@ Palpable make_palpable(const mesh::LabelVolume& labels, const fem::MaterialTable
     }
     give_elasticity(scene, labels, alone.table, materials, request, made.notes);
     hold_surface(scene, surface, labels, request, hollow, made.notes);
-    if (hollow) // what holds the outside of a wall holds its inside too
+    if (hollow) // the supports of a wall's outside also hold its inside
         for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v)
             if (scene.body.roles[static_cast<std::size_t>(v)] == datasets::VertexRole::fixed)
                 scene.body.roles[static_cast<std::size_t>(v + surface.vertices.rows())] = datasets::VertexRole::fixed;
     refuse_floating(scene, made.notes);
     if (!hollow)
-        surface = boundary_of(scene.body.mesh); // some vertices may be gone
+        surface = boundary_of(scene.body.mesh); // some vertices may be removed
     add_sites(scene, surface, labels, request);
     if (scene.sites.empty())
         throw InputError("no place is free to be pressed: less must hold the structure", scene.name, { "held" });

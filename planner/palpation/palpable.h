@@ -1,8 +1,8 @@
 #pragma once
-// From a patient's case to tissue that fingers touch: an organ of its labels becomes tetrahedra with elasticity, what
-// holds it, and places to press. A hollow organ becomes a wall, which blood presses on from inside where it is a vessel
-// or the heart; all others are solid. What lies around the organ is left out but for where it holds the organ. Units
-// mm, MPa, mmHg; frame patient LPS.
+// Makes tissue for palpation from a patient's labels. An organ becomes tetrahedra with elasticity, supports and places
+// to press. A hollow organ becomes a wall; in a vessel or the heart, blood presses on this wall from inside. All other
+// organs are solid. The surroundings of the organ only count where they hold the organ. Units mm, MPa, mmHg; frame
+// patient LPS.
 
 #include "datasets/phantoms/elastic_model.h"
 #include "fem/material/material.h"
@@ -17,12 +17,13 @@ namespace retractor::planner {
 
 struct Palpable {
     datasets::PalpationScene scene;
-    std::vector<std::string> notes; ///< what was decided and found, one line each
+    std::vector<std::string> notes; ///< decisions and findings, one line each
 };
 
-/// Sites of the scene: "front", "left", "right" (where the structure is farthest on that side and free), "stiff-1", ...
-/// and those asked for; with NAME-opposite where a second finger would be when it is pinched.
-/// @throws InputError naming the label that is not there or has no voxel, with those that are; values out of range;
+/// The scene has these sites: "front", "left", "right" (the free place farthest to that side), "stiff-1", ..., and the
+/// requested ones. NAME-opposite is the place of a second finger that pinches the tissue.
+/// @throws InputError naming a label that is missing or has no voxel, with the existing ones; on values out of range;
+/// when nothing holds the structure; SolverError when the structure cannot be meshed or the job is cancelled
 /// that nothing holds the structure; SolverError when it cannot be meshed or the job is cancelled.
 Palpable make_palpable(const mesh::LabelVolume& labels, const fem::MaterialTable& materials,
     const PalpableRequest& request, const Job& job = {});

@@ -17,7 +17,7 @@ namespace retractor::planner {
 
 namespace {
 
-    /// Along the surface's edges from one vertex, mm; infinite where no way leads.
+    /// Distances from one vertex along the surface's edges, mm; infinite where no path leads.
     std::vector<double> ways_from(VertexId from, const TriMesh& surface, const std::vector<std::vector<VertexId>>& next)
     {
         std::vector<double> way(next.size(), std::numeric_limits<double>::infinity());
@@ -39,7 +39,7 @@ namespace {
         return way;
     }
 
-    /// A vertex of the piece of the surface that has most of them.
+    /// A vertex of the largest piece of the surface, by number of vertices.
     VertexId in_largest_piece(const TriMesh& surface, const std::vector<std::vector<VertexId>>& next)
     {
         std::vector<char> seen(next.size(), 0);
@@ -62,8 +62,8 @@ namespace {
         return best;
     }
 
-    /// How far each vertex is from the nearer end of the body, along its surface, mm: a vessel's two ends are the
-    /// places farthest from each other. Of several pieces the largest has ends; infinite on all others.
+    /// Distance of each vertex from the nearer end of the body along its surface, mm. The two ends of a vessel are the
+    /// two places farthest from each other. Only the largest piece has ends; the distance is infinite on all others.
     std::vector<double> ways_from_ends(const TriMesh& surface)
     {
         std::vector<std::vector<VertexId>> next(static_cast<std::size_t>(surface.vertices.rows()));
@@ -89,7 +89,7 @@ namespace {
         return short_of;
     }
 
-    /// What holds a vertex of the surface.
+    /// Tells which holder of the request holds a vertex of the surface.
     class Holder {
     public:
         Holder(const mesh::LabelVolume& labels, const PalpableRequest& request, bool hollow, const TriMesh& surface)
@@ -108,7 +108,7 @@ namespace {
                 from_end_ = ways_from_ends(surface);
         }
 
-        /// The number of the first holder that holds it, or none.
+        /// The number of the first holder that holds the vertex, or nothing.
         std::optional<std::size_t> holds(VertexId v, const Vec3& point, const Vec3& outward) const
         {
             for (std::size_t h = 0; h < names.size(); ++h)
@@ -184,7 +184,8 @@ namespace {
 
         bool beside(const One& one, const Vec3& point, const Vec3& outward) const
         {
-            // Past the half voxel that the smooth surface may stand off the voxels', short of the next organ but one.
+            // The reach exceeds the half voxel between the smooth surface and the voxels, and does not extend beyond
+            // the neighbouring organ.
             constexpr double kReach = 2.0, kStep = 0.5; // largest voxel edges
             const double voxel = labels_.grid.spacing.maxCoeff();
             for (double way = kStep; way <= kReach; way += kStep) {
@@ -206,7 +207,7 @@ namespace {
         const mesh::LabelVolume& labels_;
         Vec3 low_, high_;
         std::vector<One> holders_;
-        std::vector<double> from_end_; ///< per vertex, along the surface, mm
+        std::vector<double> from_end_; ///< distance of each vertex from the nearer end along the surface, mm
     };
 
 } // namespace
@@ -241,7 +242,7 @@ void hold_surface(datasets::PalpationScene& scene, const TriMesh& surface, const
 
 void refuse_floating(datasets::PalpationScene& scene, std::vector<std::string>& notes)
 {
-    constexpr double kCrumb = 0.02; // of all elements
+    constexpr double kCrumb = 0.02; // share of all elements
     constexpr std::size_t kLeastFixed = 3;
     datasets::ElasticModel& body = scene.body;
     const std::vector<int> piece_of = mesh::connected_pieces(body.mesh);

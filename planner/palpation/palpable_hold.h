@@ -1,5 +1,5 @@
 #pragma once
-// What holds tissue that is palpated: its neighbours, the image's border, a side of it, a vessel's ends.
+// Finds the supports of palpated tissue: neighbours, the image's border, a side of the tissue, the ends of a vessel.
 
 #include "datasets/phantoms/elastic_model.h"
 #include "mesh/base/geometry.h"
@@ -11,12 +11,12 @@
 
 namespace retractor::planner {
 
-/// Roles of the surface's vertices (numbers of the scene's mesh), and what is to be said of them.
-/// @throws InputError on a holder that cannot be read, is not there, or is the structure itself.
+/// Gives the surface's vertices (numbers of the scene's mesh) their roles, and adds notes about the supports.
+/// @throws InputError on a holder that cannot be read, does not exist or is the structure itself
 void hold_surface(datasets::PalpationScene& scene, const TriMesh& surface, const mesh::LabelVolume& labels,
     const PalpableRequest& request, bool hollow, std::vector<std::string>& notes);
 
-/// Pieces that nothing holds would float: small ones are left out. @throws InputError on a large one.
+/// Removes small pieces that nothing holds. @throws InputError on a large piece that nothing holds
 void refuse_floating(datasets::PalpationScene& scene, std::vector<std::string>& notes);
 
 } // namespace retractor::planner

@@ -25,7 +25,7 @@ namespace {
         return area_vector(surface.vertices, surface.triangles[t]);
     }
 
-    /// Places to press on the surface that fingers see.
+    /// Finds places to press on the surface that fingers see.
     class Sites {
     public:
         Sites(datasets::PalpationScene& scene, const TriMesh& surface)
@@ -45,10 +45,11 @@ namespace {
             }
         }
 
-        /// Farthest towards `direction` where the surface looks there and a fingertip has room beside what is held.
+        /// Adds the place farthest towards `direction`. The surface there faces this direction, and a fingertip has
+        /// room beside the supports.
         void add_towards(const std::string& name, const Vec3& direction)
         {
-            constexpr double kLooks = 0.85; // cosine
+            constexpr double kLooks = 0.85; // cosine of the angle between the normal and the direction
             for (const double room : { 15.0, 8.0, 4.0 }) { // mm
                 std::optional<std::size_t> best;
                 for (std::size_t t = 0; t < surface_.triangles.size(); ++t)
@@ -74,7 +75,8 @@ namespace {
         {
             const Vec3 at = centroid(surface_, t), outward = area_normal(surface_, t).normalized();
             scene_.sites.push_back({ name, at, outward });
-            // A second finger or thumb: as far as one spans, where it would push about the other way.
+            // Adds the place of a second finger or thumb: within the span of a hand, where it would push in about the
+            // opposite direction.
             constexpr double kSpan = 60.0, kAgainst = 0.5;
             std::optional<std::size_t> opposite;
             double aside = std::numeric_limits<double>::infinity();
@@ -85,7 +87,7 @@ namespace {
                     || area_normal(surface_, o).normalized().dot(outward) > -kAgainst)
                     continue;
                 const double off = (way + through * outward).norm();
-                const double cost = off + 0.1 * through; // the near wall of what lies there, not of what lies beyond
+                const double cost = off + 0.1 * through; // prefers the near wall of the structure to tissue beyond
                 if (off < 0.5 * through && cost < aside) {
                     aside = cost;
                     opposite = o;
@@ -124,7 +126,7 @@ void add_sites(datasets::PalpationScene& scene, const TriMesh& surface, const me
                             middle += labels.grid.world(Vec3(i, j, k));
                             ++count;
                         }
-            middle /= static_cast<double>(count); // elements lie there: there are voxels
+            middle /= static_cast<double>(count); // elements lie there, so the label has voxels
         }
         sites.add_nearest("stiff-" + std::to_string(p + 1), middle);
     }

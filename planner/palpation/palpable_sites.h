@@ -1,5 +1,5 @@
 #pragma once
-// Places to press on tissue that is palpated.
+// Finds places to press on palpated tissue.
 
 #include "datasets/phantoms/elastic_model.h"
 #include "mesh/base/geometry.h"
@@ -8,8 +8,8 @@
 
 namespace retractor::planner {
 
-/// "front", "left", "right", stiff places and those asked for, with their opposites: see make_palpable().
-/// @param surface what fingers see, with the scene's roles given
+/// Adds "front", "left", "right", the stiff places and the requested sites, with their opposites: see make_palpable().
+/// @param surface visible surface, with the roles of the scene
 void add_sites(datasets::PalpationScene& scene, const TriMesh& surface, const mesh::LabelVolume& labels,
     const PalpableRequest& request);
 

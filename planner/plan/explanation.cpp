@@ -11,9 +11,10 @@ namespace retractor::planner {
 
 namespace {
 
-    /// Shares below this are not worth a surgeon's attention.
+    /// Smaller shares are not worth a surgeon's attention.
     constexpr double kSmallestShareToName = 0.03;
-    /// The hidden part lies "to one side" when it is this much of the target's radius off the seen part.
+    /// The hidden part lies "to one side" when its distance from the seen part exceeds this share of the target's
+    /// radius.
     constexpr double kSideOffset = 0.25;
 
     std::string percent(double share) { return formatted("%.0f %%", 100.0 * share); }
@@ -36,7 +37,7 @@ namespace {
         return out;
     }
 
-    /// The directions in which the never-seen samples lie off the seen ones, e.g. "posterior and inferior".
+    /// The directions from the seen samples to the samples that no eye sees, e.g. "posterior and inferior".
     std::string hidden_side(const Exposure& exposure, const AnatomicalFrame& frame)
     {
         Vec3 seen = Vec3::Zero();

@@ -1,5 +1,5 @@
 #pragma once
-// Why a field is as it is, in words a surgeon would use, from what the rays met.
+// Explains in a surgeon's words why the target is seen or hidden, from what the rays met.
 
 #include "planner/anatomy/anatomy.h"
 
@@ -9,8 +9,8 @@ namespace retractor::planner {
 
 struct PlannedField;
 
-/// A few sentences: how much is seen, on which side the hidden part lies, what hides it, which bone is in the way,
-/// what limits the opening. States no cause that the numbers do not show.
+/// A few sentences: the share that is seen, the side of the hidden part, the tissue and bone in the way, and the limits
+/// of the opening. The text states no cause that the numbers do not show.
 std::string explain_field(const PlannedField& field, const AnatomicalFrame& frame);
 
 } // namespace retractor::planner

@@ -10,7 +10,8 @@ namespace retractor::planner {
 
 namespace {
 
-    /// An opening that came to rest with elements inside out says so of the rest alone.
+    /// The reason why an opening gives no numbers. An inverted opening that came to rest only reports its inverted
+    /// elements.
     std::string why_unusable(const fem::OpeningResult& opening)
     {
         return opening.status == fem::OpeningStatus::inverted
@@ -18,7 +19,7 @@ namespace {
             : opening.message;
     }
 
-    /// As it was cut and held, before it is opened.
+    /// The field as cut and supported, without hooks and before it is opened.
     PlannedField without_hooks(const PlannedField& field)
     {
         PlannedField bare;

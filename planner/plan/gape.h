@@ -1,5 +1,6 @@
 #pragma once
-// How far a planned wound gapes by the tension of its tissue alone, before any hook pulls. Units mm.
+// Computes the gape of a planned wound: its opening by the tension of the tissue alone, before any hook pulls. Units
+// mm.
 
 #include "planner/plan/opened_wound.h"
 
@@ -9,12 +10,13 @@
 
 namespace retractor::planner {
 
-/// The materials of the problem's mesh that are stretched before the cut, each once, with the pre-strain.
+/// The materials of the problem's mesh that are under tension before the cut, each once, with the pre-strain.
 std::vector<std::pair<std::string, fem::PreStrain>> tissues_under_tension(const fem::ElasticProblem& problem);
 
-/// Solves the wound once more as it was, without hooks; where it has none, its own answer is taken. Says why there is
-/// no gape (a piece that only hooks hold) rather than throw.
-/// @param wound of the field, which was opened and measured. A cancelled job is the field's status.
+/// Solves the wound again in the same way, without hooks. A wound that has no hooks gives its own solution. When there
+/// is no gape (a piece held only by hooks), the result holds the reason instead of an exception. A cancelled job sets
+/// the field's status.
+/// @param wound the opened and measured wound of the field
 TensionMetrics measure_gape(
     PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job);
 

@@ -23,8 +23,8 @@ bool correct_hook_equilibrium(const HeldHooks& held, WoundAnswer& answer)
 {
     if (held.drives.empty())
         return true;
-    const std::optional<fem::HooksLetGo> rest
-        = fem::let_go(held.response, held.at, held.forces, fem::packed(answer.hook_forces_N), held.drives);
+    const std::optional<fem::ReleasedHooks> rest
+        = fem::release_hooks(held.response, held.at, held.forces, fem::packed(answer.hook_forces_N), held.drives);
     if (!rest)
         return false;
     const Eigen::VectorXd moved = held.response.displacement * rest->way;

@@ -27,10 +27,10 @@ namespace retractor::planner {
 
 namespace {
 
-    /// A bone across fewer of the lines of sight is no obstacle.
+    /// A bone across a smaller share of the lines of sight is no obstacle.
     constexpr double kSmallestBoneShare = 0.01;
 
-    /// Appends "stage: seconds" to the metrics when it goes out of scope.
+    /// Appends "stage: seconds" to the metrics at the end of the scope.
     class StageTimer {
     public:
         StageTimer(FieldMetrics& metrics, std::string stage)
@@ -60,7 +60,7 @@ namespace {
         return ids;
     }
 
-    /// Takes over what was cut; returns false (with status and message set) when the blade does not meet it.
+    /// Takes over the cut wall. @returns false, with status and message set, when the blade does not meet the wall
     bool take_cut(PlannedField& field, CutWall& cut)
     {
         if (cut.status != mesh::CutStatus::done) {
@@ -79,7 +79,7 @@ namespace {
         return true;
     }
 
-    /// Before the cut.
+    /// The tension of the wall before the cut.
     WallTension tension_of(const mesh::TetMesh& wall, const mesh::LabelVolume& labels, const Case& planned_case,
         const Approach& approach, const fem::Supports& supports)
     {
@@ -107,7 +107,7 @@ namespace {
         cut.released = std::move(released.tractions);
     }
 
-    /// A wound without an edge on the skin cannot be measured: refused before it is opened.
+    /// Refuses a wound without an edge on the skin before it is opened, because it cannot be measured.
     void check_lips(const PlannedField& field, const std::array<std::string, 2>& took_lip)
     {
         for (const std::size_t side : { 0U, 1U })
@@ -128,7 +128,8 @@ namespace {
                 }
     }
 
-    /// The organ that a target given as a sphere lies in: it is operated on, and does not block the view of itself.
+    /// The organ that contains a spherical target. This organ is operated on, so it does not block the view of the
+    /// target.
     const mesh::LabelInfo* organ_of_sphere(Patient& patient, const TargetSpec& target)
     {
         if (!target.is_sphere())
@@ -210,10 +211,10 @@ namespace {
         case fem::OpeningStatus::cancelled:
             break;
         }
-        return field.opening.message; // begins with what happened
+        return field.opening.message; // begins with the event
     }
 
-    /// The middle, at rest, of the element that has the percentile's strain. None where nothing is strained.
+    /// The middle, at rest, of the element with the percentile's strain; nothing when no element is strained.
     std::optional<Vec3> place_of_strain(const PlannedField& field)
     {
         const auto& strain = field.opening.strain;

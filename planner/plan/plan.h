@@ -1,5 +1,6 @@
 #pragma once
-// One approach from the labels to the measured field: mesh, cut, open, look. Units mm, N; frame patient LPS.
+// Plans one approach, from the labels to the measured field: mesh the wall, cut it, open the wound, measure the view.
+// Units mm, N; frame patient LPS.
 
 #include "mesh/base/job.h"
 #include "planner/case/approach.h"

@@ -1,6 +1,6 @@
 #pragma once
-// The planned field: what plan_approach() (plan.h) makes of one approach, and what the steps of a plan pass on to one
-// another. Plain data. Units mm, N; frame patient LPS.
+// The planned field: the result of plan_approach() (plan.h) for one approach, and the data that the steps of a plan
+// pass on. Plain data. Units mm, N; frame patient LPS.
 
 #include "fem/statics/boundary_conditions.h"
 #include "fem/statics/elastic_problem.h"
@@ -22,31 +22,34 @@ enum class PlanStatus {
     done,
     nothing_to_mesh, ///< no wall tissue near the incision
     cut_missed, ///< the blade does not meet the wall
-    not_converged, ///< the wound could not be pulled open as asked; what was reached is measured
-    inverted, ///< pulled open as asked, but with more than two elements of 1,000 inside out: measured, and wrong
+    not_converged, ///< the wound did not open as far as requested; the numbers describe what was reached
+    /// The wound opened as requested, but more than two elements in 1,000 are inside out: measured, and wrong.
+    inverted,
     cancelled,
 };
 
-/// The planned field. With a status other than done, not_converged or inverted only `message` is
-/// filled; with one of these it holds remarks, such as parts left out of the mesh.
+/// The planned field. With the status done, not_converged or inverted, `message` holds remarks, such as parts left out
+/// of the mesh. With any other status only `message` is filled.
 struct [[nodiscard]] PlannedField {
     PlanStatus status = PlanStatus::done;
     std::string message;
     Approach approach;
     mesh::MeshStatistics mesh_statistics;
 
-    mesh::TetMesh wall; ///< cut, at rest
+    mesh::TetMesh wall; ///< after the cut, at rest
     std::vector<mesh::LipFace> lips; ///< faces of `wall` on the two sides of the incision
-    std::vector<WallPiece> pieces; ///< of `wall`, with what holds them
-    std::vector<fem::HookPatch> hooks; ///< in the order of approach.hooks; nodes of `wall`; where they came to rest
-    /// What the solver was given: `wall` with its materials, supports and hooks; of ten-node elements, midpoints last.
+    std::vector<WallPiece> pieces; ///< pieces of `wall`, with their supports
+    std::vector<fem::HookPatch> hooks; ///< in the order of approach.hooks, with nodes of `wall`, at their final places
+    /// The problem that the solver was given: `wall` with its materials, supports and hooks. Midpoints of ten-node
+    /// elements come last.
     fem::ElasticProblem problem;
-    std::vector<bool> yielded; ///< per hook: held back by its limit; empty where all go where they are told
-    fem::OpeningResult opening; ///< displacements of the vertices of `wall`
-    OpeningGeometry geometry; ///< of the opened wound
+    /// Whether each hook is held back by its force limit; empty where all hooks reach their places.
+    std::vector<bool> yielded;
+    fem::OpeningResult opening; ///< with displacements of the vertices of `wall`
+    OpeningGeometry geometry; ///< shape of the opened wound
     Exposure exposure;
 
-    TriMesh remaining_wall; ///< beyond the meshed region, see unmeshed_wall_region(); may be empty
+    TriMesh remaining_wall; ///< the wall outside the meshed region, see unmeshed_wall_region(); may be empty
     FieldMetrics metrics;
 };
 

@@ -17,16 +17,17 @@ namespace retractor::planner {
 
 namespace {
 
-    /// A hook is set on the edge of a wound no further than this from the place that was touched.
+    /// Largest distance between the touched place and the wound's edge.
     constexpr double kReachMm = 20.0;
-    /// The lip's own direction is the mean of its faces within this distance.
+    /// The direction of a lip is the mean over its faces within this distance.
     constexpr double kLipRadiusMm = 12.0;
-    /// The patch stands out of the wound's edge by this much, so that the edge itself is under it.
+    /// Distance by which the patch reaches beyond the wound's edge, so that the edge lies under the patch.
     constexpr double kAboveEdgeMm = 1.0;
 
-    using Lip = std::pair<int, int>; ///< cut and side
+    using Lip = std::pair<int, int>; ///< number of the cut, and side
 
-    /// Vertices where both lips of a cut meet: no hook can hold these, and the way from lip to lip leads through them.
+    /// Vertices where both lips of a cut meet. No hook can hold these vertices, and the way from lip to lip leads
+    /// through them.
     std::set<VertexId> meeting_vertices(std::span<const LipTriangle> lips)
     {
         std::map<VertexId, std::set<Lip>> lips_of;
@@ -43,8 +44,8 @@ namespace {
 
     Vec3 place(const WallSurface& surface, VertexId v) { return surface.rest.row(v).transpose(); }
 
-    /// The vertex on a wound's edge that is nearest along the surface; -1: none within reach. Two lips that lie on each
-    /// other at rest are far from each other along the surface.
+    /// The vertex on a wound's edge nearest to a place, by the distance along the surface; -1: none within reach. Two
+    /// lips that touch at rest are far apart along the surface.
     VertexId nearest_on_edge(
         const WallSurface& surface, const std::set<VertexId>& edge, const std::set<VertexId>& meeting, const Touch& at)
     {
@@ -155,7 +156,7 @@ HookPlacement find_hook_seat(const WallSurface& surface, std::span<const LipTria
     if (seat.inward.dot(at.inward) < 0.0)
         seat.inward = -seat.inward;
     seat.centre = place(surface, grip) + (0.5 * seat.height_mm - kAboveEdgeMm) * seat.inward;
-    mesh::TetMesh vertices; // as hook_patch_nodes() takes them
+    mesh::TetMesh vertices; // in the form that hook_patch_nodes() takes
     vertices.vertices = surface.rest;
     try {
         seat.nodes = fem::hook_patch_nodes(
@@ -183,7 +184,8 @@ PlannedSeats planned_seats(const mesh::CutSession& session, const Approach& appr
         if (const auto id = static_cast<std::size_t>(map.vertex_slot[v]); id < held.size() && held[id] != 0)
             supports.fixed.push_back(static_cast<VertexId>(v));
     for (const HookSpec& spec : approach.hooks) {
-        // Drawn by hand, the line may run either way: which lip is whose is told by the way that the hook pulls.
+        // A line that was drawn by hand may run either way. The pull direction of the hook tells which lip it belongs
+        // to.
         std::vector<mesh::LipFace> lips = session.lips();
         for (mesh::LipFace& lip : lips) {
             lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
@@ -210,8 +212,7 @@ PlannedSeats planned_seats(const mesh::CutSession& session, const Approach& appr
             planned.names.push_back(spec.name);
             planned.drives.push_back(drive_of(spec));
         } catch (const InputError& error) {
-            planned.reduction_error
-                += (planned.reduction_error.empty() ? "" : "; ") + error.where() + ": " + error.what();
+            planned.omitted += (planned.omitted.empty() ? "" : "; ") + error.where() + ": " + error.what();
         }
     }
     return planned;

@@ -1,6 +1,6 @@
 #pragma once
-// Where a hook takes hold of a wound that was cut by hand: the edge of the wound nearest to the place that was
-// touched, on the side of the wound that it lies on. Units mm; frame patient LPS, at rest.
+// Finds the place where a hook holds a wound that was cut by hand. The place is the point of the wound's edge nearest
+// to the touched point, on the same side of the wound. Units mm; frame patient LPS, at rest.
 
 #include "fem/statics/hook_drive.h"
 #include "mesh/cutting/cut_session.h"
@@ -16,34 +16,35 @@
 
 namespace retractor::planner {
 
-/// A face of a wound by the vertices of the session; counter-clockwise seen from the gap.
+/// A face of a wound by the session's vertices, counter-clockwise seen from the gap.
 struct LipTriangle {
     std::array<VertexId, 3> vertices {};
     int cut = 0, side = 0;
 };
 std::vector<LipTriangle> lip_triangles(const mesh::CutSession& session);
 
-/// A patch of one lip.
+/// The patch of a lip that a hook holds.
 struct HookPlacement {
-    int cut = 0, side = 0; ///< the lip
-    Vec3 centre = Vec3::Zero(); ///< of the patch
-    Vec3 along = Vec3::UnitX(), inward = Vec3::UnitY(); ///< unit: along the wound's edge, and into the body
-    Vec3 pull = Vec3::UnitX(); ///< unit: away from the other lip
+    int cut = 0, side = 0; ///< number of the cut, and side of the lip
+    Vec3 centre = Vec3::Zero(); ///< centre of the patch
+    Vec3 along = Vec3::UnitX(), inward = Vec3::UnitY(); ///< unit vectors along the wound's edge and into the body
+    Vec3 pull = Vec3::UnitX(); ///< unit vector away from the other lip
     double width_mm = 10.0, height_mm = 15.0;
-    std::vector<VertexId> nodes {}; ///< of the lip under the patch, rising
+    std::vector<VertexId> nodes {}; ///< vertices of the lip under the patch, in rising order
 };
 
-/// @param held per vertex: 1 where it does not move and no hook can hold it.
-/// @param why_not is set when there is nothing to hold near by; the seat then has no nodes.
+/// Finds the patch for a hook near a touched place.
+/// @param held per vertex: 1 = does not move, so that no hook can hold the vertex
+/// @param why_not receives the reason when no lip is near; the result then has no nodes
 HookPlacement find_hook_seat(const WallSurface& surface, std::span<const LipTriangle> lips, std::span<const char> held,
     const Touch& at, std::string& why_not);
 
-/// The hooks of a plan in a wound that was drawn by hand, wherever a lip lies under them.
+/// The planned hooks that find a lip in a wound that was drawn by hand.
 struct PlannedSeats {
     std::vector<HookPlacement> seats;
-    std::vector<std::string> names; ///< per seat
-    std::vector<fem::HookDrive> drives; ///< per seat: as planned
-    std::string reduction_error; ///< the hooks that find no hold, and why
+    std::vector<std::string> names; ///< one per placement
+    std::vector<fem::HookDrive> drives; ///< planned drive of each placement
+    std::string omitted; ///< message that names the hooks without a lip, with the reasons
 };
 PlannedSeats planned_seats(const mesh::CutSession& session, const Approach& approach, const mesh::LabelTable& table,
     std::span<const char> held);

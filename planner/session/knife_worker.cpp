@@ -14,13 +14,13 @@ namespace retractor::planner {
 
 namespace {
 
-    /// The wound opens in frames of this length: short enough that the knife never waits long for one.
+    /// Length of a frame in which the wound opens: short enough that the knife never waits long.
     constexpr double kFrameMs = 40.0;
 
-    /// A hook that has not moved for so long lies still: its numbers are worked out.
+    /// A hook that has not moved for this time is at rest, and its numbers are computed.
     constexpr std::chrono::milliseconds kHandRests { 150 };
 
-    /// Of commands with the same key only the newest that waits counts; empty: all count.
+    /// Of the waiting commands with the same key only the newest runs. An empty key means that all run.
     std::string key_of(const surgery::Command& command)
     {
         if (const auto* pull = std::get_if<surgery::PullHook>(&command))
@@ -32,7 +32,7 @@ namespace {
 
 } // namespace
 
-/// What was handed out stays as it was.
+/// Changes a copy, because a published snapshot never changes.
 template <class Change> void KnifeWorker::change_snapshot(const Change& change)
 {
     const std::lock_guard lock(mutex_);
@@ -41,80 +41,83 @@ template <class Change> void KnifeWorker::change_snapshot(const Change& change)
     snapshot_ = std::move(next);
 }
 
-/// What each command asks of the session: an answer, or nothing to be said.
+/// Carries each command out on the session. The result is an answer, or nothing when there is no message.
 struct KnifeWorker::Runner {
     KnifeWorker& worker;
-    SurgerySession& desk;
+    SurgerySession& live_session;
 
     KnifeAnswer operator()(const surgery::BeginStroke& c) const
     {
-        worker.refused_stroke_ = c.number; // until it has begun
-        if (desk.stroke_open()) // its end was refused, by a full disk for example: once more
+        worker.refused_stroke_ = c.number; // reset once the stroke has begun
+        if (live_session.stroke_open()) // finishing was refused, for example by a full disk: try again
             if (KnifeAnswer former = finish(); !former.reason.empty()) {
                 worker.set_status(std::move(former.reason), !former.done);
-                if (desk.stroke_open())
-                    return { true, {} }; // the status says why
+                if (live_session.stroke_open())
+                    return { true, {} }; // the status gives the reason
             }
-        KnifeAnswer begun = desk.begin_stroke(c.at, c.settings);
+        KnifeAnswer begun = live_session.begin_stroke(c.at, c.settings);
         if (begun.done)
             worker.refused_stroke_ = 0;
         return begun;
     }
-    KnifeAnswer operator()(const surgery::DrawTo& c) const { return drawing() ? desk.draw_to(c.at) : nothing(); }
+    KnifeAnswer operator()(const surgery::DrawTo& c) const
+    {
+        return drawing() ? live_session.draw_to(c.at) : nothing();
+    }
     void operator()(const surgery::LeaveWall&) const
     {
         if (drawing())
-            desk.leave_wall();
+            live_session.leave_wall();
     }
     KnifeAnswer operator()(const surgery::FinishStroke&) const { return drawing() ? finish() : nothing(); }
-    void operator()(const surgery::AbandonStroke&) const { desk.abandon_stroke(); }
-    KnifeAnswer operator()(const surgery::TakeOut& c) const { return desk.take_out(c.at, c.radius_mm); }
+    void operator()(const surgery::AbandonStroke&) const { live_session.abandon_stroke(); }
+    KnifeAnswer operator()(const surgery::TakeOut& c) const { return live_session.take_out(c.at, c.radius_mm); }
 
     void operator()(const surgery::Undo&) const
     {
-        if (desk.can_undo())
-            desk.undo();
+        if (live_session.can_undo())
+            live_session.undo();
     }
     void operator()(const surgery::Redo&) const
     {
-        if (desk.can_redo())
-            desk.redo();
+        if (live_session.can_redo())
+            live_session.redo();
     }
     void operator()(const surgery::GoTo& c) const
     {
-        while (desk.can_undo() && desk.session().cut_count() > c.cuts)
-            desk.undo();
-        while (desk.can_redo() && desk.session().cut_count() < c.cuts)
-            desk.redo();
+        while (live_session.can_undo() && live_session.session().cut_count() > c.cuts)
+            live_session.undo();
+        while (live_session.can_redo() && live_session.session().cut_count() < c.cuts)
+            live_session.redo();
     }
-    void operator()(const surgery::SetTension& c) const { desk.set_tension(c.strain); }
+    void operator()(const surgery::SetTension& c) const { live_session.set_tension(c.strain); }
 
-    KnifeAnswer operator()(const surgery::PlaceHook& c) const { return desk.place_hook(c.at); }
-    KnifeAnswer operator()(const surgery::TakePlannedHooks&) const { return desk.take_planned_hooks(); }
-    void operator()(const surgery::PullHook& c) const { desk.pull_hook(c.hook, c.asked); }
-    void operator()(const surgery::PullAllHooks& c) const { desk.pull_all_hooks(c.mm); }
-    void operator()(const surgery::PullHooksByShare& c) const { desk.pull_hooks_by_share(c.share); }
-    void operator()(const surgery::SetYield& c) const { desk.set_yield(c.force_N); }
-    void operator()(const surgery::SetNonlinear& c) const { desk.set_nonlinear(c.wanted); }
-    void operator()(const surgery::TakeOffHook& c) const { desk.take_off_hook(c.hook); }
-    void operator()(const surgery::TakeOffHooks&) const { desk.take_off_hooks(); }
+    KnifeAnswer operator()(const surgery::PlaceHook& c) const { return live_session.place_hook(c.at); }
+    KnifeAnswer operator()(const surgery::TakePlannedHooks&) const { return live_session.take_planned_hooks(); }
+    void operator()(const surgery::PullHook& c) const { live_session.pull_hook(c.hook, c.asked); }
+    void operator()(const surgery::PullAllHooks& c) const { live_session.pull_all_hooks(c.mm); }
+    void operator()(const surgery::PullHooksByShare& c) const { live_session.pull_hooks_by_share(c.share); }
+    void operator()(const surgery::SetYield& c) const { live_session.set_yield(c.force_N); }
+    void operator()(const surgery::SetNonlinear& c) const { live_session.set_nonlinear(c.wanted); }
+    void operator()(const surgery::TakeOffHook& c) const { live_session.take_off_hook(c.hook); }
+    void operator()(const surgery::TakeOffHooks&) const { live_session.take_off_hooks(); }
 
     KnifeAnswer operator()(const surgery::ExportWall& c) const
     {
-        if (desk.stroke_open())
+        if (live_session.stroke_open())
             return { false, "a stroke is open: finish it first" };
-        mesh::write_vtu(c.path, desk.session().compact_mesh());
+        mesh::write_vtu(c.path, live_session.session().compact_mesh());
         return { true, "Saved " + c.path.string() };
     }
 
 private:
-    static KnifeAnswer nothing() { return { true, {} }; } ///< is to be said
-    /// A stroke that was refused has no line to draw on.
-    bool drawing() const { return desk.stroke_open() && worker.refused_stroke_ == 0; }
+    static KnifeAnswer nothing() { return { true, {} }; } ///< no message
+    /// A refused stroke has no line to draw on.
+    bool drawing() const { return live_session.stroke_open() && worker.refused_stroke_ == 0; }
     KnifeAnswer finish() const
     {
         try {
-            return desk.finish_stroke();
+            return live_session.finish_stroke();
         } catch (const Error&) {
             return { false, to_string(current_failure()) + "; the stroke is still open: Esc takes it back" };
         }
@@ -135,16 +138,16 @@ KnifeWorker::KnifeWorker(std::function<SurgerySetup(const Job&)> prepare, std::f
               },
           .when_destroyed = WaitingTasks::run })
 {
-    executor_.post([this, prepare = std::move(prepare)](const Job& job) { prepare_desk(prepare, job); });
+    executor_.post([this, prepare = std::move(prepare)](const Job& job) { prepare_session(prepare, job); });
 }
 
 KnifeWorker::~KnifeWorker()
 {
     executor_.post([this](const Job&) {
-        refused_stroke_ = 0; // whichever stroke is open
-        if (desk_ != nullptr && desk_->stroke_open())
-            carry_out(surgery::FinishStroke {});
-        desk_.reset(); // on the thread that it was used on
+        refused_stroke_ = 0; // the open stroke is finished even when a later stroke was refused
+        if (live_session_ != nullptr && live_session_->stroke_open())
+            execute(surgery::FinishStroke {});
+        live_session_.reset(); // destroyed on the thread that used the session
     });
 }
 
@@ -152,8 +155,8 @@ void KnifeWorker::run(surgery::Command command)
 {
     std::string key = key_of(command);
     executor_.post_latest(std::move(key), [this, command = std::move(command)](const Job&) {
-        if (desk_ != nullptr) {
-            carry_out(command);
+        if (live_session_ != nullptr) {
+            execute(command);
         } else if (question_) {
             const std::lock_guard lock(mutex_);
             deferred_.push_back(command);
@@ -219,33 +222,33 @@ void KnifeWorker::add_status(const std::string& more)
     });
 }
 
-void KnifeWorker::publish(SurgerySession& desk)
+void KnifeWorker::publish(SurgerySession& live_session)
 {
     const Stopwatch watch;
-    const std::shared_ptr<const WallPicture> picture = desk.picture();
+    const std::shared_ptr<const WallPicture> picture = live_session.picture();
     const double picture_ms = 1e3 * watch.seconds();
     change_snapshot([&](SessionSnapshot& next) {
         next.phase = SessionSnapshot::Phase::ready;
         if (next.picture != picture)
             next.picture_ms = picture_ms;
         next.picture = picture;
-        next.cuts = desk.cuts();
-        next.can_undo = desk.can_undo();
-        next.can_redo = desk.can_redo();
-        next.stroke_open = desk.stroke_open();
+        next.cuts = live_session.cuts();
+        next.can_undo = live_session.can_undo();
+        next.can_redo = live_session.can_redo();
+        next.stroke_open = live_session.stroke_open();
         next.refused_stroke = refused_stroke_;
-        next.step_ms = desk.step_ms();
-        next.tension = desk.tension();
-        next.case_tension = desk.case_tension();
-        next.gape_mm = desk.gape_mm();
-        next.moving = desk.moving();
-        next.hooks = desk.hooks();
-        next.planned_hooks = desk.planned_hooks();
+        next.step_ms = live_session.step_ms();
+        next.tension = live_session.tension();
+        next.case_tension = live_session.case_tension();
+        next.gape_mm = live_session.gape_mm();
+        next.moving = live_session.moving();
+        next.hooks = live_session.hooks();
+        next.planned_hooks = live_session.planned_hooks();
     });
     announce();
 }
 
-void KnifeWorker::prepare_desk(const std::function<SurgerySetup(const Job&)>& prepare, const Job& job)
+void KnifeWorker::prepare_session(const std::function<SurgerySetup(const Job&)>& prepare, const Job& job)
 {
     make_ready([&] {
         SurgerySetup table = prepare(job);
@@ -264,10 +267,11 @@ void KnifeWorker::prepare_desk(const std::function<SurgerySetup(const Job&)>& pr
     });
 }
 
-/// With the cuts of the last time where there are some and they are wanted. Nothing on disk is lost: what is not
-/// restored is set aside.
-/// @param kept nothing: still to be read. @param wanted the answer to the question; nothing: it was not asked.
-/// @return null: the question has to be answered first.
+/// Creates the session, with the saved cuts when there are some and the user wants them. Nothing on disk is lost: cuts
+/// that are not restored are set aside.
+/// @param kept the saved cuts; empty: they must be read
+/// @param wanted the user's answer; empty: the user was not asked
+/// @return null when the user must answer first
 std::unique_ptr<SurgerySession> KnifeWorker::start_session(
     SurgerySetup table, std::optional<SavedCuts> kept, std::optional<bool> wanted, const Job& job)
 {
@@ -277,7 +281,7 @@ std::unique_ptr<SurgerySession> KnifeWorker::start_session(
         if (std::filesystem::exists(table.journal)) {
             try {
                 if (!kept)
-                    kept = read_kept_cuts(table.journal, table.wall, job);
+                    kept = read_saved_cuts(table.journal, table.wall, job);
                 if (!wanted && kept->worth_asking()) {
                     ask_to_restore(std::move(table), std::move(*kept));
                     return nullptr;
@@ -285,7 +289,7 @@ std::unique_ptr<SurgerySession> KnifeWorker::start_session(
                 if (wanted.value_or(true)) {
                     if (!kept->note.empty())
                         set_status(kept->note, false);
-                    return std::make_unique<SurgerySession>(restore_desk(table, *kept, job));
+                    return std::make_unique<SurgerySession>(restored_session(table, *kept, job));
                 }
                 const std::filesystem::path other = set_aside(table.journal);
                 set_status("The former cuts are set aside in " + other.string(), false);
@@ -298,7 +302,7 @@ std::unique_ptr<SurgerySession> KnifeWorker::start_session(
                     true);
             }
         }
-        return std::make_unique<SurgerySession>(fresh_desk(table, job));
+        return std::make_unique<SurgerySession>(new_session(table, job));
     } catch (const IoError&) {
         set_status("cuts are not kept on disk: " + to_string(current_failure()), true);
         return std::make_unique<SurgerySession>(std::move(table), job);
@@ -315,18 +319,19 @@ void KnifeWorker::ask_to_restore(SurgerySetup table, SavedCuts kept)
     announce();
 }
 
-/// Takes the desk that was laid, and what was asked of it while the question was open; says why there is none.
-/// @param lay null: the question is asked.
+/// Takes the new session and runs the commands that arrived while the question was open. When there is no session, the
+/// snapshot gives the reason.
+/// @param lay returns null when the user must answer a question first
 void KnifeWorker::make_ready(const std::function<std::unique_ptr<SurgerySession>()>& lay)
 {
     try {
-        std::unique_ptr<SurgerySession> desk = lay();
+        std::unique_ptr<SurgerySession> live_session = lay();
         if (question_)
             return;
         if (!caution_.empty())
             add_status(caution_);
-        publish(*desk);
-        desk_ = std::move(desk);
+        publish(*live_session);
+        live_session_ = std::move(live_session);
     } catch (...) {
         change_snapshot([failure = to_string(current_failure())](SessionSnapshot& next) {
             next.phase = SessionSnapshot::Phase::failed;
@@ -339,18 +344,18 @@ void KnifeWorker::make_ready(const std::function<std::unique_ptr<SurgerySession>
         const std::lock_guard lock(mutex_);
         std::swap(commands, deferred_);
     }
-    if (desk_ != nullptr)
+    if (live_session_ != nullptr)
         for (const surgery::Command& command : commands)
-            carry_out(command);
+            execute(command);
 }
 
-/// @pre there is a desk
-void KnifeWorker::carry_out(const surgery::Command& command)
+/// @pre there is a session
+void KnifeWorker::execute(const surgery::Command& command)
 {
     changed_ = true;
     KnifeAnswer answer;
     try {
-        const Runner runner { *this, *desk_ };
+        const Runner runner { *this, *live_session_ };
         answer = std::visit(
             [&](const auto& asked) -> KnifeAnswer {
                 if constexpr (std::is_void_v<decltype(runner(asked))>)
@@ -369,42 +374,42 @@ void KnifeWorker::carry_out(const surgery::Command& command)
 
 void KnifeWorker::take_remark()
 {
-    if (std::string remark = desk_->take_remark(); !remark.empty())
+    if (std::string remark = live_session_->take_remark(); !remark.empty())
         set_status(std::move(remark), true);
 }
 
-/// One frame, shown at once.
+/// Computes one frame and shows it at once.
 void KnifeWorker::open_wound()
 {
-    if (desk_->waiting()) // there is nothing to draw: the cores are left to what is waited for
+    if (live_session_->waiting()) // there is nothing to draw, and the background work needs the cores
         return;
     const Stopwatch watch;
     Job job;
     job.cancel = &executor_.task_waits();
-    desk_->relax(kFrameMs, job);
+    live_session_->relax(kFrameMs, job);
     take_remark();
     change_snapshot([&](SessionSnapshot& next) { next.relax_ms = 1e3 * watch.seconds(); });
-    publish(*desk_);
+    publish(*live_session_);
 }
 
-/// After commands: a snapshot of what they have changed. Else: the next frame of a wound that opens.
+/// After commands: publishes a snapshot of the changes. Otherwise: computes the next frame of an opening wound.
 std::optional<std::chrono::steady_clock::time_point> KnifeWorker::step()
 {
-    if (desk_ == nullptr)
+    if (live_session_ == nullptr)
         return {};
     try {
         if (std::exchange(changed_, false))
-            publish(*desk_);
-        else if (desk_->moving())
+            publish(*live_session_);
+        else if (live_session_->moving())
             open_wound();
-    } catch (const std::exception& error) { // no memory for the picture: the cuts stand, and the knife goes on
+    } catch (const std::exception& error) { // no memory for the picture: the cuts are made, and the knife goes on
         set_status(std::string("the picture could not be brought up to date: ") + error.what(), true);
         announce();
     }
-    if (!desk_->moving())
+    if (!live_session_->moving())
         return {};
     const auto now = std::chrono::steady_clock::now();
-    return desk_->hooks_unsettled() ? now + kHandRests : now;
+    return live_session_->hooks_unsettled() ? now + kHandRests : now;
 }
 
 } // namespace retractor::planner

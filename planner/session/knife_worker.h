@@ -1,10 +1,11 @@
 #pragma once
-// Live surgery on a thread of its own: commands go in, snapshots come out. Whoever gives commands never waits for them.
+// Live surgery on a separate thread: commands go in, snapshots come out. The caller of a command never waits for its
+// result.
 //
-// Who calls: a front end, from any thread; one thread makes the worker and destroys it.
-// On which thread: prepare, on_snapshot, every command and the opening of the wound run on the worker's thread, one at
-// a time.
-// What may not happen: on_snapshot neither waits for the worker nor destroys it.
+// Callers: a front end, from any thread; one thread creates and destroys the worker.
+// Threads: `prepare`, `on_snapshot`, every command and the opening of the wound run on the worker's thread, one at a
+// time.
+// Restriction: `on_snapshot` neither waits for the worker nor destroys it.
 
 #include "mesh/base/serial_executor.h"
 #include "planner/session/saved_cuts.h"
@@ -23,99 +24,103 @@
 
 namespace retractor::planner {
 
-/// Everything that a front end shows, as of one moment. A snapshot that was handed out does not change.
+/// Everything that a front end shows at one moment. A published snapshot never changes.
 struct SessionSnapshot {
     enum class Phase {
         preparing,
-        asking, ///< cuts of the last time are on disk: restore them, or set them aside?
+        /// Saved cuts of an earlier session are on disk; the front end asks whether to restore them or set them aside.
+        asking,
         ready,
         failed,
     };
     Phase phase = Phase::preparing;
-    std::string stage; ///< preparing: what is being done, and how far
+    std::string stage; ///< preparing: the current work and its progress
+    /// Preparing: progress from 0 to 1.
     double fraction = 0.0;
-    std::string failure; ///< failed: why
-    std::size_t saved_cuts = 0; ///< asking: how many
+    std::string failure; ///< failed: the reason
+    std::size_t saved_cuts = 0; ///< asking: number of saved cuts
 
-    mesh::LabelTable labels; ///< ready; and the next two
-    std::shared_ptr<const BeyondSurface> beyond; ///< null: nothing
-    std::shared_ptr<const std::vector<EdgePlace>> outline; ///< of where can be cut; see region_outline()
+    mesh::LabelTable labels; ///< set in phase `ready`, like the next two members
+    std::shared_ptr<const BeyondSurface> beyond; ///< drawn wall outside the mesh; null: none
+    /// Border of the region that can be cut; see region_outline().
+    std::shared_ptr<const std::vector<EdgePlace>> outline;
     std::shared_ptr<const WallPicture> picture;
     std::vector<CutEntry> cuts;
     bool can_undo = false, can_redo = false, stroke_open = false;
-    std::size_t refused_stroke = 0; ///< the last stroke, when it could not be begun, by its number; 0: it was begun
-    std::string answer; ///< the last thing the surgeon should know
-    bool refused = false; ///< the answer is why something was not done
-    std::size_t answers = 0; ///< how many answers there were: tells a new one from the last
+    std::size_t refused_stroke = 0; ///< number of the last stroke when it could not be begun; 0: the stroke was begun
+    std::string answer; ///< last message for the surgeon
+    bool refused = false; ///< the message says why a command was refused
+    std::size_t answers = 0; ///< number of messages so far; tells a new message from the last
     double tension = 0.0; ///< strain
-    double case_tension = 0.0; ///< the largest that the case states; 0: none
-    double gape_mm = 0.0; ///< of the widest wound
+    double case_tension = 0.0; ///< largest pre-strain of the case; 0: none
+    double gape_mm = 0.0; ///< gape of the widest wound
     bool moving = false; ///< the wound is still opening
-    double step_ms = 0.0; ///< of the last step of the knife
-    double picture_ms = 0.0; ///< making the surface after it
-    double relax_ms = 0.0; ///< of the last frame of the wound's opening
+    double step_ms = 0.0; ///< time of the last step of the knife
+    double picture_ms = 0.0; ///< time to make the surface after that step
+    double relax_ms = 0.0; ///< time of the last frame of the wound's opening
     HookReport hooks;
-    std::size_t planned_hooks = 0; ///< how many the approach has
+    std::size_t planned_hooks = 0; ///< number of hooks in the approach
 };
 
 class KnifeWorker {
 public:
-    /// @param prepare runs on the worker's thread; what it throws is the failure.
-    /// @param on_snapshot called on the worker's thread when there is a new snapshot, once until snapshot() is called.
+    /// @param prepare runs on the worker's thread; an exception gives phase `failed` with its message
+    /// @param on_snapshot called on the worker's thread when there is a new snapshot, and not again until snapshot()
+    /// was called
     KnifeWorker(std::function<SurgerySetup(const Job&)> prepare, std::function<void()> on_snapshot);
-    /// Stops preparing and leaves kept cuts as they are; finishes a stroke that is open, so that what was cut is kept.
+    /// Cancels the preparation and leaves saved cuts on disk. Finishes an open stroke, so that its cuts are kept.
     ~KnifeWorker();
     KnifeWorker(const KnifeWorker&) = delete;
     KnifeWorker& operator=(const KnifeWorker&) = delete;
 
     // Any thread:
 
-    /// Answers the question; does nothing when none was asked.
+    /// Answers the question of phase `asking`: whether to restore the saved cuts. Does nothing in another phase.
     void restore(bool wanted);
-    /// Commands are carried out in the order in which they came; those that come before the session is ready wait for
-    /// it, and are dropped when it fails.
+    /// Runs a command; commands run in the order of arrival. Commands that arrive before phase `ready` wait, and are
+    /// dropped when the preparation fails.
     void run(surgery::Command command);
 
-    /// The newest; never null.
+    /// The newest snapshot; never null.
     std::shared_ptr<const SessionSnapshot> snapshot();
-    /// Nothing is being prepared, no command waits or is being carried out, and the wound is at rest.
+    /// Whether nothing is being prepared, no command waits or runs, and the wound is at rest.
     bool idle() const;
 
 private:
     struct Runner;
     template <class Change> void change_snapshot(const Change& change);
     void set_status(std::string answer, bool refused);
-    void add_status(const std::string& more); ///< after what was said last
-    void publish(SurgerySession& desk);
+    void add_status(const std::string& more); ///< appends to the last message
+    void publish(SurgerySession& live_session);
     void announce();
-    void prepare_desk(const std::function<SurgerySetup(const Job&)>& prepare, const Job& job);
+    void prepare_session(const std::function<SurgerySetup(const Job&)>& prepare, const Job& job);
     std::unique_ptr<SurgerySession> start_session(
         SurgerySetup table, std::optional<SavedCuts> kept, std::optional<bool> wanted, const Job& job);
     void ask_to_restore(SurgerySetup table, SavedCuts kept);
     void make_ready(const std::function<std::unique_ptr<SurgerySession>()>& lay);
-    void carry_out(const surgery::Command& command);
+    void execute(const surgery::Command& command);
     void take_remark();
     std::optional<std::chrono::steady_clock::time_point> step();
     void open_wound();
 
     std::function<void()> on_snapshot_;
-    mutable std::mutex mutex_; ///< of the next three
+    mutable std::mutex mutex_; ///< guards the next three members
     std::shared_ptr<const SessionSnapshot> snapshot_;
     bool announced_ = false;
-    std::vector<surgery::Command> deferred_; ///< that came while the question was open
+    std::vector<surgery::Command> deferred_; ///< commands that arrived while the question was open
 
     // The executor's thread only:
     struct Question {
         SurgerySetup table;
         SavedCuts kept;
     };
-    std::optional<Question> question_; ///< none: it was not asked, or is answered
-    std::string caution_; ///< of the table
-    std::unique_ptr<SurgerySession> desk_; ///< null: being prepared, or failed
+    std::optional<Question> question_; ///< none: not asked, or answered already
+    std::string caution_; ///< caution of the setup
+    std::unique_ptr<SurgerySession> live_session_; ///< null: being prepared, or failed
     std::size_t refused_stroke_ = 0; ///< see SessionSnapshot
-    bool changed_ = false; ///< a command was carried out since the last snapshot
+    bool changed_ = false; ///< a command ran since the last snapshot
 
-    SerialExecutor executor_; ///< last: its tasks use all of the above
+    SerialExecutor executor_; ///< last, because its tasks use all members above
 };
 
 } // namespace retractor::planner

@@ -19,12 +19,13 @@ std::vector<LipPair> lip_pairs(const mesh::CutSession& session, std::span<const 
         for (const VertexId v : lip.vertices)
             normal_of.emplace(v, Vec3::Zero()).first->second += normal;
     }
-    std::map<std::array<double, 3>, std::vector<VertexId>> at; // halves have their very place at rest in common
+    // The halves of a vertex have exactly the same rest position.
+    std::map<std::array<double, 3>, std::vector<VertexId>> at;
     for (const auto& [v, normal] : normal_of) {
         const Vec3 p = session.position(v);
         at[{ p.x(), p.y(), p.z() }].push_back(v);
     }
-    constexpr double kFacing = -0.5; // else they lie on two lips that meet at an angle
+    constexpr double kFacing = -0.5; // otherwise the halves are on two lips that meet at an angle
     std::vector<LipPair> pairs;
     for (const auto& [place, halves] : at)
         for (std::size_t i = 0; i < halves.size(); ++i)

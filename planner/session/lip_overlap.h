@@ -1,7 +1,8 @@
 #pragma once
-// Whether the lips of a wound that is shown pass through each other: live answers have no contact between them
-// (fem/contact.h has). Looked at where a cut has parted a vertex: how far its halves have moved into each other's lip,
-// along the normal at rest, which is right for lips that have not turned far. Units mm; frame patient LPS.
+// Measures whether the shown lips of a wound pass through each other, because the interactive solution has no contact
+// between lips (fem/model/contact.h has contact). At each vertex that a cut has separated, the overlap is the motion of
+// the two halves into each other's lip along the normal at rest. The measure is valid for lips that have not turned
+// far. Units mm; frame patient LPS.
 
 #include "planner/session/hook_placement.h"
 
@@ -12,16 +13,16 @@
 
 namespace retractor::planner {
 
-/// The two halves of a vertex on facing lips.
+/// The two halves of a separated vertex, on facing lips.
 struct LipPair {
     VertexId a = 0, b = 0;
-    Vec3 normal = Vec3::UnitX(); ///< unit, from a's lip to b's
+    Vec3 normal = Vec3::UnitX(); ///< unit vector from a's lip to b's lip
 };
 
-/// @param lips lip_triangles() of the session.
+/// @param lips lip_triangles() of the session
 std::vector<LipPair> lip_pairs(const mesh::CutSession& session, std::span<const LipTriangle> lips);
 
-/// The deepest overlap; 0 where none. @param displacement three per vertex id of the session, mm.
+/// The deepest overlap, mm; 0 without overlap. @param displacement three numbers per vertex id of the session, mm
 double lip_overlap_mm(std::span<const LipPair> pairs, const Eigen::VectorXd& displacement);
 
 } // namespace retractor::planner

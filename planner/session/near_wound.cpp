@@ -13,7 +13,7 @@ namespace retractor::planner {
 
 namespace {
 
-    /// At equilibrium only: on the way there it would be of where the wound is not.
+    /// Only at equilibrium, because before it the value would describe another wound.
     std::optional<double> change_beyond(fem::NonlinearRegion& field, const fem::NearFrame& frame)
     {
         if (frame.status != fem::NearStatus::settled)
@@ -86,7 +86,7 @@ NearWound::Built NearWound::make(const NearProblem& problem, const Job& job)
         problem.hooks, zone.near, fem::drag_options(problem.load));
     if (!field->prepare(job))
         return built;
-    // The model lets hooks pass anything, and settle() makes new factors where they pay.
+    // The model tolerates any motion of the hooks without new factors, and settle() makes new factors where they pay.
     (void)fem::drag_in_steps(*field, std::vector<fem::HookDrive>(built.drives.size()), built.drives,
         { .refresh_above = std::numeric_limits<double>::infinity() }, job);
     built.frame = field->settle(job);
@@ -141,7 +141,7 @@ bool NearWound::take()
     Built built;
     try {
         built = done->result.get();
-    } catch (const std::exception& error) { // what the hooks hold cannot be solved so: it is said
+    } catch (const std::exception& error) { // the tissue under the hooks cannot be solved: report the reason
         built.refusal = error.what();
     }
     if (std::exchange(stale_, false)) {
@@ -169,7 +169,7 @@ Eigen::VectorXd NearWound::displacement(Eigen::Index size) const
     return by_id;
 }
 
-/// What cannot be solved any more is let go; it is said why.
+/// Runs a call; when the solution fails, drops it and keeps the reason.
 template <class Call> void NearWound::guarded(const Call& call)
 {
     try {

@@ -1,9 +1,9 @@
 #pragma once
-// The nonlinear answer near a wound that hooks hold open: tissue that turns and stretches far (NonlinearRegion, bounded
-// corotational), where the linear answer of the whole wall swells. It takes a factorisation, which is made on a thread
-// of its own, where the hooks are then drawn from rest to where they are; that comes back near equilibrium, and hooks
-// are dragged in it. It is of one mesh and one set of hooks: with another it is begun anew. Used from one thread. Units
-// mm, N; frame patient LPS.
+// The nonlinear solution near a wound that hooks hold open (NonlinearRegion, corotational with bounded pressure). It is
+// valid for large rotations and stretches, where the linear solution of the whole wall swells. A background thread
+// factors the region and pulls the hooks from rest to their present places. The solution then arrives near equilibrium,
+// and follows the hooks when they are dragged. A solution belongs to one mesh and one set of hooks; another mesh or set
+// needs a new begin(). Used from one thread. Units mm, N; frame patient LPS.
 
 #include "fem/interactive/online_opening.h"
 #include "fem/statics/nonlinear_region.h"
@@ -20,20 +20,21 @@
 
 namespace retractor::planner {
 
-/// A copy of the wall as it is cut, and of what holds it.
+/// A copy of the cut wall with its supports, hooks and loads.
 struct NearProblem {
-    mesh::TetMesh mesh; ///< compact
-    std::vector<VertexId> id; ///< per vertex of the mesh: the session's
+    mesh::TetMesh mesh; ///< with compact numbering
+    std::vector<VertexId> id; ///< the session's id of each vertex of `mesh`
     std::vector<fem::Material> material_of_label;
     fem::Supports supports;
-    std::vector<fem::HookPatch> hooks; ///< their displacement is not used
+    std::vector<fem::HookPatch> hooks; ///< patches of the hooks; their displacement is not used
     std::vector<fem::HookDrive> drives; ///< one per hook
-    Points wound; ///< the vertices of its lips, at rest
-    Eigen::VectorXd load; ///< N, three per vertex: tension set free; empty: none
+    Points wound; ///< vertices of the lips, at rest
+    Eigen::VectorXd load; ///< released tension, N, three numbers per vertex; empty: none
 };
 
-/// The wall as the online solver has it, with hooks that hold these vertices (ids of the session).
-/// @param wound ids of the session: the vertices of its lips.
+/// Copies the wall of the interactive solver.
+/// @param hooks patches with vertex ids of the session
+/// @param wound vertices of the lips, ids of the session
 NearProblem near_problem(const fem::OnlineOpening& opening, std::span<const fem::Material> material_of_label,
     std::vector<fem::HookPatch> hooks, std::span<const VertexId> wound);
 
@@ -41,41 +42,47 @@ class NearWound {
 public:
     ~NearWound();
 
-    /// Solves this in the background; what is being solved for former hooks is given up, between two factorisations
-    /// or steps of the hooks.
+    /// Starts to solve a problem in the background. A solution for former hooks is cancelled between two factorisations
+    /// or hook steps.
     void begin(NearProblem problem);
-    /// The wall or the hooks are others now.
+    /// Tells that the wall or the hooks have changed.
     void outdate();
     bool building() const { return build_ != nullptr && (!stale_ || next_.has_value()); }
-    /// take() will not wait, and changes something.
+    /// Whether take() would return at once and change something.
     bool build_ready() const;
-    /// Takes what was built; false when there is nothing yet, or it failed.
+    /// Takes the finished solution. Returns false when there is none yet, or when it failed.
     bool take();
     bool ready() const { return field_ != nullptr; }
-    /// Why there is none; empty: nothing stands against it.
+    /// The reason why there is no solution; empty when a solution is possible.
     const std::string& refusal() const { return refusal_; }
 
-    /// The frame that was shown last; valid while ready().
+    /// The frame that was shown last. @pre ready()
     const fem::NearFrame& frame() const { return frame_; }
+    /// Distance from the wound within which the solution is nonlinear, mm.
     double within_mm() const { return within_mm_; }
-    /// relative_change() of the tissue beyond, which is linear, at the equilibrium that was reached last; none on the
-    /// way to the next. By the factor at hand, of tissue less stretched: a new one would make the hand wait.
+    /// relative_change() of the linear tissue outside the nonlinear region, at the last equilibrium; none on the way to
+    /// the next equilibrium. The value uses the existing factor, of less stretched tissue, because a new factor would
+    /// make the hand wait.
     const std::optional<double>& far_change() const { return far_change_; }
-    /// Three per id of the session, so many entries; zero where no vertex lives. @pre ready()
+    /// Displacement, three numbers per vertex id of the session, mm; zero for ids without a vertex.
+    /// @param size number of entries.
+    /// @pre ready()
     Eigen::VectorXd displacement(Eigen::Index size) const;
-    /// drag() would change nothing. @pre ready()
+    /// Whether drag() to these drives would change nothing. @pre ready()
     bool drawn_to(std::span<const fem::HookDrive> drives) const;
-    /// @pre ready(). Where it fails it is no longer, and refusal() says why; so does settle().
+    /// Moves the hooks to these drives. After a failure, ready() is false and refusal() gives the reason; the same
+    /// holds for settle().
+    /// @pre ready()
     void drag(std::span<const fem::HookDrive> drives);
-    /// Until equilibrium, or until the job is cancelled. @pre ready()
+    /// Iterates until equilibrium or until the job is cancelled. @pre ready()
     void settle(const Job& job);
-    /// Nothing more comes of settle().
+    /// Whether settle() would change nothing more.
     bool settled() const { return settled_; }
     std::size_t bytes() const { return field_ != nullptr ? field_->bytes() : 0; }
 
 private:
     struct Built {
-        std::unique_ptr<fem::NonlinearRegion> field; ///< null: refused, or cancelled
+        std::unique_ptr<fem::NonlinearRegion> field; ///< null: refused or cancelled
         fem::NearFrame frame;
         std::vector<VertexId> id;
         std::vector<fem::HookDrive> drives;
@@ -94,14 +101,14 @@ private:
     std::unique_ptr<fem::NonlinearRegion> field_;
     fem::NearFrame frame_;
     std::vector<VertexId> id_;
-    std::vector<fem::HookDrive> drives_; ///< of the hooks, as they were dragged last
+    std::vector<fem::HookDrive> drives_; ///< of the hooks at the last drag
     double within_mm_ = 0.0;
     std::optional<double> far_change_;
     bool settled_ = false;
     std::string refusal_;
-    std::unique_ptr<Build> build_; ///< under way; null: none
-    bool stale_ = false; ///< it is of a former wall or former hooks
-    std::optional<NearProblem> next_; ///< to be solved when that is out of the way
+    std::unique_ptr<Build> build_; ///< in progress; null: none
+    bool stale_ = false; ///< the running build belongs to a former wall or former hooks
+    std::optional<NearProblem> next_; ///< problem to solve after the running build
 };
 
 } // namespace retractor::planner

@@ -1,7 +1,6 @@
 #pragma once
-// What can be asked of a live palpation, as plain data: a front end fills a command in and gives it to
-// PalpationWorker::run(). A command that cannot be carried out is refused; the next snapshot says why. Units mm; the
-// frame is the scene's.
+// Commands of a live palpation, as plain data. A front end fills a command in and gives it to PalpationWorker::run(). A
+// command that cannot run is refused, and the next snapshot gives the reason. Units mm; frame: the scene's.
 
 #include "haptics/condensed/elastic_template.h"
 #include "planner/session/palpation_session.h"
@@ -13,12 +12,12 @@
 namespace retractor::planner {
 namespace palpation {
 
-    /// Makes anew what differs: the tissue for another model, the servo for other devices and gains.
+    /// Rebuilds the parts that differ: the tissue for another model, the servo for other devices and gains.
     struct ChangeSetup {
         PalpationSetup setup {};
     };
-    struct Reset { }; ///< the scene as it was read
-    /// Gives the tissue inside a template other values. Refused where nothing lies inside.
+    struct Reset { }; ///< restores the scene as it was read
+    /// Gives the tissue inside a template other values. Refused when nothing lies inside.
     struct EditTissue {
         haptics::ElasticTemplate edit {};
     };
@@ -29,10 +28,10 @@ namespace palpation {
         std::size_t finger = 0;
         bool held = false;
     };
-    struct Rearm { }; ///< the force comes back after a fault
-    struct StartRecording { }; ///< refused while a recording is kept that could not be written
-    /// Stops the recording and writes it; a recording that cannot be written is kept for the next command of this kind.
-    /// Nothing where there is no recording.
+    struct Rearm { }; ///< lets the force return after a fault
+    struct StartRecording { }; ///< refused while an unwritten recording is kept
+    /// Stops the recording and writes it. A recording that cannot be written is kept for the next StopRecording. Does
+    /// nothing without a recording.
     struct StopRecording {
         std::filesystem::path path {};
     };

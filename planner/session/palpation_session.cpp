@@ -23,13 +23,13 @@ static_assert(kMostFingers <= haptics::SphereMotion::kMostFingers && kMostFinger
 namespace {
 
     constexpr double kPeriod = 1e-3; // s
-    constexpr std::size_t kRecordedTicks = 300'000; ///< five minutes; 41 MB per finger
+    constexpr std::size_t kRecordedTicks = 300'000; ///< five minutes; 41 MB for each finger
     constexpr double kMeasureEvery = 0.5; // s
-    /// A mouse pushes nobody: nothing has to let go where the machine pauses for a moment.
+    /// s; limit of a late tick when no device pushes, so that a short pause of the machine is no fault
     constexpr double kLateWithoutForce = 0.5; // s
-    constexpr double kLeastPress = 0.25; ///< mm: shallower than that there is nothing to calibrate by
+    constexpr double kLeastPress = 0.25; ///< mm; a shallower press is no measure for a calibration
     constexpr double kAbove = 12.0; ///< mm between the tissue and a hand that does not press
-    constexpr double kReachShare = 0.6; ///< of the body's diagonal, what a device's workspace covers
+    constexpr double kReachShare = 0.6; ///< share of the body's diagonal that a device's workspace covers
 
     bool is_mouse(const std::string& name) { return name == "mouse"; }
     bool is_simulated(const std::string& name) { return name == "simulated" || name == "simulated:firm"; }
@@ -45,7 +45,7 @@ namespace {
         return (p.colwise().maxCoeff() - p.colwise().minCoeff()).norm();
     }
 
-    /// A device whose time begins when it is taken: a recording and a hand's path are played from their start.
+    /// A device whose time starts when the servo takes it: recordings and hand paths play from their start.
     class FromNow : public haptics::Device {
     public:
         explicit FromNow(haptics::Device& device)
@@ -66,7 +66,7 @@ namespace {
         double began_ = -1.0;
     };
 
-    /// Where a finger's device works: the first finger at the first site, the second across from it.
+    /// The site where a finger's device works: the first finger at the first site, the second finger opposite.
     datasets::TouchSite site_of(const datasets::PalpationScene& scene, std::size_t finger)
     {
         if (scene.sites.empty())
@@ -82,7 +82,7 @@ namespace {
         return plain.empty() ? scene.sites[finger % scene.sites.size()] : *plain[finger % plain.size()];
     }
 
-    /// Down, two seconds of rest there, up, and again; y is out of the tissue.
+    /// Down, two seconds of rest, up, and again; y points out of the tissue.
     haptics::HandPath pressing_path(double radius, double press_mm)
     {
         constexpr double kDown = 1.0, kHold = 2.0, kUp = 0.5, kRest = 0.5;
@@ -105,7 +105,7 @@ std::size_t fingers_of(const std::string& model) { return model == "spheres" ? k
 
 double fingertip_radius(const datasets::PalpationScene& scene)
 {
-    constexpr double kLargeBody = 200.0; // mm: an organ, not a vessel
+    constexpr double kLargeBody = 200.0; // mm; a larger body is an organ and not a vessel
     return diagonal_of(scene) < kLargeBody ? 4.0 : 8.0;
 }
 
@@ -137,14 +137,14 @@ void WatchedTicks::tick(double time_s, double step_s) noexcept
 
 void WatchedTicks::start_again() noexcept { offset_ = last_ + kPeriod; }
 
-/// The devices, what opened them and what ticks them.
+/// The devices, their rig, and the source that ticks them.
 struct PalpationSession::Hands {
-    std::unique_ptr<haptics::DeviceRig> rig; ///< null: there is none of its kinds
+    std::unique_ptr<haptics::DeviceRig> rig; ///< null: no device of these kinds
     std::vector<std::unique_ptr<haptics::SimulatedHand>> simulated;
     std::vector<std::unique_ptr<FromNow>> from_now;
     std::vector<haptics::ServoDevice> devices; ///< one per finger
     haptics::TickThread thread;
-    bool pushes = false; ///< somebody may feel it
+    bool pushes = false; ///< whether a device can push a person
 
     haptics::Device* begin_now(haptics::Device& device)
     {
@@ -177,7 +177,7 @@ void PalpationSession::make_tissue(const PalpationSetup& setup, const Job& job)
     if (job.cancelled())
         throw InputError("cancelled", scene_.name);
     stop();
-    servo_.reset(); // it knows the old one
+    servo_.reset(); // the servo refers to the old tissue
     tissue_ = std::move(made.response);
     notes_ = std::move(made.notes);
     heart_rate_ = scene_.heart_rate_per_min;
@@ -205,7 +205,8 @@ std::unique_ptr<PalpationSession::Hands> PalpationSession::open_hands(
     for (std::size_t f = 0; f < fingers; ++f) {
         const std::string name = device_of(setup, f);
         if (is_mouse(name)) {
-            hands->devices.push_back({ pointers_[f], { .clutch_buttons = 0 } }); // its frame is the scene's
+            // The frame of a pointer is the scene's.
+            hands->devices.push_back({ pointers_[f], { .clutch_buttons = 0 } });
             continue;
         }
         if (is_simulated(name)) {
@@ -226,7 +227,7 @@ std::unique_ptr<PalpationSession::Hands> PalpationSession::open_hands(
         hands->pushes = hands->pushes || haptics::is_live_device(name);
         if (!haptics::is_live_device(name))
             device = hands->begin_now(*device);
-        if (recorded) { // it goes on where it was
+        if (recorded) { // a replay continues in its recorded frame
             hands->devices.push_back({ device, haptics::mapping_of(*recorded, device->info().workspace) });
             continue;
         }
@@ -273,10 +274,10 @@ void PalpationSession::change(const PalpationSetup& setup, const Job& job)
     if (!(setup.force_gain > 0.0) || !std::isfinite(setup.force_gain))
         throw InputError("the force gain must be positive and finite", "force gain");
     if (setup.model != setup_.model)
-        make_tissue(setup, job); // on failure the former one still runs
+        make_tissue(setup, job); // on failure the former tissue still runs
     stop();
     servo_.reset();
-    hands_.reset(); // before the same device is opened again
+    hands_.reset(); // closes devices before the same device is opened again
     setup_ = setup;
     start_or_give_to_mouse([&] { return open_hands(setup_, tissue_->finger_count()); });
 }
@@ -372,7 +373,7 @@ void PalpationSession::start_recording()
 haptics::MotionRecording PalpationSession::stop_recording(std::size_t& lost)
 {
     servo_->record_to(nullptr);
-    // The tick that is going on may still write to it.
+    // The running tick may still write to the recorder.
     const std::uint64_t ticks = ticks_.ticks();
     for (int i = 0; i < 1000 && ticks_.ticks() < ticks + 2; ++i)
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -380,7 +381,7 @@ haptics::MotionRecording PalpationSession::stop_recording(std::size_t& lost)
     lost = recorder->lost_ticks();
     haptics::MotionRecording recording = recorder->recording();
     if (ticks_.ticks() < ticks + 2)
-        parked_.push_back(std::move(recorder)); // nobody knows whether a tick still holds it
+        parked_.push_back(std::move(recorder)); // a tick may still hold the recorder
     return recording;
 }
 

@@ -1,8 +1,8 @@
 #pragma once
-// A palpation without a window: tissue, the devices that touch it, the servo between them, and what is to be shown of
-// it. The servo runs on its own source (1 kHz); everything else here belongs to one thread, the simulation's, which
-// calls frame() at the display's pace. Pointer devices belong to whoever made them and are moved by the window's
-// thread. Units mm, s, N, MPa; the frame is the scene's.
+// A palpation without a window: tissue, the devices that touch it, the servo between them, and the data to show. The
+// servo runs on its own source (1 kHz). Everything else belongs to one thread, the simulation thread, which calls
+// frame() at the display's rate. Pointer devices belong to their creator and are moved by the window's thread. Units
+// mm, s, N, MPa; frame: the scene's.
 
 #include "datasets/phantoms/elastic_model.h"
 #include "haptics/condensed/elastic_template.h"
@@ -25,88 +25,90 @@ namespace retractor::planner {
 struct TissueWish {
     std::string model = "fem";
     std::size_t fingers = 2;
-    double radius_mm = 4.0; ///< of a fingertip
-    double depth_mm = 1.5; ///< how deep it is meant to press: springs are measured against elements there
+    double radius_mm = 4.0; ///< radius of a fingertip
+    double depth_mm = 1.5; ///< intended depth of a press; springs are calibrated against elements at this depth
 };
 
 struct MadeTissue {
     std::unique_ptr<haptics::TissueResponse> response;
-    std::vector<std::string> notes; ///< what is to be said of it
+    std::vector<std::string> notes; ///< remarks about the tissue for the user
 };
 
-/// Where tissue comes from.
+/// The source of tissue.
 struct PalpationBackend {
     std::vector<std::string> models;
-    /// @throws InputError on a model that cannot serve the scene, saying why.
+    /// @throws InputError naming the reason when a model cannot serve the scene
     std::function<MadeTissue(const datasets::PalpationScene&, const TissueWish&, const Job&)> make;
 };
 
-/// Fingers that a model is given, at most kMostFingers.
+/// Number of fingers of a model, at most kMostFingers.
 constexpr std::size_t kMostFingers = 6;
 std::size_t fingers_of(const std::string& model);
-/// For the size of a body.
+/// Radius of a fingertip that suits the size of the body, mm.
 double fingertip_radius(const datasets::PalpationScene& scene);
 
-/// Of a pointer that feels nothing: the force that is shown is the tissue's, whatever a device could render.
+/// Properties of a pointer. A pointer feels nothing, so the shown force is the tissue's, without the limits of a
+/// device.
 haptics::DeviceInfo mouse_info(std::size_t finger);
 
 struct PalpationSetup {
     std::string model = "fem";
-    /// Per finger: mouse, simulated, simulated:firm, or a name of DeviceRig's; those that are missing are the mouse's.
+    /// Device of each finger: mouse, simulated, simulated:firm, or a name of DeviceRig. Missing entries are the mouse.
     std::vector<std::string> devices {};
-    double force_gain = 1.0; ///< of all forces on hands: shown when it is not 1
-    double press_mm = 1.5; ///< how far simulated hands press; springs are calibrated for it when they are made
+    double force_gain = 1.0; ///< factor on all forces on hands; shown when it is not 1
+    double press_mm = 1.5; ///< depth of a press by simulated hands; new spring tissue is calibrated at this depth
     Mat3 towards_viewer = Mat3::Identity(); ///< columns: right, up and out of the picture, for devices on a table
 };
 
 struct ServoHealth {
-    double rate_hz = 0.0; ///< of late
-    std::uint64_t ticks = 0, missed = 0; ///< since the palpation began; missed: whole periods without a tick
-    double mean_us = 0.0, worst_us = 0.0; ///< in a tick, of late
-    std::string note; ///< why there is no SCHED_FIFO; empty: there is
-    std::string device_problem; ///< the last one that a Touch reported on this tissue; empty: none
+    double rate_hz = 0.0; ///< recent tick rate
+    /// Since the start of the palpation; `missed` counts whole periods without a tick.
+    std::uint64_t ticks = 0, missed = 0;
+    double mean_us = 0.0, worst_us = 0.0; ///< recent time in a tick
+    std::string note; ///< why the servo thread has no SCHED_FIFO; empty: it has
+    std::string device_problem; ///< last problem that a Touch reported with this tissue; empty: none
 };
 
 /// One moment of the strip chart.
 struct StripSample {
     double time_s = 0.0, pressure_mmHg = 0.0;
-    std::array<double, haptics::kMaxFingers> force {}; ///< of the tissue on each finger, N
+    std::array<double, haptics::kMaxFingers> force {}; ///< force of the tissue on each finger, N
 };
 
-/// The spheres inside: what does not move of them.
+/// The constant data of the spheres inside.
 struct SphereSet {
     std::vector<double> radius;
     std::vector<std::size_t> organ;
 };
 
-/// Everything a window draws, as of one moment.
+/// Everything that a window draws at one moment.
 struct PalpationFrame {
-    std::shared_ptr<const TriMesh> surface; ///< at rest; another one after a pinch has divided a polygon
-    Points shown; ///< as many rows as surface->vertices
-    std::shared_ptr<const SphereSet> spheres; ///< null: there are none
+    std::shared_ptr<const TriMesh> surface; ///< at rest; replaced after a pinch has divided a polygon
+    Points shown; ///< deformed positions, as many rows as surface->vertices, mm
+    std::shared_ptr<const SphereSet> spheres; ///< null: no spheres
     Points sphere_centres;
-    std::vector<int> sphere_layers; ///< how many spheres lie between it and a finger; -1: not moved
+    std::vector<int> sphere_layers; ///< per sphere: number of spheres between it and a finger; -1: not moved
     haptics::ServoState servo;
     ServoHealth health;
-    std::vector<StripSample> strip; ///< the last kStripSeconds, oldest first
-    bool stiffness_pending = false; ///< an edit is not felt yet
-    double recorded_s = -1.0; ///< of a recording under way; negative: there is none
+    std::vector<StripSample> strip; ///< last kStripSeconds, oldest first
+    bool stiffness_pending = false; ///< an edit has not taken effect yet
+    double recorded_s = -1.0; ///< length of the running recording; negative: none
 
     static constexpr double kStripSeconds = 10.0;
 };
 
-/// What a tissue can do beside answering.
+/// The abilities of a tissue beside contact.
 struct TissueAbilities {
     bool edits = false, pulse = false, grips = false, spheres = false;
-    std::vector<std::string> organs; ///< names, by label from 1, where they can be hidden one by one
+    std::vector<std::string> organs; ///< names by label from 1, when organs can be hidden one by one
 };
 
-/// Runs the servo, counts its ticks as they come, and lets time go on where another source starts anew.
+/// Runs the servo and counts its ticks. Time continues when another source starts.
 class WatchedTicks : public haptics::Ticked {
 public:
     void watch(haptics::Servo* servo) noexcept { servo_ = servo; } ///< @pre no tick runs
     void tick(double time_s, double step_s) noexcept override;
-    void start_again() noexcept; ///< @pre no tick runs: the next time counts from the last
+    void start_again() noexcept; ///< continues from the last time when a new source starts. @pre no tick runs
 
     [[nodiscard]] std::uint64_t ticks() const noexcept { return ticks_.load(std::memory_order_relaxed); }
     [[nodiscard]] std::uint64_t missed() const noexcept { return missed_.load(std::memory_order_relaxed); }
@@ -123,11 +125,12 @@ private:
 
 class PalpationSession {
 public:
-    /// Makes the tissue, opens the devices and starts the servo. @param pointers one for each finger that a model may
-    /// have; they live longer. @throws as the backend and DeviceRig do.
+    /// Makes the tissue, opens the devices and starts the servo.
+    /// @param pointers one for each possible finger of a model; they must outlive the session
+    /// @throws as the backend and DeviceRig
     PalpationSession(datasets::PalpationScene scene, PalpationSetup setup, PalpationBackend backend,
         std::vector<haptics::PointerDevice*> pointers, const Job& job);
-    /// Lets go first.
+    /// First ramps the force down.
     ~PalpationSession();
     PalpationSession(const PalpationSession&) = delete;
     PalpationSession& operator=(const PalpationSession&) = delete;
@@ -137,31 +140,35 @@ public:
     [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
     [[nodiscard]] TissueAbilities abilities() const;
     [[nodiscard]] std::size_t finger_count() const { return tissue_->finger_count(); }
-    [[nodiscard]] double heart_rate() const { return heart_rate_; } ///< per minute
+    [[nodiscard]] double heart_rate() const { return heart_rate_; } ///< 1/min
 
-    /// Makes anew what differs: the tissue for another model, the servo for other devices and gains. When there is no
-    /// such tissue everything is as before; when a device cannot be opened the mouse has all fingers.
-    /// @throws as the constructor; InputError on a gain that is not positive and while a recording is under way.
+    /// Rebuilds the parts that differ: the tissue for another model, the servo for other devices and gains. When the
+    /// tissue cannot be made, nothing changes. When a device cannot be opened, the mouse takes all fingers.
+    /// @throws as the constructor; InputError on a gain that is not positive, and during a recording
     void change(const PalpationSetup& setup, const Job& job);
-    /// The scene as it was read: elasticity, heart rate, no grips, armed. When the devices do not start again the mouse
-    /// has all fingers. @throws as the backend; InputError while a recording is under way.
+    /// Restores the scene as it was read: elasticity, heart rate, no grips, armed. When the devices do not start again,
+    /// the mouse takes all fingers.
+    /// @throws as the backend; InputError during a recording
     void reset(const Job& job);
-    /// Felt some frames later. @return elements changed. @throws InputError as apply(), and where the tissue has no
-    /// elasticity to edit.
+    /// Edits the tissue. The edit is felt some frames later.
+    /// @return the number of changed elements
+    /// @throws InputError as apply(), and when the tissue has no elasticity to edit
     std::size_t edit(const haptics::ElasticTemplate& edit);
-    /// In force, in order; those that a frame() refused are gone.
+    /// Active edits in order, without edits that a frame() refused.
     [[nodiscard]] std::vector<haptics::ElasticTemplate> edits() const;
-    /// @throws InputError outside 20 to 300 per minute, and where there is no pulse.
+    /// @throws InputError outside 20 to 300 per minute, and when there is no pulse
     void set_heart_rate(double per_min);
-    void grip(std::size_t finger, bool held); ///< nothing where the tissue knows no grip
+    void grip(std::size_t finger, bool held); ///< does nothing when the tissue has no grips
     void rearm() { servo_->rearm(); }
 
     [[nodiscard]] bool recording() const { return recorder_ != nullptr; }
-    void start_recording(); ///< goes on when one is under way
-    /// @pre recording(). @return what was recorded; ticks that found no room any more are said in `lost`.
+    void start_recording(); ///< does nothing during a recording
+    /// @pre recording()
+    /// @param lost receives the number of ticks for which there was no more room
+    /// @return the recording
     haptics::MotionRecording stop_recording(std::size_t& lost);
 
-    /// Brings the tissue to the newest tick and writes down what is to be shown. @throws as follow() does.
+    /// Brings the tissue up to the newest tick and writes the data to show. @throws as TissueResponse::follow()
     void frame(PalpationFrame& frame);
 
 private:
@@ -188,7 +195,7 @@ private:
     WatchedTicks ticks_;
     std::unique_ptr<haptics::Servo> servo_;
     std::unique_ptr<haptics::MotionRecorder> recorder_;
-    std::vector<std::unique_ptr<haptics::MotionRecorder>> parked_; ///< done with, until no tick runs
+    std::vector<std::unique_ptr<haptics::MotionRecorder>> parked_; ///< no longer used, but kept until no tick runs
     double recording_since_ = 0.0;
 
     std::shared_ptr<const TriMesh> surface_;

@@ -1,5 +1,6 @@
 #include "planner/session/palpation_worker.h"
 
+#include "haptics/recording/motion_file.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -13,7 +14,7 @@ namespace retractor::planner {
 namespace {
 
     constexpr std::chrono::milliseconds kFrame { 16 };
-    constexpr double kRoom = 500.0; ///< mm round the body that pointers may go
+    constexpr double kRoom = 500.0; ///< mm; distance that pointers may go from the body
 
     haptics::Workspace room_of(const datasets::PalpationScene& scene)
     {
@@ -24,7 +25,7 @@ namespace {
 
 } // namespace
 
-/// What was handed out stays as it was.
+/// Changes a copy, because a published snapshot never changes.
 template <class Change> void PalpationWorker::change_snapshot(const Change& change)
 {
     const std::lock_guard lock(mutex_);
@@ -33,7 +34,7 @@ template <class Change> void PalpationWorker::change_snapshot(const Change& chan
     snapshot_ = std::move(next);
 }
 
-/// What each command asks of the session. @return what is to be said; empty: nothing
+/// Carries each command out on the session. @return the message; empty: none
 struct PalpationWorker::Runner {
     PalpationWorker& worker;
     PalpationSession& session;
@@ -78,7 +79,7 @@ struct PalpationWorker::Runner {
         if (!worker.unwritten_)
             return {};
         const auto& [recording, lost] = *worker.unwritten_;
-        write_motion(c.path, recording);
+        haptics::write_motion(c.path, recording);
         std::string answer = "Saved " + c.path.string() + " (" + std::to_string(recording.tick_count()) + " ticks"
             + (lost > 0 ? ", " + std::to_string(lost) + " more found no room" : std::string()) + ")";
         worker.unwritten_.reset();
@@ -99,13 +100,14 @@ PalpationWorker::PalpationWorker(datasets::PalpationScene scene, PalpationSetup 
           .when_destroyed = WaitingTasks::run })
 {
     haptics::Workspace room = room_of(scene);
-    // Its frame is the scene's: the middle of a workspace is a mapping's zero.
+    // The frame of a pointer is the scene's, so the box must be symmetric: a mapping's zero is the middle of the
+    // workspace.
     const Vec3 reach = room.high.cwiseAbs().cwiseMax(room.low.cwiseAbs());
     room = { -reach, reach };
     for (std::size_t f = 0; f < kMostFingers; ++f) {
         pointers_.push_back(
             std::make_unique<haptics::PointerDevice>(haptics::PointerOptions { .workspace = room }, mouse_info(f)));
-        pointers_.back()->hop_to(reach); // out of the way
+        pointers_.back()->hop_to(reach); // away from the body at the start
     }
     executor_.post(
         [this, scene = std::move(scene), setup = std::move(setup), backend = std::move(backend)](
@@ -119,13 +121,13 @@ PalpationWorker::~PalpationWorker()
 
 void PalpationWorker::run(palpation::Command command)
 {
-    const std::lock_guard lock(mutex_); // as in publish(): a command that waits is never missed
+    const std::lock_guard lock(mutex_); // held also by publish(), so that no waiting command is missed
     auto next = std::make_shared<PalpationSnapshot>(*snapshot_);
     next->busy = true;
     snapshot_ = std::move(next);
     executor_.post([this, command = std::move(command)](const Job& job) {
-        if (session_ != nullptr && !job.cancelled()) // it is, once the worker ends
-            carry_out(command, job);
+        if (session_ != nullptr && !job.cancelled()) // cancelled when the worker ends
+            execute(command, job);
     });
 }
 
@@ -189,7 +191,7 @@ void PalpationWorker::prepare(
 }
 
 /// @pre there is a session
-void PalpationWorker::carry_out(const palpation::Command& command, const Job& job)
+void PalpationWorker::execute(const palpation::Command& command, const Job& job)
 {
     try {
         const Runner runner { *this, *session_, job };
@@ -208,14 +210,14 @@ void PalpationWorker::carry_out(const palpation::Command& command, const Job& jo
     }
 }
 
-/// A frame, after commands at once and else at the display's pace.
+/// Draws a frame: after commands at once, else at the display's rate.
 std::optional<std::chrono::steady_clock::time_point> PalpationWorker::step()
 {
     if (session_ == nullptr)
         return {};
     try {
         draw_frame();
-    } catch (...) { // an edit that cannot be; the servo goes on without it, and so does the next frame
+    } catch (...) { // an edit was refused; the servo and the next frame go on without it
         set_status(to_string(current_failure()), true);
     }
     publish();

@@ -1,11 +1,12 @@
 #pragma once
-// A palpation on a thread of its own: commands go in, frames and snapshots come out. Whoever gives commands never waits
-// for them.
+// A palpation on a separate thread: commands go in, frames and snapshots come out. The caller of a command never waits
+// for its result.
 //
-// Who calls: a front end. One thread makes the worker, moves the pointers, takes frames and destroys the worker;
-// commands and snapshots are any thread's. On which thread: the tissue is made, commands are carried out and frames are
-// drawn on the worker's thread, one at a time; the servo ticks on a thread of its own. A pointer that was moved is felt
-// at the servo's next tick. What may not happen: a frame is not used after the next call of frame().
+// Callers: a front end. One thread creates the worker, moves the pointers, takes frames and destroys the worker; any
+// thread may send commands and take snapshots.
+// Threads: the tissue is made, commands run and frames are drawn on the worker's thread, one at a time; the servo ticks
+// on its own thread, and feels a moved pointer at its next tick.
+// Restriction: a frame must not be used after the next call of frame().
 
 #include "mesh/base/serial_executor.h"
 #include "mesh/base/triple_buffer.h"
@@ -24,45 +25,46 @@
 
 namespace retractor::planner {
 
-/// How things stand beside the frames, as of one moment. A snapshot that was handed out does not change.
+/// The state beside the frames at one moment. A published snapshot never changes.
 struct PalpationSnapshot {
     enum class Phase { preparing, ready, failed };
     Phase phase = Phase::preparing;
-    std::string stage; ///< preparing: what is being done, and how far
+    std::string stage; ///< preparing: the current work and its progress
+    /// Preparing: progress from 0 to 1.
     double fraction = 0.0;
-    std::string failure; ///< failed: why
-    std::string answer; ///< the last thing to be said
-    bool refused = false; ///< the answer is why something was not done
-    std::size_t answers = 0; ///< tells a new one from the last
-    bool busy = true; ///< commands wait or are being carried out
+    std::string failure; ///< failed: the reason
+    std::string answer; ///< last message
+    bool refused = false; ///< the message says why a command was refused
+    std::size_t answers = 0; ///< number of messages so far; tells a new message from the last
+    bool busy = true; ///< commands wait or run
 
-    // ready:
+    // Ready:
     PalpationSetup setup;
     TissueAbilities abilities;
     std::vector<std::string> notes;
     std::size_t fingers = 0;
-    double heart_rate = 0.0; ///< per minute
-    std::vector<haptics::ElasticTemplate> edits {}; ///< in force, in order
-    bool unwritten_recording = false; ///< one is kept that could not be written
+    double heart_rate = 0.0; ///< 1/min
+    std::vector<haptics::ElasticTemplate> edits {}; ///< active edits, in order
+    bool unwritten_recording = false; ///< a recording that could not be written is kept
 };
 
 class PalpationWorker {
 public:
     PalpationWorker(datasets::PalpationScene scene, PalpationSetup setup, PalpationBackend backend);
-    /// Drops what waits and stops preparing. The session ends on the thread that it ran on.
+    /// Drops waiting commands and cancels the preparation. The session ends on the worker's thread.
     ~PalpationWorker();
     PalpationWorker(const PalpationWorker&) = delete;
     PalpationWorker& operator=(const PalpationWorker&) = delete;
 
-    /// The owner's thread: what the mouse moves; there is one for every finger that a model may have.
+    /// Owner's thread: the device that the mouse moves, one for each possible finger of a model.
     haptics::PointerDevice& pointer(std::size_t finger) { return *pointers_[finger]; }
 
-    /// Any thread. Commands are carried out in the order in which they came.
+    /// Any thread: runs a command; commands run in the order of arrival.
     void run(palpation::Command command);
-    /// Any thread: the newest; never null.
+    /// Any thread: the newest snapshot; never null.
     [[nodiscard]] std::shared_ptr<const PalpationSnapshot> snapshot() const;
 
-    /// The owner's thread.
+    /// The owner's thread:
     [[nodiscard]] bool has_frame() const noexcept { return frames_.has_news(); }
     const PalpationFrame& frame() noexcept { return frames_.latest(); }
 
@@ -72,13 +74,13 @@ private:
     void set_status(std::string answer, bool refused);
     void publish();
     void prepare(datasets::PalpationScene scene, PalpationSetup setup, PalpationBackend backend, const Job& job);
-    void carry_out(const palpation::Command& command, const Job& job);
+    void execute(const palpation::Command& command, const Job& job);
     std::optional<std::chrono::steady_clock::time_point> step();
     void draw_frame();
 
     std::vector<std::unique_ptr<haptics::PointerDevice>> pointers_;
     TripleBuffer<PalpationFrame> frames_;
-    mutable std::mutex mutex_; ///< of the snapshot
+    mutable std::mutex mutex_; ///< guards snapshot_
     std::shared_ptr<const PalpationSnapshot> snapshot_;
 
     // The executor's thread only:
@@ -90,7 +92,7 @@ private:
     std::unique_ptr<PalpationSession> session_; ///< null: being prepared, or failed
     std::chrono::steady_clock::time_point next_frame_ {};
 
-    SerialExecutor executor_; ///< last: its tasks use all of the above
+    SerialExecutor executor_; ///< last, because its tasks use all members above
 };
 
 } // namespace retractor::planner

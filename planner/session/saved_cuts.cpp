@@ -26,13 +26,13 @@ std::filesystem::path cuts_journal(const std::filesystem::path& case_file, std::
         std::snprintf(code.data(), code.size(), "%%%02X", static_cast<unsigned>(static_cast<unsigned char>(c)));
         name += code.data();
     }
-    // Several cases may lie in one folder, each with cuts of its own.
+    // Several cases may lie in one folder, each with its own cuts.
     const std::string cuts
         = case_file.filename() == kCaseFileName ? std::string("cuts") : case_file.stem().string() + ".cuts";
     return case_file.parent_path() / cuts / (name + ".jsonl");
 }
 
-SavedCuts read_kept_cuts(const std::filesystem::path& journal, const mesh::TetMesh& wall, const Job& job)
+SavedCuts read_saved_cuts(const std::filesystem::path& journal, const mesh::TetMesh& wall, const Job& job)
 {
     mesh::ReplayedJournal replayed = mesh::replay_journal(journal, wall, job);
     SavedCuts kept;
@@ -53,7 +53,7 @@ SavedCuts read_kept_cuts(const std::filesystem::path& journal, const mesh::TetMe
     return kept;
 }
 
-SurgerySession restore_desk(SurgerySetup table, const SavedCuts& kept, const Job& job)
+SurgerySession restored_session(SurgerySetup table, const SavedCuts& kept, const Job& job)
 {
     mesh::ReplayedJournal opened = mesh::open_journal(table.journal, table.wall, job);
     if (opened.status == mesh::CutStatus::cancelled)
@@ -63,7 +63,7 @@ SurgerySession restore_desk(SurgerySetup table, const SavedCuts& kept, const Job
     return SurgerySession(std::move(table), std::move(opened.session), kept.deltas, job);
 }
 
-SurgerySession fresh_desk(SurgerySetup table, const Job& job)
+SurgerySession new_session(SurgerySetup table, const Job& job)
 {
     std::error_code error;
     std::filesystem::create_directories(table.journal.parent_path(), error);

@@ -1,5 +1,5 @@
 #pragma once
-// Cuts by hand that are kept on disk beside a case, one journal per approach: what to do with those of the last time.
+// Freehand cuts on disk beside a case, in one journal per approach, and their restoration in a later session.
 
 #include "planner/session/surgery_session.h"
 
@@ -11,29 +11,30 @@
 
 namespace retractor::planner {
 
-/// CASE/cuts/APPROACH.jsonl for CASE/case.json, CASE/NAME.cuts/APPROACH.jsonl for CASE/NAME.json; whatever is no
-/// letter, digit, '-' or '_' in the approach's name is written as %XX.
+/// Path of the journal: CASE/cuts/APPROACH.jsonl for CASE/case.json, and CASE/NAME.cuts/APPROACH.jsonl for
+/// CASE/NAME.json. In the approach's name every character other than a letter, a digit, '-' or '_' becomes %XX.
 std::filesystem::path cuts_journal(const std::filesystem::path& case_file, std::string_view approach);
 
-/// What a journal holds.
+/// The content of a journal.
 struct SavedCuts {
-    std::vector<mesh::MeshDelta> deltas; ///< one per cut in force, in order
-    bool more = false; ///< there are cuts that were taken back and could be made again
-    std::string note; ///< what the reader should know, e.g. that an unfinished line was dropped
+    std::vector<mesh::MeshDelta> deltas; ///< one per active cut, in order
+    bool more = false; ///< undone cuts can be redone
+    std::string note; ///< message for the user, e.g. that an unfinished line was dropped
     bool worth_asking() const { return !deltas.empty() || more; }
 };
 
-/// Reads the journal on the uncut wall; a stroke that a crash left open is counted as finished.
-/// @throws IoError; InputError when it is damaged or of another wall.
-SavedCuts read_kept_cuts(const std::filesystem::path& journal, const mesh::TetMesh& wall, const Job& job = {});
+/// Reads the journal on the uncut wall. A stroke that a crash left open counts as finished.
+/// @throws IoError; InputError when the journal is damaged or belongs to another wall
+SavedCuts read_saved_cuts(const std::filesystem::path& journal, const mesh::TetMesh& wall, const Job& job = {});
 
-/// A desk with the kept cuts, which goes on writing to their journal. @throws as read_kept_cuts().
-SurgerySession restore_desk(SurgerySetup table, const SavedCuts& kept, const Job& job = {});
-/// A desk without cuts and with a new journal. @throws IoError when there is a journal already or none can be written.
-SurgerySession fresh_desk(SurgerySetup table, const Job& job = {});
+/// A session with the saved cuts that continues their journal. @throws as read_saved_cuts()
+SurgerySession restored_session(SurgerySetup table, const SavedCuts& kept, const Job& job = {});
+/// A session without cuts and with a new journal. @throws IoError when a journal exists already, or none can be written
+SurgerySession new_session(SurgerySetup table, const Job& job = {});
 
-/// Gives the journal another name in its folder (.1, .2, ... appended), so that nothing is ever lost; returns it.
-/// @throws IoError.
+/// Renames the journal within its folder by appending .1, .2, ..., so that nothing is lost.
+/// @return the new path
+/// @throws IoError
 std::filesystem::path set_aside(const std::filesystem::path& journal);
 
 } // namespace retractor::planner

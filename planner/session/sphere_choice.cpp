@@ -8,7 +8,7 @@ namespace retractor::planner {
 
 namespace {
 
-    /// The boundary of the elements of one label (0: all).
+    /// The boundary of the elements with one label (0: all elements).
     TriMesh surface_of(const mesh::TetMesh& body, Label label)
     {
         mesh::TetMesh part;
@@ -51,8 +51,8 @@ ChosenTissue make_spheres(const datasets::PalpationScene& scene, const TissueCho
     if (choice.fingers > haptics::SphereMotion::kMostFingers)
         throw InputError("spheres take at most " + std::to_string(haptics::SphereMotion::kMostFingers) + " fingers",
             "model spheres", { "model" });
-    constexpr double kThinner = 0.75; // of the first organ's radius: walls are thin
-    constexpr double kNearest = 0.2; // a lattice gives whole layers at once
+    constexpr double kThinner = 0.75; // share of the first organ's radius, because walls are thin
+    constexpr double kNearest = 0.2; // tolerance of the count, because a lattice adds whole layers at once
     haptics::SphereLaw law;
     law.fingers = choice.fingers;
     ChosenTissue chosen;

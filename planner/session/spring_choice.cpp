@@ -19,11 +19,11 @@ namespace retractor::planner {
 namespace {
 
     constexpr double kDensity = 1.06e-9; // tonne/mm^3
-    constexpr double kStep = 2.5e-4; // s: a tick is at most four steps
-    constexpr double kDrag = 60.0; // per second: near the critical drag of an organ's slowest motion
+    constexpr double kStep = 2.5e-4; // s; a tick has at most four steps
+    constexpr double kDrag = 60.0; // 1/s; near the critical drag of an organ's slowest motion
     constexpr std::size_t kMostSprings = 400'000;
 
-    /// The longest edge of the surface near a site: within two fingertips, and of the triangle it lies on.
+    /// The longest edge of the surface near a site: within two fingertips, or of the triangle that contains the site.
     double coarsest_near(const datasets::PalpationScene& scene, double radius)
     {
         const mesh::TetMesh& mesh = scene.body.mesh;
@@ -51,7 +51,8 @@ namespace {
         return under.empty() ? longest : std::max(longest, *std::max_element(under.begin(), under.end()));
     }
 
-    /// Every element in eight: its corners, and the middle octahedron along the diagonal that its edges 0 and 5 end.
+    /// Divides every element into eight: four corners, and the middle octahedron along the diagonal between the
+    /// midpoints of edges 0 and 5.
     datasets::ElasticModel split_in_eight(const datasets::ElasticModel& coarse)
     {
         constexpr std::array<std::array<int, 4>, 8> kParts { { { 0, 4, 6, 7 }, { 4, 1, 5, 8 }, { 6, 5, 2, 9 },
@@ -70,7 +71,7 @@ namespace {
                 fine.youngs_modulus.push_back(coarse.youngs_modulus[t]);
                 fine.poissons_ratio.push_back(coarse.poissons_ratio[t]);
             }
-            // A midpoint has the role that both its corners share.
+            // A midpoint has the role that both its corners have.
             for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e) {
                 const auto role = [&](int corner) {
                     return coarse.roles[static_cast<std::size_t>(nodes[static_cast<std::size_t>(corner)])];
@@ -82,11 +83,11 @@ namespace {
         return fine;
     }
 
-    /// @return how often it was split
+    /// @return the number of splits
     int refine_for_fingertips(datasets::PalpationScene& scene, double radius)
     {
-        const double wanted = 2.0 * radius; // no fingertip goes through between two particles
-        constexpr std::size_t kEdgesOfTet = 8; // about: each is shared, and splitting makes eight
+        const double wanted = 2.0 * radius; // no fingertip passes between two particles at this distance
+        constexpr std::size_t kEdgesOfTet = 8; // about: elements share edges, and a split makes eight elements
         int splits = 0;
         for (; coarsest_near(scene, radius) > wanted; ++splits) {
             if (scene.body.mesh.tet_count() * kEdgesOfTet > kMostSprings) {
@@ -114,7 +115,7 @@ namespace {
         std::map<VertexId, Vec3> areas;
         for (const mesh::TetFace& face : haptics::wall_faces(mesh, inner, fixed).inner) {
             const auto c = mesh::face_vertices(mesh, face);
-            const Vec3 third = -area_vector(mesh.vertices, c) / 3.0; // against the wall's own outward normal
+            const Vec3 third = -area_vector(mesh.vertices, c) / 3.0; // opposite to the wall's outward normal
             for (const VertexId v : c)
                 areas.try_emplace(v, Vec3::Zero()).first->second += third;
         }
@@ -143,7 +144,7 @@ namespace {
         return organ;
     }
 
-    /// Comes down on the first site, stays until all is at rest, and tells the force.
+    /// Presses on the first site until the tissue is at rest. @return the force
     double force_at_first_site(
         haptics::TissueResponse& tissue, const datasets::TouchSite& site, double radius, double depth)
     {
@@ -236,7 +237,7 @@ ChosenTissue make_springs(const datasets::PalpationScene& scene, const TissueCho
     const auto [softest, stiffest]
         = std::minmax_element(scene.body.youngs_modulus.begin(), scene.body.youngs_modulus.end());
     if (datasets::has_inner_wall(scene.body)
-        && *softest < *stiffest) // the aorta phantom: 0.34 N against 0.30; elements: 0.14, 0.22
+        && *softest < *stiffest) // the aorta phantom gives 0.34 N against 0.30 N; elements give 0.14 N and 0.22 N
         chosen.notes.push_back("springs do not tell stiffer regions by their pulse: theirs comes out larger than the "
                                "normal wall's, with elements smaller (use the model fem to compare pulses)");
     options.tells_stiffness = organ.heavier <= 1.0;

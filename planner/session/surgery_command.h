@@ -1,7 +1,7 @@
 #pragma once
-// What can be asked of live surgery, as plain data: a front end fills a command in and gives it to KnifeWorker::run().
-// A command that cannot be carried out changes nothing, unless it says otherwise here; the next snapshot says why.
-// Units mm, N; frame patient LPS.
+// Commands of live surgery, as plain data. A front end fills a command in and gives it to KnifeWorker::run(). A command
+// that cannot run changes nothing unless noted below; the next snapshot gives the reason. Units mm, N; frame patient
+// LPS.
 
 #include "planner/session/surgery_session.h"
 
@@ -12,28 +12,28 @@
 namespace retractor::planner {
 namespace surgery {
 
-    /// Sets the knife on the skin. A former stroke whose end was refused is finished first.
+    /// Sets the knife on the skin. Finishes an earlier stroke first when its end was refused.
     struct BeginStroke {
         Touch at {};
         KnifeSettings settings {};
-        std::size_t number = 1; ///< which stroke SessionSnapshot::refused_stroke means; the front end counts from 1
+        std::size_t number = 1; ///< number for SessionSnapshot::refused_stroke; the front end counts from 1
     };
-    /// Draws the stroke on that was begun last. This command and the next two do nothing when that stroke was refused.
+    /// Draws the last begun stroke on. DrawTo, LeaveWall and FinishStroke do nothing when that stroke was refused.
     struct DrawTo {
         Touch at {};
     };
-    struct LeaveWall { }; ///< the knife is drawn where there is no wall
+    struct LeaveWall { }; ///< the knife moves where there is no wall
     struct FinishStroke { };
-    struct AbandonStroke { }; ///< takes an open stroke back
+    struct AbandonStroke { }; ///< undoes an open stroke
     /// See SurgerySession::take_out().
     struct TakeOut {
         Touch at {};
         double radius_mm = 0.0;
     };
 
-    struct Undo { }; ///< nothing where there is nothing to take back
-    struct Redo { }; ///< nothing where there is nothing to make again
-    /// Undoes or redoes until this many cuts are in force, or as near to that as can be.
+    struct Undo { }; ///< does nothing when there is nothing to undo
+    struct Redo { }; ///< does nothing when there is nothing to redo
+    /// Undoes or redoes until this many cuts are active, or as close as possible.
     struct GoTo {
         std::size_t cuts = 0;
     };
@@ -45,25 +45,26 @@ namespace surgery {
         Touch at {};
     };
     struct TakePlannedHooks { };
-    /// Draws one hook to a place, mm from rest. Of the commands that wait for the session only the newest of each hook
-    /// counts, so that the wound follows the hand.
+    /// Pulls one hook to a displacement, mm from rest. Of the waiting commands only the newest for each hook runs, so
+    /// that the wound follows the hand.
     struct PullHook {
         fem::HookId hook = 0;
         Vec3 asked = Vec3::Zero();
     };
-    /// Draws each hook away from the other lip. Of this command and the next only the newest that waits counts.
+    /// Pulls each hook away from the other lip. Of the waiting PullAllHooks and PullHooksByShare commands only the
+    /// newest runs.
     struct PullAllHooks {
         double mm = 0.0;
     };
-    /// Drives the planned hooks by a share of their plan, 1 = as planned.
+    /// Opens all planned hooks to this share of their planned force or displacement; 1 = as planned.
     struct PullHooksByShare {
         double share = 0.0;
     };
-    /// Hooks slip rather than pull harder; infinite: only at their own limits.
+    /// Sets the force at which hooks slip; infinite: hooks slip only at their own limits.
     struct SetYield {
         double force_N = 0.0;
     };
-    /// Whether wounds that hooks open are nonlinear near by.
+    /// Whether wounds with hooks are solved nonlinearly near the wound.
     struct SetNonlinear {
         bool wanted = false;
     };
@@ -72,7 +73,7 @@ namespace surgery {
     };
     struct TakeOffHooks { };
 
-    /// Writes the cut wall at rest as VTU and says so. Refused while a stroke is open.
+    /// Writes the cut wall at rest as VTU, with a message. Refused while a stroke is open.
     struct ExportWall {
         std::filesystem::path path {};
     };

@@ -18,30 +18,31 @@ namespace retractor::planner {
 
 namespace {
 
-    /// A line shorter than this is a click, not a cut.
+    /// A shorter line is a click and not a cut.
     constexpr double kShortestCutMm = 1.0;
-    /// Through the wall means a little beyond it: the wall is uneven.
+    /// Depth beyond the measured wall of a cut through the wall, because the wall is uneven.
     constexpr double kBeyondWallMm = 3.0;
-    /// Where the line leaves the skin and comes back, it is bridged up to this length, no further.
+    /// Longest gap that is bridged where the line leaves the skin and comes back.
     constexpr double kLongestGapMm = 25.0;
-    /// The wound opens near it first: within this distance along edges; twice as far when that is at rest, and at last
-    /// everywhere.
+    /// The wound first opens within this distance along edges. When this part is at rest, the distance doubles, and at
+    /// last the whole wall moves.
     constexpr double kFirstReachMm = 40.0;
     constexpr double kLastReachMm = 80.0;
-    /// Unbalanced forces, of the largest at the lips, that move nothing an eye sees.
+    /// Unbalanced force, relative to the largest at the lips, that causes no visible motion.
     constexpr double kRestTolerance = 0.01;
     constexpr int kFewestIterations = 60;
-    constexpr double kStillMm = 0.03; ///< no vertex moves further ...
-    constexpr int kStillFrames = 3; ///< ... in this many frames
-    /// How much of the knife's former direction a step keeps: a hand does not turn the blade at every bump.
+    constexpr double kStillMm = 0.03; ///< largest motion of a vertex in a still frame
+    constexpr int kStillFrames = 3; ///< number of still frames after which the wound is at rest
+    /// Share of the former direction of the knife that a step keeps, because a hand does not turn the blade at every
+    /// bump.
     constexpr double kSteadiness = 0.5;
-    /// Share of what was taken out that is no tissue of its own: round-off of elements that were divided.
+    /// Share of the removed tissue that counts as round-off of divided elements, and not as another tissue.
     constexpr double kNoVolume = 1e-6;
 
-    /// A hand that follows the planned line strays from it about so far, in edges of the corridor's elements.
+    /// A hand strays from the planned line by about this distance, in edges of the corridor's elements.
     constexpr double kStrayEdges = 1.5;
 
-    /// Vertices that the knife may change where it goes on along the planned line. Cutting elsewhere is as right, but
+    /// Vertices that the knife may change when it follows the planned line. A cut elsewhere is equally correct, but
     /// hooks follow it later.
     std::vector<VertexId> along_planned_line(const mesh::CutSession& session, const Approach& approach)
     {
@@ -94,10 +95,10 @@ namespace {
 
 } // namespace
 
-/// What is left of a cut's wound.
+/// The present lips of a cut.
 struct LipsOfCut {
-    double area_mm2 = 0.0; ///< of one lip, at rest
-    bool bared = false; ///< by an ablation
+    double area_mm2 = 0.0; ///< area of one lip at rest
+    bool bared = false; ///< an ablation exposed a part of the faces
 };
 
 namespace {
@@ -125,13 +126,13 @@ namespace {
 struct SurgerySession::Stroke {
     Touch begin;
     KnifeSettings settings;
-    mesh::Blade blade; ///< line and directions: what was accepted, the first point included
+    mesh::Blade blade; ///< accepted line and directions, including the first point
     mesh::CutOptions options;
-    Vec3 tip = Vec3::Zero(); ///< the last point drawn, cut or not
+    Vec3 tip = Vec3::Zero(); ///< last drawn point, cut or not
     Vec3 tip_direction = Vec3::UnitY();
-    std::string off; ///< where the line is now, when it is not on what can be cut; bridged when it soon comes back
+    std::string off; ///< why the line is outside the region that can be cut; empty: inside. A short gap is bridged
     bool off_said = false;
-    std::string reduction_error; ///< why some of the line was not cut; empty: all was
+    std::string omitted; ///< why a part of the line was not cut; empty: all of it was cut
 };
 
 SurgerySession::SurgerySession(SurgerySetup table, const Job& job)
@@ -167,7 +168,7 @@ SurgerySession::SurgerySession(
             static_cast<int>(cuts_.size()) + 1, delta, lips[cuts_.size()], [&] { (void)take_in(delta); }));
 }
 
-/// @param take takes the delta in: volumes are of before it and after it.
+/// @param take applies the delta; volumes before and after are needed
 CutEntry SurgerySession::restored_entry(
     int number, const mesh::MeshDelta& delta, const LipsOfCut& lips, const std::function<void()>& take) const
 {
@@ -179,7 +180,7 @@ CutEntry SurgerySession::restored_entry(
     take();
     for (const mesh::MeshDelta::Tet& tet : delta.tets_born)
         lost[tet.label] -= volume_of(tet, rest_);
-    // An ablation takes vertices, or bares faces, or both; a cut neither.
+    // An ablation removes vertices, or exposes faces, or both; a cut does neither.
     const bool ablation = lips.bared
         || std::any_of(delta.vertices_gone.begin(), delta.vertices_gone.end(),
             [](const auto& gone) { return gone.origin == mesh::MeshDelta::Origin::restored; });
@@ -245,7 +246,7 @@ KnifeAnswer SurgerySession::draw_to(const Touch& at)
 {
     if (!stroke_open())
         throw InputError("there is no stroke to draw on");
-    if (at.on_lip) // across an earlier wound: the line goes on where the skin does
+    if (at.on_lip) // across an earlier wound: the line continues where the skin does
         return { true, {} };
     Stroke& stroke = *stroke_;
     if (!region_.can_cut(at.rest)) {
@@ -255,8 +256,8 @@ KnifeAnswer SurgerySession::draw_to(const Touch& at)
         return { false, "here the line is not cut: " + stroke.off };
     }
     if ((at.rest - stroke.tip).norm() > kLongestGapMm) {
-        stroke.reduction_error = "the line jumps: draw on the skin";
-        return { false, stroke.reduction_error };
+        stroke.omitted = "the line jumps: draw on the skin";
+        return { false, stroke.omitted };
     }
     stroke.off.clear();
     stroke.tip = at.rest;
@@ -290,8 +291,8 @@ KnifeAnswer SurgerySession::cut_to(std::vector<Vec3> points, std::vector<Vec3> d
     longer.line.insert(longer.line.end(), points.begin(), points.end());
     longer.directions.insert(longer.directions.end(), directions.begin(), directions.end());
     const auto refused = [&](const Error& error) -> KnifeAnswer {
-        stroke.reduction_error = error.what();
-        return { false, stroke.reduction_error };
+        stroke.omitted = error.what();
+        return { false, stroke.omitted };
     };
     const Stopwatch watch;
     mesh::CutResult result;
@@ -299,7 +300,7 @@ KnifeAnswer SurgerySession::cut_to(std::vector<Vec3> points, std::vector<Vec3> d
         result = session_.extend_stroke(longer, stroke.options);
     } catch (const InputError& error) {
         return refused(error);
-    } catch (const SolverError& error) { // where a step may not end; another point will do
+    } catch (const SolverError& error) { // a step may not end here; another point will do
         return refused(error);
     }
     if (result.status != mesh::CutStatus::done)
@@ -318,7 +319,7 @@ KnifeAnswer SurgerySession::finish_stroke()
     if ((stroke.tip - stroke.blade.line.back()).norm() >= kShortestCutMm)
         (void)cut_to({ stroke.tip }, { (stroke.blade.directions.back() + stroke.tip_direction).normalized() });
     if (!session_.stroke_open()) {
-        const std::string& why = stroke.reduction_error.empty() ? stroke.off : stroke.reduction_error;
+        const std::string& why = stroke.omitted.empty() ? stroke.off : stroke.omitted;
         const std::string reason
             = why.empty() ? "the knife did not move: draw a line on the skin" : "nothing was cut: " + why;
         stroke_.reset();
@@ -328,12 +329,12 @@ KnifeAnswer SurgerySession::finish_stroke()
     mesh::CutResult result;
     try {
         result = session_.finish_stroke();
-    } catch (const SolverError& error) { // it would be refused again, and an open stroke forbids everything else
+    } catch (const SolverError& error) { // finishing would be refused again, and an open stroke blocks everything else
         const std::string reason = std::string("the stroke cannot be finished and is taken back: ") + error.what();
         abandon_stroke();
         return { false, reason };
     }
-    const std::shared_ptr<Stroke> ended = std::exchange(stroke_, nullptr); // now that the session's has ended
+    const std::shared_ptr<Stroke> ended = std::exchange(stroke_, nullptr); // after the session's stroke has ended
     step_ms_ = 1e3 * watch.seconds();
     follow(result.delta);
     if (result.status != mesh::CutStatus::done)
@@ -344,15 +345,15 @@ KnifeAnswer SurgerySession::finish_stroke()
     };
     for (std::size_t i = 1; i < ended->blade.line.size(); ++i)
         entry.length_mm += (ended->blade.line[i] - ended->blade.line[i - 1]).norm();
-    entry.reduction_error = ended->reduction_error;
+    entry.omitted = ended->omitted;
     if (!ended->off.empty())
-        entry.reduction_error += (entry.reduction_error.empty() ? "" : "; ") + ended->off;
+        entry.omitted += (entry.omitted.empty() ? "" : "; ") + ended->off;
     cuts_.push_back(entry);
-    if (entry.reduction_error.empty())
+    if (entry.omitted.empty())
         return { true, {} };
     return { true,
         "cut over " + std::to_string(std::lround(entry.length_mm))
-            + " mm; a part of the line was left out: " + entry.reduction_error };
+            + " mm; a part of the line was left out: " + entry.omitted };
 }
 
 void SurgerySession::abandon_stroke()
@@ -363,7 +364,7 @@ void SurgerySession::abandon_stroke()
         stroke_.reset();
         return;
     }
-    const mesh::MeshDelta delta = session_.abandon_stroke(); // where the journal refuses it, the stroke stays open
+    const mesh::MeshDelta delta = session_.abandon_stroke(); // when the journal refuses this, the stroke stays open
     stroke_.reset();
     follow(delta);
 }
@@ -393,7 +394,8 @@ std::optional<mesh::Piece> SurgerySession::free_piece_at(const Touch& at, std::s
     return std::move(*piece);
 }
 
-/// Elements that the body beyond the wall holds, or over which its surface is drawn. @return why some were left out.
+/// Leaves out elements that are held by the unmeshed wall or that carry its drawn surface.
+/// @return the reason, when elements were left out
 std::string SurgerySession::leave_out_what_stays(std::vector<TetId>& marked) const
 {
     bool beyond = false, held = false;
@@ -431,9 +433,9 @@ KnifeAnswer SurgerySession::take_out(const Touch& at, double radius_mm)
         marked = mesh::mark_ball(session_, at.rest, radius_mm, std::array { at.label });
         if (marked.empty())
             return { false, "the ball is smaller than the elements here: take a larger one" };
-        entry.reduction_error = leave_out_what_stays(marked);
+        entry.omitted = leave_out_what_stays(marked);
         if (marked.empty())
-            return { false, "nothing can be taken out here: " + entry.reduction_error };
+            return { false, "nothing can be taken out here: " + entry.omitted };
     } else {
         std::string why_not;
         const std::optional<mesh::Piece> piece = free_piece_at(at, why_not);
@@ -456,8 +458,7 @@ KnifeAnswer SurgerySession::take_out(const Touch& at, double radius_mm)
     entry.taken_out = label_name(labels_, kind);
     entry.report = result.report;
     cuts_.push_back(entry);
-    return { true,
-        entry.reduction_error.empty() ? std::string {} : "a part of the ball was left out: " + entry.reduction_error };
+    return { true, entry.omitted.empty() ? std::string {} : "a part of the ball was left out: " + entry.omitted };
 }
 
 void SurgerySession::undo()
@@ -470,7 +471,7 @@ void SurgerySession::redo()
 {
     const mesh::MeshDelta delta = session_.redo();
     const std::size_t count = session_.cut_count();
-    if (cuts_.size() < count) // it was taken back before the journal was opened again
+    if (cuts_.size() < count) // the cut was undone before the journal was opened again
         cuts_.push_back(restored_entry(
             static_cast<int>(count), delta, lips_of_cuts(session_, count).back(), [&] { follow(delta); }));
     else
@@ -485,7 +486,7 @@ std::shared_ptr<const WallSurface> SurgerySession::make_surface() const
     const std::vector<mesh::SurfaceFace>& faces = follower_.faces();
     surface->triangles.reserve(faces.size());
     surface->labels.reserve(faces.size());
-    std::vector<std::uint8_t> lips_of(session_.tet_slots(), 0); // a bit per corner
+    std::vector<std::uint8_t> lips_of(session_.tet_slots(), 0); // one bit per corner
     for (const mesh::LipFace& lip : session_.lips())
         lips_of[static_cast<std::size_t>(lip.face.tet)] |= static_cast<std::uint8_t>(1U << lip.face.corner);
     for (const mesh::SurfaceFace& face : faces) {
@@ -505,7 +506,7 @@ SurgerySession::Returned SurgerySession::take_in(const mesh::MeshDelta& delta)
         const auto id = static_cast<std::size_t>(born.id);
         held_.resize(std::max(held_.size(), id + 1), 0);
         bed_.resize(held_.size(), 0.0);
-        if (rest_.rows() <= born.id) // the rows to spare are defined too: whole fields are compared
+        if (rest_.rows() <= born.id) // spare rows get values too, because whole fields are compared
             rest_.conservativeResizeLike(
                 Points::Zero(std::max<Eigen::Index>(born.id + 1, rest_.rows() + rest_.rows() / 8), 3));
         rest_.row(born.id) = born.position.transpose();
@@ -521,7 +522,7 @@ SurgerySession::Returned SurgerySession::take_in(const mesh::MeshDelta& delta)
             continue;
         }
         held_[id] = held_[static_cast<std::size_t>(born.a)] != 0 && held_[static_cast<std::size_t>(born.b)] != 0;
-        bed_[id] = 0.0; // as in the hooks' solver
+        bed_[id] = 0.0; // the same choice as in the hooks' solver
         if (born.origin == mesh::MeshDelta::Origin::copy)
             parted_.emplace_back(born.a, born.id);
     }
@@ -560,10 +561,10 @@ void SurgerySession::follow(const mesh::MeshDelta& delta)
         return;
     try {
         springs_->apply(delta);
-        springs_->fix(returned.held); // they may have been gone before the springs were made
+        springs_->fix(returned.held); // they may have been absent when the springs were made
         springs_->set_wound(session_.lips());
         start_moving();
-    } catch (const std::exception& error) { // the cut is made, whatever the springs make of it
+    } catch (const std::exception& error) { // the cut is made, even when the springs fail
         renew_springs(error.what());
     }
 }
@@ -590,7 +591,8 @@ void SurgerySession::drop_tension(const std::string& why)
     remark_ = "the tension is switched off: " + why;
 }
 
-/// The wound goes on from there. Ids of cuts that were taken back may have rows in one of the two only.
+/// Continues from this displacement. The two fields may have different row counts, because ids of undone cuts may have
+/// a row in only one of them.
 void SurgerySession::lie_as(const Points& displacement)
 {
     Points start = springs_->displacement();
@@ -604,7 +606,7 @@ void SurgerySession::start_moving()
     moving_ = session_.cut_count() > 0 || session_.stroke_open();
     reach_mm_ = kFirstReachMm;
     still_frames_ = 0;
-    if (!moving_) // the wall is whole again: it lies as it lay
+    if (!moving_) // the wall is whole again and returns to rest
         springs_->set_displacement(Points::Zero(springs_->displacement().rows(), 3));
 }
 
@@ -677,8 +679,8 @@ double SurgerySession::case_tension() const
     return largest;
 }
 
-/// A solver without hooks, with what they will hold, and where the knife will go on, in its corridor; in place of what
-/// there was.
+/// Replaces the solver by a solver without hooks. Its corridor has the vertices that the hooks will hold and the
+/// vertices where the knife will continue.
 void SurgerySession::make_hooks(std::span<const HookPlacement> seats)
 {
     const Stopwatch watch;
@@ -702,7 +704,7 @@ void SurgerySession::make_hooks(std::span<const HookPlacement> seats)
     springs_.reset();
 }
 
-/// The same hooks, with what they hold now, on a solver of the wall and its supports as they are now.
+/// Attaches the same hooks, with the vertices that they hold now, to a solver of the present wall and supports.
 void SurgerySession::renew_hooks()
 {
     std::vector<HookState> hooks = hooks_->report().hooks;
@@ -718,7 +720,7 @@ void SurgerySession::renew_hooks()
         hooks_->attach(hook.seat, hook.name, hook.drive, hook.planned);
 }
 
-/// Runs what may fail on the wall as it is cut; the cut stands, whatever the solver makes of it.
+/// Runs a call of the solver that may fail; the cut stays when it fails.
 template <class Call> void SurgerySession::with_hooks(const Call& call)
 {
     picture_.reset();
@@ -733,7 +735,7 @@ template <class Call> void SurgerySession::with_hooks(const Call& call)
     if (hooks_->empty())
         hooks_taken_off();
     else
-        moving_ = true; // to be settled
+        moving_ = true; // the hooks must be settled
 }
 
 void SurgerySession::drop_hooks(const std::string& why)
@@ -742,7 +744,7 @@ void SurgerySession::drop_hooks(const std::string& why)
     remark_ = "all hooks are taken off: " + why;
 }
 
-/// The wound is as without hooks: springs, where there is tension.
+/// Returns the wound to the state without hooks: springs, when there is tension.
 void SurgerySession::hooks_taken_off()
 {
     hooks_.reset();
@@ -759,7 +761,7 @@ void SurgerySession::hooks_taken_off()
 }
 
 KnifeAnswer SurgerySession::attach(std::vector<HookPlacement> seats, const std::vector<std::string>& names,
-    const std::vector<fem::HookDrive>& drives, bool planned, std::string reduction_error)
+    const std::vector<fem::HookDrive>& drives, bool planned, std::string omitted)
 {
     try {
         if (hooks_ == nullptr)
@@ -773,13 +775,13 @@ KnifeAnswer SurgerySession::attach(std::vector<HookPlacement> seats, const std::
             hooks_->attach(std::move(seats[i]), names[i], drives[i], planned ? std::optional(drives[i]) : std::nullopt);
             ++attached;
         } catch (const InputError& error) {
-            reduction_error += (reduction_error.empty() ? "" : "; ") + error.where() + ": " + error.what();
+            omitted += (omitted.empty() ? "" : "; ") + error.where() + ": " + error.what();
         }
     with_hooks([&] {
         if (!hooks_->empty())
             hooks_->frame();
     });
-    return { attached > 0, std::move(reduction_error) };
+    return { attached > 0, std::move(omitted) };
 }
 
 KnifeAnswer SurgerySession::place_hook(const Touch& at)
@@ -791,7 +793,7 @@ KnifeAnswer SurgerySession::place_hook(const Touch& at)
     if (seat.nodes.empty())
         return { false, why_not };
     const std::string name = "hook " + std::to_string(hooks_placed_ + 1);
-    Vec3 lies = Vec3::Zero(); // under tension the lip has left its place: the hook takes it where it is
+    Vec3 lies = Vec3::Zero(); // under tension the lip has moved: the hook takes the lip at its present place
     for (const VertexId v : seat.nodes)
         lies += (picture()->shown.row(v) - picture()->surface->rest.row(v)).transpose()
             / static_cast<double>(seat.nodes.size());
@@ -805,9 +807,7 @@ namespace {
 
     void leave_out_those_there(PlannedSeats& planned, const std::vector<HookState>& there)
     {
-        PlannedSeats missing {
-            .seats = {}, .names = {}, .drives = {}, .reduction_error = std::move(planned.reduction_error)
-        };
+        PlannedSeats missing { .seats = {}, .names = {}, .drives = {}, .omitted = std::move(planned.omitted) };
         for (std::size_t i = 0; i < planned.seats.size(); ++i) {
             if (std::any_of(there.begin(), there.end(),
                     [&](const HookState& hook) { return hook.planned && hook.name == planned.names[i]; }))
@@ -842,12 +842,12 @@ KnifeAnswer SurgerySession::take_planned_hooks()
         return { false, "there is no wound to open yet: cut first" };
     PlannedSeats planned = planned_seats(session_, approach_, labels_, held_);
     if (planned.seats.empty())
-        return { false, planned.reduction_error };
+        return { false, planned.omitted };
     leave_out_those_there(planned, hooks().hooks);
     if (planned.seats.empty())
         return { false, "the planned hooks hold the wound already: take them off to begin anew" };
     KnifeAnswer answer
-        = attach(std::move(planned.seats), planned.names, planned.drives, true, std::move(planned.reduction_error));
+        = attach(std::move(planned.seats), planned.names, planned.drives, true, std::move(planned.omitted));
     if (answer.done && tension_ != case_tension())
         answer.reason += (answer.reason.empty() ? "" : "; ") + tension_unlike_the_plan(tension_, case_tension());
     return answer;
@@ -939,13 +939,13 @@ void SurgerySession::relax(double milliseconds, const Job& job)
     if (result.iterations > 0 && result.seconds > 0.0)
         iterations_per_ms_ = static_cast<double>(result.iterations) / (1e3 * result.seconds);
     picture_.reset();
-    // Conjugate gradients begin anew in every frame and a few flat elements never come to terms: at rest is what an
-    // eye no longer sees moving.
+    // Conjugate gradients restart in every frame, and a few flat elements never converge. The wound is therefore at
+    // rest when no motion is visible.
     const double moved = (springs_->displacement() - before).rowwise().norm().maxCoeff();
     still_frames_ = moved < kStillMm ? still_frames_ + 1 : 0;
     if (result.status == fem::RelaxStatus::out_of_iterations && still_frames_ < kStillFrames)
         return;
-    // What is near the wound has opened; then it carries along what is farther away.
+    // The tissue near the wound has opened; next the tissue farther away moves along.
     still_frames_ = 0;
     moving_ = options.reach_mm > 0.0;
     reach_mm_ *= 2.0;

@@ -1,8 +1,8 @@
 #pragma once
-// The knife on a patient's wall, without a window: strokes drawn on the skin become cuts, cuts are taken back and made
-// again, and under tension the wound gapes: springs on the edges pull it open while the knife moves. Hooks open wounds
-// further, and hold them open while the knife goes on: the wall is then solved (WoundHooks), tension and all, and there
-// are no springs. Used from one thread. Units mm; frame patient LPS.
+// Surgery on a patient's wall, without a window. Strokes on the skin become cuts, which can be undone and redone. Under
+// tension the wound gapes: springs on the edges of the mesh pull the wound open while the knife moves. Hooks open
+// wounds further and hold them open during later cuts; with hooks the wall is solved by WoundHooks, including the
+// tension, without springs. Used from one thread. Units mm; frame patient LPS.
 
 #include "fem/material/material.h"
 #include "mesh/cutting/ablated_values.h"
@@ -32,51 +32,53 @@ class SpringNetwork;
 
 namespace retractor::planner {
 
-/// What the knife is laid out for: one approach's wall.
+/// The input of a session: the wall of one approach.
 struct SurgerySetup {
     mesh::TetMesh wall; ///< four nodes per element, at rest
-    /// Vertices of the wall that do not move. Springs know no softer support: a bed (Supports::bedded) is left free.
+    /// Vertices of the wall that do not move. Springs have no softer support: in the spring model a bed
+    /// (Supports::bedded) is free.
     std::vector<VertexId> held;
-    /// Of faces where the wall was cut off (cut_off_vertices() of planner/supports.h), whether they move or not:
-    /// tension takes no skin there.
+    /// Vertices of faces where the wall was cut off (cut_off_vertices() of planner/wall/supports.h), whether they move
+    /// or not. The tension model counts no such face as skin.
     std::vector<VertexId> cut_off {};
-    std::vector<fem::BeddedVertex> bedded {}; ///< what hooks pull against besides; springs leave it out
-    Approach approach {}; ///< its hooks are the planned ones
+    std::vector<fem::BeddedVertex> bedded {}; ///< bed of springs that hooks also pull against; not in the spring model
+    Approach approach {}; ///< its hooks are the planned hooks
     mesh::LabelTable labels;
-    /// By label; what is not of the wall may be left out. Hooks solve four-node elements: as those can have them
-    /// (as_solved() of planner/opened_wound.h), or nearly incompressible tissue locks.
+    /// Materials by label; labels outside the wall may be missing. Hooks need materials that four-node elements can
+    /// solve (as_solved() of planner/plan/opened_wound.h), because nearly incompressible tissue locks.
     std::vector<fem::Material> materials;
-    Vec3 outward = -Vec3::UnitY(); ///< out of the body, for tissue that lies under no skin
-    WallRegion region {}; ///< where there is a wall to cut
-    std::shared_ptr<const TriMesh> beyond {}; ///< drawn, not cut, and goes along with the wall's rim; null: nothing
-    std::filesystem::path journal; ///< where cuts are kept on disk; empty: they are not
-    std::string caution {}; ///< what the surgeon should know of it, said once it is laid out; may be empty
+    Vec3 outward = -Vec3::UnitY(); ///< direction out of the body, for tissue without skin above
+    WallRegion region {}; ///< region of the wall that can be cut
+    /// Wall outside the mesh, drawn but not cut, which follows the rim; null: none.
+    std::shared_ptr<const TriMesh> beyond {};
+    std::filesystem::path journal; ///< file that keeps the cuts; empty: cuts are not kept
+    std::string caution {}; ///< message for the surgeon when the session is ready; may be empty
 };
 
 struct KnifeSettings {
     double depth_mm = 15.0;
-    bool through_wall = false; ///< as deep as the wall is thick near the first point; depth_mm is then not used
+    bool through_wall = false; ///< cuts as deep as the wall is thick near the first point; depth_mm is not used
     bool cuts_bone = false; ///< a scalpel does not cut bone and cartilage; a saw does
 };
 
-/// What became of one thing that was asked for.
+/// The result of a request.
 struct [[nodiscard]] KnifeAnswer {
-    bool done = false; ///< else nothing was changed
-    std::string reason; ///< why not; or, when done, what the surgeon should know; may be empty
+    bool done = false; ///< false: nothing was changed
+    std::string reason; ///< not done: the reason; done: a message for the surgeon, or empty
 };
 
-/// A finished cut, or tissue that was taken out; in force or taken back.
+/// A finished cut or removed tissue, active or undone.
 struct CutEntry {
-    int number = 0; ///< from 1, in the order of cutting
-    std::string taken_out {}; ///< the name of the tissue that was taken out (of several, most of it); empty: a cut
-    bool several_tissues = false; ///< taken out with it
+    int number = 0; ///< counted from 1 in the order of cutting
+    std::string taken_out {}; ///< name of the removed tissue, of the largest part when several; empty: a cut
+    bool several_tissues = false; ///< several tissues were removed
     double length_mm = 0.0, depth_mm = 0.0;
     mesh::CutReport report {};
     bool in_force = true;
-    std::string
-        reduction_error {}; ///< why a part of the line (of the ball) is not cut (taken out); empty: all of it is
-    /// From disk, where lengths and reports are not kept: of the report only lip_area_mm2 and removed_volume_mm3 are
-    /// known.
+    /// Reason why a part of the line was not cut, or a part of the ball not removed; empty: nothing is missing.
+    std::string omitted {};
+    /// Read from disk, which does not keep lengths and reports: the report has only lip_area_mm2 and
+    /// removed_volume_mm3.
     bool restored = false;
 };
 
@@ -84,106 +86,109 @@ struct LipsOfCut;
 
 class SurgerySession {
 public:
-    /// Without a journal, whatever the table says. Records the part "cutting session".
-    /// @throws InputError as CutSession does.
+    /// Starts without a journal, whatever setup.journal says. The constructor is reported as part "cutting session".
+    /// @throws InputError as CutSession
     explicit SurgerySession(SurgerySetup table, const Job& job = {});
-    /// On a session of the table's wall that has these cuts already: one delta per cut, in order; no stroke is open.
+    /// Starts from a session of the setup's wall that has these cuts.
+    /// @param cuts one delta per cut, in order.
+    /// @pre no stroke is open
     SurgerySession(
         SurgerySetup table, mesh::CutSession session, const std::vector<mesh::MeshDelta>& cuts, const Job& job = {});
     ~SurgerySession();
     SurgerySession(SurgerySession&&) noexcept;
     SurgerySession& operator=(SurgerySession&&) noexcept;
 
-    /// Sets the knife on the skin. Refused: beyond what can be cut (WallRegion), in a wound, on bare bone that the
-    /// knife does not cut, no far side of the wall to cut through to.
-    /// @throws InputError when the depth is not positive and finite; a stroke is open.
+    /// Sets the knife on the skin. Refused outside the region that can be cut (WallRegion), in a wound, on bare bone
+    /// that the knife does not cut, and when the wall has no far side to cut through to.
+    /// @throws InputError when the depth is not positive and finite, or a stroke is open
     KnifeAnswer begin_stroke(const Touch& at, const KnifeSettings& settings);
-    /// Draws on; cuts once per kStepMm. What cannot be cut (a line that turns back on itself, crosses itself) is left
-    /// out of the line and said; so is a step that the session refuses (SolverError).
-    /// @throws InputError when no stroke is open; what the session's witness throws: nothing was drawn.
+    /// Draws the stroke on, and cuts every kStepMm. A point that cannot be cut (the line turns back on itself or
+    /// crosses itself) is left out of the line, with a message; the same holds for a step that the session refuses
+    /// (SolverError).
+    /// @throws InputError when no stroke is open; exceptions of the session's witness, and nothing was drawn then
     KnifeAnswer draw_to(const Touch& at);
-    /// The knife is drawn where there is no wall: the stroke goes on where it comes back, or ends here, which
-    /// finish_stroke() says. @throws InputError when no stroke is open.
+    /// Tells that the knife moves where there is no wall. The stroke continues when the knife comes back to the wall,
+    /// or ends here, with a message from finish_stroke().
+    /// @throws InputError when no stroke is open
     void leave_wall();
-    /// Cuts up to the last point, or to the last that could be cut. Refused when nothing was cut, and when the session
-    /// cannot finish the stroke: it is then taken back.
-    /// @throws InputError when no stroke is open; what the session's witness throws: the stroke is still open, and may
-    /// be finished again or abandoned.
+    /// Cuts up to the last point, or to the last point that can be cut. Refused when nothing was cut, and when the
+    /// session cannot finish the stroke, which is then undone.
+    /// @throws InputError when no stroke is open; exceptions of the session's witness: the stroke is still open, and
+    /// may be finished again or abandoned
     KnifeAnswer finish_stroke();
-    /// Takes an open stroke back as if it had never been; does nothing when there is none.
-    /// @throws what the session's witness throws: the stroke is still open.
+    /// Undoes an open stroke without a trace; does nothing without an open stroke.
+    /// @throws exceptions of the session's witness: the stroke is still open
     void abandon_stroke();
     bool stroke_open() const { return stroke_ != nullptr; }
 
-    /// Takes tissue out for good, as one cut to undo: the piece that was cut free where the place lies (radius 0), or
-    /// the tissue of that kind within a ball round it (element by element: its border is as fine as the mesh). Elements
-    /// of a ball that are held, or lie where the knife cannot cut (WallRegion), are left out, which is said; a piece
-    /// with such elements is refused. Refused too: a stroke is open, nothing was cut free there, nothing or everything
-    /// would be taken.
-    /// @throws InputError when the radius is negative or not finite; what the session's witness throws.
+    /// Removes tissue as one cut that can be undone. Radius 0 removes the piece that was cut free at the place. A
+    /// positive radius removes the tissue of the touched label within a ball, element by element, so that its border is
+    /// as fine as the mesh. Elements of a ball that are held, or lie where the knife cannot cut (WallRegion), stay,
+    /// with a message; a piece with such elements is refused. Also refused: an open stroke, no piece cut free at the
+    /// place, and a removal of nothing or of everything.
+    /// @throws InputError when the radius is negative or not finite; exceptions of the session's witness
     KnifeAnswer take_out(const Touch& at, double radius_mm);
 
     bool can_undo() const { return !stroke_open() && session_.can_undo(); }
     bool can_redo() const { return !stroke_open() && session_.can_redo(); }
-    /// @throws InputError when there is nothing to undo (redo) or a stroke is open.
+    /// @throws InputError when there is nothing to undo (redo), or a stroke is open
     void undo();
     void redo();
 
-    /// The strain that the wall's tissue is under. Where its materials have pre-strains (the case's tension), those in
-    /// proportion, so that the largest has this size; else all soft tissue, alike in all directions of the skin's
-    /// plane, and bone and cartilage are under none. 0: wounds stay closed, and there are no springs. The springs are
-    /// made when they are first needed (part "springs"). They are not calibrated on the wall: a calibration
-    /// would factorise it as a plan does, for a factor of 1.01 to 1.03 on their stiffness, so that wounds gape 1 to 3 %
-    /// too wide.
-    /// @throws InputError when it is negative, NaN or beyond kLargestPreStrain, or when springs cannot be made: the
-    /// tension is then as it was.
+    /// Sets the strain of the wall's tissue. When the materials have pre-strains (the case's tension), these are scaled
+    /// so that the largest has this value. Else all soft tissue gets this strain in all directions of the skin's plane,
+    /// and bone and cartilage none. With 0 wounds stay closed, and there are no springs. Springs are made when they are
+    /// first needed (part "springs"). The springs are not calibrated on the wall: spring_calibration() would factor the
+    /// wall as a plan does, for a factor of 1.01 to 1.03 on the stiffness. Wounds therefore gape 1 to 3 % too wide.
+    /// @throws InputError when the strain is negative, NaN or beyond kLargestPreStrain, or when springs cannot be made;
+    /// the tension is unchanged then
     void set_tension(double strain);
     double tension() const { return tension_; }
-    /// The largest pre-strain of the materials: the tension at which a wound gapes as in a plan. 0: they have none.
+    /// The largest pre-strain of the materials, at which a wound gapes as in a plan. 0: the materials have no
+    /// pre-strain.
     double case_tension() const;
-    /// Lets the wound open for about this long (under hooks: until it is at rest, or the job is cancelled); the rest
-    /// comes with the next calls. Does nothing when !moving().
+    /// Lets the wound open for about this time; the next calls continue. With hooks, returns when the wound is at rest
+    /// or the job is cancelled. Does nothing when !moving().
     void relax(double milliseconds, const Job& job = {});
-    /// The wound has not come to rest: it still moves by what an eye sees.
+    /// Whether the wound still moves visibly.
     bool moving() const { return moving_; }
-    /// The widest wound, between places that were one, mm; 0: closed.
+    /// Gape of the widest wound, measured between separated vertices, mm; 0: closed.
     double gape_mm() const;
 
-    /// Sets a hook on the edge of the wound near by; it holds the lip where it lies. The first makes the solver (part
-    /// "online opening"). Refused in words where there is no hold, while a stroke is open, and when the wall is not
-    /// held.
+    /// Places a hook on the wound's edge near the touched place, where the lip is now. The first hook creates the
+    /// solver (part "online opening"). Refused with a message when there is no lip to hold, while a stroke is open, and
+    /// when the wall has no support.
     KnifeAnswer place_hook(const Touch& at);
-    /// The approach's hooks, driven as it says: so far, by a force, up to a limit, with a soft grip. Those that find no
-    /// lip to hold are left out and named.
+    /// Places the approach's hooks, with their planned displacement, force, limit and soft grip. Hooks without a lip to
+    /// hold are left out and named in the message.
     KnifeAnswer take_planned_hooks();
     std::size_t planned_hooks() const { return approach_.hooks.size(); }
-    /// Where the hand draws a hook to, mm from rest; nothing when it is no longer there.
+    /// Pulls a hook to a displacement, mm from rest; does nothing when the hook is gone.
     void pull_hook(fem::HookId hook, const Vec3& asked);
-    void pull_all_hooks(double mm); ///< each away from the other lip
-    void pull_hooks_by_share(double share); ///< of their plan, as WoundHooks::pull_share()
-    /// Hooks slip rather than pull harder (N); infinite: only at their own limits. @throws InputError when it is not
-    /// positive.
+    void pull_all_hooks(double mm); ///< pulls each hook away from the other lip
+    void pull_hooks_by_share(double share); ///< to this share of their plan, as WoundHooks::pull_share()
+    /// Sets the force at which hooks slip, N; infinite: only at their own limits.
+    /// @throws InputError when the force is not positive
     void set_yield(double force_N);
-    /// Whether wounds that hooks open are nonlinear near by (WoundHooks); not at first.
+    /// Whether wounds with hooks are solved nonlinearly near the wound (WoundHooks); off at the start.
     void set_nonlinear(bool wanted);
-    void take_off_hook(fem::HookId hook); ///< nothing when it is no longer there
+    void take_off_hook(fem::HookId hook); ///< does nothing when the hook is gone
     void take_off_hooks();
-    /// Empty without hooks.
+    /// Report of the hooks; empty without hooks.
     HookReport hooks() const { return hooks_ != nullptr ? hooks_->report() : HookReport {}; }
-    /// A hook was moved and its numbers are not settled, or the nonlinear answer is to come; relax() does that.
+    /// Whether relax() has work left for the hooks: unsettled numbers of a moved hook, or a missing nonlinear solution.
     bool hooks_unsettled() const { return hooks_ != nullptr && !hooks_->settled(); }
-    /// relax() would change nothing yet: the nonlinear answer is being made.
+    /// Whether relax() would change nothing yet, because the nonlinear solution is still being made.
     bool waiting() const { return hooks_ != nullptr && hooks_->waits(stroke_open()); }
-    /// What the surgeon should know of the springs since the last call, e.g. that they failed and the tension is off;
-    /// empty: nothing.
+    /// Message about the springs since the last call, e.g. that they failed and the tension is off; empty: none.
     std::string take_remark() { return std::exchange(remark_, {}); }
 
     /// All cuts that can be undone or redone, in order.
     const std::vector<CutEntry>& cuts() const { return cuts_; }
-    /// The surface as it is now; shared between calls while nothing changes.
+    /// The present surface; shared between calls while nothing changes.
     std::shared_ptr<const WallPicture> picture();
     const mesh::CutSession& session() const { return session_; }
-    /// How long the last step of the knife took (ms): the cut itself, without the picture.
+    /// Time of the last step of the knife (ms): the cut alone, without the picture.
     double step_ms() const { return step_ms_; }
 
     static constexpr double kStepMm = 5.0;
@@ -194,16 +199,16 @@ private:
     std::string leave_out_what_stays(std::vector<TetId>& marked) const;
     KnifeAnswer cut_to(std::vector<Vec3> points, std::vector<Vec3> directions);
     bool is_skeleton_label(Label label) const;
-    /// Supports that an undone ablation brought back.
+    /// Supports that returned with undone removal of tissue.
     struct Returned {
         std::vector<VertexId> held;
-        bool unknown_to_hooks = false; ///< they were gone before the hooks' solver was made
+        bool unknown_to_hooks = false; ///< the supports were absent when the hooks' solver was made
     };
     void follow(const mesh::MeshDelta& delta);
     Returned take_in(const mesh::MeshDelta& delta);
     CutEntry restored_entry(
         int number, const mesh::MeshDelta& delta, const LipsOfCut& lips, const std::function<void()>& take) const;
-    std::unique_ptr<SpringNetwork> make_springs(double strain) const;
+    std::unique_ptr<fem::SpringNetwork> make_springs(double strain) const;
     void renew_springs(const std::string& why);
     void drop_tension(const std::string& why);
     void lie_as(const Points& displacement);
@@ -214,45 +219,45 @@ private:
     void drop_hooks(const std::string& why);
     void hooks_taken_off();
     KnifeAnswer attach(std::vector<HookPlacement> seats, const std::vector<std::string>& names,
-        const std::vector<fem::HookDrive>& drives, bool planned, std::string reduction_error);
+        const std::vector<fem::HookDrive>& drives, bool planned, std::string omitted);
     template <class Call> void with_hooks(const Call& call);
     std::shared_ptr<const WallSurface> make_surface() const;
 
     mesh::LabelTable labels_;
     std::vector<fem::Material> materials_;
     Vec3 outward_;
-    std::shared_ptr<const mesh::TetMesh> first_; ///< the wall before any cut: what the tension is told by
+    std::shared_ptr<const mesh::TetMesh> first_; ///< the wall before any cut, which the tension is defined on
     Job job_;
     std::vector<Label> skeleton_;
     mesh::CutSession session_;
     std::vector<CutEntry> cuts_;
-    std::shared_ptr<Stroke> stroke_; ///< null: none is open
+    std::shared_ptr<Stroke> stroke_; ///< null: no open stroke
     mesh::SurfaceFollower follower_;
     Points rest_; ///< of the session's vertices, by id
-    std::shared_ptr<const WallSurface> surface_; ///< null: to be made
-    std::shared_ptr<const WallPicture> picture_; ///< null: to be made
+    std::shared_ptr<const WallSurface> surface_; ///< null: must be made
+    std::shared_ptr<const WallPicture> picture_; ///< null: must be made
     WallRegion region_;
-    std::vector<VertexId> cut_off_; ///< of the wall before any cut: held, or of its rim
+    std::vector<VertexId> cut_off_; ///< of the wall before any cut: held vertices, or vertices of its rim
     std::vector<char> held_; ///< per vertex of the session
-    std::vector<std::pair<VertexId, VertexId>> parted_; ///< vertices that were one
+    std::vector<std::pair<VertexId, VertexId>> parted_; ///< pairs of vertices that a cut separated
     struct Ablated {
         char held = 0;
         double bed = 0.0;
-        int hooks_made = 0; ///< when it was taken
+        int hooks_made = 0; ///< value of hooks_made_ at the removal
         std::vector<std::pair<VertexId, VertexId>> parted;
     };
     mesh::AblatedValues<Ablated> ablated_;
     double tension_ = 0.0;
-    std::unique_ptr<SpringNetwork> springs_; ///< null: not needed yet, or there are hooks
-    std::vector<double> bed_; ///< per vertex of the session, N/mm; 0: it lies on none
+    std::unique_ptr<fem::SpringNetwork> springs_; ///< null: not needed yet, or there are hooks
+    std::vector<double> bed_; ///< per vertex of the session, N/mm; 0: no bed
     Approach approach_;
-    std::unique_ptr<WoundHooks> hooks_; ///< null: there are none
+    std::unique_ptr<WoundHooks> hooks_; ///< null: no hooks
     bool nonlinear_ = false;
-    int hooks_made_ = 0; ///< how often a solver was made for them
+    int hooks_made_ = 0; ///< number of solvers made for hooks
     double yield_N_ = std::numeric_limits<double>::infinity();
-    int hooks_placed_ = 0; ///< for their names
-    double iterations_per_ms_ = 1.0; ///< of the relaxation, as measured
-    double reach_mm_ = 0.0; ///< round the wound, of what moves now
+    int hooks_placed_ = 0; ///< number of placed hooks, for their names
+    double iterations_per_ms_ = 1.0; ///< measured speed of the relaxation
+    double reach_mm_ = 0.0; ///< distance from the wound within which tissue moves now
     int still_frames_ = 0;
     bool moving_ = false;
     double step_ms_ = 0.0;

@@ -19,7 +19,7 @@ namespace {
         Vec3 weights = Vec3::Zero();
     };
 
-    /// [Moller, Trumbore 1997], front sides only.
+    /// Intersection after Moller and Trumbore 1997, front faces only.
     std::optional<Meeting> meet(const Ray& ray, const std::array<Vec3, 3>& p)
     {
         const Vec3 e1 = p[1] - p[0], e2 = p[2] - p[0];
@@ -36,8 +36,8 @@ namespace {
         return Meeting { distance, { 1.0 - u - v, u, v } };
     }
 
-    /// From a point to the surface; negative behind it. Where edges are nearest, the face that the point lies most
-    /// squarely before or behind says which.
+    /// Distance from a point to the surface; negative behind the surface. When an edge is nearest, the face that the
+    /// point lies most squarely before or behind decides the sign.
     double signed_distance(const Vec3& from, const std::vector<std::array<Vec3, 3>>& faces)
     {
         constexpr double kSame = 1e-9; // mm

@@ -13,12 +13,12 @@ namespace retractor::planner {
 
 namespace {
 
-    /// Over this radius the surface is evened out to tell where "into the body" is: wider than an element of the skin,
-    /// narrower than a rib cage bends.
+    /// Radius over which the surface is averaged to find the inward direction: larger than an element of the skin,
+    /// smaller than the curvature of a rib cage.
     constexpr double kNormalRadiusMm = 15.0;
-    /// Cosine: a face more slanted than this against the touched one is another side of the body.
+    /// Smallest cosine between a face and the touched face on the same side of the body.
     constexpr double kSameSide = 0.25;
-    /// A gap narrower than this behind the wall is no cavity.
+    /// A narrower gap behind the wall is no cavity.
     constexpr double kCavityMm = 4.0;
     constexpr std::size_t kThicknessSamples = 40;
 
@@ -26,7 +26,7 @@ namespace {
         double distance = 0.0, u = 0.0, v = 0.0; ///< weights of the second and third corner
     };
 
-    /// Moeller and Trumbore 1997; both sides of the triangle.
+    /// Intersection after Moeller and Trumbore 1997, both sides of the triangle.
     std::optional<Hit> meet(const Ray& ray, const Vec3& a, const Vec3& b, const Vec3& c)
     {
         const Vec3 ab = b - a, ac = c - a;
@@ -48,7 +48,7 @@ namespace {
         return Hit { distance, u, v };
     }
 
-    /// Mean of the skin's rest normals round a place, inward; faces nearer by count for more.
+    /// Mean inward rest normal of the skin round a place; nearer faces weigh more.
     Vec3 inward_near(const WallSurface& surface, const Vec3& at, const Vec3& own)
     {
         Vec3 sum = Vec3::Zero();
@@ -66,7 +66,7 @@ namespace {
         return sum.norm() > 0.0 ? Vec3(-sum.normalized()) : Vec3(-own.normalized());
     }
 
-    /// Where a ray that starts in the wall leaves it for good: passages out, less passages in.
+    /// Distance at which a ray that starts in the wall finally leaves it, by counting exits minus entries.
     std::optional<double> far_side(const WallSurface& surface, const Ray& ray, double limit_mm)
     {
         std::vector<std::pair<double, int>> passages;
@@ -131,7 +131,7 @@ std::optional<double> first_hit(const TriMesh& surface, const Ray& ray)
 
 std::optional<double> thickness_near(const WallSurface& surface, const Touch& at, double radius_mm, double limit_mm)
 {
-    /// Off the face that the ray starts on.
+    /// Start above the touched face, so that the ray does not meet this face.
     constexpr double kStartMm = 0.01;
     std::vector<Vec3> places;
     for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
@@ -145,7 +145,8 @@ std::optional<double> thickness_near(const WallSurface& surface, const Touch& at
     const std::size_t stride = std::max<std::size_t>(1, places.size() / kThicknessSamples);
     std::optional<double> thickest = far_side(surface, { at.rest + kStartMm * at.inward, at.inward }, limit_mm);
     for (std::size_t i = 0; i < places.size(); i += stride) {
-        // The far side of the body looks the same way as its inner side; it is farther than any wall near here.
+        // The far side of the body faces the same way as the wall's inner side, but is farther away than any wall near
+        // here.
         const auto through = far_side(surface, { places[i] + kStartMm * at.inward, at.inward }, limit_mm);
         if (through && (!thickest || *through > *thickest))
             thickest = through;

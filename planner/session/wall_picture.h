@@ -1,6 +1,7 @@
 #pragma once
-// The wall's surface as the knife sees it: where it was at rest, where it is shown now, and what a ray from the eye
-// touches. Units mm; frame patient LPS. "Rest" is the configuration in which the knife cuts; "shown" is under tension.
+// The wall's surface as the knife sees it: its positions at rest and as shown, and the place that a ray from the eye
+// touches. Units mm; frame patient LPS. "Rest" is the configuration in which the knife cuts; "shown" is the
+// configuration under tension and hooks.
 
 #include "mesh/base/geometry.h"
 #include "mesh/tetrahedra/tet_mesh.h"
@@ -15,19 +16,19 @@
 
 namespace retractor::planner {
 
-/// What changes only when something is cut. Vertices are numbered as in the cutting session; rows of vertices that no
-/// triangle uses say nothing.
+/// The data that change only with a cut. Vertices are numbered as in the cutting session; rows of vertices that no
+/// triangle uses have no meaning.
 struct WallSurface {
     std::vector<std::array<VertexId, 3>> triangles; ///< counter-clockwise seen from outside
     std::vector<Label> labels; ///< per triangle
-    std::vector<std::uint8_t> is_lip; ///< per triangle: made by the knife
+    std::vector<std::uint8_t> is_lip; ///< per triangle: 1 = made by the knife
     Points rest; ///< n x 3, mm
 };
 
-/// One frame. Frames between which nothing was cut share their surface.
+/// One frame. Frames share their surface when no cut lies between them.
 struct WallPicture {
     std::shared_ptr<const WallSurface> surface;
-    Points shown; ///< as many rows as surface->rest
+    Points shown; ///< shown positions, as many rows as surface->rest, mm
 };
 
 struct Ray {
@@ -37,26 +38,26 @@ struct Ray {
 
 /// A place on the wall.
 struct Touch {
-    Vec3 rest = Vec3::Zero(), shown = Vec3::Zero(); ///< the same place of the tissue
-    Vec3 inward = Vec3::UnitY(); ///< unit, into the body at rest: mean of the surface near it
-    std::array<VertexId, 3> triangle { -1, -1, -1 }; ///< corners of the face it lies on
+    Vec3 rest = Vec3::Zero(), shown = Vec3::Zero(); ///< the same tissue point at rest and as shown
+    Vec3 inward = Vec3::UnitY(); ///< unit vector into the body at rest: mean over the nearby surface
+    std::array<VertexId, 3> triangle { -1, -1, -1 }; ///< corners of the touched face
     Label label = 0;
     bool on_lip = false;
     double distance = 0.0; ///< along the ray, mm
 };
 
-/// The first place of the shown surface that the ray meets, mapped back to rest in the face it lies on.
+/// The first place of the shown surface that the ray meets, mapped to rest within its face.
 std::optional<Touch> touch(const WallPicture& picture, const Ray& ray);
 
-/// Distance to the first meeting of a ray with a surface.
+/// Distance along a ray to its first intersection with a surface.
 std::optional<double> first_hit(const TriMesh& surface, const Ray& ray);
 
-/// How thick the wall at rest is near a place on it, along the knife: the largest of some places within `radius_mm`.
-/// Wounds do not count as far sides. Nothing where there is no far side within `limit_mm`.
+/// Thickness of the wall at rest near a place, along the knife: the largest of several samples within `radius_mm`. Lips
+/// of wounds do not count as far sides. Empty when no far side is within `limit_mm`.
 std::optional<double> thickness_near(
     const WallSurface& surface, const Touch& at, double radius_mm = 40.0, double limit_mm = 120.0);
 
-/// Edges between lips and the rest of the surface: the borders of the wounds.
+/// Edges between lips and the rest of the surface: the margins of the wounds.
 std::vector<std::array<VertexId, 2>> wound_rims(const WallSurface& surface);
 
 } // namespace retractor::planner

@@ -16,14 +16,14 @@ namespace retractor::planner {
 
 namespace {
 
-    constexpr double kFadeMm = 40.0; ///< from the rim to what is at rest
-    constexpr double kRimBandMm
-        = 4.0; ///< how far the mesh's border may lie inside the region's: its elements are coarse
-    /// Anchors nearer than this count about alike, and there are many: bones at rest may lie close under skin that
-    /// moves.
+    constexpr double kFadeMm = 40.0; ///< distance from the rim at which the motion is zero
+    /// Largest distance between the border of the mesh and of the region, because elements are coarse.
+    constexpr double kRimBandMm = 4.0;
+    /// Anchors nearer than this weigh about the same. Many anchors are needed, because bones at rest may lie close
+    /// under moving skin.
     constexpr double kNearMm = 4.0;
-    constexpr std::size_t kAnchors = 40; ///< per vertex
-    /// Of an edge of the outline: a cut moves its ends less far onto the blade.
+    constexpr std::size_t kAnchors = 40; ///< for each vertex
+    /// Largest motion of an end of an outline edge onto the blade, as a share of the edge.
     constexpr double kMovedShare = 0.5;
 
     std::vector<char> skin_flags(const mesh::LabelTable& labels)
@@ -34,14 +34,14 @@ namespace {
         return skin;
     }
 
-    /// 1 at no distance, 0 at kFadeMm, flat at both ends.
+    /// 1 at distance 0, 0 at kFadeMm, with zero slope at both ends.
     double fade(double distance_mm)
     {
         const double x = std::clamp(distance_mm / kFadeMm, 0.0, 1.0);
         return 1.0 - x * x * (3.0 - 2.0 * x);
     }
 
-    /// Vertices of the wall's surface on its rim, and of what is meshed beyond it (bones kept whole).
+    /// Vertices of the wall's surface on its rim, and of parts that are meshed outside the region (whole bones).
     std::vector<VertexId> rim_vertices(const mesh::TetMesh& wall, const WallRegion& region)
     {
         if (!region.has_limit())
@@ -55,7 +55,8 @@ namespace {
         return rim;
     }
 
-    /// Per vertex: whether the surface has it. What cuts and ablations leave of the uncut wall's surface stays on it.
+    /// Whether each vertex is on the surface. Vertices of the uncut wall's surface stay on the surface unless a cut or
+    /// an ablation removes them.
     std::vector<char> on_surface(const WallSurface& surface)
     {
         std::vector<char> on(static_cast<std::size_t>(surface.rest.rows()), 0);
@@ -65,7 +66,8 @@ namespace {
         return on;
     }
 
-    /// The vertex that lay there, moved by a cut at most: an id whose vertex was taken out may have become another's.
+    /// Whether the vertex is the same as before, moved by a cut at most. After a removal another vertex may have taken
+    /// the id.
     bool still_there(
         VertexId v, const Vec3& rest, double moved_mm, const WallSurface& surface, const std::vector<char>& on)
     {

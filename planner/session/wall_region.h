@@ -1,7 +1,7 @@
 #pragma once
-// Where the wall that the knife cuts ends: tissue is meshed within some distance of the planned incision only. Its
-// border on the skin, as a line; and the body beyond it, which is drawn and goes along with the rim, but is not cut.
-// Units mm; frame patient LPS.
+// The region of the wall that the knife can cut, because only tissue near the planned incision is meshed: its border on
+// the skin as a line, and the wall outside the mesh, which is drawn and follows the rim but cannot be cut. Units mm;
+// frame patient LPS.
 
 #include "mesh/base/geometry.h"
 #include "mesh/image/volume.h"
@@ -15,61 +15,63 @@
 
 namespace retractor::planner {
 
-/// The knife keeps this far from the rim of the mesh: the surface drawn beyond it reaches some millimetres under the
-/// rim, and a wound there would gape over it.
+/// Distance that the knife keeps from the rim of the mesh. The surface drawn outside the mesh reaches some millimetres
+/// under the rim, and would show in a wound there.
 inline constexpr double kRimMarginMm = 6.0;
 
 struct WallRegion {
-    std::vector<Vec3> corridor; ///< the planned incision, as meshed
-    double meshed_mm = 0.0; ///< tissue within this distance of it is meshed; 0: all of it is
+    std::vector<Vec3> corridor; ///< planned incision, as used for the mesh
+    double meshed_mm = 0.0; ///< tissue within this distance of `corridor` is meshed; 0: all tissue
 
     bool has_limit() const { return meshed_mm > 0.0 && !corridor.empty(); }
-    /// Whether the knife may cut there (at rest).
+    /// Whether the knife may cut at this place (at rest).
     bool can_cut(const Vec3& rest) const;
-    /// Of the meshed region's rim, from inside; infinite without a limit.
+    /// Distance from inside to the rim of the meshed region, mm; infinite without a limit.
     double rim_distance(const Vec3& rest) const;
 };
 
-/// Why nothing is done there, for the surgeon. @param what is not done, e.g. "the knife cannot cut here".
+/// Message for the surgeon that a place is outside the region.
+/// @param what the refused action, e.g. "the knife cannot cut here"
 std::string outside_the_outline(std::string_view what);
 
 /// A place on an edge of the uncut wall: (1 - t) a + t b.
 struct EdgePlace {
     VertexId a = 0, b = 0;
     double t = 0.0;
-    Vec3 rest_a = Vec3::Zero(), rest_b = Vec3::Zero(); ///< of the ends; ids may be others' later
+    Vec3 rest_a = Vec3::Zero(), rest_b = Vec3::Zero(); ///< rest positions of the ends; a later cut may reuse the ids
 };
 
-/// The border of where the knife may cut, on the skin (on what looks `outward` where the wall has none): the ends of
-/// its pieces, two by two. Empty without a limit.
+/// The border of the region that the knife may cut, on the skin (on faces towards `outward` when the wall has no skin),
+/// as line segments: two places per segment. Empty without a limit.
 std::vector<EdgePlace> region_outline(
     const mesh::TetMesh& wall, const WallRegion& region, const mesh::LabelTable& labels, const Vec3& outward);
-/// Where they are shown; pieces on tissue that was taken out are left out.
+/// Shown positions of the places; segments on removed tissue are left out.
 std::vector<Vec3> shown_places(const std::vector<EdgePlace>& places, const WallPicture& picture);
 
-/// The body beyond the region. Near the rim it moves as what is left of the rim does, which springs and hooks carry
-/// along, and 40 mm away it is at rest: smooth, no mechanics.
+/// The wall outside the mesh. Near the rim it moves with the remaining rim, which springs and hooks move. The motion
+/// decreases smoothly to zero at a distance of 40 mm, without mechanics.
 class BeyondSurface {
 public:
-    /// @param surface at rest, with labels. @param wall uncut.
+    /// @param surface at rest, with labels
+    /// @param wall the uncut wall
     BeyondSurface(std::shared_ptr<const TriMesh> surface, const mesh::TetMesh& wall, const WallRegion& region);
 
     const std::shared_ptr<const TriMesh>& rest() const { return surface_; }
-    /// Its vertices, as many rows as at rest.
+    /// Shown vertices, as many rows as at rest.
     Points shown(const WallPicture& picture) const;
 
 private:
     struct RimVertex {
-        VertexId vertex = 0; ///< of the uncut wall
+        VertexId vertex = 0; ///< vertex of the uncut wall
         Vec3 rest = Vec3::Zero();
     };
     struct Anchor {
-        std::size_t rim = 0; ///< number of the rim's vertex
-        double share = 0.0; ///< of its displacement
+        std::size_t rim = 0; ///< index into rim_
+        double share = 0.0; ///< share of the rim vertex's displacement
     };
     std::shared_ptr<const TriMesh> surface_;
     std::vector<RimVertex> rim_;
-    std::vector<std::size_t> first_; ///< per vertex: its first anchor; one more than there are vertices
+    std::vector<std::size_t> first_; ///< per vertex: first entry in anchors_; vertex count + 1 entries
     std::vector<Anchor> anchors_;
 };
 

@@ -11,17 +11,18 @@ namespace retractor::planner {
 
 namespace {
 
-    /// A new factorisation pays where cuts and hooks have added so many vertices to the system solved online, and so
-    /// large a share of it.
+    /// A new factorisation pays when cuts and hooks have added this many vertices, and this share, to the system that
+    /// is solved online.
     constexpr std::size_t kGrown = 60, kGrownShare = 4;
 
-    /// The next step of the knife changes vertices about so far from what the last has made.
+    /// Distance from the last step of the knife within which the next step changes vertices.
     constexpr double kNextStepMm = 10.0;
 
-    /// A nonlinear frame that is further from rest, in its residual, looks torn: it is not shown.
+    /// Largest residual of a nonlinear frame that is shown; a frame with a larger residual looks torn.
     constexpr double kShowable = 0.05;
 
-    /// What linear tissue beyond may be off by without a word: as a plan has it (OpeningOptions::far_tolerance).
+    /// Largest error of the linear tissue outside that needs no message, the tolerance of a plan
+    /// (OpeningOptions::far_tolerance).
     constexpr double kFarTolerance = 0.01;
 
     std::string far_in_words(double change)
@@ -35,7 +36,7 @@ namespace {
     fem::OnlineOptions options_of(std::vector<Mat3> stress_of_element)
     {
         fem::OnlineOptions options;
-        options.added_vertices = 400; // a new one is made in the background before it comes to that
+        options.added_vertices = 400; // a new factor is made in the background before this limit
         options.stress_of_element = std::move(stress_of_element);
         return options;
     }
@@ -48,7 +49,7 @@ namespace {
         return { on_lips.begin(), on_lips.end() };
     }
 
-    /// Where there is no answer, new vertices go with those that they come from.
+    /// Moves new vertices with the vertices that they come from, when there is no solution.
     void carry_along(Eigen::VectorXd& field, const mesh::MeshDelta& delta)
     {
         for (const mesh::MeshDelta::VertexBorn& born : delta.vertices_born) {
@@ -105,7 +106,7 @@ std::optional<double> share_of_plan(std::span<const HookState> hooks)
     return {};
 }
 
-/// By the force at which all hooks slip.
+/// Limits a drive by the force at which all hooks slip.
 fem::HookDrive WoundHooks::limited(const fem::HookDrive& drive) const
 {
     fem::HookDrive limited = drive;
@@ -122,7 +123,8 @@ fem::HookId WoundHooks::attach(
     hook.id = opening_.attach({ hook.name, hook.seat.side, hook.seat.nodes, limited(drive) });
     const fem::HookId id = hook.id;
     report_.hooks.push_back(std::move(hook));
-    forget_since(); // the linear answer takes the tissue to where the hook is: with that it would go there twice
+    // The linear solution already moves the tissue to the hook; adding `since_` would move the tissue twice.
+    forget_since();
     outdate_near();
     drive_one(id, drive);
     return id;
@@ -174,7 +176,7 @@ void WoundHooks::drive_one(fem::HookId hook, const fem::HookDrive& asked)
     drive(one);
 }
 
-/// "hook 1 and hook 2; hook 3 and hook 2"
+/// Names of the pairs, such as "hook 1 and hook 2; hook 3 and hook 2".
 std::string WoundHooks::names_of(std::span<const fem::FacingHooks> meeting) const
 {
     std::string names;
@@ -187,7 +189,7 @@ void WoundHooks::pull(fem::HookId hook, const Vec3& asked)
 {
     fem::HookDrive drawn = state(hook).drive;
     if (drawn.force_N)
-        forget_since(); // where a force has taken it is nowhere that the hand has
+        forget_since(); // the displacement by a force has no relation to the displacement by the hand
     drawn.force_N.reset();
     drawn.displacement = asked;
     drive_one(hook, drawn);
@@ -227,7 +229,7 @@ void WoundHooks::set_yield(double force_N)
     yield_N_ = force_N;
     for (const HookState& hook : report_.hooks)
         opening_.drive(hook.id, limited(hook.drive));
-    forget_since(); // forces beyond the new limit would come with it
+    forget_since(); // `since_` would include forces beyond the new limit
     report_.settled = linear_settled_ = false;
 }
 
@@ -290,7 +292,7 @@ void WoundHooks::lost(const std::string& name)
     remark_ += (remark_.empty() ? "" : "; ") + name + " has lost its hold and is taken off";
 }
 
-/// The exact answer; @return false when there is none that could be shown: it is said why.
+/// Computes the exact linear solution. @return false, with a message, when there is none to show
 bool WoundHooks::solve()
 {
     fem::OnlineAnswer answer = opening_.answer();
@@ -383,7 +385,7 @@ std::vector<fem::HookDrive> WoundHooks::drives() const
     return drives;
 }
 
-/// The mesh or the hooks are others.
+/// Called when the mesh or the hooks have changed.
 void WoundHooks::outdate_near()
 {
     near_.outdate();
@@ -392,10 +394,10 @@ void WoundHooks::outdate_near()
     report_.settled = linear_settled_ = false;
 }
 
-/// It is of this mesh and these hooks.
+/// Whether the nonlinear solution belongs to this mesh and these hooks.
 bool WoundHooks::near_usable() const { return nonlinear_ && near_.ready() && held_; }
 
-/// It is wanted, and nobody makes it.
+/// Whether the nonlinear solution is wanted but not being made.
 bool WoundHooks::near_missing() const
 {
     return nonlinear_ && !near_begun_ && !empty() && held_ && near_.refusal().empty();
@@ -427,7 +429,7 @@ void WoundHooks::drag_near()
         near_.drag(drives());
 }
 
-/// The best answer there is. @return false when there is none: what was shown stays.
+/// Shows the best solution. @return false when there is none, and the shown solution stays
 bool WoundHooks::show()
 {
     if (!near_.refusal().empty())
@@ -442,7 +444,7 @@ bool WoundHooks::show()
     report_.side_N = {};
     for (HookState& hook : report_.hooks) {
         if (hook.drive.force_N && hook.drive.force_N->norm() > yield_N_)
-            hook.yielded = true; // the solver is told of the limited force alone
+            hook.yielded = true; // the solver knows the limited force only
         report_.side_N[hook.seat.side > 0 ? 0 : 1] += hook.force_N.norm();
     }
     if (!as_before_) {

@@ -1,14 +1,14 @@
 #pragma once
-// Hooks that hold wounds open while the knife goes on: an elastic wall that follows the session, its hooks, and the
-// numbers a surgeon reads. Used from one thread. Units mm, N; frame patient LPS.
+// Hooks that hold wounds open during later cuts: an elastic wall that follows the session, its hooks, and their
+// numbers. Used from one thread. Units mm, N; frame patient LPS.
 //
-// The linear answer of the whole wall (OnlineOpening) follows knife and hand at once; it takes rotations for small, and
-// openings beyond 10 to 15 mm a side look swollen. Where it is asked for, the answer that is nonlinear near the wound
-// (NearWound) takes its place as soon as it is made, which the hand must rest for. Until then, after a cut or with
-// fewer hooks, what the linear answer has changed since is added to the last nonlinear one, so that nothing jumps back;
-// with another hook or another limit the linear answer alone is shown. Where the linear answer is refused, nothing of
-// it is shown: the nonlinear one, when there is one of the hooks as they are, else what was shown before.
-// What is shown, and all numbers with it, is said in HookReport::shown.
+// The linear solution of the whole wall (OnlineOpening) follows knife and hand at once. The linear solution assumes
+// small rotations, and looks swollen beyond openings of 10 to 15 mm a side. On request the solution that is nonlinear
+// near the wound (NearWound) replaces the linear one as soon as it is ready; the hand must rest for this. Until then,
+// after a cut or with fewer hooks, the change of the linear solution is added to the last nonlinear solution, so that
+// nothing jumps back. With another hook or another limit the linear solution alone is shown. When the linear solution
+// is refused, the nonlinear solution is shown if it belongs to the present hooks; else the last shown solution stays.
+// HookReport::shown tells which solution the picture and the numbers belong to.
 
 #include "fem/interactive/online_opening.h"
 #include "fem/interactive/online_strain.h"
@@ -28,95 +28,98 @@
 
 namespace retractor::planner {
 
-/// Hooks that are drawn so far (drive.displacement), or that pull so hard (drive.force_N).
+/// A hook at a given displacement (drive.displacement) or with a given force (drive.force_N).
 struct HookState {
     fem::HookId id = 0;
     std::string name;
-    HookPlacement seat; ///< its side: +1 or -1
-    fem::HookDrive drive; ///< as the hand has it now; the hook slips at WoundHooks::set_yield(), too
-    std::optional<fem::HookDrive> planned; ///< as the plan has it; none: it was set or drawn by hand
-    Vec3 displacement = Vec3::Zero(); ///< where the tissue under it is
-    Vec3 force_N = Vec3::Zero(); ///< what the hand must apply
+    HookPlacement seat; ///< held patch; its side is +1 or -1
+    fem::HookDrive drive; ///< drive as the hand sets it now; WoundHooks::set_yield() limits the force too
+    std::optional<fem::HookDrive> planned; ///< drive of the plan; none: the hook was set or pulled by hand
+    Vec3 displacement = Vec3::Zero(); ///< displacement of the held tissue
+    Vec3 force_N = Vec3::Zero(); ///< force that the hand must apply
     bool yielded = false;
 };
 
-/// How much of its plan a hook that pulls with a force is at, 1 = as planned; none where no hook does.
+/// Share of its planned force at which a force-driven hook is, 1 = as planned; none without such a hook.
 std::optional<double> share_of_plan(std::span<const HookState> hooks);
 
-/// What is shown of a wound that hooks hold open.
+/// The solution that is shown of a wound with hooks.
 enum class ShownAnswer {
     linear,
-    linear_since, ///< the last nonlinear one, and what the linear answer has changed since
+    linear_since, ///< last nonlinear solution plus the later change of the linear solution
     nonlinear,
 };
 
-/// What a window shows of the hooks.
+/// The numbers of the hooks for display.
 struct HookReport {
     std::vector<HookState> hooks;
     ShownAnswer shown = ShownAnswer::linear;
-    std::string shown_text; ///< the same in words, with why it is not nonlinear, or how far from the wound it is
-    std::array<double, 2> side_N {}; ///< sums of the forces' sizes, of side +1 and of -1
+    /// The same in words, with the reason against a nonlinear solution, or the distance from the wound within which it
+    /// is nonlinear.
+    std::string shown_text;
+    std::array<double, 2> side_N {}; ///< sums of the forces' norms on side +1 and side -1
     fem::StrainPeak strain; ///< of the last settled frame
-    double residual = 0.0; ///< relative; nonlinear: of the largest force, else: of the linear answer's whole field.
-    /// Of linear_since it says nothing: that sum is no equilibrium
-    bool settled = true; ///< the strain is of what is shown, and the residual, where there is one
-    double frame_ms = 0.0; ///< of the last frame: drag, or cut followed
-    int factors_swapped = 0; ///< that were made in the background
-    int near_swapped = 0; ///< nonlinear answers that were
-    std::string meeting; ///< the hooks that hold each other back: their lips have met; empty: none
-    double lip_overlap_mm = 0.0; ///< by which lips pass through each other where no hooks hold them apart
-    std::string refusal; ///< why the wound cannot be opened as it is now; what is shown is the last answer
+    /// Relative residual; nonlinear: relative to the largest force; linear: of the whole field; linear_since: without
+    /// meaning, because the sum is no equilibrium.
+    double residual = 0.0;
+    bool settled = true; ///< the strain, and the residual if any, belong to the shown solution
+    double frame_ms = 0.0; ///< time of the last frame (a drag or a followed cut)
+    int factors_swapped = 0; ///< number of factors that were made in the background
+    int near_swapped = 0; ///< number of nonlinear solutions that were made in the background
+    std::string meeting; ///< hooks that block each other because their lips have met; empty: none
+    double lip_overlap_mm = 0.0; ///< overlap of lips where no hooks hold them apart
+    std::string refusal; ///< why the present wound cannot be opened; the last solution stays shown
 };
 
 class WoundHooks {
 public:
-    /// Factors the wall as the session has it now: seconds.
-    /// @param stress_of_element tension per element of the session's first mesh, or none.
-    /// @throws as OnlineOpening.
+    /// Factors the session's present wall, which takes seconds.
+    /// @param stress_of_element tension per element of the session's first mesh, or empty
+    /// @throws as OnlineOpening
     WoundHooks(const mesh::CutSession& session, std::span<const fem::Material> material_of_label,
         const fem::Supports& supports, std::span<const VertexId> corridor, std::vector<Mat3> stress_of_element);
 
-    /// Driven so at once. A hook that is drawn, here and below, stops where its lip meets that of a hook that is in its
-    /// way, which stays where it is; hooks that are drawn at once give way alike. @throws InputError as
-    /// OnlineOpening::attach().
+    /// Attaches a hook and drives it at once. Here and below a pulled hook stops where its lip meets the lip of a hook
+    /// in its way, which stays in place; hooks that are pulled together give way alike.
+    /// @throws InputError as OnlineOpening::attach()
     fem::HookId attach(
         HookPlacement seat, std::string name, const fem::HookDrive& drive, std::optional<fem::HookDrive> planned = {});
-    void take_off(fem::HookId hook); ///< @throws InputError when there is none
-    /// The hand draws it there, mm from rest: it keeps its limit and its grip, and forgets its plan.
-    /// @throws InputError when there is none, or on NaN
+    void take_off(fem::HookId hook); ///< @throws InputError when the hook does not exist
+    /// Pulls a hook by hand to a displacement, mm from rest. The hook keeps its limit and grip, and forgets its plan.
+    /// @throws InputError when the hook does not exist, or on NaN
     void pull(fem::HookId hook, const Vec3& asked);
-    void pull_all(double mm); ///< each along its own pull
-    /// Hooks as planned are driven so much of that: force and way. Those in the hand stay. @throws InputError on NaN
+    void pull_all(double mm); ///< each hook along its own pull direction
+    /// Drives all planned hooks to this share of their planned force and displacement. Hooks pulled by hand stay.
+    /// @throws InputError on NaN
     void pull_share(double share);
-    /// Every hook slips rather than pull harder, whatever its own force or limit. @throws InputError when it is not
-    /// positive.
+    /// Sets the force at which every hook slips, beside its own force or limit.
+    /// @throws InputError when the force is not positive
     void set_yield(double force_N);
     double yield_N() const { return yield_N_; }
     bool empty() const { return report_.hooks.empty(); }
     bool has(fem::HookId hook) const;
 
-    /// Takes a change of the session in and opens the wound again. Hooks that no longer lie on a lip are taken off.
-    /// When cuts have left what was factored for them, that is done anew in the background, round the knife's last
-    /// step.
+    /// Takes a change of the session and opens the wound again. Hooks that no longer lie on a lip are removed. When
+    /// cuts have left the factored region, the factor is renewed in the background, around the last step of the knife.
     void follow(const mesh::MeshDelta& delta, const mesh::CutSession& session);
-    /// The hooks where the hand is now: a product with columns that are made when they are needed.
+    /// Solves for the present drives of the hooks: a product with columns, which are made when needed.
     void frame();
-    /// The exact answer with its residual, and the strain; then the nonlinear one, as far as it is there, until it is
-    /// at rest or the job is cancelled. Begins to make it where it is missing, unless a cut is going on.
+    /// Computes the exact linear solution with its residual and the strain; then the nonlinear solution, if ready,
+    /// until it is at rest or the job is cancelled. Starts a missing nonlinear solution unless a cut is going on.
     void settle(bool cutting = false, const Job& job = {});
     bool settled() const;
-    /// settle() would change nothing yet: the nonlinear answer is being made.
+    /// Whether settle() would change nothing yet, because the nonlinear solution is still being made.
     bool waits(bool cutting = false) const;
 
-    /// Whether the nonlinear answer is shown where there can be one; not at first.
+    /// Whether the nonlinear solution is shown when possible; off at the start.
     void set_nonlinear(bool wanted);
     bool nonlinear() const { return nonlinear_; }
 
     const HookReport& report() const { return report_; }
-    /// mm, three per vertex id of the session.
+    /// Shown displacement, mm, three numbers per vertex id of the session.
     const Eigen::VectorXd& displacement() const { return displacement_; }
     std::vector<VertexId> held_vertices() const { return opening_.held_vertices(); } ///< of all hooks
-    /// What the surgeon should know since the last call; empty: nothing.
+    /// Message for the surgeon since the last call; empty: none.
     std::string take_remark() { return std::exchange(remark_, {}); }
     std::size_t bytes() const { return opening_.bytes() + near_.bytes(); }
 
@@ -157,22 +160,22 @@ private:
         bool yielded = false;
     };
     std::map<fem::HookId, HookNumbers> linear_hooks_;
-    std::string stopped_; ///< hooks that met when they were drawn last
-    std::string linear_meeting_; ///< hooks that hold each other back in the linear answer
+    std::string stopped_; ///< hooks that met when they were last pulled
+    std::string linear_meeting_; ///< hooks that block each other in the linear solution
     bool linear_settled_ = true;
-    bool held_ = true; ///< nothing has come off: the wall can be solved
-    bool answered_ = false; ///< linear_ is of the wall and the hooks as they are
-    bool as_before_ = false; ///< what is shown is not
-    std::vector<VertexId> wound_; ///< the vertices of all lips
+    bool held_ = true; ///< no part has lost its support: the wall can be solved
+    bool answered_ = false; ///< linear_ belongs to the present wall and hooks
+    bool as_before_ = false; ///< the shown solution belongs to an earlier wall or earlier hooks
+    std::vector<VertexId> wound_; ///< vertices of all lips
     std::vector<LipPair> lip_pairs_;
     bool nonlinear_ = false;
     NearWound near_;
-    bool near_begun_ = false; ///< for this mesh and these hooks
-    Eigen::VectorXd since_; ///< the last nonlinear field less the linear one; empty: none
-    std::map<fem::HookId, HookNumbers> since_hooks_; ///< likewise
+    bool near_begun_ = false; ///< the nonlinear solution was begun for this mesh and these hooks
+    Eigen::VectorXd since_; ///< last nonlinear field minus the linear one; empty: none
+    std::map<fem::HookId, HookNumbers> since_hooks_; ///< the same difference for each hook's numbers
     double yield_N_ = std::numeric_limits<double>::infinity();
-    bool columns_ = false; ///< made, and right
-    std::size_t corridor_ = 0; ///< its size when the body was factored last
+    bool columns_ = false; ///< columns are made and valid
+    std::size_t corridor_ = 0; ///< size of the corridor at the last factorisation
     std::string remark_;
 };
 

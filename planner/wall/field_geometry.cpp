@@ -19,12 +19,12 @@ namespace retractor::planner {
 namespace {
 
     constexpr double kDegree = std::numbers::pi / 180.0;
-    /// Step (mm) to find how the depth below the blade's line changes along a face's normal.
+    /// Step (mm) along a face's normal to find the change of the depth below the blade's line.
     constexpr double kDepthStep = 0.01;
-    /// A face belongs to the surface the blade entered by when its normal points at least this much against the
-    /// blade: about 70 degrees off; beyond, it is the end face of a piece of tissue, not its skin.
+    /// A face belongs to the surface through which the blade entered when its normal points at least this much against
+    /// the blade (about 70 degrees). Beyond this angle the face is an end of a piece of tissue, not its skin.
     constexpr double kFacesBlade = 0.34;
-    /// Lips nearer than this share of the cut's length squared (as an area) are closed: the plane is then the caller's.
+    /// Lips are closed below this share of the cut's length squared (as an area). The plane is then the caller's.
     constexpr double kClosedArea = 1e-6;
 
     // ---- finding the edge -----------------------------------------------------------------------------
@@ -46,7 +46,7 @@ namespace {
         return { edge_of(v[0], v[1]), edge_of(v[1], v[2]), edge_of(v[2], v[0]) };
     }
 
-    /// How fast the depth below the blade's line falls along a face's outward normal: 1 for skin square to the blade.
+    /// Slope of the depth below the blade's line along a face's outward normal: 1 for skin square to the blade.
     double rise(const mesh::TetMesh& mesh, const mesh::TetFace& face, const mesh::SweptBlade& blade)
     {
         const auto v = mesh::face_vertices(mesh, face);
@@ -57,7 +57,7 @@ namespace {
             / (2.0 * kDepthStep);
     }
 
-    /// The edges of one side's lip with skin beside them.
+    /// The edges of one side's lip that border on skin.
     std::set<Edge> skin_rim(const mesh::TetMesh& mesh, std::span<const mesh::LipFace> lips, int side,
         const std::set<FaceKey>& lip_keys, const std::vector<mesh::TetFace>& boundary, const mesh::SweptBlade& blade)
     {
@@ -84,7 +84,7 @@ namespace {
     };
     using Chain = std::vector<RimPoint>;
 
-    /// The shortest way (in edges) through a connected rim from its first to its last point along the blade.
+    /// The shortest path (in edges) through a connected rim from its first to its last point along the blade.
     Chain walk(const std::map<VertexId, std::vector<VertexId>>& next, const std::map<VertexId, RimPoint>& at,
         const std::vector<VertexId>& piece)
     {
@@ -144,7 +144,7 @@ namespace {
         return sum / static_cast<double>(chain.size());
     }
 
-    /// Of chains that lie above each other the shallowest stay; what stays is joined from start to end.
+    /// Keeps the shallowest of chains that lie above each other, and joins the kept chains from start to end.
     WoundEdge shallowest(std::vector<Chain> chains)
     {
         std::sort(
@@ -163,7 +163,7 @@ namespace {
                 if (!edge.vertices.empty() && edge.vertices.back() == p.vertex)
                     continue;
                 edge.vertices.push_back(p.vertex);
-                // The parameter never runs backwards, also where a steep skin makes the edge do so.
+                // The parameter never decreases, even where the edge runs backwards on steep skin.
                 edge.along_mm.push_back(edge.along_mm.empty() ? p.along : std::max(p.along, edge.along_mm.back()));
             }
         return edge;
@@ -212,7 +212,7 @@ namespace {
             throw InputError("a lip's edge has no length", where);
     }
 
-    /// The point of a lip at a parameter; its end points beyond its ends.
+    /// The point of a lip at a parameter; beyond an end, this end.
     Vec3 at(const LipLine& line, double along)
     {
         const auto upper = std::upper_bound(line.along_mm.begin(), line.along_mm.end(), along);
@@ -233,7 +233,7 @@ namespace {
         return area;
     }
 
-    /// The line half-way between the lips, and across it the pair of points that lay together before.
+    /// A point of the line half way between the lips, and the pair of lip points that lay together before the cut.
     struct Rung {
         Vec3 left, right, middle;
     };
@@ -252,7 +252,8 @@ namespace {
         return out;
     }
 
-    /// The gap across the field at a rung: the part of left - right that is in the plane and square to the middle line.
+    /// The gap across the field at a rung: the part of left - right that is in the plane and at right angles to the
+    /// middle line.
     double gap(const std::vector<Rung>& ladder, std::size_t i, const Vec3& normal, const Vec3& along)
     {
         Vec3 tangent = ladder[std::min(i + 1, ladder.size() - 1)].middle - ladder[i > 0 ? i - 1 : 0].middle;

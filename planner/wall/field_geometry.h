@@ -1,5 +1,5 @@
 #pragma once
-// The shape of the opened field: its edge on the skin, and the measures taken on it.
+// The shape of the opened wound: its edge on the skin, and the measures taken on this edge.
 // Units mm, degrees, steradian; frame patient LPS.
 
 #include "mesh/base/geometry.h"
@@ -15,83 +15,85 @@ namespace retractor::planner {
 
 /// One lip's edge on the skin, ordered from the start of the blade's line to its end.
 struct WoundEdge {
-    std::vector<VertexId> vertices; ///< corners of the mesh (P2 midpoints are left out)
-    std::vector<double> along_mm; ///< per vertex: BladeCoordinates::along of its rest position
+    std::vector<VertexId> vertices; ///< corners of the mesh (midpoints of ten-node elements are left out)
+    std::vector<double> along_mm; ///< BladeCoordinates::along of each vertex at rest
 };
 
 struct WoundEdges {
-    WoundEdge left; ///< side +1
-    WoundEdge right; ///< side -1
-    Vec3 outward = Vec3::Zero(); ///< unit: mean direction from which the blade came (rest configuration)
+    WoundEdge left; ///< edge of side +1
+    WoundEdge right; ///< edge of side -1
+    Vec3 outward = Vec3::Zero(); ///< mean unit vector against the blade's direction (rest configuration)
 };
 
-/// Whether a face of the mesh lies towards where the blade came from, as skin does; the far side of the wall and the
+/// Whether a face of the mesh faces the side from which the blade came, as skin does. The far side of the wall and the
 /// end faces of a piece of tissue do not.
 bool faces_blade(const mesh::TetMesh& mesh, const mesh::TetFace& face, const mesh::SweptBlade& blade);
 
-/// Finds the edges between the lips and the surface that the blade entered by. An edge qualifies when one of its
-/// two boundary faces is a lip and the other is not, and that other one faces the blade; where several lie above
-/// each other (a blade through two walls) the one nearest the top of the blade is taken.
-/// @param lips faces of `mesh` (compact ids, as of CutMesh), of one cut.
-/// @throws InputError when a side has no such edge (the blade went in below the skin), or ids are out of range.
+/// Finds the edges between the lips and the surface through which the blade entered. An edge qualifies when one of its
+/// two boundary faces is a lip, and the other face is no lip and faces the blade. Where several edges lie above each
+/// other (a blade through two walls), the edge nearest the top of the blade is taken.
+/// @param lips faces of `mesh` from one cut (compact ids, as in CutMesh)
+/// @throws InputError when a side has no such edge (the blade went in below the skin), or ids are out of range
 WoundEdges wound_edges(const mesh::TetMesh& mesh, std::span<const mesh::LipFace> lips, const mesh::SweptBlade& blade);
 
-/// A lip's edge as points, with a parameter that matches points that lay together before the cut opened.
+/// The edge of a lip as points, with a parameter. Points of both lips with the same parameter lay together before the
+/// cut opened.
 struct LipLine {
     std::vector<Vec3> points;
-    std::vector<double> along_mm; ///< one per point, not decreasing
+    std::vector<double> along_mm; ///< parameter of each point, not decreasing
 };
 
 struct OpeningGeometry {
-    double area_mm2
-        = 0.0; ///< of the closed loop of both lips, projected on the plane of its vector area (where it is largest)
+    /// Area of the closed loop of both lips, projected on the plane of its vector area, where the area is largest.
+    double area_mm2 = 0.0;
     double overlap_area_mm2 = 0.0; ///< above 0 when the lips cross over instead of gaping; area_mm2 is then 0
-    double width_mm = 0.0; ///< largest distance between matching points of the lips, across the field, in the plane
-    double length_mm = 0.0; ///< end to end, straight, of the deformed opening
-    double incision_length_mm = 0.0; ///< along the skin before opening: mean of the two lips
+    double width_mm = 0.0; ///< largest distance between matching points of the lips, across the field and in the plane
+    double length_mm = 0.0; ///< straight distance between the ends of the deformed opening
+    double incision_length_mm = 0.0; ///< length along the skin before opening: mean of the two lips
     Vec3 centre = Vec3::Zero(); ///< middle of the opening, weighted by its width
-    Vec3 normal = Vec3::UnitZ(); ///< of the skin plane, unit, outward
-    Vec3 along = Vec3::UnitX(); ///< unit, in the plane, from start to end of the cut
-    Vec3 start = Vec3::Zero(), end = Vec3::Zero(); ///< the opening's two ends (half-way between the lips there)
-    Vec3 widest_left = Vec3::Zero(), widest_right = Vec3::Zero(); ///< the lips where the field is widest
+    Vec3 normal = Vec3::UnitZ(); ///< outward unit normal of the skin plane
+    Vec3 along = Vec3::UnitX(); ///< unit vector in the plane, from start to end of the cut
+    Vec3 start = Vec3::Zero(), end = Vec3::Zero(); ///< ends of the opening, half way between the lips
+    Vec3 widest_left = Vec3::Zero(), widest_right = Vec3::Zero(); ///< points of the lips where the field is widest
     std::vector<Vec3> loop; ///< right lip forward, left lip back; counter-clockwise seen from outside
 };
 
-/// @param outward roughly out of the body: tells gaping from overlapping, and is the normal of a closed slit.
-/// @throws InputError on fewer than two points per lip, lengths that differ, NaN, a decreasing parameter, zero length.
+/// @param outward roughly out of the body; tells gaping from overlapping, and is the normal of a closed slit
+/// @throws InputError on fewer than two points per lip, different lengths, NaN, a decreasing parameter or zero length
 OpeningGeometry opening_geometry(const LipLine& left, const LipLine& right, const Vec3& outward);
 
-/// The same on a mesh; incision_length_mm is measured at rest.
-/// @param displacement n x 3 (mm), or without rows for none.
+/// The geometry of the opening of a mesh. incision_length_mm is measured at rest.
+/// @param displacement n x 3 (mm); no rows: no displacement
 OpeningGeometry opening_geometry(const WoundEdges& edges, const mesh::TetMesh& mesh, const Points& displacement);
 
-/// From the skin plane to the target along the optical axis through `aim`: to the first point of the target met
-/// from outside, or to the aim itself when the axis misses the target (a hollow one).
-/// Nothing when the axis lies within 3 degrees of the skin plane. Negative when the target stands out of the body.
+/// Distance from the skin plane to the target along the optical axis through `aim`. The distance ends at the first
+/// point of the target that is met from outside, or at the aim when the axis misses the target (a hollow one). The
+/// distance is negative when the target stands out of the body.
+/// @returns nothing when the axis lies within 3 degrees of the skin plane
 std::optional<double> working_distance_mm(
     const OpeningGeometry& opening, const TriMesh& target, const Vec3& aim, const Vec3& axis);
 
-/// How the opening presents itself to a point of the target.
+/// The opening as a point of the target sees it.
 struct ApproachAngles {
-    double solid_angle_sr = 0.0; ///< of the opening [van Oosterom and Strackee 1983]
-    double along_deg = 0.0; ///< angle of attack: between the rays to the two ends of the opening
-    double across_deg = 0.0; ///< between the rays to the two lips where the field is widest
-    double tilt_deg = 0.0; ///< between the ray to the opening's centre and the skin plane's normal
-    double offset_mm = 0.0; ///< of the point from the normal through the opening's centre
+    double solid_angle_sr = 0.0; ///< solid angle of the opening [van Oosterom and Strackee 1983]
+    double along_deg = 0.0; ///< angle of attack, between the rays to the two ends of the opening
+    double across_deg = 0.0; ///< angle between the rays to the two lips where the field is widest
+    double tilt_deg = 0.0; ///< angle between the ray to the opening's centre and the normal of the skin plane
+    double offset_mm = 0.0; ///< distance of the point from the normal through the opening's centre
 };
 ApproachAngles approach_angles(const OpeningGeometry& opening, const Vec3& target_point);
 
 /// Area-weighted centre of a surface. @throws InputError on zero area.
 Vec3 surface_centre(const TriMesh& surface);
 
-/// Where the surgeon's eye may be: a spherical cap round `aim`, eyes spread evenly over its area (a sunflower
-/// pattern, the first on the axis). Turning aim, axis and up with the patient turns the eyes with it.
+/// Possible positions of the surgeon's eye: a spherical cap round `aim`. The eyes are spread evenly over the cap's area
+/// in a sunflower pattern, the first on the axis. The eyes turn with aim, axis and up.
 struct ViewCone {
-    Vec3 aim = Vec3::Zero(); ///< what is looked at, usually the target's centre
-    Vec3 axis = Vec3::UnitZ(); ///< from the aim to the central eye; made unit
-    Vec3 up = Vec3::UnitY(); ///< fixes the pattern's rotation about the axis; not parallel to it
-    double eye_distance_mm = 400.0; ///< from the aim
-    double half_angle_deg = 15.0; ///< 0 to 90 (exclusive)
+    Vec3 aim = Vec3::Zero(); ///< point that is looked at, usually the target's centre
+    Vec3 axis = Vec3::UnitZ(); ///< from the aim to the central eye, of any length
+    Vec3 up = Vec3::UnitY(); ///< fixes the rotation of the pattern about the axis; not parallel to the axis
+    double eye_distance_mm = 400.0; ///< distance of the eyes from the aim
+    double half_angle_deg = 15.0; ///< from 0 to below 90
     int eyes = 32; ///< at least 1
 };
 

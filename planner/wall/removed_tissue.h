@@ -5,9 +5,9 @@
 
 namespace retractor::planner {
 
-/// Tissue taken out of the wall.
+/// One portion of removed tissue.
 struct RemovedTissue {
-    std::string what; ///< "rib_left_5 between -10 and 10 mm across the incision", "a loose piece", ...
+    std::string what; ///< description: "rib_left_5 between -10 and 10 mm across the incision", "a loose piece", ...
     std::string label;
     double volume_mm3 = 0.0;
 };

@@ -15,8 +15,8 @@ namespace retractor::planner {
 
 namespace {
 
-    /// How far outside the mesh the labels are asked, in largest voxel edges: past the half voxel that the
-    /// smooth mesh surface may stand off the voxel one, and well short of the next organ.
+    /// Distance outside the mesh at which the labels are read, in largest voxel edges. It exceeds the half voxel
+    /// between the smooth surface and the voxels, and is much shorter than the distance to the next organ.
     constexpr double kProbeVoxels = 2.0;
 
     bool leaves_image(const mesh::ImageGrid& grid, const Vec3& point)
@@ -36,7 +36,7 @@ namespace {
         return is_wall;
     }
 
-    /// Area-weighted outward normals at boundary vertices; zero inside.
+    /// Area-weighted outward normals at boundary vertices; zero at inner vertices.
     Points outward_normals(const mesh::TetMesh& mesh)
     {
         Points normals = Points::Zero(mesh.vertices.rows(), 3);
@@ -79,7 +79,7 @@ namespace {
             const bool is_held = touches_bone[static_cast<std::size_t>(v)]
                 ? is_cut_bone[mesh::label_at(labels, near_probe)]
                 : hold_soft_tissue && is_wall[mesh::label_at(labels, probe)];
-            // A bone that leaves the image hangs on its joint, or, as the shoulder girdle does, in its muscles.
+            // A bone that leaves the image hangs on its joint, or, as the shoulder girdle, in its muscles.
             const bool ends_with_image = (hold_soft_tissue || !touches_whole_bone[static_cast<std::size_t>(v)])
                 && leaves_image(labels.grid, probe);
             if (is_held || ends_with_image)
@@ -193,7 +193,7 @@ std::vector<fem::BeddedVertex> girdle_beds(
         if (length == 0.0 || !only_bone[static_cast<std::size_t>(v)])
             continue;
         const Vec3 probe = (mesh.vertices.row(v) + probe_mm / length * normals.row(v)).transpose();
-        constexpr double kShare = 1.0 / 3.0; // of the area, at each corner
+        constexpr double kShare = 1.0 / 3.0; // share of a face's area at each corner
         if (is_soft[mesh::label_at(labels, probe)])
             beds.push_back({ static_cast<VertexId>(v), kBedModulus * kShare * length });
     }
@@ -206,7 +206,7 @@ std::vector<bool> joint_elements(
     std::vector<bool> wanted(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
     for (const Label label : fixed_labels)
         wanted[label] = true;
-    std::vector<std::int8_t> near_spine(mesh.vertex_count(), -1); // -1: not asked yet
+    std::vector<std::int8_t> near_spine(mesh.vertex_count(), -1); // -1: not yet computed
     std::vector<bool> joint(mesh.tet_count(), false);
     for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
         const mesh::LabelInfo* info = mesh::find_label(labels.table, mesh.labels[t]);

@@ -20,24 +20,27 @@ namespace retractor::planner {
 
 namespace {
 
-    constexpr double kOverlapMm = 4.0; ///< the surface reaches this far under the meshed tissue
-    constexpr double kSunkMm = 0.4; ///< below it, so that the two do not flicker through each other
-    constexpr double kCoverMm = 1.0; ///< of tissue over the bones that are meshed beyond the region
-    constexpr double kFadeMm = 40.0; ///< beyond the rim nothing moves but what bones carry
-    constexpr double kTouchMm = 1.5; ///< so near to the tetrahedra a point moves just as they do,
-    constexpr double kReachMm = 5.0; ///< and from here on as the smooth field between them and the part at rest
-    constexpr double kNodeMm = 4.0; ///< grid of that field
+    constexpr double kOverlapMm = 4.0; ///< length of the surface under the meshed tissue
+    /// Depth below the meshed tissue, so that the two surfaces do not flicker through each other.
+    constexpr double kSunkMm = 0.4;
+    constexpr double kCoverMm = 1.0; ///< tissue over the bones that are meshed outside the region
+    constexpr double kFadeMm = 40.0; ///< beyond this distance from the rim only points carried by bones move
+    constexpr double kTouchMm = 1.5; ///< points nearer than this to the tetrahedra move exactly with them
+    /// Points farther than this follow the smooth field between the tetrahedra and the part at rest.
+    constexpr double kReachMm = 5.0;
+    constexpr double kNodeMm = 4.0; ///< node distance of the smooth field
     constexpr double kSampleMm = 2.0; ///< between samples of the tetrahedra's surface
-    constexpr double kRimBandMm = 12.0; ///< of the region's own surface is sampled: what the overlap can touch
+    /// Band of the region's own surface that is sampled, where the overlap can touch.
+    constexpr double kRimBandMm = 12.0;
 
-    /// A point of the moved tetrahedra's surface at or beyond the rim.
+    /// A point of the displaced surface of the tetrahedra, at or outside the rim.
     struct MovedPoint {
         Vec3 rest, moved_by;
         bool is_bone;
     };
     using MovedPoints = SpatialHash<MovedPoint>;
 
-    /// Of the points nearest to `p`, null when none is within kReachMm.
+    /// The point nearest to `p`; null when none is within kReachMm.
     const MovedPoint* nearest_to(const Vec3& p, const MovedPoints& points)
     {
         const MovedPoint* nearest = nullptr;
@@ -85,8 +88,8 @@ namespace {
         return points;
     }
 
-    /// What of the surface lies farther than `limit_mm` from the corridor. Triangles across that border are cut there:
-    /// whole ones would cover tissue that is cut by hand.
+    /// The part of the surface farther than `limit_mm` from the corridor. Triangles across this limit are cut there,
+    /// because whole triangles would cover tissue that the user cuts.
     TriMesh part_beyond(const TriMesh& surface, const CorridorDistance& corridor, double limit_mm)
     {
         const auto at = [&](VertexId v) -> Vec3 { return surface.vertices.row(v).transpose(); };
@@ -115,7 +118,7 @@ namespace {
         };
         TriMesh part;
         for (const auto& triangle : surface.triangles) {
-            std::vector<VertexId> corners; // of what is left of it: none, three or four
+            std::vector<VertexId> corners; // corners of the remaining part: none, three or four
             for (std::size_t c = 0; c < 3; ++c) {
                 const VertexId a = triangle[c], b = triangle[(c + 1) % 3];
                 const bool a_out = beyond[static_cast<std::size_t>(a)] != 0;
@@ -133,8 +136,8 @@ namespace {
         return part;
     }
 
-    /// A smooth displacement between the moved tetrahedra and what stays at rest: harmonic on a regular grid, where it
-    /// does not see the triangles.
+    /// A smooth displacement between the moved tetrahedra and the part at rest. The displacement is harmonic on a
+    /// regular grid, independent of the triangles.
     class FadingField {
     public:
         FadingField(const MovedPoints& moved, const CorridorDistance& corridor, double rest_from_mm)
@@ -194,8 +197,8 @@ namespace {
                 + static_cast<std::size_t>(i);
         }
 
-        /// Successive over-relaxation. The free nodes lie between two fixed sheets some 20 nodes apart: 60 sweeps leave
-        /// less than 1 %.
+        /// Successive over-relaxation. The free nodes lie between two fixed sheets some 20 nodes apart, so 60 sweeps
+        /// leave less than 1 %.
         void relax(const std::vector<std::size_t>& free)
         {
             constexpr int kSweeps = 60;
@@ -215,8 +218,8 @@ namespace {
         std::vector<Vec3> values_;
     };
 
-    /// Gives each triangle the label of the wall voxel a little way inside it. Bone lies bare only where the image
-    /// ends: elsewhere it is one voxel of skin or pleura that the labels lack.
+    /// Gives each triangle the label of the wall voxel slightly inside it. Bone is only bare where the image ends.
+    /// Elsewhere bare bone means that the labels lack one voxel of skin or pleura.
     void label_triangles(TriMesh& surface, const mesh::LabelVolume& labels)
     {
         std::vector<char> is_wall(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, 0);

@@ -20,7 +20,7 @@ namespace retractor::planner {
 
 namespace {
 
-    constexpr double kCrumbMm3 = 1.0; ///< less tissue than a knife leaves on purpose
+    constexpr double kCrumbMm3 = 1.0; ///< smaller than any piece that a knife leaves on purpose
 
     std::string label_name(const mesh::LabelTable& table, Label label)
     {
@@ -30,7 +30,7 @@ namespace {
 
     // ---- ablations -------------------------------------------------------------------------------------------------
 
-    /// Places on the incision's blade, and beside it.
+    /// Makes blades on and beside the incision's blade.
     class BesideBlade {
     public:
         explicit BesideBlade(const Approach& approach)
@@ -49,7 +49,7 @@ namespace {
             const Vec3 tangent = blade_.at(along + step, 0.0) - blade_.at(along - step, 0.0);
             return blade_.at(along, 0.0) + aside * (-direction(along)).cross(tangent).normalized();
         }
-        /// Along the incision at a distance from it, with its bends.
+        /// A blade that follows the incision at a distance, with its bends.
         mesh::Blade beside(double aside, double from, double to) const
         {
             std::vector<double> places { from };
@@ -67,7 +67,7 @@ namespace {
             }
             return saw;
         }
-        /// Across the incision.
+        /// A blade across the incision.
         mesh::Blade across(double along, double from, double to) const
         {
             return { .line = { point(along, from), point(along, to) },
@@ -76,12 +76,12 @@ namespace {
         }
 
     private:
-        static constexpr double kShortestMm = 0.5; ///< of a saw's line
+        static constexpr double kShortestMm = 0.5; ///< shortest line of a saw
         const Approach& approach_;
         mesh::SweptBlade blade_;
     };
 
-    /// How much of the surface that the blade enters by lies on these elements, mm^2. No wound counts as such.
+    /// Area (mm^2) of these elements on the surface through which the blade entered. Wounds do not count.
     double skin_area(const mesh::CutSession& session, const std::vector<TetId>& marked, const mesh::SweptBlade& blade)
     {
         std::set<std::pair<TetId, int>> wound;
@@ -164,7 +164,8 @@ namespace {
                     + "): there it ends at whole elements");
         }
 
-        /// Saws the label at the segment's four sides, where it is there; then the segment's elements.
+        /// Saws the label at the four sides of the segment, where the label is there. @returns the elements of the
+        /// segment
         std::vector<TetId> sawn_segment(
             const BesideBlade& places, const AblationSpec& ablation, const std::string& text)
         {
@@ -182,7 +183,8 @@ namespace {
                     keep(session_.cut(saw, options, job_));
                     if (planned_.status == mesh::CutStatus::cancelled)
                         return {};
-                } catch (const InputError& error) { // an IoError is none of the saw's: it goes up
+                    // An IoError does not come from the saw and is not caught.
+                } catch (const InputError& error) {
                     remark_unsawn(text, error);
                 } catch (const SolverError& error) {
                     remark_unsawn(text, error);
@@ -208,12 +210,11 @@ namespace {
         PlannedCut& planned_;
     };
 
-    // ---- supports over a cut
-    // -----------------------------------------------------------------------------------------
+    // ---- supports over a cut ----
 
-    /// Supports by the ids of a session, carried from delta to delta: copies of a fixed vertex are fixed, and so are
-    /// new vertices on an edge between two fixed ones; a vertex on a bed shares it with its copies. Forward only: what
-    /// an undone ablation brings back has nothing.
+    /// Carries supports, by the ids of a session, from delta to delta. A copy of a fixed vertex is fixed, and so is a
+    /// new vertex on an edge between two fixed ones. A vertex on a bed shares the bed with its copies. Deltas are only
+    /// followed forwards: vertices that come back when an ablation is undone get no support.
     class CarriedSupports {
     public:
         explicit CarriedSupports(const fem::Supports& uncut)
@@ -254,8 +255,7 @@ namespace {
         std::map<VertexId, double> bed_;
     };
 
-    // ---- loose pieces
-    // --------------------------------------------------------------------------------------------------
+    // ---- loose pieces ----
 
     std::vector<VertexId> vertices_of(const mesh::TetMesh& mesh, std::span<const TetId> tets)
     {
@@ -266,7 +266,7 @@ namespace {
         return { vertices.begin(), vertices.end() };
     }
 
-    /// The compact state of the session: mesh, lips, supports, hooks and pieces.
+    /// Takes the compact state of the session: mesh, lips, supports, hooks and pieces.
     mesh::SlotMap take(CutWall& cut, const mesh::CutSession& session, const CarriedSupports& supports,
         const Approach& approach, const mesh::LabelTable& table)
     {
@@ -289,7 +289,7 @@ namespace {
         return map;
     }
 
-    /// A bed under the whole surface of the piece.
+    /// Adds a bed under the whole surface of the piece.
     void bed(CutWall& cut, const WallPiece& piece)
     {
         std::set<TetId> own(piece.tets.begin(), piece.tets.end());
@@ -310,7 +310,8 @@ namespace {
             cut.supports.bedded.push_back({ v, k });
     }
 
-    /// Left out of the elastic solution: its vertices do not move there, unless other pieces or hooks share them.
+    /// Leaves the piece out of the elastic solution: its vertices are fixed there, unless other pieces or hooks share
+    /// them.
     void make_rigid(CutWall& cut, const WallPiece& piece)
     {
         std::vector<VertexId> vertices = vertices_of(cut.wall, piece.tets);
@@ -335,7 +336,7 @@ namespace {
         cut.rigid.push_back(std::move(vertices));
     }
 
-    /// Which of the pieces that are about to be removed bear faces of which lip.
+    /// Notes which of the pieces to be removed bear faces of which lip.
     void note_lost_lips(CutWall& cut, const std::vector<WallPiece>& removed)
     {
         for (const WallPiece& piece : removed) {
@@ -356,7 +357,7 @@ namespace {
         for (const WallPiece& piece : cut.pieces)
             if (!piece.held)
                 loose.push_back(piece);
-        if (loose.empty() || loose.size() == cut.pieces.size()) // nothing holds anything: the solver says so
+        if (loose.empty() || loose.size() == cut.pieces.size()) // when nothing holds anything, the solver reports it
             return;
         const std::map<LoosePieces, std::string> fate { { LoosePieces::held, "held on a soft bed" },
             { LoosePieces::removed, "removed" }, { LoosePieces::rigid, "left rigid" } };
@@ -393,7 +394,8 @@ namespace {
                 make_rigid(cut, piece);
     }
 
-    /// The rigid motion x -> R x + t that takes `from` to `to` best [Kabsch 1976]; a shift where they are too few.
+    /// The rigid motion x -> R x + t that takes `from` to `to` best [Kabsch 1976]; a translation when there are too few
+    /// points.
     Eigen::Isometry3d best_motion(const std::vector<Vec3>& from, const std::vector<Vec3>& to)
     {
         Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
@@ -410,7 +412,8 @@ namespace {
             turn += (to[i] - b) * (from[i] - a).transpose();
         }
         const Vec3 extent = Eigen::JacobiSVD<Mat3>(spread).singularValues();
-        constexpr double kOnLine = 1e-6; // square of width over length: less does not say how it turns
+        // Square of width over length; narrower point sets do not determine the rotation.
+        constexpr double kOnLine = 1e-6;
         if (extent[1] > kOnLine * extent[0]) {
             const Eigen::JacobiSVD<Mat3> svd(turn, Eigen::ComputeFullU | Eigen::ComputeFullV);
             Vec3 sign(1.0, 1.0, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0);

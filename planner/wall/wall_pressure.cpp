@@ -55,8 +55,8 @@ PressureSpec pressure_from_text(const std::string& text)
 BorderingFaces faces_bordering(
     const mesh::TetMesh& wall, const mesh::LabelVolume& labels, Label label, std::span<const mesh::TetFace> cut)
 {
-    // The smooth surface stands off the voxels' by up to one, and faces off it by as much as the mesh's size field lets
-    // them, 0.12 of an edge.
+    // The smooth surface stands off the surface of the voxels by up to one voxel, and a face stands off the smooth
+    // surface by up to 0.12 of an edge, the limit in the mesh's size field.
     constexpr double kVoxels = 2.0, kVoxelsOff = 1.0, kEdgesOff = 0.12, kStepVoxels = 0.25;
     std::vector<bool> is_wall(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
     for (const mesh::LabelInfo& info : labels.table)

@@ -33,7 +33,7 @@ namespace {
         return normals;
     }
 
-    /// An isotropic one pulls through the tissue as along it.
+    /// An isotropic pre-strain also pulls through the tissue.
     bool lies_in_a_plane(const fem::PreStrain& tension) { return tension.kind != fem::PreStrainKind::isotropic; }
 
     bool points_through(const fem::PreStrain& tension, const Vec3& normal)
@@ -43,7 +43,8 @@ namespace {
             && tension.pull.cross(normal).norm() < sine * tension.pull.norm() * normal.norm();
     }
 
-    /// The mean of the stresses along any pull in the plane and across it.
+    /// The mean of the two stresses in the tissue's plane, along and across any pull, acting in all directions of the
+    /// plane.
     Mat3 mean_stress(fem::PreStrain tension, const fem::Material& material, const Vec3& normal)
     {
         tension.pull = normal.unitOrthogonal();

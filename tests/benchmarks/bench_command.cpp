@@ -50,7 +50,8 @@ namespace {
                 ->check(CLI::Range(1, 1000))
                 ->capture_default_str();
             command->add_option("--out", options->out, std::string("Folder for bench_") + name + ".json");
-            command->add_option("--baseline-to", options->baseline_to)->group(""); // for its own child
+            // hidden: the program passes this option to its child process
+            command->add_option("--baseline-to", options->baseline_to)->group("");
             command->callback([&commands, options, run] {
                 commands.run = [options, run](const Job& job) { return run(*options, job); };
             });

@@ -1,5 +1,5 @@
 #pragma once
-// The commands of retractor-bench, with their options: cut, open, drag, gape, springs, spheres, palpate, servo.
+// The commands of retractor-bench with their options: cut, open, drag, gape, springs, spheres, palpate, servo.
 
 #include "ui/cli/framework/command.h"
 

@@ -18,7 +18,7 @@ thread_local constinit std::size_t count = 0;
 bool retractor::test_support::allocations_are_counted() noexcept { return true; }
 std::size_t retractor::test_support::allocation_count() noexcept { return count; }
 
-// glibc's own functions under ours: operator new and Eigen end here too.
+// Our functions replace malloc and call glibc's functions. operator new and Eigen use malloc too.
 extern "C" {
 void* __libc_malloc(std::size_t);
 void* __libc_calloc(std::size_t, std::size_t);

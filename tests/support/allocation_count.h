@@ -1,6 +1,5 @@
 #pragma once
-// How often this thread has asked for memory, counted by the test program's own malloc: what shows that a tick does
-// not.
+// Counts the allocations of a thread by a malloc of the test program. The count shows that a tick does not allocate.
 
 #include <cstddef>
 
@@ -8,7 +7,7 @@ namespace retractor::test_support {
 
 /// False under sanitizers, which bring their own malloc.
 bool allocations_are_counted() noexcept;
-/// By this thread, since it started; 0 when they are not counted.
+/// Number of allocations of this thread since its start; 0 when allocations are not counted.
 std::size_t allocation_count() noexcept;
 
 } // namespace retractor::test_support

@@ -1,5 +1,5 @@
 #pragma once
-// The built executable as scripts run it: its exit code and what it prints. RETRACTOR_PROGRAM is its path.
+// Runs the built executable as a script does, and keeps its exit code and output. RETRACTOR_PROGRAM is its path.
 
 #include <nlohmann/json.hpp>
 
@@ -12,13 +12,13 @@
 namespace retractor::test_support {
 
 struct CommandRun {
-    int exit_code = -1; ///< -1: it was killed
-    std::string out; ///< standard output; standard error too where the line says so
+    int exit_code = -1; ///< -1 when the program was killed
+    std::string out; ///< standard output, with standard error when the line redirects it
     nlohmann::json json() const { return nlohmann::json::parse(out); }
     std::string error() const { return json().at("error").get<std::string>(); }
 };
 
-/// @param line as a shell reads it
+/// Runs a command line. @param line in the syntax of the shell
 inline CommandRun run_line(const std::string& line)
 {
     CommandRun result;

@@ -11,9 +11,9 @@ namespace retractor::test_support {
 
 namespace {
 
-    constexpr double kReach = 1.25; ///< contact radii within which points may press
+    constexpr double kReach = 1.25; ///< points within this many contact radii may press
 
-    /// Steps divided into `fineness` equal parts.
+    /// Divides each step into `fineness` equal parts.
     std::vector<double> refined(const std::vector<double>& steps, int fineness)
     {
         std::vector<double> places { steps.front() };
@@ -23,7 +23,7 @@ namespace {
         return places;
     }
 
-    /// Squares become circles, so that the contact's edge is a line of the mesh.
+    /// Maps squares to circles, so that the edge of the contact is a line of the mesh.
     Vec3 rounded(const Vec3& p)
     {
         const double r = std::hypot(p.x(), p.y()), square = std::max(p.x(), p.y());
@@ -36,7 +36,7 @@ HalfSpace::HalfSpace(double radius, double youngs_modulus, double poissons_ratio
 {
     if (!(radius > 0.0) || fineness < 1)
         throw InputError("the contact radius and the fineness must be positive", "half-space");
-    // In contact radii: fine at the edge, where the pressure is singular under a flat punch.
+    // In contact radii. The steps are fine at the edge, where the pressure under a flat punch is singular.
     const std::vector<double> across = refined({ 0.0, 0.3, 0.55, 0.75, 0.88, 0.95, 0.985, 1.0, 1.02, 1.07, 1.2, 1.5,
                                                    2.1, 3.2, 5.0, 8.0, 13.0, 21.0, 35.0, 60.0, 100.0 },
         fineness);
@@ -70,8 +70,8 @@ HalfSpace::HalfSpace(double radius, double youngs_modulus, double poissons_ratio
                 corners.begin(), corners.end(), [&](VertexId v) { return top[static_cast<std::size_t>(v)] != 0; }))
             faces.push_back(face);
     }
-    surface_ = std::make_unique<haptics::TouchSurface>(
-        mesh_, faces, fixed, 1e-3 * radius / fineness); // every vertex a station
+    // Every vertex is a contact node.
+    surface_ = std::make_unique<haptics::TouchSurface>(mesh_, faces, fixed, 1e-3 * radius / fineness);
     const double E = youngs_modulus, nu = poissons_ratio;
     const std::vector<fem::Lame> lame(
         mesh_.tet_count(), fem::Lame { E / (2.0 * (1.0 + nu)), E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)) });
@@ -90,7 +90,7 @@ HalfSpace::~HalfSpace() = default;
 HalfSpace::Answer HalfSpace::press(const std::function<double(double)>& depth_at) const
 {
     haptics::ContactSolver solver(near_.size());
-    constexpr std::size_t kDown = 8; // zz of a block
+    constexpr std::size_t kDown = 8; // index of zz in a block
     for (std::size_t a = 0; a < near_.size(); ++a) {
         const haptics::ContactNode& contact_node = surface_->contact_nodes()[static_cast<std::size_t>(near_[a])];
         solver.demand(a) = depth_at(contact_node.point.head<2>().norm());

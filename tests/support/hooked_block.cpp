@@ -9,7 +9,7 @@ namespace retractor::test_support {
 namespace {
 
     constexpr double kLength = 60.0, kWidth = 40.0, kHeight = 20.0;
-    constexpr double kRoundOff = 1e-6; // mm, of grid planes
+    constexpr double kRoundOff = 1e-6; // mm, round-off of grid planes
 
     fem::Material tissue(double youngs_modulus_MPa, double poissons_ratio)
     {

@@ -1,5 +1,5 @@
 #pragma once
-// Label volumes made from implicit shapes, for the tests of this folder.
+// Label volumes made from implicit shapes.
 
 #include "mesh/image/volume.h"
 
@@ -7,7 +7,7 @@
 
 namespace retractor::test_support {
 
-/// Labels sampled at voxel centres; `label` is given local coordinates (index times spacing).
+/// Labels sampled at voxel centres. `label` takes local coordinates (index times spacing, mm).
 inline mesh::LabelVolume sampled_labels(std::array<int, 3> size, const Vec3& spacing, mesh::LabelTable table,
     const std::function<Label(const Vec3&)>& label)
 {
@@ -30,8 +30,8 @@ inline mesh::LabelTable chest_table()
         { 5, "rib_left_6", "bone", mesh::Role::wall }, { 6, "lung", "lung", mesh::Role::voxel } };
 }
 
-/// Quarter of a cylindrical chest wall about the axis x = y = 0, along z: skin 3, fat 9, muscle 14 mm with two ribs of
-/// 8 x 12 mm in it, lung inside. Spacing 1.8 mm; the wall is cut off flat at both ends and sides.
+/// A quarter of a cylindrical chest wall about the z axis: 3 mm of skin, 9 mm of fat, 14 mm of muscle with two ribs of
+/// 8 x 12 mm, and lung inside. The wall is cut off flat at both ends and sides.
 inline mesh::LabelVolume curved_wall(double length_mm = 90.0, double spacing = 1.8)
 {
     const int across = static_cast<int>(120.0 / spacing), along = static_cast<int>(length_mm / spacing);

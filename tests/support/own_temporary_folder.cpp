@@ -1,5 +1,6 @@
-// Each test program works in a temporary folder of its own: tests run beside each other, and two that happened to give
-// a file the same name read each other's. Linked into every test program; programs that a test runs inherit it.
+// Gives each test program a temporary folder of its own, because tests run in parallel and could otherwise read each
+// other's files of the same name. This source is linked into every test program; programs that a test runs inherit the
+// folder.
 
 #include <gtest/gtest.h>
 
@@ -32,7 +33,7 @@ namespace {
         }
 
     private:
-        const std::filesystem::path around_ = std::filesystem::temp_directory_path(); ///< when tests are repeated, too
+        const std::filesystem::path around_ = std::filesystem::temp_directory_path(); ///< also when tests are repeated
         std::string path_;
     };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Matrices of random entries between -1 and 1, the same on every run.
+// Matrices of random entries between -1 and 1. A seed gives the same matrix on every run.
 
 #include <Eigen/Core>
 

@@ -1,5 +1,5 @@
 #pragma once
-// Random strokes into a box, for the tests of what follows a CutSession.
+// Random strokes into a box, for the tests of followers of a CutSession.
 
 #include "mesh/cutting/cut_session.h"
 
@@ -9,7 +9,7 @@
 
 namespace retractor::test_support {
 
-/// A straight blade through the top of a box that stands on the origin.
+/// A straight blade through the top of a box with one corner at the origin.
 inline mesh::Blade random_blade(std::mt19937& random, const Vec3& box)
 {
     std::uniform_real_distribution<double> unit(0.0, 1.0);
@@ -23,7 +23,8 @@ inline mesh::Blade random_blade(std::mt19937& random, const Vec3& box)
         .depth_mm = between(0.3, 0.7) * box.z() };
 }
 
-/// One random change of the session: a cut, a freehand stroke in steps, an undo or a redo; each delta goes to `follow`.
+/// Makes a random change of the session: a cut, a freehand stroke in steps, an undo or a redo. Each delta goes to
+/// `follow`.
 inline void random_change(mesh::CutSession& session, std::mt19937& random, const Vec3& box,
     const std::function<void(const mesh::MeshDelta&)>& follow)
 {

@@ -1,5 +1,6 @@
 #pragma once
-// What the tests of fem/ share: materials, a linear solve with conditions on single unknowns, what an error says.
+// Shared by the tests of fem: materials, a linear solve with prescribed unknowns, and the message of an error. Units
+// mm, N, MPa.
 
 #include "fem/material/material.h"
 #include "fem/model/elastic_body.h"
@@ -17,17 +18,18 @@ namespace retractor::test_support {
 
 fem::Material material(double youngs_modulus_MPa, double poissons_ratio);
 
-/// Every element of one material.
+/// The Lame parameters of every element, for one material.
 std::vector<fem::Lame> uniform(const mesh::TetMesh& mesh, const fem::Material& material);
 
-/// One entry per unknown, 1 on the nodes of the mesh's boundary.
+/// One entry per unknown: 1 on boundary nodes of the mesh, else 0.
 std::vector<std::uint8_t> boundary_unknowns(const mesh::TetMesh& mesh);
 
-/// Linear elasticity under nodal loads with prescribed unknowns.
+/// Displacements (mm) of linear elasticity under nodal loads (N), with prescribed values (mm) of the marked unknowns.
+/// All vectors have one entry per unknown.
 Eigen::VectorXd solve_linear(fem::ElasticBody& body, const std::vector<std::uint8_t>& prescribed,
     const Eigen::VectorXd& values, const Eigen::VectorXd& loads);
 
-/// "where: what" of the Error that f throws, or "nothing was thrown".
+/// The text "where: what" of the Error that f throws, or "nothing was thrown".
 std::string message_of(const std::function<void()>& f);
 
 } // namespace retractor::test_support

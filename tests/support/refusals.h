@@ -1,5 +1,5 @@
 #pragma once
-// Calls with bad input: every one of them must be refused.
+// Tests that calls with bad input are refused.
 
 #include "mesh/base/error.h"
 
@@ -12,8 +12,8 @@
 
 namespace retractor::test_support {
 
-/// Calls that are each spoilt by one bad value, and the same calls with good values: a call that is refused with good
-/// values too would prove nothing.
+/// Calls with one bad value each, and the same calls with good values. The good calls show that the bad value is the
+/// reason for a refusal.
 struct SpoiltCalls {
     std::vector<std::function<void()>> spoilt, sound;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// Everything that can be seen of a cutting session, to be compared bit for bit; and random work to do on one.
+// The visible state of a cutting session, for bit-for-bit comparison, and random operations on a session.
 
 #include "mesh/cutting/cut_session.h"
 
@@ -14,7 +14,7 @@ struct SessionState {
     explicit SessionState(const mesh::CutSession& session);
     bool operator==(const SessionState& other) const;
 
-    mesh::SlotMap map; // before the mesh, which fills it
+    mesh::SlotMap map; // declared before the mesh, whose initialisation fills the map
     mesh::TetMesh mesh;
     std::vector<TetId> origins;
     std::vector<mesh::LipFace> lips; ///< ids of the session
@@ -25,10 +25,10 @@ struct SessionState {
 /// A box of elements in three layers along z, labels 1 to 3 from below.
 mesh::TetMesh three_layers(int nx, int ny, int nz, double spacing);
 
-/// A blade from above through a box of this extent, or past it.
+/// A random blade from above that runs through or past a box of this extent (mm).
 mesh::Blade random_stroke(std::mt19937& random, const Vec3& extent);
 
-/// Elements whose centroid lies in the box.
+/// Elements with their centroid in the box.
 inline std::vector<TetId> elements_in(const mesh::CutSession& session, const Eigen::AlignedBox3d& box)
 {
     std::vector<TetId> inside;
@@ -44,7 +44,7 @@ inline std::vector<TetId> elements_in(const mesh::CutSession& session, const Eig
     return inside;
 }
 
-/// Elements round a random place: a ball of this radius.
+/// Elements in a ball of this radius (mm) round a random point.
 std::vector<TetId> random_marks(
     std::mt19937& random, const mesh::CutSession& session, const Vec3& extent, double radius);
 

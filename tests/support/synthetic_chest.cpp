@@ -89,7 +89,7 @@ mesh::LabelVolume synthetic_chest(const ChestShape& shape)
     const int across = static_cast<int>(std::ceil(2.0 * half / shape.spacing));
     labels.grid.size = { across, across + 1, static_cast<int>(260.0 / shape.spacing) };
     labels.grid.spacing = Vec3::Constant(shape.spacing);
-    // Off the axes of symmetry, as patients are.
+    // Off the axes of symmetry, like real patients.
     labels.grid.origin = Vec3(-half + 0.3, -half - 0.4, -130.0);
     labels.table = table(shape);
     labels.voxels.reserve(labels.grid.voxel_count());

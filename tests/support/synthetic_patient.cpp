@@ -17,7 +17,7 @@ namespace {
     constexpr double kHalfWidthMm = 60.0;
     constexpr double kTargetDepthMm = 50.0;
 
-    /// A box with its front at y = 0, without that front when `opened`.
+    /// A box with its front at y = 0; the front is missing when `opened`.
     std::shared_ptr<const TriMesh> box(bool opened)
     {
         auto mesh = std::make_shared<TriMesh>();

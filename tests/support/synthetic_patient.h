@@ -1,6 +1,6 @@
 #pragma once
-// A patient made of a few shapes, for a window that needs no planner: a box of skin, a target behind it, and a "plan"
-// that takes the box's front away.
+// A patient made of a few shapes, for tests of the window without the planner: a box of skin, a target behind the box,
+// and a "plan" that removes the front of the box.
 
 #include "ui/workstation/planning/planning_backend.h"
 
@@ -13,10 +13,10 @@ namespace retractor::test_support {
 /// Approaches "median" and "lateral" on the front of the box, and "broken", which cannot be planned.
 planner::Case synthetic_case();
 
-/// What the test holds in its hand while the window works.
+/// Controls of the test while the window works, and counts of the backend's calls.
 struct SyntheticControl {
-    std::atomic<bool> hold { false }; ///< plans wait until this is false, or until they are cancelled
-    std::filesystem::path cuts_folder; ///< where cuts by hand are kept; empty: nowhere
+    std::atomic<bool> hold { false }; ///< plans wait until this is false or they are cancelled
+    std::filesystem::path cuts_folder; ///< folder for cuts by hand; empty: cuts are not kept
     std::atomic<int> closed_made { 0 }, plans_made { 0 }, tables_laid { 0 };
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Tissue made of planes, with closed forms: what the servo's tests press against.
+// Tissue bounded by planes, with closed forms, for the tests of the servo.
 
 #include "haptics/servo/tissue_response.h"
 
@@ -9,7 +9,8 @@
 
 namespace retractor::test_support {
 
-/// The half space y < height answers with `stiffness` per mm, for any number of fingers (points, not spheres).
+/// The half space y < height. The force is stiffness (N/mm) times depth, for any number of fingers. Fingers are points,
+/// not spheres.
 class Wall : public haptics::TissueResponse {
 public:
     explicit Wall(double stiffness, std::size_t fingers = 1)

@@ -1,5 +1,6 @@
 #pragma once
-// Waiting in the tests of windows: for what is to come, never for a time that a busy machine may exceed.
+// Functions that wait in the tests of windows. They wait for an event, not for a fixed time, which a busy machine may
+// exceed.
 
 #include "ui/workstation/view/picture_view.h"
 
@@ -10,9 +11,9 @@
 
 namespace retractor::test_support {
 
-inline constexpr int kPatienceMs = 120000; // a busy machine
+inline constexpr int kPatienceMs = 120000; // limit for a busy machine
 
-/// Shows a window and waits until its picture can be drawn.
+/// Shows a window and waits until the window can draw its picture.
 template <class Window> void show_window(Window& window)
 {
     window.show();
@@ -21,12 +22,12 @@ template <class Window> void show_window(Window& window)
     ASSERT_TRUE(QTest::qWaitFor([&] { return window.view().ready(); }, kPatienceMs));
 }
 
-/// Waits until the window has nothing to do and has shown all that its threads have told it.
+/// Waits until the window is idle and has shown all results of its threads.
 template <class Window> void wait_until_idle(Window& window)
 {
     const auto idle = [&] { return window.idle(); };
     ASSERT_TRUE(QTest::qWaitFor(idle, kPatienceMs));
-    QCoreApplication::processEvents(); // what was posted before the window was idle
+    QCoreApplication::processEvents(); // events posted before the window was idle
     ASSERT_TRUE(QTest::qWaitFor(idle, kPatienceMs));
 }
 

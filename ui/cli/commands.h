@@ -1,5 +1,5 @@
 #pragma once
-// The commands of `retractor`, each registered by its own source.
+// The commands of `retractor`. Every command registers itself in its own source file.
 
 #include "ui/cli/framework/command.h"
 
@@ -16,7 +16,7 @@ void add_plan_command(Commands& commands);
 void add_render_command(Commands& commands);
 void add_demo_command(Commands& commands);
 void add_doctor_command(Commands& commands);
-/// Commands that have become programs of their own, `verify` and `bench`: each answers with the new program's name.
+/// The commands `verify` and `bench` have become programs. The old commands only answer with the new program's name.
 void add_moved_commands(Commands& commands);
 
 } // namespace retractor::ui::cli

@@ -25,12 +25,12 @@ namespace {
         double opening_mm;
     };
 
-    /// The three standard approaches to an aneurysm of the aortic arch. A rib spreader is one blade per lip, on which a
-    /// rib can turn; the halves of the sternum are held at two places each.
+    /// The three standard approaches to an aneurysm of the aortic arch. A rib spreader has one blade per lip, on which
+    /// a rib can turn. Two hooks hold each half of the sternum.
     constexpr std::array<DemoApproach, 3> kDemoApproaches { { { "median", "4", 60.0 }, { "intercostal:4", "2", 45.0 },
         { "distal", "2", 45.0 } } };
 
-    /// Stages outside the approaches, for the time table.
+    /// Durations of stages outside the approaches, for the time table.
     using StageTimes = std::vector<std::pair<std::string, double>>;
 
     planner::Case prepare_case(const fs::path& folder, StageTimes& times, const Job& job)

@@ -7,24 +7,24 @@ namespace {
 
 void add_commands(retractor::ui::cli::Commands& commands)
 {
-    using namespace retractor::cli;
+    using namespace retractor::ui::cli;
     commands.app.require_subcommand(1);
-    cli::add_demo_command(commands);
-    cli::add_phantom_command(commands);
-    cli::add_import_command(commands);
-    cli::add_approach_commands(commands);
-    cli::add_hooks_command(commands);
-    cli::add_tension_command(commands);
-    cli::add_mesh_command(commands);
-    cli::add_cut_command(commands);
-    cli::add_plan_command(commands);
-    cli::add_render_command(commands);
-    cli::add_palpable_command(commands);
-    cli::add_palpate_command(commands);
-    cli::add_relay_command(commands);
-    cli::add_train_command(commands);
-    cli::add_doctor_command(commands);
-    cli::add_moved_commands(commands);
+    add_demo_command(commands);
+    add_phantom_command(commands);
+    add_import_command(commands);
+    add_approach_commands(commands);
+    add_hooks_command(commands);
+    add_tension_command(commands);
+    add_mesh_command(commands);
+    add_cut_command(commands);
+    add_plan_command(commands);
+    add_render_command(commands);
+    add_palpable_command(commands);
+    add_palpate_command(commands);
+    add_relay_command(commands);
+    add_train_command(commands);
+    add_doctor_command(commands);
+    add_moved_commands(commands);
 }
 
 } // namespace

@@ -8,10 +8,10 @@ namespace retractor::ui::cli {
 
 namespace {
 
-    /// The command takes whatever follows, also --help, and refuses to run.
+    /// The command takes all further arguments, also --help, and refuses to run.
     void add_moved_command(Commands& commands, const std::string& name, const std::string& program)
     {
-        CLI::App* command = commands.app.add_subcommand(name)->group(""); // in no list of commands
+        CLI::App* command = commands.app.add_subcommand(name)->group(""); // not shown in the list of commands
         command->set_help_flag();
         command->fallthrough(false);
         command->allow_extras();

@@ -22,7 +22,7 @@ namespace {
         return target.is_sphere() ? "target sphere" : "target: " + readable(target.label);
     }
 
-    /// The labels that the three planes meet.
+    /// The labels on the three planes.
     std::set<Label> labels_on(const mesh::LabelVolume& labels, const Vec3& point)
     {
         std::set<Label> met;
@@ -118,7 +118,8 @@ namespace {
             if (!surface.target && surface.opacity == 1.0 && level_of(surface.name).empty()
                 && scene.legend.size() < kMostNamed)
                 scene.legend.push_back({ readable(surface.name), " ", surface.look.color });
-        // From the front, a little from the patient's left and from above, as one stands beside a patient.
+        // The view from the front, slightly from the patient's left and from above, as a person beside the patient
+        // sees.
         const planner::AnatomicalFrame frame = patient.frame();
         const Vec3 sight = -(frame.anterior + 0.45 * frame.left + 0.30 * frame.superior);
         scene.camera = camera_for_box(*scene_bounds(scene), sight, frame.superior);

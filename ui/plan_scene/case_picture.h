@@ -1,6 +1,6 @@
 #pragma once
-// Pictures of a case that need no plan: for a patient who has no approach yet, or no wall to plan one through (a crop
-// of the mediastinum). Units mm; frame patient LPS.
+// Pictures of a case that need no plan. They serve a patient without an approach, or without a wall for one (a crop of
+// the mediastinum). Units mm; frame patient LPS.
 
 #include "planner/case/patient.h"
 #include "ui/scene/scene.h"
@@ -10,13 +10,14 @@
 
 namespace retractor::ui {
 
-/// What to look at when nobody says: the first label of role target, else of role at-risk, that has voxels.
+/// The default target: the first label of role target, or else of role at-risk, that has voxels.
 std::optional<planner::TargetSpec> default_target(planner::Patient& patient);
 
-/// "slices": the three planes through the target (without one, through the middle of what is labelled), every label
-/// outlined in its own colour, the target in green, with a legend of what the planes meet. "overview": bones, vessels
-/// and organs in space.
-/// @throws InputError for another view, for slices without a CT, or an unknown target.
+/// Draws one of two views:
+/// - "slices": the three planes through the target, or through the middle of the labels when there is no target. Every
+///   label is outlined in its own colour, the target in green. The legend lists the labels on the planes.
+/// - "overview": bones, vessels and organs in space.
+/// @throws InputError for another view, for slices without a CT, or for an unknown target
 Picture case_picture(planner::Patient& patient, const std::optional<planner::TargetSpec>& target, std::string_view view,
     int width, int height);
 

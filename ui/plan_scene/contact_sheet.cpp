@@ -17,7 +17,7 @@ namespace {
 
     constexpr double kFont = 15.0, kLine = 1.4 * kFont; // pixels
     constexpr double kLegendWidth = 400.0, kHeader = 2.2 * kFont;
-    /// Voxels denser than this are something to show: tissue, and the table too, so that its removal can be judged.
+    /// Denser voxels are shown: tissue, and also the table, so that the removal of the table can be checked.
     constexpr int kSomethingHu = -500;
     constexpr double kMargin_mm = 10.0;
 
@@ -74,14 +74,14 @@ namespace {
         Vec3 index_sum = Vec3::Zero();
     };
 
-    /// What the sheet is made from.
+    /// The data of the sheet.
     struct Content {
-        std::shared_ptr<const mesh::Volume> image; ///< never null: black where there is no CT
+        std::shared_ptr<const mesh::Volume> image; ///< never null; black when there is no CT
         std::shared_ptr<const mesh::LabelVolume> labels;
         std::map<Label, LabelCount> counts; ///< labels that have voxels
         std::map<Label, Color> colors;
-        Box shown; ///< what the slices cover
-        Box spread; ///< what the slices are spread over
+        Box shown; ///< region that the slices cover
+        Box spread; ///< region over which the slices are spread
         bool has_ct = true;
     };
 
@@ -161,7 +161,7 @@ namespace {
         return std::nullopt;
     }
 
-    /// Evenly through the spread; the one nearest to the focus moves onto it.
+    /// Positions spread evenly. The position nearest to the focus moves onto the focus.
     std::vector<double> positions(double low, double high, int count, std::optional<double> focus)
     {
         std::vector<double> at;
@@ -178,7 +178,7 @@ namespace {
 
     std::string millilitres_text(double ml) { return formatted(ml < 10.0 ? "%.1f ml" : "%.0f ml", ml); }
 
-    /// "rib left" of "rib_left_5".
+    /// The name of a row: "rib left" for "rib_left_5".
     std::string row_of(const std::string& name) { return name.substr(0, name.size() - level_of(name).size()); }
 
     LegendLine legend_line(const Content& content, const mesh::LabelInfo& info, const LabelCount& count, bool rough)
@@ -187,7 +187,7 @@ namespace {
         return { readable(info.name), (rough ? "rough, " : "") + millilitres_text(ml), content.colors.at(info.id) };
     }
 
-    /// Every label that has voxels; rows of ribs and vertebrae become one line each when there are more than fit.
+    /// Lists every label that has voxels. When the lines do not fit, the ribs or vertebrae of a row share one line.
     std::vector<LegendLine> legend_of(const Content& content, const std::set<std::string>& rough, std::size_t fits)
     {
         std::vector<LegendLine> lines;
@@ -213,7 +213,7 @@ namespace {
         return lines;
     }
 
-    /// At blanks, so that no line is longer than `columns` letters; continued lines are indented.
+    /// Breaks the text at blanks into lines of at most `columns` letters. Continued lines are indented.
     std::vector<std::string> wrapped(const std::string& text, std::size_t columns)
     {
         std::vector<std::string> lines;
@@ -252,7 +252,7 @@ namespace {
 
     // ---- slices ----------------------------------------------------------------------------------------------------
 
-    /// Numbers of ribs and vertebrae where the slice meets them: at the point of the section nearest to its middle.
+    /// Numbers of ribs and vertebrae on the slice, at the point of each section nearest to its middle.
     std::vector<TextItem> level_words(const Content& content, const Plane& plane, double at)
     {
         std::map<Label, std::string> levels;
@@ -311,15 +311,14 @@ namespace {
         return scene;
     }
 
-    // ---- views in space
-    // -------------------------------------------------------------------------------------------------
+    // ---- views in space ----
 
     struct Side {
         const char* name;
         Vec3 sight;
     };
 
-    /// Numbers where ribs and vertebrae come nearest to the eye.
+    /// Numbers of ribs and vertebrae at their points nearest to the eye.
     std::vector<TextItem> level_words(const std::vector<SurfaceItem>& surfaces, const Vec3& sight)
     {
         std::vector<TextItem> words;
@@ -358,7 +357,7 @@ namespace {
 
     // ---- the page --------------------------------------------------------------------------------------------------
 
-    /// Rectangles in pixels from the upper left corner become viewports once the height is known.
+    /// A rectangle in pixels from the upper left corner. It becomes a viewport once the height is known.
     struct Cell {
         double left, top, width, height;
         Scene scene;
@@ -376,7 +375,7 @@ namespace {
             std::vector<double> at = positions(content.spread.low[plane.normal], content.spread.high[plane.normal],
                 options.columns, focus ? std::optional((*focus)[plane.normal]) : std::nullopt);
             if (plane.plane == SlicePlane::axial)
-                std::reverse(at.begin(), at.end()); // from the head down, as films hang
+                std::reverse(at.begin(), at.end()); // from the head down, as radiologists hang films
             for (int n = 0; n < options.columns; ++n) {
                 Scene scene = slice_scene(content, options, plane, at[static_cast<std::size_t>(n)], cell_width, height);
                 scene.scale_bar = n == 0;

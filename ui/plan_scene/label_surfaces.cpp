@@ -17,7 +17,7 @@ namespace {
     constexpr double kBodySmoothing_mm = 3.0, kBodyOpacity = 0.18;
     constexpr Color kBodyColor { 0.95, 0.78, 0.68 };
 
-    /// Every n-th voxel: enough to draw small.
+    /// Keeps every n-th voxel, which is enough for a small picture.
     mesh::LabelVolume thinned(const mesh::LabelVolume& labels, double spacing_mm)
     {
         std::array<int, 3> step {};

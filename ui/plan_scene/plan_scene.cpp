@@ -24,14 +24,15 @@ namespace {
     /// Share of the picture's height that the opening fills in the surgeon's eye view.
     constexpr double kOpeningShare = 0.75;
     constexpr double kOverviewTiltDeg = 25.0;
-    /// Of the body's triangles, round a wall that is cut by hand: the picture is drawn many times a second.
+    /// Share of the body's triangles round a wall that is cut by hand. The picture is drawn many times a second.
     constexpr double kSurroundingsShare = 0.2;
-    constexpr double kLongestSurroundingMm = 8.0; ///< edges there: much less than the region is wide
+    /// Longest edge of the surroundings, much shorter than the region's width.
+    constexpr double kLongestSurroundingMm = 8.0;
     /// Opacity of the target where it shines through the wall.
     constexpr double kGlow = 0.3;
-    /// The incision is drawn this far over the skin, whose surfaces lie up to a voxel apart (image, mesh).
+    /// Height of the drawn incision over the skin. The skin surfaces of image and mesh lie up to a voxel apart.
     constexpr double kInkMm = 1.0;
-    /// Three slices side by side of a chest about as high as wide, and room for their letters.
+    /// Height over width of three slices side by side, for a chest about as high as wide and its letters.
     constexpr double kSlicesHeightPerWidth = 0.47;
 
     std::string number(double value, int digits, const std::string& unit)
@@ -47,8 +48,9 @@ namespace {
         return flags;
     }
 
-    /// One byte per voxel: unlabelled and joined to the slice's border, so outside the body - air, table, leads. Slice
-    /// by slice across the body: its unlabelled inside, where there is any, is open at the image's ends.
+    /// Marks the voxels outside the body (air, table, leads): unlabelled voxels that are connected to the border of
+    /// their slice. Slices are taken across the body, because its unlabelled inside may be open at the ends of the
+    /// image.
     std::vector<std::uint8_t> outside_body(const mesh::LabelVolume& labels)
     {
         const auto& size = labels.grid.size;
@@ -93,8 +95,8 @@ namespace {
         return outside;
     }
 
-    /// Hides the whole wall (tetrahedra and surfaces stand for it), what the approach holds aside, and what lies beside
-    /// the body.
+    /// Hides the whole wall (which tetrahedra and surfaces replace), the organs that the approach holds aside, and the
+    /// voxels outside the body.
     std::shared_ptr<const VoxelMask> hidden_voxels(
         const mesh::LabelVolume& labels, const std::vector<std::string>& retracted)
     {
@@ -130,7 +132,7 @@ namespace {
         return item;
     }
 
-    /// What stays: the CT as a volume, or the organs' surfaces where the case has no CT.
+    /// Adds the anatomy that stays in place: the CT as a volume, or the organs' surfaces when the case has no CT.
     void add_remaining_anatomy(Scene& scene, planner::Patient& patient, const planner::PlannedField& field)
     {
         if (!field.remaining_wall.triangles.empty()) {
@@ -184,9 +186,9 @@ namespace {
     std::vector<LegendLine> legend_of(const planner::FieldMetrics& m)
     {
         const bool bars = m.error && m.error->message.empty();
-        const auto bar = [&](double value) { // of two digits: a bar is no more exact than that
-            return bars ? "± " + number(value, value < 9.95 ? 1 : 0, "") : std::string();
-        };
+        // An error bar has no more than two meaningful digits.
+        const auto bar
+            = [&](double value) { return bars ? "± " + number(value, value < 9.95 ? 1 : 0, "") : std::string(); };
         std::vector<LegendLine> lines;
         lines.push_back({ "target: " + m.target, number(100.0 * m.visible_fraction, 0, "% seen"), target_color() });
         lines.push_back(
@@ -205,7 +207,8 @@ namespace {
         if (yielded > 0)
             lines.push_back({ "hooks that yield", std::to_string(yielded) + " of " + std::to_string(m.hooks.size()),
                 std::nullopt });
-        const std::size_t bones = m.bone_in_sight.size(); // the one most in the way first; the report names them all
+        // The bone that is most in the way comes first; the report names all.
+        const std::size_t bones = m.bone_in_sight.size();
         lines.push_back({ "bone in sight",
             bones == 0       ? "none"
                 : bones == 1 ? m.bone_in_sight[0]
@@ -222,7 +225,7 @@ namespace {
         return lines;
     }
 
-    /// The patient's head up, or the patient's left when looking along the body.
+    /// The up vector: towards the patient's head, or towards the patient's left when the view is along the body.
     Vec3 up_for(const planner::AnatomicalFrame& frame, const Vec3& sight)
     {
         return std::abs(frame.superior.dot(sight.normalized())) > 0.9 ? frame.anterior : frame.superior;
@@ -252,14 +255,14 @@ namespace {
         return line;
     }
 
-    /// The whole incision as a shadow on a slice: most of it lies before or behind the plane.
+    /// The projection of the whole incision onto a slice, because most of the incision lies before or behind the plane.
     LineItem projected_incision(const planner::Approach& approach, SlicePlane plane, const Vec3& point)
     {
         const int across = plane == SlicePlane::axial ? 2 : plane == SlicePlane::coronal ? 1 : 0;
         LineItem line = incision_line(approach, true);
         for (Vec3& p : line.points)
             p[across] = point[across];
-        line.color = { 0.25, 0.90, 1.00 }; // on a dark image a skin marker's blue is lost
+        line.color = { 0.25, 0.90, 1.00 }; // a skin marker's blue is hard to see on a dark image
         line.width_px = 6.0;
         return line;
     }
@@ -294,7 +297,7 @@ namespace {
         return sum.normalized();
     }
 
-    /// From outside onto the incision, tilted towards the feet so that the relief shows.
+    /// A camera outside, aimed at the incision and tilted towards the feet so that the relief shows.
     Camera outside_camera(planner::Patient& patient, const planner::Approach& approach)
     {
         const planner::AnatomicalFrame frame = patient.frame();
@@ -421,7 +424,7 @@ TriMesh body_beyond(
     planner::Patient& patient, const planner::Approach& approach, const mesh::TetMesh& wall, const Job& job)
 {
     job.report("surroundings", 0.0);
-    // Where the body is flat few triangles are left of it: one of them could span the whole region.
+    // Simplified flat parts of the body have few triangles, and one triangle could span the whole region.
     const TriMesh body = with_edges_at_most(simplified(*patient.body(), kSurroundingsShare), kLongestSurroundingMm);
     job.report("surroundings", 0.5);
     const mesh::LabelTable& table = patient.planned_case().label_table;

@@ -13,18 +13,18 @@ namespace {
     constexpr double kBendRadius = 6.0; ///< mm
     constexpr int kBendSteps = 12;
 
-    /// One station of the ribbon: centre of its outer face, in mm along pull (p) and outward (o).
-    struct ContactNode {
+    /// A cross-section of the ribbon: centre of its outer face, in mm along pull (p) and outward (o).
+    struct CrossSection {
         double p = 0.0, o = 0.0;
         double half_width = 0.0;
     };
 
-    std::vector<ContactNode> profile(const HookItem& hook)
+    std::vector<CrossSection> profile(const HookItem& hook)
     {
         const double half = 0.5 * hook.width_mm;
         const double narrow = std::max(0.35 * half, 2.0);
         const double height = hook.height_mm > 0.0 ? hook.height_mm : 0.5 * hook.depth_mm;
-        std::vector<ContactNode> line;
+        std::vector<CrossSection> line;
         // A rounded toe, so that the blade does not end in a square.
         const double toe = std::min(0.4 * half, 0.3 * hook.depth_mm);
         for (int i = 0; i < 5; ++i) {
@@ -33,7 +33,7 @@ namespace {
                 { 0.0, -0.5 * hook.depth_mm + toe * (1.0 - std::cos(angle)), half - toe * (1.0 - std::sin(angle)) });
         }
         line.push_back({ 0.0, std::max(height, 0.1 * hook.depth_mm), half });
-        // The bend turns from outward to a little above the skin, 75 degrees over.
+        // The bend turns by 75 degrees, from outward to slightly above the skin.
         const double turn = 75.0 * std::numbers::pi / 180.0;
         const double base = line.back().o;
         for (int i = 1; i <= kBendSteps; ++i) {
@@ -42,7 +42,7 @@ namespace {
             line.push_back({ kBendRadius * (1.0 - std::cos(angle)), base + kBendRadius * std::sin(angle),
                 half + (narrow - half) * share * share });
         }
-        const ContactNode end = line.back();
+        const CrossSection end = line.back();
         for (int i = 1; i <= 8; ++i) {
             const double step = hook.shaft_mm * i / 8.0;
             line.push_back({ end.p + step * std::sin(turn), end.o + step * std::cos(turn), narrow });
@@ -61,14 +61,14 @@ TriMesh hook_mesh(const HookItem& hook)
     const Vec3 outward = hook.outward.normalized();
     const Vec3 pull = (hook.pull - outward * outward.dot(hook.pull)).normalized();
     const Vec3 across = outward.cross(pull);
-    const std::vector<ContactNode> line = profile(hook);
+    const std::vector<CrossSection> line = profile(hook);
     const auto count = static_cast<VertexId>(line.size());
 
     TriMesh mesh;
     mesh.vertices.resize(4 * count, 3);
     for (VertexId s = 0; s < count; ++s) {
         const auto at = [&](VertexId i) { return line[static_cast<std::size_t>(std::clamp(i, 0, count - 1))]; };
-        const ContactNode before = at(s - 1), here = at(s), after = at(s + 1);
+        const CrossSection before = at(s - 1), here = at(s), after = at(s + 1);
         Eigen::Vector2d along(after.p - before.p, after.o - before.o);
         along.normalize();
         // The steel lies on the wound's side of the lip: the lip is at p > 0.

@@ -10,7 +10,7 @@ namespace retractor::ui {
 
 namespace {
 
-    /// Chosen so that organs that touch differ in hue, on grey.
+    /// Organs that touch differ in hue; all colours stand out from grey.
     constexpr std::array<std::pair<std::string_view, Color>, 26> kColors { {
         { "skin", { 0.95, 0.70, 0.55 } },
         { "fat", { 0.95, 0.85, 0.25 } },
@@ -50,7 +50,7 @@ namespace {
         return { channel(5.0), channel(3.0), channel(1.0) };
     }
 
-    /// FNV-1a: the same on every machine, which std::hash is not.
+    /// FNV-1a hash, which is the same on every machine, unlike std::hash.
     std::uint32_t hash_of(std::string_view text)
     {
         std::uint32_t hash = 2166136261U;

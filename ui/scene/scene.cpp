@@ -192,7 +192,7 @@ void check_scene(const Scene& scene)
 
 void check_picture(const Picture& picture)
 {
-    /// More than any printer or screen needs, and what drivers still take.
+    /// Larger than any printer or screen needs, and accepted by drivers.
     constexpr int kLargest = 16384;
     if (picture.width <= 0 || picture.height <= 0 || picture.width > kLargest || picture.height > kLargest)
         throw InputError("a picture's size must be within 1 to 16384 pixels, got " + std::to_string(picture.width) + "x"

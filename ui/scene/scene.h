@@ -30,7 +30,7 @@ enum class Finish {
     unlit, ///< the plain colour, whatever the light
 };
 
-/// The natural look of something; `texture` 0 (uniform colour) to 1 is the strength of the procedural variation.
+/// The natural look of a surface; `texture`, from 0 (uniform colour) to 1, is the strength of the procedural variation.
 struct Look {
     Color color {};
     Finish finish = Finish::matte;
@@ -42,19 +42,19 @@ struct SurfaceItem {
     std::string name {};
     std::shared_ptr<const TriMesh> mesh {};
     Look look {};
-    /// Used when not empty: the look of each triangle by mesh->labels. Every label met must have an entry.
+    /// Used when not empty: the look of each triangle by mesh->labels. Every label of the mesh must have an entry.
     std::map<Label, Look> look_of_label {};
     /// Used when not empty, e.g. a strain map: one colour per vertex.
     std::vector<Color> vertex_colors {};
     double opacity = 1.0;
     bool smooth = true; ///< shading normals averaged, except across edges sharper than 40 degrees
     bool show_edges = false; ///< draw the mesh's edges
-    bool target = false; ///< highlighted (saturated, rim-lit), and what target_pixels() counts
+    bool target = false; ///< highlighted (saturated, rim-lit); counted by target_pixels()
     bool occluder = true; ///< blocks the view in target_pixels()
-    bool on_top = false; ///< its front is drawn over everything, also where something is before it
+    bool on_top = false; ///< the front is drawn over everything, also over nearer surfaces
 };
 
-/// One byte per voxel of `grid`, non-zero = hidden. The grid may differ from the image's.
+/// One byte per voxel of `grid`; other than 0 means hidden. The grid may differ from the image's grid.
 struct VoxelMask {
     mesh::ImageGrid grid {};
     std::vector<std::uint8_t> hidden {};
@@ -73,13 +73,14 @@ enum class VolumePreset {
     skin, ///< the body's outside
 };
 
-/// A volume rendering. The same shared image and mask are uploaded once, however many pictures show them.
+/// A volume rendering. An image and a mask that several pictures share are uploaded once.
 struct VolumeItem {
     std::string name {};
     std::shared_ptr<const mesh::Volume> image {}; ///< CT, Hounsfield units
-    /// What tetrahedra stand for, or an approach removes. Half-filled voxels at its border are hidden too.
+    /// Hides the voxels that tetrahedra replace or an approach removes. Half-filled voxels at the mask's border are
+    /// hidden too.
     std::shared_ptr<const VoxelMask> mask = nullptr;
-    std::optional<Box> crop = std::nullopt; ///< only what is inside is drawn
+    std::optional<Box> crop = std::nullopt; ///< only the inside of the box is drawn
     VolumePreset preset = VolumePreset::thorax;
     double opacity = 1.0; ///< scales the preset's opacities
 };
@@ -97,10 +98,11 @@ struct LineItem {
 struct HookItem {
     std::string name {};
     Vec3 position = Vec3::Zero(); ///< centre of the patch, on the lip
-    Vec3 pull = Vec3::UnitX(); ///< the way it pulls; need not be unit
-    Vec3 outward = -Vec3::UnitY(); ///< out of the body; need not be unit nor normal to `pull`, but not along it
-    double width_mm = 15.0; ///< of the patch, along the incision
-    double depth_mm = 10.0; ///< of the patch, into the body
+    Vec3 pull = Vec3::UnitX(); ///< direction of the pull; need not be unit
+    /// Out of the body; need not be unit or normal to `pull`, but must not be parallel to it.
+    Vec3 outward = -Vec3::UnitY();
+    double width_mm = 15.0; ///< width of the patch, along the incision
+    double depth_mm = 10.0; ///< height of the patch, into the body
     double height_mm = 0.0; ///< from the patch centre to the skin, over which the blade bends; 0: depth_mm / 2
     double shaft_mm = 60.0;
 };
@@ -113,22 +115,22 @@ enum class SlicePlane { axial, coronal, sagittal };
 struct SliceItem {
     std::shared_ptr<const mesh::Volume> image {};
     SlicePlane plane = SlicePlane::axial;
-    Vec3 point = Vec3::Zero(); ///< the plane passes through it
+    Vec3 point = Vec3::Zero(); ///< a point of the plane
     double window_hu = 500.0, level_hu = 40.0;
     std::shared_ptr<const mesh::LabelVolume> labels = nullptr; ///< may be null
     std::map<Label, Color> outline_of_label {}; ///< labels to outline, in these colours
-    double fill = 0.15; ///< how strongly outlined labels are tinted, 0 to 1
-    double pixel_mm = 0.0; ///< sampled this finely, so that outlines are one pixel of a small view; 0: half a voxel
+    double fill = 0.15; ///< strength of the tint of outlined labels, 0 to 1
+    double pixel_mm = 0.0; ///< size of a sample, so that outlines are one pixel of a small view; 0: half a voxel
 };
 
-/// A few letters at a place in the patient, drawn over everything.
+/// A short text at a place in the patient, drawn over everything.
 struct TextItem {
     std::string text {};
     Vec3 position = Vec3::Zero();
     Color color {};
 };
 
-/// One line of the legend. A line without value is a heading.
+/// One line of the legend. A line without a value is a heading.
 struct LegendLine {
     std::string key {}, value {};
     std::optional<Color> swatch = std::nullopt; ///< a coloured square before the key
@@ -138,9 +140,9 @@ struct Camera {
     Vec3 eye { 0.0, -600.0, 0.0 };
     Vec3 aim = Vec3::Zero();
     Vec3 up = Vec3::UnitZ();
-    double view_angle_deg = 30.0; ///< of the picture's height; perspective only
+    double view_angle_deg = 30.0; ///< angle over the picture's height; perspective only
     bool parallel = false;
-    double half_height_mm = 100.0; ///< of the picture; parallel only
+    double half_height_mm = 100.0; ///< half the height of the picture; parallel only
 };
 
 /// One view: everything that is drawn in one rectangle of a picture.
@@ -153,9 +155,9 @@ struct Scene {
     std::vector<SliceItem> slices {};
     std::vector<TextItem> words {};
     std::vector<LegendLine> legend {};
-    double legend_share = 0.34; ///< of the view's width, at most
+    double legend_share = 0.34; ///< largest share of the view's width
     std::vector<std::string> notes {}; ///< plain lines under the title
-    double font_px = 0.0; ///< height of letters; 0: by the view's size
+    double font_px = 0.0; ///< height of letters; 0: chosen from the view's size
     Camera camera {};
     Color background_low { 0.16, 0.20, 0.23 }; ///< at the bottom of the picture
     Color background_high { 0.06, 0.08, 0.10 }; ///< at the top
@@ -163,7 +165,7 @@ struct Scene {
     bool scale_bar = true; ///< mm, in the plane of the camera's aim
 };
 
-/// Where a scene goes in a picture: fractions of width and height, from the lower left corner.
+/// The place of a scene in a picture: fractions of width and height, from the lower left corner.
 struct Viewport {
     double left = 0.0, bottom = 0.0, right = 1.0, top = 1.0;
     Scene scene {};
@@ -174,21 +176,21 @@ struct Picture {
     std::vector<Viewport> viewports {};
 };
 
-/// Refuses what cannot be drawn: NaN or infinite coordinates, indices out of range, labels without a look, an eye
-/// at its aim, an up along the line of sight, empty sizes, sizes that do not match.
-/// @throws InputError naming the item.
+/// Checks that the scene can be drawn.
+/// @throws InputError naming the item, on NaN or infinite coordinates, indices out of range, labels without a look, an
+/// eye at its aim, an up vector along the line of sight, empty sizes, or sizes that do not match
 void check_scene(const Scene& scene);
-/// The same for all viewports, their rectangles and the size. @throws InputError as above.
+/// Checks all viewports, their rectangles and the size of the picture. @throws InputError as check_scene() does
 void check_picture(const Picture& picture);
 
-/// The box round a scene's surfaces, lines, volumes (their images), hooks and slices; nothing when it is empty.
+/// The box round a scene's surfaces, lines, volumes (their images), hooks and slices; nothing when the scene is empty.
 std::optional<Box> scene_bounds(const Scene& scene);
 
-/// Looks at all of `box` along `direction` (from the eye into the scene), filling the picture's height.
+/// A camera that sees all of `box` along `direction` (from the eye into the scene) and fills the picture's height.
 Camera camera_for_box(const Box& box, const Vec3& direction, const Vec3& up, double view_angle_deg = 30.0);
-/// Looks straight at a slice, parallel, with the whole image in a picture of `aspect` = width / height.
+/// A parallel camera straight in front of a slice, with the whole image in a picture of `aspect` = width / height.
 Camera camera_for_slice(const SliceItem& slice, double aspect);
-/// The same with only `box` in the picture.
+/// The same camera with only `box` in the picture.
 Camera camera_for_slice(const SliceItem& slice, const Box& box, double aspect);
 
 } // namespace retractor::ui

@@ -23,7 +23,7 @@ namespace {
 
     constexpr Look kHollowOrgan { { 0.87, 0.62, 0.55 }, Finish::wet, 0.3 };
 
-    /// What an organ's name contains, and which tissue that looks like; the first that fits.
+    /// Parts of organ names and the tissue of each look. The first match counts.
     constexpr std::array<std::pair<std::string_view, std::string_view>, 22> kOrgans { {
         { "cartilage", "cartilage" },
         { "trachea", "cartilage" },

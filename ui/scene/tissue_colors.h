@@ -1,5 +1,5 @@
 #pragma once
-// What tissues look like in an operating theatre.
+// The looks of tissues in an operating theatre.
 
 #include "ui/scene/scene.h"
 
@@ -8,19 +8,20 @@
 
 namespace retractor::ui {
 
-/// By material name (skin, fat, muscle, intercostal, bone, cartilage, vessel, heart, lung, liver); a material that
-/// is not known gets a neutral tissue colour.
+/// The look by material name (skin, fat, muscle, intercostal, bone, cartilage, vessel, heart, lung, liver). An unknown
+/// material gets a neutral tissue colour.
 Look tissue_look(std::string_view material);
 
-/// By an organ's name, as labels spell them (aorta, lung_left, stomach, rib_left_4, ...); others as tissue_look().
+/// The look by an organ's name, as labels spell it (aorta, lung_left, stomach, rib_left_4, ...); other names as in
+/// tissue_look().
 Look organ_look(std::string_view organ);
 
 /// One look per entry of the table, for SurfaceItem::look_of_label.
 std::map<Label, Look> tissue_looks(const mesh::LabelTable& table);
 
-/// The colour of what the surgeon wants to see: no tissue has it.
+/// The colour of the surgeon's target, which no tissue has.
 Color target_color();
-/// Incision lines: the surgeon's skin marker.
+/// The colour of incision lines: the surgeon's skin marker.
 Color incision_color();
 
 } // namespace retractor::ui

@@ -1,4 +1,4 @@
-// retractor-workstation: the windows, to plan a case in or to palpate tissue in.
+// The program retractor-workstation: opens a window to plan a case, or a window to palpate tissue.
 
 #include "datasets/phantoms/elastic_model.h"
 #include "haptics/hand/hand_file.h"
@@ -43,7 +43,7 @@ struct Options {
     bool palpate = false;
 };
 
-/// Exit code when the program ends here; nothing when it goes on.
+/// Parses the arguments. @returns the exit code when the program ends here; nothing when it continues
 std::optional<int> parse(int argc, char** argv, Options& options)
 {
     CLI::App app { "Shows a case and plans its approaches in a window, or lets you palpate a scene. Not a medical "
@@ -64,7 +64,7 @@ std::optional<int> parse(int argc, char** argv, Options& options)
     auto* model = app.add_option("--model", options.model, "Of a palpation scene: what answers the fingers")
                       ->check(CLI::IsMember(palpation_backend().models))
                       ->capture_default_str();
-    auto* hand = app.add_option("--hand", options.hand, "Of a palpation scene: the hand shown, OBJ (haptics/README.md)")
+    auto* hand = app.add_option("--hand", options.hand, "Of a palpation scene: the hand shown, an OBJ file (see docs/user/palpation.md)")
                      ->type_name("FILE.obj");
     app.add_option("--palpate", options.structure, "Of a case: this structure (label) is palpated, e.g. aorta")
         ->type_name("LABEL");
@@ -114,14 +114,14 @@ bool set_in_environment(const char* name)
     return value != nullptr && *value != '\0';
 }
 
-/// Qt ends the process in a rude way when there is no display: look first.
+/// Looks for a display, because Qt aborts the process without one.
 bool has_display()
 {
     return set_in_environment("DISPLAY") || set_in_environment("WAYLAND_DISPLAY")
         || set_in_environment("QT_QPA_PLATFORM");
 }
 
-/// Waits until the plan is there, saves the window and quits.
+/// Waits for the plan, saves the window and quits.
 void take_screenshot(MainWindow& window, QTimer& timer, const Options& options)
 {
     constexpr int kPollMs = 50;
@@ -146,11 +146,11 @@ void take_screenshot(MainWindow& window, QTimer& timer, const Options& options)
     timer.start(kPollMs);
 }
 
-/// Waits until the tissue is there and has been felt for a while, saves the window and quits.
+/// Waits until the tissue is ready and has been felt for a while, saves the window and quits.
 void take_screenshot(PalpationWindow& window, QTimer& timer, const std::string& file)
 {
     constexpr int kPollMs = 50;
-    constexpr double kFelt = 2.0; // s: some beats
+    constexpr double kFelt = 2.0; // some heartbeats
     QObject::connect(&timer, &QTimer::timeout, &window, [&window, &timer, file] {
         const bool failed = window.snapshot().phase == planner::PalpationSnapshot::Phase::failed;
         if (!failed && (!window.idle() || window.frame().servo.time_s < kFelt))
@@ -168,7 +168,7 @@ void take_screenshot(PalpationWindow& window, QTimer& timer, const std::string& 
     timer.start(kPollMs);
 }
 
-/// A palpation of its own, which goes when it is closed.
+/// A new window for palpation, which is deleted when it is closed.
 PalpationWindow& new_palpation()
 {
     auto* window = new PalpationWindow(palpation_backend());
@@ -211,14 +211,14 @@ int run_planning(std::optional<planner::Case> planned_case, const Options& optio
     return QApplication::exec();
 }
 
-/// What is to be shown.
+/// The input of the program.
 struct Given {
     std::optional<planner::Case> planned_case;
     std::optional<planner::Palpable> palpable;
     std::optional<ShownHands> hands;
 };
 
-/// @throws InputError, IoError on what cannot be shown.
+/// @throws InputError, IoError when the input cannot be shown
 Given read(const Options& options)
 {
     Given given;
@@ -226,7 +226,7 @@ Given read(const Options& options)
         if (options.structure.empty())
             given.palpable = planner::Palpable { datasets::read_palpation_scene(options.case_file), {} };
         else {
-            planner::Patient patient(read_case(options.case_file));
+            planner::Patient patient(planner::read_case(options.case_file));
             given.palpable = planner::make_palpable(
                 *patient.labels(), patient.planned_case().materials, { .structure = { options.structure } });
         }
@@ -236,7 +236,7 @@ Given read(const Options& options)
         return given;
     }
     if (!options.case_file.empty())
-        given.planned_case = read_case(options.case_file);
+        given.planned_case = planner::read_case(options.case_file);
     if (!options.approach.empty())
         planner::find_approach(*given.planned_case, options.approach);
     if (!options.screenshot.empty() && given.planned_case->approaches.empty())
@@ -255,7 +255,8 @@ int main(int argc, char** argv)
     try {
         given = read(options);
     } catch (const Error& error) {
-        const bool names_its_place = options.palpate && !error.where().starts_with('/'); // a case's: a JSON pointer
+        // An error in a case has a JSON pointer.
+        const bool names_its_place = options.palpate && !error.where().starts_with('/');
         return fail(to_string(names_its_place ? Failure { error.what(), error.where() }
                                               : case_failure(options.case_file, error)),
             2);
@@ -267,7 +268,7 @@ int main(int argc, char** argv)
 
     QSurfaceFormat::setDefaultFormat(PictureView::defaultFormat());
     QApplication application(argc, argv);
-    // Qt takes over the user's number format; the C library's must stay, or numbers in files change.
+    // Qt takes over the user's number format. The C library must keep its own format, or numbers in files would change.
     std::setlocale(LC_NUMERIC, "C");
     apply_theme(application);
     return given.palpable ? run_palpation(std::move(*given.palpable), given.hands, options)

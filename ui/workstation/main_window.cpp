@@ -67,7 +67,7 @@ MainWindow::MainWindow(BackendFactory factory, QWidget* parent)
 
 MainWindow::~MainWindow()
 {
-    planning_executor_.cancel(); // it stops while the knife is put away
+    planning_executor_.cancel(); // planning stops while the knife ends
 }
 
 void MainWindow::make_panes()
@@ -177,8 +177,10 @@ void MainWindow::make_knife_actions(QMenu& menu, QToolBar& bar)
     take_out_action_ = add("Take out", Qt::Key_X, "Press on a piece that was cut free, or on tissue, to take it out",
         [this] { set_knife(take_out_action_->isChecked() ? KnifeMode::take_out : KnifeMode::away); });
     take_out_action_->setCheckable(true);
-    undo_ = add("Undo cut", QKeySequence::Undo, "Take the last cut back", [this] { knife_->run(surgery::Undo {}); });
-    redo_ = add("Redo cut", QKeySequence("Ctrl+Shift+Z"), "Make it again", [this] { knife_->run(surgery::Redo {}); });
+    undo_ = add(
+        "Undo cut", QKeySequence::Undo, "Take the last cut back", [this] { knife_->run(planner::surgery::Undo {}); });
+    redo_ = add(
+        "Redo cut", QKeySequence("Ctrl+Shift+Z"), "Make it again", [this] { knife_->run(planner::surgery::Redo {}); });
     undo_->setIconText("Undo"); // all tools fit into 1280 px
     redo_->setIconText("Redo");
     bar.addActions({ knife_action_, line_action_, hook_action_, take_out_action_, undo_, redo_ });
@@ -293,7 +295,7 @@ void MainWindow::open(planner::Case planned_case)
     show_all();
 }
 
-/// From the reading executor's thread.
+/// Called on the reading executor's thread.
 void MainWindow::reading_failed(const Failure& failure)
 {
     post_back([this, failure] {
@@ -305,13 +307,13 @@ void MainWindow::reading_failed(const Failure& failure)
 
 void MainWindow::open_file(const std::filesystem::path& path)
 {
-    if (on_palpation_scene && is_palpation_scene(path))
+    if (on_palpation_scene && datasets::is_palpation_scene(path))
         return on_palpation_scene(path);
     ++reading_;
     view_->show_note("Reading " + QString::fromStdString(path.string()) + " …");
     reading_executor_.post([this, path](const Job&) {
         try {
-            auto planned_case = std::make_shared<planner::Case>(read_case(path));
+            auto planned_case = std::make_shared<planner::Case>(planner::read_case(path));
             post_back([this, planned_case] {
                 --reading_;
                 open(std::move(*planned_case));
@@ -535,11 +537,11 @@ void MainWindow::show_picture()
         show_error({ errors, "drawing" });
 }
 
-/// The camera stays where it is when only the knife was taken, or put away and taken again.
+/// The scene for the knife. The camera stays in place when only the knife was taken or put away.
 Scene MainWindow::knife_scene(const Scene& surroundings, const ShownSource& source) const
 {
     Scene scene = surroundings;
-    scene.lines.clear(); // the planned incision: the tool draws it, until hooks hold the wound open
+    scene.lines.clear(); // the tool draws the planned incision until hooks hold the wound open
     const bool in_space = view_->scenes().size() == 1 && view_->scenes().front().slices.empty();
     if (in_space && shown_.pictures != nullptr && shown_.view == source.view && shown_.approach == source.approach)
         scene.camera = view_->camera();
@@ -647,7 +649,7 @@ void MainWindow::ask_for_export_file()
         return;
     if (!file.endsWith(".vtu", Qt::CaseInsensitive))
         file += ".vtu";
-    knife_->run(surgery::ExportWall { file.toStdString() });
+    knife_->run(planner::surgery::ExportWall { file.toStdString() });
 }
 
 void MainWindow::show_about()

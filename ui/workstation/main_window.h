@@ -1,6 +1,6 @@
 #pragma once
-// The window: approaches on the left, the picture in the middle, the numbers on the right. Reading, drawing the closed
-// patient and planning are done by worker threads; the window only hands out work and shows what comes back.
+// The main window: approaches on the left, the picture in the middle, the numbers on the right. Worker threads read
+// cases, draw the closed patient and plan. The window starts the work and shows the results.
 
 #include "mesh/base/serial_executor.h"
 #include "ui/workstation/cutting/knife_tool.h"
@@ -38,38 +38,38 @@ public:
     using BackendFactory = std::function<PlanningBackend(const planner::Case&)>;
 
     explicit MainWindow(BackendFactory factory, QWidget* parent = nullptr);
-    /// Cancels what is being planned and waits for it to stop.
+    /// Cancels planning and waits for its end.
     ~MainWindow() override;
 
-    /// Shows a case that was read already.
+    /// Shows a case that is in memory.
     void open(planner::Case planned_case);
-    /// Reads a case in the background; what is shown stays when it cannot be read.
+    /// Reads a case in the background. When reading fails, the shown case stays.
     void open_file(const std::filesystem::path& path);
 
-    /// @throws InputError naming the approaches there are.
+    /// @throws InputError naming the existing approaches
     void select(const std::string& approach);
     void set_view(ViewPreset view);
     void plan_selected();
     void plan_all();
-    /// Takes back a stroke under way; else stops planning.
+    /// Takes back an open stroke, or else stops planning.
     void cancel();
-    /// Takes the knife in hand, or puts it away. The wall is laid out for it when it is first taken.
+    /// Changes the mode of the knife. The first use starts the session of the selected approach.
     void set_knife(KnifeMode mode);
 
     /// Makes a label of the open case palpable in the background, then calls on_palpable. @pre a case is open
     void palpate(const std::string& structure);
     /// Called with what palpate() made, and what is to be said of it.
-    std::function<void(Palpable)> on_palpable;
+    std::function<void(planner::Palpable)> on_palpable;
 
-    /// Called instead of refusing when a file that is opened is no case but a scene to be palpated.
+    /// Called when an opened file is a palpation scene instead of a case.
     std::function<void(const std::filesystem::path&)> on_palpation_scene;
 
-    /// Writes the picture in the middle as PNG. @throws IoError.
+    /// Writes the picture in the middle as PNG. @throws IoError
     void save_picture(const std::filesystem::path& path);
-    /// The whole window as PNG. @throws IoError.
+    /// Writes the whole window as PNG. @throws IoError
     void save_screenshot(const std::filesystem::path& path);
 
-    /// Nothing is being read, drawn, planned or cut.
+    /// Whether nothing is being read, drawn, planned or cut.
     bool idle() const;
     /// Null before a case is open.
     const SessionModel* model() const { return model_.get(); }
@@ -77,9 +77,9 @@ public:
     ApproachList& approach_list() { return *list_; }
     KnifeTool& knife() { return *knife_; }
     KnifePanel& knife_panel() { return *knife_panel_; }
-    /// What the status line says went wrong; empty: nothing.
+    /// The error in the status line; empty: none.
     std::string error_line() const { return error_; }
-    std::string message_line() const; ///< what the status line shows, error or not
+    std::string message_line() const; ///< text of the status line, error or not
 
 private:
     void make_actions();
@@ -99,12 +99,12 @@ private:
     void make_plan(std::size_t index);
     /// Runs `deliver` in the window's thread.
     void post_back(std::function<void()> deliver);
-    /// The same, unless another case was opened meanwhile.
+    /// Runs `deliver` in the window's thread, unless another case was opened meanwhile.
     void post_back(int generation, std::function<void()> deliver);
 
     void show_all(); ///< list, numbers, actions, picture
-    void show_picture(); ///< leaves a picture that is still the right one alone, and the camera with it
-    void show_knife(); ///< lays the table out for the selected approach while the knife's tab is open
+    void show_picture(); ///< keeps a picture that is still valid, with its camera
+    void show_knife(); ///< starts the session of the selected approach while the knife's tab is open
     bool knife_tab_open() const;
     Scene knife_scene(const Scene& surroundings, const ShownSource& source) const;
     void show_progress();
@@ -116,11 +116,11 @@ private:
     BackendFactory factory_;
     std::unique_ptr<SessionModel> model_;
     PlanningBackend backend_;
-    int generation_ = 0; ///< of the case: results for an older one are dropped
-    int reading_ = 0; ///< cases asked for and not here yet
+    int generation_ = 0; ///< number of the case; results for an older case are dropped
+    int reading_ = 0; ///< number of cases that are being read
     int closed_running_ = 0, plans_running_ = 0;
     std::string error_;
-    ShownSource shown_; ///< what the picture was made of
+    ShownSource shown_; ///< source of the shown picture
 
     ApproachList* list_ = nullptr;
     PictureView* view_ = nullptr;
@@ -137,7 +137,7 @@ private:
     QPushButton* cancel_button_ = nullptr;
     QTimer progress_timer_;
 
-    // Last: they end before what their tasks use.
+    // Last members: they must end before the data that their tasks use.
     SerialExecutor reading_executor_;
     SerialExecutor closed_executor_;
     SerialExecutor planning_executor_;

@@ -13,7 +13,7 @@ namespace {
 
     constexpr int kMostRibs = 12;
 
-    /// All labels there may be; those without voxels are dropped at the end.
+    /// The ids of all possible labels. Labels without voxels are dropped at the end.
     struct Names {
         mesh::LabelTable table;
         std::array<std::array<Label, kMostRibs>, 2> rib {};
@@ -46,7 +46,7 @@ namespace {
         return names;
     }
 
-    /// The steps with what they share.
+    /// Runs the steps and holds their shared data.
     class BoneFinder {
     public:
         BoneFinder(const BonesInput& input, const Job& job)
@@ -77,7 +77,7 @@ namespace {
             job_.report("bones", done);
             return job_.cancelled();
         }
-        std::size_t rib_of(Label label) const; ///< index into ribs_ or npos
+        std::size_t rib_of(Label label) const; ///< index in ribs_, or npos
         bool rib_may_enter(const RibTrack& rib, const Vec3& p) const;
         Vec3 position(Voxel v) const
         {
@@ -99,7 +99,7 @@ namespace {
         std::array<std::vector<Vec3>, 2> clavicles_;
         std::vector<const RibTrack*> rib_of_label_;
         std::vector<Label> labels_;
-        std::vector<Label> given_; ///< labelled by the caller
+        std::vector<Label> given_; ///< labels from the caller
         std::vector<std::string> warnings_;
     };
 
@@ -149,7 +149,8 @@ namespace {
     void BoneFinder::seed_ribs()
     {
         rib_of_label_.assign(names_.table.size() + 1, nullptr);
-        // Near the spine a rib and the transverse process are one piece in the image; there the rib has to grow.
+        // Near the spine a rib and the transverse process are one piece in the image, so seeds of ribs begin farther
+        // out and grow towards the spine.
         constexpr double kFree = 42.0; // mm from the middle of the spine
         for (const RibTrack& rib : ribs_) {
             if (rib.number == 0)
@@ -164,12 +165,12 @@ namespace {
         }
     }
 
-    /// Shoulder blades, arms: what lies outside the ribs.
+    /// Seeds the bone outside the ribs: shoulder blades and arms.
     void BoneFinder::seed_outside()
     {
         constexpr double kBeyond = 4.0; // mm
         constexpr double kBesideNotch = 60.0, kBehindNotch = 30.0,
-                         kUnderNotch = 30.0; // where clavicles and manubrium meet
+                         kUnderNotch = 30.0; // mm; clavicles and manubrium meet in this region
         const double top = cage_.sternum.top();
         const Eigen::Vector2d notch = cage_.sternum(top);
         for (Voxel v = 0; v < bone_.size(); ++v) {
@@ -198,7 +199,7 @@ namespace {
         }
     }
 
-    /// Near the line of a clavicle, whose seeds are thinner than it.
+    /// True near the line of a clavicle. The seeds of a clavicle are thinner than the clavicle.
     bool BoneFinder::beside_clavicle(const Vec3& p) const
     {
         constexpr double kReach = 14.0; // mm
@@ -221,7 +222,7 @@ namespace {
         const double out = cage_.outside_at(p);
         if (out > cage_.rib_limit(p.z()) + kOutside || out < kInside)
             return false;
-        // Not far from the rib's line at this angle.
+        // A voxel may be rib only near the rib's line at this angle.
         const auto above = std::upper_bound(rib.angle.begin(), rib.angle.end(), angle);
         const auto n = static_cast<std::size_t>(std::distance(rib.angle.begin(), above));
         const Vec3& near = rib.line[std::min(n, rib.line.size() - 1)];
@@ -279,7 +280,7 @@ namespace {
 
     void BoneFinder::explain_cartilages(FoundStructure& found)
     {
-        constexpr double kSeen = 0.5; // of the way
+        constexpr double kSeen = 0.5; // share of the path
         std::string hidden, unseen;
         int n = 0;
         const auto list
@@ -304,7 +305,7 @@ namespace {
         }
     }
 
-    /// What is labelled already overrules what was found under the same name, and every other bone.
+    /// Gives given labels precedence over bones found under the same name, and over every other bone.
     void BoneFinder::take_given()
     {
         if (input_.given == nullptr)
@@ -327,7 +328,8 @@ namespace {
         }
     }
 
-    /// Between the first and the last rib that were found on either side, both sides should have all.
+    /// Warns of missing ribs. Between the first and the last rib found on either side, both sides should have every
+    /// rib.
     void BoneFinder::warn_of_missing_ribs(const std::vector<std::size_t>& count)
     {
         std::size_t first = kMostRibs, last = 0;
@@ -338,11 +340,11 @@ namespace {
                     last = std::max(last, n);
                 }
         if (first == kMostRibs) {
-            if (!rib_of_label_.empty()) // else the warning that no bone was separated says it
+            if (!rib_of_label_.empty()) // another warning says when no bone was separated
                 warnings_.push_back("no rib was found");
             return;
         }
-        constexpr std::size_t kMany = 4; // a lost rib or two leaves the levels clear, more may hide a whole level
+        constexpr std::size_t kMany = 4; // one or two missing ribs leave the levels clear, more may hide a whole level
         std::size_t missing = 0;
         for (std::size_t n = first; n <= last; ++n)
             for (std::size_t side = 0; side < 2; ++side)

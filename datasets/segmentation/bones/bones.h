@@ -1,6 +1,6 @@
 #pragma once
-// The skeleton of a chest CT: bone told from contrast and calcification, then separated into spine, sternum, numbered
-// ribs, shoulder blades, clavicles. Units mm and Hounsfield units; frame patient LPS.
+// Finds the skeleton of a chest CT. Bone is distinguished from contrast and calcification, then separated into spine,
+// sternum, numbered ribs, shoulder blades and clavicles. Units mm and Hounsfield units; frame patient LPS.
 
 #include "datasets/segmentation/bones/bones_input.h"
 #include "datasets/segmentation/image/found_structure.h"
@@ -12,15 +12,18 @@
 
 namespace retractor::datasets::segmentation {
 
+/// The bones, and how each was found.
 struct Bones {
-    mesh::LabelTable table; ///< the bones found, cartilages included; ids as autosegment() hands them out
-    std::vector<Label> labels; ///< per voxel of the working grid, 0 where there is no bone or cartilage
+    mesh::LabelTable table; ///< the bones and cartilages found, with the ids that autosegment() uses
+    std::vector<Label> labels; ///< per voxel of the working grid; 0 outside bone and cartilage
     std::vector<FoundStructure> structures;
     std::vector<std::string> warnings;
 };
 
-/// Spine and sternum first (they hold the frame), then ribs from the spine outwards, numbered from the top by the
-/// vertebra they meet (or, where the first rib is out of view, from the lowest, and the warning says so).
+/// Separates the bones. Spine and sternum come first, since they define the frame. Ribs are followed from the spine
+/// outwards and numbered from the top, by the vertebra that each rib meets. When the first rib is out of view, ribs are
+/// numbered from the lowest rib, with a warning.
+/// @throws InputError when the given labels are not on the grid of the image.
 Bones segment_bones(const BonesInput& input, const Job& job = {});
 
 } // namespace retractor::datasets::segmentation

@@ -1,5 +1,5 @@
-// The rib cage as a place: mm outside the convex hulls of the lungs' sections. The hull is carried on below the lungs,
-// where the ribs still run over the liver and the spleen.
+// Computes the place of the rib cage: the distance (mm) outside the convex hulls of the lungs' sections. The hull is
+// extended below the lungs, where ribs still cover liver and spleen.
 
 #include "datasets/segmentation/bones/bones_steps.h"
 
@@ -16,7 +16,7 @@ namespace {
 
     using Point = std::array<int, 2>;
 
-    /// Corners of the convex hull, counter-clockwise (monotone chain).
+    /// The corners of the convex hull, counter-clockwise (monotone chain).
     std::vector<Point> convex_hull(std::vector<Point> points)
     {
         std::sort(points.begin(), points.end());
@@ -65,12 +65,12 @@ namespace {
 
     std::vector<std::vector<Point>> lung_outlines(const CoarseImage& image, int& widest)
     {
-        constexpr double kLeastSection = 600.0; // mm2: less is the windpipe alone
+        constexpr double kLeastSection = 600.0; // mm2; a smaller section is only the windpipe
         const mesh::ImageGrid& grid = image.grid;
         std::vector<std::vector<Point>> outlines(static_cast<std::size_t>(grid.size[2]));
         std::size_t most = 0;
         for (int k = 0; k < grid.size[2]; ++k) {
-            std::vector<Point> ends; // of the rows
+            std::vector<Point> ends; // ends of the rows
             std::size_t count = 0;
             for (int j = 0; j < grid.size[1]; ++j) {
                 int first = -1, last = -1;
@@ -96,15 +96,16 @@ namespace {
         return outlines;
     }
 
-    /// Lungs that do not reach the chest wall (fluid, consolidation) leave the hull too small. Seen from the middle,
-    /// the first bone beyond the hull is a rib or, between two ribs, the scapula: the nearest bone over the height of
-    /// one intercostal space is a rib, and the hull is carried out to it.
+    /// Extends the hull to the ribs. The hull is too small when lungs do not reach the chest wall (fluid,
+    /// consolidation). Seen from the middle, the first bone outside the hull is a rib or, between two ribs, the
+    /// scapula. The nearest bone over the height of one intercostal space is therefore a rib, and the hull is extended
+    /// to this bone.
     void carry_out_to_ribs(const CoarseImage& image, const Cage& cage, std::vector<std::vector<Point>>& outlines)
     {
         constexpr int kRays = 90, kBoneHu = 200;
         constexpr double kInward = 12.0, kOutward = 32.0, kWindow = 12.0, kPleura = 5.0, kWorth = 4.0,
                          kUnderClavicles = 25.0; // mm
-        constexpr double kFromSpine = 24.0; // degrees: nearer to the back the vertebrae are hit
+        constexpr double kFromSpine = 24.0; // degrees; nearer to the back the rays meet vertebrae
         constexpr double kNothing = 1e9;
         const mesh::ImageGrid& grid = image.grid;
         const auto slices = static_cast<std::size_t>(grid.size[2]);
@@ -182,8 +183,8 @@ namespace {
         return value_of_rank(values, (values.size() - 1) * tenths / 10);
     }
 
-    /// The sides of the vertebral body, in its front half, where no rib meets it. Where one side runs on (the aorta
-    /// with contrast touches it), the other side counts for both.
+    /// Measures the sides of the vertebral body in its front half, where no rib touches the body. When one side does
+    /// not end (the aorta with contrast touches it), the other side counts for both.
     Section vertebra_section(const CoarseImage& image, const Eigen::Vector2d& middle, int k)
     {
         constexpr double kWidest = 30.0, kStep = 0.75, kLikely = 24.0; // mm
@@ -210,8 +211,8 @@ namespace {
         return { share_of(shifts, 5), share_of(widths, 8) };
     }
 
-    /// Puts the spine's path in the middle of the vertebral bodies and measures their half-widths: medians over about
-    /// the height of a vertebra.
+    /// Moves the spine's path to the middle of the vertebral bodies and returns their half-widths. Both are medians
+    /// over about the height of a vertebra.
     std::vector<double> centre_on_vertebrae(const CoarseImage& image, MidlinePath& spine)
     {
         constexpr double kNarrowest = 11.0, kWindow = 18.0, kMostShift = 10.0; // mm
@@ -304,8 +305,9 @@ Cage make_cage(const CoarseImage& image, const MidlinePath& spine, const Midline
     return cage;
 }
 
-// Boxes round the paths. Vertebrae: body 12 to 22 mm to each side, arch and processes behind it; the rib's head meets
-// the body's rear corner, its tubercle the transverse process 30 to 35 mm from the middle.
+// Boxes around the paths. A vertebral body reaches 12 to 22 mm to each side; arch and processes lie behind the body.
+// The rib's head touches the rear corner of the body, and the rib's tubercle touches the transverse process 30 to 35 mm
+// from the middle.
 bool in_spine_core(const Cage& cage, const Vec3& p)
 {
     const Eigen::Vector2d c = cage.spine(p.z());
@@ -320,7 +322,7 @@ bool in_spine_reach(const Cage& cage, const Vec3& p)
     const double half = cage.half_width(p.z()) + 4.0;
     if (y >= 75.0 || x >= (y < 12.0 ? half : 38.0))
         return false;
-    const double depth = std::max(22.0, half); // the front of the body is round; the aorta lies against it
+    const double depth = std::max(22.0, half); // the front of the body is round, and the aorta lies against it
     return y > 0.0 || x * x / (half * half) + y * y / (depth * depth) < 1.0;
 }
 
@@ -334,7 +336,7 @@ bool in_sternum_core(const Cage& cage, const Vec3& p)
 
 bool in_sternum_reach(const Cage& cage, const Vec3& p)
 {
-    constexpr double kManubrium = 55.0; // mm from the top: wide
+    constexpr double kManubrium = 55.0; // mm from the top; this part is wide
     if (p.z() < cage.sternum.bottom() - 6.0 || p.z() > cage.sternum.top() + 8.0)
         return false;
     const Eigen::Vector2d c = cage.sternum(p.z());

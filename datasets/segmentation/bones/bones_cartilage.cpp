@@ -1,6 +1,6 @@
-// Costal cartilages: from a rib's front end to the sternum (ribs 1 to 7) or to the cartilage above (8 to 10), along the
-// path that is cheapest: cartilage is a little denser than muscle, so it is followed where it shows; where it does
-// not, the path runs through the rib cage as straight as it can, and is called rough.
+// Finds the costal cartilages. A cartilage runs from a rib's front end to the sternum (ribs 1 to 7) or to the cartilage
+// above (ribs 8 to 10), along the cheapest path. Cartilage is a little denser than muscle, so the path follows visible
+// cartilage. Elsewhere the path runs through the rib cage as straight as possible, and the result is marked as rough.
 
 #include "datasets/segmentation/bones/bones_steps.h"
 
@@ -14,10 +14,10 @@ namespace retractor::datasets::segmentation {
 namespace {
 
     constexpr int kLastToSternum = 7, kLast = 10;
-    constexpr double kSeenLow = 78.0; ///< HU: cartilage, calcified too; muscle is 50 to 60
-    constexpr double kInnerShell = -6.0, kOuterShell = 18.0; ///< mm outside the lungs' hull
+    constexpr double kSeenLow = 78.0; ///< HU of cartilage, also calcified; muscle has 50 to 60
+    constexpr double kInnerShell = -6.0, kOuterShell = 18.0; ///< mm outside the hull of the lungs
 
-    /// Relative cost of a millimetre.
+    /// Relative cost of one millimetre of path.
     double cost_of(double hu)
     {
         constexpr double kMuscle = 45.0, kHidden = 5.0, kFat = 6.0;
@@ -28,7 +28,8 @@ namespace {
         return 1.0 + (kHidden - 1.0) * (kSeenLow - hu) / (kSeenLow - kMuscle);
     }
 
-    /// How far down the sternum the cartilage of a rib meets it (share of its length).
+    /// The height (mm) at which the cartilage of a rib meets the sternum. The table gives the distance from the top as
+    /// a share of the sternum's length.
     double joint_height(const Cage& cage, int rib)
     {
         constexpr std::array<double, kLastToSternum> kShare { 0.10, 0.27, 0.40, 0.53, 0.64, 0.73, 0.80 };
@@ -58,14 +59,14 @@ namespace {
                     }
         }
 
-        /// Nothing may pass here any more.
+        /// Blocks the surroundings of a path for all further paths.
         void block(const std::vector<Vec3>& path, double radius)
         {
             for (const Vec3& p : path)
                 for_near(p, radius, [&](std::size_t v) { step_cost_[v] = 0.0F; });
         }
 
-        /// From a point to the cheapest of the targets (voxel -> extra cost); empty when there is no way.
+        /// The cheapest path from a point to one of the targets (voxel -> extra cost). Empty when no path exists.
         std::vector<Vec3> path(const Vec3& from, const std::vector<std::pair<std::size_t, double>>& targets) const
         {
             const mesh::ImageGrid& grid = image_.grid;
@@ -77,7 +78,7 @@ namespace {
             std::vector<std::int32_t> before(step_cost_.size(), -1);
             using Entry = std::pair<float, std::size_t>;
             std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-            constexpr double kStart = 7.0; // mm: anywhere on the rib's end
+            constexpr double kStart = 7.0; // mm; the path may begin anywhere on the rib's end
             for_near(from, kStart, [&](std::size_t v) {
                 best[v] = 0.0F;
                 queue.push({ 0.0F, v });
@@ -153,7 +154,7 @@ namespace {
 
     private:
         const CoarseImage& image_;
-        std::vector<float> step_cost_; ///< 0: no way
+        std::vector<float> step_cost_; ///< cost per mm; 0 blocks a voxel
     };
 
     std::vector<Vec3> smooth_line(std::vector<Vec3> line)
@@ -167,7 +168,7 @@ namespace {
     std::vector<std::pair<std::size_t, double>> sternum_targets(const CoarseImage& image, const Cage& cage,
         const mesh::ImageGrid& grid, const std::vector<Label>& labels, Label sternum, bool left, double z)
     {
-        constexpr double kPerMm = 0.6; // cost of meeting the sternum too high or too low
+        constexpr double kPerMm = 0.6; // cost per mm for meeting the sternum too high or too low
         std::vector<std::pair<std::size_t, double>> targets;
         for (int k = 0; k < image.grid.size[2]; ++k)
             for (int j = 0; j < image.grid.size[1]; ++j)
@@ -183,13 +184,13 @@ namespace {
         return targets;
     }
 
-    /// Labels what lies round a path: a rod whatever the image shows, and what looks like cartilage or its calcified
-    /// rim next to it.
+    /// Labels the surroundings of a path: a rod regardless of the image, and neighbouring voxels that look like
+    /// cartilage or its calcified rim.
     void paint(const WorkingImage& image, const Cage& cage, const Mask& bone,
         const std::vector<std::int16_t>& smooth_hu, const std::vector<Vec3>& path, Label sternum, Label cartilage,
         std::vector<Label>& labels)
     {
-        constexpr double kRod = 4.0, kReach = 7.5; // mm; cartilages are 8 to 12 thick
+        constexpr double kRod = 4.0, kReach = 7.5; // mm; cartilages are 8 to 12 mm thick
         const mesh::ImageGrid& grid = image.grid;
         const auto mean_hu = [&](int i, int j, int k) {
             int sum = 0;
@@ -221,7 +222,7 @@ namespace {
         }
     }
 
-    /// Noise beside the paths.
+    /// Removes small pieces of noise beside the paths.
     void drop_crumbs(const WorkingImage& image, Label cartilage, std::vector<Label>& labels)
     {
         constexpr double kCrumb = 400.0; // mm3
@@ -289,7 +290,7 @@ std::vector<CartilagePath> add_cartilages(const WorkingImage& image, const Coars
                 path.line = line;
                 path.seen = length > kTouching ? seen / length : 1.0;
                 paint(image, cage, bone, smooth_hu, densely(line), sternum, cartilage, labels);
-                // The next one may come near this one only at its end, where they join.
+                // The next cartilage may come near this cartilage only at its end, where the two join.
                 search.block(line, kKeepApart);
                 above = std::move(line);
             }

@@ -1,5 +1,5 @@
-// Clavicles: from beside the notch of the sternum outwards, plane by plane, as a rod of about 12 mm; where the bone
-// widens into the shoulder the clavicle has ended.
+// Finds the clavicles. The search begins beside the notch of the sternum and follows a rod of about 12 mm outwards,
+// plane by plane. The clavicle ends where the bone widens into the shoulder.
 
 #include "datasets/segmentation/bones/bones_steps.h"
 
@@ -12,7 +12,7 @@ namespace retractor::datasets::segmentation {
 namespace {
 
     constexpr double kRodReach = 10.0; ///< mm from the middle of the rod
-    constexpr double kSeedReach = 8.0; ///< less, since the first rib may lie against it
+    constexpr double kSeedReach = 8.0; ///< mm; smaller, because the first rib may touch the rod
     constexpr double kShoulderReach = 20.0;
 
     class RodTracker {
@@ -30,7 +30,7 @@ namespace {
             std::size_t count = 0;
         };
 
-        /// Mean of the free bone voxels in plane i within `radius` of a point.
+        /// Mean position and number of the free bone voxels in plane i within `radius` of a point.
         Section section(int i, const Vec3& near, double radius) const
         {
             Section found;
@@ -64,7 +64,7 @@ namespace {
         Label may_take_;
     };
 
-    /// The rod beside the notch, some way out where nothing else is near.
+    /// Finds the rod beside the notch, at a distance where no other bone is near.
     std::optional<std::pair<int, Vec3>> start(
         const RodTracker& tracker, const mesh::ImageGrid& grid, const Cage& cage, double side)
     {
@@ -95,7 +95,7 @@ std::vector<Vec3> seed_clavicle(const mesh::ImageGrid& grid, const Mask& bone, c
 {
     constexpr double kFewest = 25.0; // mm2
     constexpr double kMostGap = 5.0, kShoulder = 12.0, kLongest = 170.0; // mm
-    constexpr double kWider = 3.2; // bone in the wide disc against that in the rod's: not a rod any more
+    constexpr double kWider = 3.2; // bone in the wide disc relative to the rod's disc; a larger ratio is no rod
     constexpr double kInner = 18.0, kUnderNotch = 12.0, kFarOut = 60.0;
     const RodTracker tracker(grid, bone, labels, other), shoulders(grid, not_rib, labels, other);
     const double outwards = left ? 1.0 : -1.0;
@@ -139,7 +139,7 @@ std::vector<Vec3> seed_clavicle(const mesh::ImageGrid& grid, const Mask& bone, c
             centres.push_back(centre);
             here.emplace_back(i, centre);
         }
-        // The last stretch was shoulder already.
+        // The last part already belongs to the shoulder.
         const auto drop = static_cast<std::size_t>(shoulder / grid.spacing.x());
         here.resize(here.size() - std::min(here.size(), drop));
         rod.insert(rod.end(), here.begin(), here.end());

@@ -46,7 +46,7 @@ Eigen::Vector2d MidlinePath::operator()(double z) const
     if (at.empty())
         return Eigen::Vector2d::Zero();
     const double s = (z - z0) / dz;
-    // Beyond its ends the line goes on as it ran over the last stretch.
+    // Beyond its ends the line continues in the direction of its last part.
     constexpr int kStretch = 12;
     const auto point = [&](int n) { return at[static_cast<std::size_t>(std::clamp(n, first, last))]; };
     if (s <= first || s >= last) {

@@ -1,4 +1,5 @@
-// The shoulder girdle is what bone is left outside the rib cage: clavicles in front and above, blades behind, arms.
+// Labels the shoulder girdle from the remaining bone outside the rib cage: clavicles in front and above, shoulder
+// blades behind, arms.
 
 #include "datasets/segmentation/bones/bones_steps.h"
 
@@ -47,7 +48,7 @@ void label_girdle(const WorkingImage& image, const Mask& bone, const Cage& cage,
         const bool outside = places[n].outside / static_cast<double>(places[n].n) > 12.0;
         const bool front = cage.angle(middle) > kFrontDeg && middle.z() < cage.sternum.top()
             && middle.z() > cage.sternum.bottom() - kMargin;
-        // What is left in front within the cage is calcified cartilage.
+        // The remaining bone in front within the cage is calcified cartilage.
         label_of[n + 1] = !outside && front ? cartilage : !outside ? ids.other : behind ? ids.scapula[side] : ids.other;
     }
     for (v = 0; v < labels.size(); ++v)

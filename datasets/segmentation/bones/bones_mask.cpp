@@ -1,5 +1,6 @@
-// Bone told from everything else that is bright. Cortex is found by threshold; marrow is what it encloses; the outer
-// rim of half-filled voxels is taken off by the height of the nearest cortex, so that bones keep their thickness.
+// Distinguishes bone from other bright structures. Cortex is found by a threshold; marrow is the tissue that cortex
+// encloses. The outer rim of partly filled voxels is removed relative to the brightness of the nearest cortex, so that
+// bones keep their thickness.
 
 #include "datasets/segmentation/bones/bones_steps.h"
 #include "datasets/segmentation/image/working_image.h"
@@ -11,19 +12,19 @@ namespace retractor::datasets::segmentation {
 
 namespace {
 
-    constexpr int kSure = 220; ///< HU, smoothed: cortex or dense spongy bone
-    constexpr int kPossible = 150; ///< above soft tissue by several times the noise
+    constexpr int kSure = 220; ///< HU, smoothed; cortex or dense spongy bone
+    constexpr int kPossible = 150; ///< HU; above soft tissue by several times the noise
 
-    /// Contrast-filled heart, vessels and organs lie deep inside the cage, where no bone but the spine's is.
+    /// True deep inside the cage, where heart, vessels and organs may have contrast, and the spine is the only bone.
     bool in_cavity(const Cage& cage, const Vec3& p)
     {
-        constexpr double kDeep = 15.0; // mm inside the hull: ribs stay further out even where the hull is loose
+        constexpr double kDeep = 15.0; // mm inside the hull; ribs lie farther out even where the hull is inaccurate
         if (cage.outside_at(p) > -kDeep)
             return false;
         const Eigen::Vector2d c = cage.spine(p.z());
         const double x = std::abs(p.x() - c.x()), y = p.y() - c.y();
         if (x < 50.0 && y > -4.0)
-            return false; // heads and necks of the ribs
+            return false; // heads and necks of ribs
         return !in_spine_reach(cage, p) && !in_sternum_reach(cage, p);
     }
 
@@ -43,11 +44,11 @@ namespace {
         return most;
     }
 
-    /// Takes off rim voxels that are less than half as dense as the bone next to them.
+    /// Removes rim voxels that are less than half as dense as the bone beside them.
     void peel(const WorkingImage& image, const std::vector<std::int16_t>& hu, Mask& bone)
     {
         constexpr double kSoftHu = 50.0, kHalf = 0.5;
-        constexpr int kMostThreshold = 420; // so that dense cortex does not eat the spongy ends of bones
+        constexpr int kMostThreshold = 420; // dense cortex then does not remove the spongy ends of bones
         const auto nx = static_cast<Voxel>(image.grid.size[0]);
         const Voxel slice = nx * static_cast<Voxel>(image.grid.size[1]);
         const int radius = std::max(1, static_cast<int>(std::lround(3.0 / image.grid.spacing.x())));
@@ -81,10 +82,11 @@ Mask bone_mask(const BonesInput& input, const Cage& cage, const std::vector<std:
                 sure[v] = smooth_hu[v] >= kSure;
             }
     bone = reached_from(image.extent(), bone, sure);
-    // Marrow and the canal of the spine: holes of the axial sections, but not what rings of several bones enclose.
-    constexpr double kLargestHole = 1300.0; // mm2: a vertebral body with a thin shell
+    // Fills marrow and spinal canal, which are holes of the axial sections. Larger holes inside rings of several bones
+    // stay.
+    constexpr double kLargestHole = 1300.0; // mm2; a vertebral body with a thin shell
     bone = small_holes_filled_in_planes(image.extent(), bone, 2, kLargestHole);
-    // Twice, since neighbouring ribs and the joints between bones blur into one another over a few voxels.
+    // Two passes, because neighbouring ribs and the joints between bones blur into each other over a few voxels.
     for (int pass = 0; pass < 2; ++pass)
         peel(image, smooth_hu, bone);
     return bone;

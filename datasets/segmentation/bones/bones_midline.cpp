@@ -1,5 +1,5 @@
-// Spine and sternum as paths through the slices: each slice is scored by how much it looks like the bone round a point
-// (boxes of bone and of no bone), and the best continuous path is found by dynamic programming.
+// Finds spine and sternum as paths through the slices. Each point of a slice has a score: its likeness to the bone,
+// from boxes that should be bone and boxes that should not. Dynamic programming finds the best continuous path.
 
 #include "datasets/segmentation/bones/bones_steps.h"
 
@@ -11,13 +11,13 @@ namespace retractor::datasets::segmentation {
 
 namespace {
 
-    /// How bony a place is (0 to 1), averaged over some height, with sums for boxes in each slice.
+    /// The bone content of each place (0 to 1), averaged over some height, with sums for boxes in each slice.
     class BoneMap {
     public:
         BoneMap(const CoarseImage& image, double half_height_mm)
             : grid_(image.grid)
         {
-            constexpr double kSoft = 120.0, kBone = 300.0; // HU: spongy bone lies between
+            constexpr double kSoft = 120.0, kBone = 300.0; // HU; spongy bone lies between the two
             const auto nx = static_cast<std::size_t>(grid_.size[0]), ny = static_cast<std::size_t>(grid_.size[1]);
             const std::size_t slice = nx * ny;
             std::vector<float> bone(image.hu.size());
@@ -42,7 +42,7 @@ namespace {
             }
         }
 
-        /// Mean over a box round voxel (i, j): offsets in mm.
+        /// Mean over a box around voxel (i, j), with offsets in mm.
         double box(int i, int j, int k, double x0, double x1, double y0, double y1) const
         {
             const auto index = [](double mm, double h) { return static_cast<int>(std::lround(mm / h)); };
@@ -65,7 +65,8 @@ namespace {
 
     constexpr double kImpossible = -1e6;
 
-    /// The path of best total score with at most one voxel of shift per slice; `score(i, j, k)`.
+    /// Finds the path of best total score, with a shift of at most one voxel per slice. `score(i, j, k)` gives the
+    /// score.
     template <typename Score>
     std::vector<std::array<int, 2>> best_path(const mesh::ImageGrid& grid, double shift_cost, const Score& score)
     {
@@ -108,7 +109,7 @@ namespace {
         return path;
     }
 
-    /// The run of slices with the largest sum of (score - least).
+    /// Finds the run of slices with the largest sum of (score - least).
     std::pair<int, int> best_run(const std::vector<double>& scores, double least)
     {
         std::pair<int, int> run { 0, -1 };
@@ -139,7 +140,8 @@ namespace {
         path.at.resize(voxels.size());
         for (int k = run.first; k <= run.second; ++k) {
             Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-            const int reach = std::min({ kHalf, k - run.first, run.second - k }); // symmetric: ends stay in place
+            // A symmetric window keeps the ends in place.
+            const int reach = std::min({ kHalf, k - run.first, run.second - k });
             for (int c = k - reach; c <= k + reach; ++c) {
                 const auto& v = voxels[static_cast<std::size_t>(c)];
                 sum += grid.world(Vec3(v[0], v[1], c)).head<2>();
@@ -160,7 +162,7 @@ namespace {
         return smooth_path(grid, voxels, best_run(scores, least));
     }
 
-    /// x as a line over z through the lower part of a path.
+    /// Fits x as a line over z through the lower part of a path.
     Eigen::Vector2d line_through(const MidlinePath& path, double share)
     {
         const int end = path.first + std::max(1, static_cast<int>(share * (path.last - path.first)));
@@ -199,9 +201,9 @@ namespace {
 
 MidlinePath find_spine(const CoarseImage& image)
 {
-    constexpr double kReachX = 50.0, kReachY = 45.0; // mm from the middle of the lungs; the neck lies further forward
+    constexpr double kReachX = 50.0, kReachY = 45.0; // mm from the middle of the lungs; the neck lies farther forward
     constexpr double kShift = 0.06, kLeast = 0.35;
-    const BoneMap bone(image, 9.0); // half a vertebra, discs included
+    const BoneMap bone(image, 9.0); // half a vertebra, which averages over the discs
     const LungBox lungs = lung_box(image);
     const mesh::ImageGrid& grid = image.grid;
     return find_path(grid, kShift, kLeast, [&](int i, int j, int k) {
@@ -210,7 +212,7 @@ MidlinePath find_spine(const CoarseImage& image)
             return 10.0 * kImpossible;
         const double body = bone.box(i, j, k, -12, 12, -11, 11);
         const double arch = bone.box(i, j, k, -10, 10, 18, 42);
-        // The heart and the aorta, filled with contrast, have bright neighbours; a vertebra does not.
+        // Heart and aorta with contrast have bright neighbours; a vertebra has not.
         const double sides = bone.box(i, j, k, -38, -28, -10, 4) + bone.box(i, j, k, 28, 38, -10, 4);
         const double front = bone.box(i, j, k, -10, 10, -34, -25);
         return body + arch - 0.4 * sides - 0.4 * front;
@@ -224,7 +226,7 @@ MidlinePath find_sternum(const CoarseImage& image, const MidlinePath& spine)
     constexpr double kShift = 0.05, kLeast = 0.22;
     const BoneMap bone(image, 6.0);
     const mesh::ImageGrid& grid = image.grid;
-    // First body voxel from the front, per column of each slice.
+    // The first body voxel from the front, per column of each slice.
     std::vector<int> skin(
         static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[2]), grid.size[1]);
     for (int k = 0; k < grid.size[2]; ++k)
@@ -234,7 +236,8 @@ MidlinePath find_sternum(const CoarseImage& image, const MidlinePath& spine)
                     skin[static_cast<std::size_t>(k * grid.size[0] + i)] = j;
                     break;
                 }
-    // The first pass may leave the sternum for a clavicle at its top; its lower part gives the line for the second.
+    // The first pass may leave the sternum for a clavicle at its top. The lower part of the path gives the line for the
+    // second pass.
     Eigen::Vector2d line(spine(grid.origin.z()).x(), 0.0); // x = line[0] + line[1] * z
     double per_mm = 0.002, per_mm2 = 0.0, reach = kReachX;
     bool follow_spine = true;
@@ -257,10 +260,10 @@ MidlinePath find_sternum(const CoarseImage& image, const MidlinePath& spine)
     line = line_through(first, 0.65);
     follow_spine = false;
     per_mm = 0.006;
-    per_mm2 = 0.0012; // the medial end of a clavicle is 15 mm and more off the line
+    per_mm2 = 0.0012; // the medial end of a clavicle is at least 15 mm off the line
     reach = 20.0;
     MidlinePath path = find_path(grid, kShift, kLeast, score);
-    // Beside the jugular notch there is bone on both sides and none in the middle.
+    // Beside the jugular notch there is bone on both sides and no bone in the middle.
     constexpr double kOffLine = 8.0; // mm
     const auto off_line = [&](int k) {
         const double z = path.z0 + path.dz * k;

@@ -1,5 +1,5 @@
-// Ribs are numbered by level, from the top: both sides of a level belong to one vertebra, so that a rib that was not
-// found on one side does not shift the numbers below it.
+// Numbers the ribs by level, from the top. Both ribs of a level belong to one vertebra, so a rib that is missing on one
+// side does not shift the numbers below.
 
 #include "datasets/segmentation/bones/bones_steps.h"
 
@@ -26,10 +26,10 @@ namespace {
         return (1.0 - t) * rib.line[n - 1].z() + t * rib.line[n].z();
     }
 
-    /// How much higher a is than b, where both can be compared: near the spine, as far as both go.
+    /// Height of rib a over rib b (mm), compared near the spine, at an angle that both ribs reach.
     double higher(const RibTrack& a, const RibTrack& b)
     {
-        // Degrees: well clear of the spine, since the first two ribs start at one height, side by side.
+        // Degrees. The angle is far from the spine, because the first two ribs start at the same height, side by side.
         constexpr double kClear = 70.0;
         const double angle = std::min(
             std::max({ kClear, a.angle.front(), b.angle.front() }), std::min(a.angle.back(), b.angle.back()));
@@ -48,7 +48,7 @@ namespace {
         std::array<RibTrack*, 2> rib { nullptr, nullptr }; ///< left, right
     };
 
-    /// A rib in its own right: starts beside the spine.
+    /// True for a rib that starts beside the spine, and is not a part of another rib.
     bool starts_at_spine(const RibTrack& rib, const Cage& cage)
     {
         constexpr double kFarthestStart = 60.0, kLargestAngle = 60.0; // mm from the middle, degrees
@@ -58,7 +58,7 @@ namespace {
 
     std::vector<Level> levels_of(const std::array<std::vector<RibTrack*>, 2>& sides, double pitch)
     {
-        constexpr double kSameLevel = 0.62; // of the distance of two levels
+        constexpr double kSameLevel = 0.62; // share of the distance between two levels
         std::vector<Level> levels;
         std::array<std::size_t, 2> at { 0, 0 };
         while (at[0] < sides[0].size() || at[1] < sides[1].size()) {
@@ -79,7 +79,7 @@ namespace {
         return levels;
     }
 
-    /// How far level a is above level b, on the side that has both, else across.
+    /// Height of level a over level b (mm), on a side with both ribs, else between the sides.
     double step(const Level& a, const Level& b)
     {
         double sum = 0.0;
@@ -110,7 +110,7 @@ void number_ribs(
     }
     std::vector<double> steps;
     for (auto& side : sides) {
-        // Heights are compared pair by pair where both ribs are; an insertion sort needs no more than that.
+        // Heights are compared in pairs, at places that both ribs reach. An insertion sort needs only such comparisons.
         for (std::size_t n = 1; n < side.size(); ++n)
             for (std::size_t m = n; m > 0 && higher(*side[m], *side[m - 1]) > 0.0; --m)
                 std::swap(side[m], side[m - 1]);
@@ -122,16 +122,17 @@ void number_ribs(
     if (levels.empty())
         return;
 
-    // Numbers along the levels: a step of nearly two pitches skips one.
+    // The levels get consecutive numbers. A step of nearly two pitches skips a number.
     constexpr double kSkip = 1.75;
     std::vector<int> number(levels.size(), 1);
     for (std::size_t n = 1; n < levels.size(); ++n) {
         const bool skip = step(levels[n - 1], levels[n]) > kSkip * pitch;
         number[n] = number[n - 1] + (skip ? 2 : 1);
     }
-    // The first rib is a much smaller arch than the second (0.83 to 0.85 of it where it was measured), the second still
-    // a smaller one than the third (0.91), and no other rib is. When the uppermost level is no smaller arch and lies at
-    // the image's border, the first is out of view. In between the sizes do not tell, and nothing is shifted.
+    // The first rib is a much smaller arch than the second (measured ratio 0.83 to 0.85), and the second is a smaller
+    // arch than the third (0.91). No other rib is a smaller arch than the next. When the uppermost level is no smaller
+    // arch and lies at the border of the image, the first rib is out of view. Ratios between these limits decide
+    // nothing, and no number is shifted.
     constexpr double kFirstArch = 0.88, kSmallerArch = 0.93;
     const auto arch = [&](const Level& level) {
         double most = 0.0;

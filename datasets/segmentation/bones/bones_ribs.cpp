@@ -1,6 +1,6 @@
-// Ribs by walking round the chest. The bone near the pleura is cut into sectors of a few degrees round the axis of the
-// chest; in a sector each rib is one piece. Pieces of neighbouring sectors that touch are the same rib when each is
-// the other's best neighbour; gaps are bridged where a piece lies straight ahead.
+// Follows the ribs round the chest. The bone near the pleura is divided into sectors of a few degrees about the axis of
+// the chest. In a sector each rib is one piece. Touching pieces of neighbouring sectors belong to one rib when each is
+// the best neighbour of the other. A gap is bridged when a piece lies straight ahead.
 
 #include "datasets/segmentation/bones/bones_steps.h"
 
@@ -17,19 +17,19 @@ namespace retractor::datasets::segmentation {
 namespace {
 
     constexpr double kSectorDeg = 4.0;
-    constexpr int kSectors = 45; // per side
+    constexpr int kSectors = 45; // sectors per side
     constexpr double kInnermost = -25.0;
-    constexpr double kBesideVertebra = 3.0; ///< mm from the side of the vertebral body: the ribs' heads
+    constexpr double kBesideVertebra = 3.0; ///< mm from the side of the vertebral body, where the heads of ribs lie
 
     struct Piece {
         int sector = 0;
         bool left = true;
         std::vector<Voxel> voxels;
         Vec3 centre = Vec3::Zero();
-        int next = -1, before = -1; ///< pieces of the same rib
+        int next = -1, before = -1; ///< neighbouring pieces of the same rib
     };
 
-    /// The sector of each voxel that may be rib, side by side; -1 for the rest.
+    /// For each voxel that may be rib: twice its sector, plus 1 on the right side. -1 for other voxels.
     std::vector<std::int8_t> sectors(const WorkingImage& image, const Mask& bone, const Cage& cage)
     {
         std::vector<std::int8_t> sector(bone.size(), -1);
@@ -59,7 +59,8 @@ namespace {
 
     struct Pieces3 {
         std::vector<Piece> pieces;
-        std::map<std::pair<int, int>, int> contact; ///< faces shared by pieces of neighbouring sectors, lower first
+        /// Number of faces shared by pieces of neighbouring sectors, lower sector first.
+        std::map<std::pair<int, int>, int> contact;
     };
 
     Pieces3 cut(const WorkingImage& image, const std::vector<std::int8_t>& sector)
@@ -71,7 +72,7 @@ namespace {
         Pieces3 result;
         std::vector<std::int32_t> piece_of(sector.size(), -1);
         std::vector<Voxel> queue;
-        // Bone never reaches the image's border planes in these loops: the outermost layer is left out.
+        // These loops omit the outermost layer of the image, so bone never reaches the border planes.
         const auto inner = [&](Voxel v) {
             const Voxel i = v % nx, j = (v / nx) % ny, k = v / slice;
             return i > 0 && i + 1 < nx && j > 0 && j + 1 < ny && k > 0 && k + 1 < static_cast<Voxel>(grid.size[2]);
@@ -116,12 +117,13 @@ namespace {
         return result;
     }
 
-    /// A piece much taller than a rib holds a rib and the scapula behind it, or two ribs with the scapula between: its
-    /// outermost voxels are taken off. Returns how many pieces were.
+    /// Removes the outermost voxels of pieces that are much taller than a rib. Such a piece holds a rib and the scapula
+    /// behind the rib, or two ribs with the scapula between. Returns the number of such pieces.
     int peel_tall_pieces(const WorkingImage& image, const Cage& cage, const Pieces3& cut_pieces, double by,
         std::vector<std::int8_t>& sector)
     {
-        constexpr double kTall = 30.0, kFrontDeg = 100.0; // mm; in front ribs are cut at a slant and are taller
+        // Limits in mm and degrees. In front, sectors cut ribs at a slant, so pieces are taller.
+        constexpr double kTall = 30.0, kFrontDeg = 100.0;
         const mesh::ImageGrid& grid = image.grid;
         const auto nx = static_cast<Voxel>(grid.size[0]), ny = static_cast<Voxel>(grid.size[1]);
         const Voxel slice = nx * ny;
@@ -146,7 +148,7 @@ namespace {
     {
         auto& pieces = cut_pieces.pieces;
         std::vector<std::pair<int, int>> best_next(pieces.size(), { 0, -1 }), best_before(pieces.size(), { 0, -1 });
-        constexpr double kRise = 3.0; // mm; ribs fall going forwards, the clavicle that crosses the first rib rises
+        constexpr double kRise = 3.0; // mm; ribs descend forwards, a clavicle across the first rib rises
         constexpr int kRiseCosts = 4;
         for (const auto& [pair, shared] : cut_pieces.contact) {
             const auto a = static_cast<std::size_t>(pair.first), b = static_cast<std::size_t>(pair.second);
@@ -166,7 +168,7 @@ namespace {
         }
     }
 
-    /// A chain of pieces.
+    /// Pieces in order along a rib.
     struct Chain {
         bool left = true;
         std::vector<int> pieces;
@@ -187,7 +189,7 @@ namespace {
         return all;
     }
 
-    /// Where a chain goes on: its end and its direction there (unit), from its last few pieces.
+    /// The end of a chain and its direction there (unit), from the last pieces.
     std::pair<Vec3, Vec3> heading(const std::vector<Piece>& pieces, const Chain& chain, bool forwards)
     {
         constexpr std::size_t kBack = 4;
@@ -199,7 +201,8 @@ namespace {
         return { end, back == 0 ? Vec3(Vec3::Zero()) : Vec3((end - centre(back)).normalized()) };
     }
 
-    /// How badly chain b continues chain a: mm off the straight line plus a share of the gap; nothing when it does not.
+    /// The misfit of chain b as a continuation of chain a: mm off the straight line, plus a share of the gap. Nothing
+    /// when b does not continue a.
     std::optional<double> misfit(const std::vector<Piece>& pieces, const Chain& a, const Chain& b)
     {
         constexpr double kMostGap = 45.0, kMostOff = 12.0, kSlope = 0.35;
@@ -220,13 +223,13 @@ namespace {
             off = 0.5 * (off_a.norm() + off_b.norm());
         else
             off = long_a ? off_a.norm() : long_b ? off_b.norm() : std::abs(gap.z());
-        // Ribs bend: what is off may grow with the gap.
+        // Ribs bend, so the allowed distance grows with the gap.
         if (off > 4.0 + kSlope * gap.norm() || off > kMostOff)
             return std::nullopt;
         return off + 0.15 * gap.norm();
     }
 
-    /// Joins chains across gaps, best fit first.
+    /// Joins chains across gaps, in order of rising misfit.
     void bridge(const std::vector<Piece>& pieces, std::vector<Chain>& all)
     {
         for (;;) {
@@ -259,7 +262,7 @@ namespace {
         return sum;
     }
 
-    /// Where something else touches a rib, the middle of the piece is off its line.
+    /// Moves points that lie off the line, because another structure touches the rib there.
     void straighten(std::vector<Vec3>& line)
     {
         constexpr double kOff = 4.0; // mm from the middle of both neighbours
@@ -270,10 +273,10 @@ namespace {
         }
     }
 
-    /// Ribs fall from the spine forwards, and no rib is as steep as the side of a vertebra.
+    /// True when a track descends from the spine forwards and is less steep than the side of a vertebra.
     bool runs_like_a_rib(const RibTrack& rib)
     {
-        constexpr double kRise = 6.0, kSteep = 2.0; // mm, rise over run
+        constexpr double kRise = 6.0, kSteep = 2.0; // mm; rise over run
         double run = 0.0;
         for (std::size_t n = 1; n < rib.line.size(); ++n)
             run += (rib.line[n] - rib.line[n - 1]).head<2>().norm();
@@ -281,7 +284,8 @@ namespace {
         return fall > -kRise && fall < kSteep * run;
     }
 
-    /// Where a chain's bone ends in front: calcified cartilage goes on thinner, and turns up where ribs only fall.
+    /// The number of bony pieces in a chain. In front, calcified cartilage continues the rib, but is thinner and turns
+    /// up, while ribs only descend.
     std::size_t bony_pieces(const std::vector<Piece>& pieces, const Chain& chain)
     {
         constexpr double kThin = 0.45, kRise = 3.0; // share of the median piece; mm above the lowest piece so far
@@ -290,7 +294,7 @@ namespace {
         for (const int n : chain.pieces)
             sizes.push_back(pieces[static_cast<std::size_t>(n)].voxels.size());
         const auto median = static_cast<double>(upper_median(sizes));
-        constexpr std::size_t kForgiven = 3; // pieces in a row: something else touches the rib
+        constexpr std::size_t kForgiven = 3; // pieces in a row where another structure touches the rib
         double lowest = std::numeric_limits<double>::infinity();
         std::size_t good = 0;
         for (std::size_t n = 0; n < chain.pieces.size(); ++n) {
@@ -310,9 +314,9 @@ namespace {
 
 std::vector<RibTrack> track_ribs(const WorkingImage& image, const Mask& bone, const Cage& cage)
 {
-    constexpr double kShortest = 35.0; // mm: the twelfth rib may be 40
+    constexpr double kShortest = 35.0; // mm; the twelfth rib may have 40
     constexpr double kShortestLeaving = 18.0, kBorder = 10.0;
-    constexpr double kPieceLength = 9.0; // between centres of neighbouring pieces
+    constexpr double kPieceLength = 9.0; // mm between the centres of neighbouring pieces
     std::vector<std::int8_t> sector = sectors(image, bone, cage);
     Pieces3 cut_pieces = cut(image, sector);
     for (const double by : { 2.0, 4.0, 6.0 }) {
@@ -322,7 +326,7 @@ std::vector<RibTrack> track_ribs(const WorkingImage& image, const Mask& bone, co
     }
     link_touching(cut_pieces);
     std::vector<Chain> all = chains(cut_pieces.pieces);
-    // Single small pieces are noise or stray; they only slow the search down.
+    // Single small pieces are noise, and would only slow the search down.
     std::erase_if(all, [&](const Chain& chain) {
         return chain.pieces.size() == 1
             && cut_pieces.pieces[static_cast<std::size_t>(chain.pieces[0])].voxels.size() < 20;
@@ -342,7 +346,7 @@ std::vector<RibTrack> track_ribs(const WorkingImage& image, const Mask& bone, co
             rib.voxels.insert(rib.voxels.end(), piece.voxels.begin(), piece.voxels.end());
         }
         straighten(rib.line);
-        // The last rib may leave the image where it has hardly begun.
+        // The last rib may leave the image soon after its beginning.
         const bool leaves = !rib.line.empty() && rib.line.back().z() < image.grid.origin.z() + kBorder;
         if (length(rib) >= (leaves ? kShortestLeaving : kShortest) && runs_like_a_rib(rib))
             ribs.push_back(std::move(rib));

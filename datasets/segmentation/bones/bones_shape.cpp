@@ -1,4 +1,4 @@
-// From voxels of a bone to a body that can be meshed: solid, in one piece, not touching the next one.
+// Turns the voxels of a bone into a body for the mesher: solid, in one piece, and not touching the next bone.
 
 #include "datasets/segmentation/bones/bones_steps.h"
 
@@ -9,7 +9,7 @@ namespace retractor::datasets::segmentation {
 
 namespace {
 
-    /// A piece of the working grid, with a border of empty voxels.
+    /// A part of the working grid with a border of empty voxels.
     struct LocalBox {
         std::array<int, 3> low {}, size {};
         Mask mask;
@@ -58,7 +58,8 @@ namespace {
         return box;
     }
 
-    /// Grows (or, of the complement, shrinks) by one voxel along each axis in turn: a box of 3 x 3 x 3.
+    /// Grows the voxels of this value by one voxel along each axis in turn, with a box of 3 x 3 x 3. Growing the
+    /// complement shrinks the mask.
     void grow(LocalBox& box, std::uint8_t value)
     {
         const std::array<std::size_t, 3> strides { 1, static_cast<std::size_t>(box.size[0]),
@@ -111,7 +112,8 @@ namespace {
 void make_solid(const mesh::ImageGrid& grid, std::vector<Label>& labels, Label label, const std::vector<Vec3>& line,
     const std::vector<Label>& yielding)
 {
-    constexpr double kTubeRadius = 2.6; // mm: keeps a rib in one piece where the image or a neighbour breaks it
+    // Radius in mm. The tube keeps a rib in one piece where the image or a neighbour interrupts the rib.
+    constexpr double kTubeRadius = 2.6;
     std::vector<Voxel> voxels;
     for (Voxel v = 0; v < labels.size(); ++v)
         if (labels[v] == label)
@@ -121,9 +123,9 @@ void make_solid(const mesh::ImageGrid& grid, std::vector<Label>& labels, Label l
     LocalBox box = local_box(grid, voxels, line);
     for (std::size_t n = 1; n < line.size(); ++n)
         draw_tube(box, grid, line[n - 1], line[n], kTubeRadius);
-    const Mask firm = box.mask; // its own voxels and the tube
+    const Mask firm = box.mask; // the bone's own voxels and the tube
     close_and_fill(box, grid.spacing.x());
-    // Only what hangs together, and only where no other bone is.
+    // Keeps only connected voxels that belong to no other bone.
     const auto outside = [&](int i, int j, int k) { return !grid.contains(i, j, k); };
     std::size_t v = 0;
     for (int k = 0; k < box.size[2]; ++k)
@@ -185,7 +187,7 @@ void keep_largest_pieces(
             visit(k > 0, v - slice);
             visit(k + 1 < nz, v + slice);
         }
-        // The smaller one goes; the first piece of a label is swapped with nothing.
+        // The smaller piece gets the label `rest`. The first piece of a label has no rival.
         if (piece.size() > largest[label].size())
             std::swap(piece, largest[label]);
         for (const Voxel v : piece)

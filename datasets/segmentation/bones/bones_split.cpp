@@ -1,4 +1,4 @@
-// Bones that touch in the image are parted where the image is darkest between them.
+// Divides bones that touch in the image, where the image between them is darkest.
 
 #include "datasets/segmentation/bones/bones_steps.h"
 
@@ -11,7 +11,7 @@ namespace retractor::datasets::segmentation {
 void grow_seeds(const WorkingImage& image, const Mask& bone, const std::vector<std::int16_t>& smooth_hu,
     std::vector<Label>& labels, const std::function<bool(Label, Voxel)>& may_enter)
 {
-    // Bright voxels all count the same: cortex outside must not win over marrow inside.
+    // All bright voxels have the same level, because outer cortex must not win over inner marrow.
     constexpr int kBright = 350, kStep = 10, kDark = -50;
     constexpr std::size_t kLevels = (kBright - kDark) / kStep + 1;
     const auto level = [&](Voxel v) {
@@ -20,7 +20,7 @@ void grow_seeds(const WorkingImage& image, const Mask& bone, const std::vector<s
     const auto nx = static_cast<Voxel>(image.grid.size[0]), ny = static_cast<Voxel>(image.grid.size[1]);
     const auto nz = static_cast<Voxel>(image.grid.size[2]);
     const Voxel slice = nx * ny;
-    std::array<std::queue<Voxel>, kLevels> waiting; // labelled voxels whose neighbours are to be looked at
+    std::array<std::queue<Voxel>, kLevels> waiting; // labelled voxels with neighbours to visit
     for (Voxel v = 0; v < labels.size(); ++v)
         if (labels[v] != 0)
             waiting[kLevels - 1].push(v);

@@ -1,6 +1,6 @@
 #pragma once
-// One structure of a segmentation and how the segmentation found it: what the steps report to autosegment() and what
-// the result lists. Units ml.
+// One structure of a segmentation, and how the structure was found. The steps report these records to autosegment(),
+// and the result lists them.
 
 #include <string>
 
@@ -9,8 +9,8 @@ namespace retractor::datasets {
 /// How a structure was found, for the report and the contact sheet.
 struct FoundStructure {
     std::string name; ///< as in the label table
-    double volume_ml = 0.0;
-    bool rough = false; ///< a region estimated from its neighbours, not seen in the image
+    double volume_ml = 0.0; ///< ml
+    bool rough = false; ///< true: the region is estimated from its neighbours, the image does not show the structure
     std::string how; ///< one line: "threshold 200 HU, connected to the spine"
 };
 

@@ -44,7 +44,7 @@ namespace {
             throw InputError("the radius must be a number of mm that is not negative", what);
     }
 
-    /// The caller's memory seen as an image; nothing is copied, and the image must not outlive it.
+    /// Makes an image of the caller's memory without copying. The memory must outlive the image.
     template <typename Pixel>
     typename itk::ImportImageFilter<Pixel, 3>::Pointer import_image(const Extent& extent, std::span<const Pixel> values)
     {
@@ -54,7 +54,7 @@ namespace {
             size[axis] = static_cast<itk::SizeValueType>(extent.size[axis]);
         import->SetRegion({ {}, size });
         import->SetSpacing(extent.spacing.data());
-        // The library reads through this pointer only; its interface predates const.
+        // ITK only reads through this pointer; its interface predates const.
         import->SetImportPointer(const_cast<Pixel*>(values.data()), values.size(), false);
         import->Update();
         return import;
@@ -81,7 +81,7 @@ namespace {
         bool empty() const { return high[0] <= low[0]; }
     };
 
-    /// Visits the rows of a box: offset of the first voxel, and how many.
+    /// Calls visit(offset of the first voxel, number of voxels) for each row of a box.
     template <typename Visit> void for_rows(const Extent& extent, const Box& box, const Visit& visit)
     {
         const auto nx = static_cast<std::size_t>(extent.size[0]);
@@ -93,7 +93,7 @@ namespace {
                     static_cast<std::size_t>(box.high[0] - box.low[0]));
     }
 
-    /// The voxels that are set, grown by a margin; empty when none is.
+    /// The bounding box of the set voxels, extended by a margin; empty for an empty mask.
     Box box_of(const Extent& extent, const Mask& mask, double margin_mm)
     {
         Box box { extent.size, { 0, 0, 0 } };
@@ -123,7 +123,7 @@ namespace {
         return box;
     }
 
-    /// The cropped mask; inverted, it is set where the mask is not.
+    /// The mask within a box, optionally inverted.
     Mask cropped(const Extent& extent, const Mask& mask, const Box& box, bool inverted)
     {
         Mask out;
@@ -143,8 +143,8 @@ namespace {
         return out;
     }
 
-    /// Sets in `mask` (in place) what `keep(distance)` says inside the box, where the distance is to voxels that are
-    /// set (inverted: unset).
+    /// Returns a mask with keep(distance) in each voxel of the box and 0 outside. The distance leads to the nearest set
+    /// voxel, or with `inverted` to the nearest unset voxel.
     template <typename Keep>
     Mask by_distance(const Extent& extent, const Mask& mask, const Box& box, bool inverted, const Keep& keep)
     {
@@ -158,10 +158,11 @@ namespace {
         return out;
     }
 
-    /// Distances are stored in single precision; a radius that is a whole number of voxels must still reach.
+    /// A slightly larger radius, because distances have single precision and a radius of whole voxels must reach the
+    /// last voxel.
     double with_slack(double radius_mm) { return radius_mm * (1.0 + 1e-5) + 1e-6; }
 
-    /// Fills what the border of a plane does not reach. The plane is `width` x `height` bytes.
+    /// Fills the areas that are not connected to the border of a plane. The plane has `width` x `height` bytes.
     void fill_plane(std::vector<std::uint8_t>& plane, int width, int height, std::vector<int>& stack)
     {
         constexpr std::uint8_t kOutside = 2;
@@ -233,7 +234,7 @@ std::vector<float> distance_to(const Extent& extent, const Mask& mask)
     filter->SetUseImageSpacing(true);
     filter->Update();
     std::vector<float> distance = values_of(*filter->GetOutput());
-    // Inside, the filter gives the distance to the mask's rim, negative.
+    // Inside the mask, the filter gives the negative distance to the rim.
     for (float& d : distance)
         d = std::max(d, 0.0F);
     return distance;

@@ -1,7 +1,7 @@
 #pragma once
-// Voxel filters that the segmentation is made of, with radii in mm. The border to the filter library (ITK): it keeps
-// ITK in one source file, which must not see Eigen (ITK brings an older one of its own), so grids are plain numbers
-// here. Memory order: x fastest. Every filter checks that sizes agree and throws InputError when they do not.
+// Voxel filters for the segmentation, with radii in mm. ITK is confined to one source file without Eigen, because ITK
+// brings an older Eigen; this header therefore describes grids by plain numbers. Memory order: x fastest. Every filter
+// throws InputError when sizes disagree.
 
 #include <array>
 #include <cstddef>
@@ -11,9 +11,9 @@
 
 namespace retractor::datasets::segmentation {
 
-/// A grid without its place in the world.
+/// A grid without a place in the world.
 struct Extent {
-    std::array<int, 3> size { 0, 0, 0 };
+    std::array<int, 3> size { 0, 0, 0 }; ///< voxels along x, y, z
     std::array<double, 3> spacing { 1.0, 1.0, 1.0 }; ///< mm
 
     std::size_t voxel_count() const
@@ -26,41 +26,44 @@ struct Extent {
 /// One byte per voxel, 0 or 1.
 using Mask = std::vector<std::uint8_t>;
 
-/// How many threads the filters use from now on, in the whole process; 2 unless told.
+/// Sets the number of threads of all filters in the process; the default is 2. @throws InputError for fewer than 1.
 void set_filter_threads(int threads);
 
-/// Voxels whose value lies in [low, high].
+/// Sets voxels with a value in [low, high].
 Mask threshold(std::span<const std::int16_t> values, int low, int high);
 
-/// Euclidean distance (mm) from each voxel centre to the nearest voxel that is set, 0 in the mask. When no voxel is
-/// set, everywhere the diagonal of the extent.
+/// Euclidean distance (mm) from each voxel centre to the centre of the nearest set voxel, 0 in the mask. Without any
+/// set voxel, every distance is the diagonal of the extent.
 std::vector<float> distance_to(const Extent& extent, const Mask& mask);
 
-/// By a ball of this radius. Outside the extent counts as unset when growing and as set when shrinking, so that a body
-/// cut off by the image's border is not eaten from there.
+/// Morphological operations with a ball of this radius. Voxels outside the extent count as unset for dilation and as
+/// set for erosion, so that a body cut off by the border of the image does not shrink at the border.
+/// @throws InputError when the radius is negative or not finite.
 Mask dilated(const Extent& extent, const Mask& mask, double radius_mm);
 Mask eroded(const Extent& extent, const Mask& mask, double radius_mm);
 Mask opened(const Extent& extent, const Mask& mask, double radius_mm);
 Mask closed(const Extent& extent, const Mask& mask, double radius_mm);
 
-/// Connected pieces (over faces), numbered from 1 by falling size; 0 elsewhere.
+/// Pieces connected over faces, numbered from 1 in order of falling size.
 struct Pieces {
-    std::vector<std::int32_t> piece_of; ///< per voxel
-    std::vector<std::size_t> voxels; ///< per piece, [0] is piece 1
+    std::vector<std::int32_t> piece_of; ///< per voxel: number of the piece, 0 outside the mask
+    std::vector<std::size_t> voxels; ///< voxels per piece; [0] belongs to piece 1
 };
+/// Finds all pieces of a mask.
 Pieces connected_pieces(const Extent& extent, const Mask& mask);
+/// The largest piece of a mask.
 Mask largest_piece(const Extent& extent, const Mask& mask);
 /// The pieces of `mask` that touch a voxel of `seeds`.
 Mask reached_from(const Extent& extent, const Mask& mask, const Mask& seeds);
 
-/// Sets what is enclosed in three dimensions.
+/// Sets unset voxels that the mask encloses in three dimensions.
 Mask holes_filled(const Extent& extent, const Mask& mask);
-/// Sets what is enclosed in the planes square to `axis`, one by one.
+/// Sets unset voxels that the mask encloses within a plane perpendicular to `axis` (0, 1 or 2), plane by plane.
 Mask holes_filled_in_planes(const Extent& extent, const Mask& mask, int axis);
 
-/// Gaussian of standard deviation `sigma_mm`.
+/// Gaussian filter of standard deviation `sigma_mm`. @throws InputError for fewer than 4 voxels along an axis.
 std::vector<std::int16_t> smoothed(const Extent& extent, std::span<const std::int16_t> values, double sigma_mm);
-/// Median over a box of (2 radius_voxels + 1)^3.
+/// Median filter over a box of (2 radius_voxels + 1)^3 voxels.
 std::vector<std::int16_t> median(const Extent& extent, std::span<const std::int16_t> values, int radius_voxels);
 
 } // namespace retractor::datasets::segmentation

@@ -13,7 +13,7 @@ namespace retractor::datasets::segmentation {
 
 namespace {
 
-    /// Means of boxes of `factor` voxels; a last box that is not full takes what there is.
+    /// Averages boxes of `factor` voxels. An incomplete last box averages the voxels that it has.
     mesh::Volume averaged(const mesh::Volume& ct, const std::array<int, 3>& factor, int threads)
     {
         mesh::Volume out;
@@ -48,7 +48,7 @@ namespace {
         return out;
     }
 
-    /// The box of the image in the world, faces of the outer voxels included: its low and its high corner.
+    /// The low and the high corner of the image's box in the world, which includes the outer faces of the voxels.
     std::array<Vec3, 2> world_box(const mesh::ImageGrid& ct)
     {
         Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
@@ -63,7 +63,7 @@ namespace {
         return { low, high };
     }
 
-    /// Voxels along an axis; a double, since a caller may ask for more than an int can count.
+    /// Number of voxels along an axis, as a double, because a caller may request more than an int can hold.
     double voxels_along(double length, double spacing_mm) { return std::max(1.0, std::round(length / spacing_mm)); }
 
     mesh::ImageGrid world_grid(const mesh::ImageGrid& ct, double spacing_mm)
@@ -80,10 +80,10 @@ namespace {
         return grid;
     }
 
-    /// Trilinear; the outer half voxel takes the border's value.
+    /// Trilinear interpolation. The outer half voxel has the border's value.
     std::int16_t sample(const mesh::Volume& ct, const Vec3& at)
     {
-        constexpr double kRound = 1e-6; // of a voxel: a grid's own faces are inside
+        constexpr double kRound = 1e-6; // voxels; the faces of the grid count as inside
         std::array<int, 3> cell {};
         std::array<float, 3> part {};
         for (int axis = 0; axis < 3; ++axis) {
@@ -116,14 +116,14 @@ namespace {
         return out;
     }
 
-    /// Sums over a window along one axis, the border's value repeated beyond it.
+    /// Computes sums over a window along one axis. The border's value is repeated outside.
     void window_sums(
         const Extent& extent, std::vector<std::uint16_t>& values, std::size_t axis, int radius, int threads)
     {
         const std::array<std::size_t, 3> stride { 1, static_cast<std::size_t>(extent.size[0]),
             static_cast<std::size_t>(extent.size[0]) * static_cast<std::size_t>(extent.size[1]) };
         const int count = extent.size[axis];
-        // Planes are independent of each other along another axis than the one summed over.
+        // Planes along another axis than the summed axis are independent of each other.
         const std::size_t outer = axis == 2 ? 1 : 2;
         const std::size_t inner = 3 - axis - outer;
         for_planes(extent.size[outer], threads, [&](int n) {
@@ -145,7 +145,7 @@ namespace {
         });
     }
 
-    /// Calls visit(voxel, neighbour) for the neighbours over faces that lie in the grid.
+    /// Calls visit(voxel, neighbour) for all neighbours over faces within the grid.
     template <typename Visit> void for_faces(const Extent& extent, const Visit& visit)
     {
         const auto nx = static_cast<std::size_t>(extent.size[0]);
@@ -184,7 +184,7 @@ void for_planes(int count, int threads, const std::function<void(int)>& work)
             const std::scoped_lock lock(mutex);
             if (failure == nullptr)
                 failure = std::current_exception();
-            next = count; // nobody starts another
+            next = count; // no thread begins another plane
         }
     };
     {
@@ -210,7 +210,8 @@ WorkingImage working_image(const mesh::Volume& ct, double spacing_mm, int thread
 {
     std::array<int, 3> factor { 1, 1, 1 };
     for (int axis = 0; axis < 3; ++axis)
-        // 0.7 mm voxels are paired for a grid of 1.5 mm, 0.9 mm voxels are not: they would be blurred too much.
+        // For a grid of 1.5 mm, voxels of 0.7 mm are averaged in pairs. Voxels of 0.9 mm are not, because pairs would
+        // blur too much.
         factor[static_cast<std::size_t>(axis)]
             = std::max(1, static_cast<int>(std::floor(spacing_mm / ct.grid.spacing[axis] + 0.3)));
     const bool finer = factor != std::array<int, 3> { 1, 1, 1 };
@@ -326,7 +327,7 @@ Mask small_holes_filled_in_planes(const Extent& extent, const Mask& mask, int ax
     Mask out = mask;
     const auto a = static_cast<std::size_t>(axis);
     const Mask holes = without(holes_filled_in_planes(extent, mask, axis), mask);
-    // Flat pieces: planes are kept apart by looking at the two axes in them only.
+    // The pieces are flat: only the two axes in the plane connect voxels.
     const std::array<std::size_t, 3> stride { 1, static_cast<std::size_t>(extent.size[0]),
         static_cast<std::size_t>(extent.size[0]) * static_cast<std::size_t>(extent.size[1]) };
     const std::size_t u = a == 0 ? 1 : 0;
@@ -341,7 +342,7 @@ Mask small_holes_filled_in_planes(const Extent& extent, const Mask& mask, int ax
         seen[start] = 1;
         for (std::size_t n = 0; n < area.size(); ++n)
             for (const std::size_t side : { u, w }) {
-                // A hole never touches the grid's border, so its neighbours exist.
+                // A hole never touches the grid's border, so the neighbours exist.
                 for (const std::size_t next : { area[n] - stride[side], area[n] + stride[side] })
                     if (holes[next] != 0 && seen[next] == 0) {
                         seen[next] = 1;

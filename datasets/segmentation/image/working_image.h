@@ -1,5 +1,5 @@
 #pragma once
-// The grid that the segmentation works on, and the small tools that all steps share. Axes are patient LPS: x to the
+// The grid on which the segmentation works, and small functions that all steps share. Axes are patient LPS: x to the
 // patient's left, y posterior, z superior. Units mm and Hounsfield units.
 
 #include "datasets/segmentation/image/image_filters.h"
@@ -12,9 +12,9 @@
 
 namespace retractor::datasets::segmentation {
 
-inline constexpr std::int16_t kOutsideHu = -1024; ///< what the scanner did not see
+inline constexpr std::int16_t kOutsideHu = -1024; ///< value of voxels outside the CT
 
-/// What the steps share: the CT on the working grid, whose axes are patient LPS (direction is the identity).
+/// The CT on the working grid, whose axes are patient LPS (the direction is the identity).
 struct WorkingImage {
     mesh::ImageGrid grid;
     std::vector<std::int16_t> hu;
@@ -22,44 +22,48 @@ struct WorkingImage {
     Extent extent() const { return { grid.size, { grid.spacing.x(), grid.spacing.y(), grid.spacing.z() } }; }
 };
 
-/// The CT on an even grid over its box in the world. Voxels finer than the grid are averaged first, so that noise and
-/// thin layers are not lost between samples; outside the CT is kOutsideHu.
+/// Resamples the CT to an isotropic grid over the CT's box in the world. Voxels finer than the grid are averaged first,
+/// so that noise does not grow and thin layers do not fall between samples. Voxels outside the CT have kOutsideHu.
 WorkingImage working_image(const mesh::Volume& ct, double spacing_mm, int threads);
 
-/// How many voxels working_image() would have: those of the box along the world's axes round the CT, which for a turned
-/// CT is larger than the CT's own.
+/// The number of voxels of working_image(). The grid fills the CT's bounding box along the world's axes. For a rotated
+/// CT this box is larger than the CT.
 double working_voxels(const mesh::ImageGrid& ct, double spacing_mm);
 
-/// Calls work(k) for k in [0, count), from several threads. When a call throws, no further ones begin, and the first
-/// exception comes out here.
+/// Calls work(k) for k in [0, count) on several threads. After an exception no further call begins, and for_planes()
+/// throws the first exception.
 void for_planes(int count, int threads, const std::function<void(int)>& work);
 
+/// Volume of a mask, ml.
 double volume_ml(const Extent& extent, const Mask& mask);
+/// Number of set voxels.
 std::size_t count_set(const Mask& mask);
 
+/// Union, intersection and difference (a without b) of two masks.
 Mask united(const Mask& a, const Mask& b);
 Mask common(const Mask& a, const Mask& b);
 Mask without(const Mask& a, const Mask& b);
 
-/// A grid with cells of `factor` voxels a side, for steps whose radius is far larger than a voxel.
+/// A grid with cells of `factor` voxels along each side, for steps with radii far larger than a voxel.
 Extent coarse_extent(const Extent& extent, int factor);
-/// A cell is set when at least this share of its voxels is; at 0, when any is.
+/// Sets a cell when at least this share of its voxels is set; share 0 needs one set voxel.
 Mask coarse_mask(const Extent& extent, const Mask& mask, int factor, double share);
-/// Each voxel takes the value of its cell.
+/// Returns the value of its cell for each voxel.
 template <typename Value>
 std::vector<Value> fine_values(const Extent& extent, const std::vector<Value>& coarse, int factor);
 
-/// More than half of the box of (2 radius_voxels + 1)^3; outside the grid counts as its border does.
+/// Sets a voxel when more than half of its box of (2 radius_voxels + 1)^3 voxels is set. Values at the border are
+/// repeated outside the grid.
 Mask majority(const Extent& extent, const Mask& mask, int radius_voxels, int threads);
 
-/// One voxel off every face.
+/// Removes one voxel at every face of the mask.
 Mask shrunk_by_a_voxel(const Extent& extent, const Mask& mask);
-/// Voxels of `limit` that are set or have a neighbour over a face that is set.
+/// Sets the voxels of `limit` that are set in `mask` or have a set neighbour over a face.
 Mask grown_by_a_voxel(const Extent& extent, const Mask& mask, const Mask& limit);
 
-/// Enclosed areas of at most `most_mm2` in the planes square to one axis.
+/// Fills enclosed areas of at most `most_mm2` in the planes perpendicular to one axis.
 Mask small_holes_filled_in_planes(const Extent& extent, const Mask& mask, int axis, double most_mm2);
-/// Enclosed areas of at most `most_mm2` in the planes square to each of the three axes.
+/// Fills enclosed areas of at most `most_mm2` in the planes perpendicular to each of the three axes.
 Mask small_holes_filled(const Extent& extent, const Mask& mask, double most_mm2);
 
 template <typename Value>

@@ -17,11 +17,11 @@ namespace {
 
     /// A direction nearer to the line than this (sine of the angle, about 1 degree) gives no usable surface.
     constexpr double kSmallestSine = 0.02;
-    /// A strip may narrow to this share of its width within the blade; below, its two rays count as crossing.
+    /// A strip may narrow to this share of its width within the blade. The rays of a narrower strip count as crossing.
     constexpr double kNarrowestStrip = 0.02;
-    /// How far the surface is extended beyond its borders (mm): several of the coarsest elements of a wall.
+    /// Extension of the surface beyond its borders (mm): several of the coarsest elements of a wall.
     constexpr double kReach = 60.0;
-    /// The extension stops at this share of the way to the place where rays would cross.
+    /// The extension stops at this share of the distance at which rays would cross.
     constexpr double kShareOfWayToCrossing = 0.9;
 
     std::string at_point(std::size_t i) { return "line point " + std::to_string(i); }
@@ -46,7 +46,7 @@ namespace {
             throw InputError("the height above the line must not be negative", "above_mm");
     }
 
-    /// Unit directions, one per point.
+    /// Gives every point a unit direction of its own.
     void spread_directions(Blade& blade)
     {
         if (blade.directions.size() == 1)
@@ -73,7 +73,8 @@ namespace {
         }
     }
 
-    /// Distance along the rays (down: sign +1, up: sign -1) at which some two neighbouring rays cross; and whose.
+    /// The smallest distance along the rays (sign +1: down, -1: up) at which two neighbouring rays cross, and the index
+    /// of the first of these rays.
     std::pair<double, std::size_t> crossing_distance(const Blade& blade, double sign)
     {
         std::pair<double, std::size_t> first { std::numeric_limits<double>::infinity(), 0 };
@@ -120,7 +121,7 @@ namespace {
         return b;
     }
 
-    /// Strips that are not neighbours must not meet: the blade would have no two sides.
+    /// Refuses a blade in which strips that are not neighbours meet, because such a blade would not have two sides.
     void check_strips(const TriMesh& surface, std::size_t triangles_per_strip)
     {
         std::vector<std::array<Vec3, 3>> t;
@@ -140,7 +141,7 @@ namespace {
             }
     }
 
-    /// Grid of columns x rows, two triangles per cell, column by column; vertex = column * rows + row.
+    /// A grid of columns x rows with two triangles per cell, column by column; vertex = column * rows + row.
     std::vector<std::array<VertexId, 3>> grid_triangles(std::size_t columns, std::size_t rows)
     {
         std::vector<std::array<VertexId, 3>> triangles;
@@ -154,7 +155,8 @@ namespace {
         return triangles;
     }
 
-    /// Barycentric weights of the point of a triangle nearest to p (Ericson, Real-Time Collision Detection, 5.1.5).
+    /// Barycentric weights of the point of a triangle nearest to p (Ericson 2005, Real-Time Collision Detection,
+    /// section 5.1.5).
     std::array<double, 3> nearest_weights(const std::array<Vec3, 3>& t, const Vec3& p)
     {
         const Vec3 ab = t[1] - t[0], ac = t[2] - t[0], ap = p - t[0];
@@ -194,7 +196,7 @@ namespace {
         return std::acos(std::clamp(a.dot(b), -1.0, 1.0));
     }
 
-    /// Index into Patch::normal of the feature that holds a point with these weights: 0-2 corner, 3-5 edge, 6 face.
+    /// Index into Patch::normal of the feature that contains a point with these weights: 0-2 corner, 3-5 edge, 6 face.
     std::size_t feature(const std::array<double, 3>& w)
     {
         for (std::size_t i = 0; i < 3; ++i)
@@ -222,7 +224,7 @@ SweptBlade::SweptBlade(const Blade& blade)
 void SweptBlade::build_grid(double reach)
 {
     const double up = extent(blade_, -1.0, blade_.above_mm), down = extent(blade_, 1.0, blade_.depth_mm);
-    // The line itself is a row, so that it lies on the surface also where the rays are not in one plane.
+    // The line is a row of the grid, so that the line lies on the surface also where the rays are not in one plane.
     std::vector<double> inner { 0.0, blade_.depth_mm };
     if (blade_.above_mm > 0.0)
         inner.insert(inner.begin(), -blade_.above_mm);
@@ -256,8 +258,8 @@ void SweptBlade::build_grid(double reach)
     extended_ = sweep(line, direction, depth_);
 }
 
-/// The grid's edges go from a vertex to the next on its ray, to the one across the strip, or to that before it: three
-/// places per lower vertex, in the order of the upper ones.
+/// Index of an edge of the grid. An edge goes from a vertex to the next vertex on the ray, to the vertex across the
+/// strip, or to the vertex before that. Each lower vertex has three indices, in the order of the upper vertices.
 std::size_t SweptBlade::edge_index(VertexId a, VertexId b) const
 {
     const auto least = static_cast<std::size_t>(std::min(a, b)), step = static_cast<std::size_t>(std::abs(a - b));
@@ -269,7 +271,7 @@ void SweptBlade::build_normals()
     std::vector<Vec3> at_vertex(static_cast<std::size_t>(extended_.vertices.rows()), Vec3::Zero());
     std::vector<bool> on_border(at_vertex.size(), false);
     struct Edge {
-        Vec3 normals = Vec3::Zero(); ///< the sum of its faces'
+        Vec3 normals = Vec3::Zero(); ///< sum of the normals of the edge's faces
         int faces = 0;
     };
     std::vector<Edge> at_edge(3 * at_vertex.size());
@@ -329,7 +331,7 @@ void SweptBlade::build_strips()
     Vec3 off = Vec3::Zero();
     for (const Patch& patch : patches_)
         off += patch.normal[6];
-    if (down.cross(off).norm() > 0.0) { // else the blade turns all round, and any frame is as good
+    if (down.cross(off).norm() > 0.0) { // otherwise the blade turns all round, and any frame will do
         frame_.row(1) = down.normalized().transpose();
         frame_.row(2) = (off - off.dot(down) / down.squaredNorm() * down).normalized().transpose();
         frame_.row(0) = Vec3(frame_.row(1)).cross(Vec3(frame_.row(2))).transpose();
@@ -360,7 +362,7 @@ double SweptBlade::Patch::least_distance(const Vec3& point) const
 
 SweptBlade::Nearest SweptBlade::nearest(const Vec3& point) const
 {
-    // Round-off of the bounds must not leave out a triangle that is as near as another: the first of them counts.
+    // Of triangles at equal distance the first counts. Round-off of the bounds must not leave the first triangle out.
     constexpr double kSlack = 1e-9;
     constexpr double kFar = std::numeric_limits<double>::infinity();
     const Vec3 in_frame = frame_ * point;
@@ -387,8 +389,8 @@ SweptBlade::Nearest SweptBlade::nearest(const Vec3& point) const
         best_distance = distance;
         enough = distance * (1.0 + kSlack) + kSlack * kSlack * reach_squared_;
     };
-    // A strip that is likely to be the nearest comes first, and its likeliest patch before the others: what they give
-    // leaves out most of the rest.
+    // The search begins with the strip that is probably nearest, and with the probably nearest patch of the strip.
+    // Their distance excludes most of the rest.
     const Strip& block = blocks_[least_of(blocks_, 0, blocks_.size())];
     const std::size_t home = least_of(strips_, block.first, block.last);
     std::array<double, kMostPatches> bounds {};
@@ -426,8 +428,8 @@ BladeCoordinates SweptBlade::coordinates(const Vec3& point) const
     }
     const std::size_t f = feature(n.weights);
     const double height = patch.normal[f].dot(point - n.point);
-    // Beyond a border the plane goes on, so that the side stays continuous there too. In a face the height
-    // is taken from its plane: exact to round-off also very near to the surface.
+    // The plane continues beyond a border, so that the side stays continuous there too. Within a face the height is
+    // measured from the face's plane, which is exact to round-off also very near the surface.
     if (f == 6)
         c.side = patch.normal[6].dot(point - patch.corner[0]);
     else if (patch.border[f])
@@ -472,7 +474,7 @@ Eigen::AlignedBox3d SweptBlade::box(double from_along, double to_along) const
     };
     add_ray(from_along);
     add_ray(to_along);
-    for (const double along : along_) // bends between
+    for (const double along : along_) // bends in between
         if (along > from_along && along < to_along)
             add_ray(along);
     return box;

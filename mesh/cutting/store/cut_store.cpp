@@ -15,7 +15,7 @@ namespace {
     {
         for (const auto& change : changes) {
             if (change.before.alive && change.after.alive && change.before.nodes == change.after.nodes)
-                continue; // only its lips changed
+                continue; // only the lips changed
             if (change.before.alive)
                 delta.tets_gone.push_back(as_delta(change.id, change.before));
             if (change.after.alive)
@@ -23,7 +23,8 @@ namespace {
         }
     }
 
-    /// Changes by id; where both have a slot, from the first's before to the second's after.
+    /// Joins two lists of changes by id. A slot in both lists changes from the first list's `before` to the second
+    /// list's `after`.
     template <class Slot>
     std::vector<SlotChange<Slot>> merged_changes(
         const std::vector<SlotChange<Slot>>& first, const std::vector<SlotChange<Slot>>& second)
@@ -45,7 +46,7 @@ namespace {
         return all;
     }
 
-    /// Cells of two mean edges.
+    /// A grid with cells of two mean edges.
     TetGrid empty_grid(const TetMesh& mesh)
     {
         Eigen::AlignedBox3d box;
@@ -58,7 +59,7 @@ namespace {
         }
         return mesh.tet_count() > 0 ? TetGrid(box, 2.0 * sum / static_cast<double>(mesh.tet_count())) : TetGrid();
     }
-    /// An eighth more: the first cut must not wait until a large mesh has been copied to where it may grow.
+    /// Reserves an eighth more memory, so that the first cut need not wait for a copy of a large mesh.
     template <class... Vectors> void leave_room(Vectors&... vectors)
     {
         (vectors.reserve(vectors.size() + vectors.size() / 8), ...);
@@ -103,10 +104,10 @@ FreeList::Change FreeList::merged(const Change& first, const Change& second)
     Change both { std::min(first.kept, second.kept), first.before, second.after };
     const auto shared
         = [](const std::vector<std::int32_t>& ids, std::size_t count) { return std::span(ids).first(count); };
-    if (second.kept > first.kept) { // some of what the first put there stays
+    if (second.kept > first.kept) { // some entries of the first change stay
         const auto stays = shared(first.after, second.kept - first.kept);
         both.after.insert(both.after.begin(), stays.begin(), stays.end());
-    } else { // the second took some of what the first had left
+    } else { // the second change popped entries that the first had kept
         const auto taken = shared(second.before, first.kept - second.kept);
         both.before.insert(both.before.begin(), taken.begin(), taken.end());
     }
@@ -172,7 +173,7 @@ std::vector<TetId> CutStore::star(VertexId a, VertexId b) const
 
 std::size_t CutStore::surface_fans(VertexId v) const
 {
-    std::map<std::array<VertexId, 2>, int> faces; // by the edge opposite to v
+    std::map<std::array<VertexId, 2>, int> faces; // by the edge opposite v
     for (const TetId t : unsorted_star(v)) {
         const auto& n = tet(t).nodes;
         for (const auto& e : kTetEdges) {
@@ -321,7 +322,7 @@ std::vector<TetId> CutStore::tets_near(const Eigen::AlignedBox3d& box) const
 
 void CutStore::begin_walk(Walk& walk, std::size_t slots)
 {
-    if (++walk.number == 0) { // once round
+    if (++walk.number == 0) { // the counter has wrapped around
         walk.visited.clear();
         walk.number = 1;
     }
@@ -564,7 +565,7 @@ void CutStore::apply(const CutRecord& record, bool forward)
         if (tet(change.id).alive)
             attach(change.id);
     }
-    for (const auto& change : record.vertices) // elements that only changed their shape
+    for (const auto& change : record.vertices) // elements whose shape alone changed
         if (change.before.alive && change.after.alive)
             for (const TetId t : unsorted_star(change.id))
                 list(t);

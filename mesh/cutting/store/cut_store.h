@@ -1,6 +1,6 @@
 #pragma once
-// Where a cutting session keeps its mesh: slots with free lists, the elements round each vertex, and a record of
-// every change between begin() and finish(), so that it can be taken back and made again bit for bit. Units mm.
+// The mesh of a cutting session: slots with free lists, and the elements round each vertex. The store records every
+// change between begin() and finish(), so that a change can be undone and redone bit for bit. Units mm.
 
 #include "mesh/cutting/store/cut_types.h"
 #include "mesh/tetrahedra/tet_grid.h"
@@ -17,7 +17,7 @@
 
 namespace retractor::mesh {
 
-/// Which wound a face of an element belongs to; cut < 0: none.
+/// The wound that a face of an element belongs to; a negative `cut` means no wound.
 struct LipTag {
     int cut = -1;
     int side = 0;
@@ -27,8 +27,8 @@ struct LipTag {
 struct TetSlot {
     std::array<VertexId, 4> nodes {};
     Label label = 0;
-    TetId origin = 0;
-    std::array<LipTag, 4> lips {}; ///< per face, by the corner opposite to it
+    TetId origin = 0; ///< element of the first mesh that contains this element
+    std::array<LipTag, 4> lips {}; ///< per face, by the opposite corner
     bool alive = false;
 };
 
@@ -44,13 +44,13 @@ template <class Slot> struct SlotChange {
 
 struct SlotCounts {
     std::size_t vertex_slots = 0, tet_slots = 0;
-    std::size_t vertices = 0, tets = 0; ///< living
+    std::size_t vertices = 0, tets = 0; ///< living vertices and elements
 };
 
-/// Slots that may be used again: the last one freed first.
+/// Slots that may be used again, the last freed slot first.
 class FreeList {
 public:
-    /// Of all changes since begin(): the list's first `kept` entries stayed, the rest was replaced.
+    /// All changes since begin(): the first `kept` entries stayed, and the rest was replaced.
     struct Change {
         std::size_t kept = 0;
         std::vector<std::int32_t> before, after;
@@ -62,16 +62,17 @@ public:
     Change change() const;
     void replace_end(std::size_t kept, const std::vector<std::int32_t>& end);
     std::size_t bytes() const;
-    /// Two changes that follow each other as one.
+    /// Joins two successive changes.
     static Change merged(const Change& first, const Change& second);
 
 private:
     std::vector<std::int32_t> ids_;
     std::size_t kept_ = 0;
-    std::vector<std::int32_t> popped_; ///< of those that were there at begin(), the last one first
+    std::vector<std::int32_t>
+        popped_; ///< entries from before begin() that were popped, the last entry of the list first
 };
 
-/// One finished cut. Its size is that of the cut, however large the mesh and whatever went before.
+/// The record of a finished cut. Its size grows with the cut, not with the mesh or with earlier cuts.
 struct CutRecord {
     MeshDelta delta;
     std::vector<SlotChange<VertexSlot>> vertices; ///< by id
@@ -90,7 +91,7 @@ public:
     const VertexSlot& vertex(VertexId v) const { return vertices_[static_cast<std::size_t>(v)]; }
     const Vec3& position(VertexId v) const { return vertex(v).position; }
     const SlotCounts& books() const { return books_; }
-    /// Is there a living element of this id?
+    /// True for the id of a living element.
     bool has_tet(TetId t) const { return t >= 0 && static_cast<std::size_t>(t) < tets_.size() && tet(t).alive; }
     bool has_vertex(VertexId v) const
     {
@@ -98,28 +99,28 @@ public:
     }
     /// Memory (bytes) without records.
     std::size_t bytes() const;
-    /// The element on the other side of a face, or -1.
+    /// The element on the other side of a face, or -1 at the surface.
     TetId across(const TetFace& face) const;
-    /// Elements round a vertex, by id.
+    /// Elements round a vertex, ascending.
     std::vector<TetId> star(VertexId v) const;
-    /// The same in no particular order, valid until the next change.
+    /// Elements round a vertex in no particular order; valid until the next change.
     const std::vector<TetId>& unsorted_star(VertexId v) const { return stars_[static_cast<std::size_t>(v)]; }
-    /// Elements round an edge, by id.
+    /// Elements round an edge, ascending.
     std::vector<TetId> star(VertexId a, VertexId b) const;
-    /// How many fans of surface faces meet at a vertex: 0 inside, 1 on a manifold surface.
+    /// Number of fans of surface faces that meet at a vertex: 0 inside, 1 on a manifold surface.
     std::size_t surface_fans(VertexId v) const;
-    double volume(TetId t) const;
-    /// The mean edge (mm) of the first mesh's element that t is a part of: the local edge length that promises go by.
+    double volume(TetId t) const; ///< mm^3
+    /// The mean edge (mm) of the element of the first mesh that contains t: the local edge length of the guarantees.
     double first_edge(TetId t) const { return first_edge_[static_cast<std::size_t>(tet(t).origin)]; }
-    /// Index of v among the nodes of t, or -1.
+    /// Local index of v among the nodes of t, or -1.
     int corner(TetId t, VertexId v) const;
 
-    /// Living elements whose boxes meet the box, by id.
+    /// Living elements whose boxes meet the box, ascending.
     std::vector<TetId> tets_near(const Eigen::AlignedBox3d& box) const;
-    /// The same in place of what `tets` holds, in no particular order, one perhaps several times.
+    /// Replaces `tets` by the same elements in no particular order; an element may occur several times.
     void gather_near(const Eigen::AlignedBox3d& box, std::vector<TetId>& tets) const;
 
-    /// Elements round any of the vertices (corners of any of the elements), each once, in no particular order.
+    /// Elements round any of the vertices, each once, in no particular order.
     template <class Vertices> std::vector<TetId> tets_round(const Vertices& vertices)
     {
         std::vector<TetId> tets;
@@ -130,58 +131,63 @@ public:
                     tets.push_back(t);
         return tets;
     }
+    /// Corners of any of the elements, each once, in no particular order.
     std::vector<VertexId> corners_of_all(std::span<const TetId> tets);
 
-    /// A table by vertex, for one who needs it for a while; no more than a new one when it is lent already. What it
-    /// holds means nothing, and it may be too short.
+    /// Lends a table with one entry per vertex, or an empty table when the table is lent already. The contents are
+    /// arbitrary, and the table may be too short.
     std::vector<std::uint32_t> lend_table() { return std::exchange(lent_table_, {}); }
     void give_back(std::vector<std::uint32_t> table) { lent_table_ = std::move(table); }
 
-    /// Counts changes since the store was made, but for those that undo() and redo() make.
+    /// Number of changes since the store was made, without changes by undo() and redo().
     std::uint64_t changes() const { return changes_; }
 
+    /// Starts to record changes.
     void begin();
-    /// Slots freed since begin() are reused only after finish(), so that no id is gone and born in one delta.
+    /// Adds a vertex on the edge a-b. Slots that were freed since begin() are reused only after finish(), so that no id
+    /// is removed and added in one delta.
     VertexId add_vertex(const Vec3& position, VertexId a, VertexId b, double t);
-    /// In the same place, as MeshDelta::Origin::copy.
+    /// Adds a vertex at the position of v, with MeshDelta::Origin::copy.
     VertexId copy_vertex(VertexId v);
     void move_vertex(VertexId v, const Vec3& to);
-    /// @pre no element uses it, and it was not born since begin().
+    /// @pre no element uses the vertex, and the vertex existed before begin()
     void remove_vertex(VertexId v);
     TetId add_tet(const TetSlot& tet);
     void remove_tet(TetId t);
     void set_lips(TetId t, const std::array<LipTag, 4>& lips);
-    /// Bisects an edge and every element round it at `position`. Children inherit label, origin and lips.
+    /// Bisects an edge, with every element round the edge, at `position`. The halves inherit label, origin and lips.
     VertexId bisect(VertexId a, VertexId b, const Vec3& position, double t);
-    /// Living elements that have been born or changed since begin(), each once, in no particular order.
+    /// Living elements that were added or changed since begin(), each once, in no particular order.
     std::vector<TetId> changed_tets() const;
-    /// Was the vertex born since begin()?
+    /// True for a vertex that was added since begin().
     bool is_newborn(VertexId v) const { return vertex_birth_epoch_[static_cast<std::size_t>(v)] == epoch_; }
-    /// Before the newborn v is dropped in favour of w nearby: vertices born since begin() on edges that ended at v are
-    /// said to lie on edges that end at w, and w, if it was born after v, takes v's place in the order of births.
+    /// Prepares to drop v, which was added since begin(), in favour of the nearby vertex w. In the record, vertices on
+    /// edges that ended at v now lie on edges that end at w. If w was added after v, then w takes v's place in the
+    /// order of additions.
     void replace_parent(VertexId v, VertexId w);
-    /// Takes a vertex born since begin() back, as if it had never been.
-    /// @pre no element uses it, and replace_parent() has been called.
+    /// Removes a vertex that was added since begin(), without a trace in the record.
+    /// @pre no element uses the vertex, and replace_parent() has been called
     void drop_newborn(VertexId v);
+    /// Ends the recording and returns all changes since begin().
     CutRecord finish();
-    /// Takes back everything since begin().
+    /// Takes back all changes since begin().
     void rollback();
 
-    /// Two records that follow each other as one.
+    /// Joins two successive records.
     CutRecord merged(const CutRecord& first, const CutRecord& second) const;
 
     void undo(const CutRecord& record);
     void redo(const CutRecord& record);
 
 private:
-    VertexId add_vertex(const MeshDelta::VertexBorn& born); ///< its id is given here
+    VertexId add_vertex(const MeshDelta::VertexBorn& born); ///< gives the vertex its id
     TetSlot& touch_tet(TetId t);
     VertexSlot& touch_vertex(VertexId v);
     void attach(TetId t);
     void detach(TetId t);
     void resize(std::size_t vertex_slots, std::size_t tet_slots);
     void list(TetId t);
-    /// Which slots a walk over many has been to: those with its number.
+    /// A walk over slots: slots with the number of the walk have been visited.
     struct Walk {
         std::uint32_t number = 0;
         std::vector<std::uint32_t> visited {};
@@ -198,17 +204,17 @@ private:
     std::vector<TetSlot> tets_;
     std::vector<VertexSlot> vertices_;
     std::vector<std::vector<TetId>> stars_; ///< unordered
-    std::vector<float> first_edge_; ///< by element of the first mesh
+    std::vector<float> first_edge_; ///< mean edge (mm) of each element of the first mesh
     SlotCounts books_;
     FreeList free_vertices_, free_tets_;
     TetGrid grid_; ///< living elements
     Walk tet_walk_, vertex_walk_;
     std::vector<std::uint32_t> lent_table_;
 
-    // Since begin():
+    // Changes since begin():
     std::uint64_t changes_ = 0;
     std::uint32_t epoch_ = 0;
-    std::vector<std::uint32_t> tet_epoch_, vertex_epoch_; ///< when a slot was first touched
+    std::vector<std::uint32_t> tet_epoch_, vertex_epoch_; ///< epoch of the first change of each slot
     std::vector<std::uint32_t> birth_epoch_, vertex_birth_epoch_;
     std::vector<SlotChange<TetSlot>> touched_tets_;
     std::vector<SlotChange<VertexSlot>> touched_vertices_;

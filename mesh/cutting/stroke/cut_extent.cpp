@@ -18,17 +18,18 @@ namespace retractor::mesh {
 
 namespace {
 
-    constexpr double kSurface = 0.05; ///< local edges that a surface may be carried away
-    /// Samples lie this far apart (local edges): a bent blade is looked at more closely.
+    constexpr double kSurface = 0.05; ///< permitted deviation of a surface, in local edges
+    /// Distance of samples on a flat and on a bent blade, in local edges.
     constexpr double kFlatSpacing = 1.0, kBentSpacing = 0.35;
-    /// And where former attempts have shown that it bends a lot within an element.
+    /// Distance of samples after attempts that showed strong bends within an element, in local edges.
     constexpr double kCloseSpacing = 0.15;
-    /// Bends by less (degrees) are round-off of points on a straight line: 10,000 of them turn it by 10 degrees.
+    /// Smaller bends (degrees) are round-off of points on a straight line; 10,000 such bends turn the line by 10
+    /// degrees.
     constexpr double kLeastBend = 1e-3;
-    /// A place nearer to an element than this share of its height (in boxes: of the blade's size) is in it: more than
-    /// round-off, and far less than a wound may be off.
+    /// A point nearer to an element than this share of the element's height counts as inside; for boxes the share is of
+    /// the blade's size. The share is above round-off and far below the permitted error of a wound.
     constexpr double kOnBoundary = 1e-8;
-    /// In one direction; a hole that bends leave in a small wound lies between few samples.
+    /// Numbers of samples in one direction. A hole that bends leave in a small wound lies between few samples.
     constexpr int kLeastSamples = 5, kLeastBentSamples = 12, kMostSamples = 400;
 
     double distance(const std::array<Vec3, 3>& t, const Vec3& p)
@@ -50,7 +51,8 @@ namespace {
         return { p - Vec3::Constant(reach), p + Vec3::Constant(reach) };
     }
 
-    /// Also on the boundary: a blade in the plane of faces is in tissue, but strictly within no element.
+    /// True also for points on the boundary, because a blade in the plane of faces is in tissue but strictly inside no
+    /// element.
     bool is_inside(const std::array<Vec3, 4>& corners, const Vec3& p)
     {
         const double slack = kOnBoundary * tet_volume(corners[0], corners[1], corners[2], corners[3]);
@@ -71,8 +73,8 @@ namespace {
         {
         }
 
-        /// The local edge where p is in tissue, or 0: the smallest of the elements that may have p inside, as elements
-        /// of different sizes may share it.
+        /// The local edge (mm) at p, or 0 outside tissue. Where elements of different sizes share p, the smallest edge
+        /// counts.
         double local_edge(const Vec3& p)
         {
             store_.gather_near(box_round(p, kOnBoundary * std::max(blade_.length(), blade_.depth())), near_);
@@ -85,7 +87,7 @@ namespace {
             return inside ? least : 0.0;
         }
 
-        /// Is a face of any wound within reach?
+        /// True when a face of a wound is within `reach` (mm).
         bool near_wound(const Vec3& p, double reach)
         {
             return any_face(p, reach,
@@ -99,7 +101,7 @@ namespace {
             });
         }
 
-        /// Was there no tissue? Where the blade has been there is none either, but a wound.
+        /// True when there was no tissue before the cut: p is in no element, and no wound is near.
         bool outside(double along, double depth, double reach)
         {
             const Vec3 p = blade_.at(along, depth);
@@ -133,7 +135,7 @@ namespace {
             static_cast<int>(std::ceil(extent / spacing)), bent ? kLeastBentSamples : kLeastSamples, kMostSamples);
     }
 
-    /// Places along the line to look at: evenly, and at the bends, where chords are furthest off the blade.
+    /// Places of samples along the line (mm): evenly, and at the bends, where chords are farthest from the blade.
     std::vector<double> places(double from, double to, double spacing, const std::vector<SweptBlade::Crease>& bends)
     {
         std::vector<double> along;

@@ -5,7 +5,7 @@
 namespace retractor::mesh {
 
 namespace {
-    /// Sorts three corners; -1 when that takes an odd permutation, else 1.
+    /// Sorts three corners; returns -1 after an odd permutation, else 1.
     int sort_corners(FaceKey& v)
     {
         int turn = 1;

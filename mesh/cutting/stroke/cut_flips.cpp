@@ -14,14 +14,15 @@ namespace retractor::mesh {
 
 namespace {
 
-    /// An element smaller than this share of the mean that its hole was filled with is round-off.
+    /// Smallest volume of an element, as a share of the mean volume of the hole's old elements; a smaller volume is
+    /// round-off.
     constexpr double kLeastShare = 1e-6;
 
     using Corners = std::array<Vec3, 4>;
 
     double volume(const Corners& p) { return tet_volume(p[0], p[1], p[2], p[3]); }
 
-    /// Cosine of the smallest dihedral angle; 1 for what is turned over or smaller than `least` (mm^3).
+    /// Cosine of the smallest dihedral angle; 1 for an element that is turned over or smaller than `least` (mm^3).
     double cosine(const CutStore& store, const std::array<VertexId, 4>& nodes, double least)
     {
         const Corners p = corners_of(store, nodes);
@@ -44,7 +45,7 @@ namespace {
     struct Taken {
         double cosine = -1.0, volume = 0.0;
     };
-    /// What the elements are like that would go.
+    /// Volume and shape of the elements that would be removed.
     Taken taken(const CutStore& store, const std::vector<TetId>& gone)
     {
         Taken sum;
@@ -55,8 +56,8 @@ namespace {
         return sum;
     }
 
-    /// The elements round a closed ring and the ring itself, so that (ring[i], ring[i + 1], a, b) is no element turned
-    /// over. Empty where the ring is open, too long, or of several labels.
+    /// The elements round an edge a-b and their closed ring of vertices, in an order such that (ring[i], ring[i + 1],
+    /// a, b) is a positive element. Empty when the ring is open, too long, or of several labels.
     struct Ring {
         std::vector<TetId> tets;
         std::vector<VertexId> vertices;
@@ -73,7 +74,8 @@ namespace {
             const TetSlot& tet = store.tet(t);
             if (tet.label != store.tet(ring.tets.front()).label)
                 return {};
-            // kTetFaces run counter-clockwise seen from outside: so does the face opposite to the edge's second end.
+            // The corners in kTetFaces run counter-clockwise seen from outside, also for the face opposite the edge's
+            // second end.
             const auto& face = kTetFaces[static_cast<std::size_t>(store.corner(t, edge.second))];
             std::array<VertexId, 3> v;
             for (std::size_t i = 0; i < 3; ++i)
@@ -97,7 +99,7 @@ namespace {
         return ring;
     }
 
-    /// Triangulations of a ring: [Klincsek 1980].
+    /// The best triangulation of a ring (Klincsek 1980).
     class RingTriangulation {
     public:
         RingTriangulation(const CutStore& store, const Ring& ring, const EdgeKey& edge, double least)
@@ -115,7 +117,7 @@ namespace {
                     choose(i, i + length);
         }
         double cosine() const { return cost_[0][ring_.size() - 1]; }
-        /// The triangles, turning as the ring does.
+        /// The triangles, with the orientation of the ring.
         std::vector<std::array<VertexId, 3>> triangles() const
         {
             std::vector<std::array<VertexId, 3>> list;
@@ -128,7 +130,7 @@ namespace {
         {
             const bool side = j == i + 1 || (i == 0 && j + 1 == ring_.size());
             if (!side && joined(store_, ring_[i], ring_[j]))
-                return; // an edge that is there already
+                return; // the edge exists already
             for (std::size_t k = i + 1; k < j; ++k) {
                 double worst = std::max(cost_[i][k], cost_[k][j]);
                 if (worst >= cost_[i][j])
@@ -167,7 +169,7 @@ namespace {
         std::array<std::array<std::size_t, kMostRing>, kMostRing> third_ {};
     };
 
-    /// Volume of what is left of an element within the planes from `plane` on (inside: height >= 0).
+    /// Volume (mm^3) of the part of an element inside all `planes` (height >= 0).
     double clipped_volume(const Corners& p, std::span<const std::pair<Vec3, double>> planes)
     {
         if (planes.empty())
@@ -205,7 +207,8 @@ namespace {
         }
     }
 
-    /// The origin of the old element that an element shares the most with; of the first of them where several do.
+    /// The origin with which an element shares the most volume, among the origins of the old elements. The first of
+    /// equal origins counts.
     TetId origin_of(const CutStore& store, const std::array<VertexId, 4>& nodes, const std::vector<TetId>& gone)
     {
         TetId origin = store.tet(gone.front()).origin;
@@ -217,7 +220,7 @@ namespace {
             shared[store.tet(t).origin] += shared_volume(p, corners_of(store, t));
         double most = -1.0;
         for (const auto& [id, share] : shared)
-            if (share > most * (1.0 + kLeastShare)) { // round-off decides nothing
+            if (share > most * (1.0 + kLeastShare)) { // a difference within round-off does not count
                 most = share;
                 origin = id;
             }

@@ -12,14 +12,14 @@ namespace retractor::mesh {
 
 namespace {
 
-    /// Elements in groups joined by faces that are not cut, each by id; groups by their first element. Only faces
-    /// with all of `core` (a vertex or an edge that all the elements have in common) count.
+    /// Groups of elements that are connected by uncut faces. Elements are in ascending order, and groups are ordered by
+    /// their first element. Only faces that contain `core` (a vertex or an edge that all the elements share) count.
     Groups groups_of_star(
         std::span<const VertexId> core, const std::vector<TetId>& star, const CutStore& store, const CutFaces& cut)
     {
         DisjointSets sets(star.size());
         struct Face {
-            std::uint64_t key; ///< of the corners that are not in the core
+            std::uint64_t key; ///< key of the face's corners outside the core
             std::size_t element;
         };
         const auto key_of = [](VertexId a, VertexId b) { // b < 0: one corner only
@@ -60,7 +60,7 @@ namespace {
             if (faces[f].key == faces[f + 1].key
                 && std::find(cut_here.begin(), cut_here.end(), faces[f].key) == cut_here.end())
                 sets.join(faces[f].element, faces[f + 1].element);
-        Groups groups; // a root is the first of its group
+        Groups groups; // a root is the first element of its group
         std::vector<std::size_t> group_of(star.size());
         for (std::size_t i = 0; i < star.size(); ++i) {
             const std::size_t root = sets.root(i);

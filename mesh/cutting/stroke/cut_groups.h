@@ -1,5 +1,5 @@
 #pragma once
-// What hangs together round a vertex or an edge, once some faces are cut.
+// Finds groups of connected elements round a vertex or an edge after some faces are cut.
 
 #include "mesh/cutting/store/cut_store.h"
 #include "mesh/cutting/stroke/cut_faces.h"
@@ -8,10 +8,10 @@
 
 namespace retractor::mesh {
 
-/// Elements by id; groups by their first element.
+/// Elements in ascending order; groups ordered by their first element.
 using Groups = std::vector<std::vector<TetId>>;
 
-/// The elements round the vertex (edge) in groups joined by faces at it that are not cut.
+/// The elements round a vertex (or an edge), in groups that are connected by uncut faces at the vertex (or the edge).
 Groups groups_round(VertexId v, const CutStore& store, const CutFaces& cut);
 Groups groups_round(const EdgeKey& edge, const CutStore& store, const CutFaces& cut);
 

@@ -19,16 +19,17 @@ namespace retractor::mesh {
 namespace {
 
     constexpr int kPasses = 8;
-    /// A change must make the worst angle's cosine smaller by this much: no endless trading.
+    /// A change must lower the cosine of the worst angle by this amount, so that changes cannot go on forever.
     constexpr double kLeastGain = 1e-4;
-    /// Two normals that differ by more than this (sine) hold a vertex in two directions.
+    /// Two normals that differ by more than this sine constrain a vertex in two directions.
     constexpr double kSameDirection = 0.15;
-    /// Mean square of the cosines between the normals of faces and a direction from which on they hold a vertex in it.
+    /// Faces constrain a vertex in a direction when the mean square of the cosines between their normals and the
+    /// direction exceeds this limit.
     constexpr double kHoldsFrom = 0.05;
-    /// Share of what the moves of a stroke may carry a surface away that shifts may use while the blade grows: its next
-    /// step may have to snap the same vertices.
+    /// Share of kSurfaceDrift that shifts may use while the blade grows, because the next step may have to move the
+    /// same vertices onto the blade.
     constexpr double kDriftOfShifts = 0.5;
-    /// A corner of the wound may be this far (local edges) off the border that it belongs on: half of what is promised.
+    /// Permitted distance (local edges) of a corner of the wound from its border: half of the guaranteed distance.
     constexpr double kOffBorder = 0.05;
     /// Steps tried along a direction, as shares of the mean edge.
     constexpr std::array<double, 4> kSteps { 0.3, 0.15, 0.07, 0.03 };
@@ -70,7 +71,7 @@ namespace {
             return largest;
         }
 
-        /// Worst first.
+        /// The elements to improve, the worst first.
         std::vector<TetId> bad_tets()
         {
             std::vector<VertexId> vertices(marks_.on_blade().begin(), marks_.on_blade().end());
@@ -89,7 +90,7 @@ namespace {
             return tets;
         }
 
-        /// An element that could not be opened is not tried again before something near it has changed.
+        /// True when the element's surroundings have changed since the last failed attempt to open the element.
         bool news_since_failure(TetId t) const
         {
             const auto failed = failed_.find(t);
@@ -129,8 +130,8 @@ namespace {
 
         // Flips.
 
-        /// The best of its faces and edges. An element that the blade crosses still, or a face on the blade, waits for
-        /// the blade to go on; the one must not come or go, nor the other.
+        /// Makes the best flip at the faces and edges of an element. Elements that the blade still crosses and faces on
+        /// the blade wait until the blade grows; a flip must neither add nor remove such an element or face.
         bool flip(TetId t)
         {
             std::optional<Flip> best;
@@ -170,8 +171,8 @@ namespace {
                 && std::none_of(flip.born.begin(), flip.born.end(), crossed);
         }
 
-        /// What former steps of the stroke have cut keeps to the blade as their elements' local edges ask: no face of
-        /// it is to become one of an element that asks for more.
+        /// True when no lip face that former steps of the stroke have cut would move to an element with a smaller local
+        /// edge, which would permit less distance from the blade.
         bool keeps_lips_near(const Flip& flip) const
         {
             if (!stroke_.goes_on)
@@ -187,14 +188,14 @@ namespace {
             });
         }
 
-        /// A corner of a face that will be cut. A vertex that is on the extended blade only is held by nothing but
-        /// surfaces.
+        /// True for a corner of a face that will be cut. For a vertex on the extension of the blade, surfaces are the
+        /// only constraint.
         bool part_of_cut(VertexId v) const { return stroke_.cut_faces.has(v); }
 
         // Contraction.
 
-        /// The link condition for the body and for every surface in it (outer, interfaces, blade): what a and b have in
-        /// common is what their edge has.
+        /// The link condition for the body and for every surface in the body (outer surface, interfaces, blade): the
+        /// common link of a and b is the link of their edge.
         bool links_agree(VertexId a, VertexId b, std::span<const TetId> star_a, std::span<const TetId> star_b)
         {
             const auto round_a = neighbours(store_, a, star_a), round_b = neighbours(store_, b, star_b);
@@ -233,8 +234,8 @@ namespace {
             return surface_links_agree(a, b, star_a, star_b);
         }
 
-        /// An element that vanishes with the edge a-b must not lay a face that will be cut onto another one, or onto a
-        /// surface: it would have no tissue on one side.
+        /// True when an element that vanishes with the edge a-b would lay a face that will be cut onto another such
+        /// face, or onto a surface. That face would have no tissue on one side.
         bool folds_cut(VertexId a, VertexId b, std::span<const TetId> star_a, std::span<const TetId> star_b) const
         {
             if (!part_of_cut(a) && !part_of_cut(b))
@@ -258,7 +259,7 @@ namespace {
             return false;
         }
 
-        /// Vertices joined to v by edges of held faces, and the third vertices of held faces at the edge v-w.
+        /// Vertices that share a held face with v.
         static std::set<VertexId> surface_link(std::span<const HeldFace> faces, VertexId v)
         {
             std::set<VertexId> link;
@@ -301,7 +302,7 @@ namespace {
                 [&](VertexId v) { return v == b || !link_b.contains(v) || third.contains(v); });
         }
 
-        /// May a corner of the wound that belongs on the border be put there?
+        /// True when v is near enough to the border for a corner of the wound that belongs on the border.
         bool near_border(VertexId v, std::size_t border)
         {
             double local = std::numeric_limits<double>::infinity();
@@ -323,7 +324,7 @@ namespace {
             return same_part(a, store_.position(b), stroke_.on_crease.contains(b));
         }
 
-        /// How many groups elements at v form that are joined by faces at it.
+        /// Number of groups of elements at v that are connected by faces at v.
         static std::size_t groups_at(VertexId v, std::span<const std::array<VertexId, 4>> tets)
         {
             DisjointSets sets(tets.size());
@@ -343,8 +344,8 @@ namespace {
             return groups;
         }
 
-        /// Two wounds may leave a vertex to a single element between them: where it vanishes, what it joined would hang
-        /// together in that vertex only.
+        /// True when contracting a-b would leave elements connected in a vertex only. Between two wounds a single
+        /// element may connect the elements round a vertex, and that element may vanish.
         bool loosens(VertexId a, VertexId b, std::span<const TetId> star_a) const
         {
             std::vector<VertexId> round;
@@ -377,8 +378,8 @@ namespace {
             return false;
         }
 
-        /// An element that vanishes with the edge a-b may have a lip opposite to a: its neighbour across the face
-        /// opposite to b takes that place, and the lip.
+        /// Passes on lips of elements that vanish with the edge a-b. When such an element has a lip opposite a, the
+        /// neighbour across the face opposite b takes its place and its lip.
         void hand_on_lips(VertexId a, VertexId b, std::span<const TetId> star_a)
         {
             for (const TetId t : star_a) {
@@ -398,11 +399,12 @@ namespace {
             }
         }
 
-        /// Merges the newborn vertex a into b.
-        /// @param star_a the elements round a, by id; what is left of them must have no cosine above `limit`
+        /// Merges vertex a, which this stroke has added, into b. Returns false when the merge is refused.
+        /// @param star_a the elements round a, ascending
+        /// @param limit largest permitted cosine of a smallest angle among the remaining elements
         bool contract(VertexId a, VertexId b, std::span<const TetId> star_a, double limit)
         {
-            // Cheap questions first: most pairs fail at the shape of what would be left.
+            // Cheap tests come first: most pairs fail because of the shape of the remaining elements.
             std::vector<TetId> kept;
             for (const TetId t : star_a) {
                 if (store_.corner(t, b) >= 0)
@@ -418,7 +420,7 @@ namespace {
                 return false;
             const std::vector<TetId> star_b = store_.star(b);
             const double deviation = surface_deviation(store_, a, held_faces(store_, a, star_a), store_.position(b));
-            // By the edges round a: what a-b is short of says nothing about the surface.
+            // The unit is the mean edge round a, because the length of a short edge a-b says nothing about the surface.
             if (!SurfaceRoom(stroke_, a, mean_edge(store_, a, star_a), star_a).keeps(deviation))
                 return false;
             if (!links_agree(a, b, star_a, star_b) || folds_cut(a, b, star_a, star_b) || loosens(a, b, star_a))
@@ -428,7 +430,7 @@ namespace {
                 on_border[k] = part_of_cut(a) && marks_.at(a).beyond[k] == 0;
             stroke_.cut_faces.merge(a, b);
             store_.replace_parent(a, b);
-            if (deviation > 0.0 || stroke_.drift.contains(a)) { // b is on the surfaces of a from now on
+            if (deviation > 0.0 || stroke_.drift.contains(a)) { // b lies on the surfaces of a from now on
                 const double carried = stroke_.drift[a] + deviation;
                 report_surface(stroke_, a, carried);
                 stroke_.drift[b] = std::max(stroke_.drift[b], carried);
@@ -460,15 +462,15 @@ namespace {
 
         // Shifting.
 
-        /// What holds a vertex: it may only move at right angles to these.
+        /// The constraints of a vertex: directions at right angles to which the vertex may move.
         struct Hold {
-            std::vector<Vec3> surfaces; ///< orthonormal: of bends, outer surfaces and interfaces
-            std::vector<Vec3> all; ///< those and the blade's normal
+            std::vector<Vec3> surfaces; ///< orthonormal normals of bends, outer surfaces and interfaces
+            std::vector<Vec3> all; ///< `surfaces` and the blade's normal
             bool on_blade = false;
             bool on_start = false, on_end = false, on_front = false;
         };
 
-        /// Nothing when v can go nowhere.
+        /// The constraints of v; nothing when v cannot move.
         std::optional<Hold> hold_of(VertexId v, std::span<const HeldFace> held)
         {
             Hold hold;
@@ -497,8 +499,8 @@ namespace {
             return hold;
         }
 
-        /// The directions in which the faces hold a vertex: a surface that bends a little holds it in one, and how far
-        /// a shift along it carries the surface away is asked of surface_deviation(). Most held first.
+        /// The directions in which faces constrain a vertex, the strongest first. A slightly bent surface constrains
+        /// the vertex in one direction; surface_deviation() measures the deviation of a shift along such a surface.
         static std::vector<Vec3> main_normals(std::span<const HeldFace> held)
         {
             if (held.empty())
@@ -514,7 +516,7 @@ namespace {
             return normals;
         }
 
-        /// The position near to `wanted` that v may take.
+        /// The permitted position of v nearest `wanted`.
         Vec3 allowed(VertexId v, const Vec3& wanted, const Hold& hold) const
         {
             const Vec3 from = store_.position(v);
@@ -527,7 +529,8 @@ namespace {
             Vec3 p = along(hold.all, wanted);
             if (!hold.on_blade)
                 return p;
-            constexpr int kAlternations = 6; // between surface and blade, which may be oblique to each other
+            // Projections on surface and blade in turn, because surface and blade may be oblique to each other.
+            constexpr int kAlternations = 6;
             for (int i = 0; i < kAlternations; ++i) {
                 const BladeCoordinates c = stroke_.blade.coordinates(p);
                 const double at = hold.on_start ? 0.0 : hold.on_end ? stroke_.blade.length() : c.along;
@@ -541,7 +544,8 @@ namespace {
             return p;
         }
 
-        /// On the same flat part of the blade, or on the bend between.
+        /// True when `to` is on the same flat part of the blade as v, or on the bend at its end when
+        /// `may_end_on_crease`.
         bool same_part(VertexId v, const Vec3& to, bool may_end_on_crease) const
         {
             return std::all_of(stroke_.creases.begin(), stroke_.creases.end(), [&](const auto& crease) {
@@ -556,7 +560,7 @@ namespace {
             return crease.normal.dot(p - crease.origin);
         }
 
-        /// On which side of which border a vertex lies must not change by a shift.
+        /// True when a shift to `to` keeps the sides of v with respect to the blade and its borders.
         bool same_place(VertexId v, const Mark& before, const Vec3& to) const
         {
             if (before.side == 0 && !part_of_cut(v))
@@ -576,7 +580,7 @@ namespace {
             const Vec3 from = store_.position(v);
             std::vector<Vec3> wanted;
             Vec3 mean = Vec3::Zero();
-            double unit = 0.0; // the mean edge: the shortest may be what is wrong
+            double unit = 0.0; // the mean edge, because the shortest edge may be the fault
             const std::vector<VertexId> round = neighbours(store_, v, star);
             for (const VertexId w : round) {
                 mean += store_.position(w) / static_cast<double>(round.size());
@@ -605,14 +609,15 @@ namespace {
             return wanted;
         }
 
-        /// An element of a star as the shift of its corner `moving` sees it.
+        /// An element round a vertex that is shifted: the local index `moving` of the vertex, and the smallest angle's
+        /// cosine.
         struct StarTet {
             std::array<Vec3, 4> corners;
             std::size_t moving = 0;
             double cosine = 0.0;
         };
 
-        /// The elements round v, worst first: a position that makes the worst no better is soon found out.
+        /// The elements round v, the worst first, so that a position without gain is rejected early.
         std::vector<StarTet> star_of(VertexId v, std::span<const TetId> star) const
         {
             std::vector<StarTet> round;
@@ -627,7 +632,8 @@ namespace {
             return round;
         }
 
-        /// Largest cosine round v if it were at p; where it is at least `enough`, something that is.
+        /// Largest cosine of the smallest angles round v with v at p. When that cosine is at least `enough`, the result
+        /// is any value of at least `enough`.
         static double cosine_at(std::vector<StarTet>& star, const Vec3& p, double enough)
         {
             double largest = -1.0;
@@ -688,9 +694,9 @@ namespace {
         BladeMarks& marks_;
         double limit_;
         std::uint64_t clock_ = 0; ///< counts changes
-        std::unordered_map<VertexId, std::uint64_t>
-            changed_; ///< when a vertex or a neighbour of it changed; looked up only
-        std::unordered_map<TetId, std::uint64_t> failed_; ///< when an element could not be opened; looked up only
+        /// Time of the last change of a vertex or its neighbours; never iterated.
+        std::unordered_map<VertexId, std::uint64_t> changed_;
+        std::unordered_map<TetId, std::uint64_t> failed_; ///< time of the last failure per element; never iterated
     };
 
 } // namespace

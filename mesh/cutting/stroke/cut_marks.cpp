@@ -6,7 +6,8 @@
 namespace retractor::mesh {
 
 namespace {
-    /// Root finding stops here, as a share of the blade's size: above the round-off of coordinates of some hundred mm.
+    /// Tolerance of root finding, as a share of the blade's size: above the round-off of coordinates of a few hundred
+    /// mm.
     constexpr double kRootTolerance = 1e-13;
 
     std::uint64_t key_of(VertexId v) { return static_cast<std::uint32_t>(v); }

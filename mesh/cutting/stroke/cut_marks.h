@@ -1,10 +1,10 @@
 #pragma once
-// Where vertices, edges and elements lie with respect to a blade. What is decided once is remembered, and all
-// combinatorics asks the remembered signs only, never the numbers: so every stage of a stroke gives the same answers.
-// The tolerance kOnBlade chooses what is on the blade; beyond it the sign of the double-precision distance is that of
-// the exact orientation with respect to the nearest triangle (the tolerance is a hundred thousand times the round-off
-// of the distance; blade_predicates_test.cpp compares both with CGAL's exact predicate on straight, kinked, twisted and
-// round blades, at creases, ends and front). Units mm.
+// Marks the position of vertices, edges and elements with respect to a blade. A sign is decided once and remembered.
+// All combinatorics uses the remembered signs and never the numbers, so that every stage of a stroke gives the same
+// answers. The tolerance kOnBlade decides whether a point is on the blade. Beyond the tolerance, the sign of the
+// double-precision distance is that of the exact orientation with respect to the nearest triangle, because the
+// tolerance is a hundred thousand times the round-off of the distance. blade_predicates_test.cpp compares the signs
+// with CGAL's exact predicate on straight, kinked, twisted and round blades, at creases, ends and front. Units mm.
 
 #include "mesh/base/open_address_map.h"
 #include "mesh/cutting/store/blade.h"
@@ -23,52 +23,57 @@ namespace retractor::mesh {
 using FaceKey = std::array<VertexId, 3>; ///< sorted
 using EdgeKey = std::pair<VertexId, VertexId>; ///< sorted
 
+/// Key of the face opposite a corner.
 FaceKey face_key(const TetSlot& tet, int corner);
 
-/// Longest edges first, each once: their halves make the better elements.
+/// Sorts edges by falling length and removes duplicates. Halving long edges first gives better elements.
 void sort_longest_first(std::vector<EdgeKey>& edges, const CutStore& store);
 
-/// A point nearer to the blade (or to its border) than this share of the blade's size is on it.
+/// A point nearer to the blade (or to its border) than this share of the blade's size counts as on the blade (or on the
+/// border).
 inline constexpr double kOnBlade = 1e-8;
-/// A stroke that would leave elements without volume is tried again with a larger share, but none above this.
+/// Largest share in further attempts at a stroke that would leave elements without volume.
 inline constexpr double kMostOnBlade = 8e-8;
 
-/// -1, 0 (within the tolerance) or 1.
+/// The sign of x: -1, 0 (within the tolerance) or 1.
 int sign(double x, double tolerance);
 
-/// The borders of a blade: where its line starts and ends, and how deep it reaches.
+/// The borders of a blade: the start and the end of its line, and its front in depth.
 inline constexpr std::size_t kStart = 0, kEnd = 1, kFront = 2;
 
 struct Mark {
-    int side = 0;
+    int side = 0; ///< -1, 0 (on the blade) or 1
     std::array<int, 3> beyond {}; ///< per border: +1 outside the blade, -1 inside
-    std::array<double, 3> distance {}; ///< the same in mm
+    std::array<double, 3> distance {}; ///< per border: signed distance beyond the border (mm)
     double height = 0.0; ///< signed distance (mm) from the blade
 };
 
 struct Crossing {
-    bool real = false; ///< the sign changes because the edge meets the blade
-    double t = 0.0;
+    bool real = false; ///< true when the sign changes because the edge meets the blade
+    double t = 0.0; ///< place on the edge, 0 to 1
     Vec3 point = Vec3::Zero();
-    std::array<double, 3> distance {}; ///< as in Mark
+    std::array<double, 3> distance {}; ///< as Mark::distance
 };
 
 class BladeMarks {
 public:
-    /// @param store is not changed; it lends a table.
+    /// @param store is not changed; lends a table
     BladeMarks(CutStore& store, const SweptBlade& blade, double on_blade = kOnBlade);
     ~BladeMarks();
     BladeMarks(const BladeMarks&) = delete;
     BladeMarks& operator=(const BladeMarks&) = delete;
 
+    /// The mark of a vertex, computed on first use.
     const Mark& at(VertexId v)
     {
         const Entry* entry = find(v);
         return entry != nullptr ? entry->mark : look_at(v);
     }
+    /// The crossing of an edge with the blade, computed on first use.
     const Crossing& crossing(const EdgeKey& edge);
-    /// The side of an element: that of its vertices off the blade, or of its centroid where they do not tell
-    /// (all four on the blade, at a kink; or an element beyond the border, which nothing needs to cut).
+    /// The side of an element: the common side of its vertices off the blade. The centroid decides when all four
+    /// vertices are on the blade (at a kink), or when the vertices are on both sides (an element beyond the border,
+    /// which needs no cut).
     int side(const TetSlot& tet);
     struct Edges {
         std::array<EdgeKey, 6> keys;
@@ -77,26 +82,29 @@ public:
         const EdgeKey* end() const { return keys.data() + count; }
     };
     Edges crossed_edges(const TetSlot& tet);
-    /// Does the blade, within its borders, run through the element? The corners of the section (where the blade
-    /// meets edges and vertices) must reach inside each border. At a corner of the blade this is on the safe side.
-    /// With `completely`, no corner may lie beyond the end either.
+    /// True when the blade, within its borders, runs through the element. The corners of the section (where the blade
+    /// meets edges and vertices) must reach inside each border. At a corner of the blade the answer errs on the safe
+    /// side.
+    /// @param completely also requires that no corner of the section lies beyond the blade's end
     bool crossed(const TetSlot& tet, bool completely = false);
 
-    /// The vertex has been put on the blade: whatever round-off says, its side is 0.
+    /// Sets the side of a vertex to 0 after the vertex has been put on the blade, regardless of round-off.
     void put_on_blade(VertexId v);
-    /// The vertex is on a border: neither outside nor inside of it.
+    /// Marks a vertex as on a border, neither outside nor inside.
     void put_on_border(VertexId v, std::size_t border);
-    /// The vertex has moved or is gone: what was known of it and of the edges to `neighbours` is forgotten.
+    /// Forgets the mark of a vertex that has moved or is gone, and the crossings of its edges to `neighbours`.
     void forget(VertexId v, std::span<const VertexId> neighbours);
-    /// The edge is gone: its crossing would outlive moves of its ends.
+    /// Forgets the crossing of an edge that is gone, because moves of its ends would no longer clear the crossing.
     void forget(const EdgeKey& edge);
+    /// The vertices on the blade.
     const std::set<VertexId>& on_blade() const { return on_blade_; }
-    /// Counts what changes the vertices on the blade or what is known of them, but for those that looking finds.
+    /// Number of changes of the vertices on the blade or of their marks, without first marks.
     std::uint64_t changes() const { return changes_; }
-    /// Vertices that were on the blade when they were first looked at; some may have been forgotten since.
+    /// Vertices whose first mark was on the blade; some may have been forgotten since.
     const std::vector<VertexId>& found_on_blade() const { return found_; }
-    /// Signed distances (mm) beyond the borders.
+    /// Signed distances (mm) of a point beyond the borders.
     std::array<double, 3> beyond(const BladeCoordinates& c) const;
+    /// Distance (mm) below which a point counts as on the blade.
     double tolerance() const { return share_ * size_; }
 
 private:
@@ -107,8 +115,9 @@ private:
     static constexpr std::size_t kChunk = 64;
     using Chunk = std::array<Entry, kChunk>;
 
-    /// What a vertex's place in the table names is its entry only when that names the vertex: so the table need not be
-    /// cleared, and looking up costs a few instructions (Briggs and Torczon 1993, doi 10.1145/176454.176484).
+    /// Finds the entry of a vertex, or null. The table gives the index of a candidate, which is the entry only when it
+    /// names the vertex. The table therefore needs no clearing, and a look-up costs a few instructions (Briggs and
+    /// Torczon 1993, doi 10.1145/176454.176484).
     Entry* find(VertexId v)
     {
         const auto i = static_cast<std::size_t>(v);
@@ -124,17 +133,18 @@ private:
     CutStore& store_;
     const SweptBlade& blade_;
     double size_, share_;
-    std::vector<std::uint32_t> table_; ///< by vertex: its entry
-    std::vector<std::unique_ptr<Chunk>> chunks_; ///< of entries, which stay where they are
-    std::uint32_t count_ = 0; ///< of entries
-    OpenAddressMap<Crossing> crossings_; ///< by edge
+    std::vector<std::uint32_t> table_; ///< per vertex: index of its entry
+    std::vector<std::unique_ptr<Chunk>> chunks_; ///< the entries, which never move in memory
+    std::uint32_t count_ = 0; ///< number of entries
+    OpenAddressMap<Crossing> crossings_; ///< crossings by edge
     std::set<VertexId> on_blade_;
     std::vector<VertexId> found_;
     std::uint64_t changes_ = 0;
 };
 
-/// Root in (0, 1) of a continuous f with f(0) f(1) < 0: regula falsi (Illinois), with bisection when it stalls. Stops
-/// where |f| <= tolerance.
+/// Root in (0, 1) of a continuous f with f(0) f(1) < 0, by regula falsi (Illinois variant), with a bisection when the
+/// iteration stalls. The iteration stops when |f| <= tolerance.
+/// @param f0, f1 values of f at 0 and 1
 template <class F> double find_root(F&& f, double f0, double f1, double tolerance)
 {
     constexpr int kRootIterations = 100;

@@ -15,18 +15,19 @@
 namespace retractor::mesh {
 
 namespace {
-    /// A moved vertex leaves each element round it at least this share of its volume.
+    /// A move leaves each element round the vertex at least this share of its volume.
     constexpr double kKeepsVolume = 0.25;
-    /// ... and, where an angle is small already, this share of it: a short move must not be refused for nothing.
+    /// Where an angle is small already, a move leaves at least this share of the angle, so that a short move is not
+    /// refused without need.
     constexpr double kKeepsAngle = 0.9;
 
-    /// A deviation smaller than this share of an edge is none.
+    /// A deviation below this share of an edge is round-off.
     constexpr double kRoundOff = 1e-12;
 
-    /// A face at a vertex by its other two corners.
+    /// A face at a vertex, given by the face's other two corners.
     struct StarFace {
         std::uint64_t others;
-        Label label; ///< of the element
+        Label label; ///< label of the element
     };
 
     std::vector<StarFace> faces_round(const CutStore& store, VertexId v, std::span<const TetId> star)
@@ -55,7 +56,7 @@ namespace {
         return key;
     }
 
-    /// Normals of the faces opposite to corners 0 .. 3, all outward or all inward.
+    /// Normals of the faces opposite corners 0 to 3, all outward or all inward.
     inline std::array<Vec3, 4> face_normals(const std::array<Vec3, 4>& p)
     {
         const Vec3 ab = p[1] - p[0], ac = p[2] - p[0], ad = p[3] - p[0], bc = p[2] - p[1], bd = p[3] - p[1];
@@ -65,7 +66,7 @@ namespace {
 
 double smallest_dihedral_cosine(const std::array<Vec3, 4>& p, double enough)
 {
-    constexpr double kSlack = 1e-12; // of the squares: far more than their round-off
+    constexpr double kSlack = 1e-12; // share of the squares; far above their round-off
     const std::array<Vec3, 4> n = face_normals(p);
     std::array<double, 4> size;
     for (std::size_t i = 0; i < 4; ++i) {
@@ -74,7 +75,7 @@ double smallest_dihedral_cosine(const std::array<Vec3, 4>& p, double enough)
             return 1.0;
     }
     const double clear = enough * enough * (1.0 + kSlack);
-    std::array<double, 6> square, sizes; // of the products, with their signs
+    std::array<double, 6> square, sizes; // squares of the products, with the products' signs
     std::size_t k = 0;
     for (std::size_t i = 0; i < 4; ++i)
         for (std::size_t j = 0; j < i; ++j, ++k) {
@@ -84,7 +85,7 @@ double smallest_dihedral_cosine(const std::array<Vec3, 4>& p, double enough)
             if (square[k] > clear * sizes[k])
                 return 1.0;
         }
-    double largest = -1.0; // one root at the end
+    double largest = -1.0; // a single root at the end
     for (k = 0; k < 6; ++k)
         largest = std::max(largest, square[k] / sizes[k]);
     return std::copysign(std::sqrt(std::abs(largest)), largest);
@@ -92,7 +93,7 @@ double smallest_dihedral_cosine(const std::array<Vec3, 4>& p, double enough)
 
 bool smallest_dihedral_is_larger(const std::array<Vec3, 4>& p, double cosine)
 {
-    constexpr double kSlack = 1e-12; // as above
+    constexpr double kSlack = 1e-12; // share of the squares; far above their round-off
     const std::array<Vec3, 4> n = face_normals(p);
     std::array<double, 4> size;
     for (std::size_t i = 0; i < 4; ++i)
@@ -193,7 +194,8 @@ namespace {
         return (d - std::clamp(edge.dot(d) / edge.squaredNorm(), 0.0, 1.0) * edge).norm();
     }
 
-    /// Distance of v + d from the faces round v that are of the outer surface (or are not).
+    /// Distance (mm) of v + d from the faces round v that belong to the outer surface (or to interfaces, when `outer`
+    /// is false).
     double distance_from_sheet(
         const CutStore& store, VertexId v, std::span<const HeldFace> faces, const Vec3& d, bool outer)
     {
@@ -211,7 +213,7 @@ namespace {
             const double inner = edge[0].dot(edge[1]), a = edge[0].squaredNorm(), b = edge[1].squaredNorm();
             const double x = edge[0].dot(d) * b - edge[1].dot(d) * inner,
                          y = edge[1].dot(d) * a - edge[0].dot(d) * inner;
-            // Within the corner at v, the third side is taken to be far enough away.
+            // Within the corner at v, the third side is assumed to be far away.
             nearest = std::min(nearest,
                 x >= 0.0 && y >= 0.0 ? std::abs(face.normal.dot(d))
                                      : std::min(distance_from_segment(d, edge[0]), distance_from_segment(d, edge[1])));
@@ -234,7 +236,8 @@ double surface_deviation(
         if (const double size = after.norm(); size > 0.0)
             worst = std::max(worst, std::abs(after.dot(d)) / size);
     }
-    // Where a surface folds back sharply, its planes go on beyond the fold: there only the faces themselves tell.
+    // Where a surface bends back sharply, the planes of its faces continue beyond the bend; there the distance from the
+    // faces decides.
     for (const bool outer : { true, false })
         if (worst <= most)
             worst = std::max(worst, distance_from_sheet(store, v, faces, d, outer));
@@ -294,7 +297,7 @@ bool is_parted(const StrokeState& stroke, const EdgeKey& edge)
     if (!stroke.goes_on)
         return false;
     using Place = std::array<double, 3>;
-    std::vector<Place> minus, plus; // third corners of the lips at the edge: copies lie in the same place, to the bit
+    std::vector<Place> minus, plus; // third corners of the lips at the edge; copies have bit-equal positions
     for (const TetId t : stroke.store.unsorted_star(edge.first)) {
         const TetSlot& tet = stroke.store.tet(t);
         if (std::none_of(
@@ -316,7 +319,8 @@ bool is_parted(const StrokeState& stroke, const EdgeKey& edge)
 
 bool is_held(const CutStore& store, const EdgeKey& edge)
 {
-    std::map<VertexId, std::pair<int, Label>> faces; // by the third corner: elements, and the label of the first
+    std::map<VertexId, std::pair<int, Label>>
+        faces; // per third corner: number of elements, and the label of the first element
     for (const TetId t : store.unsorted_star(edge.first)) {
         if (store.corner(t, edge.second) < 0)
             continue;
@@ -333,7 +337,7 @@ bool is_held(const CutStore& store, const EdgeKey& edge)
 bool SurfaceRoom::keeps(double deviation)
 {
     if (deviation <= kRoundOff * unit_)
-        return true; // what went before was within its limit, however short the edges have become
+        return true; // earlier moves were within their limit, also when the edges have become short
     const auto it = stroke_.drift.find(v_);
     const double after = deviation + (it == stroke_.drift.end() ? 0.0 : it->second);
     if (deviation > kSurfaceDeviation * unit_)
@@ -400,7 +404,7 @@ bool move_to_best(StrokeState& stroke, VertexId v, std::span<const Vec3> candida
                 return false;
             const double cosine = smallest_dihedral_cosine(p);
             if (cosine > limit && 1.0 - cosine < kKeepsAngle * kKeepsAngle * (1.0 - smallest_dihedral_cosine(old)))
-                return false; // 1 - cosine goes with the square of a small angle
+                return false; // 1 - cosine is proportional to the square of a small angle
         }
         return true;
     };

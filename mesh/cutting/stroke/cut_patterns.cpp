@@ -11,15 +11,15 @@ namespace retractor::mesh {
 
 namespace {
 
-    /// The middle of an edge (or face) with its ends on the blade is on it too, unless the blade bends away by more
-    /// than this share of the edge's length.
+    /// The middle of an edge (or face) with its ends on the blade counts as on the blade, unless the blade bends away
+    /// by more than this share of the edge's length.
     constexpr double kChordOffBlade = 0.1;
 
-    /// A point of an element that is divided. Its weights are where it would lie if all edges were crossed in their
-    /// middles: orientations are taken from them, as round-off cannot turn those.
+    /// A point of an element that is divided. The weights give the position for edges that are all crossed in their
+    /// middles. Orientations are computed from the weights, because round-off cannot change the result.
     struct SubPoint {
         VertexId id = -1;
-        Eigen::Vector4d weights = Eigen::Vector4d::Zero(); ///< of the element's corners
+        Eigen::Vector4d weights = Eigen::Vector4d::Zero(); ///< weights of the element's corners
 
         bool on_face(int opposite) const { return weights[opposite] == 0.0; }
     };
@@ -35,7 +35,7 @@ namespace {
         return static_cast<std::size_t>(kEdgeOf[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)]);
     }
 
-    /// The two corners that are not a or b.
+    /// The two corners other than a and b.
     std::array<int, 2> others(int a, int b)
     {
         std::array<int, 2> rest {};
@@ -46,7 +46,7 @@ namespace {
         return rest;
     }
 
-    /// An element with its points: corners, and those on edges and faces, -1 where there is none.
+    /// An element with its points at corners, on edges and on faces; -1 for a missing point.
     struct Element {
         TetSlot slot;
         std::array<VertexId, 6> edge { -1, -1, -1, -1, -1, -1 };
@@ -66,7 +66,7 @@ namespace {
         }
     };
 
-    /// Points on faces before those on edges before corners, then by id.
+    /// Order of points for pulling: points on faces, then points on edges, then corners; by id within each kind.
     std::pair<int, VertexId> pulling_order(const SubPoint& p)
     {
         return { -static_cast<int>((p.weights.array() > 0.0).count()), p.id };
@@ -87,7 +87,7 @@ namespace {
         return border;
     }
 
-    /// The face fanned from its least point.
+    /// The triangles of a face fanned from its least point.
     std::vector<SubFace> pulled_face(const Element& element, int opposite)
     {
         const std::vector<SubPoint> border = border_of(element, opposite);
@@ -103,7 +103,8 @@ namespace {
         return triangles;
     }
 
-    /// With points on all edges: corners and middle; else fanned from its least point.
+    /// The triangles of a face: three corners and the middle when all edges have points, else a fan from the least
+    /// point.
     std::vector<SubFace> red_green_face(const Element& element, int opposite)
     {
         const std::vector<SubPoint> b = border_of(element, opposite);
@@ -138,7 +139,7 @@ namespace {
         return tets;
     }
 
-    /// The green patterns, or nothing when the points make none of them.
+    /// The elements of the green pattern with these points; empty when the points fit no green pattern.
     std::vector<SubTet> green(const Element& element)
     {
         std::vector<std::size_t> with;
@@ -146,7 +147,7 @@ namespace {
             if (element.edge[e] >= 0)
                 with.push_back(e);
         std::vector<SubTet> tets;
-        for (int c = 0; c < 4 && tets.empty(); ++c) // all on the face opposite to c?
+        for (int c = 0; c < 4 && tets.empty(); ++c) // are all points on the face opposite c?
             if (std::none_of(with.begin(), with.end(),
                     [&](std::size_t e) { return kTetEdges[e][0] == c || kTetEdges[e][1] == c; }))
                 cone(tets, element.corner(c), red_green_face(element, c));
@@ -236,7 +237,7 @@ namespace {
                 std::count_if(slot.nodes.begin(), slot.nodes.end(), [&](VertexId v) { return side(v) == 0; }));
         }
 
-        /// A new vertex between two others that lie on the blade, or on a chord of it.
+        /// Marks a new vertex between two vertices on the blade as on the blade; the vertex may lie on a chord.
         void mark_on_blade(VertexId v, VertexId a, VertexId b)
         {
             stroke_.marks.put_on_blade(v);
@@ -251,7 +252,7 @@ namespace {
             return store_.add_vertex(p, a, b, t);
         }
 
-        /// False when the edge has its point already.
+        /// Gives an edge its point; returns false when the edge has a point already.
         bool edge_point(const TetSlot& slot, int first, int second)
         {
             const EdgeKey edge = std::minmax(
@@ -276,7 +277,8 @@ namespace {
             return true;
         }
 
-        /// Where the blade crosses the border of a face: edges, and a corner as an edge to itself; two, or fewer.
+        /// At most two places at which the blade crosses the border of a face: edges, or a corner written as an edge to
+        /// itself.
         std::vector<EdgeKey> chord_of(const FaceKey& face)
         {
             const auto [p, q, r] = face;
@@ -292,7 +294,7 @@ namespace {
             return chord;
         }
 
-        /// @pre the face's edges have their points.
+        /// Gives a face its point. @pre the face's edges have their points
         void face_point(const TetSlot& slot, int opposite)
         {
             const auto [it, missing] = faces_.try_emplace(face_key(slot, opposite), -1);
@@ -309,7 +311,7 @@ namespace {
             }
         }
 
-        /// Elements with a point on an edge, by id. (A point on a face comes with points on its edges.)
+        /// Elements with a point on an edge, ascending. A face with a point also has points on its edges.
         std::vector<TetId> touched() const
         {
             std::vector<TetId> tets;
@@ -360,7 +362,7 @@ namespace {
             return (store_.position(a.id) - store_.position(b.id)).norm();
         }
 
-        /// The corner that a quadrilateral section leaves on corner 0's side; 0 when the section is none.
+        /// The other corner on corner 0's side of a quadrilateral section; 0 when the section is no quadrilateral.
         int partner_of_first(const Element& element)
         {
             int partner = 0, same = 0;
@@ -392,8 +394,8 @@ namespace {
             tets.push_back(tet);
         }
 
-        /// What lies on the side of a and b of a quadrilateral section, seeing the diagonal between the points of the
-        /// faces opposite to a and b.
+        /// Adds the elements on the side of a and b of a quadrilateral section. These elements see the diagonal between
+        /// the points of the faces opposite a and b.
         static void flipped_side(std::vector<SubTet>& tets, const Element& element, int a, int b)
         {
             const SubPoint m = element.on_edge(a, b), fa = element.on_face(a), fb = element.on_face(b);
@@ -421,8 +423,8 @@ namespace {
             for (const auto& e : kTetEdges)
                 if (edge_of(e[0], e[1]) != edge_of(0, partner) && edge_of(e[0], e[1]) != edge_of(c, d))
                     edge_and_faces(tets, element, e[0], e[1]);
-            // The side of 0 and its partner sees the diagonal of the points opposite to c and d, and the other way
-            // round.
+            // The side of corner 0 and its partner sees the diagonal between the face points opposite c and d; the side
+            // of c and d sees the other diagonal.
             const bool keep_first = distance(element.on_face(c), element.on_face(d))
                 <= distance(element.on_face(0), element.on_face(partner));
             const std::array<int, 2> first { 0, partner }, second { c, d };
@@ -445,7 +447,7 @@ namespace {
                         tet[n++] = element.on_edge(a, b);
                 tets.push_back(tet);
             }
-            // Diagonals join the points of opposite edges: 0-x and the edge of the other two.
+            // A diagonal joins the points of two opposite edges: 0-x and the edge of the other two corners.
             const int partner = partner_of_first(element);
             int best = -1;
             double shortest = 0.0;
@@ -477,7 +479,8 @@ namespace {
             }
         }
 
-        /// A blade that twists within the element may put the points on its faces so that parts are turned over.
+        /// True when a part is turned over. A blade that twists within the element may place the points on faces in
+        /// such a way.
         bool turned_over(const std::vector<SubTet>& parts) const
         {
             return std::any_of(parts.begin(), parts.end(), [&](const SubTet& part) {
@@ -495,7 +498,7 @@ namespace {
                 for (std::size_t i = 0; i < 4; ++i) {
                     child.nodes[i] = part[i].id;
                     child.lips[i] = {};
-                    for (int c = 0; c < 4; ++c) { // a part of the parent's face?
+                    for (int c = 0; c < 4; ++c) { // is the face a part of the parent's face?
                         bool on = true;
                         for (std::size_t j = 0; j < 4; ++j)
                             on = on && (j == i || part[j].on_face(c));

@@ -1,7 +1,7 @@
 #pragma once
-// How carefully a stroke is made. The first attempt goes by CutOptions alone; when it breaks a promise (an element
-// without volume, lips that hang together, a wound that stays short of the blade), it is taken back and made again with
-// less freedom, and refused only when that does not help either. Units mm.
+// Settings of repeated attempts at a stroke. The first attempt follows CutOptions alone. When an attempt breaks a
+// guarantee (an element without volume, lips that stay connected, a wound that ends short of the blade), the attempt is
+// taken back and repeated with less freedom. When no attempt succeeds, the stroke is refused. Units mm.
 
 #include "mesh/base/error.h"
 #include "mesh/cutting/stroke/cut_marks.h"
@@ -10,22 +10,24 @@
 
 namespace retractor::mesh {
 
-/// What makes a stroke more conservative than its options.
+/// Settings that make a stroke more conservative than its options.
 struct StrokeSettings {
-    int attempt = 1;
-    double snap = 1.0; ///< share of CutOptions::snap
-    double crease_deg = 180.0; ///< CutOptions::crease_deg at most
-    /// Crossed elements are halved where chords between the points at which the blade crosses their edges lie further
-    /// off it than this share of the local edge; 0: never.
+    int attempt = 1; ///< number of the attempt, from 1
+    double snap = 1.0; ///< factor on CutOptions::snap
+    double crease_deg = 180.0; ///< upper limit on CutOptions::crease_deg
+    /// Limit for halving crossed elements, as a share of the local edge. An element is halved when chords between the
+    /// points at which the blade crosses its edges lie farther from the blade than this limit. 0: never.
     double chord = 0.0;
-    bool past_ends = false; ///< rays at the ends of the blade are followed where the bend to its extension asks for it
-    double border = 1.0; ///< share of the tolerance within which a vertex is taken to be on a border
-    double on_blade = kOnBlade; ///< share of the blade's size within which a vertex is taken to be on it
+    /// True: rays at the ends of the blade become edges where the bend to the blade's extension is large enough.
+    bool past_ends = false;
+    double border = 1.0; ///< factor on the tolerance within which a vertex counts as on a border
+    double on_blade = kOnBlade; ///< share of the blade's size within which a vertex counts as on the blade
 };
 
-/// A stroke that cannot be made as it is: why, for the next attempt to know.
+/// A stroke that breaks a guarantee. The kind tells the next attempt which settings to change.
 class CutQualityError : public SolverError {
 public:
+    /// Element or lip without proper shape; wound short of or off the blade; too many elements.
     enum class Kind { shape, extent, growth };
     CutQualityError(Kind kind, const std::string& what, std::string where);
     Kind kind() const { return kind_; }
@@ -34,28 +36,30 @@ private:
     Kind kind_;
 };
 
-/// Attempts at one stroke in all.
+/// Largest number of attempts at a stroke.
 inline constexpr int kMostAttempts = 6;
 
-/// The setting of the next attempt, after one that failed for this reason: elements without volume, or lips that hang
-/// together, come from what was snapped, or from slivers at vertices that the blade grazes; a wound that stays short
-/// of the blade comes from bends that are spanned by chords, and from borders that were only nearly reached. More bends
-/// are followed at first; then elements are halved where the blade bends or twists within them; the last attempt
-/// follows every bend, if what failed before it was the extent.
-/// @pre not `growth` (too many elements): more care makes more of them, so such a stroke is refused at once.
+/// The settings of the next attempt after an attempt that failed for this reason. Elements without volume and lips that
+/// stay connected come from moved vertices, or from slivers at vertices that the blade grazes. A wound that ends short
+/// of the blade comes from bends that chords span, and from borders that were only nearly reached. The first retries
+/// follow more bends; later retries halve elements where the blade bends or twists within them; the last attempt
+/// follows every bend when the failure before was the extent.
+/// @pre kind != growth (too many elements): other settings make more elements, so that such a stroke is refused at once
 StrokeSettings settings_of_retry(const StrokeSettings& care, CutQualityError::Kind kind);
 
-/// A wound keeps to the blade by this share of the local edge (the mean edge of the element of the first mesh).
+/// Guaranteed largest distance of a wound from the blade, as a share of the local edge (mean edge of the element of the
+/// first mesh).
 inline constexpr double kLargestBladeDeviation = 0.1;
 
-/// By less than is promised, as what is looked at are samples; the last attempt is given a little more.
+/// Limit that an attempt is tested with, as a share of the local edge. The limit is below kLargestBladeDeviation,
+/// because the test looks at samples only; the last attempt has a slightly larger limit.
 double largest_blade_deviation(const StrokeSettings& care);
 
-/// What a wound that is off the blade is refused with: "the wound would lie more than 0.09 local edges off the blade".
+/// Message for a wound off the blade, such as "the wound would lie more than 0.09 local edges off the blade".
 std::string quality_message(const std::string& would, double most, const std::string& how);
 
-/// The refusal of a stroke that was given up after so many attempts: it says so, and what may help. One for its growth
-/// is as it is: it says already what to change, and no further attempt was made.
+/// The error of a stroke that is refused after `attempts` attempts, with a hint for the user. An error of kind growth
+/// is returned unchanged, because it already contains the hint and no further attempt was made.
 CutQualityError given_up(const CutQualityError& broken, int attempts);
 
 } // namespace retractor::mesh

@@ -17,7 +17,8 @@ namespace retractor::mesh {
 
 namespace {
 
-    /// A vertex put on an edge of the blade leaves each half this share of what plain bisection would.
+    /// A vertex that is put on the blade near an edge leaves each half at least this share of the volume of a plain
+    /// bisection.
     constexpr double kHalfKeepsVolume = 0.3;
 
     std::size_t group_of(TetId t, const Groups& groups)
@@ -28,7 +29,7 @@ namespace {
         return groups.size();
     }
 
-    /// Would two fans of elements round the edge still share both its ends after the cut?
+    /// True when two fans of elements round an edge would still share both ends after the cut.
     bool pinned(const Groups& fans, const Groups& at_a, const Groups& at_b)
     {
         for (std::size_t i = 0; i < fans.size(); ++i)
@@ -39,19 +40,19 @@ namespace {
         return false;
     }
 
-    /// Bends by less (degrees) are round-off of points on a straight line.
+    /// Smaller bends (degrees) are round-off of points on a straight line.
     constexpr double kLeastChordBend = 1e-3;
-    /// A chord that passes more bends than this spans a curve: it is looked at in so many places less one, evenly.
+    /// A chord across more bends spans a curve and is sampled evenly at kManyBends - 1 places.
     constexpr std::size_t kManyBends = 8;
-    constexpr double kSamePlace = 0.01; ///< share of a chord
+    constexpr double kSamePlace = 0.01; ///< largest distance of equal places, as a share of the chord
 
-    /// How far (mm) a face of the wound is from the blade, and its longest edge.
+    /// Distances (mm) of a face of the wound from the blade, and the face's longest edge (mm).
     struct OffBlade {
         double between_corners = 0.0, at_corners = 0.0, longest_edge = 0.0;
     };
 
-    /// Looks how far faces are off the blade: at their corners, in their middle, in the middle of their edges, and
-    /// where these pass bends, as a chord is furthest off there.
+    /// Measures distances of faces from the blade at the faces' corners and middles, at the middles of edges, and where
+    /// edges pass bends, because a chord is farthest from the blade at bends.
     class LookAtLips {
     public:
         explicit LookAtLips(StrokeState& stroke)
@@ -87,7 +88,7 @@ namespace {
             return off;
         }
 
-        /// How far (mm) a face reaches beyond the borders; negative within.
+        /// Distance (mm) that a face reaches beyond the borders; negative within the borders.
         double beyond(const FaceKey& key) const
         {
             double most = -std::numeric_limits<double>::infinity();
@@ -103,7 +104,7 @@ namespace {
             off.between_corners = std::max(off.between_corners, (stroke_.blade.project(x) - x).norm());
         }
 
-        /// Shares of the edge.
+        /// Places (0 to 1) along the edge a-b at which the edge passes bends.
         std::vector<double> bends_passed(VertexId a, VertexId b)
         {
             const Vec3 p = stroke_.store.position(a), q = stroke_.store.position(b);
@@ -117,7 +118,7 @@ namespace {
                 const double at_p = bend->normal.dot(p - bend->origin), at_q = bend->normal.dot(q - bend->origin);
                 if (!(at_p * at_q < 0.0))
                     continue;
-                // The pieces of a ray follow each other, and lie in one plane or nearly so.
+                // The pieces of a ray are successive and lie nearly in one plane.
                 if (const double t = at_p / (at_p - at_q); shares.empty() || std::abs(t - shares.back()) > kSamePlace)
                     shares.push_back(t);
                 if (shares.size() > kManyBends) {
@@ -131,11 +132,11 @@ namespace {
         }
 
         StrokeState& stroke_;
-        std::vector<SweptBlade::Crease> bends_; ///< by their place along the line
+        std::vector<SweptBlade::Crease> bends_; ///< in the order of their places along the line
     };
 
-    /// What former steps of the stroke have cut, where this one has changed it: an edge of the rim may have got a
-    /// vertex, and a lip an element with a smaller local edge.
+    /// Measures lips of former steps of the stroke where the current step changed them: an edge of the rim may have a
+    /// new vertex, and a lip may belong to an element with a smaller local edge.
     void look_at_former_lips(StrokeState& stroke, LookAtLips& look, int cut_number)
     {
         if (!stroke.goes_on)
@@ -152,7 +153,7 @@ namespace {
 
     constexpr std::array<std::pair<std::size_t, std::size_t>, 3> kFaceEdges { { { 0, 1 }, { 1, 2 }, { 0, 2 } } };
 
-    /// Is the face within every border? Where its corners do not tell, its centroid does.
+    /// True when the face is within every border. Where the corners do not decide, the centroid decides.
     bool inside(StrokeState& stroke, const BladeFace& face)
     {
         Vec3 centroid = Vec3::Zero();
@@ -177,7 +178,8 @@ namespace {
         return true;
     }
 
-    /// Are all corners of the face beyond a border or on it, and not all on it? Then no part of it can be cut.
+    /// True when all corners of the face are beyond or on a border, and not all on the border. No part of such a face
+    /// can be cut.
     bool beyond_border(const std::array<const Mark*, 4>& marks, std::size_t opposite)
     {
         for (std::size_t k = 0; k < 3; ++k) {
@@ -193,7 +195,7 @@ namespace {
         return false;
     }
 
-    /// The element's faces with every corner on the blade, but those that cannot be cut.
+    /// Adds the element's faces with every corner on the blade, without faces that cannot be cut.
     void open_faces(StrokeState& stroke, TetId t, std::vector<OpenFace>& open)
     {
         const TetSlot& tet = stroke.store.tet(t);
@@ -220,7 +222,7 @@ namespace {
         return a.second.tet < b.second.tet;
     }
 
-    /// Faces with elements on different sides.
+    /// Finds the faces with elements on different sides.
     void pair_up(StrokeState& stroke, LookOnBlade& look)
     {
         look.faces.clear();
@@ -236,7 +238,7 @@ namespace {
         }
     }
 
-    /// Is v a corner of a lip of what former steps of the stroke have cut?
+    /// True when v is a corner of a lip that former steps of the stroke have cut.
     bool on_own_lip(const StrokeState& stroke, VertexId v)
     {
         const std::vector<TetId>& star = stroke.store.unsorted_star(v);
@@ -249,7 +251,8 @@ namespace {
         });
     }
 
-    /// Those with a parted edge are behind a lip: faces across its chords, not such that continue the wound.
+    /// Leaves out faces with a parted edge. Such a face lies behind a lip, across a chord of the lip, and does not
+    /// continue the wound.
     void leave_out_parted(const StrokeState& stroke, std::vector<BladeFace>& faces)
     {
         std::vector<VertexId> on_lip;
@@ -267,8 +270,8 @@ namespace {
         });
     }
 
-    /// Faces of one element only round an edge.
-    /// @param third room to work in
+    /// Number of faces round an edge that belong to one element only.
+    /// @param third working memory
     std::size_t surface_faces(const CutStore& store, const EdgeKey& edge, std::vector<VertexId>& third)
     {
         third.clear();
@@ -287,7 +290,7 @@ namespace {
         return single;
     }
 
-    /// Whatever went before: a wound whose lips hang together along an edge is refused, not handed on.
+    /// Refuses a wound whose lips are still connected along an edge.
     void check_lips(const CutStore& store, std::span<const TetId> parted, int cut_number)
     {
         std::vector<EdgeKey> edges;
@@ -312,7 +315,8 @@ namespace {
 
 const std::vector<BladeFace>& faces_on_blade(StrokeState& stroke)
 {
-    // Looking may find more vertices on the blade: the next look is at their elements, if nothing else has changed.
+    // A search may find more vertices on the blade. If nothing else has changed, the next search visits only the
+    // elements of these vertices.
     LookOnBlade& look = stroke.look_on_blade;
     const std::array<std::uint64_t, 2> changes { stroke.store.changes(), stroke.marks.changes() };
     const std::vector<VertexId>& found = stroke.marks.found_on_blade();
@@ -330,7 +334,7 @@ const std::vector<BladeFace>& faces_on_blade(StrokeState& stroke)
         open_faces(stroke, t, look.open);
     std::sort(look.open.begin() + known, look.open.end(), comes_before);
     std::inplace_merge(look.open.begin(), look.open.begin() + known, look.open.end(), comes_before);
-    const auto same = [](const OpenFace& a, const OpenFace& b) { return !comes_before(a, b); }; // as they are in order
+    const auto same = [](const OpenFace& a, const OpenFace& b) { return !comes_before(a, b); }; // list is sorted
     look.open.erase(std::unique(look.open.begin(), look.open.end(), same), look.open.end());
     pair_up(stroke, look);
     if (stroke.goes_on)
@@ -385,7 +389,7 @@ void decide_cut_faces(StrokeState& stroke)
 bool open_pinned_edges(StrokeState& stroke)
 {
     const CutStore& store = stroke.store;
-    // What the last round has left is as it was: its edges need not be looked at again.
+    // Groups that the last round has left are still valid, and their edges need no further test.
     std::map<VertexId, Groups>& groups = stroke.groups;
     std::set<VertexId> changed;
     for (const auto& [key, turn] : stroke.cut_faces.all())
@@ -403,14 +407,14 @@ bool open_pinned_edges(StrokeState& stroke)
     for (const EdgeKey& edge : edges)
         if (pinned(groups_round(edge, store, stroke.cut_faces), groups.at(edge.first), groups.at(edge.second)))
             pinned_edges.insert(edge);
-    // A face with no corner doubled: once its longest edge has a vertex, the edge to it from the third corner is
-    // pinned.
+    // For a face without doubled corner, the longest edge gets a vertex; then the edge from the third corner to the new
+    // vertex is pinned.
     for (const auto& [key, turn] : stroke.cut_faces.all())
         if (std::all_of(key.begin(), key.end(), [&](VertexId v) { return groups.at(v).size() == 1; })) {
             std::vector<EdgeKey> own { { key[0], key[1] }, { key[1], key[2] }, { key[0], key[2] } };
             sort_longest_first(own, store);
-            // One of its edges may be pinned already. Its vertex will do for the face; another one on the rim would
-            // make a smaller face of the same kind, and so on.
+            // When an edge of the face is pinned already, the vertex of that edge suffices. Another vertex on the rim
+            // would make a smaller face of the same kind, and so on.
             if (std::none_of(own.begin(), own.end(), [&](const EdgeKey& edge) { return pinned_edges.contains(edge); }))
                 pinned_edges.insert(own.front());
         }
@@ -418,9 +422,9 @@ bool open_pinned_edges(StrokeState& stroke)
         const Vec3 middle = 0.5 * (store.position(edge.first) + store.position(edge.second));
         Vec3 p = is_held(store, edge) ? middle : stroke.blade.project(middle);
         if (!keeps_volume(store, edge, p, 0.5))
-            p = middle; // on a chord of a bent blade
+            p = middle; // then the vertex lies on a chord of a bent blade
         for (const VertexId near : stroke.store.corners_of_all(store.star(edge.first, edge.second)))
-            groups.erase(near); // their elements change
+            groups.erase(near); // the elements round these vertices change
         const VertexId v = bisect(stroke, edge, p, 0.5);
         stroke.marks.put_on_blade(v);
         for (std::size_t k = 0; k < 3; ++k)
@@ -432,7 +436,7 @@ bool open_pinned_edges(StrokeState& stroke)
 
 namespace {
 
-    /// The elements on both sides of every cut face. By key.
+    /// Every cut face with the elements on both sides, in the order of keys.
     std::vector<BladeFace> sides_of_cut(const StrokeState& stroke)
     {
         const BladeFace none { {}, { -1, 0 }, { -1, 0 } };
@@ -474,7 +478,8 @@ void separate(StrokeState& stroke, int cut_number)
         vertices.insert(face.key.begin(), face.key.end());
         on_minus.insert(face.minus.tet);
     }
-    // Groups first, copies after: rewiring one vertex changes the face keys round its neighbours.
+    // All groups are found before vertices are copied, because rewiring a vertex changes the face keys round its
+    // neighbours.
     std::map<TetId, TetSlot> rewired;
     const auto slot_of = [&](TetId t) -> TetSlot& { return rewired.try_emplace(t, stroke.store.tet(t)).first->second; };
     for (const VertexId v : vertices) {
@@ -497,7 +502,7 @@ void separate(StrokeState& stroke, int cut_number)
         TetSlot& minus = slot_of(face.minus.tet);
         TetSlot& plus = slot_of(face.plus.tet);
         if (corner_face(minus, face.minus.corner) == corner_face(plus, face.plus.corner))
-            continue; // every corner lies on the border: still one face
+            continue; // every corner lies on the border, and the face stays undivided
         minus.lips[static_cast<std::size_t>(face.minus.corner)] = { cut_number, -1 };
         plus.lips[static_cast<std::size_t>(face.plus.corner)] = { cut_number, 1 };
         stroke.report.lip_area_mm2 += triangle_area(

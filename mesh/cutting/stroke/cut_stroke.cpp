@@ -20,29 +20,30 @@ namespace retractor::mesh {
 
 namespace {
 
-    /// Root finding stops here, as a share of the blade's size.
+    /// Tolerance of root finding, as a share of the blade's size.
     constexpr double kBorderRootTolerance = 1e-13;
-    /// What is never moved stays to this share of the blade's size.
+    /// Permitted motion of fixed parts, as a share of the blade's size.
     constexpr double kUnmoved = 1e-10;
-    /// A vertex that cannot be moved onto a border (or a bend), but is as near as this share of its shortest edge, is
-    /// taken to be on it: depth, ends and bends of the wound are right to this much, and no sliver is made.
+    /// A vertex that cannot be moved onto a border (or a bend) counts as on it within this share of the vertex's
+    /// shortest edge. Depth, ends and bends of the wound have this tolerance, which avoids slivers.
     constexpr double kBorderTolerance = 0.08;
-    /// Bends by less than this (degrees) are nothing but round-off and jitter.
+    /// Smaller bends (degrees) are round-off and jitter.
     constexpr double kLeastBorderBend = 0.1;
-    /// How often the borders are looked at again.
+    /// Largest number of further rounds over the borders.
     constexpr int kBorderRounds = 3;
-    /// An edge is not bisected nearer to an end than this share of it, where there is a choice.
+    /// Where there is a choice, an edge is bisected at least this share of its length from its ends.
     constexpr double kLeastShare = 0.2;
-    /// Length of blade (mm) that is looked up in the mesh at a time: short boxes hug an oblique blade.
+    /// Length of blade (mm) per search in the mesh; short boxes fit an oblique blade closely.
     constexpr double kLookUp = 8.0;
-    /// Cancellation is looked at once per this many bisections.
+    /// Number of bisections between two tests for cancellation.
     constexpr std::size_t kCheckEvery = 256;
 
-    /// Halvings of an element that the blade bends in: its edges are an eighth at the end.
+    /// Largest number of halvings of an element in which the blade bends; the edges shrink to an eighth.
     constexpr int kHalvings = 9;
-    /// Where a chord is looked at, as shares of it.
+    /// Places at which a chord is tested, as shares of its length.
     constexpr std::array<double, 3> kChordLooks { 0.25, 0.5, 0.75 };
-    /// Opening a pinned face takes two rounds; what is pinned after more is refused when the lips are parted.
+    /// Opening a pinned face takes two rounds. Edges that are pinned after the last round make separate() refuse the
+    /// stroke.
     constexpr int kPinnedRounds = 6;
 
     struct Cancelled { };
@@ -72,9 +73,10 @@ namespace {
         StrokeRest rest() { return { resume_, std::move(state_.drift) }; }
 
     private:
-        /// Finds what the blade still crosses (within its borders, to be on the safe side), and where the next step of
-        /// a growing blade has to go on: where elements begin that it has not crossed completely.
-        /// @pre the lips are not parted yet.
+        /// Finds the elements that the blade still crosses within its borders (erring on the safe side), and the start
+        /// of the next step of a growing blade: the place where elements begin that the blade has not crossed
+        /// completely.
+        /// @pre the lips are not separated yet
         void check_cut_marks();
         void find_near_blade();
         void restore_cut_marks(int cut_number);
@@ -112,8 +114,8 @@ namespace {
         StrokeStep step_;
         double resume_ = 0.0;
         std::vector<CrossedStill> left_;
-        std::vector<TetId> near_; ///< elements near the blade; may hold dead ones
-        std::size_t near_sorted_ = 0; ///< the first so many are in order
+        std::vector<TetId> near_; ///< elements near the blade; may contain removed elements
+        std::size_t near_sorted_ = 0; ///< number of leading entries of near_ that are sorted
         std::vector<TetId> crossed_;
     };
 
@@ -142,15 +144,15 @@ namespace {
         }
     }
 
-    /// What former steps of this stroke have cut is on the blade, also where its corners are a little off it or off
-    /// its borders: it is not cut again. Nor are its edges bisected, but those on the rim: the lips would not mirror
-    /// each other.
+    /// Marks the lips of former steps of this stroke as on the blade, also where their corners are slightly off the
+    /// blade or its borders, so that these lips are not cut again. Edges of these lips are bisected only on the rim,
+    /// because otherwise the lips would not mirror each other.
     void Stroke::restore_cut_marks(int cut_number)
     {
         if (!step_.goes_on)
             return;
         std::vector<VertexId> cut;
-        // The lips may belong to elements that only touch those near the blade.
+        // The lips may belong to elements that only touch the elements near the blade.
         for (const TetId t : store_.tets_round(store_.corners_of_all(living_near_blade())))
             for (int corner = 0; corner < 4; ++corner)
                 if (const TetSlot& tet = store_.tet(t); tet.lips[static_cast<std::size_t>(corner)].cut == cut_number) {
@@ -177,9 +179,9 @@ namespace {
                 crossed_.push_back(t);
     }
 
-    /// Joins the pieces of each ray, which follow each other: halved by one plane for all of them, that of the lowest.
-    /// Where directions turn, each piece has a plane of its own, a little turned from the next: where they meet, they
-    /// would leave slivers between them.
+    /// Joins the successive pieces of each ray; the plane of the lowest piece halves the bend of all pieces. Where
+    /// directions turn, each piece has its own, slightly turned plane, and the planes would leave slivers where they
+    /// meet.
     std::vector<SweptBlade::Crease> whole_rays(std::vector<SweptBlade::Crease> bends)
     {
         std::erase_if(bends, [](const auto& bend) { return !bend.ray; });
@@ -196,9 +198,9 @@ namespace {
         return rays;
     }
 
-    /// By what angle (degrees) a single bend in the middle of a chord would be as far off it as the blade at `along` is
-    /// off the chord that spans it and is `edge` long, but begins at `from` at the earliest.
-    /// @param past_ends of a chord that may pass the ends of the blade, where it is extended straight
+    /// Angle (degrees) of a single bend in the middle of a chord that lies as far off the chord as the blade at `along`
+    /// does. The chord spans `along`, is `edge` long (mm), and begins at `from` at the earliest.
+    /// @param past_ends the chord may pass the ends of the blade, where the blade is extended straight
     double bend_under_chord(const SweptBlade& blade, double along, double edge, double from, bool past_ends)
     {
         const double first = past_ends && from == 0.0 ? along - 0.5 * edge : std::max(along - 0.5 * edge, from),
@@ -213,11 +215,11 @@ namespace {
         return 4.0 * off / edge * 180.0 / std::numbers::pi;
     }
 
-    /// The rays that are made edges of the mesh: those that chords of the elements there would miss by more than
-    /// CutOptions::crease_deg allows. What is left out is spanned by faces, so little that these stay near to the
-    /// blade; and bends that follow each other closely do not each cut their own slice. The bends within a twisted
-    /// strip come from dividing it into triangles and are oblique to the rays: where they meet, elements would be cut
-    /// to slivers. They are followed only when every bend is asked for.
+    /// The rays that become edges of the mesh: rays that chords of the local elements would miss by more than
+    /// CutOptions::crease_deg allows. Faces span the other rays and stay near the blade, so that successive bends do
+    /// not each cut a slice of their own. Bends within a twisted strip come from dividing the strip into triangles and
+    /// are oblique to the rays; elements would be cut to slivers where they meet. The function includes such bends only
+    /// when every bend is to be followed.
     std::vector<SweptBlade::Crease> Stroke::bends_to_follow()
     {
         if (options_.crease_deg == 0.0) {
@@ -225,7 +227,7 @@ namespace {
             std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.along < b.along; });
             return all;
         }
-        std::vector<std::pair<double, double>> edges; // where crossed elements are along the blade; their mean edge
+        std::vector<std::pair<double, double>> edges; // place along the blade and mean edge of each crossed element
         for (const TetId t : crossed_) {
             const std::array<Vec3, 4> p = corners_of(store_, t);
             double edge = 0.0;
@@ -233,7 +235,7 @@ namespace {
                 edge += (p[static_cast<std::size_t>(e[0])] - p[static_cast<std::size_t>(e[1])]).norm() / 6.0;
             edges.emplace_back(blade_.coordinates(0.25 * (p[0] + p[1] + p[2] + p[3])).along, edge);
         }
-        const auto longest_edge = [&](double along) { // their chords lie furthest off
+        const auto longest_edge = [&](double along) { // chords of long edges lie farthest off
             double longest = 0.0;
             for (const auto& [at, edge] : edges)
                 if (std::abs(at - along) <= edge)
@@ -244,7 +246,8 @@ namespace {
         double last = 0.0;
         for (const SweptBlade::Crease& ray :
             whole_rays(blade_.creases(std::min(kLeastBorderBend, options_.crease_deg)))) {
-            const double edge = ray.along < step_.from_along ? 0.0 : longest_edge(ray.along); // 0: done, or no tissue
+            const double edge
+                = ray.along < step_.from_along ? 0.0 : longest_edge(ray.along); // 0: cut before, or no tissue
             if (edge > 0.0
                 && bend_under_chord(blade_, ray.along, edge, last, step_.care.past_ends) > options_.crease_deg) {
                 chosen.push_back(ray);
@@ -254,10 +257,11 @@ namespace {
         return chosen;
     }
 
-    /// Does the blade bend so much within a crossed element that chords of its section lie too far off it?
+    /// True when the blade bends so much within a crossed element that chords of the section lie too far off the blade.
     bool Stroke::spans_bend(TetId t)
     {
-        std::vector<std::pair<Vec3, std::array<double, 3>>> section; // with the distances beyond the borders
+        std::vector<std::pair<Vec3, std::array<double, 3>>>
+            section; // corners of the section, with their distances beyond the borders
         for (const EdgeKey& edge : marks_.crossed_edges(store_.tet(t)))
             if (const Crossing& c = marks_.crossing(edge); c.real)
                 section.emplace_back(c.point, c.distance);
@@ -283,8 +287,9 @@ namespace {
         return false;
     }
 
-    /// A blade that twists or bends within an element is not followed by its section. A plane through every bend would
-    /// leave slivers where bends meet; halves of the element are well shaped, and their sections four times as near.
+    /// Halves elements in which the blade twists or bends, because the section of such an element does not follow the
+    /// blade. A plane through every bend would leave slivers where bends meet; halves of the element are well shaped,
+    /// and their sections are four times nearer to the blade.
     void Stroke::halve_where_bent()
     {
         for (int round = 0; round < kHalvings; ++round) {
@@ -317,7 +322,7 @@ namespace {
     void Stroke::check_cut_marks()
     {
         std::vector<TetId> near = living_near_blade();
-        const std::vector<TetId> parts = store_.tets_round(marks_.on_blade()); // of divided elements
+        const std::vector<TetId> parts = store_.tets_round(marks_.on_blade()); // elements round the new vertices
         near.insert(near.end(), parts.begin(), parts.end());
         std::erase_if(near, [&](TetId t) { return !marks_.crossed(store_.tet(t)); });
         std::sort(near.begin(), near.end());
@@ -331,7 +336,7 @@ namespace {
         resume_ = step_.resolve_end ? blade_.length() : std::max(0.0, resume_);
     }
 
-    /// Does the bend run through the element (or touch it)?
+    /// True when the bend runs through the element or touches it.
     bool Stroke::pierced(const SweptBlade::Crease& crease, TetId t) const
     {
         const TetSlot& tet = store_.tet(t);
@@ -354,7 +359,8 @@ namespace {
         return first <= last;
     }
 
-    /// Does the blade cross the element on both sides of a bend? The bend itself may pass by, on the convex side.
+    /// True when the blade crosses the element on both sides of a bend. The bend may pass outside the element, on the
+    /// convex side.
     bool Stroke::straddled(const SweptBlade::Crease& crease, TetId t)
     {
         bool before = false, after = false;
@@ -371,13 +377,12 @@ namespace {
         return before && after;
     }
 
-    /// Bisects the elements that a bend runs through by the plane that halves it: what is left on each side meets
-    /// one flat part of the blade only, and the bend itself is where edges in the plane cross
-    /// the blade.
+    /// Bisects the elements that a bend runs through by the plane that halves the bend. The parts on each side meet a
+    /// single flat part of the blade, and edges in the plane cross the blade at the bend.
     void Stroke::bisect_at_crease(const SweptBlade::Crease& crease)
     {
         const auto height = [&](VertexId v) { return crease.normal.dot(store_.position(v) - crease.origin); };
-        std::set<VertexId> taken; // near enough, where they cannot be moved
+        std::set<VertexId> taken; // vertices that cannot be moved but are near enough
         const auto side_of = [&](VertexId v) { return taken.contains(v) ? 0 : sign(height(v), marks_.tolerance()); };
         std::vector<TetId> tets;
         for (const TetId t : living_near_blade())
@@ -438,7 +443,7 @@ namespace {
             const double reach = options_.snap * shortest_edge(store_, v, star);
             if (m.side == 0 || std::abs(m.height) >= reach || on_lip(store_, v, star))
                 continue;
-            // A vertex in the plane of a bend must stay in it: it moves along edges in that plane only.
+            // A vertex in the plane of a bend moves along edges in that plane only.
             const bool bend = state_.on_crease.contains(v);
             const auto stays_in_bend = [&](const Vec3& p) {
                 return std::any_of(state_.creases.begin(), state_.creases.end(), [&](const auto& crease) {
@@ -463,7 +468,7 @@ namespace {
                 }
             if (move_to_best(state_, v, candidates, star)) {
                 marks_.put_on_blade(v);
-                near_.insert(near_.end(), star.begin(), star.end()); // the blade may run through others now
+                near_.insert(near_.end(), star.begin(), star.end()); // the blade may run through further elements now
             }
         }
     }
@@ -495,10 +500,10 @@ namespace {
             const double unit = shortest_edge(store_, v, star);
             if (m.beyond[border] == 0 || std::abs(m.distance[border]) >= options_.snap * unit)
                 continue;
-            // A blade much shorter than the elements must keep its length: no vertex is on both its ends.
+            // A blade much shorter than the elements must keep its length, so that no vertex is on both ends.
             if ((border == kStart && m.beyond[kEnd] == 0) || (border == kEnd && m.beyond[kStart] == 0))
                 continue;
-            // A vertex already on another border stays on it: along and depth are kept one by one.
+            // A vertex on another border stays on that border: `along` and `depth` are kept separately.
             const BladeCoordinates c = blade_.coordinates(store_.position(v));
             const Vec3 target = border == kStart ? blade_.at(0.0, c.depth)
                 : border == kEnd                 ? blade_.at(blade_.length(), c.depth)
@@ -516,8 +521,8 @@ namespace {
         }
     }
 
-    /// Where an edge on the blade meets a border: on the blade and on the border, also where the edge is a chord; but
-    /// on the edge where the surface it lies on would be carried too far.
+    /// The point at which an edge on the blade meets a border. The point is on the blade and on the border, also when
+    /// the edge is a chord. Where the edge's surface would be carried too far, the point is on the edge instead.
     Vec3 Stroke::border_point(EdgeKey edge, std::size_t border, double& t, double& deviation, bool& on_border)
     {
         const Vec3 a = store_.position(edge.first), b = store_.position(edge.second);
@@ -527,7 +532,7 @@ namespace {
             kBorderRootTolerance * std::max(blade_.length(), blade_.depth()));
         Vec3 p = on_edge(t);
         const BladeCoordinates c = blade_.coordinates(p);
-        // A chord of a strongly bent blade may jump over the border: then only a point off the chord is on it.
+        // A chord of a strongly bent blade may jump over the border; then only a point off the chord is on the border.
         const bool jumps = std::abs(marks_.beyond(c)[border]) > border_tolerance() * (b - a).norm();
         deviation = 0.0;
         if (jumps || std::abs(c.side) > marks_.tolerance()) {
@@ -539,7 +544,7 @@ namespace {
             if (deviation > surface_room(edge) || !keeps_volume(store_, edge, p, t)) {
                 deviation = 0.0;
                 p = on_chord;
-                if (jumps) { // somewhere between: the halves are looked at again
+                if (jumps) { // a point in between; the halves are tested again
                     t = std::clamp(t, kLeastShare, 1.0 - kLeastShare);
                     p = on_edge(t);
                     on_border = false;
@@ -549,13 +554,14 @@ namespace {
         return p;
     }
 
-    /// How far (mm) a vertex between the two ends may be off a surface: the edges round it will be half as long.
+    /// Permitted deviation (mm) of a vertex between the two ends from a surface. The edges round the vertex will be
+    /// half as long.
     double Stroke::surface_room(const EdgeKey& edge) const
     {
         if (options_.snap == 0.0
             || (on_lip(store_, edge.first, store_.unsorted_star(edge.first))
                 && on_lip(store_, edge.second, store_.unsorted_star(edge.second))))
-            return kUnmoved * std::max(blade_.length(), blade_.depth()); // earlier wounds stay as they are
+            return kUnmoved * std::max(blade_.length(), blade_.depth()); // earlier wounds do not move
         double room = std::numeric_limits<double>::infinity(), drift = 0.0;
         for (const VertexId end : { edge.first, edge.second }) {
             room = std::min(room, 0.5 * kSurfaceDeviation * mean_edge(store_, end, store_.unsorted_star(end)));
@@ -604,7 +610,7 @@ namespace {
                 snap_to_border(border);
             bisect_at_border(border, faces_on_blade(state_));
         }
-        // At a bend a bisection may show a face that did not part two sides before, or have missed the border.
+        // At a bend, a bisection may miss the border, or may make a new face between the two sides.
         for (int round = 0; round < kBorderRounds; ++round) {
             bool changed = false;
             std::vector<BladeFace> faces = faces_on_blade(state_);
@@ -618,7 +624,8 @@ namespace {
         }
     }
 
-    /// Labels that are not severed leave the blade uncut where they are: then only the lips are looked at.
+    /// Tests the guarantees of the stroke. With labels that the blade does not sever, only the lips are tested, because
+    /// parts of the blade stay uncut.
     void Stroke::check_promises()
     {
         const double most = largest_blade_deviation(step_.care);

@@ -1,5 +1,5 @@
 #pragma once
-// One stroke of a blade through the store of a cutting session: what CutSession::cut does. Units mm.
+// Makes one stroke of a blade through the store of a cutting session, for CutSession::cut(). Units mm.
 
 #include "mesh/base/job.h"
 #include "mesh/cutting/store/blade.h"
@@ -11,28 +11,30 @@
 
 namespace retractor::mesh {
 
-/// How far (mm) the moves of a vertex carried its surfaces away so far.
+/// Distance (mm) by which the moves of each vertex have carried its surfaces away.
 using SurfaceDrift = std::map<VertexId, double>;
 
-/// Which part of a growing blade a step is about.
+/// The part of a growing blade that a step cuts.
 struct StrokeStep {
-    double from_along = 0.0; ///< what lies before (mm along the line) is done
-    bool resolve_end = true; ///< cut up to the blade's end exactly; else leave elements it does not cross completely
+    double from_along = 0.0; ///< start of the step (mm along the line); former steps cut the part before
+    /// True: cut exactly up to the blade's end. False: leave out elements that the blade does not cross completely.
+    bool resolve_end = true;
     bool goes_on = false; ///< former steps may have cut under the same number
-    const SurfaceDrift* drift = nullptr; ///< of former steps; null for none
+    const SurfaceDrift* drift = nullptr; ///< drift of former steps; may be null
     StrokeSettings care {};
 };
 
-/// What a step leaves to the next one.
+/// The state that a step passes to the next step.
 struct StrokeRest {
-    double resume_along = 0.0; ///< where it has to go on, mm along the line
+    double resume_along = 0.0; ///< start of the next step (mm along the line)
     SurfaceDrift drift;
 };
 
-/// Cuts between store.begin() and store.finish(), both called by the caller, who also rolls back when the status is
-/// not `done` or something is thrown: CutQualityError (cut_retry.h) when it may be made with more care. Fills status,
-/// message and the counts of the report, not the delta.
-/// @param rest set to what the next step of a growing blade has to know, when not null.
+/// Makes one stroke. Fills status, message and the counts of the report, not the delta.
+/// @param rest when not null, receives the state for the next step of a growing blade
+/// @pre the caller has called store.begin(); the caller calls store.finish(), or store.rollback() after a status other
+/// than `done` or an exception
+/// @throws CutQualityError (cut_retry.h) when the stroke may succeed with other settings
 CutResult cut_stroke(CutStore& store, const SweptBlade& blade, const CutOptions& options, int cut_number,
     const Job& job, const StrokeStep& step = {}, StrokeRest* rest = nullptr);
 

@@ -25,28 +25,28 @@ namespace retractor::benchmarks {
 
 namespace {
 
-    /// What the issue asks for.
+    /// Required limits.
     constexpr double kMostIncrease = 3.6;
     constexpr double kLeastP01Deg = 8.0, kLeastWorstDeg = 5.0;
-    constexpr double kMostLipToBlade = 0.1; ///< local edges
+    constexpr double kMostLipToBlade = 0.1; ///< largest distance from the lip to the blade, in local edges
     constexpr double kMostMsPerThousand = 20.0, kMostStepMs = 5.0;
     constexpr double kMostStepRatio = 1.5;
 
-    /// Times are worth a warning when wall time exceeds processor time by this factor.
+    /// Ratio of wall time to processor time above which times get a warning.
     constexpr double kBusy = 1.1;
 
     struct CutModel {
         const char* name;
         mesh::Subdivision subdivision;
         int patterns;
-        double source; ///< mean increase in the source's Table 1
+        double source; ///< published mean increase [Nakao and others 2006, doi 10.1007/s10916-006-9021-4, table 1]
     };
     constexpr std::array<CutModel, 4> kModels { { { "adaptive", mesh::Subdivision::adaptive, 2, 4.8 },
         { "intermediate", mesh::Subdivision::intermediate_11, 11, 5.6 },
         { "intermediate", mesh::Subdivision::intermediate_5, 5, 8.6 },
         { "general", mesh::Subdivision::general, 1, 16.0 } } };
 
-    /// Which of the values is their percentile.
+    /// Index of the value that is the percentile.
     std::size_t percentile_at(const std::vector<double>& values, double share)
     {
         const double value = percentile(values, share);
@@ -66,15 +66,15 @@ namespace {
             throw SolverError("the bench's cut was not made: " + result.message);
     }
 
-    /// The two readings of "increase", for the crossed elements alone and for everything the cut touched: elements
-    /// after minus before, and elements made (those that were only given other vertices on the lips are not), each per
-    /// crossed element.
+    /// The two definitions of "increase" of elements, per crossed element, for the crossed elements alone and for all
+    /// elements that the cut changed: elements after minus elements before, and elements made. Elements that only get
+    /// other vertices on the lips do not count as made.
     struct Increase {
         double crossed_after_minus_before = 0.0, crossed_made = 0.0;
         double all_after_minus_before = 0.0, all_made = 0.0;
     };
 
-    /// @pre the first cut of its session: every element is its own origin before it.
+    /// @pre the first cut of its session, so that each element before the cut is its own origin
     Increase increase_of(const mesh::MeshDelta& delta, const std::vector<TetId>& crossed)
     {
         std::map<TetId, std::size_t> parts;
@@ -84,7 +84,7 @@ namespace {
         Increase sum;
         for (const auto& [origin, count] : parts) {
             const auto made = static_cast<double>(count);
-            const double divided = count > 1 ? made : 0.0; // one part: the element itself
+            const double divided = count > 1 ? made : 0.0; // one part only: the element itself
             sum.all_made += divided / n;
             if (std::binary_search(crossed.begin(), crossed.end(), origin)) {
                 sum.crossed_made += divided / n;
@@ -100,17 +100,17 @@ namespace {
         const CutModel* model = nullptr;
         std::string mesh;
         mesh::CutReport report;
-        mesh::CutReport freehand; ///< of the same stroke in steps, as a whole
-        mesh::CutReport hand, hand_at_once; ///< of the stroke drawn by hand: in steps, and in one cut
+        mesh::CutReport freehand; ///< report of the same stroke in steps, as a whole
+        mesh::CutReport hand, hand_at_once; ///< reports of the stroke drawn by hand: in steps, and in one cut
         std::vector<double> hand_step_cpu_ms;
         Increase increase;
-        std::size_t surface_faces = 0; ///< shown anew by the stroke
-        std::vector<std::size_t> step_crossed; ///< elements, by freehand step as step_cpu_ms
+        std::size_t surface_faces = 0; ///< faces of the surface that the stroke updates
+        std::vector<std::size_t> step_crossed; ///< crossed elements by freehand step, as step_cpu_ms
         std::vector<double> stroke_ms, stroke_cpu_ms, surface_stroke_ms, step_ms, step_cpu_ms, surface_step_ms,
             finish_ms, undo_ms;
     };
 
-    /// In one stroke.
+    /// Measures one stroke.
     void measure_stroke(Row& row, mesh::CutSession& session, mesh::SurfaceFollower& surface, const BenchBody& body,
         const mesh::CutOptions& options, const std::vector<TetId>& crossed)
     {
@@ -128,7 +128,7 @@ namespace {
         surface.follow(back);
     }
 
-    /// As the hand moves.
+    /// Measures a freehand stroke in steps.
     void measure_freehand(Row& row, mesh::CutSession& session, mesh::SurfaceFollower& surface, const BenchBody& body,
         const mesh::CutOptions& options)
     {
@@ -151,7 +151,7 @@ namespace {
         surface.follow(session.undo());
     }
 
-    /// As the hand draws: the line bends and the directions turn.
+    /// Measures a stroke as drawn by hand: the line bends and the directions turn.
     void measure_drawn(Row& row, mesh::CutSession& session, const BenchBody& body, const mesh::CutOptions& options)
     {
         const mesh::Blade hand = drawn_by_hand(body.blade);
@@ -181,8 +181,8 @@ namespace {
         options.uncut_labels = body.uncut_labels;
         for (int i = 0; i < repeats && !job.cancelled(); ++i) {
             measure_stroke(row, session, surface, body, options, crossed);
-            if (model.subdivision == mesh::Subdivision::adaptive
-                || i == 0) // the others are for the comparison of strokes
+            // the other repeats serve to compare strokes
+            if (model.subdivision == mesh::Subdivision::adaptive || i == 0)
                 measure_freehand(row, session, surface, body, options);
         }
         if (model.subdivision == mesh::Subdivision::adaptive && !job.cancelled())
@@ -190,7 +190,7 @@ namespace {
         return row;
     }
 
-    /// Elements that the freehand step crossed whose processor time is the 95th percentile.
+    /// Number of crossed elements in the freehand step whose processor time is the 95th percentile.
     std::size_t crossed_at_p95(const Row& row)
     {
         return row.step_crossed.empty() ? 0 : row.step_crossed[percentile_at(row.step_cpu_ms, 0.95)];
@@ -242,7 +242,8 @@ namespace {
 
     std::string model_name(const CutModel& model) { return line("%s, %d", model.name, model.patterns); }
 
-    /// As in the source's table: a blade through the whole body, so that no border of a wound adds to the subdivision.
+    /// Rows as in table 1 of [Nakao and others 2006, doi 10.1007/s10916-006-9021-4]: a blade through the whole body,
+    /// so that no border of a wound adds to the subdivision.
     std::vector<Row> severing_rows()
     {
         const BenchBody body = bench_box_severed();
@@ -316,7 +317,7 @@ namespace {
             percentile(row.hand_step_cpu_ms, 0.5), percentile(row.hand_step_cpu_ms, 0.95));
     }
 
-    /// The adaptive row of a body, if it was measured.
+    /// The row of a body with adaptive subdivision, if measured.
     const Row* adaptive(const std::vector<Row>& rows, const std::string& mesh)
     {
         for (const Row& row : rows)
@@ -325,7 +326,7 @@ namespace {
         return nullptr;
     }
 
-    /// Wall over processor time of all strokes: 1 on a machine that does nothing else.
+    /// Wall time over processor time of all strokes: 1 on an otherwise idle machine.
     double busy(const std::vector<Row>& rows)
     {
         double wall = 0.0, cpu = 0.0;
@@ -354,7 +355,7 @@ namespace {
         bool met() const { return at_least ? value >= bound : value <= bound; }
     };
 
-    /// The row that does worst by a measure.
+    /// The worst row by a measure.
     template <class Measure>
     Target worst_of(const char* name, const std::vector<const Row*>& rows, double bound, bool at_least, Measure measure)
     {
@@ -368,7 +369,7 @@ namespace {
         return target;
     }
 
-    /// Of the boxes with the bench's blade; the thorax is reported beside them.
+    /// Limits for the boxes with the common blade; the thorax is reported without limits.
     std::vector<Target> targets(const std::vector<Row>& rows)
     {
         std::vector<const Row*> boxes;
@@ -429,7 +430,7 @@ namespace {
         return names;
     }
 
-    /// The smallest box, cut by every model.
+    /// Pictures of the smallest box, cut by every model.
     void write_picture(const std::filesystem::path& file)
     {
         const BenchBody body = bench_box("12k");
@@ -467,7 +468,7 @@ ui::cli::Outcome bench_cut(const CutBenchOptions& options, const Job& job)
     const std::vector<std::string> names = body_names(options);
     for (std::size_t i = 0; i < names.size() && !job.cancelled(); ++i) {
         job.report("bench cut", static_cast<double>(i) / static_cast<double>(names.size()));
-        if (names[i] == "thorax") // one stroke of many elements is enough
+        if (names[i] == "thorax") // one stroke of many elements suffices
             measure_body(rows, bench_thorax(job), 1, job);
         else
             measure_body(rows, bench_box(names[i]), options.repeats, job);

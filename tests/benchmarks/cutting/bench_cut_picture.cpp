@@ -17,8 +17,8 @@ namespace {
 
     constexpr int kTileWidth = 900, kTileHeight = 640; // pixels
     constexpr Label kLip = 1, kMade = 2, kOld = 3;
-    constexpr double kMargin = 1.12; ///< of the lip's length, left and right together
-    constexpr double kLookDownDeg = 30.0; ///< the camera sees some of the skin
+    constexpr double kMargin = 1.12; ///< width of the picture over the lip's length, with margins left and right
+    constexpr double kLookDownDeg = 30.0; ///< angle from which the camera also sees some skin
 
     Vec3 at(const mesh::TetMesh& mesh, VertexId v) { return mesh.vertices.row(v).transpose(); }
 

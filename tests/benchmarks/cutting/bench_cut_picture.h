@@ -1,5 +1,5 @@
 #pragma once
-// What the subdivisions make of the same cut, side by side.
+// Pictures of the same cut by different subdivisions, side by side.
 
 #include "mesh/cutting/cut_session.h"
 #include "tests/benchmarks/framework/bench_bodies.h"
@@ -16,9 +16,10 @@ struct PicturedCut {
     mesh::CutMesh cut;
 };
 
-/// One lip of each cut and the elements behind it, four to a row at most: lips red, elements that the cut made or
-/// changed yellow, others grey.
-/// @param body as it was before. @throws IoError.
+/// Draws one lip of each cut and the elements behind the lip, at most four cuts in a row: lips red, elements that the
+/// cut made or changed yellow, other elements grey.
+/// @param body the body before the cut.
+/// @throws IoError when the file cannot be written.
 void write_cut_picture(const std::filesystem::path& file, const BenchBody& body, const std::vector<PicturedCut>& cuts);
 
 } // namespace retractor::benchmarks

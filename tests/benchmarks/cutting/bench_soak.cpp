@@ -25,15 +25,16 @@ namespace retractor::benchmarks {
 
 namespace {
 
-    constexpr int kBlocks = 10; ///< measured one by one
-    constexpr int kMostTriesPerCut = 4; ///< at other places, where a stroke is refused
-    /// Time or memory counts as flat when its straight fit rises by no more than this share of its mean over the whole
-    /// run: the spread of medians on a machine that does other things too.
+    constexpr int kBlocks = 10; ///< number of blocks of cuts, each measured separately
+    constexpr int kMostTriesPerCut = 4; ///< attempts at other places when a stroke is refused
+    /// Largest rise of the straight fit, relative to the mean over the whole run, that counts as flat. The value is
+    /// the spread of medians on a machine with other load.
     constexpr double kFlat = 0.25;
-    constexpr int kProbes = 9; ///< per block
-    constexpr double kKeptFree = 8.0; ///< round the probe's place, in its edges
-    constexpr double kShortest = 1.5, kLongest = 2.5, kShallowest = 1.0, kDeepest = 1.5; ///< of a cut, in local edges
-    constexpr int kCandidates = 16; ///< places tried for each cut
+    constexpr int kProbes = 9; ///< probe cuts per block
+    constexpr double kKeptFree = 8.0; ///< distance without other cuts round the probe, in edges at the probe
+    /// limits of length and depth of a cut, in local edges
+    constexpr double kShortest = 1.5, kLongest = 2.5, kShallowest = 1.0, kDeepest = 1.5;
+    constexpr int kCandidates = 16; ///< random places among which each cut chooses
     constexpr double kMiB = 1024.0 * 1024.0;
 
     double resident_mib()
@@ -44,7 +45,7 @@ namespace {
         return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / kMiB;
     }
 
-    /// Everything that can be seen of a session, to be compared bit for bit.
+    /// All observable state of a session, for comparison bit by bit.
     struct Seen {
         explicit Seen(const mesh::CutSession& session)
             : mesh(session.compact_mesh(&map))
@@ -70,8 +71,8 @@ namespace {
         std::vector<TetId> origins;
     };
 
-    /// Where cuts may begin: faces of the body's first surface, far from the cuts before as far as there is room, so
-    /// that a cut late in the row has as much to do as an early one.
+    /// Places where cuts may begin: faces of the body's first surface. Each place is as far as possible from earlier
+    /// cuts, so that a late cut has as much work as an early one.
     class Places {
     public:
         Places(const BenchBody& body, const mesh::SurfaceFollower& surface, std::uint64_t seed)
@@ -87,7 +88,7 @@ namespace {
                     place.edge += (p[(i + 1) % 3] - p[i]).norm() / 3.0;
                 }
                 place.out = (p[1] - p[0]).cross(p[2] - p[0]).normalized();
-                if (body.skin.empty() ? place.out.z() > 0.9 // a box, from above
+                if (body.skin.empty() ? place.out.z() > 0.9 // in a box: the top
                                       : std::binary_search(body.skin.begin(), body.skin.end(), face.label))
                     places_.push_back(place);
             }
@@ -107,7 +108,7 @@ namespace {
                 throw InputError("the body is too small to be cut in many places", body.name);
         }
 
-        /// At a place that no other cut comes near.
+        /// A blade at a place that no other cut comes near.
         const mesh::Blade& probe() const { return probe_; }
 
         mesh::Blade next()
@@ -136,9 +137,10 @@ namespace {
 
         double in(double low, double high)
         {
-            return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1p-53; // same on every library
+            // equal with every standard library
+            return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1p-53;
         }
-        /// Of some random ones, counted in their own edges.
+        /// The place, among some random ones, that is farthest from earlier cuts in local edges.
         const Place& farthest()
         {
             const Place* best = nullptr;
@@ -163,17 +165,18 @@ namespace {
     };
 
     struct Block {
-        int cuts = 0; ///< so far
+        int cuts = 0; ///< number of cuts so far
         std::size_t tets = 0, crossed = 0;
         double cut_ms = 0.0, per_thousand_ms = 0.0, surface_ms = 0.0, probe_ms = 0.0; ///< medians, processor time
         double resident_mib = 0.0, mesh_mib = 0.0, journal_mib = 0.0;
-        double resident_per_tet = 0.0; ///< bytes, without the journal
-        double journal_per_cut = 0.0, journal_per_crossed = 0.0; ///< bytes, of this block's cuts
+        double resident_per_tet = 0.0; ///< resident bytes per element, without the journal
+        double journal_per_cut = 0.0, journal_per_crossed = 0.0; ///< bytes of the journal, for this block's cuts
     };
 
     struct Line {
-        double first = 0.0, last = 0.0; ///< of the fit
-        /// Over its mean: where a fit begins near zero, or below, its first value is no measure.
+        double first = 0.0, last = 0.0; ///< values of the fit at both ends
+        /// Rise of the fit over its mean. The first value is no reference, because a fit may begin near zero or
+        /// below.
         double growth() const { return first + last > 0.0 ? 2.0 * (last - first) / (last + first) : 0.0; }
     };
 
@@ -237,7 +240,7 @@ namespace {
             const double undo_ms = watch.milliseconds() / done_;
             const bool undone = Seen(session_) == first;
             watch = {};
-            for (int i = 0; i < done_; ++i) // and not the last probe
+            for (int i = 0; i < done_; ++i) // without the last probe
                 surface_.follow(session_.redo());
             const double redo_ms = watch.milliseconds() / done_;
             return report(undone, Seen(session_) == last, undo_ms, redo_ms);
@@ -270,7 +273,7 @@ namespace {
             }
         }
 
-        /// The same cut as ever, where nothing else was cut, and taken back.
+        /// Time of the same cut in every block, at a place without other cuts; the cut is undone.
         double probe()
         {
             std::vector<double> ms;

@@ -1,5 +1,5 @@
 #pragma once
-// Endurance of the knife: many short cuts in a row on one body, all of them taken back, all of them made again.
+// Endurance of the knife: many short cuts in one body, then undo of all cuts, then redo of all cuts.
 
 #include "ui/cli/framework/command.h"
 
@@ -9,13 +9,14 @@ namespace retractor::benchmarks {
 
 struct SoakOptions {
     int cuts = 1000;
-    std::string body = "thorax"; ///< or a box: "12k", "96k", "1M"
-    std::uint64_t seed = 1; ///< of the places
+    std::string body = "thorax"; ///< "thorax", or a box: "12k", "96k", "1M"
+    std::uint64_t seed = 1; ///< seed of the random places
 };
 
-/// Cuts all over the skin, some two edges long and more than one deep, later ones across earlier ones where no room is
-/// left; time and memory every tenth of the way. Exit code 1 when undo or redo is not exact, or when the time of the
-/// same cut, resident memory per living element or the journal per cut or per element crossed does not stay flat.
+/// Cuts all over the skin. A cut is about two edges long and more than one edge deep; later cuts cross earlier ones
+/// where no room is left. Time and memory are reported every tenth of the run. The exit code is 1 when undo or redo
+/// is not exact, or when a value grows: the time of the same cut, resident memory per living element, or the journal
+/// per cut or per crossed element.
 ui::cli::Outcome soak_cut(const SoakOptions& options, const Job& job);
 
 } // namespace retractor::benchmarks

@@ -22,8 +22,8 @@ namespace {
     constexpr double kBlockLength = 60.0, kBlockDepth = 12.0;
     constexpr double kSeveringLength = 110.0, kSeveringDepth = 30.0;
     constexpr double kHeadingDeg = 7.3, kTiltDeg = 10.0;
-    constexpr double kHandSwing = 4.0, kHandTurnDeg = 5.0; // mm
-    constexpr double kHandSwings = 1.3, kHandTurns = 2.0; // over the whole line
+    constexpr double kHandSwing = 4.0, kHandTurnDeg = 5.0; // amplitudes of a hand, mm and degrees
+    constexpr double kHandSwings = 1.3, kHandTurns = 2.0; // number of swings and turns over the whole line
     constexpr double kThoraxEdge = 3.0, kThoraxCoarse = 15.0;
 
     struct BoxCells {

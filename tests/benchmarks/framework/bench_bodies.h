@@ -1,5 +1,5 @@
 #pragma once
-// The bodies that the knife is measured on, and the blade through each.
+// The bodies on which the knife is measured, each with its blade.
 
 #include "datasets/phantoms/phantom.h"
 #include "fem/material/material.h"
@@ -18,24 +18,24 @@ namespace retractor::benchmarks {
 struct BenchBody {
     std::string name;
     mesh::TetMesh mesh;
-    mesh::Blade blade; ///< drawn in freehand steps of kFreehandStep: its line has a point at each
-    std::vector<Label> uncut_labels; ///< what the blade does not sever
-    std::vector<Label> skin; ///< ascending; none: there is one tissue only
-    fem::Supports supports {}; ///< of the thorax
-    std::vector<fem::Material> materials {}; ///< by label, of the thorax
+    mesh::Blade blade; ///< blade whose line has a point at each freehand step of kFreehandStep
+    std::vector<Label> uncut_labels; ///< labels that the blade does not sever
+    std::vector<Label> skin; ///< labels of the skin, ascending; empty when there is only one tissue
+    fem::Supports supports {}; ///< supports of the thorax
+    std::vector<fem::Material> materials {}; ///< materials of the thorax, by label
 };
 
-inline constexpr double kFreehandStep = 5.0; ///< mm
+inline constexpr double kFreehandStep = 5.0; ///< length of a freehand step, mm
 
-/// Boxes of Kuhn tetrahedra with 4 mm edges, "12k", "96k" and "1M"; a straight blade of 60 x 12 mm, heading 7.3 degrees
-/// off the grid, tilted by 10 degrees, its middle off the box's middle.
+/// Boxes of Kuhn tetrahedra with 4 mm edges, "12k", "96k" and "1M", with a straight blade of 60 x 12 mm. The blade
+/// heads 7.3 degrees off the grid, is tilted by 10 degrees, and its middle lies off the box's middle.
 BenchBody bench_box(const std::string& name);
 
-/// The smallest box with the same blade, only so long and deep that it severs the box: nothing but the subdivision of
-/// elements that are crossed from end to end, which is what the source's table is about.
+/// The smallest box with a blade that is long and deep enough to sever the box. This isolates the subdivision of
+/// completely crossed elements, as in table 1 of [Nakao and others 2006, doi 10.1007/s10916-006-9021-4].
 BenchBody bench_box_severed();
 
-/// A phantom's wall round an approach, not cut.
+/// The uncut wall of a phantom round an approach.
 struct BenchWall {
     mesh::TetMesh mesh;
     fem::Supports supports;
@@ -44,17 +44,18 @@ struct BenchWall {
 /// @throws SolverError when cancelled.
 BenchWall bench_wall(const datasets::Phantom& phantom, const planner::Approach& approach, const Job& job);
 
-/// The thorax phantom's chest wall round its median approach: elements of 3 mm near the incision, up to 15 mm
-/// elsewhere; the blade of the approach. @throws SolverError when cancelled.
+/// The thorax phantom's chest wall round its median approach, with elements of 3 mm near the incision and up to 15 mm
+/// elsewhere, and the blade of the approach.
+/// @throws SolverError when cancelled.
 BenchBody bench_thorax(const Job& job);
 
-/// The blade with its line's points `step` mm apart (and its end), directions interpolated between its own.
+/// The blade with a line whose points are `step` mm apart, with the end point; directions are interpolated.
 mesh::Blade resampled(const mesh::Blade& blade, double step);
 
-/// The blade as a hand draws it: its line swings 4 mm to both sides, its directions turn by 5 degrees each way.
+/// The blade as drawn by hand: its line swings 4 mm to both sides, and its directions turn by 5 degrees each way.
 mesh::Blade drawn_by_hand(const mesh::Blade& blade);
 
-/// The beginning of a blade: its first `points` points.
+/// The first `points` points of a blade.
 mesh::Blade beginning(const mesh::Blade& blade, std::size_t points);
 
 } // namespace retractor::benchmarks

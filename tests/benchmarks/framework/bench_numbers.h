@@ -1,5 +1,5 @@
 #pragma once
-// What benches make of many numbers.
+// Statistics of measured numbers.
 
 #include <Eigen/Core>
 
@@ -7,12 +7,13 @@
 
 namespace retractor::benchmarks {
 
-/// The value of nearest rank at this share (0 to 1) of all; 0 without values.
+/// The value of nearest rank at a share (0 to 1) of all values; 0 without values.
 double percentile(std::vector<double> values, double share);
 double median(std::vector<double> values);
 
-/// Largest difference of two fields over the reference's largest value. Where one is longer, as after ids that only it
-/// has met, what the other lacks must be zero. @throws SolverError when it is not.
+/// Largest difference of two fields, relative to the largest value of the reference. Where one field is longer, for
+/// ids that only this field has, its additional values must be zero.
+/// @throws SolverError when an additional value is not zero.
 double relative_difference(const Eigen::VectorXd& field, const Eigen::VectorXd& reference);
 
 } // namespace retractor::benchmarks

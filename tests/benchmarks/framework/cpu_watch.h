@@ -1,5 +1,5 @@
 #pragma once
-// Processor time, beside mesh/base/job.h's Stopwatch: what a piece of work costs, whatever else the machine does.
+// Stopwatches of processor time: the cost of work without the influence of other programs on the machine.
 
 #include <ctime>
 
@@ -19,9 +19,9 @@ private:
     double start_ = now();
 };
 
-/// Of the thread that made it and asks it.
+/// Processor time of the thread that makes and reads the watch.
 using CpuWatch = ProcessorWatch<CLOCK_THREAD_CPUTIME_ID>;
-/// Of all threads.
+/// Processor time of all threads of the process.
 using ProcessCpuWatch = ProcessorWatch<CLOCK_PROCESS_CPUTIME_ID>;
 
 } // namespace retractor::benchmarks

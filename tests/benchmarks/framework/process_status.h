@@ -1,11 +1,11 @@
 #pragma once
-// What the system says of this process.
+// Memory of this process as reported by the system.
 
 #include <string>
 
 namespace retractor::benchmarks {
 
-/// An entry in kB of /proc/self/status ("VmRSS", "VmHWM"), MiB; 0 when there is none.
+/// An entry of /proc/self/status that is given in kB ("VmRSS", "VmHWM"), in MiB; 0 when there is no such entry.
 double status_mb(const std::string& key);
 
 } // namespace retractor::benchmarks

@@ -22,10 +22,11 @@ namespace retractor::benchmarks {
 namespace {
 
     constexpr std::array<double, 3> kStrains { 0.02, 0.04, 0.06 };
-    constexpr double kModulus = 0.2; // skin, MPa; the gape does not depend on it
-    constexpr double kRatio = 0.25; // that of springs: uniaxial stress gapes the same with any
+    constexpr double kModulus = 0.2; // skin, MPa; the gape does not depend on the modulus
+    // Poisson's ratio of springs; under uniaxial stress the gape does not depend on the ratio
+    constexpr double kRatio = 0.25;
     constexpr double kTolerance = 1e-4;
-    constexpr double kStep = 5.0; // mm of a freehand stroke
+    constexpr double kStep = 5.0; // step of a freehand stroke, mm
     constexpr int kFrameIterations = 25;
 
     struct GapeRow {
@@ -39,7 +40,7 @@ namespace {
 
     fem::Material skin() { return { "skin", kModulus, kRatio, 1.1e-9, "bench" }; }
 
-    /// A sheet under tension, cut.
+    /// A cut sheet under tension.
     struct Sheet {
         verification::SheetProblem problem;
         double strain = 0.0;
@@ -62,7 +63,7 @@ namespace {
                 throw SolverError("the bench's cut was not made: " + result.message);
             delta = std::move(result.delta);
         }
-        /// An infinite sheet's displacement of the rim.
+        /// Displacement of an infinite sheet at the rim.
         Points rim_displacement(const mesh::TetMesh& mesh) const
         {
             Points u = Points::Zero(mesh.vertices.rows(), 3);
@@ -87,7 +88,7 @@ namespace {
         }
     };
 
-    /// Distance between the lips at the middle of the cut, mean over the thickness.
+    /// Distance between the lips at the middle of the cut, averaged over the thickness.
     double gape_at_middle(const fem::SpringNetwork& springs)
     {
         double sum = 0.0;
@@ -176,7 +177,7 @@ namespace {
         return row;
     }
 
-    /// The wound opens while the blade moves: one frame of few iterations per step, then until it is at rest.
+    /// Opens the wound while the blade moves: one frame of few iterations per step, then until equilibrium.
     GapeRow freehand_row(Sheet& sheet, double calibration, const Job& job)
     {
         GapeRow row = row_of(sheet, "springs_freehand");

@@ -29,19 +29,21 @@ namespace retractor::benchmarks {
 
 namespace {
 
-    constexpr double kNear = 40.0; // mm from the wound
-    constexpr int kFrames = 40; // 0.25 mm each: at 15 frames a second the hooks take three seconds
-    constexpr double kFinal = 1e-6; // residual of an answer that counts as converged
+    constexpr double kNear = 40.0; // radius of the nonlinear region round the wound, mm
+    constexpr int kFrames = 40; // 0.25 mm each: the hooks take three seconds at 15 frames a second
+    constexpr double kFinal = 1e-6; // largest residual of a converged answer
 
     struct CutScene {
         mesh::TetMesh mesh;
         fem::Supports supports;
         std::vector<fem::HookPatch> hooks;
-        Points wound; ///< the vertices of the lips
-        std::vector<std::pair<VertexId, VertexId>> gaps; ///< one vertex on each lip; of boxes on the skin
+        Points wound; ///< positions of the lips' vertices
+        /// pairs of vertices, one on each lip; in boxes, on the skin only
+        std::vector<std::pair<VertexId, VertexId>> gaps;
     };
 
-    /// @param lips faces of the scene's mesh. @param skin only places from this height on are gaps.
+    /// @param lips faces of the scene's mesh.
+    /// @param skin height from which on a place counts as a gap.
     void put_lips(CutScene& cut, const std::vector<mesh::LipFace>& lips, double skin)
     {
         std::map<std::tuple<double, double, double>, std::array<VertexId, 2>> places;
@@ -82,11 +84,11 @@ namespace {
         for (mesh::LipFace& lip : lips)
             lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
         const double highest = cut.mesh.vertices.col(2).maxCoeff();
-        put_lips(cut, lips, highest - 1e-9 * std::abs(highest)); // there to round-off where a cut puts a vertex
+        put_lips(cut, lips, highest - 1e-9 * std::abs(highest)); // a cut places vertices exactly up to round-off
         return cut;
     }
 
-    /// Between the lips, the worst place's, of the widest gap.
+    /// Largest difference of the gaps between the lips, relative to the widest gap.
     double opening_difference(const CutScene& scene, const Eigen::VectorXd& u, const Eigen::VectorXd& reference)
     {
         double worst = 0.0, widest = 0.0;
@@ -99,8 +101,9 @@ namespace {
         return worst / widest;
     }
 
-    /// The slow, exact path: Newton with the true stiffness on the whole body, from rest, at half and at full
-    /// displacement. @return the fields; `seconds` for both.
+    /// The exact path: Newton's method with the true stiffness on the whole body, from rest, at half and at full
+    /// displacement.
+    /// @return the fields; `seconds` is the time of both.
     std::array<Eigen::VectorXd, 2> exact(
         const CutScene& scene, std::span<const fem::Material> materials, const Job& job, double& seconds)
     {
@@ -125,9 +128,9 @@ namespace {
     }
 
     struct Drag {
-        std::vector<double> ms, processor_ms; ///< per frame
-        double residual = 0.0; ///< the largest
-        std::array<fem::NearFrame, 2> frame; ///< at half and at full displacement, while moving
+        std::vector<double> ms, processor_ms; ///< times per frame
+        double residual = 0.0; ///< largest residual
+        std::array<fem::NearFrame, 2> frame; ///< frames at half and at full displacement, while moving
     };
 
     Drag drag(fem::NonlinearRegion& field, const std::vector<fem::HookPatch>& hooks, int frames)
@@ -151,7 +154,7 @@ namespace {
         return drag;
     }
 
-    /// As the window lays it out.
+    /// Set up as in the window.
     CutScene cut_thorax(const Job& job, std::vector<fem::Material>& materials)
     {
         const datasets::Phantom phantom = datasets::make_thorax_phantom({ .noise_hu = 0.0 }, job);
@@ -232,7 +235,7 @@ std::string nonlinear_text(const ui::cli::Json& row)
 
 ui::cli::Json measure_under_hand(const Job& job)
 {
-    constexpr int kHandFrames = 60; // 0.5 mm each: at 15 frames a second the hooks take four seconds
+    constexpr int kHandFrames = 60; // 0.5 mm each: the hooks take four seconds at 15 frames a second
     std::vector<fem::Material> materials;
     const CutScene cut = cut_thorax(job, materials);
     const fem::DragRegion zone = fem::drag_region(cut.mesh, cut.wound);
@@ -251,7 +254,7 @@ ui::cli::Json measure_under_hand(const Job& job)
     row["nonlinear_processor_ms_median"] = percentile(dragged.processor_ms, 0.5);
     row["nonlinear_fps"] = 1e3 / percentile(dragged.ms, 0.5);
     row["nonlinear_residual"] = dragged.residual;
-    // The same way in large steps, each converged.
+    // The same displacement in large steps, each converged.
     fem::NonlinearRegionOptions tight = fem::drag_options();
     tight.tolerance = kFinal;
     const auto converged = [&](const std::vector<std::uint8_t>& near, double& seconds) {

@@ -30,7 +30,8 @@ namespace {
 
     namespace fs = std::filesystem;
 
-    constexpr std::array<std::size_t, 3> kCheckedSteps { 4, 11, 20 }; // freehand steps whose whole field is compared
+    // freehand steps after which the whole field is compared
+    constexpr std::array<std::size_t, 3> kCheckedSteps { 4, 11, 20 };
 
     constexpr int kThoraxStrokes = 2;
 
@@ -89,11 +90,11 @@ namespace {
         return field;
     }
 
-    /// The factor of the 96k box should cost as much as a matrix product of so many GFlop (bench.json), at most 1.3
-    /// times that. It is also how many operations CHOLMOD counts for it: 1.3 is 77 % of a product's speed.
+    /// Operations of the factor of the 96k box in GFlop, as counted by CHOLMOD. The factor may take 1.3 times as long
+    /// as a matrix product of as many operations, which is 77 % of the product's speed.
     constexpr double kFactorGflop96k = 22.5;
 
-    /// Vertices that cuts add have none.
+    /// Stiffness of the beds by vertex. Vertices that cuts add have no bed.
     std::vector<double> beds(const OpenScene& scene, const fem::OnlineStiffness& K)
     {
         std::vector<double> stiffness(K.slot_count(), 0.0);
@@ -102,7 +103,7 @@ namespace {
         return stiffness;
     }
 
-    /// The child: the same strokes, each state of interest assembled and factored from nothing.
+    /// The child process: the same strokes, where each state of interest is assembled and factorised from nothing.
     ui::cli::Outcome baseline(const OpenBenchOptions& options, const Job& job)
     {
         const OpenScene scene = open_scene(options.sizes.at(0), job);
@@ -110,7 +111,8 @@ namespace {
         const auto rebuild = [&](const mesh::CutSession& session, std::size_t step, int repeats) {
             fem::OnlineStiffness K(session, scene.materials);
             K.set_bed(beds(scene, K));
-            FullRebuild full(K, scene.supports.fixed, scene.hooks, std::min(job.threads, 2)); // as all else
+            // threads as in the rest of the benchmark
+            FullRebuild full(K, scene.supports.fixed, scene.hooks, std::min(job.threads, 2));
             for (int i = 0; i < repeats && !job.cancelled(); ++i) {
                 full.run();
                 assemble.push_back(full.assemble_ms);
@@ -131,7 +133,7 @@ namespace {
             if (std::find(kCheckedSteps.begin(), kCheckedSteps.end(), step) != kCheckedSteps.end())
                 rebuild(session, step, 1);
         }
-        // Other programs on the machine may have slowed the first: both are compared at their fastest.
+        // Other programs may have slowed the first measurement, so the fastest times of both are compared.
         gemm = std::max(gemm, full_rebuild_gemm_gflops());
         ui::cli::Outcome outcome;
         outcome.document = { { "full_rebuild_ms_median", median(total) },
@@ -142,7 +144,7 @@ namespace {
         return outcome;
     }
 
-    /// Runs the child and reads what it printed.
+    /// Runs the child process and reads its output.
     ui::cli::Json run_baseline(
         const std::string& size, const fs::path& folder, const OpenBenchOptions& options, const Job& job)
     {
@@ -156,7 +158,7 @@ namespace {
         return ui::cli::Json::parse(run.out);
     }
 
-    /// Vertices that the planned cut touches, made at once or freehand: rehearsed on the session and undone.
+    /// Vertices that the planned cut touches, in one cut or freehand. The cut is rehearsed on the session and undone.
     std::vector<VertexId> rehearsed_corridor(mesh::CutSession& session, const OpenScene& scene)
     {
         fem::OnlineStiffness K(session, scene.materials);
@@ -183,7 +185,7 @@ namespace {
         std::vector<double> cut, corridor, total, dense_route;
     };
 
-    /// From blade to deformed frame, whole field and residual included.
+    /// Measures the time from the blade to the deformed frame, including whole field and residual.
     fem::OnlineAnswer timed_change(
         fem::OnlineOpening& opening, Times& times, const std::function<mesh::MeshDelta()>& cut)
     {
@@ -204,7 +206,7 @@ namespace {
     {
         constexpr int kFrames = 200;
         std::vector<double> ms;
-        double sum = 0.0; // the frame is used, so that it is made
+        double sum = 0.0; // uses the frame, so that the compiler keeps it
         for (int frame = 0; frame < kFrames; ++frame) {
             std::vector<Vec3> moved;
             for (std::size_t h = 0; h < hooks; ++h)
@@ -216,7 +218,7 @@ namespace {
         return ms;
     }
 
-    /// Attaching one more hook until it can be dragged, and dragging with 8 and 4.
+    /// Measures attaching one more hook until it can be dragged, and dragging with 8 and 4 hooks.
     void measure_hooks(fem::OnlineOpening& opening, const OpenScene& scene, std::vector<fem::HookId> ids, int repeats,
         ui::cli::Json& row)
     {
@@ -239,7 +241,7 @@ namespace {
         row["drag_residual"] = worst;
         row["drag_ms_8"] = median(drag_frames(opening, ids.size()));
         row["drag_ms_8_p95"] = percentile(drag_frames(opening, ids.size()), 0.95);
-        row["solver_mb"] = static_cast<double>(opening.bytes()) / 1e6; // with all that a steady state holds
+        row["solver_mb"] = static_cast<double>(opening.bytes()) / 1e6; // including all memory of a steady state
         while (ids.size() > kOpenSceneHooks / 2) {
             opening.detach(ids.back());
             ids.pop_back();
@@ -320,7 +322,8 @@ namespace {
         const auto put = [&](const std::string& name, const Times& times) {
             row[name + "_ms_median"] = median(times.total);
             row[name + "_ms_p95"] = percentile(times.total, 0.95);
-            row[name + "_first_ms_median"] = median(times.corridor); // corridor, lips and hooks; then the far field
+            // corridor, lips and hooks; the condensed region follows
+            row[name + "_first_ms_median"] = median(times.corridor);
             row[name + "_first_ms_p95"] = percentile(times.corridor, 0.95);
             row[name + "_cut_ms_median"] = median(times.cut);
             row[name + "_dense_share"] = Eigen::Map<const Eigen::VectorXd>(
@@ -335,7 +338,7 @@ namespace {
         row["stroke_speedup"] = full / median(stroke.total);
         row["rel_diff"] = std::max(step_diff, stroke_diff);
         row["residual"] = residual;
-        if (scene.name == "96k") // what platform.md says of its factor, at this machine's speed now
+        if (scene.name == "96k") // speed of the factor, relative to the present speed of the machine
             row["baseline_factor_share"] = 1e-3 * rebuilt.at("baseline_factor_ms_least").get<double>()
                 * rebuilt.at("baseline_gemm_gflops").get<double>() / kFactorGflop96k;
         row["refinements"] = refinements;
@@ -412,11 +415,11 @@ ui::cli::Outcome bench_open(const OpenBenchOptions& options, const Job& job)
         job.report("bench open", static_cast<double>(i) / static_cast<double>(options.sizes.size()));
         const OpenScene scene = open_scene(options.sizes[i], job);
         OpenBenchOptions of_scene = options;
-        if (scene.name == "thorax") // its strokes take seconds each
+        if (scene.name == "thorax") // each stroke in the thorax takes seconds
             of_scene.repeats = std::min(options.repeats, kThoraxStrokes);
         ui::cli::Json row = measure_open(scene, folder.path, of_scene, job);
         outcome.text += as_text(row);
-        if (scene.name != "thorax") { // the issue asks for it in the boxes
+        if (scene.name != "thorax") { // required in the boxes only
             const ui::cli::Json nonlinear = measure_nonlinear(scene, job);
             row.update(nonlinear);
             outcome.text += nonlinear_text(row);

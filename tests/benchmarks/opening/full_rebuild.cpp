@@ -64,7 +64,7 @@ void FullRebuild::run()
     cholesky.analyse(pattern_);
     analyse_ms = lap();
     {
-        // The supernodes come one after the other: only BLAS can use a second core there.
+        // CHOLMOD processes the supernodes one after the other, so only BLAS can use a second core.
         const fem::ScopedBlasThreads while_factoring(blas_threads_);
         cholesky.factorise(values_);
     }

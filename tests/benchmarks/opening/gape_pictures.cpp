@@ -35,15 +35,15 @@ namespace {
     constexpr double kBodySmoothing = 4.0;
     constexpr int kWidth = 1000, kHeight = 900;
 
-    /// The phantom, its incision and its wall, cut.
+    /// The phantom with its incision and its cut wall.
     struct CutChest {
         datasets::Phantom phantom;
         planner::Approach approach;
         mesh::MeshSizing sizing;
         mesh::TetMesh wall;
         std::vector<fem::Material> materials; ///< by label
-        std::vector<VertexId> held; ///< skeleton and the region's border
-        Vec3 inward, across; ///< unit; the blade's, and from lip to lip
+        std::vector<VertexId> held; ///< held vertices: skeleton and border of the region
+        Vec3 inward, across; ///< unit directions: of the blade, and from lip to lip
         std::unique_ptr<mesh::CutSession> session;
         mesh::CutResult cut;
     };
@@ -104,7 +104,7 @@ namespace {
         return chest;
     }
 
-    /// All soft tissue pulled across the cut, in the plane of the wall; skin in its own plane.
+    /// Tension across the cut in all soft tissue, in the plane of the wall; in skin in the plane of the skin.
     std::vector<Mat3> tension(const CutChest& chest, double strain)
     {
         std::vector<fem::PreStrain> of_label(chest.materials.size());
@@ -170,11 +170,12 @@ namespace {
         const Vec3 aim = middle_of(chest.approach.incision);
         const Vec3 along = (chest.approach.incision.back() - chest.approach.incision.front()).normalized();
         constexpr double kDistance = 420.0, kAngle = 22.0;
-        // Across the picture, the head end up.
+        // The incision runs across the picture, with the head end up.
         Vec3 up = chest.inward.cross(along).normalized();
         if (up.z() < 0.0)
             up = -up;
-        const Vec3 from = (-chest.inward + 0.25 * up).normalized(); // a little from above: light into the wound
+        // slightly from above, so that light enters the wound
+        const Vec3 from = (-chest.inward + 0.25 * up).normalized();
         scene.camera = { .eye = aim + kDistance * from, .aim = aim, .up = up, .view_angle_deg = kAngle };
         return scene;
     }
@@ -186,8 +187,9 @@ namespace {
         springs.fix(chest.held);
         springs.apply(chest.cut.delta);
         springs.set_wound(chest.session->lips());
+        // start from the answer of the smaller strain
         if (start.rows() > 0)
-            springs.set_displacement((scale * start).eval()); // of the smaller strain
+            springs.set_displacement((scale * start).eval());
         const fem::RelaxResult result = fem::relax(springs, { .tolerance = 1e-2, .max_iterations = 4000 }, job);
         if (job.cancelled())
             throw SolverError("cancelled");

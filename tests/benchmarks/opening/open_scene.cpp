@@ -27,12 +27,12 @@ namespace {
     constexpr std::array<OpenBox, 4> kBoxes { { { "12k", { 20, 20, 5 } }, { "67k", { 40, 40, 7 } },
         { "96k", { 40, 40, 10 } }, { "175k", { 54, 54, 10 } } } };
 
-    /// On the skin beside the incision, half on each lip.
+    /// Hooks on the skin beside the incision, half of them on each lip.
     void add_hooks(OpenScene& scene, const std::vector<VertexId>& skin, const Vec3& centre, const Vec3& along,
         const Vec3& across, double length)
     {
         const double apart = kMiddleShare * length / (kOpenSceneHooks / 2);
-        const double patch = std::min(kPatchAlong, 0.9 * apart); // only in the smallest box
+        const double patch = std::min(kPatchAlong, 0.9 * apart); // limits the patch in the smallest box only
         for (int h = 0; h < kOpenSceneHooks; ++h) {
             const int side = h % 2 == 0 ? 1 : -1, place = h / 2;
             const double at = apart * (place + 0.5 - kOpenSceneHooks / 4.0);
@@ -79,7 +79,7 @@ OpenScene open_scene_of_thorax(const Job& job)
     const Vec3 along = (scene.blade.line.back() - scene.blade.line.front()).normalized();
     const Vec3 across = along.cross(inward).normalized();
     std::set<VertexId> skin;
-    constexpr double kFront = 25.0; // mm from the line's plane: not the back of the chest
+    constexpr double kFront = 25.0; // mm from the line's plane: excludes the back of the chest
     for (const mesh::TetFace& face : mesh::boundary_faces(scene.mesh))
         if (std::binary_search(
                 body.skin.begin(), body.skin.end(), scene.mesh.labels[static_cast<std::size_t>(face.tet)]))
@@ -101,7 +101,7 @@ OpenScene open_scene_of_box(const std::string& name)
     const double heading = kHeadingDeg * std::numbers::pi / 180.0, tilt = kTiltDeg * std::numbers::pi / 180.0;
     const Vec3 along(std::cos(heading), std::sin(heading), 0.0), across(-std::sin(heading), std::cos(heading), 0.0);
     const Vec3 centre(0.5 * n[0] * kSpacing + 1.3, 0.5 * n[1] * kSpacing + 0.9, n[2] * kSpacing);
-    const double length = std::min(kCutLength, 0.6 * n[0] * kSpacing); // 100 mm in the boxes of the issue
+    const double length = std::min(kCutLength, 0.6 * n[0] * kSpacing); // 100 mm in the larger boxes
     const mesh::Blade straight { .line = { centre - 0.5 * length * along, centre + 0.5 * length * along },
         .directions = { -std::cos(tilt) * Vec3::UnitZ() + std::sin(tilt) * across },
         .depth_mm = kDepthShare * n[2] * kSpacing };

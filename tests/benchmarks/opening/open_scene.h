@@ -1,5 +1,5 @@
 #pragma once
-// The scene of bench.json's open_bench: a box, its planned incision, and hooks on the skin beside it.
+// The scene of the opening benchmarks: a box, its planned incision, and hooks on the skin beside the incision.
 
 #include "fem/interactive/online_opening.h"
 #include "mesh/cutting/store/blade.h"
@@ -15,20 +15,21 @@ inline constexpr int kOpenSceneHooks = 8;
 
 struct OpenScene {
     std::string name;
-    mesh::TetMesh mesh; ///< not cut
-    mesh::Blade blade; ///< its line has a point at each freehand step
+    mesh::TetMesh mesh; ///< mesh before the cut
+    mesh::Blade blade; ///< blade whose line has a point at each freehand step
     std::vector<fem::Material> materials; ///< by label
     fem::Supports supports;
-    std::vector<fem::OnlineHook> hooks; ///< driven to their full displacement, both sides in turn
+    std::vector<fem::OnlineHook> hooks; ///< hooks with their full displacement, on both sides in turn
     mesh::CutOptions cut {};
 };
 
 /// @throws InputError on a name other than 12k, 67k, 96k, 175k.
 OpenScene open_scene_of_box(const std::string& name);
-/// The thorax phantom's wall (bench_thorax()), all its tissues and supports, and the middle 100 mm of its median
-/// incision through the wall, with hooks on the skin. @throws SolverError when cancelled.
+/// The thorax phantom's wall (bench_thorax()) with all its tissues and supports. The incision is the middle 100 mm of
+/// the median incision through the wall, with hooks on the skin.
+/// @throws SolverError when cancelled.
 OpenScene open_scene_of_thorax(const Job& job);
-/// "thorax" or a box.
+/// The scene of "thorax" or of a box.
 OpenScene open_scene(const std::string& name, const Job& job);
 
 } // namespace retractor::benchmarks

@@ -33,7 +33,7 @@ namespace {
 
     constexpr double kStep = 1e-3; ///< s
     constexpr double kStrokeDepth = 2.0; ///< mm
-    constexpr std::size_t kErrorTicks = 3000; ///< timed, of every tissue in the plot of error against time
+    constexpr std::size_t kErrorTicks = 3000; ///< timed ticks of every tissue in the plot of error against time
 
     double mean(const std::vector<double>& values)
     {
@@ -45,8 +45,8 @@ namespace {
         haptics::TouchElement element;
         int around, along;
         std::size_t fingers;
-        bool servo; ///< run at 1 kHz too
-        double radius = 4.0; ///< of a fingertip, mm
+        bool servo; ///< also runs at 1 kHz
+        double radius = 4.0; ///< radius of a fingertip, mm
     };
 
     const char* element_name(haptics::TouchElement element)
@@ -79,7 +79,7 @@ namespace {
         return finger;
     }
 
-    /// A fingertip that comes down on a site at the start and strokes to and fro on it, rocking.
+    /// A fingertip that presses a site from the start, strokes to and fro, and rocks.
     haptics::Fingertip stroking(const datasets::TouchSite& site, double time, double radius)
     {
         constexpr double kStroke = 1.5, kRock = 0.3; // mm
@@ -93,7 +93,7 @@ namespace {
         return finger;
     }
 
-    /// Sites under the fingers: the second pinches from the other side.
+    /// Sites under the fingers; the second finger pinches from the other side.
     std::vector<datasets::TouchSite> sites_of(const datasets::PalpationScene& scene, std::size_t fingers)
     {
         std::vector<datasets::TouchSite> sites { scene.site("normal") };
@@ -110,7 +110,7 @@ namespace {
         return fingers;
     }
 
-    /// Comes from outside and stays, at the start of a beat and after it.
+    /// Fingertips that come from outside and stay, at the start of a beat and after the beat.
     struct Palpation {
         haptics::CondensedTissue& tissue;
         std::vector<datasets::TouchSite> sites;
@@ -128,7 +128,7 @@ namespace {
                 time += kStep;
             }
         }
-        /// Force on the first finger through one beat: lowest and highest.
+        /// Lowest and highest force on the first finger during one beat, N.
         std::pair<double, double> beat()
         {
             const std::vector<haptics::Fingertip> fingers = still(sites, radius);
@@ -148,7 +148,7 @@ namespace {
         std::size_t most_pressing = 0;
     };
 
-    /// Ticks one after the other, each timed; a loop that does nothing beside it.
+    /// Times consecutive ticks, and a loop without work.
     StrokeTimes time_strokes(haptics::CondensedTissue& tissue, const std::vector<datasets::TouchSite>& sites,
         double radius, int ticks, const Job& job)
     {
@@ -185,7 +185,7 @@ namespace {
         constexpr int kFrames = 60;
         for (int i = 0; i < kFrames; ++i) {
             palpation.beat();
-            // Columns still to be fetched are work of their own.
+            // Fetching columns is measured separately.
             const Stopwatch watch;
             tissue.follow(deformed);
             ms.push_back(watch.seconds() * 1e3);
@@ -193,8 +193,8 @@ namespace {
         return median(ms);
     }
 
-    /// The forces found, put on the whole body and solved for at once: do its stations and its surface stand where the
-    /// condensed answer has them?
+    /// Largest difference between the condensed displacement and a direct solution of the whole body under the same
+    /// forces, at contact nodes and at the surface, relative to the largest displacement.
     double difference_on_same_mesh(haptics::CondensedTissue& tissue)
     {
         const haptics::PressedCheck check = haptics::check_pressed(tissue);
@@ -210,9 +210,10 @@ namespace {
         return worst / u.cwiseAbs().maxCoeff();
     }
 
-    constexpr double kFrame = 1.0 / 60.0; // s: what a display asks for
+    constexpr double kFrame = 1.0 / 60.0; // period of a display, s
 
-    /// Ticks at 1 kHz with frames in real time beside them: a frame's work is waited for as long as it takes here.
+    /// Ticks at 1 kHz with simulated real-time frames. The ticks wait for a frame's work as long as the work takes
+    /// here.
     class TicksAndFrames {
     public:
         explicit TicksAndFrames(haptics::CondensedTissue& tissue)
@@ -223,11 +224,11 @@ namespace {
             for (haptics::Fingertip& finger : fingers)
                 finger.position.setConstant(1e6);
         }
-        /// @return whether it rested on what stands in
+        /// @return whether the contact used the fallback stiffness.
         bool tick()
         {
             const long late = tissue_.late_ticks();
-            tissue_.tick(0.0, 0.0, fingers, contacts); // the pulse stands still
+            tissue_.tick(0.0, 0.0, fingers, contacts); // the pulse does not advance
             time_ += kStep;
             behind_ = std::max(0.0, behind_ - kStep);
             if (time_ >= next_frame_ && behind_ == 0.0) {
@@ -238,13 +239,13 @@ namespace {
             }
             return tissue_.late_ticks() > late;
         }
-        /// As far as no frame sees where it was.
+        /// Moves the finger without a frame in between.
         void hop_to(const haptics::Fingertip& finger)
         {
             fingers[0] = finger;
             tissue_.tick(0.0, 0.0, fingers, contacts);
         }
-        double last_work_s() const { return work_; } ///< of the last frame
+        double last_work_s() const { return work_; } ///< work of the last frame, s
         std::vector<haptics::Fingertip> fingers;
         std::vector<haptics::FingerContact> contacts;
 
@@ -252,13 +253,13 @@ namespace {
         haptics::CondensedTissue& tissue_;
         Points deformed_;
         double time_ = 0.0, next_frame_ = 0.5 * kFrame, work_ = 0.0;
-        double behind_ = 0.0; ///< s of the simulation thread's work that ticks have not caught up with
+        double behind_ = 0.0; ///< time of the simulation thread's work that ticks have not caught up with, s
     };
 
     struct SetDown {
-        double error = 0.0; ///< of the force at the first tick
-        double exact_ms = 0.0; ///< until the contact rests on nothing but its own stations
-        double felt_ms = 0.0; ///< until the force is handed over to within a hundredth
+        double error = 0.0; ///< error of the force at the first tick
+        double exact_ms = 0.0; ///< time until the contact uses only its own contact nodes, ms
+        double felt_ms = 0.0; ///< time until the force is right to one hundredth, ms
     };
 
     SetDown set_down(haptics::CondensedTissue& tissue, const haptics::ContactNode& contact_node)
@@ -266,11 +267,11 @@ namespace {
         constexpr int kLimit = 5000, kSettled = 200; // ticks
         const datasets::TouchSite site { "", contact_node.point, contact_node.normal };
         TicksAndFrames run(tissue);
-        run.hop_to(finger_at(site, -6.0)); // a fingertip touches only from outside
+        run.hop_to(finger_at(site, -6.0)); // a fingertip must come from outside to touch
         run.fingers[0] = finger_at(site, kStrokeDepth);
         std::vector<double> forces;
         int last_late = -1;
-        double work_ms = 0.0; // of the frame that made its stations ready: they are by its end
+        double work_ms = 0.0; // work of the frame at whose end the contact nodes are ready
         for (int i = 0; i < kLimit && i < last_late + kSettled; ++i) {
             if (run.tick()) {
                 last_late = i;
@@ -286,7 +287,8 @@ namespace {
         return found;
     }
 
-    /// Fingers set down suddenly where nothing is ready: what stands in, against what comes.
+    /// Measures fingers that are set down suddenly where no compliance is ready: the fallback force compared with the
+    /// final one.
     void measure_set_downs(haptics::CondensedTissue& tissue, ui::cli::Json& row)
     {
         constexpr std::size_t kPlaces = 25;
@@ -313,8 +315,8 @@ namespace {
         row["set_down_felt_ms_worst"] = worst(felt);
     }
 
-    /// A finger that comes from 40 mm away, frames in real time beside it: how long it rests on what stands in, and how
-    /// far off that is at most (of the force at full depth).
+    /// Measures a finger that approaches from 40 mm with frames in real time: how long the contact uses the fallback
+    /// stiffness, and the largest error of the force, relative to the force at full depth.
     void measure_approach(
         haptics::CondensedTissue& tissue, const datasets::TouchSite& site, double speed, ui::cli::Json& row)
     {
@@ -334,7 +336,7 @@ namespace {
         std::vector<haptics::Fingertip> fingers = run.fingers;
         std::vector<haptics::FingerContact> contacts(fingers.size());
         double worst = 0.0;
-        for (int i = 0; i < ticks; ++i) { // the same way again, now that all stations are ready
+        for (int i = 0; i < ticks; ++i) { // the same motion again, now that all contact nodes are ready
             fingers[0] = finger_at(site, depths[static_cast<std::size_t>(i)]);
             tissue.tick(0.0, 0.0, fingers, contacts);
             worst = std::max(worst, std::abs(forces[static_cast<std::size_t>(i)] - contacts[0].force.norm()));
@@ -344,7 +346,7 @@ namespace {
         row["speed_mm_s"] = speed;
     }
 
-    /// Each at a place that no finger has come near.
+    /// Measures set-downs and approaches at places that no finger has come near.
     void measure_lateness(haptics::CondensedTissue& tissue, const datasets::PalpationScene& scene, ui::cli::Json& row)
     {
         measure_set_downs(tissue, row);
@@ -355,7 +357,8 @@ namespace {
         }
     }
 
-    /// At 1 kHz on its own thread, two hands or one, an edit going on, frames drawn up beside it.
+    /// Runs the servo at 1 kHz on its own thread with one or two hands, while the stiffness is edited and frames are
+    /// made.
     void run_servo(haptics::CondensedTissue& tissue, const std::vector<datasets::TouchSite>& sites, double seconds,
         ui::cli::Json& row, const Job& job)
     {
@@ -412,7 +415,7 @@ namespace {
         std::size_t nodes = 0;
     };
 
-    /// Ten-node elements, finer than any row's, their midpoints on the curved wall.
+    /// The reference: ten-node elements, finer than in any row, with midpoints on the curved wall.
     Reference refined_reference(const Job& job)
     {
         const datasets::PalpationScene scene = arch(32, 64, 10);
@@ -478,7 +481,7 @@ namespace {
             { "rel_error", std::abs(value / expected - 1.0) } };
     }
 
-    /// Outward motion of the middle of a long vessel by 40 mmHg, against Lame's.
+    /// Outward motion of the middle of a long vessel under 40 mmHg, compared with Lame's formula.
     ui::cli::Json tube_check()
     {
         datasets::AortaParameters p;
@@ -531,8 +534,9 @@ namespace {
     std::string line_of(const ui::cli::Json& row)
     {
         const auto part = [&](const char* format, const char* key, double scale = 1.0) -> std::string {
+            // a value that was not computed is not written
             if (!row.contains(key) || !row.at(key).is_number())
-                return {}; // what was not computed is not written
+                return {};
             std::array<char, 100> text {};
             std::snprintf(text.data(), text.size(), format, scale * row.at(key).get<double>());
             return text.data();
@@ -583,7 +587,7 @@ void write_palpation_plot(const fs::path& file, const ui::cli::Json& rows, const
             panel.series[at->second].x.push_back(row.at(key).get<double>());
             panel.series[at->second].y.push_back(std::abs(row.at("rel_error_vs_reference").get<double>()));
         }
-        for (ui::ChartSeries& series : panel.series) // a line needs two points
+        for (ui::ChartSeries& series : panel.series) // remove lines with fewer than two points
             if (series.x.size() == 1) {
                 series.x.push_back(series.x.front());
                 series.y.push_back(series.y.front());

@@ -34,7 +34,7 @@ namespace {
     constexpr double kEditEvery = 1.0; // s
     constexpr double kSheetSpacing = 4.0; // mm: 96 mm across
 
-    /// The tissue's part of a tick, measured.
+    /// Measures the tissue's part of a tick.
     class Timed : public haptics::TissueResponse {
     public:
         explicit Timed(haptics::TissueResponse& inner)
@@ -62,7 +62,7 @@ namespace {
         haptics::TissueResponse& inner_;
     };
 
-    /// Two hands that press once a second each, in turn, for so long: along their devices' y.
+    /// Two hands that each press once a second, alternately, along the y axis of their devices.
     std::vector<std::unique_ptr<haptics::SimulatedHand>> make_hands(double seconds)
     {
         std::vector<std::unique_ptr<haptics::SimulatedHand>> hands;
@@ -81,7 +81,7 @@ namespace {
         return hands;
     }
 
-    /// A tissue, where each hand stands on it, and an edit to be made again and again.
+    /// A tissue, the place of each hand, and a repeatable edit.
     struct Bench {
         std::unique_ptr<haptics::TissueResponse> tissue;
         std::vector<haptics::MappingOptions> mappings;
@@ -89,7 +89,7 @@ namespace {
         double active_power = haptics::PassivityOptions {}.active_power;
     };
 
-    /// The device's y along `outward`, its middle where a fingertip just touches.
+    /// The device's y axis points along `outward`; a fingertip just touches at the middle of the device.
     haptics::MappingOptions standing_on(const Vec3& point, const Vec3& outward)
     {
         const Mat3 turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitY(), outward).toRotationMatrix();
@@ -123,7 +123,7 @@ namespace {
             around_it.youngs_modulus = soft ? 1.0 : 3.0;
             edited.edit(around_it);
         };
-        bench.active_power = 2.0; // N mm/s: a pulse gives energy
+        bench.active_power = 2.0; // N mm/s: a pulse supplies energy
         bench.tissue = std::move(tissue);
         return bench;
     }
@@ -133,7 +133,7 @@ namespace {
         haptics::TickHistogram tissue;
         std::uint64_t touches = 0, late_faults = 0;
         long edits = 0;
-        std::string fault, realtime_note; ///< another fault than lateness
+        std::string fault, realtime_note; ///< a fault other than lateness
         double strongest = 0.0;
         std::size_t vertices = 0;
         std::uint64_t damped_ticks = 0;
@@ -160,7 +160,7 @@ namespace {
         bool rearmed = false;
         double next_edit = kEditEvery;
         while (watch.seconds() < seconds && !job.cancelled() && run.fault.empty()) {
-            std::this_thread::sleep_for(std::chrono::milliseconds(33)); // a view's pace
+            std::this_thread::sleep_for(std::chrono::milliseconds(33)); // the rate of a view
             tissue.follow(deformed);
             if (edits && bench.edit && watch.seconds() > next_edit) {
                 bench.edit();
@@ -288,7 +288,7 @@ ui::cli::Outcome bench_servo(const ServoBenchOptions& options, const Job& job)
     const double seconds = soaks ? 1e-3 * static_cast<double>(options.soak) : options.seconds;
     std::optional<ServoLoad> work;
     if (load)
-        work.emplace(options.model != "fem"); // the aorta has edits of its own
+        work.emplace(options.model != "fem"); // the aorta is edited by the benchmark itself
     std::optional<haptics::TickTimes> empty;
     if (!soaks)
         empty = run_nothing(seconds, job);

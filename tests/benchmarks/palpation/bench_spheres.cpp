@@ -29,7 +29,7 @@ namespace {
     constexpr double kDisplayFrame = 1.0 / 60.0; // s
     constexpr double kDeep = 15.0; // mm
 
-    /// Fingers on the front of an organ, as a hand would hold it, with the way each presses.
+    /// Fingers on the front of an organ as in a grasp, with the path of each finger.
     struct Grip {
         std::vector<Vec3> point, inward;
     };
@@ -41,7 +41,7 @@ namespace {
         const Vec3 middle = 0.5 * (low + high), extent = high - low;
         Grip grip;
         for (std::size_t f = 0; f < fingers; ++f) {
-            // Over the front, left to right, a little up and down.
+            // Across the front from left to right, slightly up and down.
             const double across
                 = fingers == 1 ? 0.0 : -0.28 + 0.56 * static_cast<double>(f) / static_cast<double>(fingers - 1);
             const Vec3 from
@@ -63,12 +63,13 @@ namespace {
 
     struct Frames {
         double advance_ms = 0.0, deform_ms = 0.0;
-        double displaced = 0.0; ///< spheres per frame
-        double volume_error = 0.0; ///< the largest of an organ over the run
-        double force = 0.0; ///< of the first finger, deepest, N
+        double displaced = 0.0; ///< displaced spheres per frame
+        double volume_error = 0.0; ///< largest error of an organ over the run
+        double force = 0.0; ///< force of the first finger at the deepest place, N
     };
 
-    /// Two presses, as the source's fig. 6; processor time, medians over the frames.
+    /// Two presses as in fig. 6 of [Suzuki and others, Performing virtual surgery with a force feedback system].
+    /// Processor time, medians over the frames.
     Frames press_twice(haptics::SphereMotion& motion, const Grip& grip, std::string* csv = nullptr)
     {
         constexpr int kFrames = 120;
@@ -100,18 +101,18 @@ namespace {
                     *csv += line.data();
                 }
         }
-        // Frames that press, the slower half of them: what a display must keep up with.
+        // The slower half of the pressing frames, which a display must keep up with.
         std::sort(advance.begin(), advance.end());
         result.advance_ms = advance[static_cast<std::size_t>(0.75 * static_cast<double>(advance.size()))];
         result.deform_ms = median(deform);
         return result;
     }
 
-    /// Frames that are moved and drawn, off-screen: a window's work on a machine without a graphics card.
+    /// Moved and drawn frames, off-screen: the work of a window on a machine without a graphics card.
     double frames_drawn_per_second(haptics::SphereMotion& motion, const Grip& grip, const Job& job)
     {
         constexpr int kFrames = 20, kWarm = 2; // the first pictures compile shaders
-        constexpr int kWidth = 940, kHeight = 540; // the picture in the window
+        constexpr int kWidth = 940, kHeight = 540; // size of the picture in the window
         ui::OffscreenRenderer renderer(ui::make_offscreen_context(), job);
         ui::Picture picture { .width = kWidth, .height = kHeight, .viewports = {} };
         ui::Scene scene;
@@ -163,7 +164,7 @@ namespace {
                 const std::vector<haptics::Fingertip> tips = tips_at(grip, kDeep * std::sin(6.0 * time));
                 std::copy(tips.begin(), tips.end(), fingers.begin());
                 if (++tick % 16 == 0)
-                    tissue.follow(deformed); // not in the tick's time
+                    tissue.follow(deformed); // the time of a tick excludes this
             },
             3000);
         row.force_us_mean = cost.mean_us;
@@ -172,12 +173,14 @@ namespace {
         row.missed = cost.missed;
     }
 
-    /// Force of a block of spheres under a bonded patch beside ten-node elements of the modulus it is calibrated for.
+    /// Force of a block of spheres under a bonded patch, compared with ten-node elements of the modulus of
+    /// calibration.
     PalpationRow error_row(const Job& job)
     {
         constexpr double kDepth = 3.0, kModulus = 0.0054, kRatio = 0.49, kRadius = 3.0;
         const haptics::SphereLaw law;
-        // The sphere of the finger meets a half-space by Sneddon; a block 96 x 96 x 48 on its bottom by elements.
+        // Sneddon's formula gives the force of a spherical finger on a half-space; elements give the force on a block
+        // of 96 x 96 x 48 on its bottom.
         PunchProblem problem = punched_block(24, 12, 4.0, kDepth, { "liver", kModulus, 0.45, 1.0e-9, "bench" });
         problem.radius = kTip;
         const PunchAnswer reference = punch_by_elements(problem, true, job);
@@ -207,8 +210,8 @@ namespace {
             if (depth == 6.0)
                 row.rel_error_vs_reference = contact.force.z() / right - 1.0;
         }
-        // How far from its place the surface moves beside the finger, against the elements' answer, is no number a
-        // sphere filling aims at; the force is.
+        // A sphere filling aims at the right force, not at the right motion of the surface beside the finger. Only
+        // the force is compared.
         row.note = "calibrated at 4 mm;" + forces
             + ui::cli::number("; P2 flat punch of 8 mm at 3 mm %.4f N", reference.force);
         return row;
@@ -219,7 +222,7 @@ namespace {
         ui::OffscreenRenderer renderer(ui::make_offscreen_context(), job);
         haptics::SphereLaw law;
         law.fingers = 3;
-        // Fig. 3: three fingers grasp the liver, its surface on the left, the spheres inside on the right.
+        // As fig. 3 of Suzuki and others: three fingers grasp the liver; left the surface, right the spheres inside.
         haptics::SphereMotion motion({ filled_organ("liver", liver, 1880, law, 0.0054, 0.49) }, law);
         const Grip grip = grip_on(liver, 3);
         ui::Picture picture { .width = 1280, .height = 1440, .viewports = {} };
@@ -243,7 +246,7 @@ namespace {
         }
         ui::write_png(folder / "liver_fingers.png", renderer.render(picture));
 
-        // Six fingers: three of each hand, on the wall over liver and stomach.
+        // Six fingers, three of each hand, on the wall over liver and stomach.
         law.fingers = 6;
         haptics::SphereMotion abdomen(abdomen_organs(law, job), law);
         const Grip both = grip_on(abdomen.organ(2).surface, 6);
@@ -266,7 +269,7 @@ namespace {
         }
         ui::write_png(folder / "abdomen_six_fingers.png", renderer.render(six));
 
-        // Fig. 6: force over time, two presses.
+        // As fig. 6 of Suzuki and others: force over time, two presses.
         law.fingers = 1;
         haptics::SphereMotion again({ filled_organ("liver", liver, 1880, law, 0.0054, 0.49) }, law);
         std::string csv = "time_s,finger,force_N\n";
@@ -324,7 +327,7 @@ ui::cli::Outcome bench_spheres(const SphereBenchOptions& options, const Job& job
         one(1880, depth, 3, false);
     one(20000, 8, 1, true);
     one(20000, 8, 6, true);
-    one(20000, 60, 6, false); // as deep as it goes
+    one(20000, 60, 6, false); // at the largest depth
     {
         haptics::SphereLaw law;
         law.fingers = 6;

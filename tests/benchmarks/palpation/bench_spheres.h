@@ -1,13 +1,13 @@
 #pragma once
-// Sphere-filled organs under fingers: spheres, layers and fingers against frames per second, volume kept, error of the
-// force against finite elements.
+// Sphere-filled organs under fingers: frames per second by spheres, layers and fingers, change of volume, and error
+// of the force against finite elements.
 
 #include "ui/cli/framework/command.h"
 
 namespace retractor::benchmarks {
 
 struct SphereBenchOptions {
-    std::string surface; ///< a liver as an OBJ file instead of the phantom's; its unit is `unit_mm`
+    std::string surface; ///< OBJ file of a liver in units of `unit_mm`; empty: the phantom's liver
     double unit_mm = 1.0;
     std::string out; ///< folder for bench_spheres.json and the pictures; empty: none
 };

@@ -24,11 +24,11 @@ namespace retractor::benchmarks {
 namespace {
 
     constexpr std::size_t kTicks = 3000;
-    constexpr double kRadius = 4.0; // mm, of the fingertip
+    constexpr double kRadius = 4.0; // radius of the fingertip, mm
     constexpr double kLiveSeconds = 2.0;
     constexpr int kFrameWidth = 640, kFrameHeight = 480;
 
-    /// Pressed 3 mm deep and let go once a second, in the middle.
+    /// Presses the middle 3 mm deep and releases it, once a second.
     void press_and_release(double time, std::span<haptics::Fingertip> fingers)
     {
         const double depth = 1.5 - 4.5 * std::cos(2.0 * std::numbers::pi * time); // -3 above to 6 ... clipped below
@@ -56,7 +56,7 @@ namespace {
         return text.data();
     }
 
-    /// A window's work, off-screen: the deformed sheet, drawn.
+    /// Draws the deformed sheet off-screen: the work of a window.
     class SheetView {
     public:
         explicit SheetView(const TriMesh& surface, const Job& job)
@@ -111,11 +111,12 @@ namespace {
         return row;
     }
 
-    /// Force of the springs on a patch that is pressed in and held until the rest has settled.
+    /// Force of the springs on a patch that is pressed in and held until the remainder has settled.
     double settled_press(const PunchProblem& problem, double calibration)
     {
         const std::vector<fem::Material> materials(2, problem.material);
-        // Near the critical drag of the slowest motion, sqrt(E / density) times pi / 2 over the height of the block.
+        // The drag is near the critical drag of the slowest motion, sqrt(E / density) times pi / 2 over the height of
+        // the block.
         constexpr double kDrag = 300.0, kSettled = 0.15; // per second, s
         haptics::SpringMotion motion(haptics::make_spring_organ(problem.mesh, materials, problem.fixed, calibration),
             { .voigt_time = 0.0, .drag = kDrag });
@@ -133,11 +134,11 @@ namespace {
         return -force.dot(problem.press.normalized());
     }
 
-    /// An organ's edges as springs beside the same organ of ten-node elements.
+    /// Compares springs on the edges of an organ with ten-node elements of the same organ.
     std::vector<PalpationRow> organ_rows(const Job& job)
     {
         std::vector<PalpationRow> rows;
-        constexpr double kDepth = 0.5; // mm: linear
+        constexpr double kDepth = 0.5; // mm: small enough for linear elasticity
         for (const double ratio : { 0.25, 0.45 }) {
             const fem::Material tissue { "soft tissue", 0.02, ratio, 1.0e-9, "bench" };
             const PunchProblem problem = punched_block(12, 6, 4.0, kDepth, tissue);
@@ -160,12 +161,14 @@ namespace {
         return rows;
     }
 
-    /// The sheet stands for no solid: beside a block of its size and in-plane stiffness, held at its sides.
+    /// Compares the sheet, which does not represent a solid, with a block of its size and in-plane stiffness that is
+    /// held at its sides.
     PalpationRow sheet_error_row(const Job& job)
     {
         constexpr double kDepth = 2.0, kThickness = 8.0;
         const haptics::DeviceVoigt voigt = haptics::device_voigt({});
-        // In the plane of the sheet: structural k, bend 4 k and shear k along an axis; k across: E t = 6 k - k / 6.
+        // In the plane of the sheet there are structural springs k, bending springs 4 k and shear springs k along an
+        // axis, and k across the sheet: E t = 6 k - k / 6.
         const double modulus = voigt.stiffness * (6.0 - 1.0 / 6.0) / kThickness;
         PunchProblem problem = punched_block(12, 4, 2.0, kDepth, { "sheet", modulus, 0.45, 1.0e-9, "bench" });
         problem.fixed.clear();

@@ -107,7 +107,8 @@ LiveRun run_live(haptics::TissueResponse& tissue, const FingerScript& script, do
     std::size_t missed = 0;
     std::thread servo([&] {
         const sched_param priority { .sched_priority = 50 };
-        pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority); // where it is allowed; else as it is
+        // real-time scheduling where allowed; otherwise the default
+        pthread_setschedparam(pthread_self(), SCHED_FIFO, &priority);
         std::vector<haptics::Fingertip> fingers(tissue.finger_count());
         std::vector<haptics::FingerContact> contacts(tissue.finger_count());
         auto due = start;
@@ -122,7 +123,8 @@ LiveRun run_live(haptics::TissueResponse& tissue, const FingerScript& script, do
             if (times.size() < times.capacity())
                 times.push_back(1e3 * watch.milliseconds());
             last = now;
-            while (due + std::chrono::milliseconds(1) < Clock::now()) { // the next was due before this one ended
+            // counts ticks that became due before this one ended
+            while (due + std::chrono::milliseconds(1) < Clock::now()) {
                 due += std::chrono::milliseconds(1);
                 ++missed;
             }
@@ -138,7 +140,7 @@ LiveRun run_live(haptics::TissueResponse& tissue, const FingerScript& script, do
         ++frames;
         const double lasted = since() - second_began;
         if (lasted >= 1.0) {
-            for (int second = 1; second <= static_cast<int>(lasted); ++second) // a frame may take longer than that
+            for (int second = 1; second <= static_cast<int>(lasted); ++second) // a frame may take longer than a second
                 run.fps.push_back(frames / lasted);
             job.report("frames drawn", since() / seconds);
             second_began = since();

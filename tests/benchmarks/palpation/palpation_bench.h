@@ -1,5 +1,5 @@
 #pragma once
-// What the benches of springs and spheres share: a row of their table, and the clock they are held to.
+// Common parts of the benchmarks of springs and spheres: the rows of their table, and timing.
 
 #include "haptics/servo/tissue_response.h"
 #include "ui/cli/framework/command.h"
@@ -11,7 +11,7 @@
 
 namespace retractor::benchmarks {
 
-/// One row; what was not measured is null in the document.
+/// One row; a value that was not measured is null in the document.
 struct PalpationRow {
     std::string model {}, scene {};
     std::size_t vertices = 0, fingers = 1;
@@ -23,23 +23,23 @@ struct PalpationRow {
 ui::cli::Json row_document(const PalpationRow& row);
 std::string row_table(const std::vector<PalpationRow>& rows);
 
-/// The fingers' places at a time.
+/// Writes the fingertips of a time into `fingers`.
 using FingerScript = std::function<void(double time_s, std::span<haptics::Fingertip> fingers)>;
 
 struct TickCost {
     double mean_us = 0.0, p999_us = 0.0, worst_us = 0.0;
     std::size_t ticks = 0;
-    std::size_t missed = 0; ///< by the wall clock: still under way when the next was due
+    std::size_t missed = 0; ///< ticks that were still running, by the wall clock, when the next one was due
 };
 
-/// So many ticks of a millisecond as fast as they go; processor time per tick, so that what else the machine does is
-/// left out of the mean, but not out of `missed`.
+/// Runs ticks of a millisecond without pause and measures processor time per tick. Other load on the machine does not
+/// affect the mean, but affects `missed`.
 TickCost time_ticks(haptics::TissueResponse& tissue, const FingerScript& script, std::size_t ticks);
 
-/// Ticks on a thread of their own every millisecond of the wall clock, while `frame` is called on this one as often as
-/// it goes, for so long. @returns frames per second, one value per second.
+/// Result of run_live(), which runs ticks on a thread of its own every millisecond of the wall clock for some
+/// seconds, and meanwhile calls `frame` on the calling thread without pause.
 struct LiveRun {
-    std::vector<double> fps; ///< per second
+    std::vector<double> fps; ///< frames in each second
     TickCost ticks;
 };
 LiveRun run_live(haptics::TissueResponse& tissue, const FingerScript& script, double seconds,

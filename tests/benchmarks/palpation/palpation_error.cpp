@@ -14,12 +14,12 @@ namespace retractor::benchmarks {
 namespace {
 
     constexpr double kSide = 36.0, kHeight = 18.0; // mm
-    constexpr double kModulus = 0.02, kRatio = 0.45; // MPa, -: muscle at rest
-    constexpr double kFingerRadius = 8.0, kPressDepth = 3.0; // mm, of the fingertip
+    constexpr double kModulus = 0.02, kRatio = 0.45; // MPa and dimensionless: muscle at rest
+    constexpr double kFingerRadius = 8.0, kPressDepth = 3.0; // radius and depth of the fingertip, mm
     constexpr double kPressTick = 1e-3; // s
     constexpr int kLookEvery = 16; // ticks
 
-    /// On its bottom; sites in the middle of its top and aside, where springs were not calibrated.
+    /// A block on its bottom, with sites in the middle of its top and aside, where springs are not calibrated.
     datasets::PalpationScene block(double spacing)
     {
         const int across = static_cast<int>(std::lround(kSide / spacing)),
@@ -43,7 +43,7 @@ namespace {
         return { site.point + (kFingerRadius - depth) * site.outward, Vec3::Zero(), kFingerRadius };
     }
 
-    /// Comes down, stays until it has settled: the force along the site's normal; then goes away again.
+    /// Presses a site until the tissue has settled, then lifts off. @return the force along the site's normal, N.
     double settled_force(haptics::TissueResponse& tissue, const datasets::TouchSite& site, double& time)
     {
         constexpr int kDown = 300, kStay = 700, kMeasured = 100;
@@ -86,7 +86,7 @@ namespace {
         std::vector<double> ms;
         Points deformed;
         haptics::FingerContact contact;
-        const datasets::PalpationScene scene = block(kHeight); // its sites alone
+        const datasets::PalpationScene scene = block(kHeight); // used for its sites only
         for (int i = 0; i < kFrames; ++i) {
             const haptics::Fingertip tip = tip_at(scene.sites[0], kPressDepth * i / kFrames);
             tissue.tick(i * kPressTick, kPressTick, { &tip, 1 }, { &contact, 1 });
@@ -130,7 +130,7 @@ namespace {
         return options;
     }
 
-    /// Ten-node elements on edges of 2 mm, every node of the surface a station.
+    /// The reference: ten-node elements with edges of 2 mm, every surface node a contact node.
     Forces refined(const Job& job)
     {
         constexpr double kFine = 2.0, kStations = 0.9; // mm

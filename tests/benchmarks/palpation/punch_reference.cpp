@@ -10,7 +10,7 @@ namespace retractor::benchmarks {
 
 namespace {
 
-    /// The nodes whose edge has both ends marked become marked too.
+    /// Also marks the midpoints of edges with two marked ends.
     std::vector<std::uint8_t> with_midpoint_marks(const mesh::TetMesh& mesh, std::vector<std::uint8_t> marked)
     {
         marked.resize(mesh.vertex_count(), 0);

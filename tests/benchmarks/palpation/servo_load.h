@@ -1,6 +1,6 @@
 #pragma once
-// Work for other threads while a servo is measured: a wound cut and opened again and again, and the stiffness of a body
-// edited and factored again and again.
+// Load on other threads while a servo is measured: one thread cuts and opens a wound repeatedly, another edits and
+// factorises the stiffness of a body repeatedly.
 
 #include <atomic>
 #include <exception>
@@ -10,17 +10,19 @@ namespace retractor::benchmarks {
 
 class ServoLoad {
 public:
-    /// @param edits with the second thread
+    /// @param edits starts the second thread
     explicit ServoLoad(bool edits);
-    /// Ends what is under way.
+    /// Stops the threads.
     ~ServoLoad();
     ServoLoad(const ServoLoad&) = delete;
     ServoLoad& operator=(const ServoLoad&) = delete;
 
-    /// Ends it. @throws what a thread threw.
+    /// Stops the threads.
+    /// @throws the exception that a thread threw.
     void stop();
-    [[nodiscard]] long cuts() const noexcept { return cuts_; } ///< made, opened and taken back
-    [[nodiscard]] long edits() const noexcept { return edits_; } ///< of a modulus, each with a new factorisation
+    [[nodiscard]] long cuts() const noexcept { return cuts_; } ///< number of wounds cut, opened and undone
+    /// number of edits of a modulus, each with a new factorisation
+    [[nodiscard]] long edits() const noexcept { return edits_; }
 
 private:
     void cut_and_open();

@@ -14,7 +14,7 @@ namespace retractor::benchmarks {
 namespace {
 
     constexpr double kSmoothing = 2.0; // mm
-    constexpr double kLiverModulus = 0.0054, kMuscleModulus = 0.04, kRatio = 0.49; // MPa: fem/material.h's sources
+    constexpr double kLiverModulus = 0.0054, kMuscleModulus = 0.04, kRatio = 0.49; // MPa: values of default_materials()
 
     TriMesh label_mesh(const mesh::LabelVolume& labels, const char* name, const Job& job)
     {
@@ -32,7 +32,7 @@ namespace {
         return kColors[organ % kColors.size()];
     }
 
-    /// By layer: what a finger holds is white, what is far from it keeps the organ's colour.
+    /// Colours by layer: spheres that a finger holds are white; spheres far from the finger keep the organ's colour.
     ui::Color layer_color(const haptics::SphereMotion& motion, std::size_t i)
     {
         const ui::Color base = plain_color(motion.organ_of(i));
@@ -87,14 +87,14 @@ std::vector<haptics::SphereOrgan> abdomen_organs(const haptics::SphereLaw& law, 
     datasets::AbdomenParameters parameters;
     parameters.spacing_mm = Vec3(3.0, 3.0, 3.0);
     const datasets::Phantom phantom = datasets::make_abdomen_phantom(parameters, job);
-    constexpr std::size_t kLiverSpheres = 1880; // the source's
+    constexpr std::size_t kLiverSpheres = 1880; // as in Suzuki and others
     std::vector<haptics::SphereOrgan> organs;
     organs.push_back(
         filled_organ("liver", label_mesh(phantom.labels, "liver", job), kLiverSpheres, law, kLiverModulus, kRatio));
     const double radius = organs[0].filling.radius;
     for (const auto& [name, label] : { std::pair { "stomach", "stomach" }, { "skin", "abdominal_wall" } }) {
         TriMesh surface = label_mesh(phantom.labels, label, job);
-        const double factor = label == std::string("stomach") ? 0.8 : 0.75; // thinner parts take smaller spheres
+        const double factor = label == std::string("stomach") ? 0.8 : 0.75; // thinner parts need smaller spheres
         haptics::SphereOrgan organ { name, surface, haptics::fill_with_spheres(surface, factor * radius), 1.0 };
         organ.stiffness = haptics::calibrate_sphere_force(organ.filling.radius, law, kMuscleModulus, kRatio);
         organs.push_back(std::move(organ));

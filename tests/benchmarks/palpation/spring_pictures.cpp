@@ -17,8 +17,8 @@ namespace {
 
     constexpr double kRadius = 4.0; // mm
     constexpr double kSpringTick = 1e-3; // s
-    constexpr double kArmRatio = 1.0, kArmTime = 4.0; // s: relaxes to a half, as kidney and skin do [PMC7595329]
-    constexpr double kTaken = 0.4; // s after the press: the sheet's own swings are over
+    constexpr double kArmRatio = 1.0, kArmTime = 4.0; // s: relaxation to a half, as in kidney and skin [PMC7595329]
+    constexpr double kTaken = 0.4; // s after the press, when the sheet's own vibrations are over
 
     haptics::ElementLaw slow_tissue()
     {
@@ -47,10 +47,11 @@ namespace {
         }
     };
 
-    /// Sneddon's rigid sphere on a half-space at a depth (mm), N: the force of a uniform tissue.
+    /// Force (N) of Sneddon's rigid sphere on a half-space at a depth (mm): the force of a uniform tissue.
     double sneddon(double depth, double radius, double modulus, double ratio)
     {
-        double low = 0.0, high = radius * (1.0 - 1e-12); // contact radius from depth = a / 2 ln((R + a) / (R - a))
+        // the contact radius a follows from depth = a / 2 ln((R + a) / (R - a))
+        double low = 0.0, high = radius * (1.0 - 1e-12);
         for (int i = 0; i < 200; ++i) {
             const double a = 0.5 * (low + high);
             (0.5 * a * std::log((radius + a) / (radius - a)) < depth ? low : high) = a;
@@ -128,7 +129,7 @@ namespace {
         return panel;
     }
 
-    /// One element along x under a steady force: what the sheet is made of.
+    /// One element of the sheet, along x under a constant force.
     ui::ChartPanel creep()
     {
         constexpr double kStiffness = 0.075, kForce = 0.05, kStep = 2e-4, kVoigt = 0.4;

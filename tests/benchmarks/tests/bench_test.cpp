@@ -1,4 +1,4 @@
-// retractor-bench as scripts see it: what its commands measure and print, and how they end.
+// retractor-bench as scripts use it: its measurements, its output and its exit code.
 
 #include "tests/support/command_run.h"
 
@@ -39,7 +39,7 @@ TEST(BenchCommand, CutMeasuresWhatTheCutReports)
     const CommandRun bench = run("cut --small --no-thorax --repeats 1 --json");
     ASSERT_EQ(bench.exit_code, 0) << bench.out;
     const Json rows = bench.json().at("results");
-    ASSERT_EQ(rows.size(), 8u); // four models, two boxes
+    ASSERT_EQ(rows.size(), 8u); // four models in two boxes
     for (const Json& row : rows) {
         EXPECT_GT(row.at("cut_elements").get<int>(), 100);
         EXPECT_NEAR(row.at("min_dihedral_before_deg").get<double>(), 45.0, 1e-6);
@@ -52,10 +52,10 @@ TEST(BenchCommand, CutMeasuresWhatTheCutReports)
             EXPECT_GE(row.at("p01_dihedral_deg").get<double>(), 8.0);
         }
     }
-    // The same cut, whatever the size of the box.
+    // The cut is the same in every box.
     EXPECT_EQ(rows[0].at("cut_elements"), rows[4].at("cut_elements"));
     EXPECT_EQ(rows[0].at("mean_increase"), rows[4].at("mean_increase"));
-    // Fewer patterns, more elements: as in the source's table.
+    // Fewer patterns give more elements, as in table 1 of Nakao and others 2006.
     for (const std::size_t box : { 0u, 4u })
         for (std::size_t i = 0; i < 3; ++i)
             for (const char* reading : { "mean_increase", "made_per_cut_element", "mean_increase_of_cut_elements",
@@ -79,7 +79,7 @@ TEST(BenchCommand, OpenAgreesWithAFullRebuildOfItsOwnProcess)
              "step_speedup", "stroke_speedup", "attach_ms", "drag_ms_4", "drag_ms_8", "assemble_ms", "rss_mb",
              "nonlinear_fps", "nonlinear_rel_diff", "nonlinear_opening_diff", "final_ms" })
         EXPECT_GT(row.at(key).get<double>(), 0.0) << key;
-    EXPECT_LE(row.at("nonlinear_rel_diff").get<double>(), 0.02); // of the fully nonlinear answer
+    EXPECT_LE(row.at("nonlinear_rel_diff").get<double>(), 0.02); // relative to the fully nonlinear answer
     EXPECT_TRUE(row.at("final_settled").get<bool>());
     EXPECT_LE(row.at("final_residual").get<double>(), 1e-6);
     EXPECT_EQ(run("open --sizes 5k").exit_code, 2);
@@ -108,7 +108,7 @@ TEST(BenchCommand, CutSoakTakesEveryCutBack)
     const Json json = soak.json();
     EXPECT_EQ(json.at("cuts"), 30);
     ASSERT_EQ(json.at("flatness").size(), 3u);
-    bool flat = true; // whether it is depends on the machine's load; the exit code has to say it
+    bool flat = true; // depends on the load of the machine; the exit code must agree
     for (const Json& line : json.at("flatness")) {
         EXPECT_GT(line.at("first").get<double>() + line.at("last").get<double>(), 0.0) << line.dump();
         EXPECT_EQ(line.at("met").get<bool>(), line.at("growth").get<double>() <= 0.25) << line.dump();

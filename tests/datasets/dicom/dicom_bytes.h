@@ -1,6 +1,6 @@
 #pragma once
-// DICOM files written byte by byte (explicit VR, little endian), so that tests can make every file that a correct
-// writer refuses to make.
+// DICOM files written byte by byte (explicit VR, little endian), so that tests can make files that a correct writer
+// refuses to make.
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@
 
 namespace retractor::test_support {
 
-/// A data set: elements by tag, written in the order of tags. Setting again replaces.
+/// A data set: elements by tag, written in the order of tags. Setting a tag again replaces its element.
 class DicomBytes {
 public:
     DicomBytes& text(std::uint32_t tag, const char* vr, std::string value)
@@ -86,7 +86,7 @@ private:
 inline constexpr const char* kCtStorage = "1.2.840.10008.5.1.4.1.1.2";
 inline constexpr const char* kEnhancedCtStorage = "1.2.840.10008.5.1.4.1.1.2.1";
 
-/// A file with preamble and meta header round the data set.
+/// The bytes of a file: preamble, meta header and data set.
 inline std::string dicom_file(const DicomBytes& data, const std::string& sop_class = kCtStorage,
     const std::string& transfer_syntax = "1.2.840.10008.1.2.1")
 {
@@ -104,7 +104,7 @@ inline std::string dicom_file(const DicomBytes& data, const std::string& sop_cla
 inline void write_bytes(const std::filesystem::path& path, const std::string& bytes)
 {
     std::filesystem::create_directories(path.parent_path());
-    std::filesystem::remove(path); // overwriting in place makes some file systems wait for the disk
+    std::filesystem::remove(path); // with overwriting, some file systems wait for the disk
     std::ofstream(path, std::ios::binary) << bytes;
 }
 
@@ -126,8 +126,8 @@ inline std::string position_text(double x, double y, double z)
     return text;
 }
 
-/// A right CT slice of 6 x 5 pixels of 0.5 x 0.5 mm, stored value 1000 + column + 10 row + 100 (z rounded), intercept
-/// -1024. No two slices share a SOP instance UID.
+/// A valid CT slice of 6 x 5 pixels of 0.5 x 0.5 mm. The stored value is 1000 + column + 10 row + 100 (z rounded), and
+/// the intercept is -1024. Each slice has a SOP instance UID of its own.
 inline DicomBytes ct_slice(double z, int instance)
 {
     DicomBytes d;
@@ -170,7 +170,7 @@ inline void write_slice(const std::filesystem::path& path, const DicomBytes& sli
     write_bytes(path, dicom_file(slice));
 }
 
-/// `count` right slices 2 mm apart: 01.dcm at z = 0 ...
+/// Writes `count` valid slices 2 mm apart, beginning with 01.dcm at z = 0.
 inline void write_stack(const std::filesystem::path& folder, int count,
     const std::function<void(DicomBytes&, int)>& change = {}, const std::string& prefix = "")
 {
@@ -184,7 +184,7 @@ inline void write_stack(const std::filesystem::path& folder, int count,
     }
 }
 
-/// The frames of an enhanced CT in the order given, geometry shared where it may be.
+/// An enhanced CT with frames in the given order; frames share their geometry where DICOM allows sharing.
 inline DicomBytes enhanced_ct(
     const std::vector<double>& heights, const std::vector<double>& slopes, bool phases = false)
 {

@@ -105,8 +105,8 @@ namespace driven_opening_test {
             at.push_back(here.hooks[h].displacement);
             expected.push_back(there.hooks[h].displacement);
         }
-        const auto gone
-            = let_go(response, packed(at), packed(here.opening.hook_forces_N), packed(held.hook_forces_N), drives);
+        const auto gone = release_hooks(
+            response, packed(at), packed(here.opening.hook_forces_N), packed(held.hook_forces_N), drives);
         ASSERT_TRUE(gone.has_value());
         constexpr double kFarther = 0.3; // 1 / 0.6 of the way, less where the limit's hook reaches its place
         EXPECT_GT(gone->way.norm(), kFarther * packed(at).norm());
@@ -152,7 +152,7 @@ namespace driven_opening_test {
             expected.push_back(there.hooks[h].displacement);
         }
         const HookResponse response = hook_response(stiff, { Elasticity::linear }, here.opening.displacement);
-        const auto gone = let_go(response, packed(at), forces, other, drives);
+        const auto gone = release_hooks(response, packed(at), forces, other, drives);
         ASSERT_TRUE(gone.has_value());
         EXPECT_LT((packed(at) + gone->way - packed(expected)).norm(), kLinear * packed(expected).norm());
     }
@@ -162,11 +162,11 @@ namespace driven_opening_test {
         const HookResponse R { Eigen::MatrixXd::Identity(3, 3), {} };
         const Eigen::VectorXd at = Vec3(2.0, 0.0, 0.0), forces = R.stiffness * at;
         const std::vector<HookDrive> pulled { { .force_N = Vec3(2.0, 0.0, 0.0) } };
-        const auto gone = let_go(R, at, forces, 0.5 * forces, pulled);
+        const auto gone = release_hooks(R, at, forces, 0.5 * forces, pulled);
         ASSERT_TRUE(gone.has_value());
         EXPECT_LT((gone->way - at).norm(), kLinear); // half as stiff: twice as far
         for (const double ratio : { 0.05, 20.0, -1.0, std::numeric_limits<double>::quiet_NaN() })
-            EXPECT_FALSE(let_go(R, at, forces, ratio * forces, pulled).has_value()) << ratio;
+            EXPECT_FALSE(release_hooks(R, at, forces, ratio * forces, pulled).has_value()) << ratio;
     }
 
     TEST(DrivenOpening, OneHookYieldsAtItsLimitAndGripsAsSpringsInSeries)

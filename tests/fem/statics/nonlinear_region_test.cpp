@@ -34,7 +34,7 @@ namespace near_field_test {
         return std::vector<std::uint8_t>(mesh.tet_count(), 1);
     }
 
-    NonlinearRegion near_field(const ElasticProblem& p, const std::vector<std::uint8_t>& near,
+    NonlinearRegion nonlinear_region(const ElasticProblem& p, const std::vector<std::uint8_t>& near,
         NonlinearRegionOptions options = { .tolerance = kTight })
     {
         return { p.mesh, p.material_of_label, p.supports, p.hooks, near, options };
@@ -104,7 +104,7 @@ namespace near_field_test {
     {
         for (const int nodes_per_tet : { 4, 10 }) {
             const ElasticProblem problem = test_support::hooked_block(nodes_per_tet == 4 ? 4 : 2, nodes_per_tet);
-            NonlinearRegion field = near_field(problem, all_near(problem.mesh));
+            NonlinearRegion field = nonlinear_region(problem, all_near(problem.mesh));
             EXPECT_EQ(field.rim_vertices(), 0U);
             const NearFrame dragged = field.drag(hooks_at(problem, 1.0));
             EXPECT_TRUE(dragged.reached);
@@ -126,7 +126,7 @@ namespace near_field_test {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
         for (const Elasticity model : { Elasticity::corotational, Elasticity::corotational_linear }) {
             NonlinearRegion field
-                = near_field(problem, all_near(problem.mesh), { .elasticity = model, .tolerance = kTight });
+                = nonlinear_region(problem, all_near(problem.mesh), { .elasticity = model, .tolerance = kTight });
             (void)field.drag(hooks_at(problem, 1.0));
             const NearFrame settled = field.settle();
             ASSERT_EQ(settled.status, NearStatus::settled) << settled.message;
@@ -149,7 +149,7 @@ namespace near_field_test {
         }
         const auto near = all_near(problem.mesh);
         NonlinearRegion dragged
-            = near_field(problem, near, { .elasticity = Elasticity::corotational_linear, .tolerance = kTight });
+            = nonlinear_region(problem, near, { .elasticity = Elasticity::corotational_linear, .tolerance = kTight });
         EXPECT_TRUE(dragged.drag(hooks_at(problem, 1.0)).reached);
         const NearFrame right = dragged.settle();
         ASSERT_EQ(right.status, NearStatus::settled) << right.message;
@@ -158,7 +158,7 @@ namespace near_field_test {
         for (Vec3& hook : wrong.hook_displacements)
             hook *= -3.0;
         NonlinearRegion other
-            = near_field(problem, near, { .elasticity = Elasticity::corotational_linear, .tolerance = kTight });
+            = nonlinear_region(problem, near, { .elasticity = Elasticity::corotational_linear, .tolerance = kTight });
         other.start_from(wrong);
         (void)other.drag(hooks_at(problem, 1.0));
         const NearFrame back = other.settle();
@@ -191,7 +191,7 @@ namespace near_field_test {
         const Equilibrium reference = exact(still, body);
         for (const Elasticity model : { Elasticity::hyperelastic, Elasticity::corotational_linear }) {
             NonlinearRegion field
-                = near_field(problem, near, { .elasticity = model, .tolerance = kTight, .load = load });
+                = nonlinear_region(problem, near, { .elasticity = model, .tolerance = kTight, .load = load });
             const NearFrame settled = field.settle();
             ASSERT_EQ(settled.status, NearStatus::settled) << settled.message;
             EXPECT_LT(difference(settled.displacement, reference.displacement), kLinear);
@@ -201,19 +201,19 @@ namespace near_field_test {
         unhooked.hooks.clear();
         const Equilibrium free = exact(unhooked, body);
         constexpr double kSeenByEnergy = 1e-5; // forces of 1e-9 N change an energy of the block's by its round-off
-        NonlinearRegion field = near_field(unhooked, near,
+        NonlinearRegion field = nonlinear_region(unhooked, near,
             { .elasticity = Elasticity::corotational_linear, .tolerance = kSeenByEnergy, .load = load });
         const NearFrame settled = field.settle();
         ASSERT_EQ(settled.status, NearStatus::settled) << settled.message;
         EXPECT_LT(difference(settled.displacement, free.displacement), kLinear);
         load[3 * far] = 1.0;
         EXPECT_NE(test_support::message_of([&] {
-            (void)near_field(problem, near, { .load = load });
+            (void)nonlinear_region(problem, near, { .load = load });
         }).find("a node that is not near is loaded"),
             std::string::npos);
-        EXPECT_EQ(
-            test_support::message_of([&] { (void)near_field(problem, near, { .load = Eigen::VectorXd::Zero(3) }); }),
-            "near field: a load has three entries per vertex");
+        EXPECT_EQ(test_support::message_of(
+                      [&] { (void)nonlinear_region(problem, near, { .load = Eigen::VectorXd::Zero(3) }); }),
+            "nonlinear region: a load has three entries per vertex");
     }
 
     TEST(NonlinearRegion, LeavesNoForceOnAnyFreeNodeOfEitherPart)
@@ -221,7 +221,7 @@ namespace near_field_test {
         // Near and far elements put together again by themselves: their forces cancel at each free node.
         const ElasticProblem problem = test_support::hooked_block(4, 4);
         const std::vector<std::uint8_t> near = test_support::near_hooks(problem);
-        NonlinearRegion field = near_field(problem, near);
+        NonlinearRegion field = nonlinear_region(problem, near);
         EXPECT_GT(field.rim_vertices(), 0U);
         EXPECT_LT(field.near_elements(), problem.mesh.tet_count() / 2 + problem.mesh.tet_count() / 4);
         (void)field.drag(hooks_at(problem, 1.0));
@@ -264,10 +264,10 @@ namespace near_field_test {
         for (const Elasticity elasticity : { Elasticity::hyperelastic, Elasticity::corotational }) {
             std::vector<double> field_off, force_off;
             for (const double share : { 0.2, 0.1 }) {
-                NonlinearRegion linear = near_field(problem, test_support::near_hooks(problem),
+                NonlinearRegion linear = nonlinear_region(problem, test_support::near_hooks(problem),
                                     { .elasticity = elasticity, .tolerance = kTight }),
-                                whole
-                    = near_field(problem, all_near(problem.mesh), { .elasticity = elasticity, .tolerance = kTight });
+                                whole = nonlinear_region(
+                                    problem, all_near(problem.mesh), { .elasticity = elasticity, .tolerance = kTight });
                 (void)linear.drag(hooks_at(problem, share));
                 (void)linear.settle();
                 linear.refresh();
@@ -291,7 +291,7 @@ namespace near_field_test {
     TEST(NonlinearRegion, HasNothingToChangeWithoutAFarField)
     {
         const ElasticProblem problem = test_support::hooked_block(2, 4);
-        NonlinearRegion field = near_field(problem, all_near(problem.mesh));
+        NonlinearRegion field = nonlinear_region(problem, all_near(problem.mesh));
         (void)field.drag(hooks_at(problem, 0.5));
         const FarChange change = field.far_change();
         EXPECT_TRUE(change.finite);
@@ -305,7 +305,7 @@ namespace near_field_test {
         const Eigen::VectorXd linear = exact(problem, body).displacement;
         std::vector<double> off;
         for (const double share : { 0.02, 0.01 }) {
-            NonlinearRegion field = near_field(problem, test_support::near_hooks(problem));
+            NonlinearRegion field = nonlinear_region(problem, test_support::near_hooks(problem));
             (void)field.drag(hooks_at(problem, share));
             off.push_back(difference(field.settle().displacement / share, linear));
         }
@@ -316,8 +316,8 @@ namespace near_field_test {
     TEST(NonlinearRegion, SettlesInTheSamePlaceByAnyWay)
     {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
-        NonlinearRegion at_once = near_field(problem, test_support::near_hooks(problem)),
-                        by_frames = near_field(problem, test_support::near_hooks(problem));
+        NonlinearRegion at_once = nonlinear_region(problem, test_support::near_hooks(problem)),
+                        by_frames = nonlinear_region(problem, test_support::near_hooks(problem));
         (void)at_once.drag(hooks_at(problem, 1.0));
         constexpr int kFrames = 20;
         for (int f = 1; f <= kFrames; ++f) // on, somewhat too far, and back
@@ -335,12 +335,12 @@ namespace near_field_test {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
         for (const Elasticity model : { Elasticity::hyperelastic, Elasticity::corotational_linear }) {
             const NonlinearRegionOptions options { .elasticity = model, .tolerance = kTight };
-            NonlinearRegion free = near_field(problem, test_support::near_hooks(problem), options);
+            NonlinearRegion free = nonlinear_region(problem, test_support::near_hooks(problem), options);
             (void)free.drag(hooks_at(problem, 1.0));
             const NearFrame unlimited = free.settle();
             ASSERT_EQ(unlimited.status, NearStatus::settled);
             const double limit = 0.7 * unlimited.hook_forces_N[0].norm();
-            NonlinearRegion limited = near_field(problem, test_support::near_hooks(problem), options);
+            NonlinearRegion limited = nonlinear_region(problem, test_support::near_hooks(problem), options);
             std::vector<HookDrive> drives = prescribed_drives(hooks_at(problem, 1.0));
             for (HookDrive& drive : drives)
                 drive.force_limit_N = limit;
@@ -382,11 +382,11 @@ namespace near_field_test {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
         for (const Elasticity model : { Elasticity::hyperelastic, Elasticity::corotational_linear }) {
             const NonlinearRegionOptions options { .elasticity = model, .tolerance = kTight };
-            NonlinearRegion drawn = near_field(problem, test_support::near_hooks(problem), options);
+            NonlinearRegion drawn = nonlinear_region(problem, test_support::near_hooks(problem), options);
             (void)drawn.drag(hooks_at(problem, 1.0));
             const NearFrame there = drawn.settle();
             ASSERT_EQ(there.status, NearStatus::settled);
-            NonlinearRegion pulled = near_field(problem, test_support::near_hooks(problem), options);
+            NonlinearRegion pulled = nonlinear_region(problem, test_support::near_hooks(problem), options);
             std::vector<HookDrive> drives(2);
             drives[0].force_N = there.hook_forces_N[0];
             drives[1].displacement = problem.hooks[1].displacement; // and one that is drawn
@@ -417,7 +417,8 @@ namespace near_field_test {
                 if (near[t] != 0 && prescribed.flag[3 * static_cast<std::size_t>(v)] == 0)
                     load.segment<3>(3 * v) = Vec3(0.03, 0.0, 0.006);
         const NonlinearRegionOptions options { .tolerance = kTight, .load = load };
-        NonlinearRegion held = near_field(problem, near, options), slips = near_field(problem, near, options);
+        NonlinearRegion held = nonlinear_region(problem, near, options),
+                        slips = nonlinear_region(problem, near, options);
         const NearFrame at_rest = held.settle();
         const double limit = 0.5 * at_rest.hook_forces_N[0].norm();
         ASSERT_GT(limit, 0.0);
@@ -435,8 +436,8 @@ namespace near_field_test {
     TEST(NonlinearRegion, IsPreparedInPartsThatCanBeCancelled)
     {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
-        NonlinearRegion field = near_field(problem, test_support::near_hooks(problem)),
-                        other = near_field(problem, test_support::near_hooks(problem));
+        NonlinearRegion field = nonlinear_region(problem, test_support::near_hooks(problem)),
+                        other = nonlinear_region(problem, test_support::near_hooks(problem));
         std::atomic<bool> cancel { true };
         Job job;
         job.cancel = &cancel;
@@ -453,8 +454,8 @@ namespace near_field_test {
     TEST(NonlinearRegion, GoesOnFromAnotherAnswer)
     {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
-        NonlinearRegion near = near_field(problem, test_support::near_hooks(problem)),
-                        whole = near_field(problem, all_near(problem.mesh));
+        NonlinearRegion near = nonlinear_region(problem, test_support::near_hooks(problem)),
+                        whole = nonlinear_region(problem, all_near(problem.mesh));
         const NearFrame frame = near.drag(hooks_at(problem, 1.0));
         whole.start_from(frame);
         const NearFrame settled = whole.settle();
@@ -468,7 +469,7 @@ namespace near_field_test {
         ElasticProblem problem = test_support::hooked_block(2, 4);
         for (HookPatch& hook : problem.hooks)
             hook.displacement = Vec3(0.0, 0.0, -26.0); // through the block's fixed bottom, 20 mm below
-        NonlinearRegion field = near_field(problem, all_near(problem.mesh));
+        NonlinearRegion field = nonlinear_region(problem, all_near(problem.mesh));
         const ElasticBody body = neo_hookean_body(problem);
         bool stopped = false;
         for (int f = 1; f <= 13; ++f) {
@@ -486,8 +487,8 @@ namespace near_field_test {
     TEST(NonlinearRegion, GivesTheSameBitsAgain)
     {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
-        NonlinearRegion first = near_field(problem, test_support::near_hooks(problem)),
-                        second = near_field(problem, test_support::near_hooks(problem));
+        NonlinearRegion first = nonlinear_region(problem, test_support::near_hooks(problem)),
+                        second = nonlinear_region(problem, test_support::near_hooks(problem));
         for (const double share : { 0.1, 0.2, 0.25 })
             EXPECT_EQ(
                 first.drag(hooks_at(problem, share)).displacement, second.drag(hooks_at(problem, share)).displacement);
@@ -496,7 +497,7 @@ namespace near_field_test {
     TEST(NonlinearRegion, IsCancelled)
     {
         const ElasticProblem problem = test_support::hooked_block(2, 4);
-        NonlinearRegion field = near_field(problem, all_near(problem.mesh));
+        NonlinearRegion field = nonlinear_region(problem, all_near(problem.mesh));
         (void)field.drag(hooks_at(problem, 1.0));
         const std::atomic<bool> cancel { true };
         Job job;
@@ -508,16 +509,16 @@ namespace near_field_test {
     {
         const ElasticProblem problem = test_support::hooked_block(2, 4);
         const auto near = all_near(problem.mesh);
-        EXPECT_EQ(
-            test_support::message_of([&] { (void)near_field(problem, near, { .elasticity = Elasticity::linear }); }),
-            "near field: the near field is nonlinear: hyperelastic, corotational or bounded");
+        EXPECT_EQ(test_support::message_of(
+                      [&] { (void)nonlinear_region(problem, near, { .elasticity = Elasticity::linear }); }),
+            "nonlinear region: the nonlinear region is nonlinear: hyperelastic, corotational or corotational_linear");
         EXPECT_EQ(test_support::message_of([&] {
-            (void)near_field(problem, { 1, 0 });
+            (void)nonlinear_region(problem, { 1, 0 });
         }),
-            "near field: a near field needs a flag for each element");
-        EXPECT_EQ(
-            test_support::message_of([&] { (void)near_field(problem, std::vector<std::uint8_t>(near.size(), 0)); }),
-            "near field: no element is near");
+            "nonlinear region: a nonlinear region needs a flag for each element");
+        EXPECT_EQ(test_support::message_of(
+                      [&] { (void)nonlinear_region(problem, std::vector<std::uint8_t>(near.size(), 0)); }),
+            "nonlinear region: no element is near");
         std::vector<std::uint8_t> without_hook = near;
         const VertexId held = problem.hooks[0].nodes.front();
         for (TetId t = 0; t < static_cast<TetId>(near.size()); ++t)
@@ -525,18 +526,18 @@ namespace near_field_test {
                 if (v == held)
                     without_hook[static_cast<std::size_t>(t)] = 0;
         EXPECT_NE(test_support::message_of([&] {
-            (void)near_field(problem, without_hook);
+            (void)nonlinear_region(problem, without_hook);
         }).find("an element that is not near"),
             std::string::npos);
         EXPECT_EQ(test_support::message_of([&] { (void)elements_near(problem.mesh, Points(0, 3), 1.0); }),
-            "near field: elements are near some points, within a positive distance");
+            "nonlinear region: elements are near some points, within a positive distance");
         ElasticProblem loose = problem;
         loose.supports = {};
         loose.hooks.clear();
-        EXPECT_NE(test_support::message_of([&] { (void)near_field(loose, near); }), "nothing was thrown");
-        NonlinearRegion field = near_field(problem, near);
+        EXPECT_NE(test_support::message_of([&] { (void)nonlinear_region(loose, near); }), "nothing was thrown");
+        NonlinearRegion field = nonlinear_region(problem, near);
         EXPECT_EQ(test_support::message_of([&] { (void)field.drag(std::vector<Vec3>(1, Vec3::Zero())); }),
-            "near field: there are 2 hooks");
+            "nonlinear region: there are 2 hooks");
         EXPECT_EQ(test_support::message_of([&] {
             (void)field.drag(std::vector<Vec3>(2, Vec3::Constant(std::numeric_limits<double>::quiet_NaN())));
         }),
@@ -544,7 +545,7 @@ namespace near_field_test {
         NearFrame turned = field.drag(hooks_at(problem, 0.1));
         turned.displacement *= 1e4;
         EXPECT_EQ(test_support::message_of([&] { field.start_from(turned); }),
-            "near field: the answer to start from turns an element over");
+            "nonlinear region: the answer to start from turns an element over");
     }
 
 } // namespace near_field_test

@@ -284,7 +284,7 @@ namespace pressure_opening_test {
             "pressure of gas: FEBio files are written without pressure");
         OpeningOptions near { .near = std::vector<std::uint8_t>(problem.mesh.tet_count(), 1) };
         EXPECT_EQ(test_support::message_of([&] { (void)Opening(problem, near); }),
-            "near field: a linear far field goes without pressure");
+            "nonlinear region: a condensed region goes without pressure");
     }
 
 } // namespace pressure_opening_test

@@ -30,62 +30,62 @@ namespace near_wound_test {
     // threads come along. A wrong answer is off by a tenth of a millimetre and a newton at the least.
     constexpr double kRounding = 1e-10; // mm, N
 
-    Touch at(SurgerySession& desk, double x, double z)
+    Touch at(SurgerySession& live_session, double x, double z)
     {
-        const auto found = touch(*desk.picture(), ray_down(x, z));
+        const auto found = touch(*live_session.picture(), ray_down(x, z));
         if (!found)
             throw InputError("the ray misses the slab");
         return *found;
     }
 
-    void settle(SurgerySession& desk)
+    void settle(SurgerySession& live_session)
     {
-        for (int i = 0; i < 100000 && desk.moving(); ++i) {
-            desk.relax(40.0);
+        for (int i = 0; i < 100000 && live_session.moving(); ++i) {
+            live_session.relax(40.0);
             std::this_thread::sleep_for(std::chrono::milliseconds(1)); // the answer is made on another thread
         }
-        ASSERT_FALSE(desk.moving());
+        ASSERT_FALSE(live_session.moving());
     }
 
-    bool draw(SurgerySession& desk, double x0, double z0, double x1, double z1)
+    bool draw(SurgerySession& live_session, double x0, double z0, double x1, double z1)
     {
-        if (!desk.begin_stroke(at(desk, x0, z0), { .depth_mm = 15.0 }).done)
+        if (!live_session.begin_stroke(at(live_session, x0, z0), { .depth_mm = 15.0 }).done)
             return false;
         for (int i = 1; i <= 20; ++i)
-            (void)desk.draw_to(at(desk, x0 + (x1 - x0) * i / 20.0, z0 + (z1 - z0) * i / 20.0));
-        return desk.finish_stroke().done;
+            (void)live_session.draw_to(at(live_session, x0 + (x1 - x0) * i / 20.0, z0 + (z1 - z0) * i / 20.0));
+        return live_session.finish_stroke().done;
     }
 
     /// A wound of 60 mm along x in the middle of the slab, with a hook on each lip in its middle.
     struct NonlinearWound {
-        SurgerySession desk { layered_wall() };
+        SurgerySession live_session { layered_wall() };
 
         NonlinearWound()
         {
-            EXPECT_TRUE(draw(desk, 30.0, 60.0, 90.0, 60.0));
-            desk.set_nonlinear(true);
+            EXPECT_TRUE(draw(live_session, 30.0, 60.0, 90.0, 60.0));
+            live_session.set_nonlinear(true);
             for (const double z : { 63.0, 57.0 })
-                EXPECT_TRUE(desk.place_hook(at(desk, 60.0, z)).done);
+                EXPECT_TRUE(live_session.place_hook(at(live_session, 60.0, z)).done);
         }
         Points moved()
         {
-            const WallPicture& picture = *desk.picture();
-            Points moved = Points::Zero(static_cast<Eigen::Index>(desk.session().vertex_slots()), 3);
+            const WallPicture& picture = *live_session.picture();
+            Points moved = Points::Zero(static_cast<Eigen::Index>(live_session.session().vertex_slots()), 3);
             for (VertexId v = 0; v < static_cast<VertexId>(moved.rows()); ++v)
-                if (desk.session().has_vertex(v))
+                if (live_session.session().has_vertex(v))
                     moved.row(v) = picture.shown.row(v) - picture.surface->rest.row(v);
             return moved;
         }
         /// NonlinearRegion on a copy of the wall, from rest.
         void expect_near_field()
         {
-            settle(desk);
-            const HookReport report = desk.hooks();
+            settle(live_session);
+            const HookReport report = live_session.hooks();
             ASSERT_EQ(report.shown, ShownAnswer::nonlinear) << report.shown_text;
             EXPECT_EQ(report.shown_text, "nonlinear within 40 mm");
             EXPECT_LT(report.residual, kSettled);
             mesh::SlotMap map;
-            const mesh::TetMesh mesh = desk.session().compact_mesh(&map);
+            const mesh::TetMesh mesh = live_session.session().compact_mesh(&map);
             const auto compact = [&](VertexId id) { return map.compact_vertex[static_cast<std::size_t>(id)]; };
             SurgerySetup table = layered_wall();
             for (fem::Material& material : table.materials)
@@ -104,7 +104,7 @@ namespace near_wound_test {
                 asked.push_back(hook.drive.displacement);
             }
             std::set<VertexId> lips;
-            for (const mesh::LipFace& lip : desk.session().lips())
+            for (const mesh::LipFace& lip : live_session.session().lips())
                 for (const VertexId v : mesh::face_vertices(
                          mesh, { map.compact_tet[static_cast<std::size_t>(lip.face.tet)], lip.face.corner }))
                     lips.insert(v);
@@ -115,7 +115,8 @@ namespace near_wound_test {
             constexpr double kNearMm = 40.0, kStepMm = 3.0;
             fem::NonlinearRegion field(mesh, table.materials, supports, hooks, fem::elements_near(mesh, wound, kNearMm),
                 { .elasticity = fem::Elasticity::corotational_linear });
-            const int steps = static_cast<int>(std::ceil(desk.hooks().hooks[0].drive.displacement.norm() / kStepMm));
+            const int steps
+                = static_cast<int>(std::ceil(live_session.hooks().hooks[0].drive.displacement.norm() / kStepMm));
             for (int step = 1; step <= steps; ++step) {
                 std::vector<Vec3> there = asked;
                 for (Vec3& a : there)
@@ -147,32 +148,32 @@ namespace near_wound_test {
     TEST(NearWound, WhatIsShownIsTheNearFieldsAnswer)
     {
         NonlinearWound wound;
-        SurgerySession& desk = wound.desk;
-        desk.pull_all_hooks(12.0);
-        EXPECT_EQ(desk.hooks().shown, ShownAnswer::linear) << "it is not made yet";
-        EXPECT_EQ(desk.hooks().shown_text, "linear: nonlinear comes");
+        SurgerySession& live_session = wound.live_session;
+        live_session.pull_all_hooks(12.0);
+        EXPECT_EQ(live_session.hooks().shown, ShownAnswer::linear) << "it is not made yet";
+        EXPECT_EQ(live_session.hooks().shown_text, "linear: nonlinear comes");
         const Points linear = wound.moved();
         wound.expect_near_field();
         EXPECT_GT(difference(wound.moved(), linear), 0.5) << "12 mm are far beyond small strains";
-        EXPECT_GT(desk.hooks().strain.p99, 0.0);
+        EXPECT_GT(live_session.hooks().strain.p99, 0.0);
         // Dragged on: frames of the same field, and each hook where the hand is.
         for (const double mm : { 13.0, 14.0, 15.0 }) {
-            desk.pull_all_hooks(mm);
-            EXPECT_EQ(desk.hooks().shown, ShownAnswer::nonlinear);
-            EXPECT_TRUE(desk.hooks_unsettled());
+            live_session.pull_all_hooks(mm);
+            EXPECT_EQ(live_session.hooks().shown, ShownAnswer::nonlinear);
+            EXPECT_TRUE(live_session.hooks_unsettled());
         }
         const Points dragged = wound.moved();
         wound.expect_near_field();
         EXPECT_LT(difference(dragged, wound.moved()), 0.5) << "what the eye is shown while the hand moves";
-        EXPECT_EQ(desk.hooks().near_swapped, 1) << "dragging makes no new one";
+        EXPECT_EQ(live_session.hooks().near_swapped, 1) << "dragging makes no new one";
         // Another hook: made anew.
-        desk.pull_all_hooks(4.0);
-        settle(desk);
-        ASSERT_TRUE(desk.place_hook(at(desk, 75.0, 66.0)).done);
-        EXPECT_EQ(desk.hooks().shown, ShownAnswer::linear);
-        ASSERT_EQ(desk.hooks().hooks.size(), 3U);
+        live_session.pull_all_hooks(4.0);
+        settle(live_session);
+        ASSERT_TRUE(live_session.place_hook(at(live_session, 75.0, 66.0)).done);
+        EXPECT_EQ(live_session.hooks().shown, ShownAnswer::linear);
+        ASSERT_EQ(live_session.hooks().hooks.size(), 3U);
         const Points placed = wound.moved();
-        for (const HookState& hook : desk.hooks().hooks)
+        for (const HookState& hook : live_session.hooks().hooks)
             for (const VertexId v : hook.seat.nodes)
                 EXPECT_LT((placed.row(v).transpose() - hook.drive.displacement).norm(), 1e-9) << hook.name;
         wound.expect_near_field();
@@ -182,16 +183,16 @@ namespace near_wound_test {
     {
         NonlinearWound wound;
         const auto off = [&](double mm) {
-            wound.desk.pull_all_hooks(mm);
-            settle(wound.desk);
+            wound.live_session.pull_all_hooks(mm);
+            settle(wound.live_session);
             const Points nonlinear = wound.moved();
-            EXPECT_EQ(wound.desk.hooks().shown, ShownAnswer::nonlinear);
-            wound.desk.set_nonlinear(false);
-            settle(wound.desk);
-            EXPECT_EQ(wound.desk.hooks().shown, ShownAnswer::linear);
-            EXPECT_EQ(wound.desk.hooks().shown_text, "linear");
+            EXPECT_EQ(wound.live_session.hooks().shown, ShownAnswer::nonlinear);
+            wound.live_session.set_nonlinear(false);
+            settle(wound.live_session);
+            EXPECT_EQ(wound.live_session.hooks().shown, ShownAnswer::linear);
+            EXPECT_EQ(wound.live_session.hooks().shown_text, "linear");
             const double difference_mm = difference(nonlinear, wound.moved());
-            wound.desk.set_nonlinear(true);
+            wound.live_session.set_nonlinear(true);
             return difference_mm;
         };
         const double small = off(0.2), twice = off(0.4);
@@ -202,12 +203,12 @@ namespace near_wound_test {
     TEST(NearWound, HooksStopWhereTheirLipsMeetInNonlinearTissueToo)
     {
         NonlinearWound wound;
-        SurgerySession& desk = wound.desk;
-        desk.pull_all_hooks(2.0);
-        settle(desk);
-        desk.pull_hook(desk.hooks().hooks[1].id, Vec3(0.0, 0.0, 6.0));
-        settle(desk);
-        const HookReport report = desk.hooks();
+        SurgerySession& live_session = wound.live_session;
+        live_session.pull_all_hooks(2.0);
+        settle(live_session);
+        live_session.pull_hook(live_session.hooks().hooks[1].id, Vec3(0.0, 0.0, 6.0));
+        settle(live_session);
+        const HookReport report = live_session.hooks();
         EXPECT_EQ(report.shown, ShownAnswer::nonlinear) << report.shown_text;
         EXPECT_LT(report.residual, kSettled);
         EXPECT_EQ(report.meeting, "hook 1 and hook 2");
@@ -218,44 +219,44 @@ namespace near_wound_test {
     TEST(NearWound, CutsGoOnFromTheNonlinearAnswerAndUndoRestoresIt)
     {
         NonlinearWound wound;
-        SurgerySession& desk = wound.desk;
-        desk.pull_all_hooks(12.0);
+        SurgerySession& live_session = wound.live_session;
+        live_session.pull_all_hooks(12.0);
         const Points linear = wound.moved();
         wound.expect_near_field();
         const Points before = wound.moved();
-        const double force = desk.hooks().hooks[0].force_N.norm();
-        ASSERT_TRUE(desk.begin_stroke(at(desk, 20.0, 100.0), { .depth_mm = 8.0 }).done);
+        const double force = live_session.hooks().hooks[0].force_N.norm();
+        ASSERT_TRUE(live_session.begin_stroke(at(live_session, 20.0, 100.0), { .depth_mm = 8.0 }).done);
         for (double x = 22.0; x <= 40.0; x += 2.0)
-            (void)desk.draw_to(at(desk, x, 100.0));
-        EXPECT_EQ(desk.hooks().shown, ShownAnswer::linear_since);
+            (void)live_session.draw_to(at(live_session, x, 100.0));
+        EXPECT_EQ(live_session.hooks().shown, ShownAnswer::linear_since);
         const Points cut = wound.moved();
         EXPECT_LT(difference(cut, before), 0.5 * difference(linear, before)) << "it does not jump back";
-        for (const HookState& hook : desk.hooks().hooks)
+        for (const HookState& hook : live_session.hooks().hooks)
             for (const VertexId v : hook.seat.nodes)
                 EXPECT_LT((cut.row(v).transpose() - hook.drive.displacement).norm(), 1e-9);
-        EXPECT_NEAR(desk.hooks().hooks[0].force_N.norm() / force, 1.0, 0.05) << "a small cut far away";
-        desk.relax(40.0);
-        EXPECT_TRUE(desk.moving()) << "it is made when the cut is";
-        EXPECT_EQ(desk.hooks().shown, ShownAnswer::linear_since);
-        ASSERT_TRUE(desk.finish_stroke().done);
+        EXPECT_NEAR(live_session.hooks().hooks[0].force_N.norm() / force, 1.0, 0.05) << "a small cut far away";
+        live_session.relax(40.0);
+        EXPECT_TRUE(live_session.moving()) << "it is made when the cut is";
+        EXPECT_EQ(live_session.hooks().shown, ShownAnswer::linear_since);
+        ASSERT_TRUE(live_session.finish_stroke().done);
         wound.expect_near_field();
-        desk.undo();
-        EXPECT_EQ(desk.hooks().shown, ShownAnswer::linear_since);
+        live_session.undo();
+        EXPECT_EQ(live_session.hooks().shown, ShownAnswer::linear_since);
         wound.expect_near_field();
         EXPECT_LT(difference(wound.moved(), before), kSame * 12.0);
-        EXPECT_NEAR(desk.hooks().hooks[0].force_N.norm(), force, kSame * force);
+        EXPECT_NEAR(live_session.hooks().hooks[0].force_N.norm(), force, kSame * force);
     }
 
     TEST(NearWound, HooksYieldAtTheirLimitInNonlinearTissueToo)
     {
         NonlinearWound wound;
-        SurgerySession& desk = wound.desk;
-        desk.pull_all_hooks(8.0);
-        settle(desk);
-        const double unlimited = desk.hooks().hooks[0].force_N.norm(), limit = 0.5 * unlimited;
-        desk.set_yield(limit);
-        settle(desk);
-        const HookReport report = desk.hooks();
+        SurgerySession& live_session = wound.live_session;
+        live_session.pull_all_hooks(8.0);
+        settle(live_session);
+        const double unlimited = live_session.hooks().hooks[0].force_N.norm(), limit = 0.5 * unlimited;
+        live_session.set_yield(limit);
+        settle(live_session);
+        const HookReport report = live_session.hooks();
         ASSERT_EQ(report.shown, ShownAnswer::nonlinear) << report.shown_text;
         EXPECT_LT(report.residual, kSettled);
         constexpr double kAtLimit = 1e-4; // of the limit: the hooks stay to 1e-6 of their way
@@ -273,27 +274,27 @@ namespace near_wound_test {
         std::vector<Vec3> there;
         for (const HookState& hook : report.hooks)
             there.push_back(hook.displacement);
-        desk.set_yield(std::numeric_limits<double>::infinity());
+        live_session.set_yield(std::numeric_limits<double>::infinity());
         for (std::size_t h = 0; h < there.size(); ++h)
-            desk.pull_hook(report.hooks[h].id, there[h]);
-        settle(desk);
+            live_session.pull_hook(report.hooks[h].id, there[h]);
+        settle(live_session);
         for (std::size_t h = 0; h < there.size(); ++h) {
-            EXPECT_FALSE(desk.hooks().hooks[h].yielded);
-            EXPECT_LT((desk.hooks().hooks[h].force_N - report.hooks[h].force_N).norm(), kAtLimit * limit);
+            EXPECT_FALSE(live_session.hooks().hooks[h].yielded);
+            EXPECT_LT((live_session.hooks().hooks[h].force_N - report.hooks[h].force_N).norm(), kAtLimit * limit);
         }
         EXPECT_LT(difference(wound.moved(), shown), kAtLimit * 8.0);
         // Made anew under the limit, from rest.
-        desk.set_nonlinear(false);
-        desk.set_yield(limit);
-        desk.pull_all_hooks(8.0);
-        desk.set_nonlinear(true);
-        settle(desk);
-        ASSERT_EQ(desk.hooks().shown, ShownAnswer::nonlinear);
-        EXPECT_TRUE(desk.hooks().hooks[0].yielded);
+        live_session.set_nonlinear(false);
+        live_session.set_yield(limit);
+        live_session.pull_all_hooks(8.0);
+        live_session.set_nonlinear(true);
+        settle(live_session);
+        ASSERT_EQ(live_session.hooks().shown, ShownAnswer::nonlinear);
+        EXPECT_TRUE(live_session.hooks().hooks[0].yielded);
         EXPECT_LT(difference(wound.moved(), shown), kAtLimit * 8.0);
-        desk.set_yield(std::numeric_limits<double>::infinity());
-        settle(desk);
-        EXPECT_NEAR(desk.hooks().hooks[0].force_N.norm(), unlimited, kAtLimit * unlimited);
+        live_session.set_yield(std::numeric_limits<double>::infinity());
+        settle(live_session);
+        EXPECT_NEAR(live_session.hooks().hooks[0].force_N.norm(), unlimited, kAtLimit * unlimited);
         wound.expect_near_field();
     }
 
@@ -305,76 +306,76 @@ namespace near_wound_test {
             hook.opening_mm = kFarMm;
         // By one side alone: the others turn.
         std::erase_if(table.held, [&](VertexId v) { return table.wall.vertices(v, 2) > 1.0; });
-        SurgerySession desk(std::move(table));
-        ASSERT_TRUE(draw(desk, 30.0, 60.0, 90.0, 60.0));
-        desk.set_nonlinear(true);
-        ASSERT_TRUE(desk.take_planned_hooks().done);
-        settle(desk);
-        const HookReport report = desk.hooks();
+        SurgerySession live_session(std::move(table));
+        ASSERT_TRUE(draw(live_session, 30.0, 60.0, 90.0, 60.0));
+        live_session.set_nonlinear(true);
+        ASSERT_TRUE(live_session.take_planned_hooks().done);
+        settle(live_session);
+        const HookReport report = live_session.hooks();
         ASSERT_EQ(report.shown, ShownAnswer::nonlinear) << report.shown_text;
         EXPECT_NE(report.shown_text.find("; beyond, linear, it is off by about"), std::string::npos)
             << report.shown_text;
-        desk.pull_hooks_by_share(0.01);
-        settle(desk);
-        EXPECT_EQ(desk.hooks().shown_text, "nonlinear within 40 mm") << "little is asked of it there";
+        live_session.pull_hooks_by_share(0.01);
+        settle(live_session);
+        EXPECT_EQ(live_session.hooks().shown_text, "nonlinear within 40 mm") << "little is asked of it there";
     }
 
     TEST(NearWound, PlannedForcesAreBorneInNonlinearTissueToo)
     {
         constexpr double kForceN = 6.0, kAtForce = 1e-4; // the hooks stay to 1e-6 of their way
-        SurgerySession desk(wall_with_planned_hooks({ .force_N = kForceN }, 7.0));
-        ASSERT_TRUE(draw(desk, 30.0, 60.0, 90.0, 60.0));
-        desk.set_nonlinear(true);
-        const KnifeAnswer taken = desk.take_planned_hooks();
+        SurgerySession live_session(wall_with_planned_hooks({ .force_N = kForceN }, 7.0));
+        ASSERT_TRUE(draw(live_session, 30.0, 60.0, 90.0, 60.0));
+        live_session.set_nonlinear(true);
+        const KnifeAnswer taken = live_session.take_planned_hooks();
         ASSERT_TRUE(taken.done && taken.reason.empty()) << taken.reason;
-        const auto way = [&](std::size_t h) { return desk.hooks().hooks[h].displacement; };
+        const auto way = [&](std::size_t h) { return live_session.hooks().hooks[h].displacement; };
         const auto expect_force = [&](double force_N) {
-            settle(desk);
-            ASSERT_EQ(desk.hooks().shown, ShownAnswer::nonlinear) << desk.hooks().shown_text;
-            EXPECT_EQ(desk.hooks().shown_text, "nonlinear within 40 mm");
-            EXPECT_LT(desk.hooks().residual, kSettled);
-            for (const HookState& hook : desk.hooks().hooks)
+            settle(live_session);
+            ASSERT_EQ(live_session.hooks().shown, ShownAnswer::nonlinear) << live_session.hooks().shown_text;
+            EXPECT_EQ(live_session.hooks().shown_text, "nonlinear within 40 mm");
+            EXPECT_LT(live_session.hooks().residual, kSettled);
+            for (const HookState& hook : live_session.hooks().hooks)
                 EXPECT_LT((hook.force_N - force_N * hook.seat.pull).norm(), kAtForce * kForceN) << hook.name;
         };
         const double linear = way(0).norm();
         expect_force(kForceN);
         const Vec3 planned = way(0);
         EXPECT_GT(std::abs(planned.norm() - linear), 0.2) << "far beyond small strains";
-        desk.pull_hooks_by_share(0.5);
+        live_session.pull_hooks_by_share(0.5);
         expect_force(0.5 * kForceN);
-        EXPECT_EQ(desk.hooks().near_swapped, 1) << "the slider makes no new one";
+        EXPECT_EQ(live_session.hooks().near_swapped, 1) << "the slider makes no new one";
         EXPECT_LT(way(0).norm(), planned.norm());
-        desk.pull_hooks_by_share(1.0);
+        live_session.pull_hooks_by_share(1.0);
         expect_force(kForceN);
         EXPECT_LT((way(0) - planned).norm(), kAtForce * planned.norm());
         // After a cut the force is the same, at once and in the answer that is made of it; and undone, the way is.
-        ASSERT_TRUE(draw(desk, 30.0, 85.0, 90.0, 85.0));
-        EXPECT_EQ(desk.hooks().shown, ShownAnswer::linear_since);
-        EXPECT_NEAR(desk.hooks().hooks[0].force_N.norm(), kForceN, kAtForce * kForceN);
+        ASSERT_TRUE(draw(live_session, 30.0, 85.0, 90.0, 85.0));
+        EXPECT_EQ(live_session.hooks().shown, ShownAnswer::linear_since);
+        EXPECT_NEAR(live_session.hooks().hooks[0].force_N.norm(), kForceN, kAtForce * kForceN);
         expect_force(kForceN);
         EXPECT_GT(way(0).norm(), planned.norm());
-        desk.undo();
+        live_session.undo();
         expect_force(kForceN);
         EXPECT_LT((way(0) - planned).norm(), kAtForce * planned.norm());
         // In the hand it is where that is, also where no nonlinear answer is there yet.
-        ASSERT_TRUE(draw(desk, 20.0, 100.0, 40.0, 100.0));
-        ASSERT_EQ(desk.hooks().shown, ShownAnswer::linear_since);
-        desk.pull_hook(desk.hooks().hooks[0].id, planned);
+        ASSERT_TRUE(draw(live_session, 20.0, 100.0, 40.0, 100.0));
+        ASSERT_EQ(live_session.hooks().shown, ShownAnswer::linear_since);
+        live_session.pull_hook(live_session.hooks().hooks[0].id, planned);
         EXPECT_LT((way(0) - planned).norm(), kRounding);
     }
 
     TEST(NearWound, ARefusedLinearAnswerLeavesWhatWasShown)
     {
         NonlinearWound wound;
-        SurgerySession& desk = wound.desk;
-        desk.pull_all_hooks(12.0);
+        SurgerySession& live_session = wound.live_session;
+        live_session.pull_all_hooks(12.0);
         wound.expect_near_field();
-        const HookReport before = desk.hooks();
+        const HookReport before = live_session.hooks();
         const Points shown = wound.moved();
         // No number is left for the square of such a limit.
-        desk.set_yield(1e-200);
+        live_session.set_yield(1e-200);
         const auto expect_as_before = [&] {
-            const HookReport report = desk.hooks();
+            const HookReport report = live_session.hooks();
             EXPECT_NE(report.refusal.find("did not come to rest"), std::string::npos) << report.refusal;
             EXPECT_EQ(report.shown_text.find("as before"), 0U) << report.shown_text;
             EXPECT_LT(difference(wound.moved(), shown), kRounding);
@@ -384,19 +385,19 @@ namespace near_wound_test {
             }
         };
         expect_as_before();
-        settle(desk);
+        settle(live_session);
         expect_as_before();
-        desk.pull_all_hooks(2.0);
+        live_session.pull_all_hooks(2.0);
         expect_as_before();
         // A knife that goes on finds no answer either, and leaves the rest where it is.
-        ASSERT_TRUE(draw(desk, 20.0, 100.0, 40.0, 100.0));
-        EXPECT_NE(desk.hooks().refusal, "");
+        ASSERT_TRUE(draw(live_session, 20.0, 100.0, 40.0, 100.0));
+        EXPECT_NE(live_session.hooks().refusal, "");
         EXPECT_LT(difference(wound.moved(), shown), kRounding);
-        desk.undo();
-        desk.pull_all_hooks(12.0);
-        desk.set_yield(std::numeric_limits<double>::infinity());
-        EXPECT_EQ(desk.hooks().refusal, "");
-        EXPECT_EQ(desk.hooks().shown, ShownAnswer::linear) << desk.hooks().shown_text;
+        live_session.undo();
+        live_session.pull_all_hooks(12.0);
+        live_session.set_yield(std::numeric_limits<double>::infinity());
+        EXPECT_EQ(live_session.hooks().refusal, "");
+        EXPECT_EQ(live_session.hooks().shown, ShownAnswer::linear) << live_session.hooks().shown_text;
         wound.expect_near_field();
         EXPECT_LT(difference(wound.moved(), shown), kSame * 12.0);
     }
@@ -405,42 +406,42 @@ namespace near_wound_test {
     {
         // After a cut the linear answer's changes are added to the last nonlinear one: its forces know no new limit.
         NonlinearWound wound;
-        SurgerySession& desk = wound.desk;
-        desk.pull_all_hooks(12.0);
-        settle(desk);
-        const double limit = 1e-3 * desk.hooks().hooks[0].force_N.norm();
-        ASSERT_TRUE(draw(desk, 20.0, 100.0, 40.0, 100.0));
-        ASSERT_EQ(desk.hooks().shown, ShownAnswer::linear_since);
+        SurgerySession& live_session = wound.live_session;
+        live_session.pull_all_hooks(12.0);
+        settle(live_session);
+        const double limit = 1e-3 * live_session.hooks().hooks[0].force_N.norm();
+        ASSERT_TRUE(draw(live_session, 20.0, 100.0, 40.0, 100.0));
+        ASSERT_EQ(live_session.hooks().shown, ShownAnswer::linear_since);
         constexpr double kOver = 0.01;
         const auto expect_within_limit = [&] {
-            for (const HookState& hook : desk.hooks().hooks) {
+            for (const HookState& hook : live_session.hooks().hooks) {
                 EXPECT_TRUE(hook.yielded) << hook.name;
                 EXPECT_LT(hook.force_N.norm(), (1.0 + kOver) * limit) << hook.name;
             }
         };
-        desk.set_yield(limit);
-        EXPECT_EQ(desk.hooks().shown, ShownAnswer::linear) << desk.hooks().shown_text;
+        live_session.set_yield(limit);
+        EXPECT_EQ(live_session.hooks().shown, ShownAnswer::linear) << live_session.hooks().shown_text;
         expect_within_limit();
-        settle(desk);
-        EXPECT_EQ(desk.hooks().shown, ShownAnswer::nonlinear) << desk.hooks().shown_text;
+        settle(live_session);
+        EXPECT_EQ(live_session.hooks().shown, ShownAnswer::nonlinear) << live_session.hooks().shown_text;
         expect_within_limit();
     }
 
     TEST(NearWound, TensionIsPartOfIt)
     {
-        SurgerySession desk(layered_wall());
-        desk.set_tension(0.01);
-        ASSERT_TRUE(draw(desk, 30.0, 60.0, 90.0, 60.0));
-        desk.set_nonlinear(true);
+        SurgerySession live_session(layered_wall());
+        live_session.set_tension(0.01);
+        ASSERT_TRUE(draw(live_session, 30.0, 60.0, 90.0, 60.0));
+        live_session.set_nonlinear(true);
         for (const double z : { 63.0, 57.0 })
-            ASSERT_TRUE(desk.place_hook(at(desk, 60.0, z)).done);
-        settle(desk);
-        EXPECT_EQ(desk.hooks().shown, ShownAnswer::nonlinear) << desk.hooks().shown_text;
-        const double nonlinear = desk.gape_mm();
-        desk.set_nonlinear(false);
-        settle(desk);
+            ASSERT_TRUE(live_session.place_hook(at(live_session, 60.0, z)).done);
+        settle(live_session);
+        EXPECT_EQ(live_session.hooks().shown, ShownAnswer::nonlinear) << live_session.hooks().shown_text;
+        const double nonlinear = live_session.gape_mm();
+        live_session.set_nonlinear(false);
+        settle(live_session);
         EXPECT_GT(nonlinear, 0.2);
-        EXPECT_NEAR(nonlinear / desk.gape_mm(), 1.0, 0.05) << "a small tension opens alike";
+        EXPECT_NEAR(nonlinear / live_session.gape_mm(), 1.0, 0.05) << "a small tension opens alike";
     }
 
     /// A block held at its bottom with a hook on its top.

@@ -29,18 +29,18 @@ namespace planned_tension_test {
 
     Opened under_the_knife(const SurgerySetup& table, double tension)
     {
-        SurgerySession desk(table);
-        desk.set_tension(tension);
-        const auto at = [&](double x) { return *touch(*desk.picture(), ray_down(x, 60.0)); };
-        EXPECT_TRUE(desk.begin_stroke(at(30.0), { .depth_mm = 20.0 }).done);
+        SurgerySession live_session(table);
+        live_session.set_tension(tension);
+        const auto at = [&](double x) { return *touch(*live_session.picture(), ray_down(x, 60.0)); };
+        EXPECT_TRUE(live_session.begin_stroke(at(30.0), { .depth_mm = 20.0 }).done);
         for (double x = 32.0; x <= 90.0; x += 2.0)
-            (void)desk.draw_to(at(x));
-        EXPECT_TRUE(desk.finish_stroke().done);
-        EXPECT_TRUE(desk.take_planned_hooks().done);
-        while (desk.moving())
-            desk.relax(100.0);
-        Opened opened { .hook_forces_N = {}, .gape_mm = desk.gape_mm() };
-        for (const HookState& hook : desk.hooks().hooks)
+            (void)live_session.draw_to(at(x));
+        EXPECT_TRUE(live_session.finish_stroke().done);
+        EXPECT_TRUE(live_session.take_planned_hooks().done);
+        while (live_session.moving())
+            live_session.relax(100.0);
+        Opened opened { .hook_forces_N = {}, .gape_mm = live_session.gape_mm() };
+        for (const HookState& hook : live_session.hooks().hooks)
             opened.hook_forces_N.push_back(hook.force_N.norm());
         return opened;
     }

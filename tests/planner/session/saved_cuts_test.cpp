@@ -16,15 +16,15 @@
 #include <thread>
 
 namespace retractor::planner {
-namespace kept_cuts_test {
+namespace saved_cuts_test {
 
     namespace fs = std::filesystem;
 
-    class KeptCutsTest : public testing::Test {
+    class SavedCutsTest : public testing::Test {
     protected:
         void SetUp() override
         {
-            folder_ = fs::temp_directory_path() / "kept_cuts_test"
+            folder_ = fs::temp_directory_path() / "saved_cuts_test"
                 / testing::UnitTest::GetInstance()->current_test_info()->name();
             fs::remove_all(folder_);
             fs::create_directories(folder_);
@@ -37,17 +37,20 @@ namespace kept_cuts_test {
         }
         fs::path journal() const { return cuts_journal(folder_ / "case.json", "median"); }
 
-        static Touch at(SurgerySession& desk, double x, double z) { return *touch(*desk.picture(), ray_down(x, z)); }
-        static void begin(SurgerySession& desk, double z)
+        static Touch at(SurgerySession& live_session, double x, double z)
         {
-            ASSERT_TRUE(desk.begin_stroke(at(desk, 20.0, z), {}).done);
-            for (double x = 24.0; x <= 80.0; x += 4.0)
-                ASSERT_TRUE(desk.draw_to(at(desk, x, z)).done);
+            return *touch(*live_session.picture(), ray_down(x, z));
         }
-        static void cut(SurgerySession& desk, double z)
+        static void begin(SurgerySession& live_session, double z)
         {
-            begin(desk, z);
-            ASSERT_TRUE(desk.finish_stroke().done);
+            ASSERT_TRUE(live_session.begin_stroke(at(live_session, 20.0, z), {}).done);
+            for (double x = 24.0; x <= 80.0; x += 4.0)
+                ASSERT_TRUE(live_session.draw_to(at(live_session, x, z)).done);
+        }
+        static void cut(SurgerySession& live_session, double z)
+        {
+            begin(live_session, z);
+            ASSERT_TRUE(live_session.finish_stroke().done);
         }
         static bool same(const mesh::TetMesh& a, const mesh::TetMesh& b)
         {
@@ -73,7 +76,7 @@ namespace kept_cuts_test {
         fs::path folder_;
     };
 
-    TEST_F(KeptCutsTest, AJournalIsNamedAfterItsApproach)
+    TEST_F(SavedCutsTest, AJournalIsNamedAfterItsApproach)
     {
         const fs::path file = fs::path("case") / "case.json";
         EXPECT_EQ(cuts_journal(file, "intercostal_4"), fs::path("case") / "cuts" / "intercostal_4.jsonl");
@@ -81,50 +84,50 @@ namespace kept_cuts_test {
         EXPECT_EQ(cuts_journal("case/second.json", "median"), fs::path("case") / "second.cuts" / "median.jsonl");
     }
 
-    TEST_F(KeptCutsTest, ADeskIsRestoredAsItWas)
+    TEST_F(SavedCutsTest, ADeskIsRestoredAsItWas)
     {
         mesh::TetMesh left;
         std::shared_ptr<const WallSurface> surface;
         {
-            SurgerySession desk = fresh_desk(table());
+            SurgerySession live_session = new_session(table());
             for (const double z : { 30.0, 62.0, 91.0 })
-                cut(desk, z);
-            desk.undo();
-            left = desk.session().compact_mesh();
-            surface = desk.picture()->surface;
+                cut(live_session, z);
+            live_session.undo();
+            left = live_session.session().compact_mesh();
+            surface = live_session.picture()->surface;
         }
-        const SavedCuts kept = read_kept_cuts(journal(), table().wall);
+        const SavedCuts kept = read_saved_cuts(journal(), table().wall);
         EXPECT_EQ(kept.deltas.size(), 2U);
         EXPECT_TRUE(kept.more);
-        SurgerySession desk = restore_desk(table(), kept);
-        EXPECT_TRUE(same(desk.session().compact_mesh(), left));
-        EXPECT_TRUE(same(*desk.picture()->surface, *surface));
-        ASSERT_EQ(desk.cuts().size(), 2U);
-        EXPECT_TRUE(desk.cuts()[0].restored);
-        EXPECT_NEAR(desk.cuts()[0].report.lip_area_mm2, 60.0 * 15.0, 0.1 * kSlabEdgeMm * 90.0);
-        desk.set_tension(0.04);
-        while (desk.moving())
-            desk.relax(50.0);
-        EXPECT_GT(desk.gape_mm(), 0.5) << "restored wounds gape too";
-        desk.redo();
-        EXPECT_EQ(desk.cuts().size(), 3U);
-        desk.undo();
-        desk.undo();
-        desk.undo();
-        EXPECT_TRUE(same(desk.session().compact_mesh(), table().wall));
+        SurgerySession live_session = restored_session(table(), kept);
+        EXPECT_TRUE(same(live_session.session().compact_mesh(), left));
+        EXPECT_TRUE(same(*live_session.picture()->surface, *surface));
+        ASSERT_EQ(live_session.cuts().size(), 2U);
+        EXPECT_TRUE(live_session.cuts()[0].restored);
+        EXPECT_NEAR(live_session.cuts()[0].report.lip_area_mm2, 60.0 * 15.0, 0.1 * kSlabEdgeMm * 90.0);
+        live_session.set_tension(0.04);
+        while (live_session.moving())
+            live_session.relax(50.0);
+        EXPECT_GT(live_session.gape_mm(), 0.5) << "restored wounds gape too";
+        live_session.redo();
+        EXPECT_EQ(live_session.cuts().size(), 3U);
+        live_session.undo();
+        live_session.undo();
+        live_session.undo();
+        EXPECT_TRUE(same(live_session.session().compact_mesh(), table().wall));
     }
 
-    TEST_F(KeptCutsTest, WhatWasTakenOutIsRestoredAsThat)
+    TEST_F(SavedCutsTest, WhatWasTakenOutIsRestoredAsThat)
     {
         // Sums of some 100 elements' volumes, in another order.
         constexpr double kRounding = 1e-9;
         mesh::CutReport report;
         {
-            SurgerySession desk = fresh_desk(table());
-            cut(desk, 30.0);
-            ASSERT_TRUE(desk.take_out(at(desk, 60.0, 80.0), 12.0).done);
-            report = desk.cuts().back().report;
-            cut(desk, 100.0);
+            SurgerySession live_session = new_session(table());
+            cut(live_session, 30.0);
+            ASSERT_TRUE(live_session.take_out(at(live_session, 60.0, 80.0), 12.0).done);
+            report = live_session.cuts().back().report;
+            cut(live_session, 100.0);
         }
         const auto check = [&](const CutEntry& taken) {
             EXPECT_TRUE(taken.restored);
@@ -134,57 +137,57 @@ namespace kept_cuts_test {
                 taken.report.removed_volume_mm3, report.removed_volume_mm3, kRounding * report.removed_volume_mm3);
         };
         {
-            SurgerySession desk = restore_desk(table(), read_kept_cuts(journal(), table().wall));
-            ASSERT_EQ(desk.cuts().size(), 3U);
-            EXPECT_EQ(desk.cuts()[0].taken_out, "");
-            check(desk.cuts()[1]);
-            EXPECT_EQ(desk.cuts()[2].taken_out, "");
-            desk.undo();
-            desk.undo();
+            SurgerySession live_session = restored_session(table(), read_saved_cuts(journal(), table().wall));
+            ASSERT_EQ(live_session.cuts().size(), 3U);
+            EXPECT_EQ(live_session.cuts()[0].taken_out, "");
+            check(live_session.cuts()[1]);
+            EXPECT_EQ(live_session.cuts()[2].taken_out, "");
+            live_session.undo();
+            live_session.undo();
         }
-        SurgerySession desk = restore_desk(table(), read_kept_cuts(journal(), table().wall));
-        ASSERT_EQ(desk.cuts().size(), 1U);
-        desk.redo();
-        desk.redo();
-        ASSERT_EQ(desk.cuts().size(), 3U);
-        check(desk.cuts()[1]);
-        EXPECT_EQ(desk.cuts()[2].taken_out, "");
+        SurgerySession live_session = restored_session(table(), read_saved_cuts(journal(), table().wall));
+        ASSERT_EQ(live_session.cuts().size(), 1U);
+        live_session.redo();
+        live_session.redo();
+        ASSERT_EQ(live_session.cuts().size(), 3U);
+        check(live_session.cuts()[1]);
+        EXPECT_EQ(live_session.cuts()[2].taken_out, "");
     }
 
-    TEST_F(KeptCutsTest, AStrokeThatACrashCutOffIsKept)
+    TEST_F(SavedCutsTest, AStrokeThatACrashCutOffIsKept)
     {
         mesh::TetMesh left;
         {
-            auto desk = std::make_unique<SurgerySession>(fresh_desk(table()));
-            cut(*desk, 30.0);
-            begin(*desk, 62.0); // the desk ends without finishing it, as a crash would
-            left = desk->session().compact_mesh();
+            auto live_session = std::make_unique<SurgerySession>(new_session(table()));
+            cut(*live_session, 30.0);
+            begin(*live_session, 62.0); // the desk ends without finishing it, as a crash would
+            left = live_session->session().compact_mesh();
         }
-        const SavedCuts kept = read_kept_cuts(journal(), table().wall);
+        const SavedCuts kept = read_saved_cuts(journal(), table().wall);
         ASSERT_EQ(kept.deltas.size(), 2U);
-        SurgerySession desk = restore_desk(table(), kept);
-        EXPECT_FALSE(desk.stroke_open());
-        EXPECT_GE(desk.session().tet_count(), left.tet_count());
-        desk.undo();
-        EXPECT_EQ(desk.session().cut_count(), 1U);
+        SurgerySession live_session = restored_session(table(), kept);
+        EXPECT_FALSE(live_session.stroke_open());
+        EXPECT_GE(live_session.session().tet_count(), left.tet_count());
+        live_session.undo();
+        EXPECT_EQ(live_session.session().cut_count(), 1U);
     }
 
-    TEST_F(KeptCutsTest, AnotherWallOrADamagedFileIsRefused)
+    TEST_F(SavedCutsTest, AnotherWallOrADamagedFileIsRefused)
     {
         {
-            SurgerySession desk = fresh_desk(table());
-            cut(desk, 30.0);
+            SurgerySession live_session = new_session(table());
+            cut(live_session, 30.0);
         }
-        EXPECT_THROW((void)fresh_desk(table()), IoError) << "what is kept is not written over";
-        EXPECT_THROW((void)read_kept_cuts(journal(), layered_wall({ 0.0, 0.0, 1.0 }).wall), InputError);
+        EXPECT_THROW((void)new_session(table()), IoError) << "what is kept is not written over";
+        EXPECT_THROW((void)read_saved_cuts(journal(), layered_wall({ 0.0, 0.0, 1.0 }).wall), InputError);
         const fs::path first = set_aside(journal());
         EXPECT_EQ(first, journal().string() + ".1");
         EXPECT_FALSE(fs::exists(journal()));
         std::ofstream(journal()) << "no journal\n";
-        EXPECT_THROW((void)read_kept_cuts(journal(), table().wall), InputError);
+        EXPECT_THROW((void)read_saved_cuts(journal(), table().wall), InputError);
         EXPECT_EQ(set_aside(journal()), journal().string() + ".2");
         EXPECT_THROW((void)set_aside(journal()), IoError);
-        EXPECT_EQ(read_kept_cuts(first, table().wall).deltas.size(), 1U) << "set aside, not lost";
+        EXPECT_EQ(read_saved_cuts(first, table().wall).deltas.size(), 1U) << "set aside, not lost";
     }
 
     /// What a worker says once it is not preparing any more.
@@ -195,7 +198,7 @@ namespace kept_cuts_test {
         return *worker.snapshot();
     }
 
-    TEST_F(KeptCutsTest, TheWorkerAsksBeforeItRestores)
+    TEST_F(SavedCutsTest, TheWorkerAsksBeforeItRestores)
     {
         {
             KnifeWorker worker([&](const Job&) { return table(); }, [] {});
@@ -237,7 +240,7 @@ namespace kept_cuts_test {
         }
     }
 
-    TEST_F(KeptCutsTest, CommandsWaitForTheAnswer)
+    TEST_F(SavedCutsTest, CommandsWaitForTheAnswer)
     {
         {
             KnifeWorker worker([&](const Job&) { return table(); }, [] {});
@@ -258,7 +261,7 @@ namespace kept_cuts_test {
         EXPECT_GT(ready.gape_mm, 0.0) << "the restored cut gapes under it";
     }
 
-    TEST_F(KeptCutsTest, TheWorkerSaysWhatTheTableDoesNotFeel)
+    TEST_F(SavedCutsTest, TheWorkerSaysWhatTheTableDoesNotFeel)
     {
         KnifeWorker worker(
             [&](const Job&) {
@@ -273,7 +276,7 @@ namespace kept_cuts_test {
         EXPECT_FALSE(snapshot.refused);
     }
 
-    TEST_F(KeptCutsTest, TheWorkerSetsAsideWhatDoesNotFit)
+    TEST_F(SavedCutsTest, TheWorkerSetsAsideWhatDoesNotFit)
     {
         fs::create_directories(journal().parent_path());
         std::ofstream(journal()) << "no journal\n";
@@ -285,5 +288,5 @@ namespace kept_cuts_test {
         EXPECT_TRUE(fs::exists(journal()));
     }
 
-} // namespace kept_cuts_test
+} // namespace saved_cuts_test
 } // namespace retractor::planner

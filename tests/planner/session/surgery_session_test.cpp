@@ -18,33 +18,33 @@
 #include <thread>
 
 namespace retractor::planner {
-namespace cutting_desk_test {
+namespace surgery_session_test {
 
     // Positions of some 100 mm, a few operations each.
     constexpr double kRoundingMm = 1e-10;
     // The knife's own promise: depth, ends and lips are right to a tenth of the local edge.
     constexpr double kCutToleranceMm = 0.1 * kSlabEdgeMm;
 
-    Touch at(SurgerySession& desk, double x, double z)
+    Touch at(SurgerySession& live_session, double x, double z)
     {
-        const auto found = touch(*desk.picture(), ray_down(x, z));
+        const auto found = touch(*live_session.picture(), ray_down(x, z));
         if (!found)
             throw InputError("the ray misses the slab");
         return *found;
     }
 
     /// Press, draw with a point every 2 mm, release.
-    KnifeAnswer draw(SurgerySession& desk, const Vec3& from, const Vec3& to, const KnifeSettings& settings)
+    KnifeAnswer draw(SurgerySession& live_session, const Vec3& from, const Vec3& to, const KnifeSettings& settings)
     {
-        if (KnifeAnswer begun = desk.begin_stroke(at(desk, from.x(), from.z()), settings); !begun.done)
+        if (KnifeAnswer begun = live_session.begin_stroke(at(live_session, from.x(), from.z()), settings); !begun.done)
             return begun;
         const int points = std::max(1, static_cast<int>((to - from).norm() / 2.0));
         for (int i = 1; i <= points; ++i) {
             const Vec3 p = from + (to - from) * i / points;
-            if (const auto found = touch(*desk.picture(), ray_down(p.x(), p.z())))
-                (void)desk.draw_to(*found);
+            if (const auto found = touch(*live_session.picture(), ray_down(p.x(), p.z())))
+                (void)live_session.draw_to(*found);
         }
-        return desk.finish_stroke();
+        return live_session.finish_stroke();
     }
 
     bool same_mesh(const mesh::TetMesh& a, const mesh::TetMesh& b)
@@ -55,8 +55,8 @@ namespace cutting_desk_test {
 
     TEST(WallPicture, ATouchOfTheMovedSurfaceIsMappedBackToRest)
     {
-        SurgerySession desk(layered_wall());
-        WallPicture moved = *desk.picture();
+        SurgerySession live_session(layered_wall());
+        WallPicture moved = *live_session.picture();
         for (Eigen::Index v = 0; v < moved.shown.rows(); ++v) // affine: exact within each face
             moved.shown.row(v) += Eigen::RowVector3d(0.1 * moved.shown(v, 2) + 3.0, 2.0, -0.05 * moved.shown(v, 0));
         const Vec3 rest(31.0, 0.0, 47.0);
@@ -75,26 +75,26 @@ namespace cutting_desk_test {
 
     TEST(WallPicture, TheWallIsAsThickAsItIs)
     {
-        SurgerySession desk(layered_wall());
-        const auto thick = thickness_near(*desk.picture()->surface, at(desk, 60.0, 60.0));
+        SurgerySession live_session(layered_wall());
+        const auto thick = thickness_near(*live_session.picture()->surface, at(live_session, 60.0, 60.0));
         ASSERT_TRUE(thick);
         EXPECT_NEAR(*thick, kSlabThicknessMm, 0.1); // the rays start 0.01 mm under the skin
-        EXPECT_FALSE(thickness_near(*desk.picture()->surface, at(desk, 60.0, 60.0), 40.0, 20.0));
+        EXPECT_FALSE(thickness_near(*live_session.picture()->surface, at(live_session, 60.0, 60.0), 40.0, 20.0));
     }
 
     TEST(SurgerySession, CutsWhereItIsDrawnAsDeepAsAsked)
     {
-        SurgerySession desk(layered_wall());
-        EXPECT_TRUE(wound_rims(*desk.picture()->surface).empty());
-        const KnifeAnswer answer = draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, { .depth_mm = 12.0 });
+        SurgerySession live_session(layered_wall());
+        EXPECT_TRUE(wound_rims(*live_session.picture()->surface).empty());
+        const KnifeAnswer answer = draw(live_session, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, { .depth_mm = 12.0 });
         ASSERT_TRUE(answer.done) << answer.reason;
         EXPECT_EQ(answer.reason, "");
-        ASSERT_EQ(desk.cuts().size(), 1U);
-        const CutEntry& cut = desk.cuts().front();
+        ASSERT_EQ(live_session.cuts().size(), 1U);
+        const CutEntry& cut = live_session.cuts().front();
         EXPECT_NEAR(cut.length_mm, 70.0, kRoundingMm);
         EXPECT_EQ(cut.depth_mm, 12.0);
         EXPECT_NEAR(cut.report.lip_area_mm2, 70.0 * 12.0, (70.0 + 2.0 * 12.0) * kCutToleranceMm);
-        const std::shared_ptr<const WallPicture> picture = desk.picture();
+        const std::shared_ptr<const WallPicture> picture = live_session.picture();
         const WallSurface& surface = *picture->surface;
         double west = 1e9, east = -1e9, deepest = 0.0;
         std::size_t lips = 0;
@@ -119,152 +119,154 @@ namespace cutting_desk_test {
             if (surface.rest(edge[0], 1) == 0.0 && surface.rest(edge[1], 1) == 0.0)
                 rim += (surface.rest.row(edge[0]) - surface.rest.row(edge[1])).norm();
         EXPECT_NEAR(rim, 2.0 * 70.0, 4.0 * kCutToleranceMm);
-        EXPECT_EQ(desk.picture(), picture) << "made once while nothing changes";
+        EXPECT_EQ(live_session.picture(), picture) << "made once while nothing changes";
     }
 
     TEST(SurgerySession, OpensWhileTheKnifeMoves)
     {
-        SurgerySession desk(layered_wall());
-        ASSERT_TRUE(desk.begin_stroke(at(desk, 20.0, 62.0), {}).done);
-        std::size_t steps = 0, before = desk.session().tet_count();
+        SurgerySession live_session(layered_wall());
+        ASSERT_TRUE(live_session.begin_stroke(at(live_session, 20.0, 62.0), {}).done);
+        std::size_t steps = 0, before = live_session.session().tet_count();
         for (double x = 22.0; x <= 80.0; x += 2.0) {
-            ASSERT_TRUE(desk.draw_to(at(desk, x, 62.0)).done);
-            if (desk.session().tet_count() != before)
+            ASSERT_TRUE(live_session.draw_to(at(live_session, x, 62.0)).done);
+            if (live_session.session().tet_count() != before)
                 ++steps;
-            before = desk.session().tet_count();
+            before = live_session.session().tet_count();
         }
         EXPECT_GE(steps, 8U) << "60 mm are 12 steps";
-        EXPECT_FALSE(desk.can_undo()) << "a stroke is open";
-        EXPECT_TRUE(desk.finish_stroke().done);
-        EXPECT_TRUE(desk.can_undo());
+        EXPECT_FALSE(live_session.can_undo()) << "a stroke is open";
+        EXPECT_TRUE(live_session.finish_stroke().done);
+        EXPECT_TRUE(live_session.can_undo());
     }
 
     TEST(SurgerySession, UndoAndRedoAreExact)
     {
-        SurgerySession desk(layered_wall());
-        std::vector<mesh::TetMesh> states { desk.session().compact_mesh() };
+        SurgerySession live_session(layered_wall());
+        std::vector<mesh::TetMesh> states { live_session.session().compact_mesh() };
         for (const double z : { 30.0, 62.0, 91.0 }) {
-            ASSERT_TRUE(draw(desk, { 20.0, 0.0, z }, { 80.0, 0.0, z + 4.0 }, {}).done);
-            states.push_back(desk.session().compact_mesh());
+            ASSERT_TRUE(draw(live_session, { 20.0, 0.0, z }, { 80.0, 0.0, z + 4.0 }, {}).done);
+            states.push_back(live_session.session().compact_mesh());
         }
         for (std::size_t n = 3; n-- > 0;) {
-            desk.undo();
-            EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), states[n]));
-            EXPECT_FALSE(desk.cuts()[n].in_force);
+            live_session.undo();
+            EXPECT_TRUE(same_mesh(live_session.session().compact_mesh(), states[n]));
+            EXPECT_FALSE(live_session.cuts()[n].in_force);
         }
-        EXPECT_FALSE(desk.can_undo());
-        EXPECT_THROW(desk.undo(), InputError);
-        desk.redo();
-        desk.redo();
-        EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), states[2]));
-        ASSERT_EQ(desk.cuts().size(), 3U);
-        EXPECT_TRUE(desk.cuts()[1].in_force);
+        EXPECT_FALSE(live_session.can_undo());
+        EXPECT_THROW(live_session.undo(), InputError);
+        live_session.redo();
+        live_session.redo();
+        EXPECT_TRUE(same_mesh(live_session.session().compact_mesh(), states[2]));
+        ASSERT_EQ(live_session.cuts().size(), 3U);
+        EXPECT_TRUE(live_session.cuts()[1].in_force);
         // Another cut now takes the place of the one that could still be redone.
-        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 100.0 }, { 60.0, 0.0, 100.0 }, {}).done);
-        EXPECT_EQ(desk.cuts().size(), 3U);
-        EXPECT_TRUE(desk.cuts()[2].in_force);
-        EXPECT_FALSE(desk.can_redo());
+        ASSERT_TRUE(draw(live_session, { 20.0, 0.0, 100.0 }, { 60.0, 0.0, 100.0 }, {}).done);
+        EXPECT_EQ(live_session.cuts().size(), 3U);
+        EXPECT_TRUE(live_session.cuts()[2].in_force);
+        EXPECT_FALSE(live_session.can_redo());
     }
 
     TEST(SurgerySession, AnAbandonedStrokeLeavesNothingBehind)
     {
-        SurgerySession desk(layered_wall());
-        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 30.0 }, { 80.0, 0.0, 30.0 }, {}).done);
-        desk.undo();
-        const mesh::TetMesh before = desk.session().compact_mesh();
-        ASSERT_TRUE(desk.begin_stroke(at(desk, 20.0, 62.0), {}).done);
+        SurgerySession live_session(layered_wall());
+        ASSERT_TRUE(draw(live_session, { 20.0, 0.0, 30.0 }, { 80.0, 0.0, 30.0 }, {}).done);
+        live_session.undo();
+        const mesh::TetMesh before = live_session.session().compact_mesh();
+        ASSERT_TRUE(live_session.begin_stroke(at(live_session, 20.0, 62.0), {}).done);
         for (double x = 22.0; x <= 60.0; x += 2.0)
-            ASSERT_TRUE(desk.draw_to(at(desk, x, 62.0)).done);
-        ASSERT_FALSE(same_mesh(desk.session().compact_mesh(), before));
-        desk.abandon_stroke();
-        EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), before));
-        EXPECT_FALSE(desk.stroke_open());
-        EXPECT_TRUE(desk.can_redo());
-        desk.abandon_stroke(); // nothing to do
-        EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), before));
+            ASSERT_TRUE(live_session.draw_to(at(live_session, x, 62.0)).done);
+        ASSERT_FALSE(same_mesh(live_session.session().compact_mesh(), before));
+        live_session.abandon_stroke();
+        EXPECT_TRUE(same_mesh(live_session.session().compact_mesh(), before));
+        EXPECT_FALSE(live_session.stroke_open());
+        EXPECT_TRUE(live_session.can_redo());
+        live_session.abandon_stroke(); // nothing to do
+        EXPECT_TRUE(same_mesh(live_session.session().compact_mesh(), before));
     }
 
     TEST(SurgerySession, GoesThroughTheWallWhenAsked)
     {
-        SurgerySession desk(layered_wall());
-        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 80.0, 0.0, 62.0 }, { .through_wall = true }).done);
-        EXPECT_GT(desk.cuts().front().depth_mm, kSlabThicknessMm);
-        EXPECT_NEAR(
-            desk.cuts().front().report.lip_area_mm2, 60.0 * kSlabThicknessMm, 2.0 * kSlabThicknessMm * kCutToleranceMm);
+        SurgerySession live_session(layered_wall());
+        ASSERT_TRUE(draw(live_session, { 20.0, 0.0, 62.0 }, { 80.0, 0.0, 62.0 }, { .through_wall = true }).done);
+        EXPECT_GT(live_session.cuts().front().depth_mm, kSlabThicknessMm);
+        EXPECT_NEAR(live_session.cuts().front().report.lip_area_mm2, 60.0 * kSlabThicknessMm,
+            2.0 * kSlabThicknessMm * kCutToleranceMm);
     }
 
     TEST(SurgerySession, CrossesAnEarlierWound)
     {
-        SurgerySession desk(layered_wall());
-        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
-        const KnifeAnswer second = draw(desk, { 53.0, 0.0, 30.0 }, { 56.0, 0.0, 95.0 }, {});
+        SurgerySession live_session(layered_wall());
+        ASSERT_TRUE(draw(live_session, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
+        const KnifeAnswer second = draw(live_session, { 53.0, 0.0, 30.0 }, { 56.0, 0.0, 95.0 }, {});
         ASSERT_TRUE(second.done) << second.reason;
-        EXPECT_NEAR(desk.cuts()[1].report.lip_area_mm2, std::hypot(3.0, 65.0) * 15.0, 80.0 * kCutToleranceMm);
-        mesh::check_mesh(desk.session().compact_mesh());
+        EXPECT_NEAR(live_session.cuts()[1].report.lip_area_mm2, std::hypot(3.0, 65.0) * 15.0, 80.0 * kCutToleranceMm);
+        mesh::check_mesh(live_session.session().compact_mesh());
     }
 
     /// Four strokes through the wall that cross near their ends, round (60, 60): what lies between them hangs on
     /// nothing.
-    void cut_a_square_free(SurgerySession& desk, double half_side)
+    void cut_a_square_free(SurgerySession& live_session, double half_side)
     {
         const double near = 60.0 - half_side, far = 60.0 + half_side, over = 6.0;
         for (const double side : { near, far }) {
             const KnifeSettings through { .through_wall = true };
-            ASSERT_TRUE(draw(desk, { side, 0.0, near - over }, { side, 0.0, far + over }, through).done);
-            ASSERT_TRUE(draw(desk, { near - over, 0.0, side }, { far + over, 0.0, side }, through).done);
+            ASSERT_TRUE(draw(live_session, { side, 0.0, near - over }, { side, 0.0, far + over }, through).done);
+            ASSERT_TRUE(draw(live_session, { near - over, 0.0, side }, { far + over, 0.0, side }, through).done);
         }
     }
 
     TEST(SurgerySession, TakesOutAPieceThatWasCutFreeAndGivesItBack)
     {
         for (const double tension : { 0.0, 0.04 }) {
-            SurgerySession desk(layered_wall());
-            desk.set_tension(tension);
-            const KnifeAnswer whole = desk.take_out(at(desk, 60.0, 60.0), 0.0);
+            SurgerySession live_session(layered_wall());
+            live_session.set_tension(tension);
+            const KnifeAnswer whole = live_session.take_out(at(live_session, 60.0, 60.0), 0.0);
             EXPECT_FALSE(whole.done);
             EXPECT_NE(whole.reason.find("cut it free first"), std::string::npos) << whole.reason;
-            cut_a_square_free(desk, 16.0);
-            const mesh::TetMesh before = desk.session().compact_mesh();
-            const KnifeAnswer answer = desk.take_out(at(desk, 60.0, 60.0), 0.0);
+            cut_a_square_free(live_session, 16.0);
+            const mesh::TetMesh before = live_session.session().compact_mesh();
+            const KnifeAnswer answer = live_session.take_out(at(live_session, 60.0, 60.0), 0.0);
             ASSERT_TRUE(answer.done) << answer.reason;
-            ASSERT_EQ(desk.cuts().size(), 5U);
-            const CutEntry& taken = desk.cuts().back();
+            ASSERT_EQ(live_session.cuts().size(), 5U);
+            const CutEntry& taken = live_session.cuts().back();
             EXPECT_EQ(taken.taken_out, "muscle") << "half of the wall's thickness";
             EXPECT_TRUE(taken.several_tissues);
             EXPECT_NEAR(taken.report.removed_volume_mm3, 32.0 * 32.0 * kSlabThicknessMm,
                 4.0 * 32.0 * kSlabThicknessMm * kCutToleranceMm);
-            EXPECT_FALSE(touch(*desk.picture(), ray_down(60.0, 60.0))) << "one looks through the wall";
-            desk.relax(10.0);
-            const mesh::TetMesh after = desk.session().compact_mesh();
-            desk.undo();
-            EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), before));
-            EXPECT_TRUE(touch(*desk.picture(), ray_down(60.0, 60.0)));
-            EXPECT_FALSE(desk.cuts().back().in_force);
-            desk.redo();
-            EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), after));
-            EXPECT_EQ(desk.take_remark(), "");
+            EXPECT_FALSE(touch(*live_session.picture(), ray_down(60.0, 60.0))) << "one looks through the wall";
+            live_session.relax(10.0);
+            const mesh::TetMesh after = live_session.session().compact_mesh();
+            live_session.undo();
+            EXPECT_TRUE(same_mesh(live_session.session().compact_mesh(), before));
+            EXPECT_TRUE(touch(*live_session.picture(), ray_down(60.0, 60.0)));
+            EXPECT_FALSE(live_session.cuts().back().in_force);
+            live_session.redo();
+            EXPECT_TRUE(same_mesh(live_session.session().compact_mesh(), after));
+            EXPECT_EQ(live_session.take_remark(), "");
         }
     }
 
     TEST(SurgerySession, TakesOutOneTissueRoundAPlace)
     {
-        SurgerySession desk(layered_wall());
-        EXPECT_THROW((void)desk.take_out(at(desk, 110.0, 60.0), -1.0), InputError);
-        EXPECT_THROW((void)desk.take_out(at(desk, 110.0, 60.0), std::numeric_limits<double>::infinity()), InputError);
-        const KnifeAnswer little = desk.take_out(at(desk, 110.0, 62.5), 0.1);
+        SurgerySession live_session(layered_wall());
+        EXPECT_THROW((void)live_session.take_out(at(live_session, 110.0, 60.0), -1.0), InputError);
+        EXPECT_THROW(
+            (void)live_session.take_out(at(live_session, 110.0, 60.0), std::numeric_limits<double>::infinity()),
+            InputError);
+        const KnifeAnswer little = live_session.take_out(at(live_session, 110.0, 62.5), 0.1);
         EXPECT_FALSE(little.done);
         EXPECT_NE(little.reason.find("smaller than the elements"), std::string::npos) << little.reason;
-        ASSERT_TRUE(desk.take_out(at(desk, 110.0, 60.0), 15.0).done);
-        EXPECT_EQ(desk.cuts().back().taken_out, "rib");
+        ASSERT_TRUE(live_session.take_out(at(live_session, 110.0, 60.0), 15.0).done);
+        EXPECT_EQ(live_session.cuts().back().taken_out, "rib");
         // The bone is 10 mm thick and 20 mm wide, the ball half as much: a segment of a sphere's half.
         const double half_ball = 2.0 / 3.0 * 3.14159265 * std::pow(15.0, 3.0);
-        EXPECT_GT(desk.cuts().back().report.removed_volume_mm3, 0.5 * half_ball);
-        EXPECT_LT(desk.cuts().back().report.removed_volume_mm3, half_ball);
-        const auto bed = touch(*desk.picture(), ray_down(110.0, 60.0));
+        EXPECT_GT(live_session.cuts().back().report.removed_volume_mm3, 0.5 * half_ball);
+        EXPECT_LT(live_session.cuts().back().report.removed_volume_mm3, half_ball);
+        const auto bed = touch(*live_session.picture(), ray_down(110.0, 60.0));
         ASSERT_TRUE(bed);
         EXPECT_NE(bed->label, kBone) << "what lay under it is seen";
         EXPECT_TRUE(bed->on_lip);
-        const KnifeAnswer everything = desk.take_out(*bed, 1000.0);
+        const KnifeAnswer everything = live_session.take_out(*bed, 1000.0);
         EXPECT_TRUE(everything.done) << "one tissue is never everything here";
     }
 
@@ -280,22 +282,22 @@ namespace cutting_desk_test {
     {
         SurgerySetup table = layered_wall();
         table.region = { .corridor = { { 60.0, 0.0, 20.0 }, { 60.0, 0.0, 100.0 } }, .meshed_mm = 40.0 };
-        SurgerySession desk(std::move(table));
+        SurgerySession live_session(std::move(table));
         const auto beyond = [&] { // and an edge further: elements at the border are divided
-            const mesh::TetMesh mesh = desk.session().compact_mesh();
+            const mesh::TetMesh mesh = live_session.session().compact_mesh();
             std::size_t count = 0;
             for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
                 count += centroid(mesh, t).x() > 94.0 + kSlabEdgeMm ? 1U : 0U;
             return count;
         };
         const std::size_t before = beyond();
-        const KnifeAnswer over = desk.take_out(at(desk, 90.0, 60.0), 20.0);
+        const KnifeAnswer over = live_session.take_out(at(live_session, 90.0, 60.0), 20.0);
         EXPECT_TRUE(over.done);
         EXPECT_EQ(over.reason, "a part of the ball was left out: it reaches beyond the outline");
-        EXPECT_EQ(desk.cuts().back().reduction_error, "it reaches beyond the outline");
+        EXPECT_EQ(live_session.cuts().back().omitted, "it reaches beyond the outline");
         EXPECT_EQ(beyond(), before);
-        EXPECT_FALSE(desk.cuts().back().several_tissues);
-        const KnifeAnswer outside = desk.take_out(at(desk, 96.0, 20.0), 20.0);
+        EXPECT_FALSE(live_session.cuts().back().several_tissues);
+        const KnifeAnswer outside = live_session.take_out(at(live_session, 96.0, 20.0), 20.0);
         EXPECT_FALSE(outside.done);
         EXPECT_EQ(outside.reason.find("nothing can be taken out here: the wall is modelled"), 0U) << outside.reason;
 
@@ -317,21 +319,21 @@ namespace cutting_desk_test {
         SurgerySetup table = layered_wall();
         table.held.clear();
         std::fill(table.wall.labels.begin(), table.wall.labels.end(), kMuscle);
-        SurgerySession desk(std::move(table));
-        const KnifeAnswer everything = desk.take_out(at(desk, 60.0, 60.0), 1000.0);
+        SurgerySession live_session(std::move(table));
+        const KnifeAnswer everything = live_session.take_out(at(live_session, 60.0, 60.0), 1000.0);
         EXPECT_FALSE(everything.done);
         EXPECT_EQ(everything.reason, "nothing of the wall would be left");
-        const Touch former = at(desk, 61.0, 63.0);
-        ASSERT_TRUE(draw(desk, { 50.0, 0.0, 63.0 }, { 70.0, 0.0, 63.0 }, {}).done);
-        const KnifeAnswer changed = desk.take_out(former, 0.0);
+        const Touch former = at(live_session, 61.0, 63.0);
+        ASSERT_TRUE(draw(live_session, { 50.0, 0.0, 63.0 }, { 70.0, 0.0, 63.0 }, {}).done);
+        const KnifeAnswer changed = live_session.take_out(former, 0.0);
         EXPECT_FALSE(changed.done);
         EXPECT_EQ(changed.reason, "the tissue has changed since: point again");
-        EXPECT_EQ(desk.session().cut_count(), 1U);
+        EXPECT_EQ(live_session.session().cut_count(), 1U);
     }
 
     /// A wound at z = 60 and, taken out where asked, the wall's side from x = 0 to 15 beside it, which is held and lies
     /// on a bed as all of it does.
-    SurgerySession wounded_desk(bool without_side)
+    SurgerySession wounded_session(bool without_side)
     {
         SurgerySetup table = layered_wall();
         std::vector<char> held(table.wall.vertex_count(), 0);
@@ -352,9 +354,9 @@ namespace cutting_desk_test {
         return { std::move(table), std::move(session), cuts };
     }
 
-    double largest_move_of_held(SurgerySession& desk)
+    double largest_move_of_held(SurgerySession& live_session)
     {
-        const std::shared_ptr<const WallPicture> picture = desk.picture();
+        const std::shared_ptr<const WallPicture> picture = live_session.picture();
         double largest = 0.0;
         for (const VertexId v : layered_wall().held)
             largest = std::max(largest, (picture->shown.row(v) - picture->surface->rest.row(v)).norm());
@@ -362,14 +364,14 @@ namespace cutting_desk_test {
     }
 
     /// Of the vertices that there are, by id.
-    Points shown_vertices(SurgerySession& desk)
+    Points shown_vertices(SurgerySession& live_session)
     {
-        const mesh::CutSession& session = desk.session();
+        const mesh::CutSession& session = live_session.session();
         Points shown(static_cast<Eigen::Index>(session.vertex_count()), 3);
         Eigen::Index row = 0;
         for (VertexId v = 0; v < static_cast<VertexId>(session.vertex_slots()); ++v)
             if (session.has_vertex(v))
-                shown.row(row++) = desk.picture()->shown.row(v);
+                shown.row(row++) = live_session.picture()->shown.row(v);
         return shown;
     }
 
@@ -379,22 +381,22 @@ namespace cutting_desk_test {
         constexpr double kSolvedMm = 1e-5;
         std::vector<Points> shown;
         for (const bool without_side : { true, false }) {
-            SurgerySession desk = wounded_desk(without_side);
-            ASSERT_TRUE(desk.place_hook(at(desk, 35.0, 63.0)).done);
-            ASSERT_TRUE(desk.place_hook(at(desk, 35.0, 59.0)).done);
-            desk.pull_all_hooks(6.0);
+            SurgerySession live_session = wounded_session(without_side);
+            ASSERT_TRUE(live_session.place_hook(at(live_session, 35.0, 63.0)).done);
+            ASSERT_TRUE(live_session.place_hook(at(live_session, 35.0, 59.0)).done);
+            live_session.pull_all_hooks(6.0);
             if (without_side) {
-                EXPECT_EQ(desk.cuts().back().taken_out, "muscle");
-                EXPECT_TRUE(desk.cuts().back().several_tissues);
-                desk.undo();
+                EXPECT_EQ(live_session.cuts().back().taken_out, "muscle");
+                EXPECT_TRUE(live_session.cuts().back().several_tissues);
+                live_session.undo();
             }
-            while (desk.moving())
-                desk.relax(10.0);
-            EXPECT_EQ(desk.take_remark(), "");
-            EXPECT_EQ(desk.hooks().hooks.size(), 2U);
-            EXPECT_EQ(desk.hooks().refusal, "");
-            EXPECT_EQ(largest_move_of_held(desk), 0.0);
-            shown.push_back(shown_vertices(desk));
+            while (live_session.moving())
+                live_session.relax(10.0);
+            EXPECT_EQ(live_session.take_remark(), "");
+            EXPECT_EQ(live_session.hooks().hooks.size(), 2U);
+            EXPECT_EQ(live_session.hooks().refusal, "");
+            EXPECT_EQ(largest_move_of_held(live_session), 0.0);
+            shown.push_back(shown_vertices(live_session));
         }
         ASSERT_EQ(shown[0].rows(), shown[1].rows());
         EXPECT_LT((shown[0] - shown[1]).rowwise().norm().maxCoeff(), kSolvedMm);
@@ -402,14 +404,14 @@ namespace cutting_desk_test {
 
     TEST(SurgerySession, SpringsFindTheSupportsOfTissueThatIsPutBackAfterThem)
     {
-        SurgerySession desk = wounded_desk(true);
-        desk.set_tension(0.06);
-        desk.undo();
-        while (desk.moving())
-            desk.relax(50.0);
-        EXPECT_GT(desk.gape_mm(), 0.5);
-        EXPECT_EQ(largest_move_of_held(desk), 0.0);
-        EXPECT_EQ(desk.take_remark(), "");
+        SurgerySession live_session = wounded_session(true);
+        live_session.set_tension(0.06);
+        live_session.undo();
+        while (live_session.moving())
+            live_session.relax(50.0);
+        EXPECT_GT(live_session.gape_mm(), 0.5);
+        EXPECT_EQ(largest_move_of_held(live_session), 0.0);
+        EXPECT_EQ(live_session.take_remark(), "");
     }
 
     TEST(SurgerySession, ABedGoesWithTheTissueThatLayOnIt)
@@ -426,16 +428,17 @@ namespace cutting_desk_test {
             if (bedded)
                 for (const VertexId v : gone)
                     same.bedded.push_back({ v, 1e3 });
-            SurgerySession desk(std::move(same));
-            ASSERT_TRUE(desk.take_out(at(desk, middle.x(), middle.z()), 25.0).done);
+            SurgerySession live_session(std::move(same));
+            ASSERT_TRUE(live_session.take_out(at(live_session, middle.x(), middle.z()), 25.0).done);
             for (const VertexId v : gone)
-                ASSERT_FALSE(desk.session().has_vertex(v));
-            ASSERT_TRUE(draw(desk, { 20.0, 0.0, 91.0 }, { 90.0, 0.0, 91.0 }, {}).done);
-            ASSERT_TRUE(std::any_of(gone.begin(), gone.end(), [&](VertexId v) { return desk.session().has_vertex(v); }))
-                << "ids are used again";
-            ASSERT_TRUE(desk.place_hook(at(desk, 50.0, 93.0)).done);
-            desk.pull_all_hooks(4.0);
-            shown.push_back(shown_vertices(desk));
+                ASSERT_FALSE(live_session.session().has_vertex(v));
+            ASSERT_TRUE(draw(live_session, { 20.0, 0.0, 91.0 }, { 90.0, 0.0, 91.0 }, {}).done);
+            ASSERT_TRUE(std::any_of(gone.begin(), gone.end(), [&](VertexId v) {
+                return live_session.session().has_vertex(v);
+            })) << "ids are used again";
+            ASSERT_TRUE(live_session.place_hook(at(live_session, 50.0, 93.0)).done);
+            live_session.pull_all_hooks(4.0);
+            shown.push_back(shown_vertices(live_session));
         }
         ASSERT_EQ(shown[0].rows(), shown[1].rows());
         EXPECT_LT((shown[0] - shown[1]).rowwise().norm().maxCoeff(), kRoundingMm);
@@ -443,124 +446,126 @@ namespace cutting_desk_test {
 
     TEST(SurgerySession, HooksOutliveTissueThatIsTakenOut)
     {
-        SurgerySession desk(layered_wall());
-        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 90.0 }, { 80.0, 0.0, 90.0 }, {}).done);
-        ASSERT_TRUE(desk.place_hook(at(desk, 50.0, 92.0)).done);
-        ASSERT_TRUE(desk.place_hook(at(desk, 50.0, 88.0)).done);
-        desk.pull_all_hooks(4.0);
-        ASSERT_TRUE(desk.take_out(at(desk, 60.0, 40.0), 10.0).done);
-        EXPECT_EQ(desk.hooks().hooks.size(), 2U);
-        EXPECT_EQ(desk.hooks().refusal, "");
-        EXPECT_LT(desk.hooks().residual, 1e-8);
-        desk.undo();
-        EXPECT_EQ(desk.hooks().hooks.size(), 2U);
-        EXPECT_LT(desk.hooks().residual, 1e-8);
-        EXPECT_EQ(desk.take_remark(), "");
+        SurgerySession live_session(layered_wall());
+        ASSERT_TRUE(draw(live_session, { 20.0, 0.0, 90.0 }, { 80.0, 0.0, 90.0 }, {}).done);
+        ASSERT_TRUE(live_session.place_hook(at(live_session, 50.0, 92.0)).done);
+        ASSERT_TRUE(live_session.place_hook(at(live_session, 50.0, 88.0)).done);
+        live_session.pull_all_hooks(4.0);
+        ASSERT_TRUE(live_session.take_out(at(live_session, 60.0, 40.0), 10.0).done);
+        EXPECT_EQ(live_session.hooks().hooks.size(), 2U);
+        EXPECT_EQ(live_session.hooks().refusal, "");
+        EXPECT_LT(live_session.hooks().residual, 1e-8);
+        live_session.undo();
+        EXPECT_EQ(live_session.hooks().hooks.size(), 2U);
+        EXPECT_LT(live_session.hooks().residual, 1e-8);
+        EXPECT_EQ(live_session.take_remark(), "");
     }
 
     TEST(SurgerySession, DoesNotCutBoneUnlessItIsASaw)
     {
-        SurgerySession desk(layered_wall());
-        const KnifeAnswer refused = draw(desk, { 110.0, 0.0, 30.0 }, { 110.0, 0.0, 90.0 }, {});
+        SurgerySession live_session(layered_wall());
+        const KnifeAnswer refused = draw(live_session, { 110.0, 0.0, 30.0 }, { 110.0, 0.0, 90.0 }, {});
         EXPECT_FALSE(refused.done);
         EXPECT_NE(refused.reason.find("rib"), std::string::npos) << refused.reason;
-        EXPECT_FALSE(desk.stroke_open());
+        EXPECT_FALSE(live_session.stroke_open());
         // From skin over bone: the bone stays whole.
-        ASSERT_TRUE(draw(desk, { 60.0, 0.0, 62.0 }, { 115.0, 0.0, 62.0 }, { .depth_mm = 8.0 }).done);
-        const double scalpel = desk.cuts().front().report.lip_area_mm2;
+        ASSERT_TRUE(draw(live_session, { 60.0, 0.0, 62.0 }, { 115.0, 0.0, 62.0 }, { .depth_mm = 8.0 }).done);
+        const double scalpel = live_session.cuts().front().report.lip_area_mm2;
         EXPECT_LT(scalpel, 45.0 * 8.0);
-        desk.undo();
-        ASSERT_TRUE(draw(desk, { 60.0, 0.0, 62.0 }, { 115.0, 0.0, 62.0 }, { .depth_mm = 8.0, .cuts_bone = true }).done);
-        EXPECT_NEAR(desk.cuts().front().report.lip_area_mm2, 55.0 * 8.0, 70.0 * kCutToleranceMm);
+        live_session.undo();
+        ASSERT_TRUE(
+            draw(live_session, { 60.0, 0.0, 62.0 }, { 115.0, 0.0, 62.0 }, { .depth_mm = 8.0, .cuts_bone = true }).done);
+        EXPECT_NEAR(live_session.cuts().front().report.lip_area_mm2, 55.0 * 8.0, 70.0 * kCutToleranceMm);
     }
 
     TEST(SurgerySession, RefusesWhatIsNoStrokeAndSaysWhy)
     {
-        SurgerySession desk(layered_wall());
-        const mesh::TetMesh before = desk.session().compact_mesh();
-        ASSERT_TRUE(desk.begin_stroke(at(desk, 60.0, 60.0), {}).done);
-        EXPECT_THROW((void)desk.begin_stroke(at(desk, 60.0, 60.0), {}), InputError);
-        EXPECT_THROW(desk.undo(), InputError);
-        const KnifeAnswer click = desk.finish_stroke();
+        SurgerySession live_session(layered_wall());
+        const mesh::TetMesh before = live_session.session().compact_mesh();
+        ASSERT_TRUE(live_session.begin_stroke(at(live_session, 60.0, 60.0), {}).done);
+        EXPECT_THROW((void)live_session.begin_stroke(at(live_session, 60.0, 60.0), {}), InputError);
+        EXPECT_THROW(live_session.undo(), InputError);
+        const KnifeAnswer click = live_session.finish_stroke();
         EXPECT_FALSE(click.done);
         EXPECT_EQ(click.reason, "the knife did not move: draw a line on the skin");
 
-        ASSERT_TRUE(desk.begin_stroke(at(desk, 20.0, 60.0), {}).done);
-        const KnifeAnswer jump = desk.draw_to(at(desk, 90.0, 60.0));
+        ASSERT_TRUE(live_session.begin_stroke(at(live_session, 20.0, 60.0), {}).done);
+        const KnifeAnswer jump = live_session.draw_to(at(live_session, 90.0, 60.0));
         EXPECT_FALSE(jump.done);
         EXPECT_NE(jump.reason.find("jumps"), std::string::npos);
-        EXPECT_FALSE(desk.finish_stroke().done);
-        EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), before));
-        EXPECT_TRUE(desk.cuts().empty());
+        EXPECT_FALSE(live_session.finish_stroke().done);
+        EXPECT_TRUE(same_mesh(live_session.session().compact_mesh(), before));
+        EXPECT_TRUE(live_session.cuts().empty());
 
-        EXPECT_THROW((void)desk.finish_stroke(), InputError);
-        EXPECT_THROW((void)desk.draw_to(at(desk, 20.0, 60.0)), InputError);
+        EXPECT_THROW((void)live_session.finish_stroke(), InputError);
+        EXPECT_THROW((void)live_session.draw_to(at(live_session, 20.0, 60.0)), InputError);
         for (const double depth : { 0.0, -3.0, std::numeric_limits<double>::quiet_NaN() })
-            EXPECT_THROW((void)desk.begin_stroke(at(desk, 60.0, 60.0), { .depth_mm = depth }), InputError);
+            EXPECT_THROW(
+                (void)live_session.begin_stroke(at(live_session, 60.0, 60.0), { .depth_mm = depth }), InputError);
 
-        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
-        Touch in_wound = at(desk, 60.0, 60.0);
+        ASSERT_TRUE(draw(live_session, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
+        Touch in_wound = at(live_session, 60.0, 60.0);
         in_wound.on_lip = true;
-        EXPECT_FALSE(desk.begin_stroke(in_wound, {}).done);
+        EXPECT_FALSE(live_session.begin_stroke(in_wound, {}).done);
     }
 
     TEST(SurgerySession, CutsOnlyWhereThereIsAWallAndSaysWhatItLeftOut)
     {
         SurgerySetup table = layered_wall();
         table.region = { .corridor = { { 60.0, 0.0, 20.0 }, { 60.0, 0.0, 100.0 } }, .meshed_mm = 40.0 };
-        SurgerySession desk(std::move(table));
-        const KnifeAnswer outside = desk.begin_stroke(at(desk, 96.0, 60.0), {});
+        SurgerySession live_session(std::move(table));
+        const KnifeAnswer outside = live_session.begin_stroke(at(live_session, 96.0, 60.0), {});
         EXPECT_FALSE(outside.done);
         EXPECT_NE(outside.reason.find("inside the outline"), std::string::npos) << outside.reason;
-        EXPECT_FALSE(desk.take_out(at(desk, 96.0, 60.0), 10.0).done);
+        EXPECT_FALSE(live_session.take_out(at(live_session, 96.0, 60.0), 10.0).done);
         // Out over the border, at x = 94, and off the slab.
-        ASSERT_TRUE(desk.begin_stroke(at(desk, 60.0, 62.0), {}).done);
+        ASSERT_TRUE(live_session.begin_stroke(at(live_session, 60.0, 62.0), {}).done);
         std::string said;
         for (double x = 62.0; x < 118.0; x += 2.0)
-            if (const KnifeAnswer answer = desk.draw_to(at(desk, x, 62.0)); !answer.reason.empty())
+            if (const KnifeAnswer answer = live_session.draw_to(at(live_session, x, 62.0)); !answer.reason.empty())
                 said += answer.reason + "\n";
         EXPECT_EQ(said, "here the line is not cut: it left the outline of the wall that can be cut\n") << "once";
-        const KnifeAnswer end = desk.finish_stroke();
+        const KnifeAnswer end = live_session.finish_stroke();
         EXPECT_TRUE(end.done);
         EXPECT_EQ(end.reason,
             "cut over 34 mm; a part of the line was left out: it left the outline of the wall that can be cut");
-        ASSERT_EQ(desk.cuts().size(), 1U);
-        EXPECT_NEAR(desk.cuts().front().length_mm, 34.0, kRoundingMm);
-        EXPECT_EQ(desk.cuts().front().reduction_error, "it left the outline of the wall that can be cut");
+        ASSERT_EQ(live_session.cuts().size(), 1U);
+        EXPECT_NEAR(live_session.cuts().front().length_mm, 34.0, kRoundingMm);
+        EXPECT_EQ(live_session.cuts().front().omitted, "it left the outline of the wall that can be cut");
 
-        ASSERT_TRUE(desk.begin_stroke(at(desk, 60.0, 30.0), {}).done);
-        ASSERT_TRUE(desk.draw_to(at(desk, 80.0, 30.0)).done);
-        desk.leave_wall();
-        EXPECT_NE(desk.finish_stroke().reason.find("cut over 20 mm"), std::string::npos);
-        EXPECT_THROW(desk.leave_wall(), InputError);
+        ASSERT_TRUE(live_session.begin_stroke(at(live_session, 60.0, 30.0), {}).done);
+        ASSERT_TRUE(live_session.draw_to(at(live_session, 80.0, 30.0)).done);
+        live_session.leave_wall();
+        EXPECT_NE(live_session.finish_stroke().reason.find("cut over 20 mm"), std::string::npos);
+        EXPECT_THROW(live_session.leave_wall(), InputError);
         // A gap that is soon behind her, a wound for example, is bridged: nothing is left out.
-        ASSERT_TRUE(desk.begin_stroke(at(desk, 60.0, 90.0), {}).done);
-        desk.leave_wall();
-        ASSERT_TRUE(desk.draw_to(at(desk, 80.0, 90.0)).done);
-        EXPECT_EQ(desk.finish_stroke().reason, "");
+        ASSERT_TRUE(live_session.begin_stroke(at(live_session, 60.0, 90.0), {}).done);
+        live_session.leave_wall();
+        ASSERT_TRUE(live_session.draw_to(at(live_session, 80.0, 90.0)).done);
+        EXPECT_EQ(live_session.finish_stroke().reason, "");
     }
 
     TEST(SurgerySession, ALineThatTurnsBackIsCutAsFarAsItCanBe)
     {
-        SurgerySession desk(layered_wall());
-        ASSERT_TRUE(desk.begin_stroke(at(desk, 20.0, 62.0), {}).done);
+        SurgerySession live_session(layered_wall());
+        ASSERT_TRUE(live_session.begin_stroke(at(live_session, 20.0, 62.0), {}).done);
         for (double x = 22.0; x <= 60.0; x += 2.0)
-            ASSERT_TRUE(desk.draw_to(at(desk, x, 62.0)).done);
+            ASSERT_TRUE(live_session.draw_to(at(live_session, x, 62.0)).done);
         std::string reason;
         for (double x = 58.0; x >= 30.0; x -= 2.0)
-            if (const KnifeAnswer answer = desk.draw_to(at(desk, x, 62.0)); !answer.done)
+            if (const KnifeAnswer answer = live_session.draw_to(at(live_session, x, 62.0)); !answer.done)
                 reason = answer.reason;
         EXPECT_NE(reason, "");
-        const KnifeAnswer end = desk.finish_stroke();
+        const KnifeAnswer end = live_session.finish_stroke();
         ASSERT_TRUE(end.done) << end.reason;
         EXPECT_NE(end.reason, "") << "the surgeon is told that a part was left out";
-        mesh::check_mesh(desk.session().compact_mesh());
+        mesh::check_mesh(live_session.session().compact_mesh());
     }
 
     /// A desk whose session is refused what the test chooses, as by a full disk or by the cut itself.
     class RefusedStroke : public testing::Test {
     protected:
-        SurgerySession make_desk()
+        SurgerySession make_session()
         {
             SurgerySetup table = layered_wall();
             mesh::CutSession session(table.wall);
@@ -571,12 +576,12 @@ namespace cutting_desk_test {
             return { std::move(table), std::move(session), {} };
         }
         /// 60 mm, of which the last 3 are left to finish_stroke().
-        static void draw_open_stroke(SurgerySession& desk)
+        static void draw_open_stroke(SurgerySession& live_session)
         {
-            ASSERT_TRUE(desk.begin_stroke(at(desk, 20.0, 62.0), {}).done);
+            ASSERT_TRUE(live_session.begin_stroke(at(live_session, 20.0, 62.0), {}).done);
             for (double x = 25.0; x <= 75.0; x += 5.0)
-                ASSERT_TRUE(desk.draw_to(at(desk, x, 62.0)).done);
-            ASSERT_TRUE(desk.draw_to(at(desk, 78.0, 62.0)).done);
+                ASSERT_TRUE(live_session.draw_to(at(live_session, x, 62.0)).done);
+            ASSERT_TRUE(live_session.draw_to(at(live_session, 78.0, 62.0)).done);
         }
         using Refusal = std::function<void(mesh::CutEvent::Kind)>;
         std::shared_ptr<Refusal> refuse_ = std::make_shared<Refusal>();
@@ -585,97 +590,97 @@ namespace cutting_desk_test {
     TEST_F(RefusedStroke, AFullDiskLeavesItOpenToBeFinishedAgainOrAbandoned)
     {
         for (const bool again : { true, false }) {
-            SurgerySession desk = make_desk();
-            const mesh::TetMesh before = desk.session().compact_mesh();
-            draw_open_stroke(desk);
+            SurgerySession live_session = make_session();
+            const mesh::TetMesh before = live_session.session().compact_mesh();
+            draw_open_stroke(live_session);
             *refuse_ = [](mesh::CutEvent::Kind) { throw IoError("the disk is full"); };
-            EXPECT_THROW((void)desk.finish_stroke(), IoError);
-            EXPECT_TRUE(desk.stroke_open());
-            EXPECT_FALSE(desk.can_undo());
-            EXPECT_THROW(desk.abandon_stroke(), IoError);
-            EXPECT_TRUE(desk.stroke_open());
+            EXPECT_THROW((void)live_session.finish_stroke(), IoError);
+            EXPECT_TRUE(live_session.stroke_open());
+            EXPECT_FALSE(live_session.can_undo());
+            EXPECT_THROW(live_session.abandon_stroke(), IoError);
+            EXPECT_TRUE(live_session.stroke_open());
             *refuse_ = {};
             if (again) {
-                const KnifeAnswer answer = desk.finish_stroke();
+                const KnifeAnswer answer = live_session.finish_stroke();
                 EXPECT_TRUE(answer.done) << answer.reason;
-                ASSERT_EQ(desk.cuts().size(), 1U);
-                EXPECT_NEAR(desk.cuts().front().length_mm, 58.0, kRoundingMm);
-                desk.undo();
+                ASSERT_EQ(live_session.cuts().size(), 1U);
+                EXPECT_NEAR(live_session.cuts().front().length_mm, 58.0, kRoundingMm);
+                live_session.undo();
             } else {
-                desk.abandon_stroke();
-                EXPECT_TRUE(desk.cuts().empty());
+                live_session.abandon_stroke();
+                EXPECT_TRUE(live_session.cuts().empty());
             }
-            EXPECT_FALSE(desk.stroke_open());
-            EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), before));
-            EXPECT_TRUE(draw(desk, { 20.0, 0.0, 30.0 }, { 80.0, 0.0, 30.0 }, {}).done);
-            EXPECT_EQ(desk.session().cut_count(), 1U);
+            EXPECT_FALSE(live_session.stroke_open());
+            EXPECT_TRUE(same_mesh(live_session.session().compact_mesh(), before));
+            EXPECT_TRUE(draw(live_session, { 20.0, 0.0, 30.0 }, { 80.0, 0.0, 30.0 }, {}).done);
+            EXPECT_EQ(live_session.session().cut_count(), 1U);
         }
     }
 
     TEST_F(RefusedStroke, ATipThatCannotBeCutIsLeftOut)
     {
-        SurgerySession desk = make_desk();
-        draw_open_stroke(desk);
+        SurgerySession live_session = make_session();
+        draw_open_stroke(live_session);
         *refuse_ = [](mesh::CutEvent::Kind kind) {
             if (kind == mesh::CutEvent::Kind::stroke_step)
                 throw SolverError("try it with another point");
         };
-        const KnifeAnswer step = desk.draw_to(at(desk, 82.0, 62.0));
+        const KnifeAnswer step = live_session.draw_to(at(live_session, 82.0, 62.0));
         EXPECT_FALSE(step.done);
         EXPECT_EQ(step.reason, "try it with another point");
-        const KnifeAnswer answer = desk.finish_stroke();
+        const KnifeAnswer answer = live_session.finish_stroke();
         ASSERT_TRUE(answer.done) << answer.reason;
         EXPECT_EQ(answer.reason, "cut over 55 mm; a part of the line was left out: try it with another point");
-        ASSERT_EQ(desk.cuts().size(), 1U);
-        EXPECT_NEAR(desk.cuts().front().length_mm, 55.0, kRoundingMm);
-        EXPECT_TRUE(desk.can_undo());
+        ASSERT_EQ(live_session.cuts().size(), 1U);
+        EXPECT_NEAR(live_session.cuts().front().length_mm, 55.0, kRoundingMm);
+        EXPECT_TRUE(live_session.can_undo());
     }
 
     TEST_F(RefusedStroke, OneThatCannotBeFinishedIsTakenBackAloud)
     {
-        SurgerySession desk = make_desk();
-        const mesh::TetMesh before = desk.session().compact_mesh();
-        draw_open_stroke(desk);
+        SurgerySession live_session = make_session();
+        const mesh::TetMesh before = live_session.session().compact_mesh();
+        draw_open_stroke(live_session);
         *refuse_ = [](mesh::CutEvent::Kind kind) {
             if (kind == mesh::CutEvent::Kind::stroke_end)
                 throw SolverError("the lips hang together");
         };
-        const KnifeAnswer answer = desk.finish_stroke();
+        const KnifeAnswer answer = live_session.finish_stroke();
         EXPECT_FALSE(answer.done);
         EXPECT_EQ(answer.reason, "the stroke cannot be finished and is taken back: the lips hang together");
-        EXPECT_FALSE(desk.stroke_open());
-        EXPECT_TRUE(desk.cuts().empty());
-        EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), before));
+        EXPECT_FALSE(live_session.stroke_open());
+        EXPECT_TRUE(live_session.cuts().empty());
+        EXPECT_TRUE(same_mesh(live_session.session().compact_mesh(), before));
     }
 
-    void come_to_rest(SurgerySession& desk)
+    void come_to_rest(SurgerySession& live_session)
     {
-        while (desk.moving())
-            desk.relax(50.0);
+        while (live_session.moving())
+            live_session.relax(50.0);
     }
 
     TEST(SurgerySession, AWoundGapesWithTheTensionItIsUnder)
     {
         double narrower = 0.0, per_strain = 0.0;
         for (const double strain : { 0.02, 0.04, 0.06 }) {
-            SurgerySession desk(layered_wall());
-            desk.set_tension(strain);
-            EXPECT_FALSE(desk.moving()) << "nothing moves before it is cut";
-            ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
-            EXPECT_TRUE(desk.moving());
-            come_to_rest(desk);
-            EXPECT_GT(desk.gape_mm(), narrower);
-            narrower = desk.gape_mm();
+            SurgerySession live_session(layered_wall());
+            live_session.set_tension(strain);
+            EXPECT_FALSE(live_session.moving()) << "nothing moves before it is cut";
+            ASSERT_TRUE(draw(live_session, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
+            EXPECT_TRUE(live_session.moving());
+            come_to_rest(live_session);
+            EXPECT_GT(live_session.gape_mm(), narrower);
+            narrower = live_session.gape_mm();
             // Never wider than in a free sheet, 2 e L / (1 - nu): the deeper tissue holds the wound.
-            EXPECT_LT(desk.gape_mm(), 2.0 * strain * 70.0 / (1.0 - 0.48));
+            EXPECT_LT(live_session.gape_mm(), 2.0 * strain * 70.0 / (1.0 - 0.48));
             // Near rest it is nearly linear.
             constexpr double kNonlinearity = 0.1;
             if (per_strain > 0.0) {
-                EXPECT_NEAR(desk.gape_mm() / strain, per_strain, kNonlinearity * per_strain);
+                EXPECT_NEAR(live_session.gape_mm() / strain, per_strain, kNonlinearity * per_strain);
             }
-            per_strain = desk.gape_mm() / strain;
+            per_strain = live_session.gape_mm() / strain;
             // The lips part across the blade, each to its own side, and nothing moves where the wall is held.
-            const WallPicture& picture = *desk.picture();
+            const WallPicture& picture = *live_session.picture();
             double up = 0.0, down = 0.0;
             for (std::size_t t = 0; t < picture.surface->triangles.size(); ++t)
                 for (const VertexId v : picture.surface->triangles[t]) {
@@ -688,81 +693,83 @@ namespace cutting_desk_test {
                         EXPECT_EQ(by, 0.0);
                     }
                 }
-            EXPECT_GT(up, 0.3 * desk.gape_mm());
-            EXPECT_LT(down, -0.3 * desk.gape_mm());
+            EXPECT_GT(up, 0.3 * live_session.gape_mm());
+            EXPECT_LT(down, -0.3 * live_session.gape_mm());
         }
     }
 
     TEST(SurgerySession, AWoundThatIsTakenBackClosesAndTensionMayChangeAtAnyTime)
     {
-        SurgerySession desk(layered_wall());
-        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
-        EXPECT_EQ(desk.gape_mm(), 0.0);
-        EXPECT_EQ((desk.picture()->shown - desk.picture()->surface->rest).norm(), 0.0) << "no tension, no gape";
-        const mesh::TetMesh cut = desk.session().compact_mesh();
-        desk.set_tension(0.04);
-        come_to_rest(desk);
-        const double gape = desk.gape_mm();
+        SurgerySession live_session(layered_wall());
+        ASSERT_TRUE(draw(live_session, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
+        EXPECT_EQ(live_session.gape_mm(), 0.0);
+        EXPECT_EQ((live_session.picture()->shown - live_session.picture()->surface->rest).norm(), 0.0)
+            << "no tension, no gape";
+        const mesh::TetMesh cut = live_session.session().compact_mesh();
+        live_session.set_tension(0.04);
+        come_to_rest(live_session);
+        const double gape = live_session.gape_mm();
         EXPECT_GT(gape, 0.5);
-        EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), cut)) << "tension cuts nothing";
-        desk.set_tension(0.06);
-        come_to_rest(desk);
-        EXPECT_GT(desk.gape_mm(), gape);
-        desk.undo();
-        come_to_rest(desk);
+        EXPECT_TRUE(same_mesh(live_session.session().compact_mesh(), cut)) << "tension cuts nothing";
+        live_session.set_tension(0.06);
+        come_to_rest(live_session);
+        EXPECT_GT(live_session.gape_mm(), gape);
+        live_session.undo();
+        come_to_rest(live_session);
 
-        EXPECT_EQ((desk.picture()->shown - desk.picture()->surface->rest).norm(), 0.0) << "as it lay before";
-        EXPECT_EQ(desk.gape_mm(), 0.0);
-        desk.redo();
-        desk.set_tension(0.0);
-        EXPECT_FALSE(desk.moving());
-        EXPECT_EQ((desk.picture()->shown - desk.picture()->surface->rest).norm(), 0.0);
+        EXPECT_EQ((live_session.picture()->shown - live_session.picture()->surface->rest).norm(), 0.0)
+            << "as it lay before";
+        EXPECT_EQ(live_session.gape_mm(), 0.0);
+        live_session.redo();
+        live_session.set_tension(0.0);
+        EXPECT_FALSE(live_session.moving());
+        EXPECT_EQ((live_session.picture()->shown - live_session.picture()->surface->rest).norm(), 0.0);
         for (const double bad : { -0.01, 2.0, std::numeric_limits<double>::quiet_NaN() })
-            EXPECT_THROW(desk.set_tension(bad), InputError);
+            EXPECT_THROW(live_session.set_tension(bad), InputError);
     }
 
     TEST(SurgerySession, AWoundStaysOpenWhenTheTensionChangesAfterAnUndo)
     {
-        SurgerySession desk(layered_wall());
-        desk.set_tension(0.04);
-        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 30.0 }, { 90.0, 0.0, 30.0 }, {}).done);
-        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 91.0 }, { 90.0, 0.0, 91.0 }, {}).done);
-        desk.undo();
-        come_to_rest(desk);
-        const double gape = desk.gape_mm();
+        SurgerySession live_session(layered_wall());
+        live_session.set_tension(0.04);
+        ASSERT_TRUE(draw(live_session, { 20.0, 0.0, 30.0 }, { 90.0, 0.0, 30.0 }, {}).done);
+        ASSERT_TRUE(draw(live_session, { 20.0, 0.0, 91.0 }, { 90.0, 0.0, 91.0 }, {}).done);
+        live_session.undo();
+        come_to_rest(live_session);
+        const double gape = live_session.gape_mm();
         ASSERT_GT(gape, 0.5);
-        desk.set_tension(0.05);
-        EXPECT_EQ(desk.gape_mm(), gape) << "it goes on from where it stands";
-        EXPECT_TRUE(desk.moving());
-        come_to_rest(desk);
-        EXPECT_GT(desk.gape_mm(), gape);
-        EXPECT_EQ(desk.take_remark(), "");
+        live_session.set_tension(0.05);
+        EXPECT_EQ(live_session.gape_mm(), gape) << "it goes on from where it stands";
+        EXPECT_TRUE(live_session.moving());
+        come_to_rest(live_session);
+        EXPECT_GT(live_session.gape_mm(), gape);
+        EXPECT_EQ(live_session.take_remark(), "");
     }
 
     TEST(SurgerySession, WithoutSpringsTheTensionStaysAsItWas)
     {
         SurgerySetup table = layered_wall();
         table.materials.clear();
-        SurgerySession desk(std::move(table));
+        SurgerySession live_session(std::move(table));
         for (int again = 0; again < 2; ++again)
-            EXPECT_THROW(desk.set_tension(0.04), InputError);
-        EXPECT_EQ(desk.tension(), 0.0);
-        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
-        EXPECT_FALSE(desk.moving());
+            EXPECT_THROW(live_session.set_tension(0.04), InputError);
+        EXPECT_EQ(live_session.tension(), 0.0);
+        ASSERT_TRUE(draw(live_session, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
+        EXPECT_FALSE(live_session.moving());
     }
 
     TEST(SurgerySession, AStrokeOnTheOpenWoundIsCutWhereTheTissueLies)
     {
-        SurgerySession desk(layered_wall());
-        desk.set_tension(0.06);
-        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
-        come_to_rest(desk);
+        SurgerySession live_session(layered_wall());
+        live_session.set_tension(0.06);
+        ASSERT_TRUE(draw(live_session, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
+        come_to_rest(live_session);
         // Across the gaping wound, as shown.
-        const KnifeAnswer second = draw(desk, { 55.0, 0.0, 30.0 }, { 55.0, 0.0, 95.0 }, {});
+        const KnifeAnswer second = draw(live_session, { 55.0, 0.0, 30.0 }, { 55.0, 0.0, 95.0 }, {});
         ASSERT_TRUE(second.done) << second.reason;
-        come_to_rest(desk);
-        EXPECT_EQ(desk.session().cut_count(), 2U);
-        mesh::check_mesh(desk.session().compact_mesh());
+        come_to_rest(live_session);
+        EXPECT_EQ(live_session.session().cut_count(), 2U);
+        mesh::check_mesh(live_session.session().compact_mesh());
     }
 
     void wait_for(const KnifeWorker& worker)
@@ -876,5 +883,5 @@ namespace cutting_desk_test {
         SUCCEED() << "both ended";
     }
 
-} // namespace cutting_desk_test
+} // namespace surgery_session_test
 } // namespace retractor::planner

@@ -40,8 +40,8 @@ namespace wall_region_test {
     {
         const SurgerySetup table = layered_wall();
         const std::vector<EdgePlace> places = region_outline(table.wall, small_region(), table.labels, table.outward);
-        SurgerySession desk(layered_wall());
-        const std::vector<Vec3> shown = shown_places(places, *desk.picture());
+        SurgerySession live_session(layered_wall());
+        const std::vector<Vec3> shown = shown_places(places, *live_session.picture());
         ASSERT_GT(shown.size(), 20U);
         ASSERT_EQ(shown.size() % 2, 0U);
         double length = 0.0;
@@ -64,8 +64,8 @@ namespace wall_region_test {
         sheet->triangles = { { 0, 1, 3 }, { 1, 2, 3 } };
         sheet->labels = { kSkin, kSkin };
         const BeyondSurface beyond(sheet, table.wall, region);
-        SurgerySession desk(std::move(table));
-        WallPicture picture = *desk.picture();
+        SurgerySession live_session(std::move(table));
+        WallPicture picture = *live_session.picture();
         EXPECT_EQ(beyond.shown(picture), sheet->vertices) << "the wall lies at rest";
         picture.shown.rowwise() += Eigen::RowVector3d(3.0, 0.0, 4.0);
         const Points moved = beyond.shown(picture) - sheet->vertices;
@@ -75,13 +75,13 @@ namespace wall_region_test {
     }
 
     /// A cut far from the outline, which takes the ids of vertices that are gone.
-    void cut_elsewhere(SurgerySession& desk)
+    void cut_elsewhere(SurgerySession& live_session)
     {
-        const auto at = [&](double x) { return *touch(*desk.picture(), ray_down(x, 105.0)); };
-        ASSERT_TRUE(desk.begin_stroke(at(10.0), {}).done);
+        const auto at = [&](double x) { return *touch(*live_session.picture(), ray_down(x, 105.0)); };
+        ASSERT_TRUE(live_session.begin_stroke(at(10.0), {}).done);
         for (double x = 15.0; x <= 45.0; x += 5.0)
-            ASSERT_TRUE(desk.draw_to(at(x)).done);
-        ASSERT_TRUE(desk.finish_stroke().done);
+            ASSERT_TRUE(live_session.draw_to(at(x)).done);
+        ASSERT_TRUE(live_session.finish_stroke().done);
     }
 
     TEST(WallRegion, ItsOutlineIsNotDrawnOverTissueThatWasTakenOut)
@@ -89,12 +89,12 @@ namespace wall_region_test {
         const SurgerySetup table = layered_wall();
         const WallRegion region { .corridor = { { 70.0, 0.0, 50.0 }, { 70.0, 0.0, 70.0 } }, .meshed_mm = 30.0 };
         const std::vector<EdgePlace> places = region_outline(table.wall, region, table.labels, table.outward);
-        SurgerySession desk(table);
-        const std::vector<Vec3> whole = shown_places(places, *desk.picture());
-        const Touch middle = *touch(*desk.picture(), ray_down(94.0, 60.0));
-        ASSERT_TRUE(desk.take_out(middle, 15.0).done);
+        SurgerySession live_session(table);
+        const std::vector<Vec3> whole = shown_places(places, *live_session.picture());
+        const Touch middle = *touch(*live_session.picture(), ray_down(94.0, 60.0));
+        ASSERT_TRUE(live_session.take_out(middle, 15.0).done);
         const auto check = [&] {
-            const std::vector<Vec3> left = shown_places(places, *desk.picture());
+            const std::vector<Vec3> left = shown_places(places, *live_session.picture());
             EXPECT_GT(left.size(), 20U);
             EXPECT_LT(left.size(), whole.size());
             EXPECT_EQ(left.size() % 2, 0U);
@@ -104,11 +104,11 @@ namespace wall_region_test {
             }
         };
         check();
-        cut_elsewhere(desk);
+        cut_elsewhere(live_session);
         check();
-        desk.undo();
-        desk.undo();
-        EXPECT_EQ(shown_places(places, *desk.picture()), whole);
+        live_session.undo();
+        live_session.undo();
+        EXPECT_EQ(shown_places(places, *live_session.picture()), whole);
     }
 
     TEST(BeyondSurface, GoesAlongWithWhatIsLeftOfTheRim)
@@ -123,15 +123,15 @@ namespace wall_region_test {
         sheet->labels = { kSkin };
         const BeyondSurface beyond(sheet, table.wall, region);
         const Points first = table.wall.vertices;
-        SurgerySession desk(std::move(table));
-        ASSERT_TRUE(desk.take_out(*touch(*desk.picture(), ray_down(119.0, 60.0)), 9.0).done);
+        SurgerySession live_session(std::move(table));
+        ASSERT_TRUE(live_session.take_out(*touch(*live_session.picture(), ray_down(119.0, 60.0)), 9.0).done);
         const auto check = [&] {
-            WallPicture picture = *desk.picture();
+            WallPicture picture = *live_session.picture();
             picture.shown = picture.surface->rest;
             picture.shown.rowwise() += Eigen::RowVector3d(3.0, 0.0, 4.0);
             std::size_t gone = 0;
             for (Eigen::Index v = 0; v < first.rows(); ++v)
-                if (!desk.session().has_vertex(static_cast<VertexId>(v))
+                if (!live_session.session().has_vertex(static_cast<VertexId>(v))
                     || (picture.surface->rest.row(v) - first.row(v)).norm() > kSlabEdgeMm) {
                     picture.shown(v, 0) += 100.0; // of a vertex that is no part of the rim
                     ++gone;
@@ -142,7 +142,7 @@ namespace wall_region_test {
             EXPECT_NEAR(moved.row(1).norm(), 2.5, 0.01);
         };
         check();
-        cut_elsewhere(desk);
+        cut_elsewhere(live_session);
         check();
     }
 

@@ -26,42 +26,44 @@ namespace wound_hooks_test {
     constexpr double kRoundingMm = 1e-10;
     constexpr int kPatience = 2400; // looks, 50 ms apart, for a factor that is made on another thread
 
-    Touch at(SurgerySession& desk, double x, double z)
+    Touch at(SurgerySession& live_session, double x, double z)
     {
-        const auto found = touch(*desk.picture(), ray_down(x, z));
+        const auto found = touch(*live_session.picture(), ray_down(x, z));
         if (!found)
             throw InputError("the ray misses the slab");
         return *found;
     }
 
-    KnifeAnswer draw(SurgerySession& desk, const Vec3& from, const Vec3& to, double depth_mm = 15.0)
+    KnifeAnswer draw(SurgerySession& live_session, const Vec3& from, const Vec3& to, double depth_mm = 15.0)
     {
-        if (KnifeAnswer begun = desk.begin_stroke(at(desk, from.x(), from.z()), { .depth_mm = depth_mm }); !begun.done)
+        if (KnifeAnswer begun
+            = live_session.begin_stroke(at(live_session, from.x(), from.z()), { .depth_mm = depth_mm });
+            !begun.done)
             return begun;
         const int points = std::max(1, static_cast<int>((to - from).norm() / 2.0));
         for (int i = 1; i <= points; ++i) {
             const Vec3 p = from + (to - from) * i / points;
-            (void)desk.draw_to(at(desk, p.x(), p.z()));
+            (void)live_session.draw_to(at(live_session, p.x(), p.z()));
         }
-        return desk.finish_stroke();
+        return live_session.finish_stroke();
     }
 
-    void settle(SurgerySession& desk)
+    void settle(SurgerySession& live_session)
     {
-        for (int i = 0; i < 1000 && desk.moving(); ++i)
-            desk.relax(40.0);
-        ASSERT_FALSE(desk.moving());
+        for (int i = 0; i < 1000 && live_session.moving(); ++i)
+            live_session.relax(40.0);
+        ASSERT_FALSE(live_session.moving());
     }
 
     /// What the plan's solver makes of the same hooks on the same mesh, from nothing.
-    void expect_exact(SurgerySession& desk)
+    void expect_exact(SurgerySession& live_session)
     {
-        settle(desk);
-        const HookReport report = desk.hooks();
+        settle(live_session);
+        const HookReport report = live_session.hooks();
         ASSERT_EQ(report.refusal, "");
         EXPECT_LT(report.residual, kResidual);
         mesh::SlotMap map;
-        const mesh::TetMesh mesh = desk.session().compact_mesh(&map);
+        const mesh::TetMesh mesh = live_session.session().compact_mesh(&map);
         SurgerySetup table = layered_wall();
         fem::Supports supports;
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
@@ -73,7 +75,7 @@ namespace wound_hooks_test {
         for (const HookState& hook : report.hooks) {
             fem::HookPatch patch { hook.name, hook.seat.side, {}, hook.displacement };
             for (const VertexId v : hook.seat.nodes)
-                if (desk.session().has_vertex(v))
+                if (live_session.session().has_vertex(v))
                     patch.nodes.push_back(map.compact_vertex[static_cast<std::size_t>(v)]);
             patches.push_back(patch);
         }
@@ -81,7 +83,7 @@ namespace wound_hooks_test {
             mesh, table.materials, supports, { .elasticity = fem::Elasticity::linear, .tolerance = 1e-10 });
         const fem::OpeningResult right = opening.open(patches);
         ASSERT_EQ(right.status, fem::OpeningStatus::converged) << right.message;
-        const WallPicture& picture = *desk.picture();
+        const WallPicture& picture = *live_session.picture();
         double worst = 0.0;
         for (std::size_t v = 0; v < map.vertex_slot.size(); ++v) {
             const auto id = map.vertex_slot[v];
@@ -99,25 +101,25 @@ namespace wound_hooks_test {
 
     /// A wound of 60 mm along x in the middle of the slab, with a hook on each lip in its middle.
     struct OpenWound {
-        SurgerySession desk;
+        SurgerySession live_session;
 
         explicit OpenWound(SurgerySetup table = layered_wall())
-            : desk(std::move(table))
+            : live_session(std::move(table))
         {
-            EXPECT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }).done);
+            EXPECT_TRUE(draw(live_session, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }).done);
             for (const double z : { 63.0, 57.0 }) {
-                const KnifeAnswer placed = desk.place_hook(at(desk, 60.0, z));
+                const KnifeAnswer placed = live_session.place_hook(at(live_session, 60.0, z));
                 EXPECT_TRUE(placed.done) << placed.reason;
             }
         }
-        void expect_exact() { wound_hooks_test::expect_exact(desk); }
+        void expect_exact() { wound_hooks_test::expect_exact(live_session); }
     };
 
     TEST(WoundHooks, AHookOnEachLipOpensTheWound)
     {
         OpenWound wound;
-        SurgerySession& desk = wound.desk;
-        HookReport report = desk.hooks();
+        SurgerySession& live_session = wound.live_session;
+        HookReport report = live_session.hooks();
         ASSERT_EQ(report.hooks.size(), 2U);
         EXPECT_EQ(report.hooks[0].name, "hook 1");
         EXPECT_EQ(report.hooks[0].seat.side, -report.hooks[1].seat.side);
@@ -126,212 +128,213 @@ namespace wound_hooks_test {
         for (const HookState& hook : report.hooks) {
             EXPECT_GT(hook.seat.inward.y(), 0.99);
             for (const VertexId v : hook.seat.nodes) {
-                const Vec3 p = desk.session().position(v);
+                const Vec3 p = live_session.session().position(v);
                 EXPECT_LE(std::abs(p.x() - hook.seat.centre.x()), 5.0 + 1e-6);
                 EXPECT_LE(p.y(), 15.0);
             }
         }
-        EXPECT_LT(desk.gape_mm(), kRoundingMm) << "hooks that pull by nothing open nothing";
-        desk.pull_all_hooks(4.0);
-        EXPECT_TRUE(desk.hooks_unsettled());
-        EXPECT_GE(desk.gape_mm(), 8.0 - kRoundingMm);
+        EXPECT_LT(live_session.gape_mm(), kRoundingMm) << "hooks that pull by nothing open nothing";
+        live_session.pull_all_hooks(4.0);
+        EXPECT_TRUE(live_session.hooks_unsettled());
+        EXPECT_GE(live_session.gape_mm(), 8.0 - kRoundingMm);
         wound.expect_exact();
-        report = desk.hooks();
+        report = live_session.hooks();
         EXPECT_GT(report.side_N[0], 0.0);
         EXPECT_GT(report.hooks[0].force_N.z(), 0.0) << "the surgeon pulls outwards";
         EXPECT_LT(report.hooks[1].force_N.z(), 0.0);
         EXPECT_NEAR(report.side_N[0] / report.side_N[1], 1.0, 0.3) << "the slab is nearly symmetric";
         // By hand, one of them, and not straight.
-        desk.pull_hook(report.hooks[0].id, Vec3(2.0, -1.0, 7.0));
+        live_session.pull_hook(report.hooks[0].id, Vec3(2.0, -1.0, 7.0));
         wound.expect_exact();
-        EXPECT_LT((desk.hooks().hooks[0].displacement - Vec3(2.0, -1.0, 7.0)).norm(), kRoundingMm);
+        EXPECT_LT((live_session.hooks().hooks[0].displacement - Vec3(2.0, -1.0, 7.0)).norm(), kRoundingMm);
     }
 
     TEST(WoundHooks, FurtherCutsAndUndosFollowWhileTheWoundIsOpen)
     {
         OpenWound wound;
-        SurgerySession& desk = wound.desk;
-        desk.pull_all_hooks(3.0);
+        SurgerySession& live_session = wound.live_session;
+        live_session.pull_all_hooks(3.0);
         wound.expect_exact();
         // Away from the wound's edge, drawn on the open skin, and looked at after every step of the knife.
-        ASSERT_TRUE(desk.begin_stroke(at(desk, 75.0, 68.0), { .depth_mm = 10.0 }).done);
+        ASSERT_TRUE(live_session.begin_stroke(at(live_session, 75.0, 68.0), { .depth_mm = 10.0 }).done);
         for (double z = 70.0; z <= 100.0; z += 5.0) {
-            ASSERT_TRUE(desk.draw_to(at(desk, 75.0, z)).done);
-            EXPECT_EQ(desk.hooks().refusal, "");
-            EXPECT_GE(desk.gape_mm(), 6.0 - kRoundingMm);
-            EXPECT_LT(desk.hooks().residual, kResidual);
+            ASSERT_TRUE(live_session.draw_to(at(live_session, 75.0, z)).done);
+            EXPECT_EQ(live_session.hooks().refusal, "");
+            EXPECT_GE(live_session.gape_mm(), 6.0 - kRoundingMm);
+            EXPECT_LT(live_session.hooks().residual, kResidual);
         }
-        ASSERT_TRUE(desk.finish_stroke().done);
+        ASSERT_TRUE(live_session.finish_stroke().done);
         wound.expect_exact();
-        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 40.0 }, { 90.0, 0.0, 35.0 }, 20.0).done) << "far from any corridor";
+        ASSERT_TRUE(draw(live_session, { 20.0, 0.0, 40.0 }, { 90.0, 0.0, 35.0 }, 20.0).done) << "far from any corridor";
         wound.expect_exact();
-        desk.pull_all_hooks(5.0);
+        live_session.pull_all_hooks(5.0);
         wound.expect_exact();
-        desk.undo();
+        live_session.undo();
         wound.expect_exact();
-        desk.undo();
+        live_session.undo();
         wound.expect_exact();
-        desk.redo();
+        live_session.redo();
         wound.expect_exact();
         // A stroke that is taken back.
-        ASSERT_TRUE(desk.begin_stroke(at(desk, 30.0, 80.0), {}).done);
+        ASSERT_TRUE(live_session.begin_stroke(at(live_session, 30.0, 80.0), {}).done);
         for (double x = 32.0; x <= 60.0; x += 2.0)
-            (void)desk.draw_to(at(desk, x, 80.0));
-        desk.abandon_stroke();
+            (void)live_session.draw_to(at(live_session, x, 80.0));
+        live_session.abandon_stroke();
         wound.expect_exact();
     }
 
     TEST(WoundHooks, UndoingTheWoundTakesItsHooksOffAloud)
     {
         OpenWound wound;
-        SurgerySession& desk = wound.desk;
-        desk.pull_all_hooks(3.0);
-        desk.undo();
-        EXPECT_TRUE(desk.hooks().hooks.empty());
-        const std::string remark = desk.take_remark();
+        SurgerySession& live_session = wound.live_session;
+        live_session.pull_all_hooks(3.0);
+        live_session.undo();
+        EXPECT_TRUE(live_session.hooks().hooks.empty());
+        const std::string remark = live_session.take_remark();
         EXPECT_NE(remark.find("hook 1 has lost its hold and is taken off"), std::string::npos) << remark;
         EXPECT_NE(remark.find("hook 2"), std::string::npos) << remark;
-        for (VertexId v = 0; v < static_cast<VertexId>(desk.session().vertex_slots()); ++v)
-            if (desk.session().has_vertex(v)) {
-                ASSERT_EQ(desk.picture()->shown.row(v), desk.picture()->surface->rest.row(v));
+        for (VertexId v = 0; v < static_cast<VertexId>(live_session.session().vertex_slots()); ++v)
+            if (live_session.session().has_vertex(v)) {
+                ASSERT_EQ(live_session.picture()->shown.row(v), live_session.picture()->surface->rest.row(v));
             }
-        desk.redo();
-        EXPECT_EQ(desk.gape_mm(), 0.0);
-        ASSERT_TRUE(desk.place_hook(at(desk, 60.0, 63.0)).done);
-        EXPECT_EQ(desk.hooks().hooks[0].name, "hook 3");
+        live_session.redo();
+        EXPECT_EQ(live_session.gape_mm(), 0.0);
+        ASSERT_TRUE(live_session.place_hook(at(live_session, 60.0, 63.0)).done);
+        EXPECT_EQ(live_session.hooks().hooks[0].name, "hook 3");
     }
 
     TEST(WoundHooks, APieceThatComesOffIsRefusedByNameUntilItIsUndone)
     {
         OpenWound wound;
-        SurgerySession& desk = wound.desk;
-        desk.pull_all_hooks(2.0);
-        settle(desk);
+        SurgerySession& live_session = wound.live_session;
+        live_session.pull_all_hooks(2.0);
+        settle(live_session);
         // A square through the whole slab.
         const std::array<Vec3, 5> corners { Vec3(20, 0, 80), Vec3(50, 0, 80), Vec3(50, 0, 105), Vec3(20, 0, 105),
             Vec3(20, 0, 80) };
         for (std::size_t i = 0; i < 4; ++i) {
             const Vec3 way = (corners[i + 1] - corners[i]).normalized();
-            ASSERT_TRUE(draw(desk, corners[i] - 6.0 * way, corners[i + 1] + 6.0 * way, 40.0).done) << i;
+            ASSERT_TRUE(draw(live_session, corners[i] - 6.0 * way, corners[i + 1] + 6.0 * way, 40.0).done) << i;
         }
-        const HookReport refused = desk.hooks();
+        const HookReport refused = live_session.hooks();
         EXPECT_NE(refused.refusal.find("has neither a support nor a hook"), std::string::npos) << refused.refusal;
         EXPECT_EQ(refused.hooks.size(), 2U);
-        EXPECT_GE(desk.gape_mm(), 4.0 - kRoundingMm) << "what is shown is the last answer";
-        desk.pull_all_hooks(3.0);
-        EXPECT_NE(desk.hooks().refusal, "");
-        desk.undo();
+        EXPECT_GE(live_session.gape_mm(), 4.0 - kRoundingMm) << "what is shown is the last answer";
+        live_session.pull_all_hooks(3.0);
+        EXPECT_NE(live_session.hooks().refusal, "");
+        live_session.undo();
         wound.expect_exact();
-        EXPECT_GE(desk.gape_mm(), 6.0 - kRoundingMm);
+        EXPECT_GE(live_session.gape_mm(), 6.0 - kRoundingMm);
     }
 
     TEST(WoundHooks, YieldAtTheForceThatIsGiven)
     {
         OpenWound wound;
-        SurgerySession& desk = wound.desk;
-        desk.pull_all_hooks(5.0);
-        const double unlimited = desk.hooks().hooks[0].force_N.norm();
-        desk.set_yield(0.5 * unlimited);
-        const HookReport report = desk.hooks();
+        SurgerySession& live_session = wound.live_session;
+        live_session.pull_all_hooks(5.0);
+        const double unlimited = live_session.hooks().hooks[0].force_N.norm();
+        live_session.set_yield(0.5 * unlimited);
+        const HookReport report = live_session.hooks();
         EXPECT_TRUE(report.hooks[0].yielded);
         EXPECT_NEAR(report.hooks[0].force_N.norm(), 0.5 * unlimited, 1e-6 * unlimited);
         EXPECT_LT(report.hooks[0].displacement.z(), 5.0);
         wound.expect_exact();
-        EXPECT_THROW(desk.set_yield(-1.0), InputError);
-        EXPECT_THROW(desk.set_yield(std::numeric_limits<double>::quiet_NaN()), InputError);
-        desk.set_yield(std::numeric_limits<double>::infinity());
-        EXPECT_NEAR(desk.hooks().hooks[0].force_N.norm(), unlimited, 1e-6 * unlimited);
-        EXPECT_FALSE(desk.hooks().hooks[0].yielded);
+        EXPECT_THROW(live_session.set_yield(-1.0), InputError);
+        EXPECT_THROW(live_session.set_yield(std::numeric_limits<double>::quiet_NaN()), InputError);
+        live_session.set_yield(std::numeric_limits<double>::infinity());
+        EXPECT_NEAR(live_session.hooks().hooks[0].force_N.norm(), unlimited, 1e-6 * unlimited);
+        EXPECT_FALSE(live_session.hooks().hooks[0].yielded);
     }
 
     TEST(WoundHooks, OneThatIsDrawnThroughAnotherStopsWhereTheirLipsMeet)
     {
         OpenWound wound;
-        SurgerySession& desk = wound.desk;
-        desk.pull_all_hooks(4.0);
-        EXPECT_EQ(desk.hooks().meeting, "");
-        const fem::HookId upper = desk.hooks().hooks[0].id, lower = desk.hooks().hooks[1].id;
-        const auto moved = [&](std::size_t hook) { return desk.hooks().hooks[hook].displacement; };
-        desk.pull_hook(lower, Vec3(2.0, 0.0, 9.0));
+        SurgerySession& live_session = wound.live_session;
+        live_session.pull_all_hooks(4.0);
+        EXPECT_EQ(live_session.hooks().meeting, "");
+        const fem::HookId upper = live_session.hooks().hooks[0].id, lower = live_session.hooks().hooks[1].id;
+        const auto moved = [&](std::size_t hook) { return live_session.hooks().hooks[hook].displacement; };
+        live_session.pull_hook(lower, Vec3(2.0, 0.0, 9.0));
         EXPECT_LT((moved(0) - Vec3(0.0, 0.0, 4.0)).norm(), kRoundingMm) << "the other one stays";
         EXPECT_NEAR(moved(1).z(), 4.0, 0.2) << "the lips are as good as straight";
         EXPECT_NEAR(moved(1).x(), 2.0, 0.2) << "it slides along the other lip";
-        EXPECT_EQ(desk.hooks().meeting, "hook 1 and hook 2");
+        EXPECT_EQ(live_session.hooks().meeting, "hook 1 and hook 2");
         wound.expect_exact();
-        EXPECT_EQ(desk.hooks().meeting, "hook 1 and hook 2");
+        EXPECT_EQ(live_session.hooks().meeting, "hook 1 and hook 2");
         // Cuts elsewhere, undone and done again, change nothing of it.
         const Vec3 met = moved(1);
-        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 30.0 }, { 90.0, 0.0, 30.0 }).done);
+        ASSERT_TRUE(draw(live_session, { 20.0, 0.0, 30.0 }, { 90.0, 0.0, 30.0 }).done);
         wound.expect_exact();
-        desk.undo();
-        desk.redo();
+        live_session.undo();
+        live_session.redo();
         wound.expect_exact();
         EXPECT_LT((moved(1) - met).norm(), kRoundingMm);
         // The hand goes back; nothing of what it had asked for is left.
-        desk.pull_hook(lower, Vec3(0.0, 0.0, 2.0));
+        live_session.pull_hook(lower, Vec3(0.0, 0.0, 2.0));
         EXPECT_LT((moved(1) - Vec3(0.0, 0.0, 2.0)).norm(), kRoundingMm);
-        EXPECT_EQ(desk.hooks().meeting, "");
-        desk.pull_hook(upper, Vec3(0.0, 0.0, -9.0));
+        EXPECT_EQ(live_session.hooks().meeting, "");
+        live_session.pull_hook(upper, Vec3(0.0, 0.0, -9.0));
         EXPECT_NEAR(moved(0).z(), 2.0, 0.2);
         // Both by the slider: where none is in the way.
-        desk.pull_all_hooks(3.0);
-        EXPECT_EQ(desk.hooks().meeting, "");
+        live_session.pull_all_hooks(3.0);
+        EXPECT_EQ(live_session.hooks().meeting, "");
         // Pushed together, both give way.
-        desk.pull_all_hooks(-3.0);
-        EXPECT_EQ(desk.hooks().meeting, "hook 1 and hook 2");
+        live_session.pull_all_hooks(-3.0);
+        EXPECT_EQ(live_session.hooks().meeting, "hook 1 and hook 2");
         EXPECT_NEAR(moved(0).z(), 0.0, 0.2);
         EXPECT_NEAR(moved(1).z(), 0.0, 0.2);
         // One that may slip stops there, too.
-        desk.pull_all_hooks(1.0);
-        desk.set_yield(1e3);
-        desk.pull_hook(lower, Vec3(0.0, 0.0, 9.0));
+        live_session.pull_all_hooks(1.0);
+        live_session.set_yield(1e3);
+        live_session.pull_hook(lower, Vec3(0.0, 0.0, 9.0));
         EXPECT_NEAR(moved(1).z(), 1.0, 0.2);
-        EXPECT_EQ(desk.hooks().meeting, "hook 1 and hook 2");
+        EXPECT_EQ(live_session.hooks().meeting, "hook 1 and hook 2");
     }
 
     TEST(WoundHooks, ALipThatIsDrawnThroughTheOtherIsSaidToOverlapIt)
     {
-        SurgerySession desk(layered_wall());
-        ASSERT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }).done);
-        ASSERT_TRUE(desk.place_hook(at(desk, 60.0, 57.0)).done);
-        const fem::HookId hook = desk.hooks().hooks[0].id;
-        desk.pull_hook(hook, Vec3(0.0, 0.0, -5.0));
-        EXPECT_LT(desk.hooks().lip_overlap_mm, 0.5) << "opened";
+        SurgerySession live_session(layered_wall());
+        ASSERT_TRUE(draw(live_session, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }).done);
+        ASSERT_TRUE(live_session.place_hook(at(live_session, 60.0, 57.0)).done);
+        const fem::HookId hook = live_session.hooks().hooks[0].id;
+        live_session.pull_hook(hook, Vec3(0.0, 0.0, -5.0));
+        EXPECT_LT(live_session.hooks().lip_overlap_mm, 0.5) << "opened";
         // No hook stands in its way on the other lip, whose tissue follows as little as the wound is long.
-        desk.pull_hook(hook, Vec3(1.0, 0.0, 5.0));
-        EXPECT_EQ(desk.hooks().meeting, "");
-        EXPECT_GT(desk.hooks().lip_overlap_mm, 2.0);
-        EXPECT_LE(desk.hooks().lip_overlap_mm, desk.gape_mm());
-        desk.pull_hook(hook, Vec3::Zero());
-        EXPECT_LT(desk.hooks().lip_overlap_mm, kRoundingMm);
+        live_session.pull_hook(hook, Vec3(1.0, 0.0, 5.0));
+        EXPECT_EQ(live_session.hooks().meeting, "");
+        EXPECT_GT(live_session.hooks().lip_overlap_mm, 2.0);
+        EXPECT_LE(live_session.hooks().lip_overlap_mm, live_session.gape_mm());
+        live_session.pull_hook(hook, Vec3::Zero());
+        EXPECT_LT(live_session.hooks().lip_overlap_mm, kRoundingMm);
     }
 
     TEST(WoundHooks, TensionIsSetFreeUnderHooksTooAndSpringsTakeOverWithoutThem)
     {
-        SurgerySession desk(layered_wall());
-        ASSERT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }, 40.0).done);
-        desk.set_tension(0.04);
-        settle(desk);
-        const double springs = desk.gape_mm();
+        SurgerySession live_session(layered_wall());
+        ASSERT_TRUE(draw(live_session, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }, 40.0).done);
+        live_session.set_tension(0.04);
+        settle(live_session);
+        const double springs = live_session.gape_mm();
         ASSERT_GT(springs, 1.0);
         // One hook that is let go where the lip rests on its own: what springs and elements make of the tension.
-        ASSERT_TRUE(desk.place_hook(at(desk, 35.0, 62.0 + 0.5 * springs)).done);
-        settle(desk);
-        EXPECT_EQ(desk.hooks().hooks.size(), 1U);
-        EXPECT_GT(desk.hooks().hooks[0].displacement.z(), 0.1) << "it takes the lip where it lies";
-        EXPECT_NEAR(desk.gape_mm() / springs, 1.0, 0.4) << "one is held near its end; springs know no nu of 0.45";
-        desk.set_tension(0.02);
-        settle(desk);
-        EXPECT_EQ(desk.hooks().hooks.size(), 1U);
-        const double half = desk.gape_mm();
+        ASSERT_TRUE(live_session.place_hook(at(live_session, 35.0, 62.0 + 0.5 * springs)).done);
+        settle(live_session);
+        EXPECT_EQ(live_session.hooks().hooks.size(), 1U);
+        EXPECT_GT(live_session.hooks().hooks[0].displacement.z(), 0.1) << "it takes the lip where it lies";
+        EXPECT_NEAR(live_session.gape_mm() / springs, 1.0, 0.4)
+            << "one is held near its end; springs know no nu of 0.45";
+        live_session.set_tension(0.02);
+        settle(live_session);
+        EXPECT_EQ(live_session.hooks().hooks.size(), 1U);
+        const double half = live_session.gape_mm();
         EXPECT_LT(half, springs);
-        desk.set_tension(0.04);
-        settle(desk);
-        EXPECT_GT(desk.gape_mm(), half);
-        desk.take_off_hooks();
-        settle(desk);
-        EXPECT_TRUE(desk.hooks().hooks.empty());
-        EXPECT_NEAR(desk.gape_mm() / springs, 1.0, 0.1) << "springs again, from the start";
+        live_session.set_tension(0.04);
+        settle(live_session);
+        EXPECT_GT(live_session.gape_mm(), half);
+        live_session.take_off_hooks();
+        settle(live_session);
+        EXPECT_TRUE(live_session.hooks().hooks.empty());
+        EXPECT_NEAR(live_session.gape_mm() / springs, 1.0, 0.1) << "springs again, from the start";
     }
 
     TEST(WoundHooks, ThePlannedOnesAreTakenWhereALipLiesUnderThem)
@@ -349,44 +352,46 @@ namespace wound_hooks_test {
                     .depth_mm = 8.0,
                     .direction = pull * Vec3::UnitZ(),
                     .opening_mm = 6.0 });
-        SurgerySession desk(std::move(table));
-        EXPECT_NE(desk.take_planned_hooks().reason.find("cut first"), std::string::npos);
-        ASSERT_TRUE(draw(desk, { 70.0, 0.0, 60.5 }, { 32.0, 0.0, 59.5 }, 20.0).done) << "the other way, and shorter";
-        const KnifeAnswer taken = desk.take_planned_hooks();
+        SurgerySession live_session(std::move(table));
+        EXPECT_NE(live_session.take_planned_hooks().reason.find("cut first"), std::string::npos);
+        ASSERT_TRUE(draw(live_session, { 70.0, 0.0, 60.5 }, { 32.0, 0.0, 59.5 }, 20.0).done)
+            << "the other way, and shorter";
+        const KnifeAnswer taken = live_session.take_planned_hooks();
         ASSERT_TRUE(taken.done);
         EXPECT_NE(taken.reason.find("hook 'left 100'"), std::string::npos) << taken.reason;
         EXPECT_NE(taken.reason.find("hook 'right 100'"), std::string::npos) << taken.reason;
-        const HookReport report = desk.hooks();
+        const HookReport report = live_session.hooks();
         ASSERT_EQ(report.hooks.size(), 2U);
         EXPECT_EQ(report.hooks[0].name, "left 20");
         EXPECT_LT((report.hooks[0].displacement - Vec3(0.0, 0.0, 6.0)).norm(), kRoundingMm);
         for (const HookState& hook : report.hooks)
             for (const VertexId v : hook.seat.nodes) // the lip that faces the other one
-                EXPECT_NEAR(desk.picture()->shown(v, 2) - desk.picture()->surface->rest(v, 2), 6.0 * hook.seat.pull.z(),
-                    kRoundingMm);
-        EXPECT_GE(desk.gape_mm(), 12.0 - kRoundingMm);
+                EXPECT_NEAR(live_session.picture()->shown(v, 2) - live_session.picture()->surface->rest(v, 2),
+                    6.0 * hook.seat.pull.z(), kRoundingMm);
+        EXPECT_GE(live_session.gape_mm(), 12.0 - kRoundingMm);
 
-        const KnifeAnswer again = desk.take_planned_hooks();
+        const KnifeAnswer again = live_session.take_planned_hooks();
         EXPECT_FALSE(again.done);
         EXPECT_NE(again.reason.find("hold the wound already"), std::string::npos) << again.reason;
-        desk.take_off_hook(report.hooks[0].id);
-        EXPECT_TRUE(desk.take_planned_hooks().done) << "the one that was taken off";
-        EXPECT_EQ(desk.hooks().hooks.size(), 2U);
-        desk.take_off_hooks();
-        desk.set_tension(0.04);
-        const std::string unlike = desk.take_planned_hooks().reason;
+        live_session.take_off_hook(report.hooks[0].id);
+        EXPECT_TRUE(live_session.take_planned_hooks().done) << "the one that was taken off";
+        EXPECT_EQ(live_session.hooks().hooks.size(), 2U);
+        live_session.take_off_hooks();
+        live_session.set_tension(0.04);
+        const std::string unlike = live_session.take_planned_hooks().reason;
         EXPECT_NE(unlike.find("under 4 % tension here, no tension in the plan"), std::string::npos) << unlike;
     }
 
     TEST(WoundHooks, AsPlannedAHookStopsAtOneThatIsInItsWay)
     {
-        SurgerySession desk(wall_with_planned_hooks({}, 8.0));
-        ASSERT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }, 20.0).done);
-        ASSERT_TRUE(desk.place_hook(at(desk, 60.0, 57.0)).done); // where one of the planned ones would hold
-        desk.pull_hook(desk.hooks().hooks[0].id, Vec3(0.0, 0.0, 10.0));
-        const KnifeAnswer taken = desk.take_planned_hooks();
+        SurgerySession live_session(wall_with_planned_hooks({}, 8.0));
+        ASSERT_TRUE(draw(live_session, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }, 20.0).done);
+        ASSERT_TRUE(
+            live_session.place_hook(at(live_session, 60.0, 57.0)).done); // where one of the planned ones would hold
+        live_session.pull_hook(live_session.hooks().hooks[0].id, Vec3(0.0, 0.0, 10.0));
+        const KnifeAnswer taken = live_session.take_planned_hooks();
         ASSERT_TRUE(taken.done) << taken.reason;
-        const HookReport report = desk.hooks();
+        const HookReport report = live_session.hooks();
         ASSERT_EQ(report.hooks.size(), 2U) << taken.reason;
         EXPECT_LT((report.hooks[0].displacement - Vec3(0.0, 0.0, 10.0)).norm(), kRoundingMm);
         EXPECT_NEAR(report.hooks[1].displacement.z(), 10.0, 0.2) << "planned: 6 mm, where the other hook's lip is now";
@@ -397,17 +402,17 @@ namespace wound_hooks_test {
 
     /// A wound along the planned line, opened by two planned hooks that go 6 mm and are driven so besides.
     struct PlannedWound {
-        SurgerySession desk;
+        SurgerySession live_session;
 
         explicit PlannedWound(const HookPull& pull)
-            : desk(wall_with_planned_hooks(pull, 8.0))
+            : live_session(wall_with_planned_hooks(pull, 8.0))
         {
-            EXPECT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }, 20.0).done);
-            const KnifeAnswer taken = desk.take_planned_hooks();
+            EXPECT_TRUE(draw(live_session, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }, 20.0).done);
+            const KnifeAnswer taken = live_session.take_planned_hooks();
             EXPECT_TRUE(taken.done) << taken.reason;
             EXPECT_EQ(taken.reason, "");
         }
-        std::vector<HookState> hooks() const { return desk.hooks().hooks; }
+        std::vector<HookState> hooks() const { return live_session.hooks().hooks; }
         double force_N(std::size_t hook) const { return hooks()[hook].force_N.norm(); }
         double way_mm(std::size_t hook) const { return hooks()[hook].displacement.norm(); }
     };
@@ -416,8 +421,8 @@ namespace wound_hooks_test {
     {
         constexpr double kForceN = 3.0;
         PlannedWound wound({ .force_N = kForceN });
-        SurgerySession& desk = wound.desk;
-        expect_exact(desk);
+        SurgerySession& live_session = wound.live_session;
+        expect_exact(live_session);
         const double way = wound.way_mm(0);
         EXPECT_GT(way, 0.5);
         for (const HookState& hook : wound.hooks()) {
@@ -426,24 +431,24 @@ namespace wound_hooks_test {
             EXPECT_FALSE(hook.yielded);
         }
         // The slider: half the force goes half the way, in linear tissue.
-        desk.pull_hooks_by_share(0.5);
-        expect_exact(desk);
+        live_session.pull_hooks_by_share(0.5);
+        expect_exact(live_session);
         EXPECT_NEAR(wound.force_N(0), 0.5 * kForceN, kAtForce * kForceN);
         EXPECT_NEAR(wound.way_mm(0), 0.5 * way, kAtForce * way);
         EXPECT_EQ(share_of_plan(wound.hooks()), 0.5);
-        desk.pull_hooks_by_share(1.0);
+        live_session.pull_hooks_by_share(1.0);
         EXPECT_NEAR(wound.way_mm(0), way, kAtForce * way);
         // A lip that is cut behind gives way to the same force; undone, it is as before.
-        ASSERT_TRUE(draw(desk, { 30.0, 0.0, 78.0 }, { 90.0, 0.0, 78.0 }, 20.0).done);
-        expect_exact(desk);
+        ASSERT_TRUE(draw(live_session, { 30.0, 0.0, 78.0 }, { 90.0, 0.0, 78.0 }, 20.0).done);
+        expect_exact(live_session);
         EXPECT_NEAR(wound.force_N(0), kForceN, kAtForce * kForceN);
         EXPECT_GT(wound.way_mm(0), 1.05 * way);
-        desk.undo();
-        expect_exact(desk);
+        live_session.undo();
+        expect_exact(live_session);
         EXPECT_NEAR(wound.way_mm(0), way, kAtForce * way);
         // The same on a solver that is made anew.
-        desk.set_tension(0.02);
-        settle(desk);
+        live_session.set_tension(0.02);
+        settle(live_session);
         EXPECT_NEAR(wound.force_N(0), kForceN, kAtForce * kForceN);
         EXPECT_EQ(share_of_plan(wound.hooks()), 1.0);
     }
@@ -452,24 +457,24 @@ namespace wound_hooks_test {
     {
         constexpr double kForceN = 3.0, kLimitN = 2.0;
         PlannedWound wound({ .force_N = kForceN });
-        SurgerySession& desk = wound.desk;
-        desk.set_yield(kLimitN);
+        SurgerySession& live_session = wound.live_session;
+        live_session.set_yield(kLimitN);
         EXPECT_NEAR(wound.force_N(0), kLimitN, kAtForce * kLimitN);
         EXPECT_TRUE(wound.hooks()[0].yielded);
-        desk.set_yield(std::numeric_limits<double>::infinity());
+        live_session.set_yield(std::numeric_limits<double>::infinity());
         EXPECT_NEAR(wound.force_N(0), kForceN, kAtForce * kForceN);
         EXPECT_FALSE(wound.hooks()[0].yielded);
         // One of them is drawn by hand: it goes where that is, and the slider drives the other.
         const Vec3 hand(0.5, 0.0, 4.0);
-        desk.pull_hook(wound.hooks()[0].id, hand);
+        live_session.pull_hook(wound.hooks()[0].id, hand);
         EXPECT_LT((wound.hooks()[0].displacement - hand).norm(), kRoundingMm);
-        desk.pull_hooks_by_share(0.25);
-        expect_exact(desk);
+        live_session.pull_hooks_by_share(0.25);
+        expect_exact(live_session);
         EXPECT_LT((wound.hooks()[0].displacement - hand).norm(), kRoundingMm);
         EXPECT_NEAR(wound.force_N(1), 0.25 * kForceN, kAtForce * kForceN);
-        EXPECT_THROW(desk.pull_hooks_by_share(std::numeric_limits<double>::quiet_NaN()), InputError);
+        EXPECT_THROW(live_session.pull_hooks_by_share(std::numeric_limits<double>::quiet_NaN()), InputError);
         // Drawn alike, by millimetres, none is left of its plan.
-        desk.pull_all_hooks(5.0);
+        live_session.pull_all_hooks(5.0);
         EXPECT_NEAR(wound.way_mm(1), 5.0, kRoundingMm);
         EXPECT_FALSE(share_of_plan(wound.hooks()).has_value());
     }
@@ -478,53 +483,53 @@ namespace wound_hooks_test {
     {
         constexpr double kForceN = 3.0;
         PlannedWound wound({ .force_N = kForceN });
-        SurgerySession& desk = wound.desk;
+        SurgerySession& live_session = wound.live_session;
         const Vec3 pull = wound.hooks()[0].seat.pull;
         const auto between_mm
             = [&] { return (wound.hooks()[0].displacement - wound.hooks()[1].displacement).dot(pull); };
         // Drawn into the other one, that pulls with its force, it stops where that is.
         const double way = wound.way_mm(1);
-        desk.pull_hook(wound.hooks()[0].id, -20.0 * pull);
+        live_session.pull_hook(wound.hooks()[0].id, -20.0 * pull);
         EXPECT_GT(wound.hooks()[0].displacement.dot(pull), -1.5 * way);
         EXPECT_GT(between_mm(), -0.2) << "the lips are as good as straight";
-        EXPECT_NE(desk.hooks().meeting, "");
+        EXPECT_NE(live_session.hooks().meeting, "");
         // Let go of, the other one is on its way back to the closed wound: it stops at the one that is held.
         const Vec3 held = wound.hooks()[0].displacement;
-        desk.pull_hooks_by_share(0.0);
-        settle(desk);
+        live_session.pull_hooks_by_share(0.0);
+        settle(live_session);
         EXPECT_LT((wound.hooks()[0].displacement - held).norm(), kRoundingMm);
         EXPECT_NEAR(between_mm(), 0.0, 0.2);
-        EXPECT_NE(desk.hooks().meeting, "");
-        EXPECT_LT(desk.hooks().residual, kResidual);
+        EXPECT_NE(live_session.hooks().meeting, "");
+        EXPECT_LT(live_session.hooks().residual, kResidual);
         // Out of its way, it goes there.
-        desk.pull_hook(wound.hooks()[0].id, 2.0 * pull);
+        live_session.pull_hook(wound.hooks()[0].id, 2.0 * pull);
         EXPECT_LT(wound.force_N(1), kAtForce * kForceN);
         EXPECT_GT(between_mm(), 0.5);
-        EXPECT_EQ(desk.hooks().meeting, "");
+        EXPECT_EQ(live_session.hooks().meeting, "");
     }
 
     TEST(WoundHooks, PlannedOnesYieldAtTheirOwnLimit)
     {
         const double free_N = PlannedWound({}).force_N(0), limit_N = 0.6 * free_N;
         PlannedWound wound({ .force_limit_N = limit_N });
-        SurgerySession& desk = wound.desk;
-        expect_exact(desk);
+        SurgerySession& live_session = wound.live_session;
+        expect_exact(live_session);
         for (std::size_t h = 0; h < 2; ++h) {
             EXPECT_TRUE(wound.hooks()[h].yielded) << h;
             EXPECT_NEAR(wound.force_N(h), limit_N, kAtForce * limit_N);
             EXPECT_LT(wound.way_mm(h), 5.0);
         }
         // In the hand, too; where it draws less far than that takes, it holds.
-        desk.pull_all_hooks(8.0);
+        live_session.pull_all_hooks(8.0);
         EXPECT_NEAR(wound.force_N(0), limit_N, kAtForce * limit_N);
-        desk.pull_all_hooks(2.0);
+        live_session.pull_all_hooks(2.0);
         EXPECT_FALSE(wound.hooks()[0].yielded);
         EXPECT_NEAR(wound.way_mm(0), 2.0, kRoundingMm);
         // Of two limits the lower one holds.
-        desk.pull_all_hooks(8.0);
-        desk.set_yield(0.5 * limit_N);
+        live_session.pull_all_hooks(8.0);
+        live_session.set_yield(0.5 * limit_N);
         EXPECT_NEAR(wound.force_N(0), 0.5 * limit_N, kAtForce * limit_N);
-        desk.set_yield(2.0 * limit_N);
+        live_session.set_yield(2.0 * limit_N);
         EXPECT_NEAR(wound.force_N(0), limit_N, kAtForce * limit_N);
     }
 
@@ -532,7 +537,7 @@ namespace wound_hooks_test {
     {
         constexpr double kGrip = 1.0; // N/mm
         PlannedWound wound({ .grip_N_per_mm = kGrip });
-        expect_exact(wound.desk);
+        expect_exact(wound.live_session);
         for (const HookState& hook : wound.hooks()) {
             const Vec3 left = 6.0 * hook.seat.pull - hook.displacement;
             EXPECT_GT(left.norm(), 0.1) << hook.name;
@@ -543,18 +548,19 @@ namespace wound_hooks_test {
 
     TEST(WoundHooks, WhatGivesNoHoldIsRefusedInWords)
     {
-        SurgerySession desk(layered_wall());
-        const auto refused = [&](double x, double z) { return desk.place_hook(at(desk, x, z)).reason; };
+        SurgerySession live_session(layered_wall());
+        const auto refused = [&](double x, double z) { return live_session.place_hook(at(live_session, x, z)).reason; };
         EXPECT_NE(refused(60.0, 60.0).find("cut first"), std::string::npos);
-        ASSERT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }).done);
+        ASSERT_TRUE(draw(live_session, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }).done);
         EXPECT_NE(refused(60.0, 100.0).find("no wound within"), std::string::npos) << refused(60.0, 100.0);
-        ASSERT_TRUE(desk.place_hook(at(desk, 60.0, 63.0)).done);
+        ASSERT_TRUE(live_session.place_hook(at(live_session, 60.0, 63.0)).done);
         const std::string twice = refused(60.0, 63.0);
         EXPECT_NE(twice.find("two hooks hold one vertex"), std::string::npos) << twice;
-        EXPECT_EQ(desk.hooks().hooks.size(), 1U);
-        EXPECT_THROW(desk.pull_hook(desk.hooks().hooks[0].id, Vec3(0.0, 0.0, std::nan(""))), InputError);
-        desk.pull_hook(77, Vec3::Zero()); // taken off meanwhile
-        ASSERT_TRUE(desk.begin_stroke(at(desk, 30.0, 90.0), {}).done);
+        EXPECT_EQ(live_session.hooks().hooks.size(), 1U);
+        EXPECT_THROW(
+            live_session.pull_hook(live_session.hooks().hooks[0].id, Vec3(0.0, 0.0, std::nan(""))), InputError);
+        live_session.pull_hook(77, Vec3::Zero()); // taken off meanwhile
+        ASSERT_TRUE(live_session.begin_stroke(at(live_session, 30.0, 90.0), {}).done);
         EXPECT_NE(refused(50.0, 57.0).find("a stroke is open"), std::string::npos);
         SurgerySetup floating = layered_wall();
         floating.held.clear();
@@ -568,19 +574,19 @@ namespace wound_hooks_test {
     TEST(WoundHooks, ANewFactorIsMadeInTheBackgroundWhileTheKnifeGoesOn)
     {
         OpenWound wound;
-        SurgerySession& desk = wound.desk;
-        desk.pull_all_hooks(2.0);
+        SurgerySession& live_session = wound.live_session;
+        live_session.pull_all_hooks(2.0);
         for (const double z : { 30.0, 90.0 }) {
-            ASSERT_TRUE(draw(desk, { 15.0, 0.0, z }, { 85.0, 0.0, z }, 20.0).done);
+            ASSERT_TRUE(draw(live_session, { 15.0, 0.0, z }, { 85.0, 0.0, z }, 20.0).done);
             wound.expect_exact();
         }
         // The factor is taken when the hand next moves.
-        for (int i = 0; i < kPatience && desk.hooks().factors_swapped == 0; ++i) {
+        for (int i = 0; i < kPatience && live_session.hooks().factors_swapped == 0; ++i) {
             std::this_thread::sleep_for(std::chrono::milliseconds(50));
-            desk.pull_all_hooks(3.0);
-            settle(desk);
+            live_session.pull_all_hooks(3.0);
+            settle(live_session);
         }
-        EXPECT_GT(desk.hooks().factors_swapped, 0);
+        EXPECT_GT(live_session.hooks().factors_swapped, 0);
         wound.expect_exact();
     }
 
@@ -593,20 +599,20 @@ namespace wound_hooks_test {
         table.approach.sizing.corridor_edge_mm = kSlabEdgeMm;
         OpenWound planned(std::move(table)), unplanned;
         for (OpenWound* wound : { &planned, &unplanned }) {
-            wound->desk.pull_all_hooks(2.0);
-            ASSERT_TRUE(draw(wound->desk, { 15.0, 0.0, 31.0 }, { 85.0, 0.0, 29.0 }, 20.0).done); // nearly
+            wound->live_session.pull_all_hooks(2.0);
+            ASSERT_TRUE(draw(wound->live_session, { 15.0, 0.0, 31.0 }, { 85.0, 0.0, 29.0 }, 20.0).done); // nearly
         }
         planned.expect_exact();
         // By the time that one without a plan has its new factor, the other would have, too.
-        for (int i = 0; i < kPatience && unplanned.desk.hooks().factors_swapped == 0; ++i) {
+        for (int i = 0; i < kPatience && unplanned.live_session.hooks().factors_swapped == 0; ++i) {
             std::this_thread::sleep_for(std::chrono::milliseconds(50));
             for (OpenWound* wound : { &unplanned, &planned }) {
-                wound->desk.pull_all_hooks(3.0);
-                settle(wound->desk);
+                wound->live_session.pull_all_hooks(3.0);
+                settle(wound->live_session);
             }
         }
-        EXPECT_GT(unplanned.desk.hooks().factors_swapped, 0);
-        EXPECT_EQ(planned.desk.hooks().factors_swapped, 0);
+        EXPECT_GT(unplanned.live_session.hooks().factors_swapped, 0);
+        EXPECT_EQ(planned.live_session.hooks().factors_swapped, 0);
     }
 
     TEST(KnifeWorker, TheWoundFollowsTheHandAndItsNumbersSettle)

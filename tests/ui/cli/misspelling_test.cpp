@@ -27,7 +27,10 @@ namespace misspelling_test {
             approach->add_subcommand("add")->add_option("--target", case_);
             approach->add_subcommand("remove");
         }
-        std::string said(const std::vector<std::string>& arguments) const { return cli::misspelling(app_, arguments); }
+        std::string said(const std::vector<std::string>& arguments) const
+        {
+            return ui::cli::misspelling(app_, arguments);
+        }
 
         CLI::App app_ { "a program", "retractor" };
         int threads_ = 0;

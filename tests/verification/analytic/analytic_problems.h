@@ -1,5 +1,5 @@
 #pragma once
-// Problems whose answer a formula gives. Each source of this folder defines one family or a few.
+// Problems whose answer is given by a formula. Each source of this folder defines one or several problems.
 
 #include "tests/verification/framework/problem.h"
 

@@ -15,9 +15,9 @@ namespace retractor::verification {
 namespace {
 
     constexpr double kC = 0.002, kBeamPressure = 4e-6; // MPa
-    constexpr double kMuscleBulk = 0.5; // MPa: compresses by 1e-4 at the stresses that occur
-    constexpr double kLowest = 4.0, kHighest = 4.2; // mm, of the eleven published codes
-    constexpr double kHalfRange = (kHighest - kLowest) / (kHighest + kLowest); // over the middle
+    constexpr double kMuscleBulk = 0.5; // MPa: gives a volume change of 1e-4 at the stresses that occur
+    constexpr double kLowest = 4.0, kHighest = 4.2; // mm, range of the eleven published codes
+    constexpr double kHalfRange = (kHighest - kLowest) / (kHighest + kLowest); // relative to the middle of the range
 
     const OrderRule kCoarseBeam { .asks = OrderRule::Asks::fall,
         .why = "one to four cells of linear elements bend too little or, averaged, too much" };
@@ -56,7 +56,7 @@ namespace {
         return row;
     }
 
-    /// Of a row without a bound: in the published range, or how far outside.
+    /// Note of a row without a bound: inside the published range, or the distance outside.
     void say_where(VerificationRow& row)
     {
         const double outside = std::max(kLowest - row.value, row.value - kHighest);

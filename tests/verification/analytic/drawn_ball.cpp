@@ -1,9 +1,9 @@
-// A rigid ball drawn within an elastic ball that is held round its outside: a smooth closed form in the whole of space,
-// without planes of symmetry, so that it can be asked of OnlineOpening too, where the ball inside is a hook.
+// A rigid ball that is moved within an elastic ball with a fixed outside. The closed form is smooth in all of space
+// and needs no planes of symmetry, so OnlineOpening can solve the problem too, with the inner ball as a hook.
 //
-// The field is linear in the direction e it is drawn in: u = A e + B r^2 e + C (e . r) r with constants for what is
-// regular, and Kelvin's and the dipole's field for what is not [Love, Mathematical theory of elasticity, 1927, art.
-// 174]; the four constants follow from u = d e at the ball and u = 0 outside.
+// The field is linear in the direction e of the motion: u = A e + B r^2 e + C (e . r) r with constants for the
+// regular part, and Kelvin's and the dipole's field for the singular part [Love, Mathematical theory of elasticity,
+// 1927, art. 174]. The four constants follow from u = d e at the ball and u = 0 outside.
 
 #include "tests/verification/analytic/analytic_problems.h"
 
@@ -30,9 +30,9 @@ namespace {
     const fem::Material kBallTissue { "tissue", 0.01, 0.3, 1e-9, "reference" };
     constexpr double kDrawn = 2.0; // mm
     const Vec3 kDirection(0.6, 0.0, 0.8);
-    constexpr double kOnBall = 1e-6; // of the radius
+    constexpr double kOnBall = 1e-6; // relative to the radius
 
-    /// N. In each term the part along e and the part along (e . r) r / r^2, at the two radii.
+    /// Force on the ball, N. Each term has a part along e and a part along (e . r) r / r^2, at the two radii.
     double exact_force()
     {
         const double nu = kBallTissue.poissons_ratio;
@@ -45,11 +45,11 @@ namespace {
             A.row(2 * end + 1) << 0.0, alpha * r * r, 1.0 / r, -3.0 / (r * r * r);
         }
         const Eigen::Vector4d c = A.fullPivLu().solve(Eigen::Vector4d(kDrawn, 0.0, 0.0, 0.0));
-        return 16.0 * std::numbers::pi * mu * (1.0 - nu) * c[2]; // Kelvin's part alone carries a force
+        return 16.0 * std::numbers::pi * mu * (1.0 - nu) * c[2]; // only Kelvin's part carries a force
     }
 
-    /// The cube -m .. m without the one from -hole to hole; each octant the mirror image of the first, whose elements
-    /// lie on one side of the planes where two coordinates are alike.
+    /// The cube -m .. m without the cube -hole .. hole. Each octant is a mirror image of the first, whose elements
+    /// lie on one side of the planes where two coordinates are equal.
     mesh::TetMesh mirrored_cube(int m, int hole)
     {
         const mesh::TetMesh octant = mesh::kuhn_box(m, m, m, 1.0);
@@ -88,7 +88,8 @@ namespace {
         return mesh;
     }
 
-    /// n cells from the ball's middle to its edge along its surface, n from its surface to the outside, which grow.
+    /// A mesh with n cells from the ball's middle to its edge along its surface, and n growing cells from its surface
+    /// to the outside.
     mesh::TetMesh ball_mesh(int nodes_per_tet, int n)
     {
         mesh::TetMesh mesh = mirrored_cube(2 * n, n);
@@ -140,7 +141,7 @@ namespace {
         return row;
     }
 
-    /// From the top, half way to the ball.
+    /// A cut from the top, half way to the ball.
     mesh::Blade blade()
     {
         const double top = kShell + 1.0, deep = 0.5 * (kShell + kBall);
@@ -149,8 +150,9 @@ namespace {
         };
     }
 
-    /// The body was factored before; it is cut, and the cut is undone, with every step followed. Then the ball is
-    /// drawn. Two rows: the hook's force with the whole field, attached anew, and dragged by its columns.
+    /// The fast path: the body was factored before, is cut, and the cut is undone; the solver follows every step.
+    /// Then the ball is moved. Two rows: the hook's force with the whole field after attaching the hook, and after
+    /// dragging the hook by its columns.
     std::array<VerificationRow, 2> drawn_after_cutting(fem::BodyKept kept, const std::string& name, int n)
     {
         mesh::CutSession session(ball_mesh(4, n));
@@ -219,7 +221,7 @@ VerificationProblem drawn_ball_problem()
                     if (!job.cancelled())
                         series.push_back(at_once(element, n, job));
                 const bool quadratic = element == VerificationElement::p2;
-                // One to three cells from the ball to the outside: P2 nears its order from below.
+                // With one to three cells from the ball to the outside P2 approaches its order from below.
                 if (element == VerificationElement::nodal)
                     append_series(rows, series, 2.0, kNoBound,
                         { .asks = OrderRule::Asks::fall,

@@ -1,5 +1,5 @@
-// A slender cantilever under a dead load at its tip, which turns by half a right angle: the elastica [Euler 1744;
-// Bisshopp, Drucker 1945, doi 10.1090/qam/13360]. Corotational elements beside hyperelastic ones.
+// A slender cantilever whose tip turns by 45 degrees under a dead load: the elastica [Euler 1744; Bisshopp, Drucker
+// 1945, doi 10.1090/qam/13360]. Corotational and hyperelastic elements are compared.
 
 #include "tests/verification/analytic/analytic_problems.h"
 
@@ -13,10 +13,11 @@ namespace retractor::verification {
 
 namespace {
 
-    constexpr double kBeamLength = 20.0, kBeamHeight = 1.0, kBeamYoung = 1.0; // mm, MPa; no Poisson's ratio: a beam's
+    // mm, MPa; Poisson's ratio is zero, as in a beam
+    constexpr double kBeamLength = 20.0, kBeamHeight = 1.0, kBeamYoung = 1.0;
     constexpr double kLoad = 2.0; // P L^2 / (E I)
-    constexpr double kDeflection = 0.49346; // over the length [Mattiasson 1981, doi 10.1002/nme.1620170113]
-    /// What shear adds, of the deflection: 0.6 (h / L)^2, and what stretching does, is not in the elastica.
+    constexpr double kDeflection = 0.49346; // relative to the length [Mattiasson 1981, doi 10.1002/nme.1620170113]
+    /// Additional deflection by shear, 0.6 (h / L)^2 of the deflection, and by stretching, which the elastica omits.
     constexpr double kSlender = 0.6 * kBeamHeight * kBeamHeight / (kBeamLength * kBeamLength);
 
     VerificationRow cantilever(VerificationElement element, const VerificationLaw& law, int n, const Job& job)
@@ -26,7 +27,7 @@ namespace {
         });
         constexpr double kTiny = 1e-9;
         Held held = hold_nothing(mesh);
-        std::vector<VertexId> corners; // of the free end
+        std::vector<VertexId> corners; // corners of the free end
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v) {
             const Vec3 p = mesh.vertices.row(v).transpose();
             const auto at_rim = [](double x) { return x < kTiny || x > kBeamHeight - kTiny; };
@@ -69,7 +70,7 @@ VerificationProblem cantilever_problem()
                 VerificationElement element;
                 std::vector<int> meshes;
                 double order, bound;
-                std::string why_falls {}; ///< where no order is to be seen
+                std::string why_falls {}; ///< reason why no order is visible
             };
             const Run runs[] = { { VerificationElement::p1, { 1, 2, 3 }, 2.0, kNoBound, "far too stiff in bending" },
                 { VerificationElement::locking_free, { 1, 2, 3 }, 2.0, 0.05 },

@@ -1,4 +1,5 @@
-// A tube under inner pressure whose two families of fibres wind round it: the direction turns from element to element.
+// A tube under inner pressure with two families of fibres that wind round the tube: the fibre direction turns from
+// element to element.
 
 #include "tests/verification/analytic/analytic_problems.h"
 
@@ -21,8 +22,8 @@ namespace {
 
     double radians(double deg) { return deg * std::numbers::pi / 180.0; }
 
-    /// Derivatives of kArtery's energy by the principal stretches, the axial one 1: the families, alike on both sides
-    /// of the circumference, turn none of the principal directions.
+    /// Derivatives of kArtery's energy by the principal stretches, with axial stretch 1. The two families lie
+    /// symmetrically about the circumference, so the principal directions do not turn.
     RingStress wall_stress(const RingStretch& ring, double angle_deg)
     {
         const double round = std::pow(std::cos(radians(angle_deg)), 2), J = ring.hoop * ring.radial;
@@ -30,10 +31,11 @@ namespace {
         const double I1 = scale * (hoop2 + ring.radial * ring.radial + 1.0), I4 = scale * (round * hoop2 + 1.0 - round);
         const double spread = kArtery.dispersion, along = 1.0 - 3.0 * spread;
         const double e = spread * (I1 - 3.0) + along * (I4 - 1.0);
-        const double pull
-            = e > 0.0 ? 2.0 * kArtery.k1 * e * std::exp(kArtery.k2 * e * e) : 0.0; // of both families, by e
+        // derivative of the energy of both families by e
+        const double pull = e > 0.0 ? 2.0 * kArtery.k1 * e * std::exp(kArtery.k2 * e * e) : 0.0;
         const double by_I1 = 0.5 * kArtery.mu + pull * spread, by_I4 = pull * along;
-        const auto stress = [&](double stretch, double share) { // share of a fibre that lies along it
+        // share: the part of the fibre direction along the stretch
+        const auto stress = [&](double stretch, double share) {
             const double mean = 1.0 / (1.5 * stretch);
             return by_I1 * (2.0 * scale * stretch - mean * I1) + by_I4 * (2.0 * scale * share * stretch - mean * I4)
                 + kArtery.bulk * std::log(J) / stretch;
@@ -46,7 +48,7 @@ namespace {
     {
         VerificationLaw law = hyperelastic_law("Holzapfel-Gasser-Ogden", kArtery);
         law.around = fem::FibresAround { .angle_deg = angle_deg };
-        constexpr double kWidest = 1.5; // stretch of the bore: well beyond what these walls allow
+        constexpr double kWidest = 1.5; // stretch of the bore: well beyond these walls
         const double expected = kVesselInner
             * (bore_stretch(
                    { kVesselInner, kVesselOuter, [=](const RingStretch& r) { return wall_stress(r, angle_deg); } },
@@ -74,7 +76,8 @@ namespace {
             series.push_back(row);
         }
         std::vector<VerificationRow> judged;
-        constexpr double kOrder = 2.0, kBound = 5e-3; // one direction per element: an angle off by their size
+        // one fibre direction per element: the error of the angle is proportional to the element size
+        constexpr double kOrder = 2.0, kBound = 5e-3;
         append_series(judged, series, kOrder, kBound);
         return judged;
     }

@@ -1,5 +1,5 @@
-// Validation problem 5: a cut under tension gapes. Finite elements on the cut mesh, and the same answer found while the
-// knife moves (OnlineOpening).
+// Validation problem 5: a cut under tension gapes. Finite elements on the cut mesh are compared with the closed form,
+// and so is the solution that follows the knife (OnlineOpening).
 
 #include "tests/verification/analytic/analytic_problems.h"
 
@@ -19,9 +19,9 @@ namespace retractor::verification {
 
 namespace {
 
-    constexpr double kSkinModulus = 0.2; // skin, MPa; the gape does not depend on it
+    constexpr double kSkinModulus = 0.2; // skin, MPa; the gape does not depend on the modulus
     constexpr double kSkinRatio = 0.25;
-    constexpr double kStrain = 0.04, kAlongCut = 0.01; // the second where the strains differ
+    constexpr double kStrain = 0.04, kAlongCut = 0.01; // the second strain where the two strains differ
     constexpr double kOnMiddle = 1e-9; // mm
 
     struct Tension {
@@ -40,12 +40,13 @@ namespace {
         { fem::PreStrainKind::held_width, "incision gape, width held" },
         { fem::PreStrainKind::equibiaxial, "incision gape, both ways" },
         { fem::PreStrainKind::biaxial, "incision gape, 4 % across it and 1 % along" } };
-    /// The closed form is of small strain: laws that are not are held to it here, but for squares of the strain.
+    /// Strain for nonlinear laws. The closed form holds for small strain; at this strain nonlinear laws follow the
+    /// closed form up to squares of the strain.
     constexpr double kSmallStrain = 1e-4;
     constexpr Tension kSmallTension { fem::PreStrainKind::uniaxial_stress, "incision gape, 0.01 % across it",
         kSmallStrain };
 
-    /// Skin that keeps its volume: the gape is the same.
+    /// Incompressible skin: the gape is the same.
     constexpr Tension kIncompressible { fem::PreStrainKind::uniaxial_stress, "incision gape, pulled across, nu 0.49",
         kStrain, 0.49 };
 
@@ -77,7 +78,7 @@ namespace {
         }
     };
 
-    /// @param mesh that was solved: cut, with the vertices that the cut doubled.
+    /// @param mesh the solved mesh: cut, with the vertices that the cut doubled.
     VerificationRow row_of(const TenseSheet& sheet, const std::string& element, const mesh::TetMesh& mesh)
     {
         VerificationRow row;
@@ -97,7 +98,7 @@ namespace {
                 kAlongCut));
     }
 
-    /// The rim moves as an infinite sheet's would there.
+    /// The rim moves as the infinite sheet does there.
     Points rim_displacement(const TenseSheet& sheet, const mesh::TetMesh& mesh, const std::vector<VertexId>& rim)
     {
         Points u = Points::Zero(mesh.vertices.rows(), 3);
@@ -108,8 +109,8 @@ namespace {
         return u;
     }
 
-    /// release_wound() for elements that average their strain and laws that are not linear, too.
-    ReleasedWound released(VerificationElement element, const VerificationLaw& law, const fem::Material& skin,
+    /// As release_wound(), also for elements with averaged strain and for nonlinear laws.
+    fem::ReleasedWound released(VerificationElement element, const VerificationLaw& law, const fem::Material& skin,
         const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& lips, const std::vector<Mat3>& stresses,
         const std::vector<VertexId>& rim, const Points& rim_displacement, const Job& job)
     {
@@ -123,7 +124,7 @@ namespace {
                 hold(held, v, axis, rim_displacement(v, axis));
         fem::ElasticBody body = make_body(mesh, element, law);
         body.set_loads({ fem::release_forces(mesh, lips, stresses), {} });
-        // Forces of strains so small are differences of large ones: round-off leaves more of them.
+        // The forces of such small strains are differences of large forces, so round-off is larger.
         const double tolerance = law.model == fem::Elasticity::linear ? 1e-9 : 1e-7;
         const VerificationSolve solve
             = solve_problem(body, held.prescribed, held.target, { .load_steps = 1, .tolerance = tolerance }, job);
@@ -171,7 +172,7 @@ namespace {
         return row;
     }
 
-    /// Where the knife will go.
+    /// The path of the knife.
     std::vector<VertexId> cut_line(const TenseSheet& sheet)
     {
         std::vector<VertexId> line;
@@ -183,8 +184,8 @@ namespace {
         return line;
     }
 
-    /// The rim is held where it is, at 15 half lengths of the cut: its pull is of order (1/15)^2. The time is that from
-    /// the cut to the whole field; the body was factored before.
+    /// The rim is fixed at 15 half lengths of the cut, with an influence of order (1/15)^2. The time runs from the
+    /// cut to the whole field; the body was factored before.
     VerificationRow while_cutting(const Tension& tension, int around)
     {
         TenseSheet sheet { .problem = { .radius = 600.0, .around = around }, .tension = tension };
@@ -224,14 +225,15 @@ VerificationProblem gape_problem()
         "sheet is one cell thick, which opens it more than a thin one: "
         "ten-node elements see that, of order 1",
         [](const VerificationOptions& options, const Job& job) {
-            constexpr double kFour = 0.01,
-                             kTen = 0.03; // the sheet's thickness; cells of ten-node ones are twice as large
-            constexpr double kRim = 0.02; // which stands still where the sheet is solved while it is cut
+            // effect of the sheet's thickness; cells of ten-node elements are twice as large
+            constexpr double kFour = 0.01, kTen = 0.03;
+            constexpr double kRim = 0.02; // effect of the rim, which is fixed where the sheet is solved while it is cut
             std::vector<int> around { 32, 64, 96 };
             if (options.fine)
                 around.push_back(128);
             std::vector<VerificationRow> rows;
-            // The lips feel the stress across them alone: each tension is the first, scaled, and P1 tells of it.
+            // Only the stress across the lips loads them. All tensions are therefore multiples of the first, and P1
+            // alone is enough for them.
             for (const Tension& tension : kTensions) {
                 const bool first = tension.kind == fem::PreStrainKind::uniaxial_stress;
                 std::vector<VerificationRow> p1, p2, online;

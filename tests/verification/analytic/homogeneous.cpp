@@ -1,5 +1,5 @@
-// Validation problem 8: homogeneous states of an incompressible cube: neo-Hookean, and stretched one way also by the
-// other laws that have a closed form there.
+// Validation problem 8: homogeneous states of an incompressible cube. Neo-Hookean in all states; other laws in
+// uniaxial tension, where they have a closed form.
 
 #include "tests/verification/analytic/analytic_problems.h"
 
@@ -36,17 +36,18 @@ namespace {
         return all;
     }
 
-    /// Stretched one way: Cauchy stress lambda dW / dlambda of a law that keeps its volume.
+    /// Uniaxial tension: Cauchy stress lambda dW / dlambda of an incompressible law.
     double stretched_stress(const fem::MooneyRivlin& law, double l)
     {
         return 2.0 * (l * l - 1.0 / l) * (law.c10 + law.c01 / l);
     }
-    /// Both families along the stretch.
+    /// Fibres: both families along the stretch.
     double stretched_stress(const fem::HolzapfelGasserOgden& law, double l)
     {
         const double spread = law.dispersion, along = 1.0 - 3.0 * spread;
         const double e = spread * (l * l + 2.0 / l - 3.0) + along * (l * l - 1.0);
-        const double fibres = e > 0.0 ? 2.0 * law.k1 * e * std::exp(law.k2 * e * e) : 0.0; // of two families
+        // derivative of the energy of two families
+        const double fibres = e > 0.0 ? 2.0 * law.k1 * e * std::exp(law.k2 * e * e) : 0.0;
         return law.mu * (l * l - 1.0 / l) + fibres * (spread * (2.0 * l * l - 2.0 / l) + 2.0 * along * l * l);
     }
     template <class Law> std::vector<Case> stretches(const Law& law)
@@ -73,7 +74,7 @@ namespace {
         return held;
     }
 
-    /// Cauchy stress by the force on the face x = 1, or z = 1 in shear, and its deformed area.
+    /// Cauchy stress from the force on the face x = 1, or z = 1 in shear, and the deformed area of that face.
     double stress(const mesh::TetMesh& mesh, const Case& c, const fem::Equilibrium& result)
     {
         const int face = c.state == State::shear ? 2 : 0;
@@ -100,7 +101,7 @@ namespace {
         VerificationRow row
             = make_row(c.name + ", " + std::to_string(c.amount).substr(0, 3), element, law, mesh, solve);
         compare(row, "Cauchy stress, MPa", stress(mesh, c, solve.equilibrium), c.exact);
-        row.bound = 10.0 * std::max(kCubeMu, std::abs(c.exact)) / kCubeBulk; // as far as it compresses
+        row.bound = 10.0 * std::max(kCubeMu, std::abs(c.exact)) / kCubeBulk; // effect of the compressibility
         return row;
     }
 

@@ -1,4 +1,5 @@
-// Validation problem 7: a half-space under a flat punch, a ball, a disc of pressure and a point load. Frictionless.
+// Validation problem 7: a half-space under a flat punch, a ball, a disc of pressure and a point load, without
+// friction.
 
 #include "tests/verification/analytic/analytic_problems.h"
 
@@ -21,7 +22,7 @@ namespace {
 
     constexpr double kTissueYoung = 0.020, kTissuePoisson = 0.49; // MPa
     constexpr double kStar = kTissueYoung / (1.0 - kTissuePoisson * kTissuePoisson);
-    constexpr double kCircle = 5.0; // mm, of the meshes
+    constexpr double kCircle = 5.0; // radius of the circle of the meshes, mm
 
     constexpr const char* kRough
         = "under loads, not displacements, a surface of strains averaged round nodes goes up and "
@@ -29,8 +30,8 @@ namespace {
 
     struct Indentation {
         std::string name;
-        double a; ///< mm: radius of contact
-        std::function<double(double)> depth; ///< of the indenter at a radius, mm
+        double a; ///< radius of contact, mm
+        std::function<double(double)> depth; ///< depth of the indenter at a radius, mm
         double force; ///< N
         double order;
         std::string note {};
@@ -44,7 +45,7 @@ namespace {
 
     constexpr double kPressedBall = 8.0; // mm, radius
 
-    /// How deep a ball is pressed in that touches a circle of radius a [Sneddon 1965].
+    /// Depth of a ball whose contact circle has radius a [Sneddon 1965].
     double ball_depth(double a) { return 0.5 * a * std::log((kPressedBall + a) / (kPressedBall - a)); }
     double ball_force(double a)
     {
@@ -73,10 +74,10 @@ namespace {
             ball_force(a), 2.0 };
     }
 
-    /// Hertz takes a paraboloid for the ball.
+    /// Hertz replaces the ball by a paraboloid.
     Indentation shallow_ball()
     {
-        constexpr double d = 0.5, kRange = 0.06; // of the radius: where Hertz holds
+        constexpr double d = 0.5, kRange = 0.06; // relative to the radius: the range in which Hertz's theory holds
         static_assert(
             d > kRange * kPressedBall && d < 1.1 * kRange * kPressedBall, "at the end of the range, the note says");
         const double hertz = 4.0 / 3.0 * kStar * std::sqrt(kPressedBall) * std::pow(d, 1.5);
@@ -88,7 +89,7 @@ namespace {
             [=](double r) { return d - r * r / (2.0 * kPressedBall); }, hertz, 2.0, note };
     }
 
-    /// Force on the whole indenter: four times the quarter's.
+    /// Force on the whole indenter: four times the force on the quarter.
     double indenter_force(const QuarterCylinder& body, const Eigen::VectorXd& forces)
     {
         double sum = 0.0;
@@ -98,7 +99,7 @@ namespace {
         return 4.0 * sum;
     }
 
-    /// A linear body that is assembled and factored once for several targets and loads on the same held unknowns.
+    /// A linear body that is assembled and factorised once, for several targets and loads on the same held unknowns.
     class LinearSolves {
     public:
         LinearSolves(const QuarterCylinder& body, VerificationElement element, double poissons_ratio,
@@ -111,7 +112,7 @@ namespace {
             factor_seconds_ = watch_.seconds();
         }
 
-        /// Seconds are those of this solve and of the factorisation.
+        /// The time of this solution and of the factorisation.
         VerificationSolve solve(const Eigen::VectorXd& target, const Eigen::VectorXd& loads)
         {
             const Stopwatch watch;
@@ -136,7 +137,7 @@ namespace {
         double factor_seconds_ = 0.0;
     };
 
-    /// All on one mesh: lengths scale with the contact's radius, and so does the force of a given depth.
+    /// All indenters on one mesh: lengths, and the force of a given depth, scale with the contact radius.
     std::vector<VerificationRow> indent(
         const std::vector<Indentation>& indentations, const QuarterCylinder& body, VerificationElement element, int n)
     {
@@ -147,8 +148,8 @@ namespace {
                     hold(held, v, 2, depth(std::hypot(p.x(), p.y())));
             return held;
         };
-        // The far side moves with the force, which is not known: what the indenter takes with the far side at rest, and
-        // what a far side moved by a unit force takes off it.
+        // The far side moves with the unknown force. So the problem is solved twice: the force with the far side at
+        // rest, and the reduction of the force when the far side moves as under a unit force.
         const Held moved = with_far_side(pushed([](double) { return 0.0; }), body, kTissueYoung, kTissuePoisson, 1.0);
         LinearSolves solves(body, element, kTissuePoisson, moved.prescribed);
         const Eigen::VectorXd none = Eigen::VectorXd::Zero(moved.target.size());
@@ -169,10 +170,10 @@ namespace {
         return rows;
     }
 
-    /// Mean sinking of the nodes on the circle; those in the planes of symmetry stand for half as many.
+    /// Mean depth of the nodes on the circle. Nodes in the planes of symmetry have half the weight.
     double mean_on_circle(const QuarterCylinder& body, const VerificationSolve& solve)
     {
-        constexpr double kTiny = 1e-6; // of the radius
+        constexpr double kTiny = 1e-6; // relative to the radius
         double sum = 0.0, weights = 0.0;
         for (VertexId v = 0; v < static_cast<VertexId>(body.mesh.vertex_count()); ++v) {
             const Vec3 p = body.mesh.vertices.row(v).transpose();
@@ -193,11 +194,12 @@ namespace {
         return row;
     }
 
-    /// A disc of pressure: how far the middle, the edge, and the disc in the mean sink.
+    /// A disc of pressure: the depth of the middle, of the edge, and the mean depth of the disc.
     std::vector<VerificationRow> press_disc(const QuarterCylinder& body, VerificationElement element, int n)
     {
         constexpr double pressure = 0.001; // MPa
-        const double force = pressure * std::numbers::pi * kCircle * kCircle; // given: nothing is to be found out first
+        // given, so no unknown force must be found first
+        const double force = pressure * std::numbers::pi * kCircle * kCircle;
         const Held held = with_far_side(symmetric(body), body, kTissueYoung, kTissuePoisson, force);
         const Eigen::VectorXd loads = fem::traction_loads(body.mesh, body.circle(), Vec3(0.0, 0.0, pressure));
         const VerificationSolve solve
@@ -212,14 +214,14 @@ namespace {
         return rows;
     }
 
-    /// A point load, which has no limit where it stands: how far a circle round it sinks. Compressible: tissue that
-    /// keeps its volume feels the infinite strain under the point much farther away.
+    /// A point load: the depth of a circle round the load, because the depth at the load is infinite. The tissue is
+    /// compressible: in incompressible tissue the infinite strain under the load has an influence much farther away.
     VerificationRow press_point(const QuarterCylinder& body, VerificationElement element, int n)
     {
         constexpr double force = 0.1, nu = 0.3; // N
         const Held held = with_far_side(symmetric(body), body, kTissueYoung, nu, force);
         Eigen::VectorXd load = Eigen::VectorXd::Zero(held.target.size());
-        load[3 * body.nearest(Vec3::Zero()) + 2] = 0.25 * force; // of a quarter
+        load[3 * body.nearest(Vec3::Zero()) + 2] = 0.25 * force; // load on a quarter
         const VerificationSolve solve = LinearSolves(body, element, nu, held.prescribed).solve(held.target, load);
         VerificationRow row = pressed_row("point load, nu 0.3", body, element, n, solve);
         compare(row, "mean sinking of the circle of 5 mm round it, mm", mean_on_circle(body, solve),
@@ -241,9 +243,10 @@ VerificationProblem indentation_problem()
             struct Pressed {
                 double order, bound;
             };
-            constexpr double kForce = 0.05; // of an indenter; its force over its depth is a mean, as the disc's is
+            // bound for an indenter; its force over its depth is a mean, as for the disc
+            constexpr double kForce = 0.05;
             constexpr Pressed kPressed[] = { { 2.0, 0.03 }, { 1.0, 0.05 }, { 2.0, kForce }, { 2.0, 0.03 } };
-            constexpr std::size_t kMean = 2; // of these
+            constexpr std::size_t kMean = 2; // index of the mean depth in kPressed
             std::vector<std::vector<VerificationRow>> by_problem(indentations.size() + std::size(kPressed));
             for (const HalfSpaceRun& run : half_space_runs(options.fine)) {
                 std::vector<std::vector<VerificationRow>> series(by_problem.size());

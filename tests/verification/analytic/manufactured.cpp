@@ -1,5 +1,5 @@
-// Validation problem 10: a smooth displacement field on the unit box and the body force that makes it: orders of
-// convergence.
+// Validation problem 10: a smooth displacement field on the unit box and the body force that belongs to the field.
+// Orders of convergence.
 
 #include "tests/verification/analytic/analytic_problems.h"
 
@@ -21,7 +21,7 @@ namespace {
             0.0, 0.0 };
     }
 
-    /// - div sigma of `smooth`.
+    /// The body force - div sigma of `smooth`.
     Vec3 smooth_force(const fem::Lame& l, const Vec3& p)
     {
         const double sx = std::sin(std::numbers::pi * p.x()), sy = std::sin(std::numbers::pi * p.y()),
@@ -54,10 +54,11 @@ namespace {
             const VerificationSolve solve = solve_problem(body, held.prescribed, {}, { .tolerance = 1e-10 }, job);
             VerificationRow row = make_row("manufactured", element, law, mesh, solve);
             row.size = 1.0 / cells;
-            const double norm = std::sqrt(1.0 / 8.0); // of the exact field
+            const double norm = std::sqrt(1.0 / 8.0); // norm of the exact field
             compare(row, "error in L2, relative", l2_error(mesh, solve.equilibrium.displacement, smooth) / norm, 0.0);
             all.l2.push_back(row);
-            // Galerkin: |u - u_h|^2 in energy = a(u, u) - a(u_h, u_h). Holds where u_h minimises the energy itself.
+            // By Galerkin orthogonality |u - u_h|^2 in energy = a(u, u) - a(u_h, u_h), where u_h minimises the true
+            // energy.
             const double exact = std::numbers::pi * std::numbers::pi * (4.0 * law.lame.mu + law.lame.lambda) / 8.0;
             compare(row, "error in energy, relative",
                 std::sqrt(std::max(0.0, exact - loads.dot(solve.equilibrium.displacement)) / exact), 0.0);
@@ -66,7 +67,7 @@ namespace {
         return all;
     }
 
-    const OrderRule kSmooth { .slack = 0.3 }; // not yet asymptotic on meshes this coarse
+    const OrderRule kSmooth { .slack = 0.3 }; // these coarse meshes are not yet in the asymptotic range
 
 } // namespace
 

@@ -1,4 +1,4 @@
-// Validation problems 1 and 2: what an element must do exactly.
+// Validation problems 1 and 2: properties that an element must have exactly.
 
 #include "tests/verification/analytic/analytic_problems.h"
 
@@ -55,7 +55,7 @@ namespace {
         return gradient * p + Vec3(0.1, 0.2, 0.3);
     }
 
-    constexpr double kNewton = 1e-9; // mm: what Newton's tolerance of 1e-12 leaves
+    constexpr double kNewton = 1e-9; // mm: error that Newton's tolerance of 1e-12 leaves
 
     VerificationRow patch_row(VerificationElement element, const VerificationLaw& law, int cells, const Job& job)
     {
@@ -71,7 +71,8 @@ namespace {
         return row;
     }
 
-    /// A quarter of a turn and then the linear field, from a start that is turned: the strain is the linear field's.
+    /// A rotation by 90 degrees and then the linear field, solved from a rotated start. The strain is that of the
+    /// linear field.
     VerificationRow turned_patch_row(VerificationElement element, const VerificationLaw& law, int cells, const Job& job)
     {
         const mesh::TetMesh mesh = for_element(distorted_box(cells, 1.0, 0.15, 1), element);
@@ -95,10 +96,11 @@ namespace {
 
     struct TiedMesh {
         mesh::TetMesh mesh;
-        std::size_t pairs = 0; ///< of vertices on the lips
+        std::size_t pairs = 0; ///< number of vertex pairs on the lips
     };
 
-    /// A distorted box that a session cuts askew and not to the end; the vertices that the cut doubled are one again.
+    /// A distorted box with an oblique, incomplete cut by a session. The vertices that the cut doubled are tied
+    /// together again.
     TiedMesh cut_and_tied_box(int cells)
     {
         mesh::CutSession session(distorted_box(cells, 1.0, 0.15, 1));
@@ -120,7 +122,7 @@ namespace {
                 const auto at = [&](VertexId id) {
                     return static_cast<std::size_t>(map.compact_vertex[static_cast<std::size_t>(id)]);
                 };
-                one[at(born.id)] = one[at(born.a)]; // a copy's parent comes before it
+                one[at(born.id)] = one[at(born.a)]; // the parent of a copy precedes the copy
                 ++tied.pairs;
             }
         std::vector<VertexId> renumbered(one.size(), 0);
@@ -137,7 +139,8 @@ namespace {
         mesh::check_mesh(tied.mesh);
         const std::vector<mesh::TetFace> inside = faces_where(
             tied.mesh, [&](const Vec3& p) { return p.minCoeff() > 1e-6 * size && p.maxCoeff() < (1.0 - 1e-6) * size; });
-        if (tied.pairs == 0 || !inside.empty()) // held as a boundary, lips would pass the test whatever lies between
+        // lips that are held like a boundary would pass the test with anything between them
+        if (tied.pairs == 0 || !inside.empty())
             throw SolverError("the lips were not tied again");
         return tied;
     }
@@ -180,7 +183,7 @@ namespace {
         fem::ElasticBody body = make_body(mesh, element, law);
         const Eigen::MatrixXd K = fem::dense(body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), 0.0));
         const Eigen::VectorXd values = fem::symmetric_modes(K).values;
-        constexpr double kZero = 1e-11; // of the largest
+        constexpr double kZero = 1e-11; // relative to the largest eigenvalue
         const auto count = (values.array() < kZero * values.maxCoeff()).count();
         VerificationRow row
             = describe("null space, " + std::to_string(pieces) + " piece(s)", element, law, mesh, watch);
@@ -200,7 +203,7 @@ namespace {
                   .energy;
         VerificationRow row = describe("rotation by 90 degrees", element, law, mesh, watch);
         const fem::Lame l = linear_law(kPatchYoung, kPatchPoisson).lame;
-        const double scale = l.mu * 27.0; // shear modulus times volume
+        const double scale = l.mu * 27.0; // shear modulus times volume, N mm
         if (law.model == fem::Elasticity::linear) {
             const Mat3 strain = 0.5 * (R + R.transpose()) - Mat3::Identity();
             compare(row, "energy / (mu V)", energy / scale,
@@ -230,8 +233,9 @@ VerificationProblem patch_test_problem()
                             rows.push_back(patch_row(element, law, cells, job));
             for (const VerificationElement element : all_elements())
                 for (const VerificationLaw& law : all_laws())
+                    // linear elasticity strains under a rotation
                     for (const int cells : { 2, 3, 4 })
-                        if (!job.cancelled() && law.model != fem::Elasticity::linear) // which strains as it turns
+                        if (!job.cancelled() && law.model != fem::Elasticity::linear)
                             rows.push_back(turned_patch_row(element, law, cells, job));
             for (const VerificationElement element : all_elements())
                 for (const VerificationLaw& law : all_laws())

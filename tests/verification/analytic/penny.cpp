@@ -16,7 +16,7 @@ namespace {
 
     constexpr double kOnCrack = 1e-9;
 
-    /// Half of the body beyond the plane of the cut; its lips are pulled apart by the stress that is set free.
+    /// One half of the body, on one side of the plane of the cut. The released stress pulls the lips apart.
     std::vector<VerificationRow> penny(VerificationElement element, int n, const Job& job)
     {
         constexpr double a = 5.0, E = 1.0, nu = 0.3, stress = 0.01;
@@ -39,12 +39,12 @@ namespace {
         body.mesh.vertices.rowwise().squaredNorm().minCoeff(&origin);
         std::vector<VerificationRow> rows(3, row);
         compare(rows[0], "opening in the middle, mm", 2.0 * solve.equilibrium.displacement[3 * origin + 2], middle);
-        // The work of the stress over half the opened volume of a quarter: a(u, u) = 2/3 pi a^2 w / 4. Galerkin: the
-        // error's energy is what is missing of it.
+        // The work of the stress over half the opened volume of a quarter is a(u, u) = 2/3 pi a^2 w / 4. By Galerkin
+        // orthogonality the energy of the error is the missing part of this work.
         const double exact = stress * std::numbers::pi * a * a * middle / 12.0;
         const double found = pull.dot(solve.equilibrium.displacement);
         compare(rows[1], "error in energy, relative", std::sqrt(std::abs(exact - found) / exact), 0.0);
-        // By the stress: the quarter of half the volume between the lips.
+        // Divided by the stress, the work is a quarter of half the volume between the lips.
         compare(rows[2], "opened volume, mm^3", 8.0 * found / stress, 8.0 * exact / stress);
         return rows;
     }
@@ -57,11 +57,11 @@ VerificationProblem penny_problem()
         "8 (1 - nu^2) s a / (pi E) in the middle, 16 (1 - nu^2) s a^3 / (3 E) opened; its front holds the orders "
         "to 1, and to 0.5 in energy",
         [](const VerificationOptions& options, const Job& job) {
-            // The front's error is a third of the volume's: P2 with 3 cells in the radius has 3.6 % less by the front,
-            // and 0.8 % more by the coarse middle.
+            // The front's error in the middle is a third of its error in the volume. P2 with 3 cells in the radius
+            // lacks 3.6 % by the front and gains 0.8 % by the coarse middle.
             const OrderRule in_the_middle { .asks = OrderRule::Asks::nothing,
                 .why = "the front opens too little, the coarse middle too much: the order is judged by the volume" };
-            constexpr double kMiddle = 0.1, kVolume = 0.25; // coarse at the front
+            constexpr double kMiddle = 0.1, kVolume = 0.25; // the meshes are coarse at the front
             std::vector<VerificationRow> rows;
             for (const HalfSpaceRun& run : half_space_runs(options.fine)) {
                 std::array<std::vector<VerificationRow>, 3> series;

@@ -18,7 +18,7 @@ namespace retractor::verification {
 
 namespace {
 
-    constexpr double kSoft = 0.5, kNormal = 1.0, kSclerotic = 3.0; // MPa; the last two of the beating aorta
+    constexpr double kSoft = 0.5, kNormal = 1.0, kSclerotic = 3.0; // MPa; the last two are those of the beating aorta
 
     std::string with_number(const std::string& text, double number)
     {
@@ -27,11 +27,13 @@ namespace {
         return text + buffer;
     }
 
-    constexpr double kClose = 2e-3, kSlow = 0.01; // of elements that do not lock, and of P1 where it does not
+    // bound of elements that do not lock, and of P1 where it does not lock
+    constexpr double kClose = 2e-3, kSlow = 0.01;
 
     const OrderRule kLocking { .asks = OrderRule::Asks::fall, .why = "plain P1 locks, and is too stiff by far" };
 
-    /// Of P2 in the displacement: where volume is kept, its pressures are of one order less than its strains.
+    /// Order of P2 in the displacement: in incompressible material its pressures have one order less than its
+    /// strains.
     double quadratic_order(double nu) { return nu < 0.48 ? 3.0 : 2.0; }
 
     struct Resolution {
@@ -57,7 +59,8 @@ namespace {
 
     double exact_displacement(const Vessel& vessel) { return vessel_displacement(vessel.E, vessel.nu, kPulse); }
 
-    /// The pulse; where the law is not linear a thousandth of it, for the closed form is of small strain.
+    /// The pressure: the pulse, or for nonlinear laws a thousandth of the pulse, because the closed form holds for
+    /// small strain.
     constexpr double kSmall = 1e-3;
     double pulse(const VerificationLaw& law) { return law.model == fem::Elasticity::linear ? kPulse : kSmall * kPulse; }
 
@@ -69,7 +72,8 @@ namespace {
         return solve_problem(body, tube.held.prescribed, {}, { .load_steps = 1, .tolerance = 1e-8 }, job);
     }
 
-    /// A row for each mesh, coarse to fine. @param measure fills in what is compared.
+    /// A row for each mesh, coarse to fine.
+    /// @param measure fills in the compared quantity.
     std::vector<VerificationRow> pressed_series(const std::string& problem, VerificationElement element,
         const VerificationLaw& law, const VerificationOptions& options, const Job& job,
         const std::function<void(VerificationRow&, const QuarterTube&, const Eigen::VectorXd& u)>& measure)
@@ -96,7 +100,7 @@ namespace {
             [&](VerificationRow& row, const QuarterTube& tube, const Eigen::VectorXd& u) {
                 compare(row, "inner wall's displacement, mm", inner_displacement(tube, u), exact_displacement(vessel));
             });
-        constexpr double kLocks = 0.495; // Poisson's ratio; beyond it P1 has no order that can be seen on these meshes
+        constexpr double kLocks = 0.495; // Poisson's ratio beyond which P1 shows no order on these meshes
         std::vector<VerificationRow> judged;
         if (element == VerificationElement::p1)
             append_series(judged, series, 2.0, nu < kLocks ? kSlow : kNoBound, nu < kLocks ? OrderRule {} : kLocking);
@@ -105,7 +109,7 @@ namespace {
         return judged;
     }
 
-    /// Under a thousandth of the pulse corotational elements have the closed form, but for squares of the strain.
+    /// Under a thousandth of the pulse corotational elements follow the closed form up to squares of the strain.
     void add_corotational(std::vector<VerificationRow>& rows, VerificationElement element,
         const VerificationOptions& options, const Job& job)
     {
@@ -125,7 +129,7 @@ namespace {
             { .floor = 0.1 * kSmall, .why = "squares of the strain, which the closed form leaves out" });
     }
 
-    /// Mean over the inner wall's faces of the hoop stress in their middle.
+    /// Mean of the hoop stress at the middle of the inner wall's faces.
     double hoop_stress(const QuarterTube& tube, const fem::Lame& l, const Eigen::VectorXd& u)
     {
         const mesh::TetMesh& mesh = tube.mesh;
@@ -172,9 +176,9 @@ namespace {
     }
 
     constexpr double kMu = 1.0 / 3.0; // MPa: E 1, incompressible
-    constexpr double kBulk = 1e4 * kMu; // what it compresses is in the expected displacement: compressed_stretch()
+    constexpr double kBulk = 1e4 * kMu; // compressed_stretch() includes the volume change in the expected displacement
 
-    /// Of mu/2 (J^(-2/3) I1 - 3) + K/2 (ln J)^2, in plane strain.
+    /// Stress of mu/2 (J^(-2/3) I1 - 3) + K/2 (ln J)^2 in plane strain.
     RingStress soft_ring(const RingStretch& ring)
     {
         const double J = ring.hoop * ring.radial, scale = std::pow(J, -2.0 / 3.0);
@@ -185,11 +189,12 @@ namespace {
         return { along(ring.hoop), along(ring.radial) };
     }
 
-    /// How far the inner wall of a tube of kBulk is stretched where one that keeps its volume is stretched by li: the
-    /// outer wall is then free. Larger by 1 to 2e-4 of the displacement, which is more than the finest meshes' error.
+    /// Stretch of the inner wall of a tube with the modulus kBulk, under the pressure that stretches an
+    /// incompressible tube by li with a free outer wall. The displacement is larger by the relative amount of 1 to
+    /// 2e-4, which is more than the error of the finest meshes.
     double compressed_stretch(double li)
     {
-        constexpr double kRoom = 1e-3; // what the bulk modulus lets it differ by, and more
+        constexpr double kRoom = 1e-3; // largest difference by the bulk modulus, with a margin
         return bore_stretch(
             { kVesselInner, kVesselOuter, soft_ring }, kMu * stretched_pressure(li), li - kRoom, li + kRoom);
     }
@@ -201,7 +206,8 @@ namespace {
 
     constexpr std::array kStretches { 1.1, 1.2, 1.3, 1.5 };
 
-    /// A row for each of kStretches: each pressure goes on from the answer to the one before, whose time it includes.
+    /// A row for each of kStretches. Each pressure continues from the answer to the pressure before, and includes its
+    /// time.
     std::array<VerificationRow, kStretches.size()> stretched_tube(
         VerificationElement element, const Resolution& r, const Job& job)
     {
@@ -211,7 +217,7 @@ namespace {
         fem::EquilibriumSolver solver;
         VerificationSolve solve;
         solve.equilibrium.displacement = Eigen::VectorXd::Zero(3 * tube.mesh.vertices.rows());
-        double before = 0.0; // pressure
+        double before = 0.0; // the pressure before
         std::array<VerificationRow, kStretches.size()> rows;
         for (std::size_t i = 0; i < rows.size(); ++i) {
             const Stopwatch watch;
@@ -230,7 +236,7 @@ namespace {
         return rows;
     }
 
-    /// Series by stretch.
+    /// One series per stretch.
     std::array<std::vector<VerificationRow>, kStretches.size()> stretched_series(
         VerificationElement element, const VerificationOptions& options, const Job& job)
     {
@@ -246,20 +252,20 @@ namespace {
         return series;
     }
 
-    /// Pressure beyond which no equilibrium exists.
+    /// The pressure beyond which no equilibrium exists.
     VerificationRow tube_limit(VerificationElement element, int around, const Job& job)
     {
-        const double limit = std::log(kVesselOuter / kVesselInner), asked = 1.1 * limit; // over mu
+        const double limit = std::log(kVesselOuter / kVesselInner), asked = 1.1 * limit; // relative to mu
         const QuarterTube tube = quarter_tube(nodes_per_tet(element), kVesselInner, kVesselOuter, around, 1, 1);
         fem::ElasticBody body = make_body(tube.mesh, element, soft_vessel());
         body.set_loads({ {}, { fem::FollowerPressure(tube.mesh, tube.inner_faces, asked * kMu) } });
         const VerificationSolve solve
             = solve_problem(body, tube.held.prescribed, {}, { .load_steps = 6, .tolerance = 1e-6 }, job);
         VerificationRow row = make_row("tube beyond its limit", element, soft_vessel(), tube.mesh, solve);
-        row.error = 0.0; // not converging is the right answer
+        row.error = 0.0; // no convergence is the right answer
         compare(row, "largest pressure with an equilibrium / mu", asked * solve.equilibrium.load, limit);
         row.size = 1.0 / around;
-        row.bound = 0.05; // one layer of elements, and load steps of half a percent
+        row.bound = 0.05; // effect of one layer of elements, and of load steps of half a percent
         if (solve.equilibrium.status == fem::EquilibriumStatus::converged)
             row.error = std::numeric_limits<double>::quiet_NaN();
         return row;
@@ -308,7 +314,8 @@ VerificationProblem stretched_tube_problem()
                 if (job.cancelled())
                     break;
                 const bool locks = element == VerificationElement::p1;
-                const double bound = element == VerificationElement::nodal ? kSlow : kClose; // locks on coarse meshes
+                // the nodal element locks on coarse meshes
+                const double bound = element == VerificationElement::nodal ? kSlow : kClose;
                 auto series = stretched_series(element, options, job);
                 for (std::size_t i = 0; i < series.size(); ++i)
                     append_series(

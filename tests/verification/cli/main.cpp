@@ -7,6 +7,6 @@ int main(int argc, char** argv)
             "Solve problems with known answers: error against run time, for each "
             "element and law; extreme cases; solvers "
             "beside each other",
-            retractor::ui::cli::add_verification },
+            retractor::verification::add_verification },
         argc, argv);
 }

@@ -24,7 +24,7 @@ namespace {
 
     struct Spread {
         const char* problem;
-        const char* approach; ///< template
+        const char* approach; ///< name of the approach's template
         double opening_mm;
         MeasuredForces measured;
     };
@@ -34,7 +34,7 @@ namespace {
 
     planner::Case chest(const fs::path& folder, bool fine, const Job& job)
     {
-        constexpr double kVoxel = 3.0; // mm: ribs are thicker, and the mesh is coarser
+        constexpr double kVoxel = 3.0; // mm: smaller than the ribs' thickness and than the elements
         datasets::ThoraxParameters thorax;
         thorax.spacing_mm.setConstant(kVoxel);
         const datasets::Phantom phantom = datasets::make_thorax_phantom(thorax, job);
@@ -50,7 +50,7 @@ namespace {
             request.sizing.corridor_edge_mm = fine ? 5.5 : 8.0;
             request.sizing.coarse_edge_mm = fine ? 18.0 : 22.0;
             request.sizing.region_mm = 25.0;
-            request.view.eye_count = 1; // nothing is looked at here
+            request.view.eye_count = 1; // this problem does not use the view
             planner::Approach approach = planner::approach_from_template(phantom.labels, request);
             approach.hooks = planner::make_hooks(approach, "blade", spread.opening_mm);
             planner::add_approach(chest, std::move(approach));
@@ -58,7 +58,7 @@ namespace {
         return chest;
     }
 
-    /// What the wall is made of: "bone 1000, cartilage 15, ... MPa".
+    /// The materials of the wall: "bone 1000, cartilage 15, ... MPa".
     std::string stiffness_text(const planner::Case& chest)
     {
         std::set<std::string> names;
@@ -140,7 +140,7 @@ VerificationProblem retraction_problem()
             std::vector<VerificationRow> rows;
             if (job.cancelled())
                 return rows;
-            const test_support::TemporaryFolder folder; // for the labels, which a patient is read from
+            const ui::cli::TemporaryFolder folder; // for the labels, which are read from files like a patient's
             planner::Patient patient(chest(folder.path, options.fine, job), job);
             const std::vector<planner::PlannedField> fields = planner::plan_all(patient, job);
             for (std::size_t i = 0; i < fields.size() && !job.cancelled(); ++i)

@@ -1,7 +1,7 @@
 #pragma once
-// Devices and touched tissue at their limits, for `retractor-verify --suite stability`: a finger that presses through
-// the servo while its device jumps, falls silent or tells what is no number; bone under a hand; springs at and beyond
-// their time step. Each ends in an answer, or the servo lets go and says why. Units mm, N, MPa,
+// Extreme cases of devices and touched tissue, for `retractor-verify --suite stability`: a finger that presses
+// through the servo while its device jumps, falls silent or reports NaN; bone under a hand; springs at and beyond the
+// bound of their time step. Each case ends in an answer, or in a fault of the servo with a reason. Units mm, N, MPa,
 // s, tonne.
 
 #include "tests/verification/framework/stability.h"
@@ -10,7 +10,7 @@
 
 namespace retractor::verification {
 
-/// The next three.
+/// All three cases below.
 std::vector<StabilityCase> touch_cases();
 
 StabilityCase device_fault_case();

@@ -1,4 +1,4 @@
-// Fingers on condensed finite elements, springs and spheres, through the servo, with devices that fail.
+// Fingers that press condensed finite elements, springs and spheres through the servo, with devices that fail.
 
 #include "datasets/phantoms/aorta_phantom.h"
 #include "haptics/condensed/condensed_tissue.h"
@@ -33,15 +33,16 @@ namespace {
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     constexpr double kStep = 1e-3; // s
     constexpr double kTip = 4.0; // mm: a fingertip's radius
-    constexpr double kFelt = 0.05; // N: less is no press
-    constexpr double kClear = 3.0, kDeep = 6.0; // mm above and below the surface that the hand means to be
+    constexpr double kFelt = 0.05; // N: a smaller force does not count as a press
+    // mm above and below the surface: the places to which the hand is steered
+    constexpr double kClear = 3.0, kDeep = 6.0;
 
-    // The hand presses, is lifted off and presses again. Ticks. It stays off for so long because the watch on energy
-    // makes tissue softer that was pressed in without a force, and hard again in the free.
+    // Schedule in ticks: the hand presses, lifts off and presses again. The pause is long because the watch on energy
+    // softens tissue that was pressed without a force, and the tissue hardens again while the hand is free.
     constexpr std::uint64_t kFault = 600, kSound = 800, kArmed = 900, kLift = 1000, kAgain = 2700, kEnd = 3300;
-    constexpr std::uint64_t kMeasured = 50; // the last so many of each press
-    constexpr std::uint64_t kWays = 4; // ticks that a force takes from the servo to a far hand, and some
-    constexpr std::uint64_t kFades = 101 + kWays; // the ramp of 0.1 s, and the tick that it begins in
+    constexpr std::uint64_t kMeasured = 50; // number of ticks measured at the end of each press
+    constexpr std::uint64_t kWays = 4; // ticks that a force takes from the servo to a remote hand, with a margin
+    constexpr std::uint64_t kFades = 101 + kWays; // the ramp of 0.1 s and the tick in which the ramp begins
 
     haptics::SimulatedHandOptions pressing_hand(const haptics::HandParameters& grip = haptics::relaxed_grip())
     {
@@ -55,7 +56,7 @@ namespace {
         return options;
     }
 
-    /// A hand whose pose is spoilt on its way to the servo.
+    /// A hand whose pose is corrupted on its way to the servo.
     class FaultyDevice : public haptics::Device {
     public:
         explicit FaultyDevice(const haptics::HandParameters& grip = haptics::relaxed_grip())
@@ -73,16 +74,17 @@ namespace {
         Vec3 write(const Vec3& force) noexcept override { return written = hand.write(force); }
 
         haptics::SimulatedHand hand;
-        std::function<void(haptics::DeviceReading&)> spoil; ///< empty: it is sound
+        std::function<void(haptics::DeviceReading&)> spoil; ///< empty: the pose stays correct
         Vec3 written = Vec3::Zero();
     };
 
-    /// Tissue, and a place on it.
+    /// A tissue, and a place on its surface.
     struct Touched {
         std::string model;
         std::unique_ptr<haptics::TissueResponse> tissue;
         Vec3 point = Vec3::Zero(), outward = Vec3::UnitY();
-        std::optional<fem::ElasticProblem> problem {}; ///< of finite elements: whose stiffness answers
+        /// finite elements only: the problem with the stiffness of the tissue
+        std::optional<fem::ElasticProblem> problem {};
     };
 
     /// A short vessel at one pressure.
@@ -121,7 +123,8 @@ namespace {
     Touched ball()
     {
         constexpr double kRadius = 40.0;
-        constexpr double kSoft = 0.004; // N/mm a sphere: moved 60 times a second, stiffer ones set the hand swinging
+        // N/mm per sphere: stiffer spheres, moved 60 times a second, set the hand swinging
+        constexpr double kSoft = 0.004;
         const TriMesh surface = ui::cli::ball_mesh(Vec3::Zero(), kRadius, 4);
         return { "servo, spheres",
             std::make_unique<haptics::SphereTissue>(std::vector { haptics::SphereOrgan { "ball", surface,
@@ -130,7 +133,7 @@ namespace {
             Vec3(0.0, 0.0, kRadius), Vec3::UnitZ() };
     }
 
-    /// Of finite elements alone; springs take explicit steps, spheres have no equations.
+    /// Condition numbers, for finite elements only: springs take explicit steps, and spheres have no equations.
     void set_condition_of(StabilityRow& row, const Touched& touched)
     {
         if (touched.problem)
@@ -140,7 +143,7 @@ namespace {
                 = touched.tissue->name() == "springs" ? Unconditioned::explicit_steps : Unconditioned::no_matrix;
     }
 
-    /// Answers what another tissue does, but for one tick.
+    /// Returns the answers of another tissue, except in one tick.
     class UnsureTissue : public haptics::TissueResponse {
     public:
         UnsureTissue(haptics::TissueResponse& tissue, std::uint64_t bad_tick)
@@ -165,7 +168,7 @@ namespace {
         std::uint64_t bad_tick_, ticks_ = 0;
     };
 
-    /// The servo, and what it must keep at every tick.
+    /// The servo, with checks of its guarantees in every tick.
     class Press {
     public:
         Press(haptics::TissueResponse& tissue, haptics::Device& device, const Touched& touched)
@@ -175,8 +178,8 @@ namespace {
         {
         }
 
-        /// @throws PromiseNotKept when a force or the tissue's surface is not finite, or a force beyond the device's
-        /// limit.
+        /// @throws PromiseNotKept when a force or the tissue's surface is not finite, or when a force exceeds the
+        /// device's limit.
         void tick(double step_s = kStep)
         {
             time_ += std::isfinite(step_s) ? step_s : kStep;
@@ -193,11 +196,11 @@ namespace {
             if (!state.forces[0].allFinite() || !state.fingers[0].position.allFinite())
                 throw PromiseNotKept("a force or place is not finite" + when());
         }
-        /// @throws as tick(), and when the force that goes out is none, or beyond the limit.
+        /// @throws as tick(), and when the force that reaches the device is not finite or exceeds the limit.
         void check_force(const Vec3& written) const
         {
             constexpr double kRoundOff = 1e-9;
-            if (!(written.norm() <= limit_ + kRoundOff)) // NaN is not
+            if (!(written.norm() <= limit_ + kRoundOff)) // true for NaN
                 throw PromiseNotKept("a force of " + std::to_string(written.norm()) + " N went out" + when());
         }
         [[nodiscard]] std::string when() const { return " (tick " + std::to_string(ticks_) + ")"; }
@@ -205,7 +208,7 @@ namespace {
         [[nodiscard]] double time() const { return time_; }
         haptics::Servo& servo() { return servo_; }
 
-        std::function<void(double time_s)> before; ///< what else runs in a tick
+        std::function<void(double time_s)> before; ///< additional work in a tick
 
     private:
         static haptics::MappingOptions mapping_onto(const Touched& touched)
@@ -228,13 +231,13 @@ namespace {
         Points deformed_;
     };
 
-    /// What goes wrong from kFault on.
+    /// A fault that begins at tick kFault.
     struct Trouble {
         const char* name;
-        haptics::FaultKind kind; ///< that the servo must let go for; none: it must go on
+        haptics::FaultKind kind; ///< fault that the servo must latch; none: the servo must continue
         std::uint64_t lasts; ///< ticks
         std::function<void(haptics::DeviceReading&)> spoil {};
-        double step_s = kStep; ///< of the first of them
+        double step_s = kStep; ///< length of the first tick of the fault, s
         bool unsure_tissue = false;
     };
 
@@ -270,10 +273,11 @@ namespace {
             { "tissue answers NaN", haptics::FaultKind::bad_force, 1, {}, kStep, true },
         };
     }
-    constexpr std::size_t kForEachTissue = 5; // of these; the others never reach the tissue
+    // number of faults tried with each tissue; the other faults never reach the tissue
+    constexpr std::size_t kForEachTissue = 5;
 
-    /// How far the elements that carry the last press, solved anew without any condensation, are from where its
-    /// fingertip holds them, over the deepest. Springs and spheres solve nothing.
+    /// Distance between the place of the fingertip and the elements under the forces of the last press, solved anew
+    /// without condensation, relative to the largest depth. Springs and spheres solve no equations.
     double contact_residual(haptics::TissueResponse& tissue)
     {
         auto* condensed = dynamic_cast<haptics::CondensedTissue*>(&tissue);
@@ -285,12 +289,13 @@ namespace {
 
     /// What a hand feels that presses, lifts off and presses again.
     struct TwoPresses {
-        double before = 0.0, after = 0.0; ///< N, at the end of each
-        haptics::Fault fault; ///< that came between them
+        double before = 0.0, after = 0.0; ///< force at the end of each press, N
+        haptics::Fault fault; ///< fault between the presses
     };
 
-    /// @param prepare called before each tick; gives its step. @param felt what pushes the hand
-    /// @throws PromiseNotKept when the force grows or comes back between a fault and kArmed.
+    /// @param prepare called before each tick; returns the length of the tick.
+    /// @param felt the force that pushes the hand
+    /// @throws PromiseNotKept when the force grows or returns between a fault and kArmed.
     TwoPresses press_twice(
         Press& press, const std::function<double(std::uint64_t)>& prepare, const std::function<Vec3()>& felt)
     {
@@ -313,7 +318,7 @@ namespace {
                 latched_at = tick;
                 presses.fault = press.servo().latest().fault;
             }
-            constexpr double kDamping = 0.1; // N: what the watch on energy may add while the force fades
+            constexpr double kDamping = 0.1; // N: force that the watch on energy may add while the force fades
             if (latched_at != 0 && force > presses.before + kDamping)
                 throw PromiseNotKept("the force grew after the servo let go" + press.when());
             if (latched_at != 0 && tick >= latched_at + kFades && force != 0.0)
@@ -322,14 +327,14 @@ namespace {
         return presses;
     }
 
-    /// Once the servo is armed and the finger was lifted, all has to be as if nothing had been.
+    /// After the servo is armed again and the finger was lifted, the force must be the same as without a fault.
     void judge(
         StabilityRow& row, const TwoPresses& presses, haptics::FaultKind expected, haptics::TissueResponse& tissue)
     {
         row.residual = contact_residual(tissue);
         row.quantity = "force of the next press against that before, relative";
         row.error = std::abs(presses.after / presses.before - 1.0);
-        row.bound = 0.05; // a step of the encoder, 0.055 mm, of a depth of millimetres
+        row.bound = 0.05; // a step of the encoder, 0.055 mm, relative to a depth of millimetres
         if (!(presses.before > kFelt))
             throw PromiseNotKept("the finger felt only " + std::to_string(presses.before) + " N");
         if (presses.fault.kind != expected)
@@ -367,7 +372,7 @@ namespace {
     struct Bridge {
         const char* name;
         haptics::FaultKind kind;
-        bool lossy = false; ///< a fifth of the poses of the second press never come
+        bool lossy = false; ///< a fifth of the poses of the second press are lost
         bool device_hangs = false, servo_hangs = false; ///< from kFault to kSound
     };
     constexpr std::array<Bridge, 3> kBridges {
@@ -383,7 +388,8 @@ namespace {
         haptics::UdpDevice near;
         haptics::UdpRelay relay(hand, { .servo_port = near.port() });
         Press press(*touched.tissue, near, touched);
-        // Simulated ticks outrun a busy system: what it delivers late would be a silence that nobody asked for.
+        // Simulated ticks run faster than a busy system delivers messages. A late delivery would appear as a silence
+        // that is not part of the case.
         const auto arrived = [&](const auto& end) {
             constexpr double kPatience = 30.0; // s
             if (!end.wait(kPatience))
@@ -394,7 +400,7 @@ namespace {
             const std::uint64_t tick = press.ticks();
             if (force_is_due)
                 arrived(relay);
-            force_is_due = true; // at the end of this tick
+            force_is_due = true; // from the end of this tick on
             const bool lost = bridge.lossy && tick >= kLift && tick % 5 == 0;
             const bool hangs = bridge.device_hangs && tick >= kFault && tick < kSound;
             if (!lost && !hangs) {
@@ -402,7 +408,7 @@ namespace {
                 arrived(near);
             }
         };
-        // While no force comes, the device's side has to fade on its own.
+        // While no force arrives, the device's side must fade the force by itself.
         const auto hang = [&] {
             constexpr std::uint64_t kPause = kSound - kFault;
             arrived(relay);
@@ -414,7 +420,7 @@ namespace {
             return kStep * static_cast<double>(kPause);
         };
         const auto prepare = [&](std::uint64_t tick) { return bridge.servo_hangs && tick == kFault ? hang() : kStep; };
-        // A computer that hangs leaves its device to the device's own watch.
+        // When the servo's computer hangs, the device's own watch must act.
         const auto felt = [&]() -> Vec3 {
             const bool hung = bridge.device_hangs && press.ticks() > kFault && press.ticks() <= kSound + kWays;
             return hung ? Vec3::Zero() : hand.motor_force();
@@ -422,7 +428,7 @@ namespace {
         judge(row, press_twice(press, prepare, felt), bridge.kind, *touched.tissue);
     }
 
-    /// At rest on bone: no vibration, and the force is what the hand's springs bear.
+    /// A finger at rest on bone: no vibration, and the force is the force of the hand's springs.
     void rest_on_bone(StabilityRow& row, const Touched& touched, const haptics::HandParameters& grip)
     {
         set_condition_of(row, touched);
@@ -446,12 +452,12 @@ namespace {
         if (!(sum > kFelt))
             throw PromiseNotKept("the hand felt only " + std::to_string(sum) + " N");
         row.residual = std::abs(sum - spring * (tip + kDeep)) / sum;
-        constexpr double kNotBorne = 2e-3; // of the force: a hand that holds loosely still settles
+        constexpr double kNotBorne = 2e-3; // relative to the force: a hand that holds loosely still settles
         if (!(row.residual <= kNotBorne))
             throw PromiseNotKept("the hand's springs bear all but " + std::to_string(row.residual) + " of the force");
         row.quantity = "vibration of the force at rest, rms, N";
         row.error = std::sqrt(std::max(0.0, squares - sum * sum));
-        row.bound = 0.01; // what nobody feels
+        row.bound = 0.01; // below the threshold of feeling
         std::array<char, 96> text {};
         (void)std::snprintf(
             text.data(), text.size(), "force %.3f N; the hand's springs bear all but the residual", sum);

@@ -17,7 +17,7 @@ namespace {
 
     constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
-    /// Plucked and left to swing without drag or dashpots: the motion stays bounded.
+    /// Springs that are plucked and swing without drag or dashpots: the motion must stay bounded.
     void swing(StabilityRow& row, double share, double arm_ratio)
     {
         haptics::SpringMotion motion(
@@ -35,8 +35,8 @@ namespace {
         }
         row.quantity = "largest excursion over the pluck, after 3,000 steps";
         row.error = most / kPluck;
-        row.bound = 20.0; // many modes meet; an unstable step grows by powers of ten
-        row.residual = 0.0; // nothing is solved
+        row.bound = 20.0; // many modes superpose; an unstable step grows by powers of ten
+        row.residual = 0.0; // no system is solved
         std::array<char, 64> text {};
         (void)std::snprintf(text.data(), text.size(), "bound %.4g us, certain", 1e6 * motion.stable_step());
         row.reason = text.data();

@@ -1,5 +1,5 @@
-// retractor-verify: errors of known problems beside run times, extreme cases and what becomes of them, solvers beside
-// each other, as tables, JSON, CSV and a chart.
+// retractor-verify: errors of known problems with run times, outcomes of extreme cases, and comparisons of solvers,
+// as tables, JSON, CSV and a chart.
 
 #include "tests/verification/cli/verify_command.h"
 
@@ -55,19 +55,19 @@ namespace {
         };
         if (name == "analytic" || name == "all") {
             add(verification_problems());
-            add({ viscous_problem(), retraction_problem() }); // of what stands on the finite elements
+            add({ viscous_problem(), retraction_problem() }); // problems of modules that use the finite elements
         }
         if (name == "ladder" || name == "all")
             add(ladder_problems());
         if (name == "stability" || name == "all") {
             chosen.cases = stability_cases();
-            const std::vector<StabilityCase> touch = touch_cases(); // of what stands on the finite elements
+            const std::vector<StabilityCase> touch = touch_cases(); // cases of modules that use the finite elements
             chosen.cases.insert(chosen.cases.end(), touch.begin(), touch.end());
         }
         return chosen;
     }
 
-    /// Those of the names that are there are struck off.
+    /// The items whose names are in `names`. These names are removed from `names`.
     template <class Item> std::vector<Item> named(const std::vector<Item>& all, std::set<std::string>& names)
     {
         std::vector<Item> some;
@@ -120,8 +120,8 @@ namespace {
         return text;
     }
 
-    /// What was not checked, how much of it and why, each reason once; empty where all was. The last thing that is
-    /// printed: it must not be taken for a pass.
+    /// What was not checked, with the number of rows and the reason, each reason once; empty when everything was
+    /// checked. This text is printed last, so that an incomplete run is not taken for a pass.
     std::string skip_line(const std::vector<VerificationRow>& rows)
     {
         const int number = count(rows, "skipped");
@@ -138,7 +138,7 @@ namespace {
             + ". --data or RETRACTOR_SHARED_DATA names the folder with the published model files\n";
     }
 
-    /// @return their names.
+    /// @return the names of the files.
     std::string write_files(
         const std::filesystem::path& folder, const Found& found, const ui::cli::Json& document, const Job& job)
     {
@@ -160,13 +160,13 @@ namespace {
         return names + ", error_against_time.png";
     }
 
-    /// Of each problem: which elements and laws do not apply.
+    /// For each problem, the elements and laws that do not apply.
     std::string reduction_error_text(const std::vector<VerificationProblem>& problems)
     {
         std::string text;
         for (const VerificationProblem& problem : problems)
-            if (!problem.reduction_error.empty())
-                text += "  " + problem.name + ": " + problem.reduction_error + "\n";
+            if (!problem.omitted.empty())
+                text += "  " + problem.name + ": " + problem.omitted + "\n";
         return text.empty() ? text : "\nNot solved, and why:\n" + text;
     }
 
@@ -174,8 +174,8 @@ namespace {
     {
         ui::cli::Json all = ui::cli::Json::object();
         for (const VerificationProblem& problem : problems)
-            if (!problem.reduction_error.empty())
-                all[problem.name] = problem.reduction_error;
+            if (!problem.omitted.empty())
+                all[problem.name] = problem.omitted;
         return all;
     }
 
@@ -190,8 +190,9 @@ namespace {
     ui::cli::Outcome verify(const VerifyOptions& options, const Job& job)
     {
         const Chosen asked = chosen(options);
+        // report a folder that cannot be written before the long work
         if (!options.out.empty())
-            ui::cli::make_folder(options.out); // a place that cannot be written to is said before the long work
+            ui::cli::make_folder(options.out);
         const Found found { run_verification(asked.problems, { shared_data(options), options.fine }, job),
             run_stability(asked.cases, job) };
         const int failed = count(found.rows, "FAILED") + count(found.cases, "FAILED");

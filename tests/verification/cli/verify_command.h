@@ -1,5 +1,5 @@
 #pragma once
-// The options of retractor-verify, and what it does with them.
+// The command retractor-verify with its options.
 
 #include "ui/cli/framework/command.h"
 

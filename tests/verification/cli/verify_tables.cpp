@@ -15,7 +15,7 @@ namespace {
 
     bool skipped(const VerificationRow& row) { return row.note.starts_with("skipped"); }
 
-    /// JSON has no NaN and no infinity.
+    /// A number as JSON: null for NaN and infinity, which JSON does not have.
     ui::cli::Json number(double value) { return std::isfinite(value) ? ui::cli::Json(value) : ui::cli::Json(nullptr); }
 
     template <class... Values> std::string format(const char* pattern, Values... values)
@@ -33,7 +33,7 @@ namespace {
             : std::string();
     }
 
-    /// Quantities of each problem: where there are several, each has a panel of its own.
+    /// Quantities of each problem. Several quantities have a panel each.
     std::map<std::string, std::set<std::string>> quantities_of(const std::vector<VerificationRow>& rows)
     {
         std::map<std::string, std::set<std::string>> quantities;
@@ -42,7 +42,7 @@ namespace {
         return quantities;
     }
 
-    /// Without the unit: errors are relative.
+    /// The quantity without its unit, because errors are relative.
     std::string panel_title(const VerificationRow& row, const std::map<std::string, std::set<std::string>>& quantities)
     {
         if (quantities.at(row.problem).size() == 1)
@@ -144,15 +144,16 @@ ui::ChartPicture charts(const std::vector<VerificationRow>& rows)
         if (added)
             picture.panels.push_back({ title, {} });
         auto& series = picture.panels[at->second].series;
-        const bool law_too = laws[title].size() > 1 && row.law != row.element; // springs are no element of a law
+        // springs have no law beside their element
+        const bool law_too = laws[title].size() > 1 && row.law != row.element;
         const std::string name = law_too ? row.element + ", " + row.law : row.element;
         if (series.empty() || series.back().name != name)
             series.push_back({ name, {}, {} });
         series.back().x.push_back(row.seconds);
         series.back().y.push_back(row.error);
     }
-    constexpr std::size_t kMostOnPlot = 5; // names; more leave no room for the curves
-    constexpr int kLegend = 230; // pixels, of the longest names
+    constexpr std::size_t kMostOnPlot = 5; // names in a legend; more names leave no room for the curves
+    constexpr int kLegend = 230; // pixels, for the longest names
     for (ui::ChartPanel& panel : picture.panels)
         panel.legend_beside = panel.series.size() > kMostOnPlot;
     if (std::any_of(

@@ -1,5 +1,5 @@
 #pragma once
-// What `retractor-verify` found, as text, JSON, CSV and charts.
+// Results of `retractor-verify` as text, JSON, CSV and charts.
 
 #include "tests/verification/framework/problem.h"
 #include "tests/verification/framework/stability.h"
@@ -11,10 +11,10 @@
 
 namespace retractor::verification {
 
-/// "ok"; "series": a coarser mesh, the finest row of its series is judged; "shown": nothing judges it, and the note
-/// says why; "skipped"; or "FAILED", also where nothing judges it and no reason is given.
+/// Verdict of a row. "ok"; "series": a coarser mesh, whose series is judged in its finest row; "shown": not judged,
+/// the note gives the reason; "skipped"; or "FAILED", also for a row that is not judged and gives no reason.
 std::string verdict(const VerificationRow& row);
-/// "ok" or "FAILED".
+/// Verdict of a row: "ok" or "FAILED".
 std::string verdict(const StabilityRow& row);
 
 ui::cli::Json row_document(const VerificationRow& row);
@@ -26,7 +26,7 @@ std::string csv(const std::vector<StabilityRow>& rows);
 std::string table(const std::vector<VerificationRow>& rows);
 std::string table(const std::vector<StabilityRow>& rows);
 
-/// Error against run time: problems with a series of meshes, one panel each.
+/// Charts of error against run time: one panel for each problem with a series of meshes.
 ui::ChartPicture charts(const std::vector<VerificationRow>& rows);
 
 } // namespace retractor::verification

@@ -13,17 +13,17 @@ namespace retractor::verification {
 namespace {
 
     constexpr double kStiffness = 0.5; // N/mm
-    constexpr double kMass = 1e-9; // tonne: its own time, mass over dashpot, is 1e-7 s and less
+    constexpr double kMass = 1e-9; // tonne: small enough for an intrinsic time, mass over dashpot, of at most 1e-7 s
     constexpr double kBarLength = 10.0, kStretch = 1.0; // mm
     constexpr double kForce = 0.3; // N
     constexpr double kDuration = 1.0; // s
-    constexpr std::array kSteps { 6e-5, 3e-5, 1.5e-5, 7.5e-6 }; // s; the last where it is asked for
+    constexpr std::array kSteps { 6e-5, 3e-5, 1.5e-5, 7.5e-6 }; // s; the last one for the fine series only
     constexpr std::size_t kUsualSteps = 3;
 
     struct Test {
         std::string problem, law, quantity;
         haptics::ElementLaw element;
-        bool stretched = false; ///< and held, so that it may relax; else a force pulls, and it creeps
+        bool stretched = false; ///< stretched and held (relaxation), or pulled by a force (creep)
         std::function<double(double time)> right; ///< elongation (mm) under the force, or force (N) when stretched
         double expected_order = 1.0, bound = 0.0;
     };
@@ -44,7 +44,7 @@ namespace {
         const haptics::ElementLaw voigt { .voigt_time = 0.2, .drag = 0.0 };
         const haptics::ElementLaw solid { .voigt_time = 0.0, .arm_ratio = 0.8, .arm_time = 0.5, .drag = 0.0 };
         const haptics::ElementLaw damped { .voigt_time = 0.02, .arm_ratio = 1.0, .arm_time = 0.1, .drag = 0.0 };
-        constexpr double kShare = 1e-3; // of the longest of the three steps' error
+        constexpr double kShare = 1e-3; // relative to the error of the longest of the three steps
         constexpr double kRoundOff = 1e-12;
         return {
             { "Voigt element, creep", "Voigt", "largest error of the elongation over its limit", voigt, false,
@@ -77,12 +77,12 @@ namespace {
         row.element = "spring element";
         row.law = test.law;
         row.nodes = 2;
-        row.size = std::isnan(test.expected_order) ? 0.0 : dt / kSteps[0]; // 0: exact at any step, no curve
+        row.size = std::isnan(test.expected_order) ? 0.0 : dt / kSteps[0]; // 0: exact at any step, so there is no curve
         double worst = 0.0, largest = 0.0;
         const Stopwatch watch;
         for (int i = 1; i * dt <= kDuration; ++i) {
             motion.step(dt);
-            // A step finds the forces at its beginning, and leaves the place at its end.
+            // A step computes forces at its beginning and positions at its end.
             const double right = test.right(test.stretched ? (i - 1) * dt : i * dt);
             const double ours = test.stretched ? -motion.element_force(1).x() : motion.position(1).x() - kBarLength;
             worst = std::max(worst, std::abs(ours - right));

@@ -1,12 +1,13 @@
 #pragma once
-// Creep and relaxation of the elements that tissue of springs is made of (haptics/spring_motion.h), one element beside
-// its closed form, at three time steps: what `retractor-verify` shows of time. Units mm, N, s, tonne.
+// Creep and relaxation of one viscous element of the spring tissue (spring_motion.h), compared with its closed form
+// at three time steps. Units mm, N, s, tonne.
 
 #include "tests/verification/framework/problem.h"
 
 namespace retractor::verification {
 
-/// Rows: `size` is the time step over the coarsest, `nodes` are particles; there are no tetrahedra.
+/// In the rows `size` is the time step relative to the coarsest, and `nodes` counts particles; there are no
+/// tetrahedra.
 VerificationProblem viscous_problem();
 
 } // namespace retractor::verification

@@ -1,4 +1,4 @@
-// Estimated over true error of every element. The estimate's factor of safety was chosen on these problems.
+// Ratio of estimated to true error of every element. The estimate's factor of safety was chosen on these problems.
 
 #include "fem/error_estimation/error_estimate.h"
 #include "fem/statics/opening.h"
@@ -21,25 +21,27 @@ namespace retractor::verification {
 
 namespace {
 
-    /// Taken from an answer: a number, or a vector, whose error is the length of what it is off by. The length of a
-    /// vector may be right where neither component is: what a bent bar lacks along it and across cancels there.
+    /// A quantity of an answer: a number, or a vector whose error is the length of the error vector. The length of a
+    /// vector can be right while both components are wrong: in a bent bar the errors along and across the bar cancel.
     using Quantity = Eigen::VectorXd;
     Quantity number(double value) { return Quantity::Constant(1, value); }
 
-    /// On one mesh by plain, locking-free and ten-node elements.
+    /// Answers on one mesh by plain, locking-free and ten-node elements.
     struct Answers {
         std::vector<Quantity> plain, locking_free, ten;
         double share = 0.0; ///< ten_node_share()
-        std::array<double, 3> seconds {}, residual {}; ///< in that order
+        std::array<double, 3> seconds {}, residual {}; ///< in the order plain, locking-free, ten-node
     };
 
     const std::string kGape = "the gape beside it, mm";
     bool is_opening(const std::string& name) { return name == kGape; }
 
-    /// On larger elements no order is to be seen yet: what becomes of an opening there is shown.
+    /// Largest elements that are judged. On larger elements the opening shows no order yet, and its rows are only
+    /// shown.
     constexpr double kCoarseSheet = 2.0; // mm
 
-    /// One row per number and element. @param right of each number.
+    /// One row per number and element.
+    /// @param right right value of each number.
     void add_rows(std::vector<VerificationRow>& rows, const VerificationRow& like, const Answers& answers,
         const std::vector<Quantity>& right, const std::vector<std::string>& names, bool too_coarse = false)
     {
@@ -54,7 +56,7 @@ namespace {
                 row.element = element_name(element);
                 row.seconds = answers.seconds[which];
                 row.residual = answers.residual[which];
-                judge_estimate(row, names[i], { answer.norm(), estimate, right[i].norm(), (right[i] - answer).norm() });
+                check_estimate(row, names[i], { answer.norm(), estimate, right[i].norm(), (right[i] - answer).norm() });
                 if (too_coarse && is_opening(names[i])) {
                     row.bound = kNoBound;
                     show_only(row, "two elements through the sheet: its gape has no order yet to estimate by");
@@ -95,7 +97,7 @@ namespace {
         return result;
     }
 
-    /// Solved three times on one mesh.
+    /// A body solved with three elements on one mesh.
     Answers answers_on(
         const fem::ElasticProblem& problem, fem::Elasticity elasticity, const Quantities& quantities, const Job& job)
     {
@@ -122,16 +124,17 @@ namespace {
         double poissons_ratio;
         std::function<fem::ElasticProblem(double cell)> make;
         std::vector<double> cells; ///< mm
-        double fine, finest; ///< of the reference
+        double fine, finest; ///< cell sizes of the two reference meshes, mm
         Quantities quantities;
         std::vector<std::string> names;
         fem::Elasticity elasticity = fem::Elasticity::linear;
-        /// The error of these falls with the size of elements to this power: twice that of the distance from the edge
-        /// where stress has no bound, with which the displacement grows. At the ends of cuts that is the root.
+        /// Power of the element size with which the error of these numbers falls. The power is twice the exponent
+        /// with which the displacement grows with the distance from an edge where stress has no bound. At the ends of
+        /// cuts this exponent is 1/2.
         double order = 1.0;
     };
 
-    /// Where a clamped face meets a free one at a right angle: order of the error of what is like an energy, twice the
+    /// Order of the error of energy-like numbers where a clamped face meets a free face at a right angle: twice the
     /// least root of sin^2(pi x / 2) = ((k + 1)^2 / 4 - x^2) / k, k = 3 - 4 nu [Williams 1952, J. Appl. Mech. 19,
     /// 526, plane strain].
     double clamped_rim_order(double poissons_ratio)
@@ -149,7 +152,7 @@ namespace {
         return below + above;
     }
 
-    /// Against ten-node elements on two finer meshes, carried on to elements of no size.
+    /// Compares with ten-node elements on two finer meshes, extrapolated to element size zero.
     void add_family(std::vector<VerificationRow>& rows, const Family& family, const Job& job)
     {
         const auto by_ten = [&](double cell) {
@@ -173,7 +176,7 @@ namespace {
         }
     }
 
-    /// 4 x 4 mm, along x, clamped at one end; the other is moved across.
+    /// A bar of 4 x 4 mm along x, clamped at one end; the other end is moved across.
     struct Bar {
         double length = 40.0, moved = 2.0; ///< mm
         double poissons_ratio = 0.3;
@@ -195,7 +198,7 @@ namespace {
         return problem;
     }
 
-    /// A sheet of 24 x 18 x 6 mm, cut through over most of its length and drawn open.
+    /// A sheet of 24 x 18 x 6 mm, cut through over most of its length and pulled open.
     constexpr double kCut = 18.0;
     IncisedBlock incised_sheet(double cell)
     {
@@ -212,8 +215,8 @@ namespace {
         return hooked_open(block, incise(uncut_block(block), incision_blade(block)),
             { "tissue", 0.1, nu, 1e-9, "verification" }, Vec3(0.0, 1.5, 0.5));
     }
-    /// Distance that the lips were drawn apart by at the skin, half way from the hooks to the end of the cut: a vertex
-    /// of every mesh.
+    /// Distance by which the lips were pulled apart at the skin, half way from the hooks to the end of the cut. Every
+    /// mesh has a vertex there.
     double hooked_gape(const fem::ElasticProblem& problem, const fem::OpeningResult& result)
     {
         constexpr double kTiny = 1e-6;
@@ -229,7 +232,7 @@ namespace {
 
     constexpr double kVessel = 0.5; // MPa
 
-    /// Mean over the inner wall.
+    /// Mean radial displacement of the inner wall.
     double wall_displacement(const QuarterTube& tube, const Eigen::VectorXd& u)
     {
         double sum = 0.0;
@@ -244,21 +247,20 @@ namespace {
                     sum += radial(v) / 3.0;
                 continue;
             }
-            for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e) // exact for quadratics
+            for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e) // the rule is exact for quadratics
                 if (mesh::kTetEdges[e][0] != face.corner && mesh::kTetEdges[e][1] != face.corner)
                     sum += radial(nodes[4 + e]) / 3.0;
         }
         return sum / static_cast<double>(tube.inner_faces.size());
     }
 
-    constexpr double kStretching = 2.0 * kPulse; // by a fifth
+    constexpr double kStretching = 2.0 * kPulse; // MPa; stretches the tube by a fifth
 
     VerificationLaw vessel_law(fem::Elasticity elasticity, double nu)
     {
         return elasticity == fem::Elasticity::linear
             ? linear_law(kVessel, nu)
-            : retractor::hyperelastic_law(
-                "neo-Hookean", retractor::hyperelastic_law({ "vessel", kVessel, nu, 1e-9, "verification" }));
+            : hyperelastic_law("neo-Hookean", fem::hyperelastic_law({ "vessel", kVessel, nu, 1e-9, "verification" }));
     }
 
     VerificationSolve pressed_vessel(
@@ -274,7 +276,8 @@ namespace {
         return solve;
     }
 
-    /// Lame's, or, stretched, that of ten-node elements on a mesh finer than all others.
+    /// The right displacement: Lame's, or for the stretched tube the displacement of ten-node elements on a mesh
+    /// finer than all others.
     double right_displacement(fem::Elasticity elasticity, double nu, const Job& job)
     {
         if (elasticity == fem::Elasticity::linear)
@@ -347,7 +350,7 @@ std::vector<VerificationRow> element_estimates(const VerificationOptions& option
                     .order = clamped_rim_order(nu) },
                 job);
     for (const double nu : { 0.30, 0.45 })
-        if (!job.cancelled()) // stretched as it is bent
+        if (!job.cancelled()) // the bar is stretched when it is bent
             add_family(rows,
                 { .name = "bar bent far",
                     .poissons_ratio = nu,

@@ -21,10 +21,10 @@ namespace retractor::verification {
 
 namespace {
 
-    constexpr double kLeast = 0.5, kMost = 3.0; // estimate over error
+    constexpr double kLeast = 0.5, kMost = 3.0; // limits of the ratio of estimate to error
 
-    /// Conditions on corners carried over to ten-node elements: a midpoint is held along an axis where both ends of its
-    /// edge are.
+    /// Conditions at corners, extended to ten-node elements: a midpoint is held along an axis where both ends of its
+    /// edge are held.
     std::vector<std::uint8_t> with_midpoints_held(const mesh::TetMesh& fine, const std::vector<std::uint8_t>& corners)
     {
         std::vector<std::uint8_t> held(3 * fine.vertex_count(), 0);
@@ -45,7 +45,7 @@ namespace {
         return held;
     }
 
-    /// By what ten-node elements add.
+    /// The estimate from the change by ten-node elements.
     JudgedEstimate judged(double answer, double better, double right)
     {
         return { answer, std::abs(better - answer) / fem::kErrorShare, right };
@@ -75,7 +75,7 @@ namespace {
             with_midpoints_held(fine, coarse.held.prescribed), solve.equilibrium.displacement, job);
         if (estimate.status != fem::EstimateStatus::done)
             return without_estimate(std::move(row), estimate.message);
-        judge_estimate(row, "the inner wall's displacement",
+        check_estimate(row, "the inner wall's displacement",
             judged(inner_displacement(coarse, solve.equilibrium.displacement),
                 inner_displacement(coarse, estimate.displacement.head(3 * coarse.mesh.vertices.rows())),
                 vessel_displacement(E, nu, kPulse)));
@@ -132,21 +132,22 @@ namespace {
             with_midpoints_held(fine, held.prescribed), solve.equilibrium.displacement, job);
         if (estimate.status != fem::EstimateStatus::done)
             return without_estimate(std::move(row), estimate.message);
-        judge_estimate(row, "the gape in the middle",
+        check_estimate(row, "the gape in the middle",
             judged(std::abs(sheet_gape_of(sheet, cut, solve.equilibrium.displacement)),
                 std::abs(sheet_gape_of(sheet, cut, estimate.displacement.head(3 * cut.mesh.vertices.rows()))),
                 sheet_gape(fem::PreStrainKind::uniaxial_stress, strain, sheet.cut_length, nu)));
         return row;
     }
 
-    /// A column of 20 x 20 x 40 mm pressed between two plates that do not slip. Divided at its mirror plane it is two
-    /// columns that press on each other, and the same: frictionless surfaces bear what a mirror plane does.
+    /// A column of 20 x 20 x 40 mm, pressed between two plates that do not slip. Divided at its mirror plane, the
+    /// column becomes two columns that press on each other. The answer is the same: frictionless contact carries the
+    /// same pressure as the mirror plane.
     struct Column {
-        double cell = 5.0, plate = 10.0, poissons_ratio = 0.4; ///< mm: edges of the elements, of the plates
+        double cell = 5.0, plate = 10.0, poissons_ratio = 0.4; ///< edge lengths of the elements and of the plates, mm
         bool divided = false;
     };
 
-    constexpr double kSide = 20.0, kHalf = 20.0, kPush = 1.0; // mm; each plate goes kPush
+    constexpr double kSide = 20.0, kHalf = 20.0, kPush = 1.0; // mm; each plate moves by kPush
     constexpr double kColumn = 0.04; // MPa
 
     fem::ElasticProblem pressed_column(int nodes_per_tet, const Column& column)
@@ -158,7 +159,7 @@ namespace {
         fem::ElasticProblem problem;
         if (column.divided) {
             problem.mesh = mapped_box(nodes_per_tet, across, across, up, scaled);
-            // The other half is its mirror image: the same triangles lie on each other.
+            // The other half is the mirror image, so equal triangles lie on each other.
             const mesh::TetMesh lower = problem.mesh;
             const auto before = static_cast<VertexId>(lower.vertex_count());
             problem.mesh.vertices.conservativeResize(2 * lower.vertices.rows(), 3);
@@ -225,12 +226,12 @@ namespace {
             = fem::estimate_error(problem, fem::Elasticity::linear, answer.displacement, job, options.contact);
         if (estimate.status != fem::EstimateStatus::done)
             return without_estimate(std::move(row), estimate.message);
-        judge_estimate(
+        check_estimate(
             row, "a plate's force, N", judged(answer.hook_forces_N[1].norm(), estimate.hook_forces_N[1].norm(), right));
         return row;
     }
 
-    /// The same by ten-node elements, by what plain ones lack.
+    /// The estimate for ten-node elements, by the share that remains relative to the change from plain elements.
     VerificationRow pressed_ten_node_columns(const Column& column, double right, const Job& job)
     {
         fem::OpeningOptions options { .elasticity = fem::Elasticity::linear, .load_steps = 2, .tolerance = 1e-9 };
@@ -244,15 +245,15 @@ namespace {
         const double share = fem::ten_node_share(
             fine, fem::Elasticity::linear, Eigen::Map<const Eigen::VectorXd>(u.data(), u.size()), plain.displacement);
         const double force = answer.hook_forces_N[1].norm();
-        judge_estimate(
+        check_estimate(
             row, "a plate's force, N", { force, share * std::abs(plain.hook_forces_N[1].norm() - force), right });
         return row;
     }
 
     std::vector<VerificationRow> pressed_columns_series(const VerificationOptions& options, const Job& job)
     {
-        // One column in one piece, by ten-node elements on two meshes; at the plate's rim the error falls in proportion
-        // to the edge, so that the last answer is carried on by as much as it moved.
+        // The reference is one undivided column with ten-node elements on two meshes. At the plate's rim the error is
+        // proportional to the edge length, so the last answer is extrapolated by its change between the meshes.
         const auto whole = [&](double cell) {
             const fem::OpeningOptions linear { .elasticity = fem::Elasticity::linear, .tolerance = 1e-9 };
             return pressed(pressed_column(10, { .cell = cell }), linear, job).hook_forces_N[1].norm();
@@ -264,7 +265,8 @@ namespace {
                 rows.push_back(pressed_columns({ .cell = cell, .divided = true }, right, job));
         if (!job.cancelled())
             rows.push_back(pressed_ten_node_columns({ .cell = 5.0, .divided = true }, right, job));
-        // Evenly and without spreading: E A d / L, which the elements hold exactly; what is missing is the penalty's.
+        // An even press without sideways motion has the force E A d / L, which the elements represent exactly; the
+        // remaining error is that of the penalty.
         const double even = kColumn * kSide * kSide * kPush / kHalf;
         for (const double cell : { 5.0, 2.5 })
             if (!job.cancelled())
@@ -275,17 +277,17 @@ namespace {
 
 } // namespace
 
-void judge_estimate(VerificationRow& row, const std::string& quantity, const JudgedEstimate& judged)
+void check_estimate(VerificationRow& row, const std::string& quantity, const JudgedEstimate& judged)
 {
     const double effectivity = judged.estimate / judged.error;
     const bool known = !std::isnan(row.error) && std::isfinite(judged.estimate) && std::isfinite(judged.error);
     compare(row, "estimated over true error of " + quantity, effectivity, 1.0);
-    // As far from 1 by factors as the promise allows: the bound is on the factor.
+    // The row's error is the ratio of the factor to the nearer limit.
     row.error = std::max(effectivity / kMost, kLeast / effectivity);
-    // Errors that no digit of a plan shows may be what other errors cancel to.
+    // Errors below the digits of a plan can be the remainder of cancelling errors.
     constexpr double kSeen = 1e-4;
     const bool seen = judged.error > kSeen * std::abs(judged.right);
-    if (!seen) // such an answer must not come with a bar that is seen
+    if (!seen) // an answer without a visible error must not have a visible bar
         row.error = std::max(judged.error, judged.estimate / kMost) / (kSeen * std::abs(judged.right));
     if (!known)
         row.error = std::numeric_limits<double>::quiet_NaN();

@@ -1,9 +1,11 @@
-// Problems 3, 6, 7 and 11 through the fast paths: OnlineOpening, the body condensed and taken apart, after a cut that
-// is undone, by a solve and dragged; NonlinearRegion with linear tissue round nonlinear. Beside the closed form, how
-// far each is from the exact path's answer to the same equations. Four-node elements: the fast paths have no others.
+// Problems 3, 6, 7 and 11 by the fast paths: OnlineOpening (condensed body and multifrontal factor) after a cut that
+// is undone, by a solution and dragged; and NonlinearRegion with linear tissue round a nonlinear region. Each answer
+// is compared with the closed form and with the exact path's answer to the same equations. Four-node elements only,
+// as in the fast paths.
 //
-// What the fast paths hold is vertices and patches, not single axes: planes of symmetry become whole bodies, tractions
-// become forces on hooks that each take the nodes through the thickness, a frictionless punch one that sticks.
+// The fast paths hold vertices and patches, not single axes. Planes of symmetry therefore become whole bodies,
+// tractions become forces of hooks that each hold the nodes through the thickness, and a frictionless punch becomes a
+// bonded punch.
 
 #include "tests/verification/comparison/solver_problems.h"
 
@@ -32,9 +34,10 @@ namespace retractor::verification {
 namespace {
 
     constexpr double kTiny = 1e-6; // mm
-    constexpr double kSame = 1e-7; // of the largest displacement or force: residuals of 1e-8, forces found from them
+    // relative to the largest displacement or force: residuals are 1e-8, and forces are computed from them
+    constexpr double kSame = 1e-7;
 
-    /// A body to be pulled at by hooks, and the cut that comes and goes before.
+    /// A body that hooks pull, and a cut that is made and undone before.
     struct Scene {
         std::string problem, quantity;
         mesh::TetMesh mesh {};
@@ -43,12 +46,14 @@ namespace {
         std::vector<fem::OnlineHook> hooks {};
         mesh::Blade blade {};
         double size = 0.0, expected = 0.0;
-        /// What is compared. @param displacements of the hooks. @param forces that they apply.
+        /// The compared quantity.
+        /// @param displacements of the hooks, mm.
+        /// @param forces that the hooks apply, N.
         std::function<double(const std::vector<Vec3>& displacements, const std::vector<Vec3>& forces)> value {};
     };
 
-    /// The largest difference from Opening where the hooks are where the answer has them: of displacements over the
-    /// largest, and of hook forces over the largest.
+    /// The largest difference from Opening with the hooks at the answer's positions: of displacements relative to the
+    /// largest displacement, and of hook forces relative to the largest force.
     double apart_from_exact(
         const Scene& scene, const mesh::CutSession& session, const fem::OnlineAnswer& answer, const Job& job)
     {
@@ -77,7 +82,8 @@ namespace {
         return std::max(moved / exact.displacement.cwiseAbs().maxCoeff(), pulled / strongest);
     }
 
-    /// Four rows: the answer by a solve and by the columns of a drag, and each beside the exact path's.
+    /// Four rows: the answer by a solution, the answer by the columns of a drag, and the difference of both from the
+    /// exact path.
     std::array<VerificationRow, 4> through_online(
         const Scene& scene, fem::BodyKept kept, const std::string& name, const Job& job)
     {
@@ -119,7 +125,7 @@ namespace {
             compare(rows[at], scene.quantity, scene.value(a.hook_displacements, a.hook_forces_N), scene.expected);
             compare(rows[at + 1], "apart from the exact path, relative", apart_from_exact(scene, session, a, job), 0.0);
             rows[at + 1].bound = kSame;
-            rows[at + 1].size = 0.0; // no curve of errors
+            rows[at + 1].size = 0.0; // no curve of errors for this row
         };
         fill(0, answer);
         (void)opening.prepare_drag();
@@ -145,7 +151,7 @@ namespace {
         return sum;
     }
 
-    /// Two layers of elements, clamped at the left: the sheet is thin enough for that to be plane stress.
+    /// Cook's membrane with two layers of elements, clamped at the left. The sheet is thin enough for plane stress.
     Scene hooked_membrane(int cells)
     {
         Scene scene { .problem = "Cook's membrane", .quantity = "displacement at (48, 52), mm" };
@@ -154,7 +160,7 @@ namespace {
             return { 48.0 * s, 44.0 * s + t * (44.0 - 28.0 * s), 0.5 * p.z() };
         });
         scene.materials.assign(2, { "membrane", 1.0, 1.0 / 3.0, 1e-9, "reference" });
-        std::map<long, std::vector<VertexId>> rows; // of the right edge, by height
+        std::map<long, std::vector<VertexId>> rows; // vertices of the right edge, by height
         for (VertexId v = 0; v < static_cast<VertexId>(scene.mesh.vertex_count()); ++v) {
             const Vec3 p = scene.mesh.vertices.row(v).transpose();
             if (p.x() < kTiny)
@@ -179,9 +185,9 @@ namespace {
         return scene;
     }
 
-    /// The whole ring. Every line of nodes along it is taken by a hook and goes as one, which is plane strain: those on
-    /// the inner wall bear the pressure, the others nothing. A bed holds it, of a hundred-thousandth of the wall's
-    /// stiffness (0.01 E mm for each node on the wall) or so.
+    /// The whole ring. A hook holds each line of nodes along the tube and moves the line as a whole, which gives
+    /// plane strain. Hooks on the inner wall carry the pressure, the others carry nothing. A bed with about a
+    /// hundred-thousandth of the wall's stiffness (0.01 E mm for each node on the wall) holds the ring.
     Scene ring(int around, int through)
     {
         constexpr double E = 0.5, nu = 0.45; // MPa
@@ -226,7 +232,7 @@ namespace {
 
     constexpr double kPunch = 5.0, kPunchYoung = 0.020, kPunchPoisson = 0.3;
 
-    /// What a far side moved by a unit force takes off a punch that sticks; see indentation.cpp.
+    /// Reduction of the force of a bonded punch by a far side that moves under a unit force; see indentation.cpp.
     double taken_off_by_far_side(const QuarterCylinder& body, const Job& job)
     {
         Held held = with_far_side(symmetric(body), body, kPunchYoung, kPunchPoisson, 1.0);
@@ -245,8 +251,8 @@ namespace {
         return force;
     }
 
-    /// A hook does not slip: the force of a punch that sticks is 4 mu a d ln(3 - 4 nu) / (1 - 2 nu) [Mossakovskii 1954;
-    /// Johnson, Contact mechanics, 3.7], at nu 0.5 that of a frictionless one.
+    /// A hook does not slip. The force of a bonded punch is 4 mu a d ln(3 - 4 nu) / (1 - 2 nu) [Mossakovskii 1954;
+    /// Johnson, Contact mechanics, 3.7]; at nu 0.5 this is the force of a frictionless punch.
     Scene punch(int n, const Job& job)
     {
         constexpr double pushed = 2.0;
@@ -264,7 +270,7 @@ namespace {
                 circle.push_back(v);
         }
         scene.hooks.push_back(driven_hook(circle, { .displacement = Vec3(0.0, 0.0, pushed) }, 0));
-        // The body lies at z > 0: the knife comes from below.
+        // The body lies at z > 0, so the knife comes from below.
         scene.blade
             = { .line = { { 7.0, -4.0, 0.0 }, { 8.0, 4.0, 0.0 } }, .directions = { Vec3::UnitZ() }, .depth_mm = 4.0 };
         scene.size = 1.0 / n;
@@ -275,11 +281,12 @@ namespace {
         return scene;
     }
 
-    /// The whole body with the cut in it, nonlinear within two radii, opened by tension on its lips; the exact path is
-    /// one eighth of it, all nonlinear, between planes of symmetry. Two rows: the opening, and how far they are apart.
+    /// The whole body with the cut, nonlinear within two radii and opened by tension on its lips. The exact path
+    /// solves one eighth of the body between planes of symmetry, all nonlinear. Two rows: the opening, and the
+    /// difference of the two answers.
     std::array<VerificationRow, 2> near_penny(int n, const Job& job)
     {
-        constexpr double a = 5.0, E = 1.0, nu = 0.3, stress = 1e-4; // MPa: small strain, as the closed form has it
+        constexpr double a = 5.0, E = 1.0, nu = 0.3, stress = 1e-4; // MPa: small strain, as in the closed form
         const QuarterCylinder quarter = quarter_cylinder(4, a, n);
         const auto everywhere = [](const Vec3&) { return true; };
         const mesh::TetMesh mesh = mirrored(
@@ -287,7 +294,7 @@ namespace {
                 mirrored(quarter.mesh, 2, [&](const Vec3& p) { return std::hypot(p.x(), p.y()) > a * (1.0 - 1e-6); }),
                 0, everywhere),
             1, everywhere);
-        std::vector<int> above(mesh.vertex_count(), 0); // which of the lips a vertex lies on
+        std::vector<int> above(mesh.vertex_count(), 0); // the lip to which a vertex belongs
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
             double z = 0.0;
             for (const VertexId v : mesh.tet(t))
@@ -308,8 +315,9 @@ namespace {
                 load[3 * v + 2] *= -1.0;
             if (at(v).norm() < kTiny)
                 middle[above[static_cast<std::size_t>(v)] < 0 ? 0 : 1] = v;
+            // on the crack front the tractions of the two lips cancel
             if (std::abs(at(v).z()) < kTiny && std::hypot(at(v).x(), at(v).y()) > a * (1.0 - 1e-6))
-                load.segment<3>(3 * v).setZero(); // on the front the two lips' tractions cancel
+                load.segment<3>(3 * v).setZero();
         }
         const std::vector<fem::Material> materials(2, { "tissue", E, nu, 1e-9, "reference" });
         const Stopwatch watch;
@@ -320,7 +328,7 @@ namespace {
             throw SolverError("the penny-shaped cut did not settle: " + rest.message);
         VerificationRow row;
         row.problem = "penny-shaped cut";
-        row.element = "P1, near field";
+        row.element = "P1, nonlinear region";
         row.law = "corotational, linear";
         row.nodes = mesh.vertex_count();
         row.tets = mesh.tet_count();
@@ -347,7 +355,7 @@ namespace {
             throw SolverError("the exact path found no answer: " + exact.equilibrium.message);
         const double right = 2.0 * exact.equilibrium.displacement[3 * quarter.nearest(Vec3::Zero()) + 2];
         compare(rows[1], "apart from the exact path, relative", std::abs(opened / right - 1.0), 0.0);
-        rows[1].bound = stress / E; // what the linear far field leaves out is of the order of the strain
+        rows[1].bound = stress / E; // the error of the linear condensed region is of the order of the strain
         rows[1].size = 0.0;
         return rows;
     }
@@ -360,7 +368,8 @@ namespace {
 
     std::vector<FastFamily> families()
     {
-        // Less than that of a punch wider by a cell: what it holds ends somewhere within the first ring round it.
+        // The force is smaller than for a punch that is wider by one cell: the effective edge of the patch lies
+        // within the first ring round it.
         constexpr double kWider = 1.0 / 3.0;
         return { { [](int n, const Job&) { return hooked_membrane(n); }, { 8, 16, 32 }, 1.4, 0.06 },
             { [](int n, const Job& job) { return punch(n, job); }, { 1, 2, 3 }, 1.0, kWider },
@@ -393,7 +402,8 @@ VerificationProblem fast_paths_problem()
                     }
                 }
             std::array<std::vector<VerificationRow>, 2> cut;
-            // More than that of a cut narrower by a cell: the front opens somewhere within its last ring.
+            // The opening is larger than for a cut that is narrower by one cell: the effective front lies within the
+            // last ring.
             constexpr double kNarrower = 1.0 / 3.0;
             for (const int n : coarsest(std::vector<int> { 1, 2, 3 }, options))
                 if (!job.cancelled()) {

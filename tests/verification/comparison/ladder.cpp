@@ -22,11 +22,11 @@ namespace {
     const fem::Material kFat { "fat", 0.01, 0.49, 0.92e-9, "verification" };
     const Vec3 kPull(0.0, 4.0, 1.0);
 
-    /// Displacements by place and side of the cut, so that meshes can be compared.
+    /// Displacements by position and side of the cut, so that meshes can be compared.
     using Place = std::array<long, 4>;
     using Field = std::map<Place, Vec3>;
 
-    /// At the vertices of the coarsest mesh only.
+    /// Compares at the vertices of the coarsest mesh only.
     Field field_of(const IncisedBlock& block, double coarsest, const mesh::TetMesh& mesh, const Eigen::VectorXd& u)
     {
         Field field;
@@ -42,7 +42,7 @@ namespace {
         return field;
     }
 
-    /// Root mean square of the difference over the largest displacement.
+    /// Root mean square of the difference, relative to the largest displacement.
     double difference(const Field& field, const Field& reference)
     {
         double sum = 0.0, largest = 0.0;
@@ -64,7 +64,7 @@ namespace {
         std::vector<double> cells; ///< mm, coarse to fine
     };
 
-    /// The coarsest cells are those that the answers are compared at.
+    /// The answers are compared at the vertices of the coarsest cells.
     constexpr double kCoarse = 5.0;
 
     IncisedBlock ladder_block(double cell)
@@ -115,14 +115,14 @@ namespace {
             = hooked_open(block, incise(uncut_block(block), incision_blade(block)), kFat, kPull);
         const Stopwatch watch;
         constexpr int kSteps = 4;
-        constexpr double kTolerance = 1e-4; // of what a step of the hooks leaves unbalanced
+        constexpr double kTolerance = 1e-4; // relative to the unbalanced force after a step of the hooks
         Points u = Points::Zero(problem.mesh.vertices.rows(), 3);
         for (int step = 1; step <= kSteps; ++step) {
             for (const fem::HookPatch& hook : problem.hooks)
                 for (const VertexId v : hook.nodes)
                     u.row(v) = (hook.displacement * step / kSteps).transpose();
             fem::SpringNetwork network(problem.mesh, problem.material_of_label);
-            network.set_displacement(u); // before they are fixed: fixed vertices keep their place
+            network.set_displacement(u); // set before fixing, because fixed vertices keep their place
             network.fix(problem.supports.fixed);
             for (const fem::HookPatch& hook : problem.hooks)
                 network.fix(hook.nodes);
@@ -136,8 +136,8 @@ namespace {
         row.law = "springs";
         row.nodes = problem.mesh.vertex_count();
         row.tets = problem.mesh.tet_count();
-        row.residual
-            = std::numeric_limits<double>::quiet_NaN(); // settle() says that it is below kTolerance, not how far
+        // settle() guarantees a residual below kTolerance, but does not return it
+        row.residual = std::numeric_limits<double>::quiet_NaN();
         row.seconds = watch.seconds();
         answer.field = field_of(block, kCoarse, problem.mesh, Eigen::Map<const Eigen::VectorXd>(u.data(), u.size()));
         return answer;
@@ -166,7 +166,8 @@ namespace {
         const std::string quantity = "error of the displacement, root mean square over the largest";
         compare(reference.row, quantity, 0.0, 0.0);
         show_only(reference.row, "the reference");
-        // How good the reference is, by the coarser one of its kind: what is below that cannot be told apart.
+        // The error of the reference is estimated by the coarser answer of the same kind; smaller errors cannot be
+        // distinguished.
         constexpr double kReference = 0.05;
         const OrderRule falls { .asks = OrderRule::Asks::fall,
             .why = "the reference has another law or is not much finer, which leaves a floor" },

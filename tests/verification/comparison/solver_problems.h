@@ -5,9 +5,9 @@
 
 namespace retractor::verification {
 
-/// Answers that follow the knife and the hooks, against the same problem solved as a whole.
+/// Answers that follow the knife and the hooks, compared with a solution of the whole problem.
 VerificationProblem fast_paths_problem();
-/// Solvers of one opened incision against the finest answer.
+/// Solvers of one opened incision, compared with the finest answer.
 VerificationProblem solver_ladder_problem();
 
 } // namespace retractor::verification

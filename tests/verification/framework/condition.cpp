@@ -12,9 +12,9 @@ namespace {
     template <class Apply> double largest_eigenvalue(const Eigen::VectorXd& free, const Apply& apply)
     {
         constexpr int kMostSteps = 300;
-        constexpr double kSettled = 1e-4; // change per step, of the eigenvalue
+        constexpr double kSettled = 1e-4; // relative change of the eigenvalue per step
         Eigen::VectorXd q(free.size());
-        for (Eigen::Index i = 0; i < q.size(); ++i) // in no direction's favour, the same on every run
+        for (Eigen::Index i = 0; i < q.size(); ++i) // a start vector without preferred direction, the same in every run
             q[i] = free[i] * std::sin(1.0 + 12.9898 * static_cast<double>(i));
         double value = 0.0;
         for (int k = 0; k < kMostSteps; ++k) {

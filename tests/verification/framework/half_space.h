@@ -1,8 +1,9 @@
 #pragma once
-// A quarter of a cylinder that stands for the half-space z > 0: rings, of which one is the circle where conditions
-// change, and grow towards the far side. What is pressed moves its far side as a point load of the same size would
-// [Boussinesq], so that no answer is stiffened by the body's end (a block of height H would be, by about 1.3 a / H);
-// round a cut it is left free, for that is not felt far away. Units mm, N, MPa.
+// A quarter of a cylinder that represents the half-space z > 0. Elements form rings that grow towards the far side;
+// one ring ends at the circle on which the boundary conditions change. Under an indenter the far side moves like the
+// half-space under a point load of the same force [Boussinesq], so that the body's end does not stiffen the answer (a
+// fixed end at depth H would stiffen it by about 1.3 a / H). Round a cut the far side is free, because a cut has no
+// effect far away. Units mm, N, MPa.
 
 #include "tests/verification/framework/meshes.h"
 
@@ -10,30 +11,31 @@
 
 namespace retractor::verification {
 
-/// Depth z >= 0 below the surface z = 0, outwards radius r; the circle has radius a.
+/// The mesh, with depth z >= 0 below the surface z = 0 and radius r from the axis. The circle has radius a.
 struct QuarterCylinder {
     mesh::TetMesh mesh;
     double a = 0.0;
 
     bool in_circle(const Vec3& p) const;
     bool at_far_side(const Vec3& p) const;
-    /// Faces of the surface within the circle.
+    /// Faces of the surface inside the circle.
     std::vector<mesh::TetFace> circle() const;
     VertexId nearest(const Vec3& at) const;
 };
 
-/// n cells of a / n, then 2 n cells that grow to the far side, 12 a away.
+/// A quarter cylinder with n cells of size a / n inside the circle and 2 n growing cells from there to the far side
+/// at 12 a.
 QuarterCylinder quarter_cylinder(int nodes_per_tet, double a, int n);
 
-/// The planes of symmetry hold what lies in them.
+/// Holds the nodes in the planes of symmetry within these planes.
 Held symmetric(const QuarterCylinder& body);
-/// Displacement of a unit force into the half-space z > 0 at the origin [Boussinesq 1885; Johnson, Contact mechanics,
-/// 3.19].
+/// Displacement at p of a unit force into the half-space z > 0 at the origin, mm/N [Boussinesq 1885; Johnson, Contact
+/// mechanics, eq. 3.19].
 Vec3 boussinesq(double E, double nu, const Vec3& p);
-/// The far side moved by `force` times the field of a unit point load.
+/// Prescribes at the far side `force` times the field of a unit point load.
 Held with_far_side(Held held, const QuarterCylinder& body, double E, double nu, double force);
 
-/// An element and its meshes: cells from the middle to the circle.
+/// An element and its meshes, by the number of cells from the middle to the circle.
 struct HalfSpaceRun {
     VerificationElement element;
     std::vector<int> cells;

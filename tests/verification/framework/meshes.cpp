@@ -51,7 +51,7 @@ std::vector<mesh::TetFace> faces_where(const mesh::TetMesh& mesh, const std::fun
 
 QuarterTube quarter_tube(int nodes_per_tet, double inner, double outer, int around, int through, int along)
 {
-    // Elements about as long as they are thick. Around runs clockwise, so that (around, out, along) is right-handed.
+    // Elements are about as long as thick. "Around" runs clockwise, so that (around, out, along) is right-handed.
     const double length = (outer - inner) / through * along;
     QuarterTube tube;
     tube.mesh = mapped_box(nodes_per_tet, around, through, along, [&](const Vec3& p) -> Vec3 {
@@ -107,7 +107,8 @@ mesh::TetMesh box_with_sliver(double height)
 {
     mesh::TetMesh mesh = distorted_box(3, 1.0, 0.15, 4);
     const auto nodes = mesh.tet(80);
-    // The element's volume is linear in each vertex: move one towards the plane of the others.
+    // The element's volume is linear in each vertex, so moving one vertex towards the plane of the others scales the
+    // volume.
     for (std::size_t a = 0; a < 4; ++a) {
         mesh::TetMesh moved = mesh;
         const auto& face = mesh::kTetFaces[a];
@@ -115,14 +116,14 @@ mesh::TetMesh box_with_sliver(double height)
                    p1 = mesh.vertices.row(nodes[static_cast<std::size_t>(face[1])]),
                    p2 = mesh.vertices.row(nodes[static_cast<std::size_t>(face[2])]), p = mesh.vertices.row(nodes[a]);
         if (p.minCoeff() < 0.5 || p.maxCoeff() > 2.5)
-            continue; // stay inside the box
+            continue; // keep the boundary of the box
         const Vec3 normal = unit_normal(p0, p1, p2);
         const double distance = normal.dot(p - p0);
         moved.vertices.row(nodes[a]) -= ((1.0 - height) * distance * normal).transpose();
         try {
             mesh::check_mesh(moved);
             return moved;
-        } catch (const InputError&) { // turned a neighbour over: try the next corner
+        } catch (const InputError&) { // a neighbour was inverted: try the next corner
         }
     }
     throw InputError("no sliver could be made");
@@ -146,7 +147,7 @@ mesh::TetMesh mirrored(const mesh::TetMesh& half, int axis, const std::function<
         }
     for (TetId t = 0; t < static_cast<TetId>(half.tet_count()); ++t) {
         const auto nodes = half.tet(t);
-        for (const std::size_t a : { 1U, 0U, 2U, 3U }) // turned round, as it would be inside out
+        for (const std::size_t a : { 1U, 0U, 2U, 3U }) // reordered, because mirroring inverts the element
             whole.nodes.push_back(image[static_cast<std::size_t>(nodes[a])]);
     }
     whole.labels.insert(whole.labels.end(), half.labels.begin(), half.labels.end());

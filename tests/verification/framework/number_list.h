@@ -1,5 +1,5 @@
 #pragma once
-// Numbers in published model files.
+// Reads lists of numbers in published model files.
 
 #include <algorithm>
 #include <sstream>
@@ -8,7 +8,8 @@
 
 namespace retractor::verification {
 
-/// Those of a line or an element's text, divided by commas or blanks, up to the first that is none.
+/// The numbers of a line or of an element's text, separated by commas or blanks, up to the first word that is not a
+/// number.
 inline std::vector<double> number_list(std::string text)
 {
     std::replace(text.begin(), text.end(), ',', ' ');

@@ -35,7 +35,7 @@ std::vector<VerificationRow> run_verification(
     std::vector<VerificationRow> rows;
     for (std::size_t i = 0; i < problems.size() && !job.cancelled(); ++i) {
         job.report(problems[i].name, static_cast<double>(i) / static_cast<double>(problems.size()));
-        Job quiet = job; // the stage is the problem, not what it does inside
+        Job quiet = job; // the problem is the stage, not the steps inside
         quiet.on_progress = nullptr;
         for (VerificationRow& row : problems[i].run(options, quiet))
             rows.push_back(std::move(row));
@@ -107,7 +107,7 @@ void compare(VerificationRow& row, std::string quantity, double value, double ex
     row.quantity = std::move(quantity);
     row.value = value;
     row.expected = expected;
-    if (!std::isnan(row.error)) // it has converged
+    if (!std::isnan(row.error)) // the solution has converged
         row.error = std::abs(value - expected) / (expected == 0.0 ? 1.0 : std::abs(expected));
 }
 
@@ -116,7 +116,7 @@ namespace {
     bool mixed_signs(const std::vector<VerificationRow>& series)
     {
         const auto sign = [](const VerificationRow& row) { return row.value > row.expected; };
-        return series.front().expected != 0.0 // else the value is a size of the error
+        return series.front().expected != 0.0 // otherwise the value is the size of the error
             && std::any_of(series.begin(), series.end(),
                 [&](const VerificationRow& row) { return sign(row) != sign(series.front()); });
     }
@@ -126,10 +126,10 @@ namespace {
         row.note += (row.note.empty() || more.empty() ? "" : "; ") + more;
     }
 
-    void judge_fall(std::vector<VerificationRow>& series, const std::string& why)
+    void check_fall(std::vector<VerificationRow>& series, const std::string& why)
     {
         const bool falls = std::adjacent_find(series.begin(), series.end(), [](const auto& coarse, const auto& fine) {
-            return !(fine.error < coarse.error); // also where it is no number
+            return !(fine.error < coarse.error); // true for NaN
         }) == series.end();
         VerificationRow& finest = series.back();
         finest.order_verdict = falls ? OrderVerdict::falling : OrderVerdict::missed;
@@ -173,17 +173,18 @@ std::string order_verdict_name(OrderVerdict verdict)
     return {};
 }
 
-void judge_orders(std::vector<VerificationRow>& series, double expected, const OrderRule& rule)
+void check_orders(std::vector<VerificationRow>& series, double expected, const OrderRule& rule)
 {
     set_orders(series, expected);
     constexpr std::size_t kFewest = 3, kFewestToFall = 2;
     if (rule.asks == OrderRule::Asks::fall && series.size() >= kFewestToFall)
-        judge_fall(series, rule.why);
+        check_fall(series, rule.why);
     if (rule.asks != OrderRule::Asks::order || series.size() < kFewest || std::isnan(expected))
         return;
     VerificationRow& finest = series.back();
     const double whole = std::log(series.front().error / finest.error) / std::log(series.front().size / finest.size);
-    constexpr double kFloors = 2.0; // the discretisation's own error is then no larger than the floor
+    // up to twice the floor, the discretisation's own error is no larger than the floor
+    constexpr double kFloors = 2.0;
     if (finest.order >= expected - rule.slack)
         finest.order_verdict = OrderVerdict::reached;
     else if (rule.floor > 0.0 && finest.error <= kFloors * rule.floor) {
@@ -192,7 +193,7 @@ void judge_orders(std::vector<VerificationRow>& series, double expected, const O
     } else if (mixed_signs(series) && whole >= expected - rule.mixed_slack) {
         finest.order_verdict = OrderVerdict::mixed_signs;
         add_note(finest, "the error passes through zero; order over all meshes " + formatted("%.1f", whole));
-    } else { // also where it is no number
+    } else { // also for NaN
         finest.order_verdict = OrderVerdict::missed;
         add_note(finest,
             "converges too slowly: order " + formatted("%.2f", finest.order) + ", over all meshes "
@@ -203,7 +204,7 @@ void judge_orders(std::vector<VerificationRow>& series, double expected, const O
 void append_series(std::vector<VerificationRow>& rows, std::vector<VerificationRow>& series, double expected,
     double bound, const OrderRule& rule)
 {
-    judge_orders(series, expected, rule);
+    check_orders(series, expected, rule);
     if (series.empty())
         return;
     VerificationRow& finest = series.back();

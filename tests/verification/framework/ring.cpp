@@ -6,13 +6,13 @@ namespace retractor::verification {
 
 namespace {
 
-    /// With this radial stress: Newton's method from a stretch that keeps the volume.
+    /// The radial stretch with this radial stress, by Newton's method from a stretch that keeps the volume.
     RingStretch ring_under(const PressedRing& ring, double hoop, double stress)
     {
         double radial = 1.0 / hoop;
         constexpr int kSteps = 30;
         for (int i = 0; i < kSteps; ++i) {
-            constexpr double kShare = 1e-6; // of the stretch
+            constexpr double kShare = 1e-6; // relative to the stretch
             const double h = kShare * radial, f = ring.stress({ hoop, radial }).radial - stress;
             const double step
                 = f * 2.0 * h / (ring.stress({ hoop, radial + h }).radial - ring.stress({ hoop, radial - h }).radial);
@@ -24,7 +24,7 @@ namespace {
         return { hoop, radial };
     }
 
-    /// On the outer wall, where the inner one is stretched by `bore` under the pressure.
+    /// Radial stress on the outer wall when the inner wall is stretched by `bore` under the pressure.
     double outer_stress(const PressedRing& ring, double bore, double pressure)
     {
         struct Radius {
@@ -39,7 +39,7 @@ namespace {
         };
         constexpr int kSteps = 64;
         const double h = (ring.outer - ring.inner) / kSteps;
-        Radius at { bore * ring.inner, -pressure * bore }; // the pressure follows: it acts on the stretched wall
+        Radius at { bore * ring.inner, -pressure * bore }; // the pressure acts on the stretched wall
         for (int i = 0; i < kSteps; ++i) {
             const double R = ring.inner + i * h;
             const Radius k1 = slope(R, at), k2 = slope(R + 0.5 * h, step(at, k1, 0.5 * h)),
@@ -57,7 +57,8 @@ double bore_stretch(const PressedRing& ring, double pressure, double low, double
     constexpr int kHalvings = 40;
     for (int i = 0; i < kHalvings; ++i) {
         const double middle = 0.5 * (low + high);
-        (outer_stress(ring, middle, pressure) < 0.0 ? low : high) = middle; // too little stretched: it is pushed out
+        // at too small a stretch the outer wall is pushed out
+        (outer_stress(ring, middle, pressure) < 0.0 ? low : high) = middle;
     }
     return 0.5 * (low + high);
 }

@@ -14,13 +14,13 @@ namespace retractor::verification {
 
 namespace {
 
-    /// Largest eigenvalue of a symmetric operator by Lanczos' method, its residual added.
+    /// Largest eigenvalue of a symmetric operator by Lanczos' method, plus its residual.
     template <class Apply> double largest_eigenvalue(Eigen::Index size, const Apply& apply)
     {
         constexpr int kMostSteps = 120;
-        constexpr double kSharp = 1e-6; // of the eigenvalue
+        constexpr double kSharp = 1e-6; // accuracy relative to the eigenvalue
         Eigen::VectorXd q(size), before = Eigen::VectorXd::Zero(size);
-        for (Eigen::Index i = 0; i < size; ++i) // in no direction's favour, the same on every run
+        for (Eigen::Index i = 0; i < size; ++i) // a start vector without preferred direction, the same on every run
             q[i] = std::sin(1.0 + 12.9898 * static_cast<double>(i));
         q.normalize();
         std::vector<double> alpha, beta;

@@ -44,8 +44,9 @@ bool StabilityRow::passed() const
         return false;
     if (!std::isfinite(condition) && unconditioned == Unconditioned::unsaid)
         return false;
+    // nothing was measured, or no bound is given
     if (outcome == StabilityOutcome::refused && (reason.empty() || std::isinf(bound)))
-        return !reason.empty(); // nothing was measured, or nothing is promised of it
+        return !reason.empty();
     return error <= bound; // false for NaN
 }
 
@@ -110,7 +111,7 @@ double residual_of(const fem::Equilibrium& equilibrium, const std::vector<std::u
 
 namespace {
 
-    /// What happens while it lives is for the condition numbers, whether they come or not.
+    /// Adds the time during which this object lives to the time of the condition numbers, also after an exception.
     struct ConditionWatch {
         StabilityRow& row;
         Stopwatch watch {};
@@ -123,7 +124,7 @@ namespace {
             const ConditionEstimate estimate = estimate_condition(K, prescribed);
             row.condition = estimate.number;
             row.scaled_condition = estimate.scaled;
-            row.unconditioned = Unconditioned::unsaid; // whatever the family said beforehand
+            row.unconditioned = Unconditioned::unsaid; // whatever reason the family gave before
         } catch (const SolverError&) {
             row.unconditioned = Unconditioned::no_factor;
         }
@@ -155,7 +156,7 @@ std::vector<StabilityRow> run_stability(const std::vector<StabilityCase>& cases,
     std::vector<StabilityRow> rows;
     for (std::size_t i = 0; i < cases.size() && !job.cancelled(); ++i) {
         job.report(cases[i].name, static_cast<double>(i) / static_cast<double>(cases.size()));
-        Job quiet = job; // the stage is the case, not what it does inside
+        Job quiet = job; // the case is the stage, not the steps inside
         quiet.on_progress = nullptr;
         for (StabilityRow& row : cases[i].run(quiet))
             rows.push_back(std::move(row));

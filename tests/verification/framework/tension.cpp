@@ -81,7 +81,7 @@ ReleasedWound release_wound(const mesh::TetMesh& mesh, std::span<const mesh::Tet
 double spring_calibration(const mesh::TetMesh& mesh, std::span<const fem::Material> materials,
     std::span<const VertexId> held, const Vec3& pull, std::span<const VertexId> symmetry, const Job& job)
 {
-    constexpr double kStrain = 1e-4; // small: both models are then linear
+    constexpr double kStrain = 1e-4; // small enough for both models to be linear
     if (!(pull.norm() > 0.0 && pull.allFinite()))
         throw InputError("the pull of a calibration must be a direction", "pull");
     const Vec3 along = pull.normalized();
@@ -105,8 +105,8 @@ double spring_calibration(const mesh::TetMesh& mesh, std::span<const fem::Materi
     const Eigen::VectorXd u = start - solver.solve(K.multiply(start));
     const double elastic = 0.5 * u.dot(K.multiply(u));
 
-    // Everything starts stretched; the ends are held there while the rest settles.
-    fem::SpringNetwork network(mesh, materials);
+    // The whole mesh starts stretched. The ends stay stretched while the rest comes to equilibrium.
+    SpringNetwork network(mesh, materials);
     if (!symmetry.empty())
         network.fix(symmetry, 4);
     network.set_displacement(as_points(start));
@@ -137,13 +137,13 @@ mesh::TetMesh sheet_mesh(const SheetProblem& s)
     for (int i = 0; i <= rings; ++i)
         for (int j = 0; j < n; ++j) {
             auto& row = id[static_cast<std::size_t>(i)];
-            if (i == 0 && j > n / 2) { // the two sides of the cut
+            if (i == 0 && j > n / 2) { // both sides of the cut share their vertices
                 row.push_back(row[static_cast<std::size_t>(n - j)]);
                 continue;
             }
             row.push_back(static_cast<VertexId>(flat.size()));
             const double xi = reach * i / rings, eta = cell * (j + (i % 2 == 0 ? 0.0 : 0.5));
-            // Exact where it matters: the tips and the line between them.
+            // Sets the tips and the line between the tips exactly.
             const double x = i == 0 && 4 * j == n ? 0.0 : a * std::cosh(xi) * std::cos(eta);
             flat.emplace_back(x, i == 0 ? 0.0 : a * std::sinh(xi) * std::sin(eta), 0.0);
         }
@@ -219,7 +219,8 @@ Vec3 sheet_displacement(double length, double stress, double E, double nu, const
 {
     const double a = 0.5 * length, mu = E / (2.0 * (1.0 + nu)), kappa = (3.0 - nu) / (1.0 + nu);
     const std::complex<double> z(at.x(), at.y());
-    const std::complex<double> root = std::sqrt(z - a) * std::sqrt(z + a); // its cut is the cut
+    // With this product of roots the branch cut lies on the cut of the sheet.
+    const std::complex<double> root = std::sqrt(z - a) * std::sqrt(z + a);
     const std::complex<double> Z = stress * (z / root - 1.0), integral = stress * (root - z);
     return { (0.5 * (kappa - 1.0) * integral.real() - at.y() * Z.imag()) / (2.0 * mu),
         (0.5 * (kappa + 1.0) * integral.imag() - at.y() * Z.real()) / (2.0 * mu), 0.0 };

@@ -42,7 +42,7 @@ namespace {
             else if (section.starts_with("*ELEMENT")) {
                 for (const double v : values)
                     element.push_back(static_cast<int>(v));
-                if (element.size() == 11) { // number and ten nodes, over two lines
+                if (element.size() == 11) { // element number and ten nodes, over two lines
                     deck.elements.emplace_back(element.begin() + 1, element.end());
                     element.clear();
                 }
@@ -78,7 +78,7 @@ namespace {
         return all;
     }
 
-    /// "FIX,3,3" or "1,1,2": a node or a set, then numbers.
+    /// Reads "FIX,3,3" or "1,1,2": a node or a node set, then numbers.
     std::pair<std::vector<int>, std::vector<double>> nodes_and_numbers(const Deck& deck, const std::string& line)
     {
         const auto comma = line.find(',');
@@ -112,7 +112,7 @@ CalculixModel read_calculix(const std::filesystem::path& file)
         mesh.vertices.row(v) = p.transpose();
         model.vertex_of_number[number] = v;
     }
-    // CalculiX orders the midpoints 12, 23, 13, 14, 24, 34: as we do.
+    // CalculiX orders the midpoints 12, 23, 13, 14, 24, 34, as TetMesh does.
     for (const auto& element : deck.elements) {
         for (const int number : element)
             mesh.nodes.push_back(vertex(model, number, file));

@@ -1,6 +1,6 @@
 #pragma once
-// Reads the CalculiX deck that serves as a reference: ten-node tetrahedra, one isotropic material, node sets, fixed and
-// prescribed displacements, nodal forces; and the displacements it printed.
+// Reads a CalculiX deck that serves as a reference, and the displacements that CalculiX printed. The deck may have
+// ten-node tetrahedra, one isotropic material, node sets, fixed and prescribed displacements, and nodal forces.
 
 #include "tests/verification/framework/meshes.h"
 
@@ -17,10 +17,11 @@ struct CalculixModel {
     fem::Lame lame;
 };
 
-/// @throws IoError naming the file when it cannot be read or names what it does not define.
+/// @throws IoError naming the file when the file cannot be read or refers to an undefined name.
 CalculixModel read_calculix(const std::filesystem::path& file);
 
-/// One per vertex. @throws IoError when a vertex is missing.
+/// The printed displacements, one per vertex, mm.
+/// @throws IoError when a vertex is missing.
 std::vector<Vec3> read_calculix_displacements(const std::filesystem::path& file, const CalculixModel& model);
 
 } // namespace retractor::verification

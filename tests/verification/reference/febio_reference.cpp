@@ -112,7 +112,7 @@ namespace {
             return held;
         }
 
-        /// The load curve's value at the end.
+        /// Value of the load curve at the end of the step.
         double at_the_end(const Tag& value) const
         {
             for (const Tag& curve : section("LoadData").children)

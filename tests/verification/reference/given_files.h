@@ -1,5 +1,5 @@
 #pragma once
-// Problems whose answer another program published, read from the files of that program.
+// Problems with answers that another program published, read from the files of that program.
 
 #include "tests/verification/framework/problem.h"
 

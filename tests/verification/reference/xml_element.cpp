@@ -63,7 +63,7 @@ namespace {
                 advance(1);
         }
 
-        /// Blanks, comments and declarations outside the root.
+        /// Skips blanks, comments and declarations outside the root.
         void skip_between()
         {
             for (skip_blanks(); starts("<?") || starts("<!--"); skip_blanks())
@@ -87,7 +87,7 @@ namespace {
             ++at_;
         }
 
-        /// Text up to `end`, with entities as what they stand for.
+        /// The text up to `end`, with entities replaced.
         std::string text_until(char end)
         {
             const std::size_t found = text_.find(end, at_);
@@ -131,7 +131,8 @@ namespace {
 
         XmlElement element(int depth)
         {
-            constexpr int kDeepest = 100; // no solver file nests so far; a bad one must not exhaust the stack
+            // largest depth of nesting; solver files stay far below, and a malformed file must not exhaust the stack
+            constexpr int kDeepest = 100;
             if (depth > kDeepest)
                 fail("elements are nested too deeply");
             XmlElement element;

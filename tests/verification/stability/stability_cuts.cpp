@@ -1,4 +1,4 @@
-// Cuts at their limits: pieces that come off, cuts on the grid, through a hook, a hundred in one place.
+// Extreme cuts: pieces that come off, cuts along the grid, through a hook, and a hundred cuts in one place.
 
 #include "tests/verification/stability/stability_families.h"
 #include "tests/verification/stability/stability_meshes.h"
@@ -25,7 +25,7 @@ namespace {
     const fem::Material kCutTissue { "tissue", 0.04, 0.45, 1e-9, "verification" };
     const std::vector<fem::Material> kTissues { kCutTissue, kCutTissue };
 
-    /// What a cut leaves is sound, whatever was cut: no refusal.
+    /// Checks that the mesh after a cut is sound. A failure is misbehaviour, not a refusal.
     void expect_sound(const mesh::TetMesh& mesh)
     {
         try {
@@ -52,7 +52,7 @@ namespace {
         return found;
     }
 
-    /// Horizontal, from end to end: the top half comes off.
+    /// A horizontal blade from end to end: the top half comes off.
     mesh::Blade severing_blade(const IncisedBlock& block)
     {
         const double z = 0.62 * block.size.z();
@@ -61,7 +61,7 @@ namespace {
             .depth_mm = block.size.y() + 10.0 };
     }
 
-    /// Vertices of a mesh as those of a hook that pulls them.
+    /// A hook on vertices of a mesh.
     fem::OnlineHook hook_on(const mesh::TetMesh& mesh, const Vec3& pull, const std::function<bool(const Vec3&)>& inside)
     {
         fem::OnlineHook hook;
@@ -72,7 +72,7 @@ namespace {
         return hook;
     }
 
-    /// A patch in the middle of the top.
+    /// A hook patch in the middle of the top.
     fem::OnlineHook top_hook(const IncisedBlock& block, const Vec3& pull)
     {
         fem::OnlineHook hook = hook_on(uncut_block(block), pull, [&](const Vec3& p) {
@@ -82,7 +82,7 @@ namespace {
         return hook;
     }
 
-    /// One whole side, drawn away from the middle.
+    /// A hook on one whole side that pulls away from the middle.
     fem::OnlineHook side_hook(const IncisedBlock& block, const mesh::TetMesh& mesh)
     {
         fem::OnlineHook hook = hook_on(
@@ -92,7 +92,7 @@ namespace {
         return hook;
     }
 
-    /// The block, held below and by a hook, that is cut. A session's first ids are those of its mesh.
+    /// The block to be cut, held at the bottom and by a hook. The first ids of a session are those of its mesh.
     struct HookedOnline {
         mesh::TetMesh mesh;
         mesh::CutSession session;
@@ -118,7 +118,7 @@ namespace {
             return made;
         }
 
-        /// The whole answer, its residual and condition in the row.
+        /// The whole answer, with residual and condition in the row.
         fem::OnlineAnswer answer(StabilityRow& row)
         {
             fem::OnlineAnswer answer = opening.answer();
@@ -128,7 +128,7 @@ namespace {
             return answer;
         }
 
-        /// The same against the problem set up anew.
+        /// The same answer, compared with a newly set-up problem.
         void judge(StabilityRow& row, const fem::OnlineAnswer& answer)
         {
             if (answer.status != fem::OnlineStatus::solved)
@@ -140,7 +140,7 @@ namespace {
             row.quantity = "displacement against a fresh factorisation, relative";
             row.error = (answer.displacement - expected.displacement).cwiseAbs().maxCoeff()
                 / expected.displacement.cwiseAbs().maxCoeff();
-            row.bound = 1e-8; // what residuals of round-off leave
+            row.bound = 1e-8; // error that residuals of round-off leave
         }
     };
 
@@ -165,7 +165,7 @@ namespace {
             refuse(row, answer.message);
     }
 
-    /// The piece that came off is held by a hook: an answer again.
+    /// A hook holds the piece that came off, so there is an answer again.
     void severed_hooked(StabilityRow& row, const IncisedBlock& block)
     {
         HookedOnline online(block, top_hook(block, Vec3(0.0, 1.0, 3.0)));
@@ -175,7 +175,7 @@ namespace {
             return refuse(row, answer.message);
         row.quantity = "hook force of a piece that hangs free, N";
         row.error = answer.hook_forces_N.front().norm();
-        row.bound = 1e-9; // it moves as one; round-off of forces of 1 N
+        row.bound = 1e-9; // the piece moves rigidly; round-off of forces of 1 N
     }
 
     fem::ElasticProblem pulled_aside(const IncisedBlock& block, const mesh::TetMesh& mesh)
@@ -188,7 +188,7 @@ namespace {
     struct GridCut {
         const char* name;
         mesh::Blade blade;
-        double lip_area; ///< mm^2, of one lip
+        double lip_area; ///< area of one lip, mm^2
     };
 
     std::vector<GridCut> grid_cuts(const IncisedBlock& block)
@@ -202,13 +202,13 @@ namespace {
             { "cut along faces", incision_blade(block), block.length * block.depth },
             { "cut along faces, from end to end", blade({ -h, y, z }, { x + h, y, z }, -Vec3::UnitZ(), 2 * h),
                 x * 2 * h },
-            // The diagonals of the cells' sides lie in it, and edges along x.
+            // The cut contains diagonals of the cells' sides, and edges along x.
             { "cut along edges, aslant", blade({ 2 * h, y, z }, { 6 * h, y, z }, diagonal, 2 * h * std::numbers::sqrt2),
                 4 * h * 2 * h * std::numbers::sqrt2 },
-            // Through vertices, edges and faces of other elements, from one vertex to another.
+            // The cut runs from one vertex to another, through vertices, edges and faces of other elements.
             { "cut from vertex to vertex", blade({ 2 * h, 2 * h, z }, { 8 * h, 6 * h, z }, -Vec3::UnitZ(), 2 * h),
                 std::hypot(6 * h, 4 * h) * 2 * h },
-            // Its front and one end run along edges in the middle of the body.
+            // The front and one end of the cut run along edges in the middle of the body.
             { "cut that ends on an edge", blade({ -h, 3 * h, z }, { 6 * h, 3 * h, z }, -Vec3::UnitZ(), 3 * h),
                 6 * h * 3 * h },
         };
@@ -249,10 +249,10 @@ namespace {
     enum class Hundred {
         fan, ///< from one line outwards, 3.6 degrees apart
         slices, ///< side by side, a tenth of a millimetre apart
-        crossing, ///< all through each other within a millimetre
+        crossing, ///< all cuts cross each other within a millimetre
     };
 
-    /// Straight down, in the middle of the top, beside the planes of the grid.
+    /// A blade straight down in the middle of the top, off the planes of the grid.
     mesh::Blade hundredth_blade(const IncisedBlock& block, int i, Hundred series)
     {
         mesh::Blade blade = incision_blade(block);
@@ -270,7 +270,7 @@ namespace {
             break;
         }
         case Hundred::crossing: {
-            const double turn = 2.399963 * i; // the golden angle: no two alike
+            const double turn = 2.399963 * i; // the golden angle: no two blades are parallel
             for (Vec3& p : blade.line)
                 p = middle + Vec3(0.7 * std::cos(turn), 0.7 * std::sin(turn), 0.0)
                     + Vec3(Eigen::AngleAxisd(0.15 * std::sin(turn), Vec3::UnitZ()) * (p - middle));
@@ -280,9 +280,11 @@ namespace {
         return blade;
     }
 
-    constexpr double kVolumeKept = 1e-9; ///< what moves of the skin's vertices add up to; a plane is kept to round-off
+    /// largest sum of volume changes by moved skin vertices; a plane is kept to round-off
+    constexpr double kVolumeKept = 1e-9;
 
-    /// Sound, of the volume it had, and all of it to be undone. @return the relative change of volume.
+    /// Checks that the mesh is sound, keeps its volume, and that all cuts can be undone.
+    /// @return the relative change of volume.
     double expect_undone(mesh::CutSession& session, const mesh::TetMesh& before, double kept = kVolumeKept)
     {
         const mesh::TetMesh mesh = session.compact_mesh();
@@ -298,7 +300,7 @@ namespace {
         return change;
     }
 
-    /// All blades go straight down: nothing pulls across them when the block is stretched upright.
+    /// All blades go straight down, so nothing pulls across the cuts when the block is stretched vertically.
     void stretch_upright(StabilityRow& row, const mesh::CutSession& session, double bound, const Job& job)
     {
         mesh::SlotMap map;
@@ -320,7 +322,7 @@ namespace {
             "%zu elements, %d piece(s)", session.tet_count(), 1 + *std::max_element(piece.begin(), piece.end()));
     }
 
-    /// The first is made, the others are refused by name and change nothing.
+    /// The first cut is made. The others are refused with a reason and change nothing.
     void same_cut(StabilityRow& row, const IncisedBlock& block)
     {
         const mesh::TetMesh before = uncut_block(block);
@@ -344,7 +346,7 @@ namespace {
         (void)expect_undone(online.session, before);
     }
 
-    /// All are made.
+    /// All cuts are made.
     void hundred_cuts(StabilityRow& row, const IncisedBlock& block, const Job& job)
     {
         const mesh::TetMesh before = uncut_block(block);
@@ -357,17 +359,17 @@ namespace {
         }
         row.reason = formatted("%d of %d cuts made, ", made, kCuts) + mesh_text(online.session);
         online.judge(row, online.answer(row));
-        // Vertices of the skin move onto a hundred blades, each by a little (CutOptions::snap).
+        // Vertices of the skin move slightly onto each of a hundred blades (CutOptions::snap).
         constexpr double kMovedSkin = 1e-5;
         row.reason += formatted(", volume kept to %.1e", expect_undone(online.session, before, kMovedSkin));
     }
 
-    /// Cuts that cross each other, or the slivers beside each other's lips, are never done: each divides what all
-    /// before it divided. The cutter refuses the one that would make more elements than it is allowed, by name, and
-    /// what was cut before stands and has its answer.
+    /// Cuts that cross each other, or the slivers beside each other's lips, become ever more expensive: each cut
+    /// divides all elements that earlier cuts divided. The cutter must refuse the cut that exceeds the limit of
+    /// elements, with a reason. The earlier cuts stay and have an answer.
     void cut_until_refused(StabilityRow& row, const IncisedBlock& block, Hundred series, double bound, const Job& job)
     {
-        constexpr std::size_t kMostElements = 10'000; // four times as many as there are before
+        constexpr std::size_t kMostElements = 10'000; // four times the initial number
         const mesh::TetMesh before = uncut_block(block);
         mesh::CutSession session(before);
         std::string said;
@@ -437,7 +439,8 @@ StabilityCase hundred_cuts_case()
             const IncisedBlock block;
             std::vector<StabilityRow> rows { attempt(
                 "the same cut 100 times", "online opening", [&](StabilityRow& row) { same_cut(row, block); }) };
-            constexpr double kRoundOff = 1e-9, kOfSlivers = 1e-4; // 1e-16 times the scaled condition, and some more
+            // 1e-16 times the scaled condition number, with a margin
+            constexpr double kRoundOff = 1e-9, kOfSlivers = 1e-4;
             rows.push_back(attempt(
                 "100 cuts from one line", "online opening", [&](StabilityRow& row) { hundred_cuts(row, block, job); }));
             rows.push_back(expect_refusal("100 slices, 0.1 mm apart", "cutter; P1, linear", "element_limit",

@@ -1,4 +1,4 @@
-// Hooks and states at their limits: drawn too far, through each other, a start inside out.
+// Extreme hooks and states: hooks that pull too far, hooks that cross each other, an inverted start.
 
 #include "tests/verification/stability/stability_families.h"
 
@@ -30,14 +30,14 @@ namespace {
         case fem::Elasticity::corotational:
             return "P1, corotational";
         case fem::Elasticity::hyperelastic:
-            return "P1, neo-Hookean"; // what tissue without a law of its own is
+            return "P1, neo-Hookean"; // the law of tissue without its own law
         case fem::Elasticity::corotational_linear:
-            break; // refused by Opening
+            break; // Opening refuses this combination
         }
         return {};
     }
 
-    /// Why an opening is no answer, the reason first: the solver's own word comes after it.
+    /// The reason why an opening is not an answer, followed by the solver's own message.
     std::string reason_of(const fem::OpeningResult& result, std::size_t elements)
     {
         if (result.status != fem::OpeningStatus::inverted)
@@ -50,7 +50,7 @@ namespace {
         return text.data();
     }
 
-    /// An answer in which elements are inside out is none, and has to say so.
+    /// An answer with inverted elements is not an answer, and the status must say so.
     void open(StabilityRow& row, const Vec3& pull, const fem::OpeningOptions& options, const Job& job)
     {
         const IncisedBlock block;
@@ -76,14 +76,15 @@ namespace {
 
     StabilityRow far_row(const char* name, const Vec3& pull, fem::Elasticity elasticity, const Job& job)
     {
-        // A law whose energy is infinite where tissue turns over cannot come to that: where it ends before, it says so.
+        // A law with infinite energy for inverted elements cannot invert any. If such a solution ends early, the
+        // status must say so.
         const std::string named = elasticity == fem::Elasticity::hyperelastic ? "of the hooks' displacement"
                                                                               : "elements would be inside out";
         return expect_answer_or_refusal(name, name_of(elasticity), named,
             [&](StabilityRow& r) { open(r, pull, { .elasticity = elasticity }, job); });
     }
 
-    /// A session's cut block with the hooks of hooked_open(), by the session's ids.
+    /// A session with a cut block and the hooks of hooked_open(), by the session's ids.
     struct OnlineIncision {
         IncisedBlock block;
         mesh::CutSession session { uncut_block(block) };
@@ -113,12 +114,13 @@ namespace {
         }
     };
 
-    /// Hooks on the two lips, while a session is open: they stop where the lips meet, and what is answered there is an
-    /// equilibrium, by a solve and by the columns of a drag alike.
+    /// Hooks on the two lips in an open session stop where the lips meet. The answer there must be an equilibrium,
+    /// both by a solution and by the columns of a drag.
     void push_together(StabilityRow& row, const fem::HookDrive& right, const fem::HookDrive& left)
     {
-        constexpr double kResidual = 1e-8, kSame = 1e-6; // as answers promise; of the largest displacement
-        constexpr double kMet = 2e-6; // mm: what rest_of_hooks_apart() leaves of a crossing
+        // residual of an answer; and largest difference, relative to the largest displacement
+        constexpr double kResidual = 1e-8, kSame = 1e-6;
+        constexpr double kMet = 2e-6; // mm: overlap that rest_of_hooks_apart() leaves
         OnlineIncision cut;
         fem::OnlineOpening opening(cut.session, cut.materials, cut.supports, {});
         cut.hooks[0].drive = right;
@@ -154,7 +156,7 @@ namespace {
         row.reason = text.data();
     }
 
-    /// Start states in which one vertex has been drawn out through the far side of its elements.
+    /// Start states in which one vertex was moved out through the far side of its elements.
     void start_inside_out(StabilityRow& row, const VerificationLaw& law, const Job& job)
     {
         const mesh::TetMesh mesh = mesh::kuhn_box(4, 4, 4, 1.0);
@@ -164,14 +166,14 @@ namespace {
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
             if (mesh.vertices.row(v) == Eigen::RowVector3d(2.0, 2.0, 2.0))
                 start.segment<3>(3 * v) = Vec3(1.3, 0.4, -1.2);
-        row.unconditioned = Unconditioned::no_matrix; // a law without an energy there has no stiffness either
+        row.unconditioned = Unconditioned::no_matrix; // a law without energy there has no stiffness either
         fem::EquilibriumSolver solver;
         const fem::Equilibrium rest
             = solver.solve(body, held.prescribed, held.target, start, { .tolerance = 1e-9 }, job);
         row.residual = rest.residual;
         row.quantity = "distance from rest, mm";
         row.error = rest.displacement.cwiseAbs().maxCoeff();
-        row.bound = 1e-6; // a tolerance of 1e-9 on forces of a body that was strained by 1
+        row.bound = 1e-6; // a tolerance of 1e-9 on forces of a body with strains of 1
         if (rest.status != fem::EquilibriumStatus::converged)
             return refuse(row, "not converged: " + rest.message);
         set_condition(row, body.stiffness(rest.displacement, 0.0), held.prescribed);

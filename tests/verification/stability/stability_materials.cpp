@@ -1,4 +1,4 @@
-// Materials at their limits: nearly incompressible, bone on fat, a vessel beyond the pressure it can hold.
+// Extreme materials: nearly incompressible, bone on fat, a vessel beyond its limit pressure.
 
 #include "tests/verification/stability/stability_families.h"
 
@@ -21,12 +21,12 @@ namespace retractor::verification {
 
 namespace {
 
-    constexpr double kMiddle = 13.5; // mm, between the two layers
+    constexpr double kMiddle = 13.5; // mm, radius between the two layers
     constexpr int kAround = 24, kThrough = 4;
-    constexpr double kNoWorse = 2.0; // errors of the mild case that an extreme one may have
+    constexpr double kNoWorse = 2.0; // largest error of an extreme case, in errors of the mild case
     constexpr double kMmHg = 1.33322387415e-4; // MPa
 
-    /// Two layers under inner pressure, plane strain: in each u = a r + b / r [Lame].
+    /// Two layers under inner pressure in plane strain: u = a r + b / r in each layer [Lame].
     class LayeredTube {
     public:
         LayeredTube(const fem::Lame& inside, const fem::Lame& outside)
@@ -108,13 +108,13 @@ namespace {
         measure(row, tube.mesh, solve, body, tube.held, [&](const Vec3& p) { return exact.displacement(p); });
     }
 
-    /// Two layers of the unit box, stiff below soft or the other way round, sheared along x: u = f(z) sin(pi y),
-    /// without change of volume; f and mu f' go through the interface without a jump. Held everywhere on the boundary.
+    /// Two layers of the unit box, the stiff one below or above, sheared along x: u = f(z) sin(pi y), without change
+    /// of volume. f and mu f' are continuous at the interface. The whole boundary is held.
     struct ShearedLayers {
         fem::Lame below, above;
         static constexpr double kInterface = 0.5, kBelow = std::numbers::pi / 2, kAbove = 2.0;
 
-        /// f and its second derivative; what lies below is as much stiffer as its strain is smaller.
+        /// f and its second derivative. The strain of the lower layer is smaller in proportion to its stiffness.
         std::pair<double, double> profile(double z) const
         {
             const double soft = std::min(below.mu, above.mu), slope = kBelow * std::cos(kBelow * kInterface);
@@ -130,7 +130,7 @@ namespace {
         {
             return { profile(p.z()).first * std::sin(std::numbers::pi * p.y()), 0.0, 0.0 };
         }
-        /// - div sigma. Points of a quadrature lie within one layer.
+        /// The body force - div sigma. All quadrature points of an element lie within one layer.
         Vec3 force(const Vec3& p) const
         {
             const auto [f, bend] = profile(p.z());
@@ -155,7 +155,7 @@ namespace {
         measure(row, mesh, solve, body, held, field);
     }
 
-    /// One problem, its mild case and its extreme ones.
+    /// One problem with its mild case and its extreme cases.
     struct LayeredSeries {
         std::function<void(StabilityRow&, VerificationElement, const Layers&, const Job&)> solve;
         std::string law;
@@ -164,7 +164,7 @@ namespace {
         std::vector<std::pair<std::string, Layers>> extremes;
     };
 
-    /// The mild case, then the extreme ones.
+    /// Runs the mild case, then the extreme cases.
     std::vector<StabilityRow> rows_of(const LayeredSeries& series, VerificationElement element, const Job& job)
     {
         std::vector<StabilityRow> rows;
@@ -188,7 +188,7 @@ namespace {
         rows.insert(rows.end(), more.begin(), more.end());
     }
 
-    /// The element that is right for it: the extreme ones may be no more than twice as far off as the mild one.
+    /// The element that suits the case: the errors of the extreme cases may be at most twice that of the mild case.
     std::vector<StabilityRow> right_element(const LayeredSeries& series, VerificationElement element, const Job& job)
     {
         std::vector<StabilityRow> rows = rows_of(series, element, job);
@@ -200,8 +200,8 @@ namespace {
         return rows;
     }
 
-    /// Ten-node elements of displacements alone lose an order towards nu 0.5, on straight meshes as on curved ones:
-    /// they are not the element that is right there, and are held to that one's error on the same cells.
+    /// Ten-node elements with displacements alone lose an order towards nu 0.5, on straight and on curved meshes.
+    /// They do not suit the case, and are bounded by the error of the suitable element on the same cells.
     void append_ten_nodes(std::vector<StabilityRow>& rows, const LayeredSeries& series,
         const std::vector<StabilityRow>& right, const Job& job)
     {
@@ -216,7 +216,7 @@ namespace {
         append(rows, more);
     }
 
-    /// A vessel without fibres, E 1 MPa: it holds mu ln(ro / ri), 0.0495 MPa, and no more.
+    /// A vessel without fibres, E 1 MPa, holds mu ln(ro / ri) = 0.0495 MPa and no more.
     void overload(StabilityRow& row, VerificationElement element, double mmHg, const Job& job)
     {
         constexpr double mu = 1.0 / 3.0;
@@ -230,7 +230,7 @@ namespace {
         const double limit = mu * std::log(kVesselOuter / kVesselInner) / kMmHg, found = solve.equilibrium.load * mmHg;
         row.quantity = formatted("largest pressure with an equilibrium, against %.0f mmHg", limit);
         row.error = std::abs(found / limit - 1.0);
-        row.bound = 0.1; // the limit is that of a bore without end; one layer of elements and steps end before
+        row.bound = 0.1; // the limit holds for an infinite tube; one layer of elements and the load steps end earlier
         set_condition(row, body.stiffness(solve.equilibrium.displacement, 0.0), tube.held.prescribed);
         const double stretch = 1.0 + inner_displacement(tube, solve.equilibrium.displacement) / kVesselInner;
         if (solve.equilibrium.status != fem::EquilibriumStatus::converged)
@@ -240,7 +240,7 @@ namespace {
                     solve.equilibrium.message.c_str(), found, stretch, limit));
     }
 
-    /// The same vessel with fibres that stiffen holds it.
+    /// The same vessel with stiffening fibres holds the pressure.
     void stiffened(StabilityRow& row, const Job& job)
     {
         constexpr double mu = 1.0 / 3.0;
@@ -255,7 +255,7 @@ namespace {
         set_condition(row, body.stiffness(solve.equilibrium.displacement, 0.0), tube.held.prescribed);
         if (solve.equilibrium.status != fem::EquilibriumStatus::converged)
             return refuse(row, solve.equilibrium.message);
-        // Plane strain: what the pressure does over the bore, the walls carry. No closed form of the law is needed.
+        // In plane strain the walls carry the force of the pressure over the bore, whatever the law.
         const double stretch = 1.0 + inner_displacement(tube, solve.equilibrium.displacement) / kVesselInner;
         double pull = 0.0;
         for (VertexId v = 0; v < static_cast<VertexId>(tube.mesh.vertex_count()); ++v)
@@ -264,7 +264,7 @@ namespace {
         const double length = tube.mesh.vertices.col(2).maxCoeff();
         row.quantity = "pull in the wall against pressure times bore, relative";
         row.error = std::abs(std::abs(pull) / (1000.0 * kMmHg * stretch * kVesselInner * length) - 1.0);
-        row.bound = 0.02; // chords of twelve elements
+        row.bound = 0.02; // the circle consists of chords of twelve elements
         row.reason = formatted("bore stretched %.3f times", stretch);
     }
 
@@ -302,7 +302,7 @@ StabilityCase bone_beside_fat_case()
             for (const VerificationElement element :
                 { VerificationElement::p1, VerificationElement::locking_free, VerificationElement::p2 })
                 append(rows, right_element(sheared, element, job));
-            // Round ones by curved elements: with straight ones, the chords of a stiff wall are what is off.
+            // Round bodies use curved elements: with straight elements the chords of a stiff wall would be the error.
             append(rows,
                 right_element({ press, "linear", "pressed layers, E 1 : 1", mild,
                                   { { "pressed, fat within bone", { fat, bone } },

@@ -1,4 +1,4 @@
-// Meshes at their limits: elements next to nothing, angles under a degree.
+// Extreme meshes: elements of nearly no volume, angles below one degree.
 
 #include "tests/verification/stability/stability_meshes.h"
 #include "tests/verification/stability/stability_families.h"
@@ -17,7 +17,7 @@ namespace retractor::verification {
 
 namespace {
 
-    constexpr double kRatio = 1e-9; // of an element's volume to its neighbours'
+    constexpr double kRatio = 1e-9; // ratio of an element's volume to its neighbours' volume
 
     Vec3 slanted_field(const Vec3& p)
     {
@@ -33,7 +33,7 @@ namespace {
             hyperelastic_law("neo-Hookean", fem::NeoHookean { l.mu, l.lambda }) };
     }
 
-    /// @param bound of the largest error over the largest displacement.
+    /// @param bound largest error over the largest displacement that passes.
     void patch_test(StabilityRow& row, const mesh::TetMesh& mesh, VerificationElement element,
         const VerificationLaw& law, double bound, const Job& job)
     {
@@ -60,7 +60,7 @@ namespace {
         return nodes_per_tet(element) == 10 ? mesh::with_midpoints(mesh) : mesh;
     }
 
-    /// One layer of a box is a billionth as thick as the others.
+    /// A box with one layer of a billionth of the others' thickness.
     mesh::TetMesh box_with_thin_layer()
     {
         return mapped_box(4, 4, 4, 4, [](const Vec3& p) -> Vec3 {
@@ -77,7 +77,7 @@ namespace {
         return text.data();
     }
 
-    /// Grazes a plane of the grid, 0.03 mm beside it: with nothing moved out of the way, slivers are left.
+    /// A cut that runs 0.03 mm beside a plane of the grid. Without moving vertices the cut leaves slivers.
     mesh::Blade grazing_blade(const IncisedBlock& block)
     {
         mesh::Blade blade = incision_blade(block);
@@ -99,7 +99,7 @@ namespace {
             throw PromiseNotKept("the case needs an angle below a degree; " + angle_text(cut.report));
     }
 
-    /// Opens the wound; hook forces beside those of the same cut with good angles.
+    /// Opens the wound and compares the hook forces with those of the same cut with good angles.
     void open_sharp(
         StabilityRow& row, const IncisedBlock& block, const Incision& sharp, fem::Elasticity elasticity, const Job& job)
     {
@@ -119,9 +119,9 @@ namespace {
         row.residual = result.residual;
         row.quantity = "hook force against the same cut with its slivers opened";
         row.error = std::abs(measured / expected - 1.0);
-        row.bound = 0.05; // the two cuts differ by the width of a sliver, and by what elements are stiff
+        row.bound = 0.05; // the two cuts differ by the width of a sliver and by the stiffness of the elements
         row.reason = angle_text(sharp.report);
-        if (result.status == fem::OpeningStatus::inverted) // it says so; the force asked for here is right all the same
+        if (result.status == fem::OpeningStatus::inverted) // the status says so; the force is right all the same
             row.reason += "; " + std::to_string(result.inverted_elements) + " elements inside out";
         else if (result.status != fem::OpeningStatus::converged)
             refuse(row, result.message);
@@ -143,8 +143,9 @@ void stretch_along(StabilityRow& row, const mesh::TetMesh& mesh, const std::vect
     const double tiny = 1e-9 * (along.maxCoeff() - along.minCoeff());
     for (const VertexId v : lip_vertices) {
         const bool pulled = along[v] < along.minCoeff() + tiny || along[v] > along.maxCoeff() - tiny;
+        // at an end where the wound opens, nodes are pulled along the axis and slide across
         for (int a = 0; a < 3; ++a)
-            if (a != axis || !pulled) // where a wound opens at an end, it is pulled there, and slides
+            if (a != axis || !pulled)
                 held.prescribed[3 * static_cast<std::size_t>(v) + static_cast<std::size_t>(a)] = 0;
     }
     fem::ElasticBody body = make_body(mesh, VerificationElement::p1, linear_law(1.0, kNu));
@@ -162,7 +163,7 @@ StabilityCase tiny_element_case()
     return { "element of volume 1e-9", "patch test: round-off times what the element's shape costs",
         [](const Job& job) {
             std::vector<StabilityRow> rows;
-            // Round-off in the gradients of an element so flat is 1e-16 / 1e-9.
+            // Round-off in the gradients of such a flat element is 1e-16 / 1e-9.
             constexpr double kBound = 1e-6;
             for (const VerificationElement element :
                 { VerificationElement::p1, VerificationElement::locking_free, VerificationElement::p2 })
@@ -186,7 +187,7 @@ StabilityCase sharp_angles_case()
                 mesh::CutOptions raw;
                 raw.snap = 0.0;
                 const Incision sharp = incise(uncut_block(block), grazing_blade(block), raw);
-                constexpr double kBound = 1e-10; // round-off times the slivers' shapes
+                constexpr double kBound = 1e-10; // round-off times the aspect ratio of the slivers
                 rows.push_back(attempt("pulled along a grazing cut", "P1, linear",
                     [&](StabilityRow& row) { stretch_sharp(row, sharp, kBound, job); }));
                 for (const auto& [name, elasticity] : { std::pair { "P1, linear", fem::Elasticity::linear },

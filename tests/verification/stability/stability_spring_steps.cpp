@@ -40,7 +40,7 @@ namespace {
         return text.data();
     }
 
-    /// Plucked and left to swing without damping: the motion stays bounded.
+    /// Springs that are plucked and swing without damping: the motion must stay bounded.
     void swing(StabilityRow& row, double share)
     {
         Springs springs;
@@ -59,8 +59,8 @@ namespace {
         }
         row.quantity = "largest excursion over the pluck, after 3,000 steps";
         row.error = most / plucked.cwiseAbs().maxCoeff();
-        row.bound = 20.0; // many modes meet; an unstable step grows by powers of ten
-        row.residual = 0.0; // nothing is solved
+        row.bound = 20.0; // many modes superpose; an unstable step grows by powers of ten
+        row.residual = 0.0; // no system is solved
         row.unconditioned = Unconditioned::explicit_steps;
         row.reason = step_text(dynamics.bound());
     }

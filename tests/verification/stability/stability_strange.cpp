@@ -1,5 +1,4 @@
-// Cases that nobody lists: other units, tissue of hardly any stiffness, hooks that contradict each other, a hooked
-// piece that comes off.
+// Unusual cases: other units, extremely soft tissue, hooks that contradict each other, a hooked piece that comes off.
 
 #include "tests/verification/stability/stability_families.h"
 
@@ -37,7 +36,7 @@ namespace {
         return opening.open(problem.hooks, job);
     }
 
-    /// The same body in other units of length: places and ways scale alike.
+    /// The same body in other units of length: positions and displacements scale equally.
     void scaled(StabilityRow& row, double scale, fem::Elasticity elasticity, const Job& job)
     {
         const fem::ElasticProblem problem = opened_block();
@@ -51,12 +50,12 @@ namespace {
         row.quantity = "displacement against the same body in millimetres, over the largest";
         row.error = (result.displacement / scale - expected.displacement).cwiseAbs().maxCoeff()
             / expected.displacement.cwiseAbs().maxCoeff();
-        row.bound = elasticity == fem::Elasticity::linear ? 1e-10 : 1e-3; // what the tolerance leaves
+        row.bound = elasticity == fem::Elasticity::linear ? 1e-10 : 1e-3; // error that the tolerance leaves
         if (result.status != fem::OpeningStatus::converged)
             refuse(row, result.message);
     }
 
-    /// One element of its own label, next to nothing stiff.
+    /// One element with a label of its own and nearly no stiffness.
     void soft_element(StabilityRow& row, double youngs_modulus, const Job& job)
     {
         fem::ElasticProblem problem = opened_block();
@@ -70,7 +69,7 @@ namespace {
         row.error = std::abs(result.hook_forces_N[0].norm()
                 / open(opened_block(), fem::Elasticity::corotational, job).hook_forces_N[0].norm()
             - 1.0);
-        row.bound = 0.05; // one of some thousand elements
+        row.bound = 0.05; // effect of one of several thousand elements
         if (result.status != fem::OpeningStatus::converged)
             refuse(row, result.message);
     }
@@ -126,7 +125,7 @@ namespace {
             refuse(row, answer.message);
     }
 
-    /// What a hook draws by a force comes off: nothing bears the force any more.
+    /// The piece that a hook pulls with a force comes off: nothing carries the force any more.
     void freed_by_force(StabilityRow& row)
     {
         OnlineBlock scene;
@@ -166,7 +165,8 @@ StabilityCase strange_case()
     return { "nobody's list", "other units, hardly any stiffness, contradictions, a hooked piece that comes off",
         [](const Job& job) {
             std::vector<StabilityRow> rows;
-            // The ways of hooks are divided into steps of at most 3 mm: 1e3 times as large would be 800 of them.
+            // Hook displacements are divided into steps of at most 3 mm; a displacement 1e3 times as large would need
+            // 800 steps.
             for (const auto& [scale, elasticity, name] : { std::tuple { 1e-3, fem::Elasticity::linear, "P1, linear" },
                      std::tuple { 1e-6, fem::Elasticity::linear, "P1, linear" },
                      std::tuple { 1e3, fem::Elasticity::linear, "P1, linear" },

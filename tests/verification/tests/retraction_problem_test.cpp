@@ -15,8 +15,8 @@ namespace retraction_problem_test {
         constexpr MeasuredForces range { 100.0, 150.0, 400.0, "" };
         EXPECT_EQ(outside(100.0, range), 0.0);
         EXPECT_EQ(outside(399.0, range), 0.0);
-        EXPECT_DOUBLE_EQ(outside(50.0, range), 1.0); // half the least
-        EXPECT_DOUBLE_EQ(outside(800.0, range), 1.0); // twice the most
+        EXPECT_DOUBLE_EQ(outside(50.0, range), 1.0); // half the lower end
+        EXPECT_DOUBLE_EQ(outside(800.0, range), 1.0); // twice the upper end
         for (const double none : { 0.0, -200.0, std::numeric_limits<double>::quiet_NaN() })
             EXPECT_TRUE(std::isnan(outside(none, range))) << none;
     }

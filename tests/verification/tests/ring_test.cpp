@@ -14,7 +14,7 @@ namespace ring_test {
     constexpr double kMu = 0.03; // MPa
     constexpr double kFirm = 1e4 * kMu; // bulk modulus, MPa
 
-    /// Principal first Piola stresses by the law that elements have, the fibres in the wall.
+    /// Principal first Piola stresses by the law of the elements, with fibres in the wall.
     RingStress stress_of(const fem::Hyperelastic& law, double angle_deg, const RingStretch& ring)
     {
         const double angle = angle_deg * std::numbers::pi / 180.0;
@@ -25,7 +25,8 @@ namespace ring_test {
         return { P(1, 1), P(0, 0) };
     }
 
-    /// d/dl of the energy where the volume is kept: mu/2 (l^2 + l^-2 - 2) + k1/k2 (exp(k2 e^2) - 1), two families.
+    /// Derivative by l of the energy at constant volume: mu/2 (l^2 + l^-2 - 2) + k1/k2 (exp(k2 e^2) - 1), two
+    /// families.
     double slope(const fem::HolzapfelGasserOgden& law, double angle_deg, double l)
     {
         const double round = std::pow(std::cos(angle_deg * std::numbers::pi / 180.0), 2);
@@ -35,8 +36,8 @@ namespace ring_test {
         return 0.5 * law.mu * dI1 + 2.0 * law.k1 * e * std::exp(law.k2 * e * e) * (law.dispersion * dI1 + along * dI4);
     }
 
-    /// Of a tube that keeps its volume: the integral of slope / (l^2 - 1) over the stretches from the outer wall to the
-    /// bore [Holzapfel, Gasser, Ogden 2000, doi 10.1023/A:1010835316564], by Simpson's rule.
+    /// Pressure of an incompressible tube: the integral of slope / (l^2 - 1) over the stretches from the outer wall
+    /// to the bore [Holzapfel, Gasser, Ogden 2000, doi 10.1023/A:1010835316564], by Simpson's rule.
     double pressure(const fem::HolzapfelGasserOgden& law, double angle_deg, double bore)
     {
         const double outer = std::sqrt(1.0 + (bore * bore - 1.0) * std::pow(kInner / kOuter, 2));
@@ -52,7 +53,7 @@ namespace ring_test {
 
     TEST(Ring, IsStretchedAsATubeThatKeepsItsVolume)
     {
-        constexpr double kTol = 4e-4; // of the bore's displacement: what this bulk modulus lets it differ by
+        constexpr double kTol = 4e-4; // relative to the bore's displacement: the effect of this bulk modulus
         for (const double k1 : { 0.0, 0.06 })
             for (const double angle_deg : { 0.0, 40.0 })
                 for (const double bore : { 1.05, 1.2 }) {

@@ -1,4 +1,4 @@
-// The extreme cases of `retractor-verify --suite stability`: that each is the case it is called, and what passes.
+// The extreme cases of `retractor-verify --suite stability`: each is the case that its name says, and passes.
 
 #include "mesh/base/error.h"
 #include "tests/verification/framework/stability.h"
@@ -23,7 +23,7 @@ namespace stability_test {
                                       << ", residual " << row.residual << ", error " << row.error << " (bound "
                                       << row.bound << ") " << row.reason;
             if (row.outcome == StabilityOutcome::answered) {
-                EXPECT_LE(row.residual, 1e-3) << row.problem << ", " << row.model; // the loosest that is asked for
+                EXPECT_LE(row.residual, 1e-3) << row.problem << ", " << row.model; // the loosest tolerance in use
             }
         }
         return rows;
@@ -34,7 +34,7 @@ namespace stability_test {
     TEST(Stability, ExtremeCasesEndInARightAnswerOrInARefusalThatSaysWhy)
     {
         std::vector<StabilityCase> cases = stability_cases();
-        for (const StabilityCase& own : { incompressible_case(), hundred_cuts_case(), far_hook_case() }) // below
+        for (const StabilityCase& own : { incompressible_case(), hundred_cuts_case(), far_hook_case() }) // tested below
             EXPECT_EQ(std::erase_if(cases, [&](const StabilityCase& c) { return c.name == own.name; }), 1U) << own.name;
         for (const StabilityCase& c : cases)
             (void)rows_of(c);
@@ -42,7 +42,7 @@ namespace stability_test {
 
     TEST(Stability, NearlyIncompressibleTheRightElementIsAtMostTwiceAsFarOff)
     {
-        constexpr double kPromised = 2.0; // times the mild case
+        constexpr double kPromised = 2.0; // times the error of the mild case
         const std::vector<StabilityRow> rows = rows_of(incompressible_case());
         for (const std::string model : { "locking-free P1, linear" }) {
             std::vector<StabilityRow> series;

@@ -14,7 +14,7 @@ namespace touch_cases_test {
         for (const StabilityRow& row : rows)
             EXPECT_TRUE(row.passed()) << row.problem << ", " << row.model << ": " << outcome_name(row.outcome)
                                       << ", error " << row.error << " (bound " << row.bound << ") " << row.reason;
-        // Each kind of tissue meets what the list of extreme cases names.
+        // Each kind of tissue runs the cases of the list of extreme cases.
         for (const std::string name :
             { "device jumps by 100 mm in one tick", "device stops answering", "device reports a place of NaN" })
             EXPECT_EQ(std::count_if(rows.begin(), rows.end(),

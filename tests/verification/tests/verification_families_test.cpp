@@ -1,5 +1,5 @@
-// Each family of `retractor-verify` that takes long, on its coarsest meshes: errors there are as they were measured, to
-// a tenth. What the finest meshes reach is for the command to say.
+// Each slow family of `retractor-verify` on its coarsest meshes: errors stay within a tenth of the measured ones. The
+// command itself judges the finest meshes.
 
 #include "tests/verification/analytic/analytic_problems.h"
 #include "tests/verification/comparison/solver_problems.h"
@@ -20,13 +20,13 @@
 namespace retractor::verification {
 namespace verification_families_test {
 
-    /// Of rows whose problem, element and quantity begin so. The smaller the error, the better: no lower limit, but for
-    /// what must show an error.
+    /// Limits for rows whose problem, element and quantity begin with these words. An error has no lower limit,
+    /// except where an error must appear.
     struct Measured {
         std::string problem, element, quantity;
         double error = 0.0;
     };
-    constexpr double kMore = 1.1; // than was measured
+    constexpr double kMore = 1.1; // largest error relative to the measured one
 
     std::vector<VerificationRow> expect_measured(
         const VerificationProblem& problem, std::size_t meshes, const std::vector<Measured>& measured)
@@ -134,7 +134,7 @@ namespace verification_families_test {
                 { "ball", "P2", "", 0.025 }, { "ball", "P1, cut undone", "", 0.18 },
                 { "ball", "P1, dragged, cut undone", "", 0.18 }, { "ball", "P1, cut undone, in parts", "", 0.18 },
                 { "ball", "P1, dragged, cut undone, in parts", "", 0.18 } });
-        constexpr double kSame = 1e-8; // of the force: one discrete problem, solved to residuals of 1e-9
+        constexpr double kSame = 1e-8; // relative to the force: one discrete problem, solved to residuals of 1e-9
         for (const VerificationRow& row : rows)
             if (row.element.starts_with("P1, ")) {
                 EXPECT_NEAR(row.value, rows[0].value, kSame * rows[0].value) << row.element;
@@ -167,7 +167,7 @@ namespace verification_families_test {
         const std::filesystem::path file = std::filesystem::path("fem") / "febio" / "te03.feb";
         if (!std::filesystem::exists(shared / file))
             GTEST_SKIP() << "no reference file " << shared / file << ": set RETRACTOR_SHARED_DATA";
-        // Without te02, which takes ten times as long, and is for the command.
+        // Without te02, which takes ten times as long and is left to the command.
         const std::filesystem::path alone = std::filesystem::path(testing::TempDir()) / "verification_families";
         std::filesystem::create_directories((alone / file).parent_path());
         std::filesystem::copy_file(shared / file, alone / file, std::filesystem::copy_options::overwrite_existing);
@@ -188,7 +188,7 @@ namespace verification_families_test {
             problems.push_back(std::move(problem));
         int whole = 0;
         for (const VerificationProblem& problem : problems)
-            if (problem.reduction_error.empty()) {
+            if (problem.omitted.empty()) {
                 ++whole;
                 std::set<std::string> elements, laws;
                 for (const VerificationRow& row : problem.run({ .meshes = 1 }, Job {})) {
@@ -215,7 +215,7 @@ namespace verification_families_test {
 
     OrderVerdict judged(std::vector<VerificationRow> rows, double expected, const OrderRule& rule = {})
     {
-        judge_orders(rows, expected, rule);
+        check_orders(rows, expected, rule);
         return rows.back().order_verdict;
     }
 
@@ -224,14 +224,14 @@ namespace verification_families_test {
         EXPECT_EQ(judged(series({ 1.16, 1.04, 1.01 }, 1.0), 2.0), OrderVerdict::reached);
         EXPECT_EQ(judged(series({ 1.16, 1.04, 1.01 }, 1.0), 2.4), OrderVerdict::reached);
         std::vector<VerificationRow> slow = series({ 1.16, 1.04, 1.01 }, 1.0);
-        judge_orders(slow, 3.0, {});
+        check_orders(slow, 3.0, {});
         EXPECT_EQ(slow.back().order_verdict, OrderVerdict::missed);
         EXPECT_FALSE(slow.back().passed());
         EXPECT_NE(slow.back().note.find("too slowly"), std::string::npos);
         EXPECT_EQ(judged(series({ 1.16, 1.04, 1.01 }, 1.0), std::nan("")), OrderVerdict::not_judged);
         EXPECT_EQ(judged(series({ 1.16, 1.04 }, 1.0), 3.0), OrderVerdict::not_judged) << "two meshes";
         std::vector<VerificationRow> locked = series({ 0.1, 0.11, 0.12 }, 1.0);
-        judge_orders(locked, 2.0, { .asks = OrderRule::Asks::nothing, .why = "locks" });
+        check_orders(locked, 2.0, { .asks = OrderRule::Asks::nothing, .why = "locks" });
         EXPECT_EQ(locked.back().order_verdict, OrderVerdict::not_judged);
         std::vector<VerificationRow> lost = series({ 1.16, 1.04, 1.01 }, 1.0);
         lost.back().error = std::nan("");

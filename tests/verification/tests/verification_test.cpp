@@ -1,4 +1,4 @@
-// The problems of `retractor-verify` that take no time, and what the command relies on.
+// The quick problems of `retractor-verify`, and the functions on which the command depends.
 
 #include "mesh/base/error.h"
 #include "mesh/cutting/cut_session.h"
@@ -53,8 +53,8 @@ namespace verification_test {
         for (const VerificationRow& row : rows) {
             EXPECT_TRUE(row.passed()) << row.problem << ", " << row.element << ", " << row.tets
                                       << " tets: " << row.error;
-            // The mesh that was solved is the cut one: its lips have doubled vertices.
-            SheetProblem sheet { .around = static_cast<int>(std::lround(1.0 / row.size)) };
+            // The solved mesh is the cut mesh, whose lips have doubled vertices.
+            fem::SheetProblem sheet { .around = static_cast<int>(std::lround(1.0 / row.size)) };
             if (row.element.find("while cut") != std::string::npos)
                 sheet.radius = 600.0;
             const mesh::CutMesh cut = retractor::mesh::cut(sheet_mesh(sheet), sheet_blade(sheet));
@@ -121,7 +121,7 @@ namespace verification_test {
         EXPECT_GT(conditioned(held).condition, 1.0);
         EXPECT_TRUE(conditioned(held).passed());
         const StabilityRow foretold = attempt("case", "model", [&](StabilityRow& row) {
-            row.unconditioned = Unconditioned::no_matrix; // should it come to none
+            row.unconditioned = Unconditioned::no_matrix; // in case no condition number is found
             set_condition(row, held, fem::Elasticity::linear);
         });
         EXPECT_GT(foretold.condition, 1.0);
@@ -137,7 +137,8 @@ namespace verification_test {
         fem::ElasticProblem problem { mesh::kuhn_box(12, 12, 12, 1.0),
             std::vector<fem::Material>(2, { "tissue", 1.0, 0.3, 1e-9, "" }), {}, {} };
         problem.supports.fixed = { 0, 1, 13, 169 };
-        constexpr double kRest = 0.005; // of the whole; body and stiffness alone take several times as much
+        // relative to the whole run time; body and stiffness alone take several times as much
+        constexpr double kRest = 0.005;
         // Wall times: a busy machine may halt the process between two looks at the clock, but not in every attempt.
         constexpr int kAttempts = 20;
         bool without = false;
@@ -173,17 +174,17 @@ namespace verification_test {
     TEST(Verification, AnEstimateIsJudgedOnlyWhereAnswerAndEstimateAreNumbers)
     {
         const auto passes = [](const JudgedEstimate& judged, VerificationRow row = {}) {
-            judge_estimate(row, "a number", judged);
+            check_estimate(row, "a number", judged);
             return row.passed();
         };
         EXPECT_TRUE(passes({ 1.1, 0.1, 1.0 }));
         EXPECT_FALSE(passes({ 1.1, 0.04, 1.0 }));
         EXPECT_FALSE(passes({ 1.1, 0.31, 1.0 }));
-        EXPECT_TRUE(passes({ 1.0, 0.0, 1.0 })); // right, and said to be
+        EXPECT_TRUE(passes({ 1.0, 0.0, 1.0 })); // right, with an estimate of zero error
         EXPECT_FALSE(passes({ 1.0, 0.1, 1.0 }));
         EXPECT_FALSE(passes({ 1.0, std::nan(""), 1.0 }));
         EXPECT_FALSE(passes({ 1.0, INFINITY, 1.0 }));
-        EXPECT_FALSE(passes({ 1.0, 0.001, 1.0, 0.1 })); // a vector as long as the right one, in another direction
+        EXPECT_FALSE(passes({ 1.0, 0.001, 1.0, 0.1 })); // a vector of the right length in another direction
         VerificationRow not_solved;
         not_solved.error = std::nan("");
         not_solved.note = "stopped";
@@ -209,7 +210,8 @@ namespace verification_test {
         body.set_loads({ model.loads, {} });
         const VerificationSolve solve
             = solve_problem(body, model.held.prescribed, model.held.target, { .tolerance = 1e-10 }, Job {});
-        EXPECT_NEAR(solve.equilibrium.displacement.norm(), 0.44268188785, 1e-7); // FEBio stops at 1e-3 of a step
+        // FEBio's displacement tolerance is 1e-3 of a step
+        EXPECT_NEAR(solve.equilibrium.displacement.norm(), 0.44268188785, 1e-7);
     }
 
     TEST(Febio, DamagedFilesAreRefusedByName)

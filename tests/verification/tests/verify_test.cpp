@@ -1,4 +1,4 @@
-// `retractor-verify` as scripts see it: what it prints and writes, and how it ends when an answer is wrong.
+// `retractor-verify` as scripts use it: its output, its files, and its exit code when an answer is wrong.
 
 #include "tests/support/command_run.h"
 
@@ -38,7 +38,7 @@ std::string content(const fs::path& file)
     return { std::istreambuf_iterator<char>(in), {} };
 }
 
-/// FEBio's te01 with this shear parameter: one element whose published displacement belongs to 1.
+/// FEBio's te01 with this shear parameter: one element, whose published displacement belongs to the parameter 1.
 void write_te01(const fs::path& data, const std::string& c1)
 {
     const auto held = [](const std::string& set, const std::string& axis) {
@@ -79,7 +79,8 @@ TEST(VerifyCommand, WritesATableAsJsonAndCsvAndAChart)
         EXPECT_EQ(rows[i].at("outcome"), "ok") << rows[i].dump();
         EXPECT_NE(rows[i].at("order_verdict"), "") << rows[i].dump();
         EXPECT_GT(rows[i].at("seconds").get<double>(), 0.0);
-        EXPECT_LT(rows[i].at("error").get<double>(), rows[i - 2].at("error").get<double>()); // the mesh is finer
+        // a finer mesh has a smaller error
+        EXPECT_LT(rows[i].at("error").get<double>(), rows[i - 2].at("error").get<double>());
     }
     const std::string csv = content(out / "verify.csv");
     EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), kRows + 1);

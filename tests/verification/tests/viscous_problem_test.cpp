@@ -17,12 +17,12 @@ namespace viscous_problem_test {
             of[row.problem].push_back(row);
         }
         ASSERT_EQ(of.size(), 4U);
-        constexpr double kOff = 0.1; // of the order, at steps of a few thousandths of the shortest time
+        constexpr double kOff = 0.1; // tolerance of the order, at steps of a few thousandths of the shortest time
         for (const auto& [name, series] : of) {
             ASSERT_EQ(series.size(), 3U) << name;
             EXPECT_TRUE(std::isfinite(series.back().bound)) << name;
             if (name.find("held") != std::string::npos)
-                continue; // exact at any step
+                continue; // this quantity is exact at any step
             for (std::size_t i = 1; i < series.size(); ++i)
                 EXPECT_NEAR(series[i].order, 1.0, kOff) << name;
         }

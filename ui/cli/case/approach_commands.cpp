@@ -19,7 +19,7 @@ namespace retractor::ui::cli {
 
 namespace {
 
-    constexpr double kLongestMm = 2000.0; // of an incision or a depth: no patient has room for more
+    constexpr double kLongestMm = 2000.0; // length of an incision or a depth; longer than any patient
 
     struct ApproachOptions {
         std::string case_file, name, template_name, target, hooks = "4", loose = "held";
@@ -79,7 +79,7 @@ namespace {
         return ablations;
     }
 
-    /// What is to be taken out lies along the incision.
+    /// Checks that every ablation lies along the incision.
     void check_ablations_along(const ApproachOptions& options, const planner::Approach& approach)
     {
         const double length = planner::incision_length(approach);

@@ -30,7 +30,7 @@ namespace {
 
     struct HounsfieldRange {
         int least = 0, most = 0;
-        int low = 0, high = 0; ///< one voxel in a hundred lies below, above
+        int low = 0, high = 0; ///< values with one voxel in a hundred below, or above
     };
 
     HounsfieldRange hounsfield_range(const mesh::Volume& ct)

@@ -52,7 +52,8 @@ namespace {
                 sheet.notes.push_back("rough: " + structure.name + ": " + structure.how);
             }
         for (const datasets::LabelFragments& f : imported.fragments)
-            if (f.stray_voxels > f.voxels / 50 || f.hole_voxels > f.voxels / 50) // specks are in the printed list
+            // Smaller specks are only in the printed list.
+            if (f.stray_voxels > f.voxels / 50 || f.hole_voxels > f.voxels / 50)
                 sheet.notes.push_back(f.name + ": " + std::to_string(f.pieces) + " pieces, "
                     + std::to_string(f.stray_voxels) + " of " + std::to_string(f.voxels)
                     + " voxels outside the largest, " + std::to_string(f.hole_voxels) + " in holes");
@@ -70,7 +71,8 @@ namespace {
         return renderer.render(contact_sheet(imported.ct, imported.labels, sheet_options(imported), job));
     }
 
-    /// Planned approaches are work: they go only when that is said. Asked before anything is read, which takes long.
+    /// Refuses to replace planned approaches without an explicit option, because approaches are work. The check comes
+    /// before the long reading.
     void refuse_to_replace_approaches(const fs::path& case_file)
     {
         std::error_code error;
@@ -78,10 +80,10 @@ namespace {
             return;
         std::size_t approaches = 0;
         try {
-            approaches = read_case(case_file, { .verify_checksums = false }).approaches.size();
+            approaches = planner::read_case(case_file, { .verify_checksums = false }).approaches.size();
         } catch (const Error&) {
             if (case_file.filename() == planner::kCaseFileName)
-                return; // what cannot be read is told when it is replaced
+                return; // an unreadable file is reported when it is replaced
             throw InputError(
                 "the file that is there is no case: name another one, or give --replace", case_file.string());
         }
@@ -91,14 +93,14 @@ namespace {
                 case_file.string());
     }
 
-    /// How many approaches go when a case takes the place of another.
+    /// A line about the case that is replaced, with its number of approaches; nothing when there is no file.
     std::optional<std::string> replaced_case(const fs::path& case_file)
     {
         std::error_code error;
         if (!fs::exists(case_file, error))
             return std::nullopt;
         try {
-            const planner::Case old = read_case(case_file, { .verify_checksums = false });
+            const planner::Case old = planner::read_case(case_file, { .verify_checksums = false });
             return "replaced the case that was there, with its " + std::to_string(old.approaches.size())
                 + " approach(es); its images are still there where they differ";
         } catch (const Error&) {
@@ -133,7 +135,7 @@ namespace {
         if (options.out.empty())
             throw InputError("is missing: the case file to write, e.g. patient/case.json", "--out");
         planner::check_case_file_name(options.out);
-        // A plan or a cut that is written into the case's folder would take the case file's place.
+        // A plan or a cut writes these files into the case's folder, and would overwrite a case file of this name.
         for (const char* written : { "metrics.json", "report.json" })
             if (fs::path(options.out).filename() == written)
                 throw InputError("the case file must not be named " + std::string(written)
@@ -158,7 +160,7 @@ namespace {
             sheet = draw_contact_sheet(imported, job);
         refuse_if_cancelled(job);
 
-        // From here on everything is known; what is left takes no time and is not to be stopped half-way.
+        // Everything is known from here on. The remaining work is short and must not be interrupted.
         if (const auto replaced = replaced_case(case_file))
             imported.notes.push_back(*replaced);
         job.report("write case", 0.0);

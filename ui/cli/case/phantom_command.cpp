@@ -36,7 +36,7 @@ namespace {
             .toRotationMatrix();
     }
 
-    /// "30x120": length in mm and angle in degrees; "none".
+    /// Parses "30x120", a length in mm and an angle in degrees, or "none".
     datasets::StiffRegion parse_region(const std::string& text)
     {
         if (text == "none")
@@ -80,7 +80,7 @@ namespace {
         return outcome;
     }
 
-    /// A body of tetrahedra with its sites.
+    /// Makes a body of tetrahedra with its sites.
     Outcome make_touchable(const PhantomOptions& options, const Job& job)
     {
         refuse_voxel_options(options);

@@ -1,5 +1,5 @@
 #pragma once
-// A phantom on disk, as a scanner would deliver it.
+// Writes a phantom to disk in the form that a scanner delivers.
 
 #include "datasets/dicom/dicom.h"
 #include "datasets/io/volume_io.h"

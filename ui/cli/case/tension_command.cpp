@@ -55,7 +55,7 @@ namespace {
             "--material " + name);
     }
 
-    /// As case.json has it: without strain across the tissue is free to narrow.
+    /// The requested pre-strain, as in case.json: tissue without a strain across is free to narrow.
     fem::PreStrain asked_for(const TensionOptions& options)
     {
         if (options.none) {

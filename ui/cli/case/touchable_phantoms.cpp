@@ -24,7 +24,7 @@ namespace {
         return { name, at.point, (pb - pa).cross(pc - pa).normalized() };
     }
 
-    /// The foremost point of the surface at x, z.
+    /// A site at the foremost point of the surface at x, z.
     datasets::TouchSite site_in_front(const std::string& name, const TriMesh& surface, double x, double z)
     {
         datasets::TouchSite site { name, Vec3(x, std::numeric_limits<double>::infinity(), z), Vec3(0.0, -1.0, 0.0) };
@@ -56,7 +56,7 @@ namespace {
         return surface;
     }
 
-    /// @throws SolverError naming the organ when there is no mesh of it.
+    /// @throws SolverError naming the organ when it cannot be meshed
     mesh::TetMesh meshed(const std::string& organ, const mesh::LabelVolume& labels, double edge_mm, const Job& job)
     {
         mesh::MeshSizing sizing;
@@ -80,7 +80,7 @@ datasets::PalpationScene make_liver_scene(double edge_mm, const Job& job)
     scene.name = "liver";
     scene.body.mesh = meshed(scene.name, phantom.labels, edge_mm, job);
     const mesh::TetMesh& mesh = scene.body.mesh;
-    constexpr double kBare = 12.0; // mm: the bare area, by which a liver hangs at the diaphragm
+    constexpr double kBare = 12.0; // mm: the bare area, with which a liver hangs from the diaphragm
     const double back = mesh.vertices.col(1).maxCoeff() - kBare;
     for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
         scene.body.roles.push_back(
@@ -126,7 +126,7 @@ datasets::PalpationScene make_abdomen_scene(double edge_mm, const Job& job)
              { "abdominal_wall", "skin" } })
         scene.organs.push_back({ mesh::find_label(table, label)->id, name });
     const TriMesh skin = boundary(mesh);
-    // Three fingers of either hand: over the liver, where it lies against the wall, and over the stomach.
+    // Three fingers of each hand: over the liver, where the liver lies against the wall, and over the stomach.
     constexpr std::array<std::array<double, 2>, 6> kFingers { { { -80.0, 10.0 }, { -55.0, 30.0 }, { -25.0, 50.0 },
         { 30.0, -15.0 }, { 55.0, -5.0 }, { 75.0, 25.0 } } }; // x, z, mm
     for (std::size_t f = 0; f < kFingers.size(); ++f)

@@ -1,5 +1,5 @@
 #pragma once
-// What this machine can do, one finding a line. Everything is tried out or measured here and now.
+// Checks the capabilities of this machine, one finding a line. Every check tries or measures something.
 
 #include "ui/cli/framework/command.h"
 
@@ -10,8 +10,8 @@ namespace retractor::ui::cli {
 
 enum class Health {
     ok,
-    warning, ///< the main job runs, something is slower or left out
-    missing, ///< not there, or not working
+    warning, ///< the main job runs, but something is slower or missing
+    missing, ///< not installed, or not working
 };
 std::string to_string(Health health);
 
@@ -19,23 +19,23 @@ struct Finding {
     std::string topic; ///< "machine", "solver", "images", "drawing", "window", "reference", "devices"
     std::string name;
     Health health = Health::ok;
-    std::string found = {}; ///< what was seen or measured
-    std::string advice = {}; ///< what to do; empty when nothing needs doing
-    bool essential = false; ///< without it the main job (import, plan, render) cannot run
+    std::string found = {}; ///< observation or measurement
+    std::string advice = {}; ///< remedy; empty when nothing needs doing
+    bool essential = false; ///< the main job (import, plan, render) cannot run without this
 };
 
-/// Cores, memory, instruction sets, room for temporary files.
+/// Cores, memory, instruction sets, space for temporary files.
 std::vector<Finding> check_machine();
 /// BLAS and sparse factorisation.
 std::vector<Finding> check_linear_algebra();
-/// Formats and transfer syntaxes.
+/// Image formats and transfer syntaxes.
 std::vector<Finding> check_images();
-/// A picture by this program's own kind of context.
+/// Draws a picture with the kind of OpenGL context that this program uses.
 Finding check_own_drawing();
-/// The programs beside this one: the other kind of context, the window.
+/// The programs beside this one: the other kind of OpenGL context, and the window.
 std::vector<Finding> check_other_drawing();
 std::vector<Finding> check_window();
-/// Programs that give a second opinion.
+/// Programs for a second opinion.
 std::vector<Finding> check_references();
 /// Libraries of haptic devices.
 std::vector<Finding> check_devices();

@@ -13,7 +13,7 @@ namespace {
         std::vector<Finding> findings;
         const auto add = [&](std::vector<Finding> more) {
             findings.insert(findings.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
-            job.report("doctor", static_cast<double>(findings.size()) / 23.0); // about so many in all
+            job.report("doctor", static_cast<double>(findings.size()) / 23.0); // approximate number of findings
         };
         add(check_machine());
         add(check_linear_algebra());
@@ -59,7 +59,7 @@ void add_doctor_command(Commands& commands)
     CLI::App* command
         = commands.app.add_subcommand("doctor", "Say what this machine can do, and what to do about what it cannot");
     command->footer("Example: retractor doctor");
-    // For the program beside this one, which draws with the other kind of context.
+    // An option for the other program, which draws with the other kind of context.
     command->add_flag("--own-drawing", *own_drawing)->group("");
     command->callback([&commands, own_drawing] {
         commands.run = [own_drawing](const Job& job) {

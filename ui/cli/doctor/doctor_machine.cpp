@@ -40,7 +40,7 @@ namespace {
         return std::nullopt;
     }
 
-    /// The first number of a file of limits; nothing where it says "max".
+    /// The first number of a file of limits; nothing when the file contains "max".
     std::optional<double> limit_in(const fs::path& file)
     {
         std::ifstream in(file);
@@ -57,7 +57,7 @@ namespace {
             ? CPU_COUNT(&allowed)
             : static_cast<int>(std::thread::hardware_concurrency());
         finding.found = std::to_string(usable) + " usable";
-        // A container may have many cores and a share of their time.
+        // A container may have many cores but only a share of their time.
         std::ifstream limits("/sys/fs/cgroup/cpu.max");
         double granted = 0.0, period = 0.0;
         if (limits >> granted >> period && period > 0.0) {
@@ -76,7 +76,7 @@ namespace {
 
     Finding check_memory()
     {
-        constexpr double kEnoughGiB = 4.0; // a whole chest at 256 x 256 x 124, two approaches side by side
+        constexpr double kEnoughGiB = 4.0; // a whole chest of 256 x 256 x 124 voxels, two approaches at a time
         constexpr double kLeastGiB = 1.0; // a small phantom
         Finding finding { .topic = "machine", .name = "memory", .essential = true };
         const double total = meminfo("MemTotal:").value_or(0.0);
@@ -137,7 +137,7 @@ namespace {
 
     Finding check_product()
     {
-        constexpr double kReferenceGflops = 5.0; // per core: what the reference BLAS does not reach
+        constexpr double kReferenceGflops = 5.0; // per core; the reference BLAS is slower
         const BlasCheck blas = check_blas();
         Finding finding { .topic = "solver", .name = "BLAS" };
         finding.found
@@ -152,7 +152,7 @@ namespace {
 
     Finding check_factorisation()
     {
-        constexpr double kTolerance = 1e-6; // the answer is exact, but for the solver's own tolerance of 1e-9
+        constexpr double kTolerance = 1e-6; // the answer is exact except for the solver's own tolerance of 1e-9
         Finding finding { .topic = "solver", .name = "sparse solver", .essential = true };
         try {
             const SolverCheck solver = check_solver();

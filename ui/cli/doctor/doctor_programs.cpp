@@ -1,4 +1,4 @@
-// What needs other programs or a picture: drawing by OSMesa and EGL, the window, CalculiX.
+// Checks that need other programs or a picture: drawing by OSMesa and EGL, the window, CalculiX.
 
 #include "ui/cli/doctor/doctor_checks.h"
 
@@ -35,7 +35,7 @@ namespace {
         return backend == "osmesa" ? "apt install libosmesa6" : "apt install libegl1 libegl-mesa0 libgl1-mesa-dri";
     }
 
-    /// A ball before a black background: light in the middle, dark in the corner.
+    /// Draws a ball on a black background and checks the picture: light in the middle, dark in the corner.
     void draw_ball(OffscreenRenderer& renderer)
     {
         constexpr int kSize = 64;

@@ -27,7 +27,7 @@ namespace {
     double measured_gflops()
     {
         constexpr int n = 512;
-        constexpr int kRounds = 4; // the first warms up; the best of the others counts
+        constexpr int kRounds = 4; // the first round warms up; the best of the others counts
         const std::vector<double> a(std::size_t { n } * n, 1.0 / 3.0), b(a);
         std::vector<double> c(a.size(), 0.0);
         double best = 0.0;
@@ -38,7 +38,7 @@ namespace {
             if (round > 0)
                 best = std::max(best, 2e-9 * n * n * n / watch.seconds());
         }
-        // Every entry is n / 9; a product that is wrong has no rate.
+        // Every entry is n / 9. A wrong product has no rate.
         return std::abs(c[c.size() / 2] - n / 9.0) < 1e-9 ? best : 0.0;
     }
 
@@ -46,7 +46,8 @@ namespace {
 
 BlasCheck check_blas()
 {
-    // The name CHOLMOD calls, looked up as the dynamic linker does it; the rates differ by ten between libraries.
+    // Finds the dgemm that CHOLMOD calls, as the dynamic linker finds it. The rates of libraries differ by a factor of
+    // ten.
     BlasCheck check;
     check.library = library_of(::dlsym(RTLD_DEFAULT, "dgemm_"));
     check.description = fem::blas_description();

@@ -1,5 +1,5 @@
 #pragma once
-// Small parsers for option values that several commands share. All throw InputError with the text in the message.
+// Small parsers for option values of several commands. All parsers throw InputError with the text in the message.
 
 #include "mesh/base/geometry.h"
 #include "planner/case/approach.h"
@@ -11,20 +11,20 @@
 
 namespace retractor::ui::cli {
 
-/// "x,y,z": exactly `count` finite numbers.
+/// Parses "x,y,z": exactly `count` finite numbers.
 std::vector<double> parse_numbers(const std::string& text, std::size_t count, const std::string& where);
 Vec3 parse_point(const std::string& text, const std::string& where);
-/// A label name, or "x,y,z,r" for a sphere (mm, patient LPS).
+/// Parses a label name, or "x,y,z,r" for a sphere (mm, patient LPS).
 planner::TargetSpec parse_target(const std::string& text);
-/// "label:from,to[:along_from,along_to]" for a segment (mm across and along the incision), or
-/// "ball:x,y,z,radius[:label]". Whether the label is there and the incision as long is left to the caller.
+/// Parses "label:from,to[:along_from,along_to]" for a segment (mm across and along the incision), or
+/// "ball:x,y,z,radius[:label]". The caller checks whether the label exists and the incision is long enough.
 planner::AblationSpec parse_ablation(const std::string& text);
-/// "1280x960".
+/// Parses "1280x960".
 std::pair<int, int> parse_size(const std::string& text);
-/// "a,b,c".
+/// Splits "a,b,c" at the separator.
 std::vector<std::string> split(const std::string& text, char separator);
 
-/// A number from low to high; unlike CLI::Range it refuses NaN.
+/// Accepts a number from low to high. Unlike CLI::Range, this validator refuses NaN.
 CLI::Validator in_range(double low, double high);
 
 } // namespace retractor::ui::cli

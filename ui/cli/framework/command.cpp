@@ -44,7 +44,8 @@ namespace {
                 stderr, "%-36s %9.3f %9.1f\n", part.name.c_str(), part.seconds, static_cast<double>(part.bytes) / 1e6);
     }
 
-    /// File names and what a damaged file holds need not be UTF-8: such bytes become U+FFFD.
+    /// The text of a document. File names and damaged files may contain bytes that are not UTF-8; such bytes become
+    /// U+FFFD.
     std::string document_text(const Json& document)
     {
         return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -127,12 +128,12 @@ int run_command_line(const Program& program, int argc, char** argv)
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         const bool asked_for_help = error.get_exit_code() == 0;
-        // Parsing stopped before the flag was stored, wherever it stands.
+        // Parsing stopped before the flag was stored, so the flag is searched for in the arguments.
         const bool json
             = std::any_of(argv, argv + argc, [](const char* text) { return std::string_view(text) == "--json"; });
         if (asked_for_help)
             return app.exit(error);
-        // The parser tells of what is missing first; a misspelt word is mostly why.
+        // The parser reports missing options first, but the usual reason is a misspelt word.
         const std::string misspelt = misspelling(app, { argv + 1, argv + argc });
         if (json)
             std::cout << document_text(

@@ -1,6 +1,6 @@
 #pragma once
-// What every command of our programs shares: the three global options, one way to report, one way to fail.
-// Exit codes: 0 done, 1 it failed or the answer is a refusal, 2 usage or bad input.
+// The frame of all command line programs: the three global options, the output, and the handling of errors.
+// Exit codes: 0 done, 1 failed or refused, 2 wrong usage or bad input.
 
 #include "mesh/base/job.h"
 
@@ -12,39 +12,41 @@
 
 namespace retractor::ui::cli {
 
-/// Ordered: documents are read by people too.
+/// Keeps the order of keys, because people read the documents too.
 using Json = nlohmann::ordered_json;
 
-/// What a command hands back. `document` is what --json prints; `text` is for people.
+/// The result of a command. --json prints `document`; `text` is for people.
 struct Outcome {
     Json document = Json::object();
     std::string text;
     int exit_code = 0;
 };
 
-/// Options before or after any command's own.
+/// Options that may stand before or after the options of a command.
 struct GlobalOptions {
     bool json = false;
     bool profile = false;
     int threads = 0; ///< 0: as many as the machine has
 };
 
-/// A command registers its subcommand and options on `app` and returns nothing; the action to run is kept in `run`.
+/// A command registers its subcommand and options on `app`. The callback of the chosen subcommand stores its action in
+/// `run`.
 struct Commands {
     CLI::App& app;
     GlobalOptions& options;
-    char** argv; ///< as given to the program
-    std::function<Outcome(const Job&)> run; ///< set by the chosen subcommand's callback
+    char** argv;
+    std::function<Outcome(const Job&)> run; ///< action of the chosen subcommand
 };
 
-/// A program of the command line.
+/// One program of the command line.
 struct Program {
-    std::string name; ///< as it is called: "retractor"
-    std::string about; ///< what --help says first
-    std::function<void(Commands&)> add_commands; ///< registers its commands, or its options where it has no commands
+    std::string name; ///< for example "retractor"
+    std::string about; ///< first sentence of --help
+    /// Registers the commands of the program, or its options when the program has no commands.
+    std::function<void(Commands&)> add_commands;
 };
 
-/// Parses, runs and prints; the whole program. @return its exit code.
+/// The whole program: parses the arguments, runs the command, prints the result. @return the exit code
 int run_command_line(const Program& program, int argc, char** argv);
 
 } // namespace retractor::ui::cli

@@ -13,7 +13,7 @@ namespace {
         const char* option;
     };
 
-    /// A field that two commands call differently comes twice.
+    /// Fields and options. A field with different options in two commands comes twice.
     constexpr FieldOption kFieldOptions[] = {
         { "autosegment", "--autosegment" },
         { "check", "--check" },
@@ -45,14 +45,14 @@ namespace {
         { "youngs_modulus_MPa", "--young" },
     };
 
-    /// The innermost command that was given.
+    /// The innermost command of the arguments.
     const CLI::App& given_command(const CLI::App& app)
     {
         const std::vector<CLI::App*> given = app.get_subcommands();
         return given.empty() ? app : given_command(*given.front());
     }
 
-    /// The option of the command that stands for the field; empty when there is none.
+    /// The option of the command that sets the field; empty when there is none.
     std::string option_of(const CLI::App& command, const std::string& field)
     {
         const auto* const found

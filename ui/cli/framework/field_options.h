@@ -1,5 +1,6 @@
 #pragma once
-// The options that stand for the fields of a request. Libraries name fields; only the command line names options.
+// Finds the options of the command line that set the fields of a request. Libraries name fields; only the command line
+// names options.
 
 #include <CLI/CLI.hpp>
 
@@ -8,9 +9,11 @@
 
 namespace retractor::ui::cli {
 
-/// " (option --depth)" or " (options --near, --contact)": what the user can change to mend an error of these fields.
-/// @param app after parsing: options that the given command does not have are left out.
-/// @param fields see Error::fields(). @return empty where no option stands for any of the fields.
+/// The options with which the user can correct an error in these fields: " (option --depth)" or " (options --near,
+/// --contact)".
+/// @param app after parsing; options that the given command does not have are left out
+/// @param fields see Error::fields()
+/// @return empty when no option sets any of the fields
 std::string option_hint(const CLI::App& app, const std::vector<std::string>& fields);
 
 } // namespace retractor::ui::cli

@@ -9,8 +9,8 @@ namespace retractor::ui::cli {
 
 namespace {
 
-    /// Insertions, deletions, replacements and swaps of neighbours that turn one word into the other (optimal string
-    /// alignment distance: Damerau, 1964, doi:10.1145/363958.363994).
+    /// Number of insertions, deletions, replacements and swaps of neighbours that turn one word into the other (optimal
+    /// string alignment distance: Damerau, 1964, doi:10.1145/363958.363994).
     std::size_t distance(const std::string& a, const std::string& b)
     {
         std::vector<std::size_t> before, last(b.size() + 1), now(b.size() + 1);
@@ -29,10 +29,11 @@ namespace {
         return last[b.size()];
     }
 
-    /// ": did you mean 'plan'?"; empty where no name is similar.
+    /// The end of the message, ": did you mean 'plan'?"; empty when no name is similar.
     std::string suggestion(const std::string& word, const std::vector<std::string>& names)
     {
-        std::size_t least = 2 + word.size() / 4; // one mistake in a word of three letters, two in one of four to seven
+        // One mistake in a word of three letters, two in a word of four to seven letters.
+        std::size_t least = 2 + word.size() / 4;
         std::string nearest;
         for (const std::string& name : names)
             if (const std::size_t there = distance(word, name); there < least) {
@@ -42,7 +43,7 @@ namespace {
         return nearest.empty() ? std::string() : ": did you mean '" + nearest + "'?";
     }
 
-    /// "approach add: "; empty for the program itself.
+    /// The beginning of the message, "approach add: "; empty for the program itself.
     std::string place_of(const CLI::App& command)
     {
         std::string names;
@@ -59,7 +60,7 @@ namespace {
         return nullptr;
     }
 
-    /// Of the command or, as options may stand anywhere, of those that it belongs to.
+    /// The option of the command or of its parents, because options may stand anywhere.
     const CLI::Option* option_of(const CLI::App& command, const std::string& name)
     {
         for (const CLI::App* at = &command; at != nullptr; at = at->get_parent())
@@ -87,7 +88,7 @@ namespace {
         return place_of(command) + "unknown option '" + word + "'" + suggestion(word, names);
     }
 
-    /// "-h" or "--help", and not a number such as "-20,0,0".
+    /// Whether the argument is an option such as "-h" or "--help", and not a number such as "-20,0,0".
     bool looks_like_option(const std::string& argument)
     {
         const std::size_t at = argument.find_first_not_of('-');
@@ -100,7 +101,7 @@ namespace {
 std::string misspelling(const CLI::App& app, const std::vector<std::string>& arguments)
 {
     const CLI::App* command = &app;
-    std::size_t values = 0; // that the last option still takes
+    std::size_t values = 0; // number of values that the last option still takes
     for (const std::string& argument : arguments) {
         if (argument == "--")
             break;

@@ -1,4 +1,5 @@
 #pragma once
+// Formats numbers as text for the command line.
 
 #include <array>
 #include <cstdio>
@@ -6,7 +7,7 @@
 
 namespace retractor::ui::cli {
 
-/// One number as printf's format for a double writes it, cut at 63 characters.
+/// Writes one number with a printf format for a double, cut at 63 characters.
 inline std::string number(const char* format, double value)
 {
     std::array<char, 64> text {};

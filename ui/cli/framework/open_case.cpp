@@ -8,9 +8,9 @@ namespace retractor::ui::cli {
 planner::Case open_case(const std::string& path)
 {
     try {
-        return read_case(path);
+        return planner::read_case(path);
     } catch (const InputError& error) {
-        if (error.where().rfind('/', 0) != 0) // no JSON pointer
+        if (error.where().rfind('/', 0) != 0) // not a JSON pointer
             throw;
         throw InputError(error.what(), path + "#" + error.where());
     }

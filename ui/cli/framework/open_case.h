@@ -1,5 +1,5 @@
 #pragma once
-// The case a command is given.
+// Opens the case of a command.
 
 #include "planner/case/case.h"
 
@@ -7,8 +7,9 @@
 
 namespace retractor::ui::cli {
 
-/// read_case(), its checksums verified; a refusal names the file and the place in it: "case.json#/labels/sha256".
-/// @throws InputError, IoError.
+/// Reads the case with read_case() and verifies its checksums. An error names the file and the place in it:
+/// "case.json#/labels/sha256".
+/// @throws InputError, IoError
 planner::Case open_case(const std::string& path);
 
 } // namespace retractor::ui::cli

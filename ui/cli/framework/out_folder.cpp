@@ -28,13 +28,13 @@ OutFolder::OutFolder(const std::filesystem::path& folder)
     for (; at.has_relative_path() && !std::filesystem::exists(at, none); at = at.parent_path())
         made_.push_back(at);
     make_folder(folder);
-    if (::access(folder.c_str(), W_OK | X_OK) != 0) // said before the long work
+    if (::access(folder.c_str(), W_OK | X_OK) != 0) // reported before the long work
         throw IoError(std::string("cannot write into the folder: ") + std::strerror(errno), folder.string());
 }
 
 OutFolder::~OutFolder()
 {
-    std::error_code kept; // what is not empty stays
+    std::error_code kept; // a folder with content stays
     for (const std::filesystem::path& folder : made_)
         std::filesystem::remove(folder, kept);
 }

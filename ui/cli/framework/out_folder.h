@@ -1,5 +1,5 @@
 #pragma once
-// The folder that a command writes its results to.
+// The output folder of a command.
 
 #include "mesh/base/job.h"
 
@@ -8,11 +8,11 @@
 
 namespace retractor::ui::cli {
 
-/// Creates the folder. @throws IoError naming it.
+/// Creates the folder. @throws IoError naming the folder
 void make_folder(const std::filesystem::path& folder);
 
-/// Makes a folder as make_folder() does, and at its end takes away again what was made and stayed empty: a command that
-/// is refused leaves nothing behind.
+/// Makes a folder as make_folder() does. The destructor removes folders that were made and stayed empty, so a refused
+/// command leaves nothing on disk.
 class OutFolder {
 public:
     explicit OutFolder(const std::filesystem::path& folder);
@@ -21,10 +21,10 @@ public:
     ~OutFolder();
 
 private:
-    std::vector<std::filesystem::path> made_; ///< the innermost first
+    std::vector<std::filesystem::path> made_; ///< folders that were made, innermost first
 };
 
-/// @throws SolverError "cancelled" when it was: nothing of an unfinished run replaces earlier results.
+/// @throws SolverError "cancelled" when the job was cancelled, so that an unfinished run replaces no earlier results
 void refuse_if_cancelled(const Job& job);
 
 } // namespace retractor::ui::cli

@@ -8,7 +8,7 @@ namespace retractor::ui::cli {
 
 namespace {
     constexpr double kRedrawSeconds = 0.1;
-    /// Below this share done, the time left is a guess not worth showing.
+    /// Below this share of the work the remaining time is only a guess, and not shown.
     constexpr double kSmallestShareToExtrapolate = 0.05;
 } // namespace
 

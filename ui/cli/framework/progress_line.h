@@ -1,5 +1,6 @@
 #pragma once
-// One line of progress on standard error, with the time left; silent when that is no terminal.
+// Shows one line of progress with the remaining time on standard error. Nothing is shown when standard error is no
+// terminal.
 
 #include "mesh/base/job.h"
 
@@ -12,9 +13,9 @@ namespace retractor::ui::cli {
 class ProgressLine {
 public:
     ProgressLine();
-    /// Safe to call from several threads; redraws at most ten times a second.
+    /// Safe to call from several threads. Redraws at most ten times a second.
     void update(std::string_view stage, double fraction);
-    /// Wipes the line, so that the next message starts on a clean one.
+    /// Clears the line for the next message.
     void clear();
 
 private:

@@ -19,12 +19,12 @@ namespace {
 
     using Clock = std::chrono::steady_clock;
 
-    /// In the child. Other threads may have held locks when it was forked: system calls only.
+    /// Runs in the child. Other threads may have held locks at the fork, so only system calls are allowed.
     [[noreturn]] void become(char* const* words, const char* folder, int out)
     {
         if (*folder != '\0' && ::chdir(folder) != 0)
             ::_exit(127);
-        ::setpgid(0, 0); // so that what it starts can be killed with it
+        ::setpgid(0, 0); // a process group of its own, so that its children can be killed too
         const int nothing = ::open("/dev/null", O_RDWR);
         ::dup2(nothing, STDIN_FILENO);
         ::dup2(out, STDOUT_FILENO);
@@ -33,9 +33,9 @@ namespace {
         ::_exit(127);
     }
 
-    constexpr int kAskAgain_ms = 100; // whether to stop
+    constexpr int kAskAgain_ms = 100; // interval of the calls of `stop`
 
-    /// Reads to the end of the stream; false when that has not come by `end`, or `stop` said so.
+    /// Reads to the end of the stream. @returns false when `end` comes first, or `stop` returns true
     bool read_until(int fd, Clock::time_point end, const std::function<bool()>& stop, ProgramRun& run)
     {
         std::array<char, 4096> buffer {};
@@ -57,10 +57,10 @@ namespace {
         }
     }
 
-    /// Its status once it has ended; false when it has not by `end`.
+    /// Waits for the end of the child and takes its status. @returns false when `end` comes first
     bool wait_until(pid_t child, Clock::time_point end, int& status)
     {
-        constexpr useconds_t kPause_us = 2000; // it has closed its output: it is about to end
+        constexpr useconds_t kPause_us = 2000; // the child has closed its output and is about to end
         while (::waitpid(child, &status, WNOHANG) == 0) {
             if (Clock::now() >= end)
                 return false;
@@ -88,7 +88,7 @@ ProgramRun run_program(const std::vector<std::string>& words, std::chrono::milli
         become(pointers.data(), folder.c_str(), ends[1]);
     ::close(ends[1]);
     if (child > 0) {
-        ::setpgid(child, child); // whoever comes first
+        ::setpgid(child, child); // parent and child both do this; the first call counts
         int status = 0;
         if (!read_until(ends[0], end, stop, run) || !wait_until(child, end, status)) {
             run.timed_out = !run.stopped;

@@ -1,5 +1,5 @@
 #pragma once
-// Another program, run to its end or to a limit of time.
+// Runs another program to its end or to a time limit.
 
 #include <chrono>
 #include <filesystem>
@@ -10,18 +10,19 @@
 namespace retractor::ui::cli {
 
 struct ProgramRun {
-    int exit_code = -1; ///< -1: it died, was killed or could not be started
-    bool timed_out = false; ///< it was killed at the limit
-    bool stopped = false; ///< it was killed because `stop` said so
-    std::string out; ///< its standard output; standard error goes nowhere
+    int exit_code = -1; ///< -1: the program crashed, was killed or could not be started
+    bool timed_out = false; ///< the program was killed at the time limit
+    bool stopped = false; ///< the program was killed because `stop` returned true
+    std::string out; ///< standard output of the program; standard error is discarded
 };
 
-/// Runs `words` (the program's path, then its arguments) and kills it, with what it started, after `limit`.
-/// @param folder where it runs; empty: here. @param stop asked several times a second; true kills it too.
+/// Runs `words` (the program's path, then its arguments). The program and its children are killed after `limit`.
+/// @param folder working folder; empty: the current one
+/// @param stop called several times a second; the program is killed when it returns true
 ProgramRun run_program(const std::vector<std::string>& words, std::chrono::milliseconds limit,
     const std::filesystem::path& folder = {}, const std::function<bool()>& stop = {});
 
-/// The first executable file of this name in the folders of PATH; empty: there is none.
+/// The first executable file of this name in the folders of PATH; empty when there is none.
 std::filesystem::path program_on_path(const std::string& name);
 
 } // namespace retractor::ui::cli

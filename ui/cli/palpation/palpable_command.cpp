@@ -24,7 +24,7 @@ namespace {
         std::string pressure = "80,120";
     };
 
-    /// "TEXT=REST".
+    /// Splits "TEXT=REST".
     std::pair<std::string, std::string> halves(const std::string& text, const char* where, const char* example)
     {
         const std::size_t at = text.rfind('=');
@@ -50,7 +50,7 @@ namespace {
         return request;
     }
 
-    /// Diastolic and systolic, mmHg.
+    /// Diastolic and systolic pressure, mmHg.
     std::vector<double> pressures_of(const PalpableOptions& options)
     {
         std::vector<double> pressures = parse_numbers(options.pressure, 2, "--pressure");
@@ -67,7 +67,7 @@ namespace {
         scene.heart_rate_per_min = options.heart_rate;
     }
 
-    /// "aorta and heart": a file's name.
+    /// Makes a file name from a name: "aorta and heart".
     std::string file_stem(std::string name)
     {
         std::replace_if(

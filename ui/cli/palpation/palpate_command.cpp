@@ -33,7 +33,7 @@ namespace {
         PressPlan plan;
     };
 
-    /// "a,b+c": a, then b and c together.
+    /// The presses of an option's text: "a,b+c" means a, then b and c together.
     std::vector<Press> presses(const datasets::PalpationScene& scene, const PalpateOptions& options)
     {
         std::vector<Press> list;
@@ -62,8 +62,9 @@ namespace {
         double low = std::numeric_limits<double>::infinity(), high = 0.0, depth = 0.0;
     };
 
-    /// While the finger is meant to be down the first time: from half a second after it got there, so that a hand has
-    /// settled. A motion that has no such time counts as a whole.
+    /// Range of the force and largest depth while the finger is meant to be down in the first press. The interval
+    /// begins half a second after the finger arrives, so that a hand has settled.
+    /// @param all use the whole motion, when the intended time of the press is unknown
     Held while_held(const FingerLog& finger, const PressPlan& plan, bool all)
     {
         constexpr double kSettle = 0.5;
@@ -88,7 +89,7 @@ namespace {
             const Held held = while_held(finger, plan, all);
             fingers.push_back({ { "site", finger.site }, { "force_low_N", held.low }, { "force_high_N", held.high },
                 { "pulse_N", held.high - held.low }, { "depth_high_mm", held.depth } });
-            if (all) // when it was meant to be down nobody knows
+            if (all) // the intended time of the press is unknown
                 text += formatted(
                     "%-22s force up to %.3f N, depth up to %.2f mm\n", finger.site.c_str(), held.high, held.depth);
             else
@@ -108,7 +109,7 @@ namespace {
         return document;
     }
 
-    /// How far the surface of each organ is displaced at most when the fingers are deepest.
+    /// Largest displacement of each organ's surface at the deepest press.
     Json organs_moved(const PressLog& log, const datasets::PalpationScene& scene, const haptics::TissueResponse& tissue,
         std::string& text)
     {
@@ -180,14 +181,14 @@ namespace {
     bool is_case(const std::string& path)
     {
         try {
-            static_cast<void>(read_case(path, { .verify_checksums = false }));
+            static_cast<void>(planner::read_case(path, { .verify_checksums = false }));
             return true;
         } catch (const Error&) {
             return false;
         }
     }
 
-    /// The scene that is given, or of a case's structure; what is to be said of it goes to `notes`.
+    /// Reads the given scene, or makes one from a case's structure. Adds notes to `notes`.
     datasets::PalpationScene scene_of(const PalpateOptions& options, std::vector<std::string>& notes, const Job& job)
     {
         if (datasets::is_palpation_scene(options.scene)) {
@@ -196,7 +197,7 @@ namespace {
             return datasets::read_palpation_scene(options.scene);
         }
         if (options.structure.empty() && !is_case(options.scene))
-            return datasets::read_palpation_scene(options.scene); // to say what is wrong with it
+            return datasets::read_palpation_scene(options.scene); // fails with the error in the file
         planner::Patient patient(open_case(options.scene), job);
         if (options.structure.empty())
             throw InputError("is a case: name what to palpate by --structure; there are "
@@ -222,7 +223,7 @@ namespace {
         return Hands { hand(false), hand(true) };
     }
 
-    /// What is wrong is said before the long work; devices that are there in person are opened when all is ready.
+    /// Refuses wrong options before the long work. Real devices are opened later, when everything is ready.
     void refuse_early(const PalpateOptions& options)
     {
         std::vector<std::string> here;
@@ -246,7 +247,8 @@ namespace {
         if (!options.record.empty() && list.size() > 1)
             throw InputError("one press is recorded at a time: name it by --press", "--record");
         options.tissue.fingers = list.front().sites.size();
-        static_cast<void>(one_per_finger(options.devices, list.front())); // refuses before the tissue is made
+        // Checks the devices before the tissue is made.
+        static_cast<void>(one_per_finger(options.devices, list.front()));
         options.tissue.radius_mm = options.plan.radius_mm;
         options.tissue.depth_mm = options.plan.depth_mm;
         planner::ChosenTissue tissue = make_tissue(scene, options.tissue, job);
@@ -270,7 +272,7 @@ namespace {
                 documents.back()["organs"] = organs_moved(logs.back(), scene, *tissue.response, outcome.text);
             outcome.exit_code = logs.back().fault.empty() ? outcome.exit_code : 1;
         }
-        // A hand that was there in person has felt something until then.
+        // A cancelled run with a live device keeps its results, because a person has felt the tissue.
         if (job.cancelled() && !is_live(options))
             throw SolverError("cancelled", scene.name);
         outcome.document["presses"] = documents;
@@ -287,7 +289,8 @@ namespace {
                 "organs)")
             ->check(CLI::IsMember(planner::tissue_models()))
             ->capture_default_str();
-        command->add_option("--element", tissue.element, "fem: p1 (four nodes, too stiff), locking-free or p2 (ten nodes)")
+        command
+            ->add_option("--element", tissue.element, "fem: p1 (four nodes, too stiff), locking-free or p2 (ten nodes)")
             ->check(CLI::IsMember({ "p1", "locking-free", "p2" }))
             ->capture_default_str();
         command
@@ -359,7 +362,7 @@ void add_palpate_command(Commands& commands)
     command->add_option("--record", options->record,
         "The devices' motion, for replay:FILE later (binary, or CSV when it ends in .csv)");
     command->add_option("--hand", options->hand,
-        "A hand on the fingertips in the picture: built-in, or an OBJ file (haptics/README.md)");
+        "A hand on the fingertips in the picture: built-in, or an OBJ file (see docs/user/palpation.md)");
     command
         ->add_option("--replay-at", options->plan.replay_at,
             "Where replay:FILE is played: recorded (where it was made) or site (the site pressed); default: a mouse's "

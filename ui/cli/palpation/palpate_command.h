@@ -1,13 +1,14 @@
 #pragma once
+// The commands `retractor palpate`, `retractor palpable` and `retractor relay`.
 
 #include "ui/cli/framework/command.h"
 
 namespace retractor::ui::cli {
 
 void add_palpate_command(Commands& commands);
-/// From a patient's case to a scene for it.
+/// Makes a scene for `palpate` from a patient's case.
 void add_palpable_command(Commands& commands);
-/// The other computer's side of `palpate --device udp:...`.
+/// Serves a device on another computer to `palpate --device udp:...`.
 void add_relay_command(Commands& commands);
 
 } // namespace retractor::ui::cli

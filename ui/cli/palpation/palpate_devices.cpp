@@ -15,7 +15,7 @@ namespace {
     constexpr double kStep = 1e-3; // s
     constexpr std::string_view kMirrored = "mirrored:", kReplay = "replay:";
 
-    /// The path as a recording: a finger that goes its way whatever pushes back.
+    /// The path as a recording: a finger that follows its path, whatever pushes back.
     haptics::MotionRecording as_recording(const haptics::HandPath& path)
     {
         haptics::MotionRecording recording;

@@ -1,11 +1,14 @@
 #pragma once
-// Hands by name, for commands that let them touch something or pass them on:
+// Opens haptic devices by name, for commands that touch tissue or pass a device on:
 //
-//   fixed             goes its path whatever pushes back      touch, touch:NAME, touch:#SERIAL   a 3D Systems Touch
-//   simulated         a relaxed hand on a Touch               udp:PORT, udp:ADDRESS:PORT         on another computer
-//   simulated:firm    one that stiffens                       replay:FILE                        a recorded motion
+// - fixed follows its path, whatever pushes back;
+// - simulated is a relaxed hand on a Touch;
+// - simulated:firm is a hand that stiffens;
+// - touch, touch:NAME and touch:#SERIAL are a 3D Systems Touch;
+// - udp:PORT and udp:ADDRESS:PORT are a device on another computer;
+// - replay:FILE is a recorded motion.
 //
-// With "mirrored:" before it a device's x is turned round: a left hand that does what a right hand shows.
+// The prefix "mirrored:" turns the device's x round: a left hand then does what a right hand shows.
 
 #include "haptics/device/device_rig.h"
 #include "haptics/device/hand_path.h"
@@ -18,41 +21,43 @@
 
 namespace retractor::ui::cli {
 
-/// Whether a name, mirrored or not, asks for a device that lives in real time.
+/// Whether a name, mirrored or not, means a device that runs in real time.
 bool is_live_hand(const std::string& name);
 
 class HandDevices {
 public:
-    /// @param path of fixed and simulated hands. The n-th device of a replay takes the n-th recorded one where there
-    /// are so many. @throws InputError on an unknown name; IoError as DeviceRig, pointing to `retractor doctor` when a
-    /// Touch cannot be opened.
+    /// @param path path of fixed and simulated hands
+    /// The n-th device of a replay takes the n-th recorded device, where the recording has that many.
+    /// @throws InputError on an unknown name; IoError as DeviceRig does, pointing to `retractor doctor` when a Touch
+    /// cannot be opened
     HandDevices(const std::vector<std::string>& names, const haptics::HandPath& path);
 
     [[nodiscard]] const std::vector<haptics::Device*>& devices() const noexcept { return devices_; }
     [[nodiscard]] bool is_mirrored(std::size_t i) const { return mirrored_.at(i); }
     [[nodiscard]] bool is_replay(std::size_t i) const;
-    /// Where device i stood in the scene it was recorded in; nothing when it is no replay or none that tells.
+    /// The frame of device i in the scene of its recording; nothing when the device is no replay or the recording has
+    /// no frame.
     [[nodiscard]] std::optional<haptics::SceneFrame> recorded_frame(std::size_t i) const;
-    /// Whether device i lives in real time.
+    /// Whether device i runs in real time.
     [[nodiscard]] bool is_live(std::size_t i) const { return live_.at(i); }
-    /// Whether any does: then rig() ticks them all.
+    /// Whether any device runs in real time; rig() then ticks all devices.
     [[nodiscard]] bool any_live() const noexcept { return rig_ != nullptr; }
     [[nodiscard]] haptics::DeviceRig& rig() { return *rig_; }
-    /// What Touches reported since the last call, in words.
+    /// Messages of the Touch devices since the last call.
     [[nodiscard]] std::vector<std::string> take_problems();
-    /// Of the recorded motions, the longest; 0 without any.
+    /// Duration of the longest recorded motion (s); 0 without one.
     [[nodiscard]] double replay_seconds() const noexcept { return replay_seconds_; }
 
 private:
     std::unique_ptr<haptics::DeviceRig> rig_;
     std::vector<std::unique_ptr<haptics::Device>> own_;
     std::vector<haptics::Device*> devices_;
-    std::vector<std::string> names_; ///< without mirrored:
+    std::vector<std::string> names_; ///< without "mirrored:"
     std::vector<bool> mirrored_, live_;
     double replay_seconds_ = 0.0;
 };
 
-/// What may stand for a device, for --help.
+/// The device names for --help.
 inline constexpr const char* kDeviceHelp
     = "fixed (keeps its path whatever pushes back), simulated (a relaxed hand on a Touch), simulated:firm, "
       "replay:FILE, touch, touch:NAME, touch:#SERIAL, udp:PORT or udp:ADDRESS:PORT (another computer: see retractor "

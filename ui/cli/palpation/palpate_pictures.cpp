@@ -27,7 +27,7 @@ namespace {
         return panel;
     }
 
-    /// A mesh of its own for some labels of the surface.
+    /// A mesh of the triangles of one label of the surface, or of all.
     std::shared_ptr<TriMesh> part_of(const TriMesh& surface, const Points& deformed, std::optional<Label> label)
     {
         auto part = std::make_shared<TriMesh>();
@@ -79,7 +79,7 @@ namespace {
         }
     }
 
-    /// Obliquely from outside, upright.
+    /// Direction of the view: obliquely from outside, with the patient upright.
     Vec3 view_direction(const Press& press)
     {
         Vec3 out = Vec3::Zero();
@@ -89,7 +89,7 @@ namespace {
         Vec3 aside = out.cross(Vec3::UnitZ());
         if (aside.norm() < 0.3)
             aside = out.cross(Vec3::UnitX());
-        const double frontal = press.sites.size() > 2 ? 2.0 : 0.7; // a whole hand is seen from in front
+        const double frontal = press.sites.size() > 2 ? 2.0 : 0.7; // a whole hand is seen from the front
         return -(0.7 * aside.normalized() + frontal * out + 0.25 * Vec3::UnitZ()).normalized();
     }
 

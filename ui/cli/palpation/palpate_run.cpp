@@ -17,12 +17,12 @@ namespace retractor::ui::cli {
 
 namespace {
 
-    constexpr double kClear = 8.0; // mm above the surface where a hand starts and ends
-    constexpr double kLiveClear = 2.0; // mm above it where the middle of a real device's work space lies
+    constexpr double kClear = 8.0; // mm above the surface at which a hand starts and ends
+    constexpr double kLiveClear = 2.0; // mm above the surface at which the middle of a real device's workspace lies
     constexpr double kApproach = 1.0, kRelease = 0.5; // s
     constexpr int kFollowEvery = 16; // ticks: a display's 60 Hz
 
-    /// Device up is out of the body.
+    /// Rotation that turns the device's up to the outward direction of the body.
     Mat3 scene_from_device(const Vec3& outward)
     {
         return Eigen::Quaterniond::FromTwoVectors(Vec3::UnitY(), outward).toRotationMatrix();
@@ -30,7 +30,7 @@ namespace {
 
     double cycle(const PressPlan& plan) { return kApproach + plan.seconds + kRelease; }
 
-    /// Every tick of a servo, kept: it ticks on the servo's thread, is read when that has stopped.
+    /// Records every tick of a servo. It is filled by the servo's thread, and read when this thread has stopped.
     class TickLog : public haptics::Ticked {
     public:
         TickLog(haptics::Servo& servo, std::size_t fingers, std::size_t room)
@@ -88,7 +88,7 @@ namespace {
         return condensed == nullptr ? 0 : condensed->late_ticks();
     }
 
-    /// What the simulation thread sees while the servo ticks.
+    /// The state of the simulation thread while the servo ticks.
     struct Follower {
         haptics::TissueResponse& tissue;
         PressLog& log;
@@ -126,7 +126,7 @@ namespace {
             || kind == haptics::FaultKind::over_limit;
     }
 
-    /// Real time: faults that pass are counted and the force comes back; others end it.
+    /// Runs the servo in real time. A passing fault is counted and the force returns; any other fault ends the run.
     void run_live(
         TickLog& ticks, haptics::Servo& servo, Follower& follower, HandDevices& hands, double seconds, const Job& job)
     {
@@ -190,7 +190,8 @@ namespace {
         haptics::ServoOptions options;
     };
 
-    /// Of a replay that is to be played where it was; nothing: it is placed as any device.
+    /// The frame of a recording that is to be played at its own place; nothing when the recording is placed like other
+    /// devices.
     std::optional<haptics::SceneFrame> frame_to_keep(const HandDevices& hands, std::size_t f, ReplayAt at)
     {
         if (!hands.is_replay(f) || at == ReplayAt::site)
@@ -273,7 +274,7 @@ PressLog run_press(const Press& press, haptics::TissueResponse& tissue, const st
     const double seconds = std::max(plan.times * cycle(plan), hands.replay_seconds());
     const auto ticks = static_cast<std::uint64_t>(std::llround(seconds / kPalpateStep));
     haptics::Servo servo(line.devices, tissue, line.options);
-    constexpr std::size_t kSpare = 1000; // ticks while a live run fades
+    constexpr std::size_t kSpare = 1000; // ticks for the fading of a live run
     haptics::MotionRecorder recorder(servo.recorded_devices(), 1.0 / kPalpateStep, ticks + kSpare);
     servo.record_to(&recorder);
     TickLog tick_log(servo, press.sites.size(), ticks + kSpare);

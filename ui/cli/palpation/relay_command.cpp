@@ -25,7 +25,7 @@ namespace {
         double seconds = 0.0;
     };
 
-    /// Every device has a relay of its own; one source ticks them all.
+    /// Relays of several devices; one source ticks them all.
     class Relays : public haptics::Ticked {
     public:
         void add(haptics::Device& device, const haptics::UdpRelayOptions& options)
@@ -44,7 +44,7 @@ namespace {
         std::vector<std::unique_ptr<haptics::UdpRelay>> relays_;
     };
 
-    /// "192.168.0.7:4000".
+    /// Parses "192.168.0.7:4000".
     haptics::UdpRelayOptions address_of(const std::string& text)
     {
         const std::size_t colon = text.rfind(':');
@@ -69,7 +69,7 @@ namespace {
             if (name.starts_with("mirrored:"))
                 throw InputError("a hand is mirrored where it is felt: give mirrored:udp:PORT to retractor palpate",
                     "--device " + name);
-        // A simulated hand has no tissue of its own here: it goes to and fro about the middle of its work space.
+        // A simulated hand has no tissue here, so it moves to and fro about the middle of its workspace.
         constexpr int kTimes = 100;
         HandDevices hands(
             options.devices, press_path({ .depth_mm = 5.0, .radius_mm = 0.0, .seconds = 2.0, .times = kTimes }));

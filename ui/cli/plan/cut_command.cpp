@@ -1,4 +1,5 @@
-// retractor cut: the wall of an approach cut as planned, or as a journal says; the journal can be replayed on.
+// The command `retractor cut`: cuts the wall of an approach as planned, or as a journal records. A replayed journal can
+// be continued.
 
 #include "mesh/base/text_format.h"
 #include "ui/cli/commands.h"
@@ -67,7 +68,7 @@ namespace {
                 throw InputError("is for a journal that is replayed: name it with --replay", name);
         if (options.undo < 0)
             throw InputError("must be 0 or more, got " + std::to_string(options.undo), "--undo");
-        std::error_code none; // a file that is not there yet is another one
+        std::error_code none; // a file that does not exist yet differs from any other
         if (!options.journal.empty() && !options.replay.empty()
             && !fs::equivalent(options.journal, options.replay, none))
             throw InputError("a replay goes on in its own journal: name the same file as --replay " + options.replay
@@ -75,7 +76,8 @@ namespace {
                 "--journal " + options.journal);
     }
 
-    /// Before anything is written to the journal: can the open stroke be ended as wanted, and are there cuts enough?
+    /// Checks, before anything is written to the journal, that the open stroke can be ended as requested and that there
+    /// are enough cuts.
     void check_ending(const KnifeOptions& options, const mesh::CutSession& session)
     {
         const bool open = session.stroke_open(), ends = options.finish || options.abandon;
@@ -91,7 +93,7 @@ namespace {
                 "--undo");
     }
 
-    /// A stroke that cannot be finished stays open.
+    /// Finishes the open stroke. A stroke that cannot be finished stays open.
     mesh::CutResult finish_stroke(mesh::CutSession& session, const Job& job)
     {
         try {
@@ -102,7 +104,7 @@ namespace {
         }
     }
 
-    /// An open stroke is what a crash leaves: whoever replays says what becomes of it.
+    /// Ends the open stroke that a crash left, as the options request.
     void end_open_stroke(const KnifeOptions& options, mesh::CutSession& session, Json& document, const Job& job)
     {
         const auto say = [&](const std::string& text) {
@@ -114,7 +116,7 @@ namespace {
         if (options.finish) {
             const mesh::CutResult result = finish_stroke(session, job);
             refuse_if_cancelled(job);
-            if (result.status != mesh::CutStatus::done) // it is over, and nothing is left to take back
+            if (result.status != mesh::CutStatus::done) // the stroke is over, and nothing is left to take back
                 throw SolverError(result.message, "--finish");
             document["report"] = report_document(result.report);
             say("it is now finished");
@@ -126,7 +128,7 @@ namespace {
         }
     }
 
-    /// A session on the mesh, with a journal where one is wanted.
+    /// Begins a session on the mesh, with a journal if requested.
     mesh::CutSession begin(const KnifeOptions& options, const mesh::TetMesh& mesh, Json& document, const Job& job)
     {
         if (options.replay.empty())
@@ -141,7 +143,7 @@ namespace {
         return std::move(replayed.session);
     }
 
-    /// @return what its ablations took.
+    /// Cuts the approach. @return the tissue that its ablations removed
     std::vector<planner::RemovedTissue> add_cut(const KnifeOptions& options, const planner::Approach& approach,
         const mesh::LabelTable& table, mesh::CutSession& session, Json& document, const Job& job)
     {
@@ -162,7 +164,7 @@ namespace {
         return planned.removed;
     }
 
-    /// Per element: the element of the uncut mesh it is a part of.
+    /// The element of the uncut mesh to which each element belongs.
     std::vector<double> origins(const mesh::CutSession& session, const mesh::SlotMap& map)
     {
         std::vector<double> origin;
@@ -171,7 +173,7 @@ namespace {
         return origin;
     }
 
-    /// Per element: its piece.
+    /// The number of each element's piece.
     std::vector<double> piece_numbers(const mesh::TetMesh& wall, const std::vector<planner::WallPiece>& pieces)
     {
         std::vector<double> number(wall.tet_count(), 0.0);
@@ -181,8 +183,8 @@ namespace {
         return number;
     }
 
-    /// What the cuts in force changed, the first first, an open stroke last. The session is used up for it; its journal
-    /// stays as it is.
+    /// The deltas of the cuts in force, in order, with an open stroke last. The session is used up; its journal stays
+    /// unchanged.
     std::vector<mesh::MeshDelta> deltas_in_force(mesh::CutSession session)
     {
         session.set_witness({});
@@ -250,7 +252,8 @@ namespace {
             try {
                 removed = add_cut(options, approach, table, session, document, job);
                 check_ending(options, session);
-            } catch (...) { // the journal begun for it would stand in the way of the next try
+                // Remove the new journal, which would be in the way of the next attempt.
+            } catch (...) {
                 std::error_code kept;
                 if (!options.journal.empty())
                     fs::remove(options.journal, kept);

@@ -29,7 +29,7 @@ namespace {
 
     constexpr int kTetsWidth = 8;
 
-    /// After a space, in a column of the width.
+    /// Text after a space, right-aligned in a column of this width.
     std::string right_aligned(const std::string& text, int width)
     {
         const std::size_t missing
@@ -37,7 +37,7 @@ namespace {
         return std::string(1 + missing, ' ') + text;
     }
 
-    /// A number of a field in the table for the terminal, whose heads are short.
+    /// A column of the table for the terminal, with a short heading.
     struct Column {
         const char* key;
         const char* head;
@@ -54,7 +54,7 @@ namespace {
         { "strain_p99", "strain", 8 },
     };
 
-    /// " 62.3 %" or "     57.9": the unit of lengths, areas and forces stands in the column's head.
+    /// Text of a cell: " 62.3 %" or "     57.9". The unit of lengths, areas and forces is in the column's heading.
     std::string cell(const Column& column, const planner::FieldMetrics& field)
     {
         const planner::MetricField& metric = planner::metric_field(column.key);
@@ -100,7 +100,7 @@ namespace {
         return formatted("; relative residual %.1e", field.residual);
     }
 
-    /// What holds for each way of solving that was met.
+    /// The limits of each way of solving among the fields.
     std::string stiffness_limit(const std::vector<planner::PlannedField>& fields)
     {
         std::string text = "Tissue has published mean stiffness, not this patient's, the same everywhere in a "
@@ -111,7 +111,7 @@ namespace {
         return text;
     }
 
-    /// What presses on a face of each element; 0: nothing.
+    /// Pressure on a face of each element; 0: none.
     std::vector<double> pressed_elements(const planner::PlannedField& field)
     {
         std::vector<double> pressed(field.wall.tet_count(), 0.0);
@@ -260,7 +260,7 @@ std::string keep_earlier_metrics(const std::filesystem::path& folder, const std:
     const std::string content { std::istreambuf_iterator<char>(in), {} };
     const Json earlier = Json::parse(content, nullptr, false);
     if (!earlier.is_object() || !earlier.contains("approaches"))
-        return {}; // none, or none of ours
+        return {}; // no such file, or not written by this program
     const auto word = [](const Json& approach, const char* key) {
         const bool is_there = approach.is_object() && approach.contains(key) && approach.at(key).is_string();
         return is_there ? approach.at(key).get<std::string>() : std::string();

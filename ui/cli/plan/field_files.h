@@ -1,5 +1,5 @@
 #pragma once
-// What `plan`, `render` and `demo` write: meshes, numbers, pictures, the report page.
+// Writes the results of `plan`, `render` and `demo`: meshes, numbers, pictures and the report page.
 
 #include "planner/case/patient.h"
 #include "planner/measures/provenance.h"
@@ -18,52 +18,52 @@ struct PictureRequest {
     int width = 1280, height = 960;
 };
 
-/// <name>.vtu (cut wall with displacement, strain, material labels), <name>-opened.vtp (its deformed surface) and
-/// target-<name>.vtp, for every field that was measured.
+/// Writes the meshes of every measured field: <name>.vtu (cut wall with displacement, strain and material labels),
+/// <name>-opened.vtp (its deformed surface) and target-<name>.vtp.
 void write_field_meshes(
     const std::filesystem::path& folder, planner::Patient& patient, const std::vector<planner::PlannedField>& fields);
 
-/// Renders the views of every measured field to <name>-<view>.png; slices only when the case has a CT.
+/// Renders the views of every measured field to <name>-<view>.png, slices only when the case has a CT.
 /// Adds the time to each field's seconds ("render").
 std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& folder, planner::Patient& patient,
     std::vector<planner::PlannedField>& fields, const PictureRequest& request, const Job& job);
 
-/// <name>-slices.png of every approach of a case that has a CT, without planning them.
+/// Renders <name>-slices.png of every approach of a case that has a CT, without planning the approaches.
 std::vector<planner::ReportPicture> render_slices(
     const std::filesystem::path& folder, planner::Patient& patient, const PictureRequest& request, const Job& job);
 
-/// slices.png and overview.png of a case without looking at its approaches, see case_picture().
+/// Renders slices.png and overview.png of a case without its approaches, see case_picture().
 std::vector<planner::ReportPicture> render_case_views(const std::filesystem::path& folder, planner::Patient& patient,
     const std::optional<planner::TargetSpec>& target, const PictureRequest& request, const Job& job);
 
-/// The case as this program computes it now.
+/// The provenance of results that this program computes now.
 planner::Provenance provenance_now(const planner::Case& planned_case);
 
-/// A metrics.json in the folder with approaches that are not among these, or that were solved there and are not now, is
-/// copied to metrics-earlier.json before it is replaced. @return a line that says so; empty where nothing would be
-/// lost.
+/// Saves an earlier metrics.json before it is replaced, as metrics-earlier.json. The copy is made when the folder's
+/// file has approaches that are not among these fields, or approaches that were solved there and are not solved now.
+/// @return a line that reports the copy; empty when nothing would be lost
 std::string keep_earlier_metrics(const std::filesystem::path& folder, const std::vector<planner::PlannedField>& fields);
 
-/// metrics.json; returns the document.
+/// Writes metrics.json and returns the document.
 Json write_metrics(const std::filesystem::path& folder, const planner::Provenance& computed,
     const std::vector<planner::PlannedField>& fields);
 
-/// report.html from what was planned and drawn.
+/// Writes report.html from the plans and pictures.
 void write_field_report(const std::filesystem::path& folder, planner::Patient& patient,
     const planner::Provenance& computed, const std::vector<planner::PlannedField>& fields,
     const std::vector<planner::ReportPicture>& pictures);
 
-/// A table for people; says which approaches could not be planned, and why.
+/// A table for people, with the approaches that could not be planned and the reasons.
 std::string field_table(const std::vector<planner::PlannedField>& fields);
 
-/// The fields that could not be planned: name, status, message.
+/// The fields that could not be planned, with name, status and message.
 Json refused_document(const std::vector<planner::PlannedField>& fields);
 
 /// Whether a field has numbers to show.
 bool is_measured(const planner::PlannedField& field);
 
-/// 0 when every field is done, 1 when one is refused, did not converge, or a second opinion that was asked for does not
-/// agree.
+/// Exit code: 0 when every field is done; 1 when a field is refused or did not converge, or a requested second opinion
+/// does not agree.
 int exit_code_of(const std::vector<planner::PlannedField>& fields);
 
 } // namespace retractor::ui::cli

@@ -54,7 +54,7 @@ namespace {
                 case_file + "#/labels/table");
     }
 
-    /// "ccx", "feb" or both.
+    /// The export formats: "ccx", "feb" or both.
     std::vector<std::string> export_formats(const PlanOptions& options)
     {
         if (!options.export_formats)
@@ -68,8 +68,8 @@ namespace {
         return formats;
     }
 
-    /// FEBio files are written for neo-Hookean tissue without tension; a law that the plan does not use is no
-    /// hindrance.
+    /// Refuses tissue that FEBio files cannot hold: they are written for neo-Hookean tissue without tension. A law that
+    /// the plan does not use is no obstacle.
     void refuse_unwritable_tissue(const planner::Case& planned_case, const PlanOptions& options)
     {
         const std::vector<std::string> formats = export_formats(options);
@@ -96,7 +96,7 @@ namespace {
         }
     }
 
-    /// In place of what the case has of these labels.
+    /// Replaces the pressures of these labels in the case.
     void set_pressures(planner::Case& planned_case, const std::vector<std::string>& texts)
     {
         std::vector<planner::PressureSpec> given;
@@ -113,8 +113,8 @@ namespace {
         planned_case.pressures.insert(planned_case.pressures.end(), given.begin(), given.end());
     }
 
-    /// The case with only the wanted approach, or all of them. What contradicts itself is refused before the patient is
-    /// read.
+    /// The case with only the chosen approach, or with all. Options that contradict each other are refused before the
+    /// patient is read.
     planner::Case chosen_case(const PlanOptions& options)
     {
         planner::Case planned_case = open_case(options.case_file);
@@ -122,7 +122,7 @@ namespace {
         if (!options.approach.empty())
             planned_case.approaches = { planner::find_approach(planned_case, options.approach) };
         planned_case.contact = planned_case.contact || options.contact;
-        planner::SolverSettings& solution = planned_case.solution; // what is not named here stays as the case has it
+        planner::SolverSettings& solution = planned_case.solution; // settings without an option stay as in the case
         if (!options.elasticity.empty())
             solution.elasticity = planner::elasticity_from_string(options.elasticity).value();
         if (!options.element.empty())
@@ -150,7 +150,7 @@ namespace {
         return request;
     }
 
-    /// What plan and render both begin with. Wrong options are refused before the long work.
+    /// The common beginning of plan and render. Wrong options are refused before the long work.
     struct PlannedCase {
         PlannedCase(const PlanOptions& options, const Job& job)
             : patient(chosen_case(options), job)
@@ -178,7 +178,7 @@ namespace {
                     = second_opinion(field.problem, ccx, options.out, field.approach.name, limit, job);
     }
 
-    /// The problem without the laws that its elasticity takes no notice of.
+    /// The problem without the laws that its elasticity does not use.
     fem::ElasticProblem as_solved(const planner::PlannedField& field)
     {
         fem::ElasticProblem problem = field.problem;
@@ -188,7 +188,7 @@ namespace {
         return problem;
     }
 
-    /// A deck's own elasticity, where it is not the plan's.
+    /// A remark on the elasticity of a deck, when it differs from the plan's.
     std::string export_remark(const std::string& format, const planner::PlannedField& field)
     {
         const fem::Elasticity elasticity = field.metrics.solution.choice.elasticity;
@@ -202,7 +202,7 @@ namespace {
 
     Outcome plan(const PlanOptions& options, const Job& job)
     {
-        // What is missing or misspelt is said before the long work.
+        // Missing programs and wrong options are reported before the long work.
         const fs::path ccx = options.reference.empty() ? fs::path() : find_calculix();
         const std::vector<std::string> formats = export_formats(options);
         PlannedCase planned(options, job);
@@ -261,7 +261,7 @@ namespace {
         return outcome;
     }
 
-    /// Slices of approaches, which need no plan.
+    /// Renders the slices of approaches, which need no plan.
     Outcome render_slices_of(const PlanOptions& options, const Job& job)
     {
         planner::Patient patient(chosen_case(options), job);
@@ -274,7 +274,7 @@ namespace {
         return picture_outcome(pictures);
     }
 
-    /// The case as it is, without an approach or without a wall to plan one through.
+    /// Renders the case without an approach, or without a wall for a plan.
     Outcome render_case(const PlanOptions& options, planner::Case planned_case, const Job& job)
     {
         const bool asked = !options.views.empty();
@@ -308,7 +308,7 @@ namespace {
         planner::Case planned_case = open_case(options.case_file);
         if (!options.approach.empty())
             static_cast<void>(
-                planner::find_approach(planned_case, options.approach)); // refuses a name that is not there
+                planner::find_approach(planned_case, options.approach)); // refuses a name that does not exist
         if (planned_case.approaches.empty() || !planner::has_soft_wall(planned_case.label_table)
             || !options.target.empty())
             return render_case(options, std::move(planned_case), job);
@@ -398,7 +398,7 @@ namespace {
             "Lips do not pass through each other, nor through organs (also \"contact\": true in case.json)");
     }
 
-    /// A process draws with one kind of context: the other kind is the executable beside this one.
+    /// Starts the executable beside this one for the other kind of context. A process draws with one kind only.
     void switch_backend(const std::string& backend, char** argv)
     {
         if (backend.empty() || backend == make_offscreen_context()->backend())

@@ -19,7 +19,7 @@ namespace {
 
     namespace fs = std::filesystem;
 
-    constexpr double kOwnTolerance = 1e-10; // relative residual: far below the seven digits compared with
+    constexpr double kOwnTolerance = 1e-10; // relative residual; far below the seven digits of the comparison
     constexpr auto kFailed = "failed";
 
     void refuse_when_cancelled(const Job& job)
@@ -37,7 +37,7 @@ namespace {
         fem::OpeningResult answer = opening.open(problem.hooks, job);
         refuse_when_cancelled(job);
         if (answer.status != fem::OpeningStatus::converged
-            && answer.status != fem::OpeningStatus::inverted) // the linear equations do not know of it
+            && answer.status != fem::OpeningStatus::inverted) // the linear equations do not see inverted elements
             throw SolverError("our own linear answer to compare with: " + answer.message);
         return answer;
     }
@@ -48,7 +48,7 @@ namespace {
         return { std::istreambuf_iterator<char>(in), {} };
     }
 
-    /// What ccx says about its end, for people: its error lines, or its last.
+    /// The reason of a failure of ccx, for people: its error lines, or its last line.
     std::string complaint_of(const std::string& log)
     {
         std::istringstream lines(log);
@@ -67,14 +67,14 @@ namespace {
     struct Answer {
         fem::CalculixAnswer values;
         double seconds = 0.0;
-        std::string failure; ///< empty: there is an answer
+        std::string failure; ///< empty when there is an answer
     };
 
     Answer ask_calculix(const fem::ElasticProblem& problem, const fs::path& ccx, const fs::path& place,
         std::chrono::milliseconds limit, const Job& job)
     {
         write_file_atomically(place / "wound.inp", fem::calculix_deck(problem));
-        std::error_code ignored; // an answer of an earlier run must not be taken for this one's
+        std::error_code ignored; // removes the answer of an earlier run
         fs::remove(place / "wound.dat", ignored);
         const Stopwatch watch;
         const ProgramRun run = run_program(
@@ -173,7 +173,7 @@ planner::SecondOpinion second_opinion(const fem::ElasticProblem& problem, const 
         return opinion;
     }
     compare(problem, own, answer.values, opinion);
-    std::error_code ignored; // what is left of it does no harm
+    std::error_code ignored; // a folder that cannot be removed does no harm
     fs::remove_all(place, ignored);
     return opinion;
 }

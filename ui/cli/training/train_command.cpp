@@ -72,7 +72,7 @@ namespace {
         return outcome;
     }
 
-    /// A vessel to be felt at one elasticity after the other, blind: nothing of what it answers is shown.
+    /// A vessel that a person feels at one elasticity after the other, without seeing its response.
     class FeltModels {
     public:
         FeltModels(const TrainOptions& options, std::vector<double> offered, const Job& job)
@@ -94,7 +94,7 @@ namespace {
                 throw InputError("has no site to press", scene_.name);
         }
 
-        /// @param place from 1
+        /// @param place number of the model, from 1
         void feel(int place)
         {
             if (options_.device.empty()) {
@@ -117,13 +117,13 @@ namespace {
 
     private:
         const TrainOptions& options_;
-        std::vector<double> offered_; ///< MPa, in the order of the test
+        std::vector<double> offered_; ///< offered elasticities in the order of the test, MPa
         const Job& job_;
         datasets::PalpationScene scene_;
         std::vector<int> touched_;
     };
 
-    /// "7": the model as offered, from 1; "feel 7" lets it be felt first.
+    /// Asks for a model's number in the offered order, from 1: "7". "feel 7" first lets the person feel the model.
     int asked_place(const std::string& question, int count, FeltModels& models)
     {
         for (;;) {
@@ -145,7 +145,8 @@ namespace {
         }
     }
 
-    /// Test stage: models in a random order, by number alone; then the learning stage: which ones were right.
+    /// The test stage offers models in a random order, by number only. The learning stage then shows the correct
+    /// answers.
     Outcome test(const TrainOptions& options, const Job& job)
     {
         haptics::TrialStore store(options.store);
@@ -160,7 +161,7 @@ namespace {
             seed = (static_cast<std::uint64_t>(std::random_device {}()) << 32) | std::random_device {}();
         const std::vector<int> order = haptics::trial_order(options.models, seed);
         const int session = store.next_session(options.person);
-        // What the operator sets up, model by model, where the trainee does not see it.
+        // The operator's list of models, which the trainee must not see.
         if (!options.out.empty()) {
             std::string sheet = "offered_as,youngs_modulus_MPa\n";
             for (std::size_t i = 0; i < order.size(); ++i)
@@ -210,7 +211,7 @@ namespace {
         std::vector<haptics::ElasticityTrial> trials = options.study == 1 ? haptics::simulate_modelling_study(seed)
             : options.study == 2                                          ? haptics::simulate_recognition_study(seed)
                                                                           : haptics::simulate_learning_study(seed);
-        // Nobody may take them for people, nor the people of one study for those of another.
+        // The prefix tells simulated people from real ones, and the people of one study from those of another.
         const std::string prefix = "simulated-" + std::to_string(options.study) + "-" + std::to_string(seed) + "-";
         for (const haptics::ElasticityTrial& kept : store.trials())
             if (kept.trainee.starts_with(prefix))

@@ -31,7 +31,7 @@ namespace {
             { "median", box.median }, { "upper_quartile", box.upper_quartile }, { "high", box.high } };
     }
 
-    /// A test that cannot be made (one person, no spread) is left out with its reason.
+    /// The document of a test, or the reason why the test is impossible (one person, no spread).
     template <class Make> Json test_document(Make make)
     {
         try {
@@ -49,7 +49,8 @@ namespace {
         });
     }
 
-    /// Of the same people in two sessions; whoever has not exactly one trial in each is left out and counted.
+    /// Compares two sessions of the same people. A person without exactly one trial in each session is left out and
+    /// counted.
     Json learning_test(const std::vector<haptics::ElasticityTrial>& trials, haptics::Tissue tissue, int from, int to)
     {
         std::map<std::string, std::array<std::vector<double>, 2>> deviations;
@@ -63,10 +64,10 @@ namespace {
                 before.push_back(of[0].front());
                 after.push_back(of[1].front());
             }
-        const std::size_t reduction_error = deviations.size() - before.size();
+        const std::size_t omitted = deviations.size() - before.size();
         return test_document([&]() -> Json {
             const haptics::TTest test = haptics::paired_t_test(before, after);
-            return { { "sessions", { from, to } }, { "people", before.size() }, { "left_out", reduction_error },
+            return { { "sessions", { from, to } }, { "people", before.size() }, { "left_out", omitted },
                 { "t", test.t }, { "p", test.p }, { "freedom", test.freedom },
                 { "deviation_falls_by_MPa", test.difference } };
         });
@@ -84,7 +85,7 @@ namespace {
         Json instructions = Json::array(), sessions = Json::array(), spreads = Json::array(), learning = Json::array();
     };
 
-    /// The first session, by what people were told before.
+    /// Adds the first session, by the instruction that people received.
     void add_instructions(
         Findings& findings, const std::vector<haptics::ElasticityTrial>& trials, haptics::Tissue tissue)
     {
@@ -116,7 +117,7 @@ namespace {
             findings.by_instruction.push_back(boxes);
     }
 
-    /// All, by session.
+    /// Adds all trials, by session.
     void add_sessions(Findings& findings, const std::vector<haptics::ElasticityTrial>& trials, haptics::Tissue tissue)
     {
         int last = 1;

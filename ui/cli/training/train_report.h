@@ -1,5 +1,5 @@
 #pragma once
-// What trials say: boxes by instruction and by session, tests of spreads and of learning, the questionnaire.
+// Reports elasticity trials: boxes by instruction and by session, tests of spreads and of learning, the questionnaire.
 
 #include "ui/cli/framework/command.h"
 
@@ -7,8 +7,8 @@
 
 namespace retractor::ui::cli {
 
-/// @param out folder for trials.csv, trials.json and the charts; empty: none. @throws InputError when there is no
-/// trial.
+/// @param out folder for trials.csv, trials.json and the charts; empty: no files
+/// @throws InputError when there is no trial
 Outcome train_report(const std::filesystem::path& store, const std::filesystem::path& out, const Job& job);
 
 } // namespace retractor::ui::cli

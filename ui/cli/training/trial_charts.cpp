@@ -8,9 +8,10 @@ namespace retractor::ui::cli {
 
 namespace {
 
-    constexpr double kHalf = 0.3; ///< of a box's width
+    constexpr double kHalf = 0.3; ///< half the width of a box
 
-    /// Low and high ends, box from quartile to quartile, median: each a curve, all of one name.
+    /// Adds the low and the high end, the box from quartile to quartile, and the median. All are curves with the same
+    /// name.
     void add_box(ChartPanel& panel, double x, const haptics::BoxNumbers& box)
     {
         const auto curve = [&](std::vector<double> xs, std::vector<double> ys) {

@@ -30,7 +30,7 @@ namespace {
     /// Letters of this height are read from 1 m on a screen 960 pixels and 270 mm high.
     constexpr double kFontShare = 24.0 / 960.0;
     constexpr int kSmallestFont = 9;
-    /// What a narrow view's legend may take whatever its share, in font sizes.
+    /// Width that a legend may take in a narrow view, whatever its share, in font sizes.
     constexpr double kNarrowLegend = 16.0;
     constexpr Color kInk { 0.96, 0.97, 0.98 };
     constexpr Color kDimInk { 0.78, 0.83, 0.87 };
@@ -59,7 +59,7 @@ namespace {
         return actor;
     }
 
-    /// Words stay readable where the picture lies under them.
+    /// Shades the background, so that words over the picture stay readable.
     void shade_behind(vtkTextActor& text)
     {
         constexpr double kShade = 0.8; // opacity
@@ -96,7 +96,7 @@ namespace {
         return actor;
     }
 
-    /// Where the lines of a legend go for one font size.
+    /// Places of the lines of a legend for one font size.
     struct LegendLayout {
         int font = 0;
         double line_height = 0.0, swatch = 0.0, key_width = 0.0, value_width = 0.0, gap = 0.0;
@@ -127,8 +127,7 @@ namespace {
         const std::vector<LegendLine>& lines = scene.legend;
         const double margin = 0.6 * font;
         LegendLayout layout = measure(lines, font, renderer);
-        const double widest
-            = std::max(scene.legend_share * width, kNarrowLegend * font); // the rest belongs to the wound
+        const double widest = std::max(scene.legend_share * width, kNarrowLegend * font); // the wound needs the rest
         const double fits = std::min({ 1.0, (std::min(widest, 0.94 * width) - 4.0 * margin) / layout.width(),
             (top - bottom - 2.0 * margin) / (layout.line_height * static_cast<double>(lines.size())) });
         if (fits < 1.0)
@@ -158,7 +157,7 @@ namespace {
         }
     }
 
-    /// What the scale bar's observer changes when the camera has moved.
+    /// The data that the scale bar's observer changes after a motion of the camera.
     struct ScaleBar {
         int width = 0, height = 0;
         double left = 0.0, bottom = 0.0, longest_px = 0.0;
@@ -343,7 +342,7 @@ void fill_marker(vtkRenderer& marker, vtkRenderer& main)
     cube->SetYMinusFaceText("A");
     cube->SetZPlusFaceText("S");
     cube->SetZMinusFaceText("I");
-    // Upright for a standing patient seen from any side; for S and I as seen with the front below.
+    // Upright for a standing patient seen from any side; S and I as seen with the front below.
     cube->SetXFaceTextRotation(-90.0);
     cube->SetYFaceTextRotation(0.0);
     cube->SetZFaceTextRotation(-90.0);

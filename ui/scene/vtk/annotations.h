@@ -1,5 +1,5 @@
 #pragma once
-// Words and signs over a view: title, legend, scale bar, orientation letters.
+// Adds words and signs to a view: title, legend, scale bar, orientation letters.
 
 #include "ui/scene/scene.h"
 
@@ -7,27 +7,27 @@ class vtkRenderer;
 
 namespace retractor::ui {
 
-/// Adds title, notes and legend, sized so that they are read at arm's length and stay inside the view.
-/// @param width, height of the view in pixels.
-/// @param panels is drawn before `words`: VTK does not order overlapping 2D actors of one renderer.
+/// Adds title, notes and legend, inside the view and large enough to be read at arm's length.
+/// @param width, height size of the view in pixels
+/// @param panels drawn before `words`, because VTK does not order overlapping 2D actors of one renderer
 void add_text(vtkRenderer& words, vtkRenderer& panels, const Scene& scene, int width, int height);
 
-/// Adds the words that stand at places in the patient.
+/// Adds the texts at places in the patient.
 void add_words(vtkRenderer& renderer, const Scene& scene, int width, int height);
 
-/// Adds a bar of a round length (mm, in the plane of the camera's aim), kept right as the camera moves.
+/// Adds a bar of a round length (mm, in the plane of the camera's aim). The bar stays correct while the camera moves.
 void add_scale_bar(vtkRenderer& renderer, const Scene& scene, int width, int height);
 
 /// Adds the letters at the four edges of a slice view.
 void add_edge_letters(vtkRenderer& renderer, const Scene& scene, int width, int height);
 
-/// Fills a small renderer with the cube of anatomical directions; its camera follows `main`'s.
+/// Fills a small renderer with the cube of anatomical directions. Its camera follows the camera of `main`.
 void fill_marker(vtkRenderer& marker, vtkRenderer& main);
 
-/// The patient direction (R, L, A, P, S or I) that a vector points to most.
+/// The patient direction (R, L, A, P, S or I) nearest to a vector.
 char anatomical_letter(const Vec3& direction);
 
-/// The longest of 1, 2, 5, 10, 20, 50 ... mm that is not longer than `longest_mm`.
+/// The longest of 1, 2, 5, 10, 20, 50 ... mm that does not exceed `longest_mm`.
 double round_length(double longest_mm);
 
 } // namespace retractor::ui

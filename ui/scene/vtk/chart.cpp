@@ -29,7 +29,7 @@ namespace {
 
     using Rgb = std::array<unsigned char, 3>;
 
-    /// Told apart by those who cannot tell red from green [Okabe, Ito 2008].
+    /// Colours that people with red-green blindness can tell apart [Okabe, Ito 2008].
     constexpr std::array<Rgb, 8> kSeriesColors { { { 0, 114, 178 }, { 213, 94, 0 }, { 0, 158, 115 }, { 204, 121, 167 },
         { 86, 180, 233 }, { 230, 159, 0 }, { 0, 0, 0 }, { 130, 130, 130 } } };
     constexpr std::array<int, 4> kMarks { vtkPlotPoints::CIRCLE, vtkPlotPoints::SQUARE, vtkPlotPoints::DIAMOND,
@@ -64,7 +64,7 @@ namespace {
         axis.GetGridPen()->SetColor(225, 225, 225);
     }
 
-    /// What an axis shows: the data with a little room round it, on logarithmic axes to full decades.
+    /// The range of an axis: the data with a small margin; on logarithmic axes full decades.
     Range axis_range(Range data, bool logarithmic)
     {
         if (!(data.low <= data.high))
@@ -76,7 +76,7 @@ namespace {
         return { data.low - margin, data.high + margin };
     }
 
-    /// Powers of ten, not more than about six of them.
+    /// Labels an axis with powers of ten, at most about six.
     void label_decades(vtkAxis& axis, const Range& range)
     {
         const int every = std::max(1, static_cast<int>(std::ceil((range.high - range.low) / 6.0)));
@@ -100,9 +100,9 @@ namespace {
 
     constexpr int kLegendFont = 12, kTitleFont = 16;
 
-    /// About how much of a panel's plot the legend covers, from its longest name and their number.
+    /// Approximate share of a panel's plot that the legend covers, from its longest name and the number of names.
     struct LegendSize {
-        double width = 0.0, height = 0.0; ///< shares of the plot's
+        double width = 0.0, height = 0.0; ///< shares of the plot's width and height
     };
 
     LegendSize legend_size(const ChartPanel& panel, const ChartPicture& picture)
@@ -138,8 +138,8 @@ namespace {
         return points;
     }
 
-    /// Beside the plot where the panel asks for that. Else in the corner with the least under it; where something lies
-    /// under it in each, the plot grows upwards to make room.
+    /// Places the legend beside the plot when the panel requests it. Otherwise the legend goes to the corner with the
+    /// fewest curves. When all corners have curves, the plot grows upwards to make room.
     void place_legend(vtkChartLegend& legend, const ChartPanel& panel, const ChartPicture& picture,
         const std::vector<vtkSmartPointer<vtkTable>>& tables, const Range& x, Range& y)
     {
@@ -180,7 +180,7 @@ namespace {
         legend.SetVerticalAlignment(vtkChartLegend::TOP);
     }
 
-    /// Long titles in smaller letters: they must not run into the next panel.
+    /// Long titles get smaller letters, so that they do not run into the next panel.
     int title_font(const std::string& title, int panel_width)
     {
         constexpr double kLetter = 0.5; // width of a letter over the font's size
@@ -189,7 +189,8 @@ namespace {
         return std::clamp(static_cast<int>(fits), 9, kTitleFont);
     }
 
-    /// vtkChartXY's own logarithmic axes lose points at the first change of range: decades are drawn on linear ones.
+    /// The points of a chart. Decades are drawn on linear axes, because vtkChartXY's own logarithmic axes lose points
+    /// at the first change of range.
     vtkSmartPointer<vtkTable> chart_table(
         const ChartSeries& series, bool log_x, bool log_y, Range& x_range, Range& y_range)
     {

@@ -1,7 +1,6 @@
 #pragma once
-// Line charts side by side in one picture: measured points against what they cost (logarithmic axes, the default), or
-// curves over time (linear axes).
-// OffscreenRenderer::render() draws them.
+// Line charts side by side in one picture: measured points against their cost (logarithmic axes, the default), or
+// curves over time (linear axes). OffscreenRenderer::render() draws the charts.
 
 #include <memory>
 #include <string>
@@ -11,22 +10,23 @@ class vtkRenderWindow;
 
 namespace retractor::ui {
 
-/// A curve; values that are not finite, and on a logarithmic axis not positive, are left out.
+/// A curve. Values that are not finite are left out; on a logarithmic axis also values that are not positive.
 struct ChartSeries {
-    std::string name; ///< the same name has the same colour in every panel
+    std::string name; ///< a name has the same colour in every panel
     std::vector<double> x, y;
-    bool marks = true; ///< a mark at each point
-    bool in_legend = true; ///< a box of a box plot has several curves of one name
+    bool marks = true; ///< draw a mark at each point
+    bool in_legend = true; ///< a box of a box plot has several curves with one name
 };
 
 struct ChartPanel {
     std::string title;
     std::vector<ChartSeries> series;
-    std::string x_title {}, y_title {}; ///< empty: the picture's
-    bool legend_beside = false; ///< of the plot, which is so much narrower; else on it, where it covers no curve
+    std::string x_title {}, y_title {}; ///< empty: the titles of the picture
+    /// The legend stands beside a narrower plot; otherwise on the plot, where it covers no curve.
+    bool legend_beside = false;
 };
 
-/// Panels in rows, `columns` in each.
+/// Panels in rows of `columns`.
 struct ChartPicture {
     std::string x_title, y_title;
     std::vector<ChartPanel> panels;
@@ -37,7 +37,7 @@ struct ChartPicture {
     int rows() const { return (static_cast<int>(panels.size()) + columns - 1) / columns; }
 };
 
-/// Shows charts in a window, for as long as this lives.
+/// Shows charts in a window during the lifetime of this object.
 class ChartView {
 public:
     ChartView(vtkRenderWindow& window, const ChartPicture& picture);

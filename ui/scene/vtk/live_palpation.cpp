@@ -23,12 +23,12 @@ namespace retractor::ui {
 namespace {
 
     constexpr const char* kRadius = "radius";
-    constexpr double kHandOpacity = 0.45; ///< the tissue under it stays in sight
+    constexpr double kHandOpacity = 0.45; ///< the tissue under the hand stays visible
     constexpr float kMarkWidthPx = 2.0F;
 
     unsigned char byte_of(double share) { return static_cast<unsigned char>(std::lround(255.0 * share)); }
 
-    /// Balls that the graphics card rounds: a point each.
+    /// Balls drawn as one point each, which the graphics card makes round.
     struct Balls {
         vtkSmartPointer<vtkPolyData> data = vtkSmartPointer<vtkPolyData>::New();
         vtkSmartPointer<vtkActor> actor = vtkSmartPointer<vtkActor>::New();
@@ -80,7 +80,7 @@ namespace {
     {
         auto mapper = vtkSmartPointer<vtkPolyDataMapper>::New();
         mapper->SetInputData(data);
-        // Over the tissue, so that it is seen how far inside a box goes.
+        // The box is drawn over the tissue, so that its depth inside can be seen.
         mapper->SetResolveCoincidentTopologyToPolygonOffset();
         constexpr double kInFront = -60000.0;
         mapper->SetRelativeCoincidentTopologyLineOffsetParameters(0.0, kInFront);
@@ -99,7 +99,7 @@ struct LivePalpation::State {
     Balls spheres, fingertips;
     std::array<std::vector<vtkSmartPointer<vtkActor>>, kHands> hands;
     vtkSmartPointer<vtkPolyData> marks = vtkSmartPointer<vtkPolyData>::New();
-    vtkSmartPointer<vtkActor> mark_actor = retractor::mark_actor(marks);
+    vtkSmartPointer<vtkActor> mark_actor = ui::mark_actor(marks);
 };
 
 LivePalpation::LivePalpation()
@@ -123,7 +123,7 @@ void LivePalpation::set_hand(std::size_t hand, const TriMesh& mesh)
     item.opacity = kHandOpacity;
     state_->hands[hand] = surface_actors(item);
     for (const auto& actor : state_->hands[hand])
-        actor->GetProperty()->SetBackfaceCulling(true); // one layer of it, not its far side too
+        actor->GetProperty()->SetBackfaceCulling(true); // draws the near side only
     hide_hand(hand);
 }
 

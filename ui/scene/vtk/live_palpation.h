@@ -1,6 +1,6 @@
 #pragma once
-// What moves in a palpation: the tissue's surface or the spheres inside it, fingertips, a hand on them, and the box or
-// sphere that marks where an elasticity is edited. Units mm.
+// The moving parts of a palpation: the tissue's surface or the spheres inside it, fingertips, hands, and the box or
+// sphere that marks an edit of elasticity. Units mm.
 
 #include "ui/scene/vtk/live_surface.h"
 
@@ -23,15 +23,15 @@ public:
     LivePalpation& operator=(const LivePalpation&) = delete;
 
     [[nodiscard]] LiveSurface& surface() noexcept;
-    /// Balls inside the tissue; not shown while there are none.
+    /// Balls inside the tissue; none: nothing is shown.
     void set_spheres(std::span<const ShownBall> spheres);
     void set_fingertips(std::span<const ShownBall> tips);
     static constexpr std::size_t kHands = 2;
-    /// In its own frame; shown where place_hand() puts it. @pre hand < kHands, here and below
+    /// The hand in its own frame; place_hand() shows it. @pre hand < kHands, here and below
     void set_hand(std::size_t hand, const TriMesh& mesh);
     void place_hand(std::size_t hand, const Mat3& turn, const Vec3& shift);
     void hide_hand(std::size_t hand);
-    /// Separate pieces of line over everything; none: not shown.
+    /// Separate pieces of line over everything; none: nothing is shown.
     void set_marks(const std::vector<std::array<Vec3, 2>>& pieces, const Color& color);
 
     [[nodiscard]] std::vector<vtkProp*> props() const override;

@@ -23,7 +23,7 @@ namespace retractor::ui {
 
 namespace {
 
-    /// Cosine of 40 degrees: faces that meet at a sharper edge are shaded apart.
+    /// Cosine of 40 degrees. Faces that meet at a sharper edge are shaded separately.
     constexpr double kSmoothCosine = 0.766;
     constexpr float kRimWidthPx = 2.0F;
     constexpr Color kSteel { 0.72, 0.74, 0.77 };
@@ -54,18 +54,18 @@ namespace {
         apply_look(*actor, { .color = color, .finish = Finish::unlit }, false);
         actor->GetProperty()->SetLineWidth(width_px);
         actor->GetMapper()->SetResolveCoincidentTopologyToPolygonOffset();
-        // Before the skin that it lies on.
+        // Draws the line before the skin on which it lies.
         actor->GetMapper()->SetRelativeCoincidentTopologyLineOffsetParameters(lift, lift);
         return actor;
     }
 
-    /// The triangles of one look. A vertex is there once for every smooth patch that it is a corner of.
+    /// The triangles of one look. A vertex has one point for every smooth patch that it touches.
     struct Part {
         vtkSmartPointer<vtkPolyData> data = empty_data();
         vtkSmartPointer<vtkFloatArray> normals = vtkSmartPointer<vtkFloatArray>::New();
         vtkSmartPointer<vtkActor> actor;
-        std::vector<VertexId> vertex_of; ///< per point
-        std::vector<std::array<int, 3>> triangles; ///< of points
+        std::vector<VertexId> vertex_of; ///< vertex of each point
+        std::vector<std::array<int, 3>> triangles; ///< indices of points
     };
 
     struct SmoothPatch {
@@ -194,7 +194,7 @@ void LiveSurface::set_topology(const LiveTopology& topology)
         for (const auto& t : part.triangles)
             cells->InsertNextCell({ t[0], t[1], t[2] });
         part.data->SetPolys(cells);
-        // Actors are kept, so that a renderer that has them need not be told of every cut.
+        // Actors are kept, so that a renderer needs no update after every cut.
         if (i < state_->parts.size()) {
             part.actor = state_->parts[i].actor;
             vtkPolyDataMapper::SafeDownCast(part.actor->GetMapper())->SetInputData(part.data);
@@ -268,7 +268,8 @@ void LiveSurface::set_steel(const TriMesh& mesh)
     part.triangles.clear();
     part.vertex_of.clear();
     auto cells = vtkSmartPointer<vtkCellArray>::New();
-    for (const auto& triangle : mesh.triangles) { // every corner its own point: steel has edges
+    // Every corner has its own point, because steel has sharp edges.
+    for (const auto& triangle : mesh.triangles) {
         const auto first = static_cast<int>(part.vertex_of.size());
         for (const VertexId v : triangle)
             if (v < 0 || v >= mesh.vertices.rows())

@@ -1,6 +1,6 @@
 #pragma once
-// Where a picture is drawn when there is no window. An executable links one provider of
-// make_offscreen_context(): OSMesa (retractor::osmesa_context) or EGL (retractor::egl_context).
+// The OpenGL context of pictures without a window. An executable links one provider of make_offscreen_context(): OSMesa
+// (retractor::osmesa_context) or EGL (retractor::egl_context).
 
 #include <memory>
 #include <string>
@@ -16,16 +16,16 @@ public:
     OffscreenContext& operator=(const OffscreenContext&) = delete;
     virtual ~OffscreenContext() = default;
 
-    /// @throws IoError when the driver refuses.
+    /// @throws IoError when the driver refuses
     virtual void make_current() = 0;
     virtual bool is_current() const = 0;
     /// "osmesa" or "egl".
     virtual std::string_view backend() const = 0;
-    /// What draws: the driver's own words, e.g. "llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5". @pre is_current()
+    /// The driver's name of the renderer, e.g. "llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5". @pre is_current()
     virtual std::string renderer() const = 0;
 };
 
-/// Defined by the provider that is linked. @throws IoError naming the step when no context can be made.
+/// Defined by the linked provider. @throws IoError naming the failing step when no context can be made
 std::unique_ptr<OffscreenContext> make_offscreen_context();
 
 } // namespace retractor::ui

@@ -1,4 +1,5 @@
-// EGL on the surfaceless platform: no display server and no symbol tricks; a GPU where Mesa has one.
+// EGL on the surfaceless platform. It needs no display server and no replacement of symbols, and uses a GPU where Mesa
+// has one.
 
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"

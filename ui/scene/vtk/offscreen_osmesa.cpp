@@ -1,8 +1,9 @@
 // OSMesa: software rendering without any display server.
 //
-// VTK finds its OpenGL functions through GLEW, which asks glXGetProcAddressARB. This file defines that symbol and
-// answers from OSMesa, so the whole process is bound to OSMesa: link it only into executables that open no window, with
-// -rdynamic (so that GLEW finds the symbol here) and -lOSMesa before -lGL (so that plain gl* calls go there too).
+// VTK finds its OpenGL functions through GLEW, which calls glXGetProcAddressARB. This file defines glXGetProcAddressARB
+// and answers from OSMesa, so the whole process is bound to OSMesa. Link this file only into executables that open no
+// window, with -rdynamic (so that GLEW finds the symbol here) and -lOSMesa before -lGL (so that plain gl* calls go to
+// OSMesa too).
 
 #include "mesh/base/error.h"
 #include "ui/scene/vtk/offscreen.h"
@@ -31,7 +32,7 @@ namespace retractor::ui {
 
 namespace {
 
-    /// VTK draws into frame buffers of its own; the context's only has to exist.
+    /// VTK draws into its own frame buffers, so the context's frame buffer only has to exist.
     constexpr int kBufferSize = 16;
 
     class OsmesaContext : public OffscreenContext {

@@ -1,5 +1,5 @@
 #pragma once
-// A triangle mesh as VTK's filters and mappers take it.
+// Converts a triangle mesh for VTK's filters and mappers.
 
 #include "mesh/base/geometry.h"
 
@@ -10,11 +10,11 @@ class vtkPolyData;
 namespace retractor::ui {
 
 enum class PointType {
-    single_precision, ///< what graphics cards take
-    double_precision, ///< for filters: what comes back is the mesh again
+    single_precision, ///< as graphics cards take it
+    double_precision, ///< for filters, so that a mesh survives unchanged
 };
 
-/// Vertices (mm) and triangles alone. @pre triangles name vertices of the mesh.
+/// Vertices (mm) and triangles only. @pre triangles name vertices of the mesh
 vtkSmartPointer<vtkPolyData> poly_data(const TriMesh& mesh, PointType type);
 
 } // namespace retractor::ui

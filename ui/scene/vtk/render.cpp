@@ -23,8 +23,8 @@ namespace retractor::ui {
 
 namespace {
 
-    /// VTK's window for contexts it did not make, with GLEW's answer read rightly: without an X display glewInit loads
-    /// every OpenGL function and then reports that the GLX part is missing, which nothing here uses.
+    /// VTK's window for contexts that it did not make. Without an X display, glewInit loads every OpenGL function and
+    /// then reports that the GLX part is missing. This window ignores the report, because it does not use GLX.
     class ContextWindow : public vtkGenericOpenGLRenderWindow {
     public:
         static ContextWindow* New();
@@ -94,7 +94,7 @@ struct OffscreenRenderer::State {
     {
         volumes.reset();
         if (window != nullptr) {
-            const VtkErrorTrap silent; // nobody is left to be told
+            const VtkErrorTrap silent; // nobody can receive an error here
             window->Finalize();
         }
     }
@@ -169,7 +169,7 @@ TargetPixels OffscreenRenderer::target_pixels(const Scene& scene, int width, int
     whole.viewports.push_back({ .scene = scene });
     check_picture(whole);
 
-    // Two passes through the same view: with what blocks it, then without.
+    // Counts in two passes through the same view: with everything that blocks the target, then without.
     const VtkErrorTrap trap;
     state_->resize(width, height);
     std::vector<vtkSmartPointer<vtkActor>> occluders;

@@ -19,14 +19,14 @@ namespace retractor::ui {
 
 namespace {
 
-    /// Layers of the window: the scene, what is drawn over it, words, the orientation marker.
+    /// Layers of the window: the scene, items over the scene, words, the orientation marker.
     constexpr int kLayers = 4;
 
     void add_light(vtkRenderer& renderer, const Vec3& from, const Color& color, double intensity)
     {
         auto light = vtkSmartPointer<vtkLight>::New();
         light->SetLightTypeToCameraLight();
-        // In the camera's frame: x right, y up, z from the aim to the eye, the eye at z = 1.
+        // Position in the camera's frame: x right, y up, z from the aim to the eye, with the eye at z = 1.
         light->SetPosition(from.x(), from.y(), from.z());
         light->SetFocalPoint(0.0, 0.0, 0.0);
         light->SetColor(color.r, color.g, color.b);
@@ -115,7 +115,7 @@ struct SceneView::State {
             add_edge_letters(*words, scene, width(), height());
             return;
         }
-        // A square in the lower right corner.
+        // The marker is a square in the lower right corner.
         const double side = 0.17 * std::min(width(), height());
         const double across = side / window->GetSize()[0], upward = side / window->GetSize()[1];
         marker->SetViewport(rectangle[2] - across, rectangle[1], rectangle[2], rectangle[1] + upward);

@@ -1,5 +1,5 @@
 #pragma once
-// A scene in a VTK window: the same for pictures without a window and for the workstation's.
+// Shows a scene in a VTK window, for pictures without a window and for the workstation.
 
 #include "ui/scene/scene.h"
 #include "ui/scene/vtk/volume_actor.h"
@@ -11,17 +11,18 @@ class vtkRenderWindow;
 
 namespace retractor::ui {
 
-/// One rectangle of a window. Needs the window's size to be set, and its context to exist when shown.
+/// One rectangle of a window. The window must have a size, and its context must exist when a scene is shown.
 class SceneView {
 public:
-    /// @param viewport only its rectangle counts. Window and cache must outlive the view.
+    /// @param viewport only its rectangle is used
+    /// @pre window and cache outlive the view
     SceneView(vtkRenderWindow& window, const Viewport& viewport, VolumeCache& volumes);
     ~SceneView();
     SceneView(SceneView&&) noexcept;
     SceneView& operator=(SceneView&&) noexcept;
 
-    /// Replaces what is shown, camera included. Call again when the window's size has changed.
-    /// @throws InputError as check_scene does.
+    /// Replaces the scene and the camera. Call again after a change of the window's size.
+    /// @throws InputError as check_scene() does
     void show(const Scene& scene);
     void set_camera(const Camera& camera);
     Camera camera() const;

@@ -27,7 +27,7 @@ namespace {
         return poly_data(surface, PointType::double_precision);
     }
 
-    /// Its vertices and triangles alone.
+    /// The vertices and triangles of the data.
     TriMesh bare_surface(vtkPolyData& data)
     {
         TriMesh surface;

@@ -17,12 +17,12 @@ namespace retractor::ui {
 
 namespace {
 
-    /// Pixels per side at most: more than a viewport shows.
+    /// Largest number of pixels per side; more than a viewport shows.
     constexpr double kLargestSide = 1400.0;
-    /// Finer than the voxels, so that outlines stay thin.
+    /// Samples are finer than the voxels, so that outlines stay thin.
     constexpr double kPixelsPerVoxel = 2.0;
 
-    /// Trilinear; nothing outside the grid.
+    /// Trilinear interpolation; nothing outside the grid.
     std::optional<double> value_at(const mesh::Volume& image, const Vec3& world)
     {
         const mesh::ImageGrid& grid = image.grid;
@@ -52,7 +52,7 @@ namespace {
         return sum;
     }
 
-    /// The rectangle of the plane that covers the grid, as pixels.
+    /// The rectangle of the plane that covers the grid, divided into pixels.
     SliceImage frame_of(const SliceItem& slice)
     {
         const mesh::ImageGrid& grid = slice.image->grid;

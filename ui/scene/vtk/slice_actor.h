@@ -1,5 +1,5 @@
 #pragma once
-// CT slices: resampled here, shown as a textured rectangle in space.
+// Resamples CT slices and shows them as textured rectangles in space.
 
 #include "ui/scene/scene.h"
 
@@ -17,7 +17,7 @@ struct SliceImage {
     int columns = 0, rows = 0;
     Vec3 corner = Vec3::Zero(); ///< mm, LPS
     Vec3 across = Vec3::UnitX(), upward = Vec3::UnitY(); ///< mm per pixel
-    std::vector<std::uint8_t> rgb; ///< columns fastest
+    std::vector<std::uint8_t> rgb; ///< column index varies fastest
 };
 
 /// Samples the plane at the image's finest spacing; black outside the image. Outlines are one pixel wide.

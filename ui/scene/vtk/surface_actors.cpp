@@ -27,7 +27,7 @@ namespace retractor::ui {
 
 namespace {
 
-    /// Sharper edges than this stay sharp: a lip against the skin, a bone's cut end.
+    /// Edges sharper than this angle stay sharp: a lip against the skin, the cut end of a bone.
     constexpr double kFeatureAngleDeg = 40.0;
     constexpr const char* kPartArray = "part";
 
@@ -52,13 +52,13 @@ namespace {
         normals->SetInputData(data);
         normals->SetFeatureAngle(kFeatureAngleDeg);
         normals->SplittingOn();
-        normals->ConsistencyOff(); // the orientation is ours
+        normals->ConsistencyOff(); // keeps our orientation
         normals->AutoOrientNormalsOff();
         normals->Update();
         return normals->GetOutput();
     }
 
-    /// The triangles of one part with only the points they use.
+    /// The triangles of one part, with their points only.
     vtkSmartPointer<vtkPolyData> part_of(vtkPolyData& whole, int part)
     {
         auto* parts = vtkIntArray::SafeDownCast(whole.GetCellData()->GetArray(kPartArray));
@@ -96,7 +96,7 @@ namespace {
     {
         auto mapper = vtkSmartPointer<vtkOpenGLPolyDataMapper>::New();
         mapper->SetInputData(data);
-        // Our shader wants coordinates in mm, not shifted and scaled ones.
+        // Our shader needs coordinates in mm; VTK would shift and scale them.
         mapper->SetVBOShiftScaleMethod(0);
         auto actor = vtkSmartPointer<vtkActor>::New();
         actor->SetMapper(mapper);
@@ -109,8 +109,7 @@ namespace {
         return { look.color.r, look.color.g, look.color.b, static_cast<double>(look.finish), look.texture };
     }
 
-    /// Marks each triangle with the number of its look and returns the looks, so that labels that look alike are one
-    /// actor.
+    /// Marks each triangle with the number of its look. Labels with the same look share one actor. @returns the looks
     std::vector<Look> mark_parts(vtkPolyData& data, const SurfaceItem& item)
     {
         auto parts = vtkSmartPointer<vtkIntArray>::New();
@@ -151,7 +150,7 @@ std::vector<vtkSmartPointer<vtkActor>> surface_actors(const SurfaceItem& item)
         apply_look(*actor, looks[i], item.target);
         vtkProperty& property = *actor->GetProperty();
         property.SetOpacity(item.opacity);
-        property.SetBackfaceCulling(item.on_top ? 1 : 0); // what is over everything is not sorted by depth
+        property.SetBackfaceCulling(item.on_top ? 1 : 0); // a surface over everything is not sorted by depth
         property.SetInterpolation(item.smooth ? VTK_PHONG : VTK_FLAT);
         property.SetEdgeVisibility(item.show_edges ? 1 : 0);
         property.SetEdgeColor(0.15, 0.15, 0.15);
@@ -181,7 +180,7 @@ vtkSmartPointer<vtkActor> line_actor(const LineItem& item, double picture_height
     apply_look(*actor, { .color = item.color, .finish = Finish::unlit }, false);
     actor->GetProperty()->SetLineWidth(static_cast<float>(std::max(1.0, item.width_px * picture_height_px / 960.0)));
     actor->GetMapper()->SetResolveCoincidentTopologyToPolygonOffset();
-    // A line on the skin is drawn before the skin it lies on.
+    // Draws a line before the skin on which it lies.
     actor->GetMapper()->SetRelativeCoincidentTopologyLineOffsetParameters(-4.0, -4.0);
     return actor;
 }

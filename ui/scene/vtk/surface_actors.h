@@ -1,5 +1,5 @@
 #pragma once
-// Surfaces, lines and hooks as VTK actors.
+// Makes VTK actors of surfaces, lines and hooks.
 
 #include "ui/scene/scene.h"
 
@@ -11,9 +11,9 @@ class vtkActor;
 
 namespace retractor::ui {
 
-/// One actor per look that the surface has.
+/// One actor per look of the surface.
 std::vector<vtkSmartPointer<vtkActor>> surface_actors(const SurfaceItem& item);
-/// The whole surface in one unlit colour, every pixel of it the same.
+/// The whole surface in one unlit colour; every pixel has the same colour.
 vtkSmartPointer<vtkActor> flat_actor(const TriMesh& mesh, const Color& color);
 vtkSmartPointer<vtkActor> line_actor(const LineItem& item, double picture_height_px);
 vtkSmartPointer<vtkActor> hook_actor(const HookItem& item);

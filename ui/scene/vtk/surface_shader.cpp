@@ -10,7 +10,7 @@ namespace retractor::ui {
 
 namespace {
 
-    // Value noise on an integer hash: the same on every driver, unlike the usual hash of sines.
+    // Value noise on an integer hash. The noise is the same on every driver, unlike the usual hash of sines.
     constexpr const char* kNoise = R"(
 float retractorHash(ivec3 p)
 {
@@ -35,7 +35,7 @@ float retractorNoise(vec3 x)
 
     struct FinishValues {
         double ambient, diffuse, specular, specular_power;
-        /// Of the procedural variation: its coarse and fine cell in mm, colour strength, bump height in mm.
+        /// Procedural variation: coarse and fine cell in mm, colour strength, bump height in mm.
         double coarse_mm, fine_mm, contrast, bump_mm;
     };
 
@@ -70,7 +70,8 @@ float retractorNoise(vec3 x)
             std::string("//VTK::PositionVC::Dec\nin vec3 retractorPosition;\n") + kNoise, false);
     }
 
-    /// Colour: darker and lighter patches. Normal: bumps from the noise's screen derivatives [Mikkelsen 2010].
+    /// Adds darker and lighter patches to the colour, and bumps from the noise's screen derivatives to the normal
+    /// [Mikkelsen 2010].
     void add_texture(vtkShaderProperty& shader, const FinishValues& v, double strength)
     {
         pass_position(shader);
@@ -109,7 +110,7 @@ float retractorNoise(vec3 x)
             false);
     }
 
-    /// A studio of two soft boxes reflected: bright above, dark at the horizon, grey below.
+    /// Adds the reflection of a studio with two soft boxes: bright above, dark at the horizon, grey below.
     void add_steel(vtkShaderProperty& shader)
     {
         shader.AddFragmentShaderReplacement("//VTK::Light::Impl", true,

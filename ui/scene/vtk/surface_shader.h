@@ -1,5 +1,5 @@
 #pragma once
-// What VTK's own shading has no word for: mottled tissue, moist bumps, steel, the rim of a highlighted target.
+// Adds shading that VTK does not have: mottled tissue, moist bumps, steel, the rim of a highlighted target.
 
 #include "ui/scene/scene.h"
 

@@ -31,7 +31,7 @@ namespace {
         double opacity; ///< per mm
     };
 
-    // Lung below -500, fat near -100, organs 0 to 90, contrast-filled blood 130 to 350, bone above.
+    // Hounsfield units: lung below -500, fat near -100, organs 0 to 90, contrast-filled blood 130 to 350, bone above.
     const std::vector<Knot>& knots(VolumePreset preset)
     {
         static const std::vector<Knot> thorax {
@@ -108,7 +108,7 @@ namespace {
         return property;
     }
 
-    /// A grid of right-handed axes over the same voxels: a left-handed one is read backwards along k.
+    /// A grid of right-handed axes over the same voxels. A left-handed grid is read backwards along k.
     struct Placed {
         mesh::ImageGrid grid;
         bool reversed_k = false;
@@ -135,14 +135,14 @@ namespace {
         return matrix;
     }
 
-    /// One pass of (1 2 1) / 4 along each axis: shading by gradients turns CT noise into grain. It reaches one voxel
-    /// far, as far as hide_voxels() hides beyond the mask.
+    /// Smooths by one pass of (1 2 1) / 4 along each axis, because shading by gradients turns CT noise into grain. The
+    /// smoothing reaches one voxel, like hide_voxels() beyond the mask.
     void smooth_noise(std::vector<std::int16_t>& voxels, const mesh::ImageGrid& grid)
     {
         std::size_t stride = 1;
         for (const int size : grid.size) {
             const auto count = static_cast<std::size_t>(size);
-            // Neighbouring lines are done together, so that memory is read in order whatever the axis.
+            // Neighbouring lines are smoothed together, so that memory is read in order along every axis.
             std::vector<int> before(stride);
             for (std::size_t first = 0; first < voxels.size(); first += stride * count) {
                 std::copy_n(voxels.begin() + static_cast<std::ptrdiff_t>(first), stride, before.begin());
@@ -183,12 +183,12 @@ namespace {
         }
     }
 
-    /// One byte per voxel of `grid`, non-zero = hidden by the mask or beside such a voxel.
+    /// One byte per voxel of `grid`; other than 0 means that the mask hides the voxel or one beside it.
     std::vector<std::uint8_t> hidden_in(const mesh::ImageGrid& grid, const VoxelMask& mask)
     {
         const auto [nx, ny, nz] = grid.size;
         std::vector<std::uint8_t> hidden(grid.voxel_count(), 0);
-        // Index of the mask is affine in the index of the image: one step per axis instead of a transform per voxel.
+        // A mask index is affine in the image index, so one step per axis replaces a transform per voxel.
         const Vec3 start = mask.grid.index(grid.world(Vec3::Zero()));
         const Mat3 step
             = (mask.grid.direction.transpose() * grid.direction * grid.spacing.asDiagonal()).array().colwise()
@@ -208,7 +208,7 @@ namespace {
         return hidden;
     }
 
-    /// Up to here a preset shows nothing.
+    /// The value below which a preset shows nothing.
     double clear_below(VolumePreset preset)
     {
         const std::vector<Knot>& all = knots(preset);
@@ -216,7 +216,7 @@ namespace {
         return first == all.begin() ? first->hu : std::prev(first)->hu;
     }
 
-    /// The voxels that can show, with a margin for smoothing and interpolation; all of them when none does.
+    /// The box of voxels that can be visible, with a margin for smoothing and interpolation; all voxels when none can.
     struct IndexBox {
         std::array<int, 3> low {}, high {}; ///< inclusive
     };
@@ -246,7 +246,8 @@ namespace {
         return box;
     }
 
-    /// What is drawn: without noise, hidden voxels as air, and no more of the image than can show.
+    /// The drawn part of the volume: without noise, with hidden voxels as air, and without the part that cannot be
+    /// visible.
     mesh::Volume shown_part(const VolumeItem& item)
     {
         const mesh::Volume& image = *item.image;
@@ -326,7 +327,7 @@ std::vector<std::int16_t> hide_voxels(const mesh::Volume& image, const VoxelMask
 
 struct VolumeCache::State {
     struct Entry {
-        VolumeItem item; // keeps image and mask alive, so that their addresses stay theirs
+        VolumeItem item; // keeps image and mask alive, so that their addresses are not used again
         vtkSmartPointer<vtkVolume> volume;
         double sample_mm = 1.0;
         bool used = true;
@@ -384,7 +385,7 @@ vtkSmartPointer<vtkVolume> VolumeCache::volume(const VolumeItem& item)
     volume->SetUserMatrix(pose_of(placed.grid));
     state_->entries.push_back({ item, volume, item.image->grid.spacing.minCoeff() / kSamplesPerVoxel, true });
     state_->set_quality(state_->entries.back());
-    // Once here and once as a texture.
+    // The voxels are in memory twice: here and as a texture.
     record_part(state_->job, "volume rendering", watch, 2 * shown.voxels.size() * sizeof(std::int16_t));
     return volume;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// CT volumes as VTK volume renderings, prepared once and kept.
+// Makes VTK volume renderings of CT volumes, prepared once and kept.
 
 #include "mesh/base/job.h"
 #include "ui/scene/scene.h"
@@ -14,15 +14,15 @@ class vtkVolume;
 
 namespace retractor::ui {
 
-/// The image with hidden voxels, and those half filled at their border, turned to air. Voxels of `image` whose
-/// centre lies in a hidden voxel of `mask`, and their neighbours, are hidden.
+/// The image with hidden voxels turned to air. A voxel of `image` is hidden when its centre lies in a hidden voxel of
+/// `mask`. The neighbours of hidden voxels are hidden too, because border voxels are half filled.
 std::vector<std::int16_t> hide_voxels(const mesh::Volume& image, const VoxelMask& mask);
 
-/// The volumes of the views of one window. A volume whose image, mask, crop box, preset and opacity were shown before
-/// is not built again; those that no view has asked for since the last sweep() are let go.
+/// The volumes of the views of one window. A volume with the same image, mask, crop box, preset and opacity is not
+/// built again. sweep() drops the volumes that no view has used since the last sweep().
 class VolumeCache {
 public:
-    /// Records the part "volume rendering" for every image that is prepared.
+    /// Records the part "volume rendering" in the ledger for every prepared image.
     explicit VolumeCache(const Job& job = {});
     ~VolumeCache();
     VolumeCache(VolumeCache&&) noexcept;
@@ -30,7 +30,7 @@ public:
 
     vtkSmartPointer<vtkVolume> volume(const VolumeItem& item);
     void sweep();
-    /// Coarser sampling while a camera moves.
+    /// Samples more coarsely while a camera moves.
     void set_interactive(bool interactive);
 
 private:

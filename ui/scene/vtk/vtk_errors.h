@@ -1,5 +1,5 @@
 #pragma once
-// VTK reports errors as text and carries on. While one of these lives, that text is collected instead of printed.
+// Collects VTK's error messages during its lifetime. VTK would print them and carry on.
 
 #include <string>
 
@@ -14,7 +14,8 @@ public:
 
     /// All error messages so far, in one line; empty when there is none.
     std::string errors() const;
-    /// @throws IoError with the collected errors, when there is one. @param doing what was attempted.
+    /// @throws IoError with the collected errors, when there are any
+    /// @param doing name of the step, for the message
     void throw_if_error(const std::string& doing) const;
 
 private:

@@ -26,26 +26,26 @@ namespace retractor::ui {
 namespace {
 
     constexpr double kDeepestMm = 150.0;
-    constexpr int kWidestMm = 40; ///< each side
+    constexpr int kWidestMm = 40; ///< on each side
     constexpr double kStrongestN = 500.0; ///< the strongest retraction published is 349 N on one side
-    constexpr double kTearingStrain = 1.0; ///< to twice its length: no tissue of a wall bears that
+    constexpr double kTearingStrain = 1.0; ///< stretch to twice the length, which no tissue of a wall bears
     constexpr int kHookListPx = 110;
-    constexpr double kFlatDeg = 5.0; ///< a cut promises no flatter elements, where geometry allows it
+    constexpr double kFlatDeg = 5.0; ///< smallest angle that a cut guarantees, where the geometry allows it
     /// Published skin tension is 2 to 6 %.
     constexpr std::array kTensionsPercent { 0, 2, 4, 6 };
     constexpr int kUsualTension = 4;
-    /// What is taken out round the place that is pointed at, mm; 0: the piece that was cut free there.
+    /// Radius of the tissue that Remove deletes, mm; 0: the loose piece.
     constexpr std::array kRemovalRadiiMm { 0, 5, 10, 20, 40 };
 
     QString reduction_error_text(const planner::CutEntry& cut)
     {
-        if (cut.reduction_error.empty())
+        if (cut.omitted.empty())
             return {};
         return QString(cut.taken_out.empty() ? "\nnot all of the line: " : "\nnot all of the ball: ")
-            + QString::fromStdString(cut.reduction_error);
+            + QString::fromStdString(cut.omitted);
     }
 
-    /// Why flat elements were left; empty when there are none.
+    /// The reason for remaining flat elements; empty when there are none.
     QString angle_remark(const mesh::CutReport& report)
     {
         if (report.worst_dihedral_deg >= kFlatDeg)
@@ -61,7 +61,7 @@ namespace {
                   .arg(report.worst_dihedral_before_deg, 0, 'f', 0);
     }
 
-    /// When no retractor pulls so hard; empty else.
+    /// A remark when the force exceeds that of any retractor; otherwise empty.
     QString force_remark(const planner::HookReport& report)
     {
         if (std::max(report.side_N[0], report.side_N[1]) <= kStrongestN)
@@ -71,7 +71,7 @@ namespace {
             .arg(kStrongestN, 0, 'f', 0);
     }
 
-    /// When the wound is opened beyond what its tissue bears; empty else.
+    /// A remark when the tissue is stretched more than it bears; otherwise empty.
     QString strain_remark(const planner::HookReport& report)
     {
         if (report.hooks.empty() || !report.settled || report.strain.p99 <= kTearingStrain)
@@ -80,7 +80,7 @@ namespace {
             .arg(100.0 * kTearingStrain, 0, 'f', 0);
     }
 
-    /// When hooks hold each other back; empty else.
+    /// A remark when hooks hold each other back; otherwise empty.
     QString meeting_remark(const planner::HookReport& report)
     {
         if (report.meeting.empty())
@@ -88,10 +88,10 @@ namespace {
         return QString("⚠ %1 meet: lips do not pass through each other").arg(QString::fromStdString(report.meeting));
     }
 
-    /// When the picture shows what contact would not let happen; empty else.
+    /// A remark when surfaces overlap in the picture, which contact would prevent; otherwise empty.
     QString overlap_remark(const planner::HookReport& report)
     {
-        constexpr double kSaidMm = 0.5; // less is not seen
+        constexpr double kSaidMm = 0.5; // smaller overlaps are not visible
         if (report.hooks.empty() || report.lip_overlap_mm < kSaidMm)
             return {};
         return QString(
@@ -109,7 +109,7 @@ namespace {
 
     QString newtons(double force_N) { return QString("%1 N").arg(force_N, 0, 'f', force_N < 10.0 ? 2 : 1); }
 
-    /// "left 1   12.3 of 15.0 mm, 60.0 N: yields"
+    /// Text of a hook: "left 1   12.3 of 15.0 mm, 60.0 N: yields".
     QString hook_text(const planner::HookState& hook)
     {
         const fem::HookDrive& drive = hook.drive;
@@ -123,14 +123,14 @@ namespace {
             why += QString("pulls with %1 N").arg(drive.force_N->norm(), 0, 'g', 4);
         if (std::isfinite(drive.grip_N_per_mm))
             why += QString("grips with %1 N/mm").arg(drive.grip_N_per_mm, 0, 'g', 4);
-        if (hook.yielded) // at its own limit, or at that of all hooks: it bears that
+        if (hook.yielded) // the hook holds at its own limit, or at the limit of all hooks
             why += "yields";
         else if (std::isfinite(drive.force_limit_N))
             why += QString("holds to %1 N").arg(drive.force_limit_N, 0, 'g', 4);
         return why.isEmpty() ? text : text + ": " + why.join(", ");
     }
 
-    /// "2.1 cm³ of skin"
+    /// Text of removed tissue: "2.1 cm³ of skin".
     QString taken_out_text(const planner::CutEntry& cut)
     {
         return QString("%1 cm³%2 %3")
@@ -196,7 +196,7 @@ KnifePanel::KnifePanel(QWidget* parent)
     tension_->setFocusPolicy(Qt::NoFocus);
     connect(tension_, qOverload<int>(&QComboBox::activated), this, [this] { tension_by_hand_ = true; });
     connect(tension_, qOverload<int>(&QComboBox::currentIndexChanged), this,
-        [this] { give(surgery::SetTension { tension() }); });
+        [this] { give(planner::surgery::SetTension { tension() }); });
     form->addRow("Tension", tension_);
     removal_ = new QComboBox;
     for (const int radius : kRemovalRadiiMm)
@@ -217,8 +217,8 @@ KnifePanel::KnifePanel(QWidget* parent)
         buttons->addWidget(button);
         return button;
     };
-    undo_ = add("Undo", "Take the last cut back (Ctrl+Z)", [this] { give(surgery::Undo {}); });
-    redo_ = add("Redo", "Make it again (Ctrl+Shift+Z)", [this] { give(surgery::Redo {}); });
+    undo_ = add("Undo", "Take the last cut back (Ctrl+Z)", [this] { give(planner::surgery::Undo {}); });
+    redo_ = add("Redo", "Make it again (Ctrl+Shift+Z)", [this] { give(planner::surgery::Redo {}); });
     export_ = add("Export…", "Save the cut wall as VTU", [this] {
         if (on_export)
             on_export();
@@ -228,8 +228,9 @@ KnifePanel::KnifePanel(QWidget* parent)
     cuts_ = new QListWidget;
     cuts_->setWordWrap(true);
     cuts_->setToolTip("Double-click: go back (or forward) to just after this cut");
-    connect(cuts_, &QListWidget::itemActivated, this,
-        [this](QListWidgetItem* item) { give(surgery::GoTo { static_cast<std::size_t>(cuts_->row(item)) + 1 }); });
+    connect(cuts_, &QListWidget::itemActivated, this, [this](QListWidgetItem* item) {
+        give(planner::surgery::GoTo { static_cast<std::size_t>(cuts_->row(item)) + 1 });
+    });
     column->addWidget(cuts_, 1);
     column->addWidget(make_hooks());
     state_ = new QLabel;
@@ -242,8 +243,8 @@ KnifePanel::KnifePanel(QWidget* parent)
     show_snapshot(nullptr, 0.0);
 }
 
-/// A number field would take Ctrl+Z and letters for itself: undo and redo are the cuts', and a letter is no number,
-/// wherever the focus lies.
+/// Keeps Ctrl+Z and letters from number fields, wherever the focus is: undo and redo belong to the cuts, and a letter
+/// is no number.
 bool KnifePanel::eventFilter(QObject* watched, QEvent* event)
 {
     if (event->type() == QEvent::ShortcutOverride) {
@@ -303,9 +304,9 @@ QWidget* KnifePanel::make_hooks()
     connect(opening_, &QSlider::valueChanged, this, [this](int value) {
         opening_text_->setText(opening_text(value));
         if (by_share_)
-            give(surgery::PullHooksByShare { value / 100.0 });
+            give(planner::surgery::PullHooksByShare { value / 100.0 });
         else
-            give(surgery::PullAllHooks { static_cast<double>(value) });
+            give(planner::surgery::PullAllHooks { static_cast<double>(value) });
     });
     form->addRow("Hooks", open);
     yield_ = new QDoubleSpinBox;
@@ -315,14 +316,14 @@ QWidget* KnifePanel::make_hooks()
     yield_->setSuffix(" N");
     yield_->setToolTip("A hook slips rather than pull harder than this");
     connect(yield_, qOverload<double>(&QDoubleSpinBox::valueChanged), this,
-        [this] { give(surgery::SetYield { yield_N() }); });
+        [this] { give(planner::surgery::SetYield { yield_N() }); });
     form->addRow("Yield at", yield_);
     nonlinear_ = new QCheckBox("Nonlinear near the wound");
     nonlinear_->setChecked(true);
     nonlinear_->setToolTip("Tissue near the wound turns and stretches as far as it does; without, wide openings swell. "
                            "It follows when the hand first rests");
     nonlinear_->setFocusPolicy(Qt::NoFocus);
-    connect(nonlinear_, &QCheckBox::toggled, this, [this] { give(surgery::SetNonlinear { nonlinear() }); });
+    connect(nonlinear_, &QCheckBox::toggled, this, [this] { give(planner::surgery::SetNonlinear { nonlinear() }); });
     form->addRow("", nonlinear_);
     column->addLayout(form);
     auto* buttons = new QHBoxLayout;
@@ -334,11 +335,11 @@ QWidget* KnifePanel::make_hooks()
         buttons->addWidget(button);
         return button;
     };
-    planned_
-        = add("As planned", "The approach's hooks, opened as it says", [this] { give(surgery::TakePlannedHooks {}); });
+    planned_ = add("As planned", "The approach's hooks, opened as it says",
+        [this] { give(planner::surgery::TakePlannedHooks {}); });
     hook_off_ = add("Take off", "The hook that is chosen in the list", [this] { take_off_chosen_hook(); });
-    hooks_off_
-        = add("All off", "The wound closes, or gapes by its own tension", [this] { give(surgery::TakeOffHooks {}); });
+    hooks_off_ = add("All off", "The wound closes, or gapes by its own tension",
+        [this] { give(planner::surgery::TakeOffHooks {}); });
     column->addLayout(buttons);
     hooks_ = new QListWidget;
     hooks_->setMaximumHeight(kHookListPx);
@@ -356,7 +357,7 @@ QWidget* KnifePanel::make_hooks()
     return box;
 }
 
-void KnifePanel::give(surgery::Command command)
+void KnifePanel::give(planner::surgery::Command command)
 {
     if (on_command)
         on_command(std::move(command));
@@ -365,7 +366,7 @@ void KnifePanel::give(surgery::Command command)
 void KnifePanel::take_off_chosen_hook()
 {
     if (const int row = hooks_->currentRow(); row >= 0 && static_cast<std::size_t>(row) < hook_ids_.size())
-        give(surgery::TakeOffHook { hook_ids_[static_cast<std::size_t>(row)] });
+        give(planner::surgery::TakeOffHook { hook_ids_[static_cast<std::size_t>(row)] });
 }
 
 double KnifePanel::yield_N() const
@@ -385,8 +386,8 @@ QString KnifePanel::opening_text(int value) const
     return by_share_ ? QString("%1 %").arg(value) : QString("%1 mm").arg(value);
 }
 
-/// The slider follows where hooks were drawn by the mouse, or as planned: all of them together. Hooks that pull with a
-/// force go by it as their plan does.
+/// The slider follows hooks that the mouse or the plan has moved, all of them together. A hook that pulls with a force
+/// follows the slider as its plan states.
 void KnifePanel::show_opening(const std::vector<planner::HookState>& hooks)
 {
     if (const std::optional<double> share = planner::share_of_plan(hooks)) {
@@ -437,7 +438,7 @@ void KnifePanel::show_hooks(const planner::SessionSnapshot* snapshot)
     opening_->setEnabled(count > 0);
     hook_off_->setEnabled(count > 0);
     hooks_off_->setEnabled(count > 0);
-    // The unit at once, or a slider in mm would move hooks that are driven by their share of the plan.
+    // Changes the unit at once. Otherwise a slider in mm would move hooks that are driven by their share of the plan.
     const bool other_unit = planner::share_of_plan(report.hooks).has_value() != by_share_;
     if (count == 0 || other_unit || (report.settled && !opening_->isSliderDown()))
         show_opening(report.hooks);
@@ -458,7 +459,7 @@ void KnifePanel::show_hooks(const planner::SessionSnapshot* snapshot)
                                                     .arg(at.z(), 0, 'f', 0)
                                               : QString("strain when the hand rests"))
                           .arg(report.shown == planner::ShownAnswer::linear_since
-                                  ? QString() // a sum of two answers
+                                  ? QString() // the sum of two solutions
                                   : QString("residual %1, ").arg(report.residual, 0, 'e', 0))
                           .arg(report.frame_ms, 0, 'f', 0)
                           .arg(QString::fromStdString(report.shown_text)));

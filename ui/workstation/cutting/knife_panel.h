@@ -1,5 +1,6 @@
 #pragma once
-// The knife's settings and the list of cuts, on the right; below, the hooks and their numbers.
+// The panel on the right while cutting: the knife's settings and the list of cuts, and below them the hooks and their
+// numbers.
 
 #include "planner/session/knife_worker.h"
 #include "planner/session/surgery_command.h"
@@ -24,19 +25,20 @@ public:
     explicit KnifePanel(QWidget* parent = nullptr);
 
     planner::KnifeSettings settings() const;
-    double removal_radius_mm() const; ///< of what is taken out; 0: a piece that was cut free
-    double tension() const; ///< strain
-    void set_tension(double strain); ///< one of those offered
-    /// Among the others, and takes it: what the case's plans are made with. 0: the case has none.
+    double removal_radius_mm() const; ///< radius of the tissue that Remove deletes; 0: a loose piece
+    double tension() const; ///< chosen tension, as a strain
+    void set_tension(double strain); ///< chooses one of the offered tensions
+    /// Adds the tension of the case, with which its plans are made, to the choices. The panel then uses this tension,
+    /// unless the user chose another one for the case. 0: the case has none.
     void offer_case_tension(double strain);
-    /// @param snapshot null: there is no table laid out.
+    /// @param snapshot null: there is no session
     void show_snapshot(const planner::SessionSnapshot* snapshot, double draw_ms);
 
     // Set by the owner; called when something is pressed or set.
-    std::function<void(surgery::Command)> on_command;
+    std::function<void(planner::surgery::Command)> on_command;
     std::function<void()> on_export;
     std::function<void(bool wanted)> on_restore;
-    double yield_N() const; ///< infinite: never
+    double yield_N() const; ///< force at which hooks yield; infinite: never
     bool nonlinear() const;
 
     QDoubleSpinBox& depth() { return *depth_; }
@@ -45,13 +47,13 @@ public:
     QSlider& opening() { return *opening_; }
     QDoubleSpinBox& yield() { return *yield_; }
     QCheckBox& nonlinear_box() { return *nonlinear_; }
-    QString opening_text() const; ///< beside the slider
+    QString opening_text() const; ///< text beside the slider
     QListWidget& hook_list() { return *hooks_; }
     QPushButton& planned_hooks_button() { return *planned_; }
     QPushButton& hook_off_button() { return *hook_off_; }
     QPushButton& hooks_off_button() { return *hooks_off_; }
-    QString hook_numbers() const; ///< as shown
-    QString hook_warning() const; ///< as shown; empty: none
+    QString hook_numbers() const; ///< text on the panel
+    QString hook_warning() const; ///< text on the panel; empty: none
     QPushButton& restore_button() { return *restore_; }
     QPushButton& discard_button() { return *discard_; }
 
@@ -61,7 +63,7 @@ protected:
 private:
     QWidget* make_question();
     QWidget* make_hooks();
-    void give(surgery::Command command);
+    void give(planner::surgery::Command command);
     void take_off_chosen_hook();
     void show_hooks(const planner::SessionSnapshot* snapshot);
     void show_opening(const std::vector<planner::HookState>& hooks);
@@ -70,20 +72,20 @@ private:
     QDoubleSpinBox* depth_ = nullptr;
     QCheckBox *through_ = nullptr, *bone_ = nullptr, *nonlinear_ = nullptr;
     QComboBox *tension_ = nullptr, *removal_ = nullptr;
-    int case_tension_item_ = -1; ///< of tension_; -1: none
-    bool tension_by_hand_ = false; ///< chosen for this case: the case's own does not replace it
+    int case_tension_item_ = -1; ///< index of the case's tension in tension_; -1: none
+    bool tension_by_hand_ = false; ///< the user chose a tension, so the case's tension does not replace it
     QListWidget* cuts_ = nullptr;
-    QWidget* question_ = nullptr; ///< restore the cuts of the last time?
+    QWidget* question_ = nullptr; ///< question whether to restore the cuts of the last session
     QLabel* question_text_ = nullptr;
     QPushButton *restore_ = nullptr, *discard_ = nullptr;
     QPushButton *undo_ = nullptr, *redo_ = nullptr, *export_ = nullptr;
     QLabel* state_ = nullptr;
     QSlider* opening_ = nullptr;
     QLabel* opening_text_ = nullptr;
-    bool by_share_ = false; ///< the slider is in per cent of the plan, not in mm
+    bool by_share_ = false; ///< the slider shows per cent of the plan instead of mm
     QDoubleSpinBox* yield_ = nullptr;
     QListWidget* hooks_ = nullptr;
-    std::vector<fem::HookId> hook_ids_; ///< per entry of the list
+    std::vector<fem::HookId> hook_ids_; ///< id of each entry of the list
     QPushButton *planned_ = nullptr, *hook_off_ = nullptr, *hooks_off_ = nullptr;
     QLabel *numbers_ = nullptr, *refusal_ = nullptr;
 };

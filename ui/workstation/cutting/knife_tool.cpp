@@ -16,17 +16,17 @@ namespace retractor::ui {
 
 namespace {
 
-    /// The mouse comes in jumps; the line between them follows the skin at this distance (pixels).
+    /// Distance (pixels) of the points at which the line between two mouse positions follows the skin.
     constexpr double kFeelEveryPx = 3.0;
     constexpr double kLineWidthPx = 2.5;
     constexpr double kPlannedWidthPx = 3.0;
-    /// Where can be cut: to be seen when one looks for it.
+    /// Outline of the region that can be cut: visible, but not conspicuous.
     constexpr Color kOutlineColor { 0.98, 0.93, 0.85 };
     constexpr double kOutlineWidthPx = 1.5;
-    /// Skin cut through: the dermis, paler than muscle, redder than skin.
+    /// Skin cut through: the dermis is paler than muscle and redder than skin.
     constexpr Color kCutSkin { 0.80, 0.36, 0.33 };
 
-    /// Where its patch is now.
+    /// The present place of the hook's patch.
     Vec3 shown_centre(const planner::HookState& hook, const planner::WallPicture& picture)
     {
         Vec3 sum = Vec3::Zero();
@@ -75,7 +75,7 @@ namespace {
         topology.rest = surface.rest;
         topology.rims = planner::wound_rims(surface);
         std::map<std::pair<Label, bool>, int> number_of;
-        // All looks from the start: their number stays the same when the first lip appears.
+        // All looks exist from the start, so that their number stays the same when the first lip appears.
         for (const auto& [label, look] : looks)
             for (const bool lip : { false, true }) {
                 number_of[{ label, lip }] = static_cast<int>(topology.looks.size());
@@ -118,9 +118,9 @@ KnifeTool::KnifeTool(PictureView& view, KnifePanel& panel)
     panel_.on_restore = [this](bool wanted) {
         if (shown() != nullptr)
             shown()->worker->restore(wanted);
-        view_.setFocus(); // the buttons go, and the next thing is to look, or to undo
+        view_.setFocus(); // takes the focus from the buttons, for looking and undoing
     };
-    panel_.on_command = [this](surgery::Command command) { run(std::move(command)); };
+    panel_.on_command = [this](planner::surgery::Command command) { run(std::move(command)); };
 }
 
 KnifeTool::~KnifeTool()
@@ -153,9 +153,9 @@ void KnifeTool::lay_out(std::size_t approach, std::function<KnifeTable(const Job
         });
     }
     answers_ = table.snapshot->answers;
-    run(surgery::SetTension { panel_.tension() });
-    run(surgery::SetYield { panel_.yield_N() });
-    run(surgery::SetNonlinear { panel_.nonlinear() });
+    run(planner::surgery::SetTension { panel_.tension() });
+    run(planner::surgery::SetYield { panel_.yield_N() });
+    run(planner::surgery::SetNonlinear { panel_.nonlinear() });
     show_picture();
 }
 
@@ -187,11 +187,11 @@ void KnifeTool::set_mode(KnifeMode mode)
     view_.draw_soon();
 }
 
-/// The stroke under way is finished: the hand went elsewhere.
+/// Finishes the present stroke, when the mouse is needed elsewhere.
 void KnifeTool::end_stroke()
 {
     if (std::exchange(drawing_, false))
-        run(surgery::FinishStroke {});
+        run(planner::surgery::FinishStroke {});
     first_.reset();
     grip_.reset();
     line_.clear();
@@ -200,19 +200,20 @@ void KnifeTool::end_stroke()
 
 bool KnifeTool::abandon()
 {
-    // A stroke whose end was refused is open without a hand on it.
+    // A stroke with a refused end is open although no button is down.
     const bool open = std::exchange(drawing_, false) || (snapshot() != nullptr && snapshot()->stroke_open);
     const bool any = open || first_.has_value();
     if (open)
-        run(surgery::AbandonStroke {});
+        run(planner::surgery::AbandonStroke {});
     end_stroke();
     return any;
 }
 
-void KnifeTool::run(surgery::Command command)
+void KnifeTool::run(planner::surgery::Command command)
 {
-    const bool history = std::holds_alternative<surgery::Undo>(command)
-        || std::holds_alternative<surgery::Redo>(command) || std::holds_alternative<surgery::GoTo>(command);
+    const bool history = std::holds_alternative<planner::surgery::Undo>(command)
+        || std::holds_alternative<planner::surgery::Redo>(command)
+        || std::holds_alternative<planner::surgery::GoTo>(command);
     if (shown() != nullptr && !(history && drawing_))
         shown()->worker->run(std::move(command));
 }
@@ -260,7 +261,7 @@ bool KnifeTool::idle() const
 void KnifeTool::take_snapshot(std::size_t approach)
 {
     const auto found = tables_.find(approach);
-    if (found == tables_.end()) // of a case that is no longer open
+    if (found == tables_.end()) // the session belongs to a case that was closed
         return;
     found->second.snapshot = found->second.worker->snapshot();
     if (shown_ != approach)
@@ -273,7 +274,8 @@ void KnifeTool::take_snapshot(std::size_t approach)
         say(snapshot.failure, true);
     if (std::exchange(answers_, snapshot.answers) != snapshot.answers)
         say(snapshot.answer, snapshot.refused);
-    if (drawing_ && snapshot.refused_stroke == stroke_) { // not a former one, whose snapshot comes only now
+    // Ignores the late snapshot of an earlier stroke.
+    if (drawing_ && snapshot.refused_stroke == stroke_) {
         drawing_ = false;
         line_.clear();
         show_line();
@@ -386,7 +388,7 @@ const planner::HookState* KnifeTool::hook_under(
         }
     if (nearest != nullptr || !touched)
         return nearest;
-    for (const planner::HookState& hook : snapshot.hooks.hooks) // tissue that it holds
+    for (const planner::HookState& hook : snapshot.hooks.hooks) // tissue that the hook holds
         for (const VertexId v : touched->triangle)
             if (std::find(hook.seat.nodes.begin(), hook.seat.nodes.end(), v) != hook.seat.nodes.end())
                 return &hook;
@@ -399,7 +401,7 @@ void KnifeTool::take_out(const QPointF& at)
     const auto touched = feel(at, why_not);
     say(why_not, !why_not.empty());
     if (touched)
-        run(surgery::TakeOut { *touched, panel_.removal_radius_mm() });
+        run(planner::surgery::TakeOut { *touched, panel_.removal_radius_mm() });
 }
 
 void KnifeTool::take_hook(const QPointF& at)
@@ -413,7 +415,7 @@ void KnifeTool::take_hook(const QPointF& at)
         grip_ = Grip { hook->id, shown_centre(*hook, *shown()->snapshot->picture),
             hook->drive.force_N ? hook->displacement : hook->drive.displacement, Vec3::Zero() };
     else if (touched)
-        return run(surgery::PlaceHook { *touched });
+        return run(planner::surgery::PlaceHook { *touched });
     else
         return say("the hook is beside the body: set it on the edge of a wound", true);
     grip_->from = in_hand(at);
@@ -421,10 +423,10 @@ void KnifeTool::take_hook(const QPointF& at)
 
 void KnifeTool::drag_hook(const QPointF& to)
 {
-    run(surgery::PullHook { grip_->hook, grip_->asked + in_hand(to) - grip_->from });
+    run(planner::surgery::PullHook { grip_->hook, grip_->asked + in_hand(to) - grip_->from });
 }
 
-/// Where the mouse is in the plane through the hook, across the line of sight.
+/// The position of the mouse in the plane through the hook, across the line of sight.
 Vec3 KnifeTool::in_hand(const QPointF& at) const
 {
     const Camera camera = view_.camera();
@@ -453,7 +455,7 @@ void KnifeTool::press(const QPointF& at)
         return;
     }
     say({}, false);
-    run(surgery::BeginStroke { *touched, panel_.settings(), ++stroke_ });
+    run(planner::surgery::BeginStroke { *touched, panel_.settings(), ++stroke_ });
     drawing_ = true;
     last_ = at;
     line_ = { touched->shown };
@@ -462,7 +464,7 @@ void KnifeTool::press(const QPointF& at)
 void KnifeTool::move(const QPointF& at, bool held)
 {
     if (mode_ == KnifeMode::line && first_) {
-        // A rubber line over the skin.
+        // Draws a straight line over the skin to the mouse.
         line_.clear();
         const int pieces = 24;
         for (int i = 0; i <= pieces; ++i)
@@ -481,10 +483,10 @@ void KnifeTool::draw_between(const QPointF& from, const QPointF& to)
     const int pieces = std::max(1, static_cast<int>(std::ceil(QLineF(from, to).length() / kFeelEveryPx)));
     for (int i = 1; i <= pieces; ++i)
         if (const auto touched = feel_wall(from + (to - from) * (static_cast<double>(i) / pieces))) {
-            run(surgery::DrawTo { *touched });
+            run(planner::surgery::DrawTo { *touched });
             line_.push_back(touched->shown);
         } else {
-            run(surgery::LeaveWall {});
+            run(planner::surgery::LeaveWall {});
         }
     show_line();
 }
@@ -512,7 +514,7 @@ void KnifeTool::cut_straight(const QPointF& to)
 {
     const QPointF from = *std::exchange(first_, std::nullopt);
     if (const auto touched = feel_wall(from)) {
-        run(surgery::BeginStroke { *touched, panel_.settings(), ++stroke_ });
+        run(planner::surgery::BeginStroke { *touched, panel_.settings(), ++stroke_ });
         drawing_ = true;
         line_ = { touched->shown };
         draw_between(from, to);

@@ -1,5 +1,5 @@
 #pragma once
-// The tissues of this program, for the window.
+// The tissue models of this program, for the window.
 
 #include "planner/session/palpation_session.h"
 

@@ -86,7 +86,7 @@ void PalpationPanel::call(const std::function<void()>& function) const
         function();
 }
 
-void PalpationPanel::give(palpation::Command command)
+void PalpationPanel::give(planner::palpation::Command command)
 {
     if (on_command)
         on_command(std::move(command));
@@ -188,7 +188,8 @@ QWidget* PalpationPanel::make_servo()
     fault_ = words();
     fault_->setStyleSheet("background: #6e2323; color: #ffd8d4; padding: 6px; border-radius: 4px;");
     column->addWidget(fault_);
-    rearm_ = button("Arm again", "The force comes back within half a second", [this] { give(palpation::Rearm {}); });
+    rearm_ = button(
+        "Arm again", "The force comes back within half a second", [this] { give(planner::palpation::Rearm {}); });
     column->addWidget(rearm_);
     fault_->hide();
     rearm_->hide();
@@ -208,7 +209,7 @@ QWidget* PalpationPanel::make_tissue(const std::vector<std::string>& models)
     heart_rate_ = number(20.0, 300.0, 0, 5.0, " per minute");
     connect(heart_rate_, qOverload<double>(&QDoubleSpinBox::valueChanged), this, [this](double rate) {
         if (!quiet_)
-            give(palpation::SetHeartRate { rate });
+            give(planner::palpation::SetHeartRate { rate });
     });
     form->addRow("Heart rate", heart_rate_);
     gain_ = number(0.1, 20.0, 1, 0.5, " times");
@@ -395,7 +396,8 @@ void PalpationPanel::show_snapshot(
     quiet_ = true;
     if (ready) {
         known_ = snapshot.setup;
-        if (!snapshot.busy) { // what was refused goes back to what is
+        // A refused setting returns to the present value.
+        if (!snapshot.busy) {
             model_->setCurrentIndex(model_->findData(QString::fromStdString(snapshot.setup.model)));
             if (!gain_->hasFocus())
                 gain_->setValue(snapshot.setup.force_gain);
@@ -414,7 +416,7 @@ void PalpationPanel::show_snapshot(
         rows_[f].row->setVisible(f < std::max<std::size_t>(snapshot.fingers, 1));
     setEnabled(ready);
     can_edit_ = ready && snapshot.abilities.edits;
-    template_->setVisible(can_edit_ || !ready); // room for what the other models have
+    template_->setVisible(can_edit_ || !ready); // leaves room for the controls of other models
     set_edit_place(placed_);
     heart_rate_->setEnabled(ready && snapshot.abilities.pulse);
     grip_->setEnabled(ready && snapshot.abilities.grips);
@@ -426,7 +428,7 @@ void PalpationPanel::show_snapshot(
             notes += (notes.isEmpty() ? "" : "\n") + QString::fromStdString(note);
     notes_->setText(notes);
     notes_->setVisible(!notes.isEmpty());
-    // A form gives wrapped lines too little; without lines there is no such height (-1).
+    // A form gives wrapped lines too little height. Without lines there is no such height (-1).
     notes_->setMinimumHeight(std::max(0, notes_->heightForWidth(notes_->width())));
     edits_ = snapshot.edits.size();
 }

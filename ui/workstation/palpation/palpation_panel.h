@@ -1,5 +1,5 @@
 #pragma once
-// What the fingers feel, and what can be changed while they do: on the right of a palpation.
+// The panel on the right of a palpation: forces and depths of the fingers, and the settings that can change meanwhile.
 
 #include "planner/session/palpation_worker.h"
 
@@ -25,24 +25,24 @@ class PalpationPanel : public QWidget {
 public:
     explicit PalpationPanel(std::vector<std::string> models, QWidget* parent = nullptr);
 
-    /// For a newly opened scene: what is to be set, before anything is known of it.
+    /// Shows the settings of a newly opened scene, before its tissue is ready.
     void begin(const planner::PalpationSetup& setup, double depth, double deepest);
-    /// @param scene_notes what is to be said of the scene, before what is to be said of the tissue.
+    /// @param scene_notes notes about the scene; they stand before the notes about the tissue
     void show_snapshot(const planner::PalpationSnapshot& snapshot, const std::vector<std::string>& scene_notes);
     void show_frame(const planner::PalpationFrame& frame, std::size_t finger_in_hand,
         const std::array<bool, planner::kMostFingers>& out);
     void show_depth(double mm);
 
-    [[nodiscard]] planner::PalpationSetup setup() const; ///< as chosen
-    /// As chosen, without a place.
+    [[nodiscard]] planner::PalpationSetup setup() const; ///< the chosen settings
+    /// The chosen template, without a place.
     [[nodiscard]] haptics::ElasticTemplate chosen_template() const;
     [[nodiscard]] bool wants_spheres() const;
     [[nodiscard]] bool wants_hands() const;
     [[nodiscard]] std::set<Label> hidden_organs() const;
-    void set_edit_place(bool placed); ///< whether Apply has a place
+    void set_edit_place(bool placed); ///< tells whether Apply has a place
 
     // Set by the owner.
-    std::function<void(palpation::Command)> on_command;
+    std::function<void(planner::palpation::Command)> on_command;
     std::function<void()> on_setup, on_view, on_template, on_place, on_apply, on_lift, on_reset, on_record;
     std::function<void(double)> on_depth;
     std::function<void(bool)> on_grip;
@@ -63,7 +63,7 @@ public:
     QCheckBox& grip_box() { return *grip_; }
     [[nodiscard]] QString force_text(std::size_t finger) const;
     [[nodiscard]] QString servo_text() const;
-    [[nodiscard]] QString fault_text() const; ///< empty: the servo is armed
+    [[nodiscard]] QString fault_text() const; ///< text of the fault; empty: the servo is armed
 
 private:
     struct FingerRow {
@@ -78,7 +78,7 @@ private:
     QWidget* make_view();
     QPushButton* button(const QString& text, const QString& tip, std::function<void()> PalpationPanel::*run);
     QPushButton* button(const QString& text, const QString& tip, const std::function<void()>& run);
-    void give(palpation::Command command);
+    void give(planner::palpation::Command command);
     QDoubleSpinBox* number(double low, double high, int decimals, double step, const QString& suffix);
     void call(const std::function<void()>& function) const;
     void show_organs(const std::vector<std::string>& organs);

@@ -15,7 +15,7 @@ namespace retractor::ui {
 
 namespace {
 
-    /// Shades by stiffness: half an octave each, from an eighth to eight times the usual modulus.
+    /// Number of shades by stiffness. A shade is half an octave, from an eighth to eight times the usual modulus.
     constexpr int kShades = 13, kUsualShade = 6;
     constexpr Color kStiff { 0.98, 0.90, 0.62 }, kSoft { 0.42, 0.32, 0.62 };
     constexpr Color kMarkColor { 0.35, 0.95, 1.0 };
@@ -46,7 +46,7 @@ namespace {
         return { c.redF(), c.greenF(), c.blueF() };
     }
 
-    /// What a finger holds is bright; deeper layers come back to the organ's colour.
+    /// Colour of a sphere: bright at a finger, and in deeper layers the organ's colour.
     Color sphere_color(const Color& organ, int layer)
     {
         if (layer < 0)
@@ -81,7 +81,7 @@ Scene palpation_scene(const datasets::PalpationScene& scene, const std::vector<s
     for (const datasets::TouchSite& site : scene.sites)
         if (!site.name.ends_with("-opposite"))
             outward += site.outward;
-    constexpr double kAgree = 0.1; // sites all round have no side of their own
+    constexpr double kAgree = 0.1; // sites on all sides have no common direction
     outward = outward.norm() > kAgree ? Vec3(outward.normalized()) : Vec3(-Vec3::UnitY());
     Vec3 aside = outward.cross(Vec3::UnitZ());
     if (aside.norm() < 0.3)
@@ -104,7 +104,7 @@ std::array<Vec3, haptics::kMaxFingers> shown_fingertips(const planner::Palpation
         shown[f] = tip.position;
         if (!contact.touching)
             continue;
-        // Where the tissue holds it: at the bottom of its dent, not inside.
+        // Where the tissue holds the fingertip, it is shown at the bottom of its dent, not inside.
         const bool held_back = (contact.proxy - tip.position).dot(contact.normal) >= contact.depth;
         const Vec3 from = held_back ? Vec3(contact.proxy - contact.depth * contact.normal) : tip.position;
         shown[f] = planner::seated_on(frame.shown, frame.surface->triangles, from, tip.radius, contact.normal);

@@ -1,5 +1,5 @@
 #pragma once
-// From a frame of a palpation to what is drawn of it.
+// Draws a frame of a palpation.
 
 #include "haptics/hand/hand_model.h"
 #include "planner/session/palpation_session.h"
@@ -14,31 +14,31 @@
 namespace retractor::ui {
 
 struct PalpationWishes {
-    bool spheres = false; ///< the spheres inside instead of the surface
+    bool spheres = false; ///< show the spheres inside instead of the surface
     bool hands = false;
     std::set<Label> hidden_organs {};
-    std::array<bool, planner::kMostFingers> fingers {}; ///< which are shown
-    std::vector<haptics::ElasticTemplate> edits {}; ///< in force, in order
-    std::optional<haptics::ElasticTemplate> mark; ///< being placed
-    Vec3 sight = -Vec3::UnitZ(), up = Vec3::UnitY(); ///< the camera's: hands reach in from below
+    std::array<bool, planner::kMostFingers> fingers {}; ///< fingers that are shown
+    std::vector<haptics::ElasticTemplate> edits {}; ///< edits in force, in order
+    std::optional<haptics::ElasticTemplate> mark; ///< edit that is being placed
+    Vec3 sight = -Vec3::UnitZ(), up = Vec3::UnitY(); ///< directions of the camera; hands reach in from below
 };
 
-/// Seen at an angle from where its sites face, whole; with the sites named.
+/// The whole tissue with its named sites, seen at an angle from the side to which the sites face.
 Scene palpation_scene(const datasets::PalpationScene& scene, const std::vector<std::string>& notes);
 
-/// Where the fingers are shown: on the drawn tissue.
+/// The places of the fingertips in the picture, on the drawn tissue.
 std::array<Vec3, haptics::kMaxFingers> shown_fingertips(const planner::PalpationFrame& frame);
 
-/// Right and left.
+/// The right and the left hand.
 using ShownHands = std::array<haptics::HandModel, LivePalpation::kHands>;
 
 class PalpationPicture {
 public:
-    /// @param organs their names, by label from 1; empty: the scene is one body
+    /// @param organs names of the organs by label, from 1; empty: the scene is one body
     PalpationPicture(const datasets::PalpationScene& scene, const std::vector<std::string>& organs);
 
     void show(const planner::PalpationFrame& frame, const PalpationWishes& wishes);
-    /// In place of those built in.
+    /// Replaces the built-in hands.
     void set_hands(const ShownHands& hands);
     [[nodiscard]] const LiveProps& props() const { return live_; }
 
@@ -52,11 +52,11 @@ private:
     LivePalpation live_;
     std::string name_;
     std::vector<std::string> organs_;
-    std::map<Label, double> modulus_of_; ///< MPa, mean by label
-    double usual_modulus_ = 1.0; ///< MPa: the median
-    ShownHands hands_; ///< made when they are first wanted
+    std::map<Label, double> modulus_of_; ///< mean modulus of each label, MPa
+    double usual_modulus_ = 1.0; ///< median modulus, MPa
+    ShownHands hands_; ///< made on first use
 
-    // What the surface was made of.
+    // The data from which the surface was made.
     std::shared_ptr<const TriMesh> surface_;
     std::set<Label> hidden_;
     std::vector<haptics::ElasticTemplate> edits_;

@@ -23,8 +23,8 @@ namespace retractor::ui {
 
 namespace {
 
-    constexpr int kPollMs = 30; ///< a picture takes a good part of it where there is no graphics card
-    constexpr double kPressShare = 0.375; ///< of a fingertip's radius, how far it presses at first
+    constexpr int kPollMs = 30; ///< without a graphics card a picture takes a large part of this time
+    constexpr double kPressShare = 0.375; ///< initial depth of a press, as a share of the fingertip's radius
     constexpr const char* kHint
         = "Left button: press the fingertip in   \u00b7   drag: slide along   \u00b7   wheel while pressing: deeper, "
           "less   \u00b7   keys 1, 2, \u2026: take another finger, this one stays   \u00b7   Esc: lift all   \u00b7   "
@@ -139,20 +139,20 @@ void PalpationWindow::make_panel_calls()
             lift_all();
             view_->show_note("Making the tissue anew …");
         }
-        worker_->run(palpation::ChangeSetup { setup });
+        worker_->run(planner::palpation::ChangeSetup { setup });
     });
-    panel_->on_command = with_worker([this](const palpation::Command& command) { worker_->run(command); });
+    panel_->on_command = with_worker([this](const planner::palpation::Command& command) { worker_->run(command); });
     panel_->on_reset = with_worker([this] {
         lift_all();
         mark_.reset();
         panel_->set_edit_place(false);
         view_->show_note("Making the tissue anew …");
-        worker_->run(palpation::Reset {});
-        worker_->run(palpation::Rearm {});
+        worker_->run(planner::palpation::Reset {});
+        worker_->run(planner::palpation::Rearm {});
     });
     panel_->on_grip = with_worker([this](bool held) {
         grips_[tool_->finger()] = held;
-        worker_->run(palpation::Grip { tool_->finger(), held });
+        worker_->run(planner::palpation::Grip { tool_->finger(), held });
     });
     panel_->on_depth = [this](double mm) { tool_->set_depth(mm); };
     panel_->on_lift = [this] { lift_all(); };
@@ -293,7 +293,7 @@ void PalpationWindow::take_snapshot()
         picture_->set_hands(*hands_);
     surface_.reset();
     grips_ = {};
-    const double depth = panel_->depth().value(); // before the tool tells its own
+    const double depth = panel_->depth().value(); // before the tool reports its own depth
     tool_->touch(worker_.get(), snapshot_->fingers, planner::fingertip_radius(scene_));
     tool_->set_depth(depth);
 }
@@ -368,7 +368,7 @@ void PalpationWindow::lift_all()
 {
     for (std::size_t f = 0; f < planner::kMostFingers; ++f)
         if (std::exchange(grips_[f], false) && worker_ != nullptr)
-            worker_->run(palpation::Grip { f, false });
+            worker_->run(planner::palpation::Grip { f, false });
     tool_->ask_for_place(nullptr);
     tool_->lift_all();
 }
@@ -396,19 +396,19 @@ void PalpationWindow::apply_template()
         return;
     haptics::ElasticTemplate edit = panel_->chosen_template();
     edit.centre = mark_->centre;
-    worker_->run(palpation::EditTissue { edit });
+    worker_->run(planner::palpation::EditTissue { edit });
 }
 
 void PalpationWindow::start_recording()
 {
     if (worker_ != nullptr)
-        worker_->run(palpation::StartRecording {});
+        worker_->run(planner::palpation::StartRecording {});
 }
 
 void PalpationWindow::stop_recording(const std::filesystem::path& path)
 {
     if (worker_ != nullptr)
-        worker_->run(palpation::StopRecording { path });
+        worker_->run(planner::palpation::StopRecording { path });
 }
 
 void PalpationWindow::record_or_stop()

@@ -1,6 +1,6 @@
 #pragma once
-// A window to palpate in: the tissue in the middle, pressure and force over time under it, numbers and settings on the
-// right. The tissue is followed and the servo runs on other threads; the window draws the newest frame.
+// The window for palpation: the tissue in the middle, pressure and force over time below, numbers and settings on the
+// right. Other threads follow the tissue and run the servo. The window draws the newest frame.
 
 #include "planner/session/palpation_worker.h"
 #include "ui/workstation/palpation/palpation_panel.h"
@@ -24,40 +24,40 @@ namespace retractor::ui {
 class PalpationWindow : public QMainWindow {
 public:
     explicit PalpationWindow(planner::PalpationBackend backend, QWidget* parent = nullptr);
-    /// Lets go and ends the palpation.
+    /// Lets go of the devices and ends the palpation.
     ~PalpationWindow() override;
 
-    /// In place of what was palpated. @param notes what is to be said of the scene, beside what its tissue says
+    /// Replaces the palpated tissue. @param notes notes about the scene, shown beside the notes about its tissue
     void open(
         datasets::PalpationScene scene, const planner::PalpationSetup& setup = {}, std::vector<std::string> notes = {});
-    /// Says in the window what is wrong with a file; what was palpated goes on.
+    /// Opens a scene. When the file has an error, the window shows the error and the present palpation goes on.
     void open_file(const std::filesystem::path& path);
 
-    /// On the fingertips, in place of the hands built in.
+    /// Replaces the built-in hands on the fingertips.
     void show_hands(const ShownHands& hands);
 
     void take_finger(std::size_t finger);
     void lift_all();
-    /// Where the template's middle goes.
+    /// Moves the middle of the template.
     void place_template(const Vec3& centre);
     void apply_template();
     void start_recording();
     void stop_recording(const std::filesystem::path& path);
 
-    /// The whole window as PNG. @throws IoError.
+    /// Writes the whole window as PNG. @throws IoError
     void save_screenshot(const std::filesystem::path& path);
 
-    /// The tissue is there, and nothing that was asked for is still to be done.
+    /// Whether the tissue is ready and every request is done.
     bool idle() const;
     PictureView& view() { return *view_; }
     PalpationPanel& panel() { return *panel_; }
     StripChart& chart() { return *chart_; }
     TouchTool& tool() { return *tool_; }
-    /// The newest that was taken.
+    /// The newest snapshot.
     const planner::PalpationSnapshot& snapshot() const { return *snapshot_; }
-    /// The newest that was drawn. @pre snapshot().phase is ready
+    /// The newest drawn frame. @pre snapshot().phase is ready
     const planner::PalpationFrame& frame() const { return *frame_; }
-    /// What the status line says went wrong; empty: nothing.
+    /// The error in the status line; empty: none.
     std::string error_line() const { return error_; }
 
 private:
@@ -79,11 +79,11 @@ private:
     planner::PalpationBackend backend_;
     datasets::PalpationScene scene_;
     std::vector<std::string> scene_notes_;
-    std::unique_ptr<planner::PalpationWorker> worker_; ///< null: nothing is open
+    std::unique_ptr<planner::PalpationWorker> worker_; ///< null when no scene is open
     std::shared_ptr<const planner::PalpationSnapshot> snapshot_ = std::make_shared<const planner::PalpationSnapshot>();
-    const planner::PalpationFrame* frame_ = nullptr; ///< the worker's newest
+    const planner::PalpationFrame* frame_ = nullptr; ///< the newest frame of the worker
     std::unique_ptr<PalpationPicture> picture_;
-    std::optional<ShownHands> hands_; ///< of a file
+    std::optional<ShownHands> hands_; ///< hands read from a file
     std::shared_ptr<const TriMesh> surface_;
     std::size_t answers_ = 0;
     std::optional<haptics::ElasticTemplate> mark_;

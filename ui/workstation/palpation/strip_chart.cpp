@@ -15,7 +15,7 @@ namespace {
     constexpr int kLines = 4; ///< across a plot
     const QColor kPressureColor(0xe0, 0x8a, 0x8a);
 
-    /// 1, 2 or 5 times a power of ten, not less.
+    /// The smallest 1, 2 or 5 times a power of ten that is not less than `value`.
     double round_up(double value)
     {
         const double decade = std::pow(10.0, std::floor(std::log10(value)));
@@ -119,7 +119,7 @@ void StripChart::paintEvent(QPaintEvent*)
             most = std::max(most, s.force[f]);
         }
     }
-    std::reverse(forces.begin(), forces.end()); // the first finger on top
+    std::reverse(forces.begin(), forces.end()); // draws the first finger on top
     const QString gain
         = force_gain_ == 1.0 ? QString() : QString("  (hands feel %1 times this)").arg(force_gain_, 0, 'g', 3);
     draw_plot(painter, { kMarginLeft, top, across, height_each }, "Force on each finger, N" + gain, 0.0, round_up(most),

@@ -1,5 +1,5 @@
 #pragma once
-// Pressure and force over the last seconds, drawn as they come.
+// Draws pressure and force over the last seconds.
 
 #include "planner/session/palpation_session.h"
 
@@ -12,14 +12,14 @@ class QPainter;
 
 namespace retractor::ui {
 
-/// The same in the picture, the panel and the chart.
+/// The colour of a finger, the same in the picture, the panel and the chart.
 QColor finger_color(std::size_t finger);
 
 class StripChart : public QWidget {
 public:
     explicit StripChart(QWidget* parent = nullptr);
 
-    /// @param pulse whether there is a pressure to be drawn
+    /// @param pulse whether there is a pressure to draw
     void show_samples(std::vector<planner::StripSample> samples, std::size_t fingers, bool pulse, double force_gain);
     const std::vector<planner::StripSample>& samples() const { return samples_; }
 

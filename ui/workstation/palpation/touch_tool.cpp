@@ -9,8 +9,10 @@ namespace retractor::ui {
 
 namespace {
 
-    constexpr double kHoverShare = 0.5; ///< of a radius, between the tissue and a fingertip that does not press
-    constexpr double kNotchShare = 1.0 / 16.0; ///< of a radius, per notch of the wheel: 0.25 mm for 4 mm
+    /// Distance between the tissue and a fingertip that does not press, as a share of its radius.
+    constexpr double kHoverShare = 0.5;
+    /// Step per notch of the wheel, as a share of the radius: 0.25 mm for 4 mm.
+    constexpr double kNotchShare = 1.0 / 16.0;
     constexpr double kFarAway = 400.0; // mm
 
 } // namespace
@@ -59,7 +61,7 @@ std::optional<planner::SurfacePlace> TouchTool::under(const QPointF& at) const
     return planner::place_under(*surface_, normals_, view_.ray_at(at));
 }
 
-/// Tells the finger's device where it is to be now.
+/// Tells the finger's device its present place.
 void TouchTool::put(std::size_t finger, bool hops)
 {
     if (worker_ == nullptr)
@@ -90,7 +92,8 @@ void TouchTool::take_finger(std::size_t finger)
 {
     if (finger >= fingers_ || finger == finger_)
         return;
-    if (Hand& left = hands_[finger_]; !left.pressed) { // it hovered at the mouse
+    // A finger that does not press hovers at the mouse, and goes away.
+    if (Hand& left = hands_[finger_]; !left.pressed) {
         left.at.reset();
         put(finger_, true);
     }
@@ -118,8 +121,8 @@ void TouchTool::press(const QPointF& at)
     if (const auto answer = std::exchange(asked_, nullptr))
         return answer(*place);
     held_ = true;
-    // Above the place first, wherever the finger is: what was pressed before is let go, and nothing is swept aside on
-    // the way.
+    // The finger first moves above the place, from wherever it is. It lets go of the earlier press and sweeps nothing
+    // aside on the way.
     hands_[finger_] = { place, false, 0.0 };
     put(finger_, true);
     hands_[finger_] = { place, true, depth_ };
@@ -131,7 +134,7 @@ void TouchTool::move(const QPointF& at, bool held)
 {
     Hand& hand = hands_[finger_];
     if (hand.pressed && !(held && held_))
-        return; // it was left pressing
+        return; // the finger stays pressed
     const auto place = under(at);
     if (!place && hand.pressed)
         return;
@@ -144,7 +147,7 @@ void TouchTool::move(const QPointF& at, bool held)
 
 void TouchTool::release(const QPointF&)
 {
-    // With another finger in hand since the press, the one that pressed stays.
+    // When another finger was taken since the press, the finger that pressed stays.
     if (Hand& hand = hands_[finger_]; std::exchange(held_, false) && hand.pressed) {
         hand.pressed = false;
         put(finger_, false);

@@ -1,7 +1,7 @@
 #pragma once
-// The mouse as a hand. Over the tissue it carries a fingertip just above it; the left button presses it in, straight
-// into the tissue where it is, and dragging slides it along; the wheel presses deeper or less. Another finger can be
-// taken at any time: the one before stays where it is, pressing if it pressed, so that two of them pinch.
+// The mouse as a hand. Over the tissue the mouse carries a fingertip just above the surface. The left button presses
+// the fingertip straight into the tissue, dragging slides it, and the wheel changes the depth. Another finger can be
+// taken at any time: the last finger stays in its place, pressed or not, so that two fingers pinch.
 
 #include "planner/session/palpation_worker.h"
 #include "planner/session/touched_surface.h"
@@ -17,38 +17,38 @@ namespace retractor::ui {
 
 class TouchTool : private PictureTool {
 public:
-    /// The view must outlive the tool.
+    /// @pre the view outlives the tool
     explicit TouchTool(PictureView& view);
     ~TouchTool() override;
 
-    /// Null: nothing is touched. The worker must be taken away before it ends.
+    /// Connects the tool to a worker; null: nothing is touched. Disconnect a worker before it ends.
     void touch(planner::PalpationWorker* worker, std::size_t fingers, double radius);
-    /// What the eye's rays meet: the tissue at rest.
+    /// The surface that the rays of the eye meet: the tissue at rest.
     void set_surface(std::shared_ptr<const TriMesh> surface);
 
-    void set_depth(double mm); ///< of the finger in hand
+    void set_depth(double mm); ///< sets the depth of the finger in hand
     double depth() const { return depth_; }
     double deepest() const { return 3.0 * radius_; }
-    void take_finger(std::size_t finger); ///< nothing when there are not so many
+    void take_finger(std::size_t finger); ///< does nothing when there is no such finger
     std::size_t finger() const { return finger_; }
     /// All fingers leave the tissue.
     void lift_all();
-    /// The finger lies on the tissue or above it.
+    /// Whether the finger lies on or above the tissue.
     bool is_out(std::size_t finger) const { return hands_[finger].at.has_value(); }
     const std::optional<planner::SurfacePlace>& place(std::size_t finger) const { return hands_[finger].at; }
 
-    /// The next press says where instead of touching.
+    /// The next press reports its place instead of touching.
     void ask_for_place(std::function<void(const planner::SurfacePlace&)> answer) { asked_ = std::move(answer); }
 
     // Set by the owner.
-    std::function<void()> on_change; ///< depth, finger in hand, or a finger came or went
+    std::function<void()> on_change; ///< called when the depth, the finger in hand or the presence of a finger changes
     std::function<void(const std::string&)> on_refused;
 
 private:
     struct Hand {
-        std::optional<planner::SurfacePlace> at; ///< where it is aimed, on the surface at rest
+        std::optional<planner::SurfacePlace> at; ///< place on the surface at rest at which the finger is aimed
         bool pressed = false;
-        double depth = 0.0; ///< mm, when it was pressed last
+        double depth = 0.0; ///< depth of the last press, mm
     };
 
     void press(const QPointF& at) override;
@@ -64,7 +64,7 @@ private:
     planner::PalpationWorker* worker_ = nullptr;
     std::shared_ptr<const TriMesh> surface_;
     Points normals_;
-    Vec3 away_ = Vec3::Zero(); ///< where fingers are that touch nothing
+    Vec3 away_ = Vec3::Zero(); ///< place of fingers that touch nothing
     std::array<Hand, planner::kMostFingers> hands_;
     std::size_t fingers_ = 0, finger_ = 0;
     double radius_ = 4.0, depth_ = 1.5;

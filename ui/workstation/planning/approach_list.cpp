@@ -15,7 +15,7 @@ namespace {
     constexpr int kMargin = 12;
     constexpr int kDot = 10;
 
-    /// Name in bold, the detail below it, a dot before both.
+    /// Draws an entry: a dot, the name in bold, and the detail below.
     class ApproachDelegate : public QStyledItemDelegate {
     public:
         using QStyledItemDelegate::QStyledItemDelegate;

@@ -10,7 +10,7 @@ namespace retractor::ui {
 
 namespace {
 
-    /// Tissue that more than doubles or halves its volume is an artefact of the model, not a result.
+    /// A volume that more than doubles or halves is an artefact of the model, not a result.
     constexpr double kDoubtfulVolumeRatio = 2.0;
 
     std::string number(double value, int digits, const char* unit)
@@ -30,7 +30,7 @@ namespace {
 
     constexpr const char* kBar = " ±: what finer elements would change.";
 
-    /// "58.0 ± 1.2 mm" where there is an estimate, else "58.0 mm".
+    /// The row of a number: "58.0 ± 1.2 mm" with an estimate, otherwise "58.0 mm".
     MetricRow metric_row(const planner::FieldMetrics& field, const planner::MetricField& metric)
     {
         const int digits = metric.group == planner::MetricGroup::distances ? 0
@@ -45,7 +45,7 @@ namespace {
         return row;
     }
 
-    /// The numbers of a group, in the order of the table.
+    /// Adds the numbers of a group, in the order of the table.
     void add_rows(MetricSection& section, const planner::FieldMetrics& field, planner::MetricGroup group)
     {
         for (const planner::MetricField& metric : planner::metric_fields())
@@ -126,14 +126,14 @@ namespace {
         return section;
     }
 
-    /// A number of the table that is known before anything is planned.
+    /// The row of a number of the table that is known before planning.
     MetricRow asked_row(const char* key, double value)
     {
         const planner::MetricField& metric = planner::metric_field(key);
         return { metric.caption, planner::metric_text(metric, value, 0), metric.meaning };
     }
 
-    /// What drives the hook: a force, or a way that a limit and a grip may cut short.
+    /// The row of a hook's drive: a force, or a motion that a limit and a grip may shorten.
     MetricRow hook_row(const planner::HookSpec& hook)
     {
         const planner::HookPull& pull = hook.pull;

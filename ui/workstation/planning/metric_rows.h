@@ -1,5 +1,5 @@
 #pragma once
-// The numbers of the side panel as words: what a surgeon reads first comes first.
+// The numbers of the side panel as text, in the order in which a surgeon reads them.
 
 #include "planner/case/approach.h"
 #include "planner/measures/field_metrics.h"
@@ -11,8 +11,8 @@ namespace retractor::ui {
 
 struct MetricRow {
     std::string key, value;
-    std::string meaning; ///< one sentence, shown on hovering; may be empty
-    bool warning = false; ///< the number casts doubt on the result
+    std::string meaning; ///< one sentence for the tool tip; may be empty
+    bool warning = false; ///< the number makes the result doubtful
 };
 
 struct MetricSection {
@@ -20,11 +20,11 @@ struct MetricSection {
     std::vector<MetricRow> rows;
 };
 
-/// Of a planned field.
+/// The rows of a planned field.
 std::vector<MetricSection> field_rows(const planner::FieldMetrics& field);
-/// Of an approach that is not planned yet: what was asked for.
+/// The rows of an approach that is not planned yet: the requested values.
 std::vector<MetricSection> approach_rows(const planner::Approach& approach);
-/// One line for the list: "62 % seen, 41 N" once planned.
+/// One line for the list: "62 % seen, 41 N" for a planned field.
 std::string field_summary(const planner::FieldMetrics& field);
 std::string approach_summary(const planner::Approach& approach);
 

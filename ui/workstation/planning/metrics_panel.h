@@ -1,5 +1,5 @@
 #pragma once
-// The numbers on the right: of the planned field, or what is asked for when it is not planned yet.
+// The panel on the right with the numbers of the planned field, or the request before planning.
 
 #include "ui/workstation/planning/session_model.h"
 

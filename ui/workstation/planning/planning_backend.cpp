@@ -29,13 +29,13 @@ namespace {
         outcome.field.overview = overview_scene(patient, field);
         if (patient.has_ct())
             outcome.field.slices = slice_scenes(patient, field.approach);
-        // The numbers stand beside the picture.
+        // No legend: the numbers stand beside the picture.
         outcome.field.surgeon.legend.clear();
         outcome.field.overview.legend.clear();
         return outcome;
     }
 
-    /// What the plan does otherwise than the hooks under the knife; empty: nothing to say.
+    /// Differences between the plan's hooks and those of the surgery session; empty: none.
     std::string not_as_planned(const planner::Case& planned_case)
     {
         std::string text;
@@ -55,7 +55,8 @@ namespace {
         return text;
     }
 
-    /// The wall is meshed as plan_approach() meshes it: the same elements are cut by hand and planned.
+    /// The setup of a surgery session. The wall is meshed as in plan_approach(), so the session cuts the elements of
+    /// the plan.
     KnifeTable lay_table(planner::Patient& patient, const planner::Approach& approach, const Job& job)
     {
         planner::check_approach(approach);

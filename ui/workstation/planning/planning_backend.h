@@ -1,5 +1,5 @@
 #pragma once
-// What the window asks of the planner. The functions run on worker threads, at the same time if need be.
+// The planner's functions for the window. They run on worker threads, possibly at the same time.
 
 #include "mesh/base/job.h"
 #include "planner/session/surgery_session.h"
@@ -13,25 +13,25 @@ namespace retractor::ui {
 struct PlanOutcome {
     enum class Status { planned, refused, cancelled };
     Status status = Status::planned;
-    std::string message; ///< why it was refused
-    FieldPictures field; ///< planned only
+    std::string message; ///< reason of a refusal
+    FieldPictures field; ///< filled only when planned
 };
 
-/// What the window lays out for the knife.
+/// The input of a surgery session in the window.
 struct KnifeTable {
     planner::SurgerySetup table;
-    Scene surroundings; ///< drawn, not cut; with the camera of the overview
+    Scene surroundings; ///< drawn but not cut; with the camera of the overview
 };
 
 struct PlanningBackend {
     /// The patient with the incision drawn on the closed skin.
     std::function<Scene(const planner::Approach&, const Job&)> closed_scene;
     std::function<PlanOutcome(const planner::Approach&, const Job&)> plan;
-    /// The wall round the approach's incision, uncut, for the knife. Throws when there is none.
+    /// The wall round the approach's incision, uncut, for the knife. The function throws when there is no wall.
     std::function<KnifeTable(const planner::Approach&, const Job&)> operating_table;
 };
 
-/// The planner itself. Reads nothing before it is asked to; keeps what it has read.
+/// The real planner. The backend reads data on first use and keeps them.
 PlanningBackend make_planning_backend(const planner::Case& planned_case);
 
 } // namespace retractor::ui

@@ -16,7 +16,7 @@ namespace {
 
     constexpr std::array kViews { ViewPreset::surgeon, ViewPreset::overview, ViewPreset::slices };
 
-    /// A field of a request (see Error::fields()) and the control that sets it.
+    /// A field of a request (see Error::fields()) and the control for it.
     struct FieldControl {
         std::string_view field, control;
     };
@@ -26,7 +26,7 @@ namespace {
         FieldControl { "structure", "File: Palpate a structure…" },
     };
 
-    /// " (see Tissue: Model)"; empty where no control sets any of the fields.
+    /// The controls for the fields, " (see Tissue: Model)"; empty when no control sets any of them.
     std::string control_hint(const std::vector<std::string>& fields)
     {
         std::string controls;
@@ -37,7 +37,7 @@ namespace {
         return controls.empty() ? std::string() : " (see " + controls + ")";
     }
 
-    /// Point and unit blade direction half way along the incision.
+    /// Point and unit blade direction at half the length of the incision.
     std::pair<Vec3, Vec3> incision_middle(const planner::Approach& approach)
     {
         const double half = planner::incision_length(approach) / 2.0;
@@ -236,7 +236,7 @@ std::vector<Scene> SessionModel::shown_scenes() const
 
 Camera surgeon_camera(const planner::Approach& approach, const Vec3& up)
 {
-    // The incision fills about half of the picture's height, so that the body round it tells where it is.
+    // The incision fills about half of the picture's height, so that the body round it shows its place.
     constexpr double kHeightPerLength = 2.0;
     constexpr double kSmallestHeightMm = 120.0;
     const auto [middle, into] = incision_middle(approach);
@@ -246,7 +246,7 @@ Camera surgeon_camera(const planner::Approach& approach, const Vec3& up)
     const double height = std::max(kSmallestHeightMm, kHeightPerLength * planner::incision_length(approach));
     camera.view_angle_deg = 2.0 * std::atan(height / 2.0 / approach.view.eye_distance_mm) * 180.0 / std::numbers::pi;
     camera.up = (up - up.dot(into) * into);
-    // Looked at from straight above or below, `up` says nothing: the head is then as good as any.
+    // In a view along `up` the vector has no use, and the head serves instead.
     if (camera.up.norm() < 0.05 * up.norm())
         camera.up = into.unitOrthogonal();
     camera.up.normalize();

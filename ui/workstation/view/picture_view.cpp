@@ -23,12 +23,12 @@ namespace retractor::ui {
 
 namespace {
 
-    /// A pause in turning shorter than this does not start a full-quality picture, which takes up to a second.
+    /// A shorter pause in turning starts no full-quality picture, which takes up to a second.
     constexpr int kRestMs = 300;
     constexpr int kResizeMs = 150;
-    /// What changes within this time is drawn as one picture.
+    /// Changes within this time are drawn in one picture.
     constexpr int kFrameMs = 12;
-    constexpr double kNotch = 120.0; ///< Qt's angle of a mouse wheel's notch
+    constexpr double kNotch = 120.0; ///< Qt's angle of one notch of a mouse wheel
 
     void call(void* function) { (*static_cast<std::function<void()>*>(function))(); }
 
@@ -47,7 +47,7 @@ bool PictureTool::wheel(double) { return false; }
 
 struct PictureView::Drawn {
     vtkSmartPointer<vtkGenericOpenGLRenderWindow> window = vtkSmartPointer<vtkGenericOpenGLRenderWindow>::New();
-    /// Shows through where no scene is.
+    /// Visible where no scene is.
     vtkSmartPointer<vtkRenderer> backdrop = vtkSmartPointer<vtkRenderer>::New();
     VolumeCache volumes;
     std::vector<SceneView> views;
@@ -178,7 +178,8 @@ planner::Ray PictureView::ray_at(const QPointF& at) const
     const Vec3 sight = (camera.aim - camera.eye).normalized();
     const Vec3 right = sight.cross(camera.up).normalized(), up = right.cross(sight);
     const double half = 0.5 * height();
-    const double x = (at.x() - 0.5 * width()) / half, y = (half - at.y()) / half; // of half the picture's height
+    // Relative to half the picture's height.
+    const double x = (at.x() - 0.5 * width()) / half, y = (half - at.y()) / half;
     const double slope = std::tan(0.5 * camera.view_angle_deg * std::numbers::pi / 180.0);
     return { camera.eye, (sight + slope * (x * right + y * up)).normalized() };
 }
@@ -230,7 +231,7 @@ bool PictureView::handle_mouse(QMouseEvent& event)
     } else if (left) {
         tool_->press(event.localPos());
     } else {
-        return false; // the middle button shifts the picture as ever
+        return false; // the middle button still shifts the picture
     }
     event.accept();
     return true;
@@ -247,7 +248,7 @@ void PictureView::resizeEvent(QResizeEvent* event)
 {
     QVTKOpenGLNativeWidget::resizeEvent(event);
     place_note();
-    // Words and scale bars are made for a size; they are made anew when the size has settled.
+    // Words and scale bars depend on the size. They are made again when the size has settled.
     resize_timer_.start(kResizeMs);
 }
 

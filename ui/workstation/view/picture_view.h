@@ -1,6 +1,6 @@
 #pragma once
-// The picture in the window: the same plain scenes that are drawn off-screen, to be turned by hand. While the camera
-// moves, volumes are sampled coarsely; at rest the picture is drawn in full quality.
+// The picture in the window: the same plain scenes as off-screen, with a camera that the mouse turns. Volumes are
+// sampled coarsely while the camera moves, and in full quality at rest.
 
 #include "planner/session/wall_picture.h"
 #include "ui/scene/scene.h"
@@ -21,15 +21,16 @@ namespace retractor::ui {
 
 class LiveProps;
 
-/// What the mouse does instead of turning the camera.
+/// A use of the mouse in place of turning the camera.
 class PictureTool {
 public:
     virtual ~PictureTool() = default;
     virtual void press(const QPointF& at) = 0;
-    /// @param held the left button is down.
+    /// @param held whether the left button is down
     virtual void move(const QPointF& at, bool held) = 0;
     virtual void release(const QPointF& at) = 0;
-    /// @param notches away from the user. @return whether it is the tool's; else the camera has it.
+    /// @param notches away from the user
+    /// @return whether the tool used the wheel; otherwise the camera gets it
     virtual bool wheel(double notches);
 };
 
@@ -38,42 +39,42 @@ public:
     explicit PictureView(QWidget* parent = nullptr);
     ~PictureView() override;
 
-    /// One scene fills the view; several share it in a grid of two columns. Cameras are those of the scenes, except
-    /// that slices are fitted into their rectangles. None: the view is empty.
-    /// @throws InputError as check_scene does; the view then shows what it showed.
+    /// Shows the scenes. One scene fills the view; several share it in a grid of two columns. Scenes keep their own
+    /// cameras, but slices are fitted into their rectangles. No scene: the view is empty.
+    /// @throws InputError as check_scene() does; the view then keeps its scenes
     void show_scenes(std::vector<Scene> scenes);
     const std::vector<Scene>& scenes() const { return scenes_; }
 
-    /// Drawn with the first scene, and changed between pictures by its owner, who then calls draw_soon(). Null: none.
-    /// Must be taken away before it ends.
+    /// Props drawn with the first scene. Their owner changes them between pictures and then calls draw_soon(). Null:
+    /// none. Remove the props before they end.
     void set_live(const LiveProps* live);
     bool has_live() const { return live_ != nullptr; }
-    /// Draws within a frame or so, once for all calls until then.
+    /// Draws after about one frame; calls until then share this drawing.
     void draw_soon();
-    /// How long the last picture drawn that way took (ms); 0 before.
+    /// Duration of the last drawing by draw_soon() (ms); 0 before the first.
     double draw_ms() const { return draw_ms_; }
 
-    /// The left button goes to the tool; the camera is then turned with the right one, or with shift. Null: the camera
-    /// has the mouse to itself. The tool must be taken away before it ends.
+    /// Gives the left button to the tool. The right button, or shift, then turns the camera. Null: all buttons turn the
+    /// camera. Remove the tool before it ends.
     void set_tool(PictureTool* tool);
-    /// From the eye through a point of the widget, into the first scene. @pre one scene is shown and drawn.
+    /// The ray from the eye through a point of the widget into the first scene. @pre one scene is shown and drawn
     planner::Ray ray_at(const QPointF& at) const;
 
-    /// A line over the picture, e.g. what is being waited for; empty: none.
+    /// Shows a line over the picture, e.g. the work that is awaited; empty: none.
     void show_note(const QString& note);
 
-    /// Draws now, in full quality, and returns what is seen.
+    /// Draws now, in full quality, and returns the picture.
     QImage picture();
 
-    /// What the drawing library complained about since the view was made; empty: nothing.
+    /// Errors of the drawing library since the view was made; empty: none.
     std::string drawing_errors() const { return errors_.errors(); }
 
     /// Whether volumes are sampled coarsely now.
     bool coarse() const { return coarse_; }
-    bool is_drawn() const; ///< there is a scene, and a window to draw it in
-    /// Whether there is an OpenGL context and pictures are made for the view's size as it is now.
+    bool is_drawn() const; ///< there is a scene, and a window for it
+    /// Whether there is an OpenGL context and the pictures have the view's present size.
     bool ready() const { return ready_ && !resize_timer_.isActive(); }
-    /// The camera of the first scene as it stands now, turned by hand or not. @pre a scene is shown and drawn.
+    /// The present camera of the first scene. @pre a scene is shown and drawn
     Camera camera() const;
 
 protected:
@@ -82,7 +83,7 @@ protected:
     void resizeEvent(QResizeEvent* event) override;
 
 private:
-    /// @param keep_cameras of scenes in space; slices are fitted anew.
+    /// @param keep_cameras keep the cameras of scenes in space; slices are fitted anew
     void build(bool keep_cameras);
     void camera_moves();
     void camera_rests();
@@ -105,7 +106,7 @@ private:
     bool ready_ = false; ///< there is an OpenGL context
 };
 
-/// Where scenes of a grid go: one fills everything; more fill rows of two from the top left. Slices are fitted.
+/// Arranges scenes in a grid: one scene fills everything; more fill rows of two from the top left. Slices are fitted.
 std::vector<Viewport> arrange_scenes(const std::vector<Scene>& scenes, double width_px, double height_px);
 
 } // namespace retractor::ui

@@ -1,5 +1,5 @@
 #pragma once
-// What a window shows, on disk.
+// Writes the picture of a window to disk.
 
 #include <filesystem>
 
@@ -7,7 +7,7 @@ class QImage;
 
 namespace retractor::ui {
 
-/// Replaces what was there, atomically. @throws IoError naming the path.
+/// Replaces the file in one step. @throws IoError naming the path
 void write_png_file(const std::filesystem::path& path, const QImage& image);
 
 } // namespace retractor::ui

@@ -1,11 +1,11 @@
 #pragma once
-// Dark and neutral: the tissue colours of the picture are judged against it.
+// The dark, neutral theme of the window: the picture's tissue colours are seen against it.
 
 class QApplication;
 
 namespace retractor::ui {
 
-/// Style of words beside what matters.
+/// Style of minor texts.
 inline constexpr const char* kFaint = "color: #a4adb5;";
 
 void apply_theme(QApplication& application);

@@ -1,6 +1,6 @@
 #pragma once
-// How the mouse moves the camera: turn and zoom in space, only shift and zoom on slices. No letters: keys belong to the
-// window (VTK's own would switch stereo on at 3 and leave the program at e).
+// The mouse turns and zooms the camera in space, and shifts and zooms slices. Keys belong to the window, so VTK's own
+// keys are off (3 would switch stereo on, and e would leave the program).
 
 #include <vtkInteractorStyleTrackballCamera.h>
 

@@ -406,7 +406,7 @@ namespace knife_window_test {
 
     TEST_F(KnifeWindowTest, ReopeningOffersTheLastCuts)
     {
-        control_->cuts_folder = picture_folder() / "kept_cuts";
+        control_->cuts_folder = picture_folder() / "saved_cuts";
         fs::remove_all(control_->cuts_folder);
         take_knife();
         draw(-30.0, 0.0, 30.0, 0.0);
@@ -569,10 +569,10 @@ namespace knife_window_test {
         EXPECT_EQ(panel.opening().value(), panel.opening().maximum() / 2);
         double share = 0.0;
         int in_mm = 0;
-        panel.on_command = [&](const surgery::Command& command) {
-            if (const auto* by_share = std::get_if<surgery::PullHooksByShare>(&command))
+        panel.on_command = [&](const planner::surgery::Command& command) {
+            if (const auto* by_share = std::get_if<planner::surgery::PullHooksByShare>(&command))
                 share = by_share->share;
-            else if (std::holds_alternative<surgery::PullAllHooks>(command))
+            else if (std::holds_alternative<planner::surgery::PullAllHooks>(command))
                 ++in_mm;
         };
         panel.opening().setValue(75);

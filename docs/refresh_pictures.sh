@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# Makes the pictures of the documents anew: docs/refresh_pictures.sh [folder of the programs]
+# It plans the demo's patient, palpates an aorta, and photographs the window on a virtual screen (Debian package xvfb);
+# on two cores it takes about four minutes.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+programs=$(realpath "${1:-build/release/bin}")
+pictures=$PWD/docs/pictures
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work"
+
+"$programs/retractor" demo --out demo
+cp demo/intercostal_4-surgeon.png "$pictures/intercostal.png"
+cp demo/median-surgeon.png "$pictures/demo-median.png"
+cp demo/intercostal_4-slices.png "$pictures/demo-slices.png"
+
+"$programs/retractor" phantom thorax --out thorax
+"$programs/retractor" import thorax/ct --labels thorax/labels.nrrd --out case/case.json
+cp case/contact_sheet.png "$pictures/contact-sheet.png"
+
+"$programs/retractor" phantom aorta --out aorta
+"$programs/retractor" palpate aorta/aorta.json --press normal+sclerotic --out forces.csv
+cp forces.png "$pictures/palpation-forces.png"
+cp forces-view.png "$pictures/palpation.png"
+
+LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s "-screen 0 1280x900x24 +extension GLX" \
+  "$programs/retractor-workstation" demo/patient/case.json --approach intercostal_4 --screenshot "$pictures/window.png"

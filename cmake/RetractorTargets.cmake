@@ -39,12 +39,17 @@ endfunction()
 retractor_precompiled(standard ${retractor_precompiled_standard})
 retractor_precompiled(numerics ${retractor_precompiled_standard} ${retractor_precompiled_eigen})
 
-# retractor_library(mesh a.cpp b.cpp ...): static library retractor_mesh with the alias retractor::mesh.
+# retractor_library(mesh [PRECOMPILED numerics] a.cpp b.cpp ...): static library retractor_mesh with the alias
+# retractor::mesh and the precompiled headers of that name.
 function(retractor_library name)
-  add_library(retractor_${name} STATIC ${ARGN})
+  cmake_parse_arguments(PARSE_ARGV 1 library "" "PRECOMPILED" "")
+  if(NOT library_PRECOMPILED)
+    set(library_PRECOMPILED numerics)
+  endif()
+  add_library(retractor_${name} STATIC ${library_UNPARSED_ARGUMENTS})
   add_library(retractor::${name} ALIAS retractor_${name})
   target_link_libraries(retractor_${name} PUBLIC retractor_options)
-  target_precompile_headers(retractor_${name} REUSE_FROM retractor_precompiled_numerics)
+  target_precompile_headers(retractor_${name} REUSE_FROM retractor_precompiled_${library_PRECOMPILED})
 endfunction()
 
 # retractor_link_external(target lib...): headers of other projects are not held to our warnings.

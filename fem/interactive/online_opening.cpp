@@ -249,13 +249,6 @@ struct OnlineOpening::State {
     }
 };
 
-void keep_freed_memory()
-{
-    constexpr int kLarge = 1 << 30;
-    ::mallopt(M_MMAP_MAX, 0); // a threshold alone has no effect beyond 32 MB
-    ::mallopt(M_TRIM_THRESHOLD, kLarge);
-}
-
 OnlineOpening::OnlineOpening(const mesh::CutSession& session, std::span<const Material> material_of_label,
     const Supports& supports, std::span<const VertexId> corridor, OnlineOptions options)
 {

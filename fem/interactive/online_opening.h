@@ -63,11 +63,6 @@ struct [[nodiscard]] OnlineAnswer {
     double reciprocal_condition = 0.0; ///< estimate for the system that was solved anew
 };
 
-/// Makes the process keep freed memory instead of returning it to the system page by page, for programs that factor
-/// often. A full rebuild becomes a third faster and online answers no slower; benchmarks use this setting for their
-/// comparison of the two. For the whole process.
-void keep_freed_memory();
-
 class OnlineOpening {
 public:
     /// @param corridor vertices where cuts are planned, for speed only; fixed and dead vertices are ignored

@@ -1,6 +1,7 @@
 #pragma once
-// Writes an elastic problem as an input file for FEBio (febio_spec 4.0) and reads that file. Tests read the written
-// files instead of running FEBio, because the supported systems do not package FEBio. Units mm, N, MPa.
+// Writes an elastic problem as an input file for FEBio (febio_spec 4.0). Tests read the written files
+// (tests/verification/reference/febio_file_reader.h) instead of running FEBio, because the supported systems do not
+// package FEBio. Units mm, N, MPa.
 //
 // Elements are tet4 or tet10, as in the mesh. Each label has one neo-Hookean material that linearises to linear
 // elasticity with the same E and nu. Supports become "zero displacement", hooks "prescribed displacement" along a
@@ -22,16 +23,5 @@ inline constexpr double kFebioAnchorMm = 1000.0;
 /// exactly.
 /// @throws InputError as check_problem() does, and on a problem with loads.
 std::string febio_file(const ElasticProblem& problem);
-
-/// Reads a file of febio_file(): mesh, labels, materials by label (name, E, nu, density), supports, beds and hooks.
-/// The file does not contain the sides of hooks, the sources of materials and the order of beds: sides are read as 0,
-/// and beds are sorted by vertex.
-/// @throws InputError naming the line of an item that is missing, that febio_file() does not write, or that is not
-/// XML.
-ElasticProblem read_febio_file(std::string_view text);
-
-/// The first difference between two problems in the content of a file, in words, exact to the last bit; empty when
-/// there is none.
-std::string first_difference(const ElasticProblem& a, const ElasticProblem& b);
 
 } // namespace retractor::fem

@@ -29,9 +29,6 @@ struct HyperelasticTissue {
     std::vector<FibreDirections> fibres {}; ///< one per element; empty: along x, which only laws with fibres use
 };
 
-/// Tissue with one law in all elements.
-HyperelasticTissue uniform_tissue(const mesh::TetMesh& mesh, const Hyperelastic& law);
-
 class ElasticBody {
 public:
     /// A body of the linear, corotational or corotational_linear model.

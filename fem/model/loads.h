@@ -22,15 +22,6 @@
 
 namespace retractor::fem {
 
-/// Calls f(nodes, shape values, rest position, weight in mm^3) at the quadrature points of each element. The rule is
-/// exact for degree 5.
-void integrate(const mesh::TetMesh& mesh,
-    const std::function<void(std::span<const VertexId>, const Eigen::VectorXd&, const Vec3&, double)>& f);
-
-/// Consistent nodal loads of a force per volume, N/mm^3, at rest positions. The product of force and shape function
-/// is integrated exactly up to degree 5.
-Eigen::VectorXd body_force_loads(const mesh::TetMesh& mesh, const std::function<Vec3(const Vec3&)>& force);
-
 /// Consistent nodal loads of a traction, MPa, on boundary faces at rest.
 /// @throws InputError as FollowerPressure does.
 Eigen::VectorXd traction_loads(

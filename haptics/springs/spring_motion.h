@@ -92,10 +92,6 @@ public:
 
     /// Sets a steady force on a particle, N, until the next change. @throws InputError on an index out of range or NaN
     void set_load(VertexId v, const Vec3& force);
-    /// Shares the force evenly between the particle and its ring, as in figs 15 and 16 of Tang et al. 2020. The ring is
-    /// the particles one structural (shortest) spring away.
-    /// @return the number of particles that share the force
-    std::size_t set_ring_load(VertexId v, const Vec3& force);
     /// Moves a particle to a position, at rest; for tests and for loading. @throws InputError as set_load()
     void place(VertexId v, const Vec3& position);
     /// Holds a particle where it is, or frees it. @throws InputError on an index out of range

@@ -110,7 +110,7 @@ namespace {
     }
 
     /// As release_wound(), also for elements with averaged strain and for nonlinear laws.
-    fem::ReleasedWound released(VerificationElement element, const VerificationLaw& law, const fem::Material& skin,
+    ReleasedWound released(VerificationElement element, const VerificationLaw& law, const fem::Material& skin,
         const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& lips, const std::vector<Mat3>& stresses,
         const std::vector<VertexId>& rim, const Points& rim_displacement, const Job& job)
     {

@@ -21,6 +21,6 @@ struct ConditionEstimate {
 
 /// @param prescribed one flag per unknown, 1 = prescribed
 /// @throws SolverError naming node and axis when the matrix is not positive definite on the free unknowns
-ConditionEstimate estimate_condition(const BlockMatrix& K, const std::vector<std::uint8_t>& prescribed);
+ConditionEstimate estimate_condition(const fem::BlockMatrix& K, const std::vector<std::uint8_t>& prescribed);
 
 } // namespace retractor::verification

@@ -34,7 +34,7 @@ public:
     /// Starts at rest at the network's present positions. The network does not change until store().
     /// @param damping of the velocity, 1/s.
     /// @throws InputError on a density that is not positive, or damping that is negative or not finite.
-    SpringDynamics(const SpringNetwork& network, std::span<const Material> material_of_label, double damping);
+    SpringDynamics(const fem::SpringNetwork& network, std::span<const fem::Material> material_of_label, double damping);
 
     /// The bound at the present positions. step() computes the bound again when a vertex has moved by more than
     /// kRecheck since the last computation.
@@ -48,7 +48,7 @@ public:
     double kinetic_energy() const; ///< N mm
     double potential_energy() const; ///< N mm
     const Eigen::VectorXd& displacement() const { return u_; } ///< displacement of the vertices patch().active(), mm
-    const SpringPatch& patch() const { return patch_; }
+    const fem::SpringPatch& patch() const { return patch_; }
     /// Sets displacement (mm) and velocity (mm/s), for tests and to continue a motion.
     /// @throws InputError on a wrong size or NaN.
     void set_state(Eigen::VectorXd displacement, Eigen::VectorXd velocity);
@@ -60,7 +60,7 @@ public:
 private:
     void compute_bound();
 
-    SpringPatch patch_;
+    fem::SpringPatch patch_;
     std::vector<double> mass_; ///< mass per active vertex, tonne
     double damping_ = 0.0, shortest_ = 0.0;
     Eigen::VectorXd u_, v_, bound_at_;

@@ -37,7 +37,7 @@ ReleasedWound release_wound(const mesh::TetMesh& mesh, std::span<const mesh::Tet
 /// because conjugate gradients converge very slowly on bending.
 /// @throws InputError as release_wound(), on a vertex that is not in the mesh, and when the held vertices do not
 /// stretch the body
-double spring_calibration(const mesh::TetMesh& mesh, std::span<const Material> material_of_label,
+double spring_calibration(const mesh::TetMesh& mesh, std::span<const fem::Material> material_of_label,
     std::span<const VertexId> held, const Vec3& pull, std::span<const VertexId> symmetry = {}, const Job& job = {});
 
 /// A flat round sheet with a straight cut through its middle. The mesh follows confocal elliptic coordinates. These are
@@ -72,6 +72,7 @@ Vec3 sheet_displacement(
 /// @param strain e, across the cut
 /// @param along_cut a, the strain along the cut; biaxial only
 /// @throws InputError on another kind
-double sheet_gape(PreStrainKind kind, double strain, double cut_length, double poissons_ratio, double along_cut = 0.0);
+double sheet_gape(
+    fem::PreStrainKind kind, double strain, double cut_length, double poissons_ratio, double along_cut = 0.0);
 
 } // namespace retractor::verification

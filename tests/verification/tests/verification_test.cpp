@@ -54,7 +54,7 @@ namespace verification_test {
             EXPECT_TRUE(row.passed()) << row.problem << ", " << row.element << ", " << row.tets
                                       << " tets: " << row.error;
             // The solved mesh is the cut mesh, whose lips have doubled vertices.
-            fem::SheetProblem sheet { .around = static_cast<int>(std::lround(1.0 / row.size)) };
+            SheetProblem sheet { .around = static_cast<int>(std::lround(1.0 / row.size)) };
             if (row.element.find("while cut") != std::string::npos)
                 sheet.radius = 600.0;
             const mesh::CutMesh cut = retractor::mesh::cut(sheet_mesh(sheet), sheet_blade(sheet));

@@ -96,7 +96,7 @@ namespace {
                         "a fingertip of %.3g mm would fall between particles up to %.3g mm apart, and finer ones would "
                         "need too many springs; take a larger fingertip, a finer scene, or the model fem",
                         radius, coarsest_near(scene, radius)),
-                    scene.name + ", model springs", { "radius_mm", "model" });
+                    formatted("%s, model springs", scene.name.c_str()), { "radius_mm", "model" });
             }
             scene.body = split_in_eight(scene.body);
         }

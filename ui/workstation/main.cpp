@@ -64,7 +64,8 @@ std::optional<int> parse(int argc, char** argv, Options& options)
     auto* model = app.add_option("--model", options.model, "Of a palpation scene: what answers the fingers")
                       ->check(CLI::IsMember(palpation_backend().models))
                       ->capture_default_str();
-    auto* hand = app.add_option("--hand", options.hand, "Of a palpation scene: the hand shown, an OBJ file (see docs/user/palpation.md)")
+    auto* hand = app.add_option("--hand", options.hand,
+                        "Of a palpation scene: the hand shown, an OBJ file (see docs/user/palpation.md)")
                      ->type_name("FILE.obj");
     app.add_option("--palpate", options.structure, "Of a case: this structure (label) is palpated, e.g. aorta")
         ->type_name("LABEL");

@@ -38,7 +38,7 @@ namespace supports_test {
         return labels;
     }
 
-    TEST(fem::Supports, TheCutOffBorderIsHeldAndTheRestIsFree)
+    TEST(Supports, TheCutOffBorderIsHeldAndTheRestIsFree)
     {
         const mesh::TetMesh mesh = mesh::kuhn_box(8, 4, 4, 5.0, kSkin); // to x = 40
         const auto held = wall_supports(mesh, slab(), {}, {}, true);
@@ -62,7 +62,7 @@ namespace supports_test {
         EXPECT_EQ(wall_supports(mesh, slab(), spine, {}, true), held);
     }
 
-    TEST(fem::Supports, WhereTheWallWasCutOffItHasNoSkinThoughNothingHoldsIt)
+    TEST(Supports, WhereTheWallWasCutOffItHasNoSkinThoughNothingHoldsIt)
     {
         const mesh::TetMesh mesh = mesh::kuhn_box(8, 4, 4, 5.0, kSkin); // to x = 40
         const std::vector<VertexId> cut_off = cut_off_vertices(mesh, slab());
@@ -99,7 +99,7 @@ namespace supports_test {
         return labels;
     }
 
-    TEST(fem::Supports, ARibHangsOnItsJoint)
+    TEST(Supports, ARibHangsOnItsJoint)
     {
         mesh::TetMesh rib = mesh::kuhn_box(10, 4, 4, 5.0, kSkin);
         rib.vertices.col(0).array() += 2.0;
@@ -117,7 +117,7 @@ namespace supports_test {
         }
     }
 
-    TEST(fem::Supports, AWholeBoneThatLeavesTheImageIsNotHeldThereWhenItHasAJoint)
+    TEST(Supports, AWholeBoneThatLeavesTheImageIsNotHeldThereWhenItHasAJoint)
     {
         mesh::TetMesh rib = mesh::kuhn_box(10, 4, 4, 5.0, kSkin);
         rib.vertices.col(0).array() += 2.0;
@@ -131,7 +131,7 @@ namespace supports_test {
             [&](VertexId v) { return rib.vertices(v, 0) > 2.0 * kJointGapMm; }));
     }
 
-    TEST(fem::Supports, AShoulderBladeHangsInTheMuscleRoundIt)
+    TEST(Supports, AShoulderBladeHangsInTheMuscleRoundIt)
     {
         // A bone in the middle of muscle; the mesh is the bone alone.
         mesh::LabelVolume labels;
@@ -167,7 +167,7 @@ namespace supports_test {
         EXPECT_TRUE(girdle_beds(bone, labels, whole).empty()); // nothing to rest on
     }
 
-    TEST(fem::Supports, TheSpineSideIsHeld)
+    TEST(Supports, TheSpineSideIsHeld)
     {
         mesh::TetMesh mesh = mesh::kuhn_box(2, 1, 1, 10.0, kSkin);
         for (TetId t = 0; t < 6; ++t)
@@ -179,7 +179,7 @@ namespace supports_test {
             EXPECT_LE(mesh.vertices(v, 0), 10.0);
     }
 
-    TEST(fem::Supports, WhereTheImageEndsTheWallIsHeld)
+    TEST(Supports, WhereTheImageEndsTheWallIsHeld)
     {
         mesh::LabelVolume labels = slab();
         labels.grid.origin.x() = 0.0; // the image now begins where the mesh does

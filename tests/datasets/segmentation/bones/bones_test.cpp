@@ -152,7 +152,7 @@ namespace bones_test {
             overlap["clavicle_left"].dice(), overlap["clavicle_right"].dice());
     }
 
-    TEST(segmentation::Bones, EachRibIsOnePieceThatTouchesNoOtherRibNorTheSpine)
+    TEST(Bones, EachRibIsOnePieceThatTouchesNoOtherRibNorTheSpine)
     {
         const Phantom patient = phantom(kShapes[0], 20.0);
         const segmentation::Bones bones = segment(patient);
@@ -192,7 +192,7 @@ namespace bones_test {
             ADD_FAILURE() << pair << " share " << faces << " faces";
     }
 
-    TEST(segmentation::Bones, CartilagesCloseTheRing)
+    TEST(Bones, CartilagesCloseTheRing)
     {
         const Phantom patient = phantom(kShapes[0], 20.0);
         const segmentation::Bones bones = segment(patient);
@@ -221,7 +221,7 @@ namespace bones_test {
             }
     }
 
-    TEST(segmentation::Bones, GivenBonesAreTakenAsTheyAre)
+    TEST(Bones, GivenBonesAreTakenAsTheyAre)
     {
         const Phantom patient = phantom(kShapes[0], 20.0);
         mesh::LabelVolume given { patient.ct.grid, std::vector<Label>(patient.labels.voxels.size(), 0),
@@ -240,7 +240,7 @@ namespace bones_test {
         }
     }
 
-    TEST(segmentation::Bones, AMissingRibDoesNotShiftTheNumbersBelowIt)
+    TEST(Bones, AMissingRibDoesNotShiftTheNumbersBelowIt)
     {
         const Phantom patient = without(phantom(kShapes[0], 20.0), { "rib_left_4" });
         const segmentation::Bones bones = segment(patient);
@@ -253,13 +253,13 @@ namespace bones_test {
         EXPECT_FALSE(warns(bones, "one too low"));
     }
 
-    TEST(segmentation::Bones, FirstRibsThatAreNotFoundAreMissedWithTheNeckInView)
+    TEST(Bones, FirstRibsThatAreNotFoundAreMissedWithTheNeckInView)
     {
         const segmentation::Bones bones = segment(without(phantom(kShapes[0], 20.0), { "rib_left_1", "rib_right_1" }));
         EXPECT_TRUE(warns(bones, "rib numbers may be one too low: the first rib was not recognised"));
     }
 
-    TEST(segmentation::Bones, AChestWithoutRibsIsNoticed)
+    TEST(Bones, AChestWithoutRibsIsNoticed)
     {
         std::vector<std::string> ribs;
         for (const char* side : { "left", "right" })
@@ -269,7 +269,7 @@ namespace bones_test {
         EXPECT_TRUE(warns(bones, "no rib was found"));
     }
 
-    TEST(segmentation::Bones, WithoutASpineThereAreWarningsAndNoBones)
+    TEST(Bones, WithoutASpineThereAreWarningsAndNoBones)
     {
         const Phantom patient = phantom(kShapes[0], 0.0);
         const std::vector<std::int16_t> soft(patient.ct.voxels.size(), 40);
@@ -281,7 +281,7 @@ namespace bones_test {
         EXPECT_NE(bones.warnings[0].find("spine not found"), std::string::npos) << bones.warnings[0];
     }
 
-    TEST(segmentation::Bones, GivenLabelsOnAnotherGridAreRefused)
+    TEST(Bones, GivenLabelsOnAnotherGridAreRefused)
     {
         const Phantom patient = phantom(kShapes[0], 0.0);
         const mesh::LabelVolume given { patient.ct.grid, std::vector<Label>(5, 0), {} };

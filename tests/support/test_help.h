@@ -1,5 +1,5 @@
 #pragma once
-// Shared by the tests of haptics: the message of an error and a temporary folder.
+// Shared by the tests of haptics: the message of an error.
 
 #include "mesh/base/error.h"
 
@@ -18,18 +18,5 @@ inline std::string message_of(const std::function<void()>& f)
     }
     return {};
 }
-
-/// A new empty folder, which the destructor removes with its contents.
-struct TemporaryFolder {
-    std::filesystem::path path = std::filesystem::temp_directory_path()
-        / ("retractor-haptics-" + std::to_string(::getpid()) + "-" + std::to_string(++count));
-    TemporaryFolder() { std::filesystem::create_directories(path); }
-    ~TemporaryFolder() { std::filesystem::remove_all(path); }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-private:
-    static inline int count = 0;
-};
 
 } // namespace retractor::test_support

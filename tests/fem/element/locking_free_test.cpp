@@ -25,12 +25,12 @@ namespace locking_free_test {
         const Lame l = verification::linear_law(1.0, 0.45).lame;
         const double bulk = l.lambda + 2.0 / 3.0 * l.mu;
         verification::VerificationLaw fibres
-            = hyperelastic_law("fibres", HolzapfelGasserOgden { l.mu, l.mu, 2.0, 0.1, bulk });
+            = verification::hyperelastic_law("fibres", HolzapfelGasserOgden { l.mu, l.mu, 2.0, 0.1, bulk });
         fibres.fibres = { Vec3(1, 2, 2).normalized(), Vec3(2, 1, -2).normalized() };
         return { verification::linear_law(1.0, 0.45), { "corotational", Elasticity::corotational, l, {}, {} },
-            hyperelastic_law("neo-Hookean", NeoHookean { l.mu, l.lambda }),
-            hyperelastic_law("Mooney-Rivlin", MooneyRivlin { 0.4 * l.mu, 0.1 * l.mu, bulk }), fibres,
-            hyperelastic_law("Guccione", Guccione { 0.1 * l.mu, 8.0, 2.0, 4.0, bulk }) };
+            verification::hyperelastic_law("neo-Hookean", NeoHookean { l.mu, l.lambda }),
+            verification::hyperelastic_law("Mooney-Rivlin", MooneyRivlin { 0.4 * l.mu, 0.1 * l.mu, bulk }), fibres,
+            verification::hyperelastic_law("Guccione", Guccione { 0.1 * l.mu, 8.0, 2.0, 4.0, bulk }) };
     }
 
     Eigen::VectorXd random_motion(const mesh::TetMesh& mesh, double size, unsigned seed)
@@ -99,7 +99,7 @@ namespace locking_free_test {
         for (const verification::VerificationElement element : kElements) {
             ElasticBody body(mesh, Elasticity::linear, lame);
             body.avoid_locking(
-                element == verification::VerificationElement::nodal ? nodal_domains : edge_patch_domains);
+                element == verification::VerificationElement::nodal ? verification::nodal_domains : edge_patch_domains);
             const verification::VerificationSolve solve
                 = verification::solve_problem(body, held.prescribed, held.target, { .tolerance = 1e-10 }, Job {});
             for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {

@@ -1,5 +1,6 @@
 #include "fem/statics/near_opening.h"
 
+#include "fem/statics/opening.h"
 #include "tests/support/hooked_block.h"
 
 #include <gtest/gtest.h>

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 using namespace retractor;
+using namespace retractor::haptics;
 
 namespace obj_surface_test {
 

@@ -45,7 +45,7 @@ namespace render_test {
 
     TEST_F(Pictures, ABoxIsWhereItShouldBe)
     {
-        const Image image = draw(test_support::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1.0, 0.5, 0.0 }));
+        const Image image = draw(samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1.0, 0.5, 0.0 }));
         EXPECT_EQ(image.width, 320);
         EXPECT_EQ(image.height, 240);
         expect_color(pixel(image, 0.5, 0.5), 255, 128, 0);
@@ -62,8 +62,8 @@ namespace render_test {
     TEST_F(Pictures, TheNearBoxHidesTheFarOne)
     {
         for (const bool near_first : { true, false }) {
-            const Scene near = test_support::box_scene({ -30, -100, -30 }, { 30, -80, 30 }, { 1, 0, 0 });
-            Scene scene = test_support::box_scene({ -60, 50, -60 }, { 60, 60, 60 }, { 0, 0, 1 });
+            const Scene near = samples::box_scene({ -30, -100, -30 }, { 30, -80, 30 }, { 1, 0, 0 });
+            Scene scene = samples::box_scene({ -60, 50, -60 }, { 60, 60, 60 }, { 0, 0, 1 });
             scene.surfaces.insert(near_first ? scene.surfaces.begin() : scene.surfaces.end(), near.surfaces[0]);
             const Image image = draw(scene);
             expect_color(pixel(image, 0.5, 0.5), 255, 0, 0);
@@ -73,11 +73,11 @@ namespace render_test {
 
     TEST_F(Pictures, ThePatientsLeftIsOnTheRightFromTheFrontAndTheHeadIsUp)
     {
-        Scene scene = test_support::box_scene({ 60, -10, -10 }, { 80, 10, 10 }, { 1, 0, 0 }); // left
+        Scene scene = samples::box_scene({ 60, -10, -10 }, { 80, 10, 10 }, { 1, 0, 0 }); // left
         scene.surfaces.push_back(
-            test_support::unlit(test_support::box_mesh({ -80, -10, -10 }, { -60, 10, 10 }), { 0, 1, 0 })); // right
+            samples::unlit(samples::box_mesh({ -80, -10, -10 }, { -60, 10, 10 }), { 0, 1, 0 })); // right
         scene.surfaces.push_back(
-            test_support::unlit(test_support::box_mesh({ -10, -10, 60 }, { 10, 10, 80 }), { 0, 0, 1 })); // head
+            samples::unlit(samples::box_mesh({ -10, -10, 60 }, { 10, 10, 80 }), { 0, 0, 1 })); // head
         const Image image = draw(scene, 240, 240);
         const double off = 0.5 * 70.0 / (600.0 * std::tan(std::numbers::pi / 12.0));
         expect_color(pixel(image, 0.5 + off, 0.5), 255, 0, 0);
@@ -88,9 +88,9 @@ namespace render_test {
 
     TEST_F(Pictures, TrianglesWearTheLookOfTheirLabel)
     {
-        Scene scene = test_support::box_scene({ -50, -50, -50 }, { 50, 50, 0 }, { 1, 1, 1 });
-        auto both = std::make_shared<TriMesh>(test_support::box_mesh({ -50, -50, -50 }, { 50, 50, 0 }, 1));
-        const TriMesh upper = test_support::box_mesh({ -50, -50, 0 }, { 50, 50, 50 }, 2);
+        Scene scene = samples::box_scene({ -50, -50, -50 }, { 50, 50, 0 }, { 1, 1, 1 });
+        auto both = std::make_shared<TriMesh>(samples::box_mesh({ -50, -50, -50 }, { 50, 50, 0 }, 1));
+        const TriMesh upper = samples::box_mesh({ -50, -50, 0 }, { 50, 50, 50 }, 2);
         const auto first = static_cast<VertexId>(both->vertices.rows());
         Points joined(first + upper.vertices.rows(), 3);
         joined << both->vertices, upper.vertices;
@@ -108,7 +108,7 @@ namespace render_test {
 
     TEST_F(Pictures, AStrainMapIsDrawnByVertexColours)
     {
-        Scene scene = test_support::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 1, 1 });
+        Scene scene = samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 1, 1 });
         // Red grows with z: the vertices 4 to 7 are the upper ones.
         for (int v = 0; v < 8; ++v)
             scene.surfaces[0].vertex_colors.push_back({ v < 4 ? 0.0 : 1.0, 0.0, 0.0 });
@@ -121,7 +121,7 @@ namespace render_test {
     {
         for (const Finish finish : { Finish::matte, Finish::skin, Finish::wet, Finish::bone, Finish::metal })
             for (const bool target : { false, true }) {
-                Scene scene = test_support::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, {});
+                Scene scene = samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, {});
                 scene.surfaces[0].look = { .color = { 0.8, 0.3, 0.2 }, .finish = finish, .texture = 0.7 };
                 scene.surfaces[0].target = target;
                 const test_support::Pixel p = pixel(draw(scene), 0.5, 0.5);
@@ -148,7 +148,7 @@ namespace render_test {
 
     Scene volume_scene(std::shared_ptr<const mesh::Volume> image)
     {
-        Scene scene = test_support::box_scene({ 0, 0, 0 }, { 1, 1, 1 }, {});
+        Scene scene = samples::box_scene({ 0, 0, 0 }, { 1, 1, 1 }, {});
         scene.surfaces.clear();
         VolumeItem item;
         item.image = std::move(image);
@@ -159,11 +159,11 @@ namespace render_test {
 
     TEST_F(Pictures, APlateInFrontOfAVolumeHidesItAndOneBehindDoesNot)
     {
-        const TriMesh front = test_support::box_mesh({ -60, -55, -60 }, { 60, -50, 60 });
-        const TriMesh inside = test_support::box_mesh({ -60, 0, -60 }, { 60, 2, 60 });
+        const TriMesh front = samples::box_mesh({ -60, -55, -60 }, { 60, -50, 60 });
+        const TriMesh inside = samples::box_mesh({ -60, 0, -60 }, { 60, 2, 60 });
         const auto shown = [&](const TriMesh& plate) {
             Scene scene = volume_scene(cube(250, 250));
-            scene.surfaces.push_back(test_support::unlit(plate, { 0, 0, 1 }));
+            scene.surfaces.push_back(samples::unlit(plate, { 0, 0, 1 }));
             return draw(scene);
         };
         const Image hidden = shown(front), seen = shown(inside);
@@ -240,7 +240,7 @@ namespace render_test {
         const std::array<std::pair<SlicePlane, std::array<double, 2>>, 3> cases { { { SlicePlane::axial, { 0.7, 0.3 } },
             { SlicePlane::coronal, { 0.7, 0.3 } }, { SlicePlane::sagittal, { 0.3, 0.3 } } } };
         for (const auto& [plane, bright] : cases) {
-            Scene scene = test_support::box_scene({ 0, 0, 0 }, { 1, 1, 1 }, {});
+            Scene scene = samples::box_scene({ 0, 0, 0 }, { 1, 1, 1 }, {});
             scene.surfaces.clear();
             scene.slices.push_back({ .image = image, .plane = plane, .point = { 20, -20, 20 } });
             scene.camera = camera_for_slice(scene.slices[0], 1.0);
@@ -255,7 +255,7 @@ namespace render_test {
     TEST_F(Pictures, ALineOnTopIsDrawnOverWhatIsInFrontOfIt)
     {
         for (const bool on_top : { true, false }) {
-            Scene scene = test_support::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 0, 0 });
+            Scene scene = samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 0, 0 });
             scene.lines.push_back({ .name = "line",
                 .points = { { -40, 0, 0 }, { 40, 0, 0 } },
                 .color = { 0, 1, 0 },
@@ -282,7 +282,7 @@ namespace render_test {
     {
         const std::array<double, 4> upper_left { 0.0, 0.0, 0.5, 0.5 }, lower_left { 0.0, 0.7, 0.5, 1.0 },
             lower_right { 0.8, 0.8, 1.0, 1.0 }, middle { 0.5, 0.0, 1.0, 0.75 };
-        const Scene plain = test_support::box_scene({ -1, -1, -1 }, { 1, 1, 1 }, { 0, 0, 0 });
+        const Scene plain = samples::box_scene({ -1, -1, -1 }, { 1, 1, 1 }, { 0, 0, 0 });
         const Image nothing = draw(plain, 640, 480);
         Scene scene = plain;
         scene.title = "Title";
@@ -302,7 +302,7 @@ namespace render_test {
 
     TEST_F(Pictures, LegendLettersAreBrightOnTheirPanel)
     {
-        Scene scene = test_support::box_scene({ -300, 0, -300 }, { 300, 10, 300 }, { 0.5, 0.5, 0.5 });
+        Scene scene = samples::box_scene({ -300, 0, -300 }, { 300, 10, 300 }, { 0.5, 0.5, 0.5 });
         scene.legend = { { "visible target", "87 %" }, { "hook force", "42 N" } };
         const Image image = draw(scene, 640, 480);
         int bright = 0;
@@ -314,7 +314,7 @@ namespace render_test {
 
     TEST_F(Pictures, ALongLegendStaysInsideANarrowView)
     {
-        Scene scene = test_support::box_scene({ -1, -1, -1 }, { 1, 1, 1 }, { 0, 0, 0 });
+        Scene scene = samples::box_scene({ -1, -1, -1 }, { 1, 1, 1 }, { 0, 0, 0 });
         for (int i = 0; i < 12; ++i)
             scene.legend.push_back({ "a rather long name of a measure " + std::to_string(i), "123.45 mm" });
         const Image image = draw(scene, 300, 480);
@@ -330,7 +330,7 @@ namespace render_test {
         for (std::size_t i = 0; i < 3; ++i)
             picture.viewports.push_back({ .left = static_cast<double>(i) / 3.0,
                 .right = static_cast<double>(i + 1) / 3.0,
-                .scene = test_support::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, colors[i]) });
+                .scene = samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, colors[i]) });
         const Image image = test_support::renderer().render(picture);
         expect_color(pixel(image, 1.0 / 6.0, 0.5), 255, 0, 0);
         expect_color(pixel(image, 3.0 / 6.0, 0.5), 0, 255, 0);
@@ -340,9 +340,9 @@ namespace render_test {
 
     TEST_F(Pictures, TheSameSceneGivesTheSamePicture)
     {
-        const Scene scene = test_support::little_chest();
+        const Scene scene = samples::little_chest();
         const Image first = draw(scene);
-        draw(test_support::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 0, 0 })); // something else in between
+        draw(samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 0, 0 })); // something else in between
         EXPECT_EQ(first.rgb, draw(scene).rgb);
     }
 
@@ -351,10 +351,10 @@ namespace render_test {
     TEST_F(Pictures, TargetShareOfASphereHalfBehindAPlateIsOneHalf)
     {
         Scene scene;
-        SurfaceItem sphere = test_support::unlit(test_support::sphere_mesh({ 0, 0, 0 }, 30.0), { 1, 1, 0 });
+        SurfaceItem sphere = samples::unlit(samples::sphere_mesh({ 0, 0, 0 }, 30.0), { 1, 1, 0 });
         sphere.target = true;
         scene.surfaces = { sphere,
-            test_support::unlit(test_support::box_mesh({ -100, -60, -100 }, { 0, -50, 100 }), { 1, 0, 0 }) };
+            samples::unlit(samples::box_mesh({ -100, -60, -100 }, { 0, -50, 100 }), { 1, 0, 0 }) };
         scene.camera.eye = { 0, -400, 0 };
         const TargetPixels pixels = test_support::renderer().target_pixels(scene, 640, 480);
         // The sphere's outline is a circle of the tangent cone: its area in pixels in closed form.
@@ -372,9 +372,9 @@ namespace render_test {
 
     TEST_F(Pictures, TargetShareIgnoresVolumesLinesAndWords)
     {
-        Scene scene = test_support::little_chest(false);
+        Scene scene = samples::little_chest(false);
         const TargetPixels bare = test_support::renderer().target_pixels(scene, 320, 240);
-        scene = test_support::little_chest(true);
+        scene = samples::little_chest(true);
         const TargetPixels full = test_support::renderer().target_pixels(scene, 320, 240);
         EXPECT_GT(bare.unobstructed, 100U);
         EXPECT_EQ(bare.visible, full.visible);
@@ -389,7 +389,7 @@ namespace render_test {
         OffscreenRenderer own(make_offscreen_context(), { .on_progress = {}, .cancel = nullptr, .ledger = &ledger });
         EXPECT_TRUE(ledger.has("renderer"));
         Picture picture { .width = 64, .height = 48, .viewports = {} };
-        picture.viewports.push_back({ .scene = test_support::little_chest(false) });
+        picture.viewports.push_back({ .scene = samples::little_chest(false) });
         own.render(picture);
         EXPECT_FALSE(ledger.has("volume rendering"));
         picture.viewports[0].scene = volume_scene(cube(250, 250));
@@ -435,7 +435,7 @@ namespace render_test {
 
     TEST_F(Pictures, APngComesBackAsItWasWritten)
     {
-        const Image image = draw(test_support::little_chest(false), 160, 120);
+        const Image image = draw(samples::little_chest(false), 160, 120);
         const auto path = scratch("picture.png");
         write_png(path, image);
         const Image back = read_png(path);
@@ -485,13 +485,13 @@ namespace render_test {
 
     TEST_F(Pictures, WhatCannotBeDrawnIsRefusedAndTheRendererGoesOn)
     {
-        Scene bad = test_support::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 0, 0 });
+        Scene bad = samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 0, 0 });
         bad.camera.eye = bad.camera.aim;
         EXPECT_THROW(draw(bad), InputError);
-        EXPECT_THROW(draw(test_support::little_chest(false), 0, 100), InputError);
+        EXPECT_THROW(draw(samples::little_chest(false), 0, 100), InputError);
         EXPECT_THROW(OffscreenRenderer(nullptr), InputError);
         expect_color(
-            pixel(draw(test_support::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 0, 0 })), 0.5, 0.5), 255, 0, 0);
+            pixel(draw(samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 0, 0 })), 0.5, 0.5), 255, 0, 0);
     }
 
 } // namespace render_test

@@ -30,7 +30,7 @@ int main(int argc, char** argv)
             picture.width = std::stoi(arguments[2]);
             picture.height = std::stoi(arguments[3]);
         }
-        picture.viewports.push_back({ .scene = retractor::test_support::little_chest() });
+        picture.viewports.push_back({ .scene = retractor::ui::samples::little_chest() });
         retractor::ui::OffscreenRenderer renderer(std::move(context));
         for (int repeat = 0; repeat < 2; ++repeat) {
             const retractor::Stopwatch watch;

@@ -21,7 +21,7 @@ namespace scene_test {
     /// Sums of some thousand terms of order 100.
     constexpr double kRoundOff = 1e-9;
 
-    Scene box() { return test_support::box_scene({ -10, -10, -10 }, { 10, 10, 10 }, { 1, 0, 0 }); }
+    Scene box() { return samples::box_scene({ -10, -10, -10 }, { 10, 10, 10 }, { 1, 0, 0 }); }
 
     double signed_volume(const TriMesh& mesh)
     {
@@ -192,7 +192,7 @@ namespace scene_test {
 
     TEST_P(RefusedScene, NamesTheReason)
     {
-        Scene scene = test_support::little_chest(false);
+        Scene scene = samples::little_chest(false);
         ASSERT_NO_THROW(check_scene(scene));
         GetParam().spoil(scene);
         try {
@@ -231,17 +231,17 @@ namespace scene_test {
             Refusal { "has no image", [](Scene& s) { s.volumes.emplace_back(); } },
             Refusal { "does not match its size",
                 [](Scene& s) {
-                    auto ct = std::make_shared<mesh::Volume>(*test_support::little_ct());
+                    auto ct = std::make_shared<mesh::Volume>(*samples::little_ct());
                     ct->voxels.pop_back();
                     s.volumes.emplace_back().image = ct;
                 } },
             Refusal { "crop box is empty",
                 [](Scene& s) {
-                    s.volumes.emplace_back().image = test_support::little_ct();
+                    s.volumes.emplace_back().image = samples::little_ct();
                     s.volumes.back().crop = Box {};
                 } },
             Refusal { "window must be positive",
-                [](Scene& s) { s.slices.push_back({ .image = test_support::little_ct(), .window_hu = 0.0 }); } }));
+                [](Scene& s) { s.slices.push_back({ .image = samples::little_ct(), .window_hu = 0.0 }); } }));
 
     TEST(CheckPicture, RefusesEmptySizesAndViewports)
     {

@@ -1,5 +1,7 @@
 #include "planner/measures/metric_table.h"
 
+#include "planner/measures/metrics.h"
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 

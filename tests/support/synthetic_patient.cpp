@@ -130,7 +130,7 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
         ++control->closed_made;
         return patient_scene(approach, false);
     };
-    backend.operating_table = [control](const planner::Approach& approach, const Job& job) -> KnifeTable {
+    backend.operating_table = [control](const planner::Approach& approach, const Job& job) -> ui::KnifeTable {
         job.report("mesh", 0.5);
         ++control->tables_laid;
         if (approach.name == "broken")
@@ -143,7 +143,7 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
         laid.surroundings.camera = { .eye = { 60.0, -400.0, 60.0 }, .aim = { 60.0, 0.0, 60.0 }, .up = Vec3::UnitZ() };
         return laid;
     };
-    backend.plan = [control](const planner::Approach& approach, const Job& job) -> PlanOutcome {
+    backend.plan = [control](const planner::Approach& approach, const Job& job) -> ui::PlanOutcome {
         job.report("cut", 0.5);
         while (control->hold && !job.cancelled())
             std::this_thread::sleep_for(std::chrono::milliseconds(5));

@@ -82,7 +82,7 @@ namespace main_window_test {
         {
             test_support::show_window(window_);
             window_.open(test_support::synthetic_case());
-            wait_until_idle(window_);
+            test_support::wait_until_idle(window_);
         }
         void click(int row)
         {
@@ -141,7 +141,7 @@ namespace main_window_test {
         window_.on_palpable = [&](planner::Palpable palpable) { made = std::move(palpable); };
         window_.palpate("aorta");
         EXPECT_FALSE(window_.idle());
-        wait_until_idle(window_);
+        test_support::wait_until_idle(window_);
         ASSERT_TRUE(made) << window_.error_line();
         EXPECT_EQ(made->scene.name, "aorta");
         EXPECT_TRUE(datasets::has_inner_wall(made->scene.body));
@@ -149,7 +149,7 @@ namespace main_window_test {
             [](const std::string& note) { return note.starts_with("its outline is smoothed"); }));
         made.reset();
         window_.palpate("spleen");
-        wait_until_idle(window_);
+        test_support::wait_until_idle(window_);
         EXPECT_FALSE(made);
         EXPECT_NE(window_.error_line().find("there is no structure \"spleen\""), std::string::npos);
         std::filesystem::remove_all(folder);
@@ -214,7 +214,7 @@ namespace main_window_test {
         EXPECT_EQ(window_.model()->selected(), 1U);
         EXPECT_GT(distinct_colours(window_.view().picture()), kColoursOfAPicture);
         press(Qt::Key_Escape);
-        wait_until_idle(window_);
+        test_support::wait_until_idle(window_);
         EXPECT_EQ(status(0), FieldStatus::closed);
         EXPECT_FALSE(progress->isVisible());
         EXPECT_EQ(control_->plans_made, 0);
@@ -230,7 +230,7 @@ namespace main_window_test {
         click(0);
         EXPECT_GT(target_pixels(window_.view().picture()), 0);
         press(Qt::Key_P);
-        wait_until_idle(window_);
+        test_support::wait_until_idle(window_);
         EXPECT_EQ(control_->plans_made, 1);
     }
 
@@ -251,7 +251,7 @@ namespace main_window_test {
     {
         open_synthetic();
         window_.open_file("no/such/case.json");
-        wait_until_idle(window_);
+        test_support::wait_until_idle(window_);
         EXPECT_NE(window_.error_line().find("no/such/case.json"), std::string::npos) << window_.error_line();
         EXPECT_EQ(window_.approach_list().count(), 3);
     }
@@ -331,10 +331,10 @@ namespace main_window_test {
         MainWindow window(make_planning_backend);
         test_support::show_window(window);
         window.open_file(folder / "case.json");
-        wait_until_idle(window);
+        test_support::wait_until_idle(window);
         ASSERT_EQ(window.approach_list().count(), 1) << window.error_line();
         QTest::keyClick(&window, Qt::Key_P);
-        wait_until_idle(window);
+        test_support::wait_until_idle(window);
         window.save_screenshot(picture_folder() / "workstation_block.png");
         ASSERT_EQ(window.model()->state(0).status, FieldStatus::planned) << window.error_line();
         EXPECT_EQ(window.error_line(), "");

@@ -658,7 +658,7 @@ namespace knife_window_test {
         MainWindow window(make_planning_backend);
         test_support::show_window(window);
         window.open(std::move(planned_case));
-        const auto wait = [&] { wait_until_idle(window); };
+        const auto wait = [&] { retractor::test_support::wait_until_idle(window); };
         wait();
         QTest::keyClick(&window, Qt::Key_K);
         wait();

@@ -47,7 +47,7 @@ namespace palpation_window_test {
             window_ = std::make_unique<PalpationWindow>(planner::tube_backend(control_));
             test_support::show_window(*window_);
             window_->open(planner::tube_scene(), setup);
-            wait_until_idle(*window_);
+            test_support::wait_until_idle(*window_);
             ASSERT_EQ(window_->snapshot().phase, planner::PalpationSnapshot::Phase::ready) << window_->error_line();
             ASSERT_TRUE(until([&] { return window_->frame().servo.ticks > 0; }));
             window_->view().picture();
@@ -239,7 +239,7 @@ namespace palpation_window_test {
         const auto choose = [&](int index) {
             model.setCurrentIndex(index);
             emit model.activated(index);
-            wait_until_idle(*window_);
+            test_support::wait_until_idle(*window_);
         };
         EXPECT_FALSE(window_->panel().spheres_box().isEnabled());
         choose(1);

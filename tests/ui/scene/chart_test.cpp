@@ -34,7 +34,7 @@ namespace chart_test {
     {
         const auto inked = [](bool marks) {
             return pixels_of(
-                test_support::renderer().render(
+                samples::renderer().render(
                     picture_of({ { .name = "one", .x = { 1.0 }, .y = { 1.0 }, .marks = marks, .in_legend = false } })),
                 kFirst);
         };
@@ -63,8 +63,8 @@ namespace chart_test {
     TEST(Charts, TheLegendCoversNoCurve)
     {
         for (const double x : { 0.0, 1.0 }) {
-            const int without = pixels_of(test_support::renderer().render(cornered(x, 1.0, false)), kFirst);
-            const int with = pixels_of(test_support::renderer().render(cornered(x, 1.0, true)), kFirst);
+            const int without = pixels_of(samples::renderer().render(cornered(x, 1.0, false)), kFirst);
+            const int with = pixels_of(samples::renderer().render(cornered(x, 1.0, true)), kFirst);
             ASSERT_GT(without, 0);
             EXPECT_EQ(with, without) << "curve towards x = " << x;
         }
@@ -83,7 +83,7 @@ namespace chart_test {
                     .in_legend = legend });
             ChartPicture picture = picture_of(std::move(series));
             picture.logarithmic_x = picture.logarithmic_y = false;
-            return pixels_of(test_support::renderer().render(picture), kFirst);
+            return pixels_of(samples::renderer().render(picture), kFirst);
         };
         const int without = framed(false), with = framed(true);
         // Its upper side is as long as before and all there; its sides are lower by the legend's height.
@@ -108,7 +108,7 @@ namespace chart_test {
             ChartPicture picture = picture_of(std::move(series));
             picture.logarithmic_x = picture.logarithmic_y = false;
             picture.panels[0].legend_beside = beside;
-            const Image image = test_support::renderer().render(picture);
+            const Image image = samples::renderer().render(picture);
             int column = 0, height = 0; // of the last column with ink of the curve, and how much is in it
             for (int x = 0; x < image.width; ++x) {
                 int ink = 0;

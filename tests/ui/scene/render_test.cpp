@@ -21,12 +21,12 @@
 namespace retractor::ui {
 namespace render_test {
 
-    using test_support::draw;
-    using test_support::pixel;
-    using test_support::Pixel;
+    using samples::draw;
+    using samples::pixel;
+    using samples::Pixel;
 
     /// Unlit colours come back as given, but for rounding.
-    void expect_color(const test_support::Pixel& p, int r, int g, int b, int tolerance = 1)
+    void expect_color(const samples::Pixel& p, int r, int g, int b, int tolerance = 1)
     {
         EXPECT_NEAR(p.r, r, tolerance);
         EXPECT_NEAR(p.g, g, tolerance);
@@ -124,7 +124,7 @@ namespace render_test {
                 Scene scene = samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, {});
                 scene.surfaces[0].look = { .color = { 0.8, 0.3, 0.2 }, .finish = finish, .texture = 0.7 };
                 scene.surfaces[0].target = target;
-                const test_support::Pixel p = pixel(draw(scene), 0.5, 0.5);
+                const samples::Pixel p = pixel(draw(scene), 0.5, 0.5);
                 EXPECT_GT(p.r, 60);
                 if (finish != Finish::metal) {
                     EXPECT_GT(p.r, p.g + 20);
@@ -182,10 +182,10 @@ namespace render_test {
         for (const auto hu : image->voxels)
             mask->hidden.push_back(hu == 250 ? 1 : 0);
         Scene scene = volume_scene(image);
-        const test_support::Pixel closed = pixel(draw(scene), 0.5, 0.5);
+        const samples::Pixel closed = pixel(draw(scene), 0.5, 0.5);
         scene.volumes[0].mask = mask;
         const Image open = draw(scene);
-        const test_support::Pixel core = pixel(open, 0.5, 0.5);
+        const samples::Pixel core = pixel(open, 0.5, 0.5);
         EXPECT_GT(closed.r, closed.b + 60); // red
         EXPECT_NEAR(core.r, core.b, 60); // ivory
         EXPECT_GT(core.b, closed.b + 60);
@@ -261,7 +261,7 @@ namespace render_test {
                 .color = { 0, 1, 0 },
                 .width_px = 24.0,
                 .on_top = on_top });
-            const test_support::Pixel p = pixel(draw(scene), 0.5, 0.5);
+            const samples::Pixel p = pixel(draw(scene), 0.5, 0.5);
             EXPECT_EQ(p.g > 200, on_top);
         }
     }
@@ -331,7 +331,7 @@ namespace render_test {
             picture.viewports.push_back({ .left = static_cast<double>(i) / 3.0,
                 .right = static_cast<double>(i + 1) / 3.0,
                 .scene = samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, colors[i]) });
-        const Image image = test_support::renderer().render(picture);
+        const Image image = samples::renderer().render(picture);
         expect_color(pixel(image, 1.0 / 6.0, 0.5), 255, 0, 0);
         expect_color(pixel(image, 3.0 / 6.0, 0.5), 0, 255, 0);
         expect_color(pixel(image, 5.0 / 6.0, 0.5), 0, 0, 255);
@@ -353,10 +353,10 @@ namespace render_test {
         Scene scene;
         SurfaceItem sphere = samples::unlit(samples::sphere_mesh({ 0, 0, 0 }, 30.0), { 1, 1, 0 });
         sphere.target = true;
-        scene.surfaces = { sphere,
-            samples::unlit(samples::box_mesh({ -100, -60, -100 }, { 0, -50, 100 }), { 1, 0, 0 }) };
+        scene.surfaces
+            = { sphere, samples::unlit(samples::box_mesh({ -100, -60, -100 }, { 0, -50, 100 }), { 1, 0, 0 }) };
         scene.camera.eye = { 0, -400, 0 };
-        const TargetPixels pixels = test_support::renderer().target_pixels(scene, 640, 480);
+        const TargetPixels pixels = samples::renderer().target_pixels(scene, 640, 480);
         // The sphere's outline is a circle of the tangent cone: its area in pixels in closed form.
         const double tangent = std::tan(std::asin(30.0 / 400.0)) / std::tan(std::numbers::pi / 12.0) * 240.0;
         const double area = std::numbers::pi * tangent * tangent;
@@ -364,18 +364,18 @@ namespace render_test {
         EXPECT_NEAR(static_cast<double>(pixels.unobstructed) / area, 1.0, kPolygon);
         EXPECT_NEAR(pixels.share(), 0.5, kPolygon);
         scene.surfaces[1].occluder = false;
-        EXPECT_DOUBLE_EQ(test_support::renderer().target_pixels(scene, 640, 480).share(), 1.0);
+        EXPECT_DOUBLE_EQ(samples::renderer().target_pixels(scene, 640, 480).share(), 1.0);
         scene.surfaces.resize(1);
         scene.surfaces[0].target = false;
-        EXPECT_DOUBLE_EQ(test_support::renderer().target_pixels(scene, 640, 480).share(), 0.0);
+        EXPECT_DOUBLE_EQ(samples::renderer().target_pixels(scene, 640, 480).share(), 0.0);
     }
 
     TEST_F(Pictures, TargetShareIgnoresVolumesLinesAndWords)
     {
         Scene scene = samples::little_chest(false);
-        const TargetPixels bare = test_support::renderer().target_pixels(scene, 320, 240);
+        const TargetPixels bare = samples::renderer().target_pixels(scene, 320, 240);
         scene = samples::little_chest(true);
-        const TargetPixels full = test_support::renderer().target_pixels(scene, 320, 240);
+        const TargetPixels full = samples::renderer().target_pixels(scene, 320, 240);
         EXPECT_GT(bare.unobstructed, 100U);
         EXPECT_EQ(bare.visible, full.visible);
         EXPECT_EQ(bare.unobstructed, full.unobstructed);

@@ -140,7 +140,7 @@ VerificationProblem retraction_problem()
             std::vector<VerificationRow> rows;
             if (job.cancelled())
                 return rows;
-            const ui::cli::TemporaryFolder folder; // for the labels, which are read from files like a patient's
+            const test_support::TemporaryFolder folder; // for the labels, which are read from files like a patient's
             planner::Patient patient(chest(folder.path, options.fine, job), job);
             const std::vector<planner::PlannedField> fields = planner::plan_all(patient, job);
             for (std::size_t i = 0; i < fields.size() && !job.cancelled(); ++i)

@@ -27,7 +27,7 @@ foreach(component ${RETRACTOR_COMPONENTS})
   list(APPEND exported_targets retractor_${component})
 endforeach()
 foreach(folder ${RETRACTOR_INSTALLED_FOLDERS})
-  # The headers' own paths ("mesh/cut_session.h") stay what they are, below a folder of ours.
+  # The headers' own paths ("mesh/cutting/cut_session.h") stay what they are, below a folder of ours.
   install(DIRECTORY ${folder} DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/retractor" COMPONENT development
     FILES_MATCHING PATTERN "*.h")
 endforeach()

@@ -1,4 +1,4 @@
-# How this project's targets are made: one library with an alias per folder, one test program per folder.
+# How this project's libraries are made: static, each with an alias, warnings and precompiled headers.
 
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(Threads REQUIRED)

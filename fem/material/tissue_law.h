@@ -70,7 +70,8 @@ bool has_fibres(const Hyperelastic& law);
 /// The hyperelastic law of a material with its fibres. The material's Poisson's ratio holds across the fibres, at
 /// small strain.
 struct TissueLaw {
-    Hyperelastic law; ///< hyperelastic_law() sets its bulk modulus (neo-Hookean: both parameters) from the material
+    /// hyperelastic_law() sets its bulk modulus from Poisson's ratio of the material; a NeoHookean law is used as it is
+    Hyperelastic law;
     FibreDirections fibres {}; ///< fixed directions at rest, patient LPS, used when `around` is empty
     /// directions that wind round an axis, computed at the middle of each element by element_fibres()
     std::optional<FibresAround> around {};

@@ -9,8 +9,8 @@
 // regular tetrahedron of edge l this gives k = (2 sqrt(2) / 25) E l, the value of [Lloyd, Szekely, Harders 2007, doi
 // 10.1109/TVCG.2007.1055]. [Van Gelder 1998, doi 10.1080/10867651.1998.10487496] has k = E V / L^2, which differs by
 // up to 4 % there. A network yields between its vertices where a finite element does not, so its modulus is slightly
-// off. `calibration` scales the modulus; spring_calibration() (tension.h) measures the right scale against finite
-// elements on a mesh.
+// off. `calibration` scales the modulus; spring_calibration() (tests/verification/framework/tension.h) measures the
+// right scale against finite elements on a mesh.
 //
 // Braces. All edges of a flat element lie near one plane. Whatever their stiffness, such edges do not resist the slip
 // of one side over the other, although the slip costs a finite element more energy the flatter the element is. Where

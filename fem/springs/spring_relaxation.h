@@ -5,8 +5,8 @@
 // diagonal blocks, and shortened until the energy falls [Armijo]. Tension stiffens a spring across its direction, and
 // compression weakens the spring. The matrix omits the weakening and so is positive semidefinite: every step
 // descends, however slack the springs are. Such a step equals an implicit Euler step with infinite time step, so the
-// time step has no bound; the explicit scheme of spring_dynamics.h has one. A frame may stop at its limit of
-// conjugate gradient iterations; the next frame continues from the state reached.
+// time step has no bound; the explicit scheme of tests/verification/framework/spring_dynamics.h has one. A frame may
+// stop at its limit of conjugate gradient iterations; the next frame continues from the state reached.
 
 #include "fem/springs/edge_springs.h"
 #include "mesh/base/job.h"

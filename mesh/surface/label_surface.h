@@ -1,5 +1,6 @@
 #pragma once
-// Smooth triangle surfaces of voxel labels, for the line of sight and for pictures. Units mm; frame patient LPS.
+// Smooth triangle surfaces of voxel labels, for the line of sight and for pictures. Units mm; frame patient LPS. In
+// CMake this module is a part of retractor::mesh_generation.
 
 #include "mesh/base/job.h"
 #include "mesh/image/volume.h"

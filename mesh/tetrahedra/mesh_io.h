@@ -1,6 +1,7 @@
 #pragma once
 // Meshes as VTK files (ParaView, 3D Slicer): VTU for tetrahedra, VTP for surfaces, both XML with appended binary data.
 // Units mm; frame patient LPS, stated in the file as the field data string "frame". Files are written atomically.
+// In CMake this module is the library retractor::mesh_io.
 
 #include "mesh/tetrahedra/tet_mesh.h"
 

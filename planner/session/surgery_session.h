@@ -138,8 +138,9 @@ public:
     /// Sets the strain of the wall's tissue. When the materials have pre-strains (the case's tension), these are scaled
     /// so that the largest has this value. Else all soft tissue gets this strain in all directions of the skin's plane,
     /// and bone and cartilage none. With 0 wounds stay closed, and there are no springs. Springs are made when they are
-    /// first needed (part "springs"). The springs are not calibrated on the wall: spring_calibration() would factor the
-    /// wall as a plan does, for a factor of 1.01 to 1.03 on the stiffness. Wounds therefore gape 1 to 3 % too wide.
+    /// first needed (part "springs"). The springs are not calibrated on the wall: spring_calibration()
+    /// (tests/verification/framework/tension.h) would factor the wall as a plan does, for a factor of 1.01 to 1.03 on
+    /// the stiffness. Wounds therefore gape 1 to 3 % too wide.
     /// @throws InputError when the strain is negative, NaN or beyond kLargestPreStrain, or when springs cannot be made;
     /// the tension is unchanged then
     void set_tension(double strain);

@@ -94,7 +94,7 @@ namespace label_presets_test {
 
     TEST(LabelPresets, NamesAreUniqueAndMaterialsKnown)
     {
-        // The materials of fem/material.h; "soft_tissue" is none of them and never cut.
+        // The materials of fem/material/material.h; "soft_tissue" is none of them and never cut.
         const std::set<std::string> materials { "skin", "fat", "muscle", "intercostal", "bone", "cartilage", "vessel",
             "vessel_sclerotic", "heart", "lung", "liver" };
         for (const std::string& preset : presets_with_ids()) {

@@ -1,4 +1,4 @@
-// Plans under pressure: planner/wall_pressure.h.
+// Plans under pressure: planner/wall/wall_pressure.h.
 
 #include "planner/wall/wall_pressure.h"
 

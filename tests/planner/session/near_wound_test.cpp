@@ -1,5 +1,5 @@
-// The nonlinear answer near a wound at the cutting desk: it is NonlinearRegion's, comes in the background, follows the
-// hand, and makes way for cuts.
+// The nonlinear answer near a wound in the surgery session: it is NonlinearRegion's, comes in the background, follows
+// the hand, and makes way for cuts.
 
 #include "planner/session/near_wound.h"
 

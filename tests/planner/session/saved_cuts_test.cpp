@@ -160,7 +160,7 @@ namespace saved_cuts_test {
         {
             auto live_session = std::make_unique<SurgerySession>(new_session(table()));
             cut(*live_session, 30.0);
-            begin(*live_session, 62.0); // the desk ends without finishing it, as a crash would
+            begin(*live_session, 62.0); // the session ends without finishing it, as a crash would
             left = live_session->session().compact_mesh();
         }
         const SavedCuts kept = read_saved_cuts(journal(), table().wall);

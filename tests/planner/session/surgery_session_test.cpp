@@ -562,7 +562,7 @@ namespace surgery_session_test {
         mesh::check_mesh(live_session.session().compact_mesh());
     }
 
-    /// A desk whose session is refused what the test chooses, as by a full disk or by the cut itself.
+    /// A surgery session that is refused what the test chooses, as by a full disk or by the cut itself.
     class RefusedStroke : public testing::Test {
     protected:
         SurgerySession make_session()
@@ -856,7 +856,7 @@ namespace surgery_session_test {
         wait_for(worker);
         EXPECT_EQ(worker.snapshot()->phase, SessionSnapshot::Phase::failed);
         EXPECT_EQ(worker.snapshot()->failure, "approach x: no wall");
-        worker.run(surgery::Undo {}); // without a desk
+        worker.run(surgery::Undo {}); // without a session
         wait_for(worker);
         EXPECT_EQ(worker.snapshot()->phase, SessionSnapshot::Phase::failed);
     }

@@ -1,4 +1,4 @@
-// Hooks at the cutting desk: wounds that are opened, cut further while they are open, and closed again.
+// Hooks in the surgery session: wounds that are opened, cut further while they are open, and closed again.
 
 #include "fem/linear_algebra/sparse_cholesky.h"
 #include "fem/statics/opening.h"

@@ -114,7 +114,7 @@ datasets::PalpationScene make_abdomen_scene(double edge_mm, const Job& job)
     scene.body.roles.assign(mesh.vertex_count(), datasets::VertexRole::free);
     for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
         const std::string& organ = mesh::find_label(table, mesh.labels[t])->name;
-        // Liver and bowel at rest, muscle for walls: fem/material.h's sources.
+        // Liver and bowel at rest, muscle for walls: fem/material/material.h's sources.
         const double modulus = organ == "liver" ? 0.0054 : organ == "bowel" ? 0.003 : 0.04;
         scene.body.youngs_modulus.push_back(modulus);
         scene.body.poissons_ratio.push_back(0.48);

@@ -418,7 +418,9 @@ namespace knife_window_test {
             ASSERT_TRUE(QTest::qWaitFor(
                 [&] { return window_->knife().snapshot()->phase == planner::SessionSnapshot::Phase::asking; },
                 test_support::kPatienceMs));
-            wait_until_idle();
+            // The session waits for the answer, and what was asked of it meanwhile waits too: it is not idle.
+            ASSERT_TRUE(QTest::qWaitFor(
+                [&] { return window_->knife_panel().restore_button().isVisible(); }, test_support::kPatienceMs));
             EXPECT_EQ(snapshot().saved_cuts, 2U);
             window_->save_screenshot(picture_folder() / "workstation_knife_restore.png");
             KnifePanel& panel = window_->knife_panel();

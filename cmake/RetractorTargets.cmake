@@ -15,6 +15,9 @@ set(retractor_warnings
 target_compile_options(retractor_options INTERFACE "$<BUILD_INTERFACE:${retractor_warnings}>")
 target_include_directories(retractor_options INTERFACE "$<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>")
 target_link_libraries(retractor_options INTERFACE Eigen3::Eigen Threads::Threads)
+if(RETRACTOR_ASSERTIONS)
+  target_compile_definitions(retractor_options INTERFACE $<BUILD_INTERFACE:RETRACTOR_ASSERTIONS>)
+endif()
 if(RETRACTOR_SANITIZE)
   target_compile_options(retractor_options INTERFACE
     "$<BUILD_INTERFACE:-fsanitize=${RETRACTOR_SANITIZE};-fno-omit-frame-pointer>")

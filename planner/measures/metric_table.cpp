@@ -1,10 +1,10 @@
 #include "planner/measures/metric_table.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/text_format.h"
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cstddef>
 
 namespace retractor::planner {
@@ -127,7 +127,7 @@ const MetricField& metric_field(std::string_view key)
 {
     const auto* const found = std::find_if(
         kMetricFields.begin(), kMetricFields.end(), [&](const MetricField& metric) { return metric.key == key; });
-    assert(found != kMetricFields.end());
+    RETRACTOR_ASSERT(found != kMetricFields.end());
     return *found;
 }
 

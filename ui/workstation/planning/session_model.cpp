@@ -1,8 +1,9 @@
 #include "ui/workstation/planning/session_model.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -100,7 +101,7 @@ SessionModel::SessionModel(planner::Case planned_case)
 
 void SessionModel::select(std::size_t index)
 {
-    assert(index < states_.size());
+    RETRACTOR_ASSERT(index < states_.size());
     selected_ = index;
 }
 
@@ -149,7 +150,7 @@ std::optional<std::size_t> SessionModel::begin_plan()
 
 void SessionModel::plan_done(FieldPictures field)
 {
-    assert(planning_);
+    RETRACTOR_ASSERT(planning_);
     ApproachState& state = states_[*std::exchange(planning_, std::nullopt)];
     state.field = std::make_shared<const FieldPictures>(std::move(field));
     state.status = FieldStatus::planned;
@@ -157,13 +158,13 @@ void SessionModel::plan_done(FieldPictures field)
 
 void SessionModel::plan_cancelled()
 {
-    assert(planning_);
+    RETRACTOR_ASSERT(planning_);
     states_[*std::exchange(planning_, std::nullopt)].status = FieldStatus::closed;
 }
 
 void SessionModel::plan_failed(Failure failure)
 {
-    assert(planning_);
+    RETRACTOR_ASSERT(planning_);
     ApproachState& state = states_[*std::exchange(planning_, std::nullopt)];
     state.failure = std::move(failure);
     state.status = FieldStatus::failed;
@@ -187,13 +188,13 @@ std::optional<std::size_t> SessionModel::begin_closed()
 
 void SessionModel::closed_done(Scene scene)
 {
-    assert(making_closed_);
+    RETRACTOR_ASSERT(making_closed_);
     states_[*std::exchange(making_closed_, std::nullopt)].closed = std::make_shared<const Scene>(std::move(scene));
 }
 
 void SessionModel::closed_failed(Failure failure)
 {
-    assert(making_closed_);
+    RETRACTOR_ASSERT(making_closed_);
     states_[*std::exchange(making_closed_, std::nullopt)].failure = std::move(failure);
 }
 

@@ -7,8 +7,8 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(RETRACTOR_INSTALLED_FOLDERS mesh fem datasets haptics planner)
-# The headers of mesh_io and mesh_generation lie in mesh, those of session in planner/session.
-set(RETRACTOR_COMPONENTS mesh mesh_io mesh_generation fem datasets haptics planner session)
+# Headers lie in the folder of their sources: those of mesh_io in mesh, those of session in planner/session.
+set(RETRACTOR_COMPONENTS mesh mesh_io mesh_generation fem elastic_model datasets haptics hand planner_case planner session)
 set(retractor_package_folder "${CMAKE_INSTALL_LIBDIR}/cmake/retractor")
 
 # What the static libraries need from VTK and ITK is asked of their targets, so that the package file cannot fall behind.

@@ -1,11 +1,10 @@
 #pragma once
-// A body for palpation: tetrahedra with their elasticity, and the roles of the vertices. On disk, the body is a VTU
-// file that ParaView and 3D Slicer open, with a scene file (JSON) beside it. Units mm, MPa; frame patient LPS.
+// A body for palpation: tetrahedra with their elasticity, the roles of the vertices, places to press and a pulse. Units
+// mm, MPa; frame patient LPS. In CMake this module is retractor::elastic_model, which needs neither ITK nor VTK.
 
 #include "mesh/tetrahedra/tet_mesh.h"
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -32,12 +31,6 @@ void check_elastic_model(const ElasticModel& model);
 
 /// True when blood presses on the body from inside.
 bool has_inner_wall(const ElasticModel& model);
-
-/// Writes the point array "role" and the cell arrays "youngs_modulus_MPa" and "poissons_ratio".
-/// @throws as mesh::write_vtu() and check_elastic_model() do.
-void write_elastic_model(const std::filesystem::path& vtu, const ElasticModel& model);
-/// Reads a model. @throws as mesh::read_vtu() and check_elastic_model() do; InputError naming a missing array.
-ElasticModel read_elastic_model(const std::filesystem::path& vtu);
 
 /// A place to press.
 struct TouchSite {
@@ -67,14 +60,5 @@ struct PalpationScene {
     /// Finds a site by its name. @throws InputError naming the existing sites.
     const TouchSite& site(const std::string& wanted) const;
 };
-
-/// Writes `file` (JSON), and the mesh beside it as STEM.vtu. @throws InputError as write_elastic_model() does; IoError
-/// when writing fails.
-void write_palpation_scene(const std::filesystem::path& file, const PalpationScene& scene);
-/// True when the file declares the format of a palpation scene, even when other parts of the file are wrong.
-bool is_palpation_scene(const std::filesystem::path& file);
-/// Reads a scene and its mesh.
-/// @throws IoError when a file cannot be read; InputError naming the JSON pointer that is missing or wrong.
-PalpationScene read_palpation_scene(const std::filesystem::path& file);
 
 } // namespace retractor::datasets

@@ -2,7 +2,6 @@
 
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
-#include "mesh/tetrahedra/mesh_io.h"
 
 #include <chrono>
 #include <exception>
@@ -106,7 +105,7 @@ struct KnifeWorker::Runner {
     {
         if (live_session.stroke_open())
             return { false, "a stroke is open: finish it first" };
-        mesh::write_vtu(c.path, live_session.session().compact_mesh());
+        c.write(c.path, live_session.session().compact_mesh());
         return { true, "Saved " + c.path.string() };
     }
 

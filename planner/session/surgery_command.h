@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <variant>
 
 namespace retractor::planner {
@@ -73,9 +74,11 @@ namespace surgery {
     };
     struct TakeOffHooks { };
 
-    /// Writes the cut wall at rest as VTU, with a message. Refused while a stroke is open.
+    /// Writes the cut wall at rest to a file, with a message. Refused while a stroke is open.
     struct ExportWall {
         std::filesystem::path path {};
+        /// Writes a mesh in the format that the front end chose, e.g. mesh::write_vtu(). May throw IoError.
+        std::function<void(const std::filesystem::path&, const mesh::TetMesh&)> write {};
     };
 
     using Command = std::variant<BeginStroke, DrawTo, LeaveWall, FinishStroke, AbandonStroke, TakeOut, Undo, Redo, GoTo,

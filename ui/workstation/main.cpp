@@ -1,6 +1,6 @@
 // The program retractor-workstation: opens a window to plan a case, or a window to palpate tissue.
 
-#include "datasets/phantoms/elastic_model.h"
+#include "datasets/phantoms/palpation_scene_file.h"
 #include "haptics/hand/hand_file.h"
 #include "mesh/base/error.h"
 #include "planner/case/case_io.h"

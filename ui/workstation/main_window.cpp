@@ -1,7 +1,8 @@
 #include "ui/workstation/main_window.h"
 
-#include "datasets/phantoms/elastic_model.h"
+#include "datasets/phantoms/palpation_scene_file.h"
 #include "mesh/base/error.h"
+#include "mesh/tetrahedra/mesh_io.h"
 #include "planner/case/case_io.h"
 #include "planner/case/patient.h"
 #include "planner/palpation/palpable.h"
@@ -649,7 +650,8 @@ void MainWindow::ask_for_export_file()
         return;
     if (!file.endsWith(".vtu", Qt::CaseInsensitive))
         file += ".vtu";
-    knife_->run(planner::surgery::ExportWall { file.toStdString() });
+    knife_->run(planner::surgery::ExportWall { file.toStdString(),
+        [](const std::filesystem::path& path, const mesh::TetMesh& wall) { mesh::write_vtu(path, wall); } });
 }
 
 void MainWindow::show_about()

@@ -1,5 +1,6 @@
 #include "datasets/phantoms/aorta_phantom.h"
 
+#include "datasets/phantoms/palpation_scene_file.h"
 #include "mesh/base/error.h"
 #include "mesh/tetrahedra/mesh_io.h"
 #include "tests/support/temporary_folder.h"

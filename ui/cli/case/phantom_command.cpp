@@ -2,6 +2,7 @@
 
 #include "datasets/phantoms/abdomen_phantom.h"
 #include "datasets/phantoms/aorta_phantom.h"
+#include "datasets/phantoms/palpation_scene_file.h"
 #include "mesh/base/error.h"
 #include "ui/cli/case/touchable_phantoms.h"
 #include "ui/cli/commands.h"

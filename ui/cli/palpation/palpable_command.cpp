@@ -1,5 +1,6 @@
 #include "ui/cli/palpation/palpate_command.h"
 
+#include "datasets/phantoms/palpation_scene_file.h"
 #include "mesh/base/error.h"
 #include "planner/case/patient.h"
 #include "planner/palpation/palpable.h"

@@ -1,5 +1,6 @@
 #include "ui/cli/palpation/palpate_command.h"
 
+#include "datasets/phantoms/palpation_scene_file.h"
 #include "haptics/hand/hand_file.h"
 #include "haptics/recording/motion_file.h"
 #include "mesh/base/atomic_file.h"

@@ -2,6 +2,7 @@
 #include "ui/cli/framework/number_text.h"
 
 #include "datasets/phantoms/aorta_phantom.h"
+#include "datasets/phantoms/palpation_scene_file.h"
 #include "haptics/training/trial_store.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"

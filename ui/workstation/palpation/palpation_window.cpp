@@ -1,5 +1,6 @@
 #include "ui/workstation/palpation/palpation_window.h"
 
+#include "datasets/phantoms/palpation_scene_file.h"
 #include "haptics/hand/hand_file.h"
 #include "ui/workstation/planning/session_model.h"
 #include "ui/workstation/view/png_file.h"

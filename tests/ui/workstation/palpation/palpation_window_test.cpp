@@ -3,6 +3,7 @@
 #include "tests/planner/session/touchable_tube.h"
 #include "tests/support/window_help.h"
 
+#include "datasets/phantoms/palpation_scene_file.h"
 #include "haptics/recording/motion_file.h"
 #include "ui/workstation/palpation/palpation_window.h"
 #include "ui/workstation/view/picture_view.h"

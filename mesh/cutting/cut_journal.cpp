@@ -147,22 +147,15 @@ namespace {
             points.push_back(read_point(point));
     }
 
-    constexpr std::array<std::pair<Subdivision, std::string_view>, 4> kSubdivisions { {
-        { Subdivision::adaptive, "adaptive" },
-        { Subdivision::intermediate_11, "intermediate_11" },
-        { Subdivision::intermediate_5, "intermediate_5" },
-        { Subdivision::general, "general" },
-    } };
+    /// The only subdivision. Journals name it, because older programs had others.
+    constexpr const char* kSubdivision = "adaptive";
 
     Json written(const CutOptions& options)
     {
         // The structured binding names every option, because a replay would lose an option that is not written.
-        const auto& [subdivision, snap, snap_angle_deg, improve_below_deg, crease_deg, uncut_labels, element_limit]
-            = options;
+        const auto& [snap, snap_angle_deg, improve_below_deg, crease_deg, uncut_labels, element_limit] = options;
         Json json;
-        for (const auto& [value, name] : kSubdivisions)
-            if (value == subdivision)
-                json["subdivision"] = name;
+        json["subdivision"] = kSubdivision;
         json["snap"] = snap;
         json["snap_angle_deg"] = snap_angle_deg;
         json["improve_below_deg"] = improve_below_deg;
@@ -175,12 +168,10 @@ namespace {
     CutOptions read_options(const Json& json)
     {
         CutOptions options;
-        const auto subdivision = json.at("subdivision").get<std::string>();
-        const auto known = std::find_if(
-            kSubdivisions.begin(), kSubdivisions.end(), [&](const auto& entry) { return entry.second == subdivision; });
-        if (known == kSubdivisions.end())
-            throw InputError("unknown subdivision \"" + subdivision + "\"");
-        options.subdivision = known->first;
+        if (const Json& subdivision = json.at("subdivision"); subdivision != kSubdivision)
+            throw InputError("the subdivision is " + subdivision.dump()
+                    + "; this version cuts adaptively only: replay the journal with the version that wrote it",
+                "/options/subdivision");
         json.at("snap").get_to(options.snap);
         json.at("snap_angle_deg").get_to(options.snap_angle_deg);
         json.at("improve_below_deg").get_to(options.improve_below_deg);

@@ -246,8 +246,7 @@ struct CutSession::State {
                 result.report.seconds = watch.seconds();
                 return result;
             } catch (const CutQualityError& broken) {
-                if (part.care.attempt == kMostAttempts || broken.kind() == CutQualityError::Kind::growth
-                    || options.subdivision != Subdivision::adaptive)
+                if (part.care.attempt == kMostAttempts || broken.kind() == CutQualityError::Kind::growth)
                     throw given_up(broken, part.care.attempt);
                 part.care = settings_of_retry(part.care, broken.kind());
             }

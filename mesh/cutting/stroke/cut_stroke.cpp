@@ -5,7 +5,6 @@
 #include "mesh/cutting/stroke/cut_extent.h"
 #include "mesh/cutting/stroke/cut_improve.h"
 #include "mesh/cutting/stroke/cut_moves.h"
-#include "mesh/cutting/stroke/cut_patterns.h"
 #include "mesh/cutting/stroke/cut_retry.h"
 #include "mesh/cutting/stroke/cut_separation.h"
 
@@ -95,7 +94,7 @@ namespace {
         Vec3 border_point(EdgeKey edge, std::size_t border, double& t, double& deviation, bool& on_border);
         double surface_room(const EdgeKey& edge) const;
         void resolve_borders();
-        void check_promises();
+        void check_guarantees();
 
         double border_tolerance() const { return step_.care.border * kBorderTolerance; }
 
@@ -626,7 +625,7 @@ namespace {
 
     /// Tests the guarantees of the stroke. With labels that the blade does not sever, only the lips are tested, because
     /// parts of the blade stay uncut.
-    void Stroke::check_promises()
+    void Stroke::check_guarantees()
     {
         const double most = largest_blade_deviation(step_.care);
         const auto check = [](double share, double limit, const char* would, const char* how) {
@@ -678,12 +677,6 @@ namespace {
             snap_to_blade();
             find_crossed();
         }
-        if (has_own_patterns(options_.subdivision)) {
-            divide_by_pattern(state_, crossed_);
-            check_element_limit(state_);
-            find_near_blade();
-            find_crossed();
-        }
         job_.report("cut", 0.3);
         bisect_at_blade();
         job_.report("cut", 0.5);
@@ -706,8 +699,7 @@ namespace {
         }
         check_cut_marks();
         separate(state_, cut_number);
-        if (options_.subdivision == Subdivision::adaptive)
-            check_promises();
+        check_guarantees();
         job_.report("cut", 1.0);
         poll(0);
         state_.report.tets_after = store_.books().tets;
@@ -722,8 +714,6 @@ CutResult cut_stroke(CutStore& store, const SweptBlade& blade, const CutOptions&
 {
     check_options(options);
     CutOptions effective = options;
-    if (options.subdivision != Subdivision::adaptive)
-        effective.snap = 0.0;
     effective.snap *= step.care.snap;
     effective.crease_deg = std::min(effective.crease_deg, step.care.crease_deg);
     try {

@@ -14,7 +14,6 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <set>
 #include <sstream>
 #include <unordered_map>
 #include <utility>
@@ -240,15 +239,15 @@ struct CutSession::State {
             try {
                 CutResult result = step(event, record, [&] {
                     CutResult cut = cut_stroke(store, blade, options, static_cast<int>(done), job, part, rest);
-                    cut.report.attempts = part.care.attempt;
+                    cut.report.attempts = part.settings.attempt;
                     return cut;
                 });
                 result.report.seconds = watch.seconds();
                 return result;
             } catch (const CutQualityError& broken) {
-                if (part.care.attempt == kMostAttempts || broken.kind() == CutQualityError::Kind::growth)
-                    throw given_up(broken, part.care.attempt);
-                part.care = settings_of_retry(part.care, broken.kind());
+                if (part.settings.attempt == kMostAttempts || broken.kind() == CutQualityError::Kind::growth)
+                    throw given_up(broken, part.settings.attempt);
+                part.settings = settings_of_retry(part.settings, broken.kind());
             }
     }
 
@@ -490,17 +489,6 @@ std::vector<LipFace> CutSession::lips() const
     return faces;
 }
 
-std::vector<VertexId> CutSession::pinched_vertices() const
-{
-    std::set<VertexId> vertices;
-    for (const LipFace& lip : lips())
-        for (std::size_t i = 0; i < 4; ++i)
-            if (static_cast<int>(i) != lip.face.corner)
-                vertices.insert(state_->store.tet(lip.face.tet).nodes[i]);
-    std::erase_if(vertices, [&](VertexId v) { return state_->store.surface_fans(v) <= 1; });
-    return { vertices.begin(), vertices.end() };
-}
-
 TetId CutSession::origin(TetId tet) const
 {
     must_have_tet(state_->store, tet);
@@ -536,24 +524,6 @@ TetMesh CutSession::compact_mesh(SlotMap* map) const
     if (map != nullptr)
         *map = std::move(slots);
     return mesh;
-}
-
-CutMesh cut(const TetMesh& mesh, const Blade& blade, const CutOptions& options, const Job& job)
-{
-    CutSession session(mesh);
-    CutResult result = session.cut(blade, options, job);
-    CutMesh out;
-    out.status = result.status;
-    out.message = std::move(result.message);
-    out.report = result.report;
-    SlotMap map;
-    out.mesh = session.compact_mesh(&map);
-    for (const TetId slot : map.tet_slot)
-        out.origin.push_back(session.origin(slot));
-    out.lips = session.lips();
-    for (LipFace& lip : out.lips)
-        lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
-    return out;
 }
 
 } // namespace retractor::mesh

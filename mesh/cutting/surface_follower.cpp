@@ -47,10 +47,7 @@ SurfaceFollower::SurfaceFollower(const TetMesh& mesh)
 
 SurfaceFollower::Key SurfaceFollower::key(Half half) const
 {
-    const auto& n = nodes_[static_cast<std::size_t>(half / 4)];
-    const auto& face = kTetFaces[static_cast<std::size_t>(half % 4)];
-    Key key { n[static_cast<std::size_t>(face[0])], n[static_cast<std::size_t>(face[1])],
-        n[static_cast<std::size_t>(face[2])] };
+    Key key = face_corners(nodes_[static_cast<std::size_t>(half / 4)], static_cast<int>(half % 4));
     std::sort(key.begin(), key.end());
     return key;
 }
@@ -86,9 +83,8 @@ void SurfaceFollower::show(Half half)
 {
     mate(half) = kSurface;
     const auto t = static_cast<std::size_t>(half / 4);
-    SurfaceFace face { { static_cast<TetId>(half / 4), static_cast<int>(half % 4) }, {}, labels_[t] };
-    for (std::size_t i = 0; i < 3; ++i)
-        face.vertices[i] = nodes_[t][static_cast<std::size_t>(kTetFaces[static_cast<std::size_t>(half % 4)][i])];
+    const auto corner = static_cast<int>(half % 4);
+    const SurfaceFace face { { static_cast<TetId>(half / 4), corner }, face_corners(nodes_[t], corner), labels_[t] };
     if (!place_.try_emplace(key(half), faces_.size()).second)
         refuse(face.face.tet);
     changed_.push_back(faces_.size());

@@ -49,6 +49,15 @@ namespace {
 
 } // namespace
 
+std::array<std::pair<VertexId, VertexId>, 6> edge_keys(const std::array<VertexId, 4>& element)
+{
+    std::array<std::pair<VertexId, VertexId>, 6> keys;
+    for (std::size_t e = 0; e < 6; ++e)
+        keys[e] = std::minmax(
+            element[static_cast<std::size_t>(kTetEdges[e][0])], element[static_cast<std::size_t>(kTetEdges[e][1])]);
+    return keys;
+}
+
 std::array<Vec3, 4> tet_corners(const TetMesh& mesh, TetId t)
 {
     const auto n = mesh.tet(t);
@@ -70,13 +79,8 @@ double tet_volume(const TetMesh& mesh, TetId t)
 std::array<double, 6> dihedral_angles_deg(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
 {
     const std::array<Vec3, 4> p { a, b, c, d };
-    std::array<Vec3, 4> normal;
-    for (std::size_t f = 0; f < 4; ++f) {
-        const auto& face = kTetFaces[f];
-        const auto corner
-            = [&](int i) -> const Vec3& { return p[static_cast<std::size_t>(face[static_cast<std::size_t>(i)])]; };
-        normal[f] = unit_normal(corner(0), corner(1), corner(2));
-    }
+    const std::array<Vec3, 4> normal { unit_normal(face_corners(p, 0)), unit_normal(face_corners(p, 1)),
+        unit_normal(face_corners(p, 2)), unit_normal(face_corners(p, 3)) };
     std::array<double, 6> angles {};
     for (std::size_t e = 0; e < 6; ++e) {
         // The two faces at an edge are opposite the two corners that are not on the edge.

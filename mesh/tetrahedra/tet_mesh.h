@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace retractor::mesh {
@@ -32,6 +33,17 @@ inline constexpr std::array<std::array<int, 3>, 4> kTetFaces { { { 1, 2, 3 }, { 
 /// Local corner indices of the six edges, in the order of the P2 midpoints.
 inline constexpr std::array<std::array<int, 2>, 6> kTetEdges { { { 0, 1 }, { 1, 2 }, { 0, 2 }, { 0, 3 }, { 1, 3 },
     { 2, 3 } } };
+
+/// The corners of the face opposite a corner, counter-clockwise seen from outside. The corners of the element may be
+/// ids or points.
+template <class Corner> std::array<Corner, 3> face_corners(const std::array<Corner, 4>& element, int opposite)
+{
+    const auto& face = kTetFaces[static_cast<std::size_t>(opposite)];
+    const auto at = [&](std::size_t i) -> const Corner& { return element[static_cast<std::size_t>(face[i])]; };
+    return { at(0), at(1), at(2) };
+}
+/// The ends of the six edges, in the order of kTetEdges; the smaller id of each edge comes first.
+std::array<std::pair<VertexId, VertexId>, 6> edge_keys(const std::array<VertexId, 4>& element);
 
 /// The four corners of element t, in the node order above.
 std::array<Vec3, 4> tet_corners(const TetMesh& mesh, TetId t);

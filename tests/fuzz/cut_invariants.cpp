@@ -1,4 +1,5 @@
 #include "tests/fuzz/cut_invariants.h"
+#include "tests/support/pinched_vertices.h"
 
 #include <Eigen/Geometry>
 
@@ -574,7 +575,7 @@ bool is_named_refusal(const Error& error)
 State::State(const mesh::CutSession& session)
     : mesh(session.compact_mesh(&map))
     , lips(session.lips())
-    , pinched(session.pinched_vertices())
+    , pinched(test_support::pinched_vertices(session))
     , cuts(session.cut_count())
     , tets(session.tet_count())
     , vertices(session.vertex_count())

@@ -1,7 +1,6 @@
 #include "mesh/cutting/store/cut_store.h"
 
 #include <algorithm>
-#include <map>
 #include <span>
 
 namespace retractor::mesh {
@@ -143,12 +142,8 @@ CutStore::CutStore(const TetMesh& mesh)
         slot.origin = t;
         slot.alive = true;
         attach(t);
-        for (const auto& e : kTetEdges)
-            first_edge_[static_cast<std::size_t>(t)]
-                += static_cast<float>((position(slot.nodes[static_cast<std::size_t>(e[0])])
-                                          - position(slot.nodes[static_cast<std::size_t>(e[1])]))
-                                          .norm()
-                    / 6.0);
+        for (const auto& [a, b] : edge_keys(slot.nodes))
+            first_edge_[static_cast<std::size_t>(t)] += static_cast<float>((position(a) - position(b)).norm() / 6.0);
     }
     books_ = { vertices_.size(), tets_.size(), vertices_.size(), tets_.size() };
     leave_room(vertices_, stars_, vertex_epoch_, vertex_birth_epoch_, tets_, tet_epoch_, birth_epoch_);
@@ -171,37 +166,6 @@ std::vector<TetId> CutStore::star(VertexId a, VertexId b) const
     return tets;
 }
 
-std::size_t CutStore::surface_fans(VertexId v) const
-{
-    std::map<std::array<VertexId, 2>, int> faces; // by the edge opposite v
-    for (const TetId t : unsorted_star(v)) {
-        const auto& n = tet(t).nodes;
-        for (const auto& e : kTetEdges) {
-            const auto [a, b] = std::minmax(n[static_cast<std::size_t>(e[0])], n[static_cast<std::size_t>(e[1])]);
-            if (a != v && b != v)
-                ++faces[{ a, b }];
-        }
-    }
-    std::map<VertexId, std::vector<VertexId>> next;
-    for (const auto& [edge, count] : faces)
-        if (count == 1) {
-            next[edge[0]].push_back(edge[1]);
-            next[edge[1]].push_back(edge[0]);
-        }
-    std::size_t fans = 0;
-    while (!next.empty()) {
-        ++fans;
-        std::vector<VertexId> open { next.begin()->first };
-        while (!open.empty()) {
-            const auto node = next.extract(open.back());
-            open.pop_back();
-            if (!node.empty())
-                open.insert(open.end(), node.mapped().begin(), node.mapped().end());
-        }
-    }
-    return fans;
-}
-
 double CutStore::volume(TetId t) const
 {
     const auto& n = tet(t).nodes;
@@ -217,11 +181,9 @@ int CutStore::corner(TetId t, VertexId v) const
 
 TetId CutStore::across(const TetFace& face) const
 {
-    const auto& n = tet(face.tet).nodes;
-    const auto& local = kTetFaces[static_cast<std::size_t>(face.corner)];
-    const auto corner_of_face = [&](std::size_t i) { return n[static_cast<std::size_t>(local[i])]; };
-    for (const TetId t : unsorted_star(corner_of_face(0)))
-        if (t != face.tet && corner(t, corner_of_face(1)) >= 0 && corner(t, corner_of_face(2)) >= 0)
+    const auto [a, b, c] = face_corners(tet(face.tet).nodes, face.corner);
+    for (const TetId t : unsorted_star(a))
+        if (t != face.tet && corner(t, b) >= 0 && corner(t, c) >= 0)
             return t;
     return -1;
 }
@@ -291,24 +253,21 @@ void CutStore::attach(TetId t)
     list(t);
 }
 
-void CutStore::list(TetId t)
+void CutStore::list(TetId t) { grid_.insert(t, box_of(t)); }
+
+Eigen::AlignedBox3d CutStore::box_of(TetId t) const
 {
     Eigen::AlignedBox3d box;
     for (const VertexId v : tet(t).nodes)
         box.extend(position(v));
-    grid_.insert(t, box);
+    return box;
 }
 
 void CutStore::gather_near(const Eigen::AlignedBox3d& box, std::vector<TetId>& tets) const
 {
     tets.clear();
     grid_.gather(box, tets);
-    std::erase_if(tets, [&](TetId t) {
-        Eigen::AlignedBox3d own;
-        for (const VertexId v : tet(t).nodes)
-            own.extend(position(v));
-        return !own.intersects(box);
-    });
+    std::erase_if(tets, [&](TetId t) { return !box_of(t).intersects(box); });
 }
 
 std::vector<TetId> CutStore::tets_near(const Eigen::AlignedBox3d& box) const
@@ -430,7 +389,7 @@ void CutStore::replace_parent(VertexId v, VertexId w)
         }
 }
 
-void CutStore::drop_newborn(VertexId v)
+void CutStore::drop_added(VertexId v)
 {
     std::erase_if(born_, [&](const MeshDelta::VertexBorn& born) { return born.id == v; });
     std::erase_if(moved_, [&](const MeshDelta::VertexMoved& moved) { return moved.id == v; });
@@ -460,10 +419,10 @@ TetId CutStore::add_tet(const TetSlot& tet)
 void CutStore::remove_tet(TetId t)
 {
     detach(t);
-    const bool newborn = birth_epoch_[static_cast<std::size_t>(t)] == epoch_;
+    const bool added = birth_epoch_[static_cast<std::size_t>(t)] == epoch_;
     touch_tet(t).alive = false;
     --books_.tets;
-    if (newborn)
+    if (added)
         free_tets_.push(t);
     else
         freed_tets_.push_back(t);

@@ -20,15 +20,6 @@ namespace {
         order(0, 1);
         return turn;
     }
-
-    /// Corners of an element's face, turning left seen from outside.
-    FaceKey outward(const TetSlot& tet, int corner)
-    {
-        FaceKey v {};
-        for (std::size_t i = 0; i < 3; ++i)
-            v[i] = tet.nodes[static_cast<std::size_t>(kTetFaces[static_cast<std::size_t>(corner)][i])];
-        return v;
-    }
 } // namespace
 
 void CutFaces::add(std::array<VertexId, 3> corners, int turn)
@@ -50,11 +41,11 @@ int CutFaces::remove(const FaceKey& key)
     return turn;
 }
 
-void CutFaces::insert(const TetSlot& minus, int corner) { add(outward(minus, corner), 1); }
+void CutFaces::insert(const TetSlot& minus, int corner) { add(face_corners(minus.nodes, corner), 1); }
 
 int CutFaces::side(const TetSlot& tet, int corner) const
 {
-    FaceKey key = outward(tet, corner);
+    FaceKey key = face_corners(tet.nodes, corner);
     const int turn = sort_corners(key);
     const auto it = faces_.find(key);
     return it == faces_.end() ? 0 : -turn * it->second;

@@ -76,10 +76,7 @@ namespace {
                 return {};
             // The corners in kTetFaces run counter-clockwise seen from outside, also for the face opposite the edge's
             // second end.
-            const auto& face = kTetFaces[static_cast<std::size_t>(store.corner(t, edge.second))];
-            std::array<VertexId, 3> v;
-            for (std::size_t i = 0; i < 3; ++i)
-                v[i] = tet.nodes[static_cast<std::size_t>(face[i])];
+            const std::array<VertexId, 3> v = face_corners(tet.nodes, store.corner(t, edge.second));
             const auto first = static_cast<std::size_t>(std::find(v.begin(), v.end(), edge.first) - v.begin());
             if (!next.emplace(v[(first + 1) % 3], v[(first + 2) % 3]).second)
                 return {};
@@ -233,9 +230,9 @@ double shared_volume(const Corners& a, const Corners& b)
 {
     std::array<std::pair<Vec3, double>, 4> planes;
     for (std::size_t f = 0; f < 4; ++f) {
-        const auto corner = [&](std::size_t i) { return b[static_cast<std::size_t>(kTetFaces[f][i])]; };
-        const Vec3 inward = unit_normal(corner(0), corner(2), corner(1));
-        planes[f] = { inward, inward.dot(corner(0)) };
+        const auto [p, q, r] = face_corners(b, static_cast<int>(f));
+        const Vec3 inward = unit_normal(p, r, q);
+        planes[f] = { inward, inward.dot(p) };
     }
     return clipped_volume(a, planes);
 }
@@ -246,10 +243,7 @@ std::optional<Flip> face_flip(const CutStore& store, TetId t, int corner)
     if (other < 0 || store.tet(other).label != store.tet(t).label)
         return std::nullopt;
     const TetSlot& tet = store.tet(t);
-    const auto& local = kTetFaces[static_cast<std::size_t>(corner)];
-    std::array<VertexId, 3> face;
-    for (std::size_t i = 0; i < 3; ++i)
-        face[i] = tet.nodes[static_cast<std::size_t>(local[i])];
+    const std::array<VertexId, 3> face = face_corners(tet.nodes, corner);
     const VertexId below = tet.nodes[static_cast<std::size_t>(corner)];
     VertexId above = -1;
     for (const VertexId v : store.tet(other).nodes)

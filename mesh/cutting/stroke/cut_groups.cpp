@@ -73,6 +73,14 @@ namespace {
         return groups;
     }
 
+    std::size_t group_of(TetId t, const Groups& groups)
+    {
+        for (std::size_t g = 0; g < groups.size(); ++g)
+            if (std::binary_search(groups[g].begin(), groups[g].end(), t))
+                return g;
+        return groups.size();
+    }
+
 } // namespace
 
 Groups groups_round(VertexId v, const CutStore& store, const CutFaces& cut)
@@ -84,6 +92,16 @@ Groups groups_round(const EdgeKey& edge, const CutStore& store, const CutFaces& 
 {
     const std::array<VertexId, 2> core { edge.first, edge.second };
     return groups_of_star(core, store.star(edge.first, edge.second), store, cut);
+}
+
+bool pinned(const Groups& fans, const Groups& at_a, const Groups& at_b)
+{
+    for (std::size_t i = 0; i < fans.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            if (group_of(fans[i].front(), at_a) == group_of(fans[j].front(), at_a)
+                && group_of(fans[i].front(), at_b) == group_of(fans[j].front(), at_b))
+                return true;
+    return false;
 }
 
 } // namespace retractor::mesh

@@ -115,7 +115,7 @@ namespace {
         {
             const auto nodes = store_.tet(t).nodes;
             for (const VertexId a : nodes)
-                if (store_.is_newborn(a)) {
+                if (store_.is_added(a)) {
                     const std::vector<TetId> star = store_.star(a);
                     const double limit = worst(star) - kLeastGain;
                     for (const VertexId b : nodes)
@@ -143,10 +143,8 @@ namespace {
             };
             for (int corner = 0; corner < 4; ++corner)
                 look_at(face_flip(store_, t, corner));
-            const auto nodes = store_.tet(t).nodes;
-            for (const auto& e : kTetEdges)
-                look_at(edge_flip(
-                    store_, std::minmax(nodes[static_cast<std::size_t>(e[0])], nodes[static_cast<std::size_t>(e[1])])));
+            for (const EdgeKey& edge : edge_keys(store_.tet(t).nodes))
+                look_at(edge_flip(store_, edge));
             if (!best)
                 return false;
             std::vector<VertexId> round;
@@ -217,14 +215,10 @@ namespace {
                 return false;
             const auto link_edges = [&](VertexId v, std::span<const TetId> star) {
                 std::set<EdgeKey> edges;
-                for (const TetId t : star) {
-                    const auto& n = store_.tet(t).nodes;
-                    for (const auto& e : kTetEdges) {
-                        const VertexId x = n[static_cast<std::size_t>(e[0])], y = n[static_cast<std::size_t>(e[1])];
-                        if (x != v && y != v)
-                            edges.insert(std::minmax(x, y));
-                    }
-                }
+                for (const TetId t : star)
+                    for (const EdgeKey& edge : edge_keys(store_.tet(t).nodes))
+                        if (edge.first != v && edge.second != v)
+                            edges.insert(edge);
                 return edges;
             };
             const std::set<EdgeKey> edges_b = link_edges(b, star_b);
@@ -330,12 +324,9 @@ namespace {
             DisjointSets sets(tets.size());
             std::vector<std::pair<EdgeKey, std::size_t>> faces;
             for (std::size_t i = 0; i < tets.size(); ++i)
-                for (const auto& e : kTetEdges) {
-                    const VertexId x = tets[i][static_cast<std::size_t>(e[0])],
-                                   y = tets[i][static_cast<std::size_t>(e[1])];
-                    if (x != v && y != v)
-                        faces.emplace_back(std::minmax(x, y), i);
-                }
+                for (const EdgeKey& edge : edge_keys(tets[i]))
+                    if (edge.first != v && edge.second != v)
+                        faces.emplace_back(edge, i);
             std::sort(faces.begin(), faces.end());
             std::size_t groups = tets.size();
             for (std::size_t f = 0; f + 1 < faces.size(); ++f)
@@ -451,7 +442,7 @@ namespace {
                 for (std::size_t k = 0; k < 3; ++k)
                     if (on_border[k])
                         marks_.put_on_border(b, k);
-            store_.drop_newborn(a);
+            store_.drop_added(a);
             marks_.forget(a, around);
             stroke_.on_crease.erase(a);
             stroke_.drift.erase(a);
@@ -588,20 +579,17 @@ namespace {
             }
             for (const double share : { 1.0, 0.5, 0.25 })
                 wanted.push_back(from + share * (mean - from));
-            const auto corner = static_cast<std::size_t>(store_.corner(bad, v));
-            const auto& face = kTetFaces[corner];
-            const auto p = corners_of(store_, bad);
-            const auto at = [&](std::size_t i) { return p[static_cast<std::size_t>(face[i])]; };
-            const Vec3 normal = unit_normal(at(0), at(1), at(2));
+            const std::array<Vec3, 3> at = face_corners(corners_of(store_, bad), store_.corner(bad, v));
+            const Vec3 normal = unit_normal(at);
             std::vector<Vec3> directions { normal, -normal };
             for (std::size_t i = 0; i < 3; ++i) {
-                const Vec3 edge = at((i + 1) % 3) - at(i);
-                const Vec3 off = (from - at(i)) - edge * (edge.dot(from - at(i)) / edge.squaredNorm());
+                const Vec3 edge = at[(i + 1) % 3] - at[i];
+                const Vec3 off = (from - at[i]) - edge * (edge.dot(from - at[i]) / edge.squaredNorm());
                 if (off.norm() > 0.0) {
                     directions.push_back(off.normalized());
                     directions.push_back(-off.normalized());
                 }
-                directions.push_back((at(i) - from).normalized());
+                directions.push_back((at[i] - from).normalized());
             }
             for (const Vec3& direction : directions)
                 for (const double step : kSteps)

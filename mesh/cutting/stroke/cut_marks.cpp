@@ -16,9 +16,7 @@ namespace {
 
 FaceKey face_key(const TetSlot& tet, int corner)
 {
-    FaceKey key {};
-    for (std::size_t i = 0; i < 3; ++i)
-        key[i] = tet.nodes[static_cast<std::size_t>(kTetFaces[static_cast<std::size_t>(corner)][i])];
+    FaceKey key = face_corners(tet.nodes, corner);
     std::sort(key.begin(), key.end());
     return key;
 }

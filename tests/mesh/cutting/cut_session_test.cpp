@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 #include "mesh/cutting/stroke/cut_retry.h"
+#include "tests/support/pinched_vertices.h"
 
 #include <Eigen/Geometry>
 
@@ -123,7 +124,7 @@ namespace cut_session_test {
         EXPECT_EQ(c.mesh.tet_count(), session.tet_count());
         EXPECT_EQ(c.mesh.vertex_count(), session.vertex_count());
         std::set<VertexId> pinched;
-        for (const VertexId v : session.pinched_vertices())
+        for (const VertexId v : test_support::pinched_vertices(session))
             pinched.insert(c.map.compact_vertex[static_cast<std::size_t>(v)]);
         expect_manifold_boundary(c.mesh, pinched);
         std::set<std::pair<TetId, int>> boundary;
@@ -1006,24 +1007,6 @@ namespace cut_session_test {
             EXPECT_EQ(error.where(), "depth_mm");
         }
         EXPECT_EQ(session.cut_count(), 0u);
-    }
-
-    TEST(Cut, OneOffCutIsTheSessionsCompactMesh)
-    {
-        const TetMesh box = layered_box(10, 10, 4, 4.0);
-        const Blade blade = oblique_blade({ 20, 20, 16 }, 24.0, 9.0);
-        CutSession session(box);
-        ASSERT_EQ(session.cut(blade).status, CutStatus::done);
-        const Snapshot expected(session);
-        const CutMesh out = cut(box, blade);
-        EXPECT_EQ(out.status, CutStatus::done);
-        EXPECT_EQ(out.mesh.nodes, expected.compact.mesh.nodes);
-        EXPECT_EQ(out.origin, expected.origins);
-        EXPECT_EQ(out.lips.size(), expected.compact.lips.size());
-        const auto boundary = boundary_faces(out.mesh);
-        for (const LipFace& lip : out.lips)
-            EXPECT_TRUE(std::any_of(boundary.begin(), boundary.end(),
-                [&](const TetFace& f) { return f.tet == lip.face.tet && f.corner == lip.face.corner; }));
     }
 
 } // namespace cut_session_test

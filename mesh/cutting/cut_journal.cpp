@@ -1,6 +1,7 @@
 #include "mesh/cutting/cut_journal.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
 
 #include <nlohmann/json.hpp>
 
@@ -8,6 +9,7 @@
 #include <array>
 #include <bit>
 #include <cerrno>
+#include <cinttypes>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -117,13 +119,7 @@ namespace {
         return digest.value();
     }
 
-    std::string hexadecimal(std::uint64_t number)
-    {
-        std::string text(16, '0');
-        for (std::size_t i = 0; i < 16; ++i)
-            text[15 - i] = "0123456789abcdef"[number >> (4 * i) & 15U];
-        return text;
-    }
+    std::string hexadecimal(std::uint64_t number) { return formatted("%016" PRIx64, number); }
 
     // ---- operations as JSON ----------------------------------------------------------------------------------------
 
@@ -257,26 +253,8 @@ namespace {
         return tets;
     }
 
-    const char* name_of(CutEvent::Kind kind)
-    {
-        switch (kind) {
-        case CutEvent::Kind::cut:
-            return "cut";
-        case CutEvent::Kind::stroke_step:
-            return "step";
-        case CutEvent::Kind::stroke_end:
-            return "end";
-        case CutEvent::Kind::stroke_abandoned:
-            return "abandon";
-        case CutEvent::Kind::ablation:
-            return "ablate";
-        case CutEvent::Kind::undo:
-            return "undo";
-        case CutEvent::Kind::redo:
-            return "redo";
-        }
-        return "";
-    }
+    /// Names of operations, in the order of CutEvent::Kind.
+    constexpr std::array<const char*, 7> kOperations { "cut", "step", "end", "abandon", "ablate", "undo", "redo" };
 
     // ---- progress of a journal -------------------------------------------------------------------------------------
 
@@ -317,7 +295,7 @@ namespace {
 
     std::string operation_line(const CutEvent& event, Progress& progress)
     {
-        Json json { { "do", name_of(event.kind) } };
+        Json json { { "do", kOperations.at(static_cast<std::size_t>(event.kind)) } };
         if (event.kind == CutEvent::Kind::cut) {
             json["blade"] = written(*event.blade, nullptr);
             json["options"] = written(*event.options);

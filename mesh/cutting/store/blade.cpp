@@ -275,12 +275,10 @@ void SweptBlade::build_normals()
         int faces = 0;
     };
     std::vector<Edge> at_edge(3 * at_vertex.size());
-    const auto face_normal
-        = [](const std::array<Vec3, 3>& t) { return Vec3((t[1] - t[0]).cross(t[2] - t[0]).normalized()); };
     for (std::size_t i = 0; i < extended_.triangles.size(); ++i) {
         const auto& v = extended_.triangles[i];
         const auto t = triangle_corners(extended_.vertices, extended_.triangles[i]);
-        const Vec3 normal = face_normal(t);
+        const Vec3 normal = unit_normal(t);
         for (std::size_t k = 0; k < 3; ++k) {
             at_vertex[static_cast<std::size_t>(v[k])] += angle_at(t, k) * normal;
             Edge& edge = at_edge[edge_index(v[k], v[(k + 1) % 3])];
@@ -299,7 +297,7 @@ void SweptBlade::build_normals()
         const auto& v = extended_.triangles[i];
         Patch patch;
         patch.corner = triangle_corners(extended_.vertices, extended_.triangles[i]);
-        patch.normal[6] = face_normal(patch.corner);
+        patch.normal[6] = unit_normal(patch.corner);
         for (std::size_t k = 0; k < 3; ++k) {
             const auto id = static_cast<std::size_t>(v[k]);
             const Edge& edge = at_edge[edge_index(v[k], v[(k + 1) % 3])];
@@ -509,7 +507,6 @@ std::vector<SweptBlade::Crease> SweptBlade::creases(double least_angle_deg) cons
         const Vec3 from = extended_.vertices.row(edge.first), to = extended_.vertices.row(edge.second);
         const Vec3 direction = (to - from).normalized();
         creases.push_back({ from, direction, (to - from).norm(), direction.cross(sides[0] + sides[1]).normalized(),
-            std::acos(std::clamp(sides[0].dot(sides[1]), -1.0, 1.0)) * 180.0 / std::numbers::pi,
             0.5
                 * (along_[static_cast<std::size_t>(edge.first / rows)]
                     + along_[static_cast<std::size_t>(edge.second / rows)]),

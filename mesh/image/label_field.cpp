@@ -2,6 +2,8 @@
 
 #include "mesh/base/error.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -28,28 +30,13 @@ namespace {
 
     constexpr int kSteps[6][3] = { { 1, 0, 0 }, { -1, 0, 0 }, { 0, 1, 0 }, { 0, -1, 0 }, { 0, 0, 1 }, { 0, 0, -1 } };
 
-    struct Box {
-        std::array<int, 3> low { std::numeric_limits<int>::max(), std::numeric_limits<int>::max(),
-            std::numeric_limits<int>::max() };
-        std::array<int, 3> high { -1, -1, -1 };
-        bool empty() const { return high[0] < low[0]; }
-        void include(int i, int j, int k)
-        {
-            const int index[3] = { i, j, k };
-            for (std::size_t a = 0; a < 3; ++a) {
-                low[a] = std::min(low[a], index[a]);
-                high[a] = std::max(high[a], index[a]);
-            }
-        }
-    };
+    using Box = Eigen::AlignedBox3i; ///< first and last index per axis; empty until it is extended
 
     template <typename Visit> void for_each_voxel(const Box& box, Visit&& visit)
     {
-        if (box.empty())
-            return;
-        for (int k = box.low[2]; k <= box.high[2]; ++k)
-            for (int j = box.low[1]; j <= box.high[1]; ++j)
-                for (int i = box.low[0]; i <= box.high[0]; ++i)
+        for (int k = box.min()[2]; k <= box.max()[2]; ++k)
+            for (int j = box.min()[1]; j <= box.max()[1]; ++j)
+                for (int i = box.min()[0]; i <= box.max()[0]; ++i)
                     visit(i, j, k);
     }
 
@@ -71,8 +58,8 @@ namespace {
             }
             if (high < low)
                 return {};
-            box.low[a] = static_cast<int>(low);
-            box.high[a] = static_cast<int>(high);
+            box.min()[axis] = static_cast<int>(low);
+            box.max()[axis] = static_cast<int>(high);
         }
         return box;
     }
@@ -178,12 +165,12 @@ WallVoxels wall_voxels(const LabelVolume& labels, const Region& region)
     for_each_voxel(region_box(grid, region.corridor, region.region_mm), [&](int i, int j, int k) {
         if (const int n = voxel_number(i, j, k); n > 0) {
             met[static_cast<std::size_t>(n)] = 1;
-            box.include(i, j, k);
+            box.extend(Eigen::Vector3i(i, j, k));
         }
     });
     WallVoxels wall;
     wall.spacing = (grid.spacing / kEdgeGrain).array().round().matrix() * kEdgeGrain;
-    if (box.empty())
+    if (box.isEmpty())
         return wall;
     const std::vector<char> kept = whole_voxels(labels, region);
     std::vector<char> whole(met.size(), 0);
@@ -193,7 +180,7 @@ WallVoxels wall_voxels(const LabelVolume& labels, const Region& region)
                 return;
             const auto label = static_cast<std::size_t>(voxel_number(i, j, k));
             whole[label] = met[label] = 1;
-            box.include(i, j, k);
+            box.extend(Eigen::Vector3i(i, j, k));
         });
 
     std::vector<std::uint8_t> compact(met.size(), 0);
@@ -206,9 +193,9 @@ WallVoxels wall_voxels(const LabelVolume& labels, const Region& region)
                 throw InputError("more than 254 wall labels occur");
             compact[static_cast<std::size_t>(n)] = static_cast<std::uint8_t>(wall.labels.size());
         }
-    for (std::size_t a = 0; a < 3; ++a) {
-        wall.first[a] = box.low[a] - kMargin;
-        wall.size[a] = box.high[a] - box.low[a] + 1 + 2 * kMargin;
+    for (int axis = 0; axis < 3; ++axis) {
+        wall.first[static_cast<std::size_t>(axis)] = box.min()[axis] - kMargin;
+        wall.size[static_cast<std::size_t>(axis)] = box.sizes()[axis] + 1 + 2 * kMargin;
     }
     wall.voxels.assign(static_cast<std::size_t>(wall.size[0]) * static_cast<std::size_t>(wall.size[1])
             * static_cast<std::size_t>(wall.size[2]),

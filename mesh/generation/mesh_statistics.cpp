@@ -164,19 +164,6 @@ namespace {
         return piece.empty() ? 0 : *std::max_element(piece.begin(), piece.end()) + 1;
     }
 
-    TetMesh part_with_label(const TetMesh& mesh, Label label)
-    {
-        TetMesh part;
-        part.vertices = mesh.vertices;
-        for (std::size_t t = 0; t < mesh.tet_count(); ++t)
-            if (mesh.labels[t] == label) {
-                const auto tet = mesh.tet(static_cast<TetId>(t));
-                part.nodes.insert(part.nodes.end(), tet.begin(), tet.end());
-                part.labels.push_back(label);
-            }
-        return part;
-    }
-
 } // namespace
 
 MeshStatistics mesh_statistics(const TetMesh& mesh, const LabelVolume& labels, const LabelField& field,
@@ -220,7 +207,7 @@ MeshStatistics mesh_statistics(const TetMesh& mesh, const LabelVolume& labels, c
     statistics.pieces = piece_count(mesh);
     for (const Label label : field.wall().labels)
         if (const std::string& name = find_label(labels.table, label)->name; name.starts_with("rib"))
-            if (const TetMesh rib = part_with_label(mesh, label); rib.tet_count() > 0)
+            if (const TetMesh rib = part_with_labels(mesh, std::span(&label, 1)); rib.tet_count() > 0)
                 statistics.rib_pieces[name] = piece_count(rib);
     return statistics;
 }

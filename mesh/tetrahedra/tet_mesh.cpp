@@ -146,6 +146,21 @@ std::vector<int> connected_pieces(const TetMesh& mesh)
     return piece;
 }
 
+TetMesh part_with_labels(const TetMesh& mesh, std::span<const Label> labels, std::vector<TetId>* kept)
+{
+    TetMesh part { mesh.vertices, mesh.nodes_per_tet, {}, {} };
+    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+        if (const Label label = mesh.labels[static_cast<std::size_t>(t)];
+            std::find(labels.begin(), labels.end(), label) != labels.end()) {
+            const auto nodes = mesh.tet(t);
+            part.nodes.insert(part.nodes.end(), nodes.begin(), nodes.end());
+            part.labels.push_back(label);
+            if (kept != nullptr)
+                kept->push_back(t);
+        }
+    return part;
+}
+
 void check_mesh(const TetMesh& mesh)
 {
     if (mesh.nodes_per_tet != 4 && mesh.nodes_per_tet != 10)

@@ -70,6 +70,9 @@ std::vector<TetFace> boundary_faces(const TetMesh& mesh);
 /// the largest first; of equal pieces, the piece with the first element comes first.
 std::vector<int> connected_pieces(const TetMesh& mesh);
 
+/// The elements with one of the labels, on all vertices of the mesh. `kept`, when not null, receives their ids.
+TetMesh part_with_labels(const TetMesh& mesh, std::span<const Label> labels, std::vector<TetId>* kept = nullptr);
+
 /// Refuses meshes that no later stage can use: indices out of range, NaN or infinite coordinates, wrong array lengths,
 /// elements of zero or negative volume.
 /// @throws InputError naming the element or vertex

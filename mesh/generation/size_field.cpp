@@ -23,6 +23,10 @@ namespace {
         return 4.0;
     }
 
+    /// Growth of the wanted edge (mm) per mm of distance from the corridor. Neighbours then differ by about a third,
+    /// and refinement makes no slivers.
+    constexpr double kEdgeGrowth = 0.4;
+
     /// Coarser edges for bones beyond the region: these bones bend, but nobody looks at them.
     constexpr double kBareFactor = 1.4;
 

@@ -19,7 +19,6 @@ namespace retractor::mesh {
 namespace {
 
     using Edge = std::pair<VertexId, VertexId>;
-    Edge edge_of(VertexId a, VertexId b) { return { std::min(a, b), std::max(a, b) }; }
 
     Vec3 corner_point(const TriMesh& surface, std::size_t t, std::size_t c)
     {
@@ -70,7 +69,7 @@ namespace {
         std::map<Edge, std::vector<std::size_t>> triangles_at;
         for (std::size_t t = 0; t < surface.triangles.size(); ++t)
             for (std::size_t c = 0; c < 3; ++c)
-                triangles_at[edge_of(surface.triangles[t][c], surface.triangles[t][(c + 1) % 3])].push_back(t);
+                triangles_at[std::minmax(surface.triangles[t][c], surface.triangles[t][(c + 1) % 3])].push_back(t);
         const auto corner = [&](std::size_t t, VertexId v) {
             const auto& triangle = surface.triangles[t];
             return 3 * t + static_cast<std::size_t>(std::find(triangle.begin(), triangle.end(), v) - triangle.begin());

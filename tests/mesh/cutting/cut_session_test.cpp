@@ -22,7 +22,7 @@
 namespace retractor::mesh {
 namespace cut_session_test {
 
-    constexpr double kOnBlade = 1e-9; // of the blade's size: the promise of the header
+    constexpr double kOnBlade = 1e-9; // of the blade's size: the guarantee of the header
     constexpr double kRoundOff = 1e-12; // of a sum of some thousand volumes
     constexpr double kSnappedBorder = 0.1; // of the local edge: what depth and ends may be off where vertices snap
     constexpr double kSnapVolume = 0.01; // of the body: what snapping may change on flat faces and interfaces
@@ -434,7 +434,7 @@ namespace cut_session_test {
             ASSERT_EQ(result.status, CutStatus::done);
             expect_sound(session);
             const Compact c(session);
-            const double border = snap == 0.0 ? 0.0 : 0.1 * 4.0; // of an edge: as promised
+            const double border = snap == 0.0 ? 0.0 : 0.1 * 4.0; // of an edge: as guaranteed
             expect_lips_separate(c, swept, border);
             EXPECT_EQ(piece_count(c.mesh), 1);
             EXPECT_EQ(euler_characteristic(c.mesh), 1);
@@ -668,7 +668,7 @@ namespace cut_session_test {
         EXPECT_EQ((session.compact_mesh().vertices - box.vertices).cwiseAbs().maxCoeff(), 0.0);
     }
 
-    /// Its direction turns about the line by so much from end to end.
+    /// A straight blade whose direction turns about the line by this angle from end to end.
     Blade twisted_blade(const Vec3& top_centre, double length, double depth, double turn_deg, int points)
     {
         Blade blade { .line = {}, .directions = {}, .depth_mm = depth };

@@ -1,5 +1,6 @@
 #include "mesh/cutting/cut_ablation.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
 #include "mesh/cutting/stroke/cut_groups.h"
@@ -154,6 +155,7 @@ std::vector<TetId> checked_marks(const CutStore& store, std::span<const TetId> t
 
 CutResult ablate_elements(CutStore& store, std::span<const TetId> marked, int cut_number, const Job& job)
 {
+    RETRACTOR_ASSERT(!marked.empty() && std::is_sorted(marked.begin(), marked.end()));
     return Ablation(store, cut_number).run(marked, job);
 }
 

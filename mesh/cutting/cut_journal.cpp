@@ -1,5 +1,6 @@
 #include "mesh/cutting/cut_journal.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 
@@ -227,6 +228,7 @@ namespace {
     /// Sorted ids as the first and last id of each run.
     Json written_ranges(std::span<const TetId> tets)
     {
+        RETRACTOR_ASSERT(std::adjacent_find(tets.begin(), tets.end(), std::greater_equal<> {}) == tets.end());
         Json list = Json::array();
         for (std::size_t i = 0; i < tets.size();) {
             std::size_t last = i;
@@ -284,6 +286,7 @@ namespace {
     /// Updates the blade and the options that a further step may refer to.
     void follow(Progress& progress, const CutEvent& event)
     {
+        RETRACTOR_ASSERT(event.delta != nullptr);
         if (event.kind == CutEvent::Kind::stroke_step) {
             progress.blade = *event.blade;
             progress.options = *event.options;

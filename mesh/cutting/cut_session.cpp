@@ -1,5 +1,6 @@
 #include "mesh/cutting/cut_session.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/statistics.h"
 #include "mesh/cutting/cut_ablation.h"
@@ -77,6 +78,7 @@ namespace {
     void compare_with_gone(
         const CutStore& store, const CutRecord& record, const std::vector<double>& born, CutReport& report)
     {
+        RETRACTOR_ASSERT(born.size() == record.delta.tets_born.size());
         std::unordered_map<VertexId, Vec3> moved; // first position of each moved vertex; never iterated
         for (const auto& change : record.delta.vertices_moved)
             moved.try_emplace(change.id, change.from);
@@ -259,6 +261,7 @@ struct CutSession::State {
 
     void keep(CutRecord record)
     {
+        RETRACTOR_ASSERT(done <= journal.size());
         journal.resize(done);
         journal.push_back(std::move(record));
         ++done;
@@ -266,6 +269,7 @@ struct CutSession::State {
 
     CutRecord merged(std::vector<CutRecord> steps) const
     {
+        RETRACTOR_ASSERT(!steps.empty());
         while (steps.size() > 1) { // merges pairs, so that a record is copied at most log2(number of records) times
             std::vector<CutRecord> half;
             for (std::size_t i = 0; i < steps.size(); i += 2)
@@ -521,6 +525,8 @@ TetMesh CutSession::compact_mesh(SlotMap* map) const
             mesh.nodes.push_back(slots.compact_vertex[static_cast<std::size_t>(v)]);
         mesh.labels.push_back(tet.label);
     }
+    RETRACTOR_ASSERT(slots.vertex_slot.size() == vertex_count() && mesh.labels.size() == tet_count());
+    RETRACTOR_ASSERT(std::none_of(mesh.nodes.begin(), mesh.nodes.end(), [](VertexId v) { return v < 0; }));
     if (map != nullptr)
         *map = std::move(slots);
     return mesh;

@@ -1,5 +1,6 @@
 #include "mesh/cutting/surface_follower.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -34,6 +35,7 @@ SurfaceFollower::SurfaceFollower(const TetMesh& mesh)
     , labels_(mesh.labels)
     , mates_(4 * mesh.tet_count(), kSurface)
 {
+    RETRACTOR_ASSERT(mesh.nodes_per_tet == 4);
     for (std::size_t v = 0; v < positions_.size(); ++v)
         positions_[v] = mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose();
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
@@ -81,6 +83,7 @@ void SurfaceFollower::pair_all()
 
 void SurfaceFollower::show(Half half)
 {
+    RETRACTOR_ASSERT(half >= 0 && static_cast<std::size_t>(half) < mates_.size());
     mate(half) = kSurface;
     const auto t = static_cast<std::size_t>(half / 4);
     const auto corner = static_cast<int>(half % 4);
@@ -97,6 +100,7 @@ void SurfaceFollower::hide(const Key& gone)
     if (it == place_.end())
         refuse(-1);
     const std::size_t place = it->second;
+    RETRACTOR_ASSERT(place < faces_.size());
     place_.erase(it);
     if (place + 1 < faces_.size()) { // the last face takes the free place
         faces_[place] = faces_.back();

@@ -1,5 +1,6 @@
 #include "mesh/generation/cell_labels.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/triangle.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
@@ -43,6 +44,7 @@ namespace {
             : cells_(cells)
             , field_(field)
         {
+            RETRACTOR_ASSERT(cells.neighbours.size() == cells.tets.size() && cells.labels.size() == cells.tets.size());
             candidate_.assign(cells_.tets.size(), -1);
         }
 

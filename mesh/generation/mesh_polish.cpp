@@ -1,5 +1,6 @@
 #include "mesh/generation/mesh_polish.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/triangle.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
@@ -36,6 +37,7 @@ namespace {
             : begin(mesh.vertices.size() + 1, 0)
             , tets(4 * mesh.tets.size())
         {
+            RETRACTOR_ASSERT(mesh.labels.size() == mesh.tets.size());
             for (const auto& tet : mesh.tets)
                 for (const VertexId v : tet)
                     ++begin[u(v) + 1];
@@ -191,6 +193,7 @@ namespace {
 
     double mean_edge(const LocalMesh& mesh, VertexId v, std::span<const std::uint32_t> star)
     {
+        RETRACTOR_ASSERT(!star.empty());
         double sum = 0.0;
         for (const std::uint32_t t : star)
             for (const VertexId w : mesh.tets[t])

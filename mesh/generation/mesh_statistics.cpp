@@ -1,5 +1,6 @@
 #include "mesh/generation/mesh_statistics.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/corridor.h"
 #include "mesh/base/statistics.h"
 #include "mesh/base/triangle.h"
@@ -73,6 +74,7 @@ namespace {
     {
         for (TetId t = 0; t < static_cast<TetId>(local.tet_count()); ++t) {
             const Corners c = tet_corners(local, t);
+            RETRACTOR_ASSERT(number[local.labels[static_cast<std::size_t>(t)]] > 0);
             LabelFit& of = fit[static_cast<std::size_t>(number[local.labels[static_cast<std::size_t>(t)]] - 1)];
             of.mesh_volume_mm3 += std::abs(tet_volume(c[0], c[1], c[2], c[3]));
             if (!corridor.empty())
@@ -169,6 +171,7 @@ namespace {
 MeshStatistics mesh_statistics(const TetMesh& mesh, const LabelVolume& labels, const LabelField& field,
     const std::vector<Vec3>& local_corridor, const MeshSizing& sizing)
 {
+    RETRACTOR_ASSERT(local_corridor.size() == sizing.corridor.size());
     MeshStatistics statistics;
     statistics.vertices = mesh.vertex_count();
     statistics.tets = mesh.tet_count();

@@ -1,5 +1,6 @@
 #include "mesh/image/label_field.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Geometry>
@@ -153,6 +154,7 @@ WallVoxels wall_voxels(const LabelVolume& labels, const Region& region)
 {
     const ImageGrid& grid = labels.grid;
     const std::vector<int> number = wall_numbers(labels);
+    RETRACTOR_ASSERT(labels.voxels.size() == grid.voxel_count());
     const auto voxel_number = [&](int i, int j, int k) {
         const Label label = labels.voxels[grid.offset(i, j, k)];
         if (number[label] < 0)
@@ -214,6 +216,8 @@ LabelField::LabelField(WallVoxels wall, Region region)
     , corridor_(region_.corridor, lower(), upper())
     , uniform_(wall_.voxels)
 {
+    RETRACTOR_ASSERT(wall_.labels.size() == wall_.whole.size());
+    RETRACTOR_ASSERT(wall_.voxels.empty() || wall_.voxels.size() == wall_.offset(0, 0, wall_.size[2]));
     for (int axis = 0; axis < 3; ++axis)
         spread_mixed(uniform_, wall_.size, axis);
 }
@@ -234,6 +238,7 @@ int LabelField::at(const Vec3& local) const
     if (uniform == 0)
         return 0;
     const int label = uniform != kMixed ? uniform : smooth_at(cell, fraction);
+    RETRACTOR_ASSERT(static_cast<std::size_t>(label) <= wall_.whole.size());
     if (label == 0 || region_.region_mm == 0.0 || wall_.whole[static_cast<std::size_t>(label - 1)])
         return label;
     return corridor_.within(local, region_.region_mm) ? label : 0;
@@ -271,6 +276,7 @@ int LabelField::smooth_at(const std::array<int, 3>& cell, const Vec3& fraction) 
 
 Vec3 LabelField::crossing(Vec3 a, Vec3 b, double tolerance) const
 {
+    RETRACTOR_ASSERT(tolerance > 0.0);
     const int start = at(a);
     while ((b - a).norm() > tolerance) {
         const Vec3 middle = 0.5 * (a + b);

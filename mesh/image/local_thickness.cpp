@@ -1,5 +1,7 @@
 #include "mesh/image/local_thickness.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -100,6 +102,7 @@ namespace {
 
 std::vector<float> local_thickness(const WallVoxels& wall)
 {
+    RETRACTOR_ASSERT(wall.voxels.size() == wall.offset(0, 0, wall.size[2]));
     const std::vector<float> depth = depth_in_label(wall);
     // Every voxel points to its deepest neighbour of the same label; a ridge voxel points to itself.
     std::vector<std::uint32_t> uphill(depth.size());

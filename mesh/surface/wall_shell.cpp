@@ -1,5 +1,6 @@
 #include "mesh/surface/wall_shell.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/disjoint_sets.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
@@ -207,6 +208,7 @@ namespace {
     void place_inside(TetMesh& mesh, const Layer& layer, double thickness_mm)
     {
         constexpr double kThinnest = 0.05; // share of the requested thickness
+        RETRACTOR_ASSERT(static_cast<std::size_t>(mesh.vertices.rows()) == 2 * layer.thickness.size());
         for (std::size_t v = 0; v < layer.thickness.size(); ++v) {
             const Vec3 outside = mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose();
             if (layer.thickness[v] < kThinnest * thickness_mm)

@@ -1,5 +1,6 @@
 #include "mesh/surface/wound_surface.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -36,6 +37,7 @@ namespace {
         if (mesh.nodes_per_tet == 4)
             return { corner };
         const auto nodes = mesh.tet(face.tet);
+        RETRACTOR_ASSERT(nodes.size() == 10);
         const auto& local = kTetFaces[static_cast<std::size_t>(face.corner)];
         const VertexId m01 = midpoint(nodes, local[0], local[1]);
         const VertexId m12 = midpoint(nodes, local[1], local[2]);

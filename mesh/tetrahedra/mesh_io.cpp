@@ -1,5 +1,6 @@
 #include "mesh/tetrahedra/mesh_io.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 
@@ -47,6 +48,7 @@ namespace {
     void add_array(vtkFieldData* to, const std::string& name, std::span<const double> values, int columns,
         vtkIdType expected, const char* what)
     {
+        RETRACTOR_ASSERT(values.size() % static_cast<std::size_t>(columns) == 0);
         const auto rows = static_cast<vtkIdType>(values.size()) / columns;
         if (rows != expected)
             throw InputError(

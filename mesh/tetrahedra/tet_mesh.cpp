@@ -1,5 +1,6 @@
 #include "mesh/tetrahedra/tet_mesh.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/disjoint_sets.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
@@ -16,6 +17,12 @@ namespace retractor::mesh {
 
 namespace {
 
+    [[maybe_unused]] bool has_nodes(const TetMesh& mesh, TetId t)
+    {
+        return t >= 0
+            && static_cast<std::size_t>(mesh.nodes_per_tet) * (static_cast<std::size_t>(t) + 1) <= mesh.nodes.size();
+    }
+
     struct FaceRecord {
         std::array<VertexId, 3> key; ///< sorted corners
         TetFace face;
@@ -24,6 +31,7 @@ namespace {
     /// All element faces, sorted so that equal faces stand side by side.
     std::vector<FaceRecord> sorted_faces(const TetMesh& mesh)
     {
+        RETRACTOR_ASSERT(mesh.nodes.size() == mesh.tet_count() * static_cast<std::size_t>(mesh.nodes_per_tet));
         std::vector<FaceRecord> faces;
         faces.reserve(mesh.tet_count() * 4);
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
@@ -60,6 +68,7 @@ std::array<std::pair<VertexId, VertexId>, 6> edge_keys(const std::array<VertexId
 
 std::array<Vec3, 4> tet_corners(const TetMesh& mesh, TetId t)
 {
+    RETRACTOR_ASSERT(has_nodes(mesh, t));
     const auto n = mesh.tet(t);
     return { point_at(mesh.vertices, n[0]), point_at(mesh.vertices, n[1]), point_at(mesh.vertices, n[2]),
         point_at(mesh.vertices, n[3]) };
@@ -97,6 +106,7 @@ std::array<double, 6> dihedral_angles_deg(const Vec3& a, const Vec3& b, const Ve
 
 std::array<VertexId, 3> face_vertices(const TetMesh& mesh, const TetFace& face)
 {
+    RETRACTOR_ASSERT(has_nodes(mesh, face.tet) && face.corner >= 0 && face.corner < 4);
     const auto n = mesh.tet(face.tet);
     const auto& local = kTetFaces[static_cast<std::size_t>(face.corner)];
     return { n[static_cast<std::size_t>(local[0])], n[static_cast<std::size_t>(local[1])],

@@ -1,6 +1,7 @@
 #pragma once
-// What the readers of our own JSON files guarantee, whatever they are given: a value, or an InputError that says what and
-// where. The same functions are fed by libFuzzer (tests/fuzz/README.md) and by the seeded mutations that ctest runs.
+// What the readers of our own JSON files guarantee, whatever they are given: a value, or an InputError that says what
+// and where. The same functions are fed by libFuzzer (tests/fuzz/README.md) and by the seeded mutations that ctest
+// runs.
 
 #include <string>
 #include <vector>

@@ -1,5 +1,6 @@
 #include "mesh/cutting/store/blade.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
 
@@ -263,6 +264,7 @@ void SweptBlade::build_grid(double reach)
 std::size_t SweptBlade::edge_index(VertexId a, VertexId b) const
 {
     const auto least = static_cast<std::size_t>(std::min(a, b)), step = static_cast<std::size_t>(std::abs(a - b));
+    RETRACTOR_ASSERT(step == 1 || step == depth_.size() || step + 1 == depth_.size());
     return 3 * least + (step == 1 ? 0 : step == depth_.size() ? 2 : 1);
 }
 
@@ -335,6 +337,7 @@ void SweptBlade::build_strips()
         frame_.row(0) = Vec3(frame_.row(1)).cross(Vec3(frame_.row(2))).transpose();
     }
     const std::size_t per_strip = 2 * (depth_.size() - 1);
+    RETRACTOR_ASSERT(per_strip <= kMostPatches && patches_.size() % per_strip == 0);
     for (std::size_t first = 0; first < patches_.size(); first += per_strip) {
         Strip strip { first, first + per_strip, {} };
         for (std::size_t i = first; i < strip.last; ++i)
@@ -491,6 +494,7 @@ std::vector<SweptBlade::Crease> SweptBlade::creases(double least_angle_deg) cons
     for (std::size_t i = 0; i < extended_.triangles.size(); ++i)
         for (std::size_t k = 0; k < 3; ++k) {
             Sides& sides = sides_of[edge_index(extended_.triangles[i][k], extended_.triangles[i][(k + 1) % 3])];
+            RETRACTOR_ASSERT(sides.count < 2);
             sides.triangle[sides.count++] = i;
         }
     const std::array<VertexId, 3> steps { 1, rows - 1, rows };

@@ -1,5 +1,7 @@
 #include "mesh/cutting/stroke/cut_faces.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 
 namespace retractor::mesh {
@@ -34,6 +36,7 @@ void CutFaces::add(std::array<VertexId, 3> corners, int turn)
 int CutFaces::remove(const FaceKey& key)
 {
     const auto it = faces_.find(key);
+    RETRACTOR_ASSERT(it != faces_.end());
     const int turn = it->second;
     for (const VertexId v : key)
         std::erase(around_[v], key);
@@ -60,6 +63,7 @@ const std::vector<FaceKey>& CutFaces::around(VertexId v) const
 
 void CutFaces::merge(VertexId a, VertexId b)
 {
+    RETRACTOR_ASSERT(a != b);
     for (const FaceKey& key : std::vector<FaceKey>(around(a))) {
         const int turn = remove(key);
         if (std::find(key.begin(), key.end(), b) != key.end())
@@ -72,6 +76,7 @@ void CutFaces::merge(VertexId a, VertexId b)
 
 void CutFaces::bisect(const EdgeKey& edge, VertexId m)
 {
+    RETRACTOR_ASSERT(edge.first != edge.second && !has(m));
     for (const FaceKey& key : std::vector<FaceKey>(around(edge.first))) {
         if (std::find(key.begin(), key.end(), edge.second) == key.end())
             continue;

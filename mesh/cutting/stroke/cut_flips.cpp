@@ -1,5 +1,6 @@
 #include "mesh/cutting/stroke/cut_flips.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/triangle.h"
 #include "mesh/cutting/stroke/cut_moves.h"
 
@@ -106,6 +107,7 @@ namespace {
             , least_(least)
         {
             const std::size_t n = ring_.size();
+            RETRACTOR_ASSERT(n >= 3 && n <= kMostRing);
             for (std::size_t i = 0; i < n; ++i)
                 for (std::size_t j = 0; j < n; ++j)
                     cost_[i][j] = j == i + 1 ? -1.0 : 1.0;
@@ -309,6 +311,7 @@ std::optional<Flip> edge_flip(const CutStore& store, const EdgeKey& edge)
 
 std::vector<TetId> make_flip(CutStore& store, const Flip& flip)
 {
+    RETRACTOR_ASSERT(!flip.gone.empty() && !flip.born.empty());
     std::map<FaceKey, LipTag> lips;
     for (const TetId t : flip.gone)
         for (int corner = 0; corner < 4; ++corner)

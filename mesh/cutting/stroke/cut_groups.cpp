@@ -1,5 +1,6 @@
 #include "mesh/cutting/stroke/cut_groups.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/disjoint_sets.h"
 
 #include <algorithm>
@@ -96,11 +97,14 @@ Groups groups_round(const EdgeKey& edge, const CutStore& store, const CutFaces& 
 
 bool pinned(const Groups& fans, const Groups& at_a, const Groups& at_b)
 {
-    for (std::size_t i = 0; i < fans.size(); ++i)
+    for (std::size_t i = 0; i < fans.size(); ++i) {
+        RETRACTOR_ASSERT(group_of(fans[i].front(), at_a) < at_a.size());
+        RETRACTOR_ASSERT(group_of(fans[i].front(), at_b) < at_b.size());
         for (std::size_t j = 0; j < i; ++j)
             if (group_of(fans[i].front(), at_a) == group_of(fans[j].front(), at_a)
                 && group_of(fans[i].front(), at_b) == group_of(fans[j].front(), at_b))
                 return true;
+    }
     return false;
 }
 

@@ -1,5 +1,6 @@
 #include "mesh/cutting/stroke/cut_improve.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/disjoint_sets.h"
 #include "mesh/base/triangle.h"
 #include "mesh/cutting/stroke/cut_flips.h"
@@ -395,6 +396,7 @@ namespace {
         /// @param limit largest permitted cosine of a smallest angle among the remaining elements
         bool contract(VertexId a, VertexId b, std::span<const TetId> star_a, double limit)
         {
+            RETRACTOR_ASSERT(a != b && store_.is_added(a));
             // Cheap tests come first: most pairs fail because of the shape of the remaining elements.
             std::vector<TetId> kept;
             for (const TetId t : star_a) {
@@ -638,6 +640,7 @@ namespace {
 
         bool shift(VertexId v, TetId bad)
         {
+            RETRACTOR_ASSERT(store_.has_tet(bad) && store_.corner(bad, v) >= 0);
             const std::vector<TetId> star = store_.star(v);
             if (on_lip(store_, v, star))
                 return false;

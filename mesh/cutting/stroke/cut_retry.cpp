@@ -1,5 +1,7 @@
 #include "mesh/cutting/stroke/cut_retry.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -16,6 +18,8 @@ CutQualityError::CutQualityError(Kind kind, const std::string& what, std::string
 
 StrokeSettings settings_of_retry(const StrokeSettings& settings, CutQualityError::Kind kind)
 {
+    RETRACTOR_ASSERT(kind != CutQualityError::Kind::growth);
+    RETRACTOR_ASSERT(settings.attempt >= 1 && settings.attempt < kMostAttempts);
     StrokeSettings next = settings;
     ++next.attempt;
     if (kind == CutQualityError::Kind::shape) {

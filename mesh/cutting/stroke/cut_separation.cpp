@@ -1,5 +1,6 @@
 #include "mesh/cutting/stroke/cut_separation.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/triangle.h"
 #include "mesh/cutting/stroke/cut_groups.h"
 #include "mesh/cutting/stroke/cut_retry.h"
@@ -450,6 +451,7 @@ namespace {
 
 void separate(StrokeState& stroke)
 {
+    RETRACTOR_ASSERT(!stroke.cut_faces.empty());
     const std::vector<BladeFace> faces = sides_of_cut(stroke);
     LookAtLips look(stroke);
     look_at_former_lips(stroke, look);
@@ -467,6 +469,7 @@ void separate(StrokeState& stroke)
         const auto known = stroke.groups.find(v);
         auto groups
             = known != stroke.groups.end() ? std::move(known->second) : groups_round(v, stroke.store, stroke.cut_faces);
+        RETRACTOR_ASSERT(!groups.empty());
         const auto keeps = std::find_if(groups.begin(), groups.end(), [&](const std::vector<TetId>& group) {
             return std::any_of(group.begin(), group.end(), [&](TetId t) { return on_minus.contains(t); });
         });

@@ -1,5 +1,6 @@
 #include "mesh/cutting/stroke/cut_stroke.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
 #include "mesh/cutting/stroke/cut_extent.h"
@@ -204,6 +205,7 @@ namespace {
     /// @param past_ends the chord may pass the ends of the blade, where the blade is extended straight
     double bend_under_chord(const SweptBlade& blade, double along, double edge, double from, bool past_ends)
     {
+        RETRACTOR_ASSERT(edge > 0.0);
         const double first = past_ends && from == 0.0 ? along - 0.5 * edge : std::max(along - 0.5 * edge, from),
                      last = past_ends ? along + 0.5 * edge : std::min(along + 0.5 * edge, blade.length());
         double off = 0.0;
@@ -520,6 +522,7 @@ namespace {
     /// the edge is a chord. Where the edge's surface would be carried too far, the point is on the edge instead.
     Vec3 Stroke::border_point(EdgeKey edge, std::size_t border, double& t, double& deviation, bool& on_border)
     {
+        RETRACTOR_ASSERT(marks_.at(edge.first).beyond[border] * marks_.at(edge.second).beyond[border] < 0);
         const Vec3 a = store_.position(edge.first), b = store_.position(edge.second);
         const auto on_edge = [&](double s) { return Vec3((1.0 - s) * a + s * b); };
         t = find_root([&](double s) { return marks_.beyond(blade_.coordinates(on_edge(s)))[border]; },

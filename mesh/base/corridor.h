@@ -24,6 +24,8 @@ public:
     /// The result of share_within() for the polyline.
     double share(double radius, const Vec3& centre, const Vec3& edges, int samples) const;
 
+    const std::vector<Vec3>& polyline() const { return polyline_; }
+
 private:
     enum class Side { inside, outside, unknown };
     Side side(const Vec3& p, double radius, double reach) const;

@@ -99,20 +99,7 @@ namespace {
         const TetMesh& local, const std::vector<int>& number, const LabelField& field, MeshStatistics& statistics)
     {
         // Every face between two labels is counted once, from the tetrahedron with the larger label number.
-        struct Record {
-            std::array<VertexId, 3> key;
-            TetFace face;
-        };
-        std::vector<Record> faces;
-        faces.reserve(4 * local.tet_count());
-        for (TetId t = 0; t < static_cast<TetId>(local.tet_count()); ++t)
-            for (int corner = 0; corner < 4; ++corner) {
-                std::array<VertexId, 3> key = face_vertices(local, { t, corner });
-                std::sort(key.begin(), key.end());
-                faces.push_back({ key, { t, corner } });
-            }
-        std::sort(faces.begin(), faces.end(), [](const Record& a, const Record& b) { return a.key < b.key; });
-
+        const std::vector<FaceRecord> faces = sorted_faces(local);
         const double step = 0.05 * field.wall().spacing.minCoeff();
         const double reach = 4.0 * field.wall().spacing.maxCoeff();
         std::vector<std::pair<double, double>> samples; // distance, area
@@ -130,7 +117,7 @@ namespace {
                 weighted += d * area / 4.0;
             }
         };
-        const auto label_of = [&](const Record& r) { return local.labels[static_cast<std::size_t>(r.face.tet)]; };
+        const auto label_of = [&](const FaceRecord& r) { return local.labels[static_cast<std::size_t>(r.face.tet)]; };
         for (std::size_t i = 0; i < faces.size(); ++i) {
             const bool paired = i + 1 < faces.size() && faces[i + 1].key == faces[i].key;
             if (!paired)

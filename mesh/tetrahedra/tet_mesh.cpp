@@ -23,30 +23,6 @@ namespace {
             && static_cast<std::size_t>(mesh.nodes_per_tet) * (static_cast<std::size_t>(t) + 1) <= mesh.nodes.size();
     }
 
-    struct FaceRecord {
-        std::array<VertexId, 3> key; ///< sorted corners
-        TetFace face;
-    };
-
-    /// All element faces, sorted so that equal faces stand side by side.
-    std::vector<FaceRecord> sorted_faces(const TetMesh& mesh)
-    {
-        RETRACTOR_ASSERT(mesh.nodes.size() == mesh.tet_count() * static_cast<std::size_t>(mesh.nodes_per_tet));
-        std::vector<FaceRecord> faces;
-        faces.reserve(mesh.tet_count() * 4);
-        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            for (int corner = 0; corner < 4; ++corner) {
-                const TetFace face { t, corner };
-                std::array<VertexId, 3> key = face_vertices(mesh, face);
-                std::sort(key.begin(), key.end());
-                faces.push_back({ key, face });
-            }
-        std::sort(faces.begin(), faces.end(), [](const FaceRecord& a, const FaceRecord& b) {
-            return a.key != b.key ? a.key < b.key : a.face.tet < b.face.tet;
-        });
-        return faces;
-    }
-
     std::size_t run_length(const std::vector<FaceRecord>& faces, std::size_t begin)
     {
         std::size_t end = begin + 1;
@@ -111,6 +87,24 @@ std::array<VertexId, 3> face_vertices(const TetMesh& mesh, const TetFace& face)
     const auto& local = kTetFaces[static_cast<std::size_t>(face.corner)];
     return { n[static_cast<std::size_t>(local[0])], n[static_cast<std::size_t>(local[1])],
         n[static_cast<std::size_t>(local[2])] };
+}
+
+std::vector<FaceRecord> sorted_faces(const TetMesh& mesh)
+{
+    RETRACTOR_ASSERT(mesh.nodes.size() == mesh.tet_count() * static_cast<std::size_t>(mesh.nodes_per_tet));
+    std::vector<FaceRecord> faces;
+    faces.reserve(mesh.tet_count() * 4);
+    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+        for (int corner = 0; corner < 4; ++corner) {
+            const TetFace face { t, corner };
+            std::array<VertexId, 3> key = face_vertices(mesh, face);
+            std::sort(key.begin(), key.end());
+            faces.push_back({ key, face });
+        }
+    std::sort(faces.begin(), faces.end(), [](const FaceRecord& a, const FaceRecord& b) {
+        return a.key != b.key ? a.key < b.key : a.face.tet < b.face.tet;
+    });
+    return faces;
 }
 
 std::vector<TetFace> boundary_faces(const TetMesh& mesh)

@@ -63,6 +63,14 @@ struct TetFace {
 /// The three corners of a face, counter-clockwise seen from outside its element.
 std::array<VertexId, 3> face_vertices(const TetMesh& mesh, const TetFace& face);
 
+/// A face of an element with its corners in ascending order.
+struct FaceRecord {
+    std::array<VertexId, 3> key;
+    TetFace face;
+};
+/// All faces of all elements, sorted by their corners and then by element, so that equal faces stand side by side.
+std::vector<FaceRecord> sorted_faces(const TetMesh& mesh);
+
 /// Faces that belong to one element only. @throws InputError when a face belongs to more than two elements
 std::vector<TetFace> boundary_faces(const TetMesh& mesh);
 

@@ -337,9 +337,7 @@ bool keeps_volume(const CutStore& store, const EdgeKey& edge, const Vec3& p, dou
 {
     for (const TetId tet : store.star(edge.first, edge.second))
         for (const auto& [end, share] : { std::pair { edge.first, 1.0 - t }, { edge.second, t } }) {
-            std::array<Vec3, 4> q;
-            for (std::size_t i = 0; i < 4; ++i)
-                q[i] = store.position(store.tet(tet).nodes[i]);
+            std::array<Vec3, 4> q = corners_of(store, tet);
             q[static_cast<std::size_t>(store.corner(tet, end))] = p;
             if (!(tet_volume(q[0], q[1], q[2], q[3]) >= kHalfKeepsVolume * share * store.volume(tet)))
                 return false;

@@ -1,5 +1,5 @@
 #include "tests/fuzz/cut_invariants.h"
-#include "tests/support/pinched_vertices.h"
+#include "tests/support/cutting/pinched_vertices.h"
 
 #include <Eigen/Geometry>
 

@@ -2,7 +2,7 @@
 
 #include "mesh/base/error.h"
 #include "mesh/cutting/stroke/cut_retry.h"
-#include "tests/support/pinched_vertices.h"
+#include "tests/support/cutting/pinched_vertices.h"
 
 #include <Eigen/Geometry>
 

@@ -3,7 +3,7 @@
 
 #include "mesh/base/error.h"
 #include "planner/measures/exposure.h"
-#include "tests/support/cut_mesh.h"
+#include "tests/support/cutting/cut_mesh.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

@@ -8,7 +8,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/cutting/cut_session.h"
-#include "tests/support/cut_mesh.h"
+#include "tests/support/cutting/cut_mesh.h"
 #include "tests/verification/framework/meshes.h"
 #include "tests/verification/framework/tension.h"
 #include "tests/verification/framework/vessel.h"

@@ -247,30 +247,29 @@ namespace {
                 fail("cannot write: " + *reason, path);
     }
 
+    /// Makes a temporary file, lets `fill` write it, and renames it to `path`. Removes it when anything fails.
+    template <class Fill> void write_beside(const fs::path& path, Fill&& fill)
+    {
+        const std::unique_ptr<Temporary> temporary = make_temporary(path);
+        try {
+            fill(*temporary);
+            publish(temporary->path, path);
+        } catch (...) {
+            remove_with_companions(temporary->path);
+            throw;
+        }
+    }
+
 } // namespace
 
 void write_file_atomically(const fs::path& path, const std::function<void(const fs::path& temporary)>& write)
 {
-    const std::unique_ptr<Temporary> temporary = make_temporary(path);
-    try {
-        run_writer(*temporary, path, write);
-        publish(temporary->path, path);
-    } catch (...) {
-        remove_with_companions(temporary->path);
-        throw;
-    }
+    write_beside(path, [&](const Temporary& temporary) { run_writer(temporary, path, write); });
 }
 
 void write_file_atomically(const fs::path& path, std::string_view content)
 {
-    const std::unique_ptr<Temporary> temporary = make_temporary(path);
-    try {
-        write_all(temporary->file, content, path);
-        publish(temporary->path, path);
-    } catch (...) {
-        remove_with_companions(temporary->path);
-        throw;
-    }
+    write_beside(path, [&](const Temporary& temporary) { write_all(temporary.file, content, path); });
 }
 
 } // namespace retractor

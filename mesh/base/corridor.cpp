@@ -1,5 +1,7 @@
 #include "mesh/base/corridor.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -22,6 +24,7 @@ double polyline_distance(std::span<const Vec3> polyline, const Vec3& p)
 
 double share_within(std::span<const Vec3> polyline, double radius, const Vec3& centre, const Vec3& edges, int samples)
 {
+    RETRACTOR_ASSERT(samples > 0);
     const double distance = polyline_distance(polyline, centre);
     const double reach = 0.5 * edges.norm();
     if (distance + reach <= radius)
@@ -69,6 +72,7 @@ CorridorDistance::Side CorridorDistance::side(const Vec3& p, double radius, doub
             return Side::unknown;
         block = block * static_cast<std::size_t>(count) + static_cast<std::size_t>(at);
     }
+    RETRACTOR_ASSERT(block < distance_.size());
     reach += kBlockReachMm;
     return distance_[block] + reach <= radius ? Side::inside
         : distance_[block] - reach > radius   ? Side::outside

@@ -1,6 +1,8 @@
 #pragma once
 // Disjoint sets of the numbers 0 to size - 1, joined two by two: union-find with path halving.
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <concepts>
 #include <cstddef>
@@ -22,6 +24,7 @@ public:
     /// Root of the set that holds a number. @pre number < size
     Index root(Index number)
     {
+        RETRACTOR_ASSERT(number < parent_.size());
         while (parent_[number] != number)
             number = parent_[number] = parent_[parent_[number]];
         return number;

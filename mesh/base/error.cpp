@@ -1,5 +1,7 @@
 #include "mesh/base/error.h"
 
+#include "mesh/base/assert.h"
+
 #include <exception>
 #include <new>
 
@@ -12,6 +14,7 @@ std::string to_string(const Failure& failure)
 
 Failure current_failure()
 {
+    RETRACTOR_ASSERT(std::current_exception() != nullptr);
     try {
         throw;
     } catch (const Error& error) {

@@ -2,6 +2,8 @@
 // A hash map with open addressing and linear probing. A look-up costs a few instructions. Values lie in chunks, so that
 // a reference to a value stays valid until its key is erased. The map cannot be iterated.
 
+#include "mesh/base/assert.h"
+
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -18,6 +20,7 @@ public:
     {
         if (2 * (size_ + 1) > table_.size())
             grow();
+        RETRACTOR_ASSERT(std::has_single_bit(table_.size()) && size_ < table_.size());
         std::size_t i = home(key);
         while (table_[i].value != nullptr) {
             if (table_[i].key == key) {
@@ -42,6 +45,7 @@ public:
             hole = (hole + 1) & mask;
         if (table_[hole].value == nullptr)
             return;
+        RETRACTOR_ASSERT(size_ > 0);
         free_.push_back(table_[hole].value);
         --size_;
         // An entry that a look-up would reach only through the hole moves into the hole (Knuth, The Art of Computer

@@ -1,5 +1,7 @@
 #include "mesh/base/serial_executor.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <string_view>
 #include <utility>
@@ -69,6 +71,7 @@ SerialExecutor::Progress SerialExecutor::progress() const
 /// @return false when no task waited
 bool SerialExecutor::run_next(std::unique_lock<std::mutex>& lock)
 {
+    RETRACTOR_ASSERT(lock.owns_lock());
     if (waiting_.empty())
         return false;
     Waiting next = std::move(waiting_.front());

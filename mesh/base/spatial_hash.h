@@ -2,6 +2,7 @@
 // Finds values by their position: a hash of cubic cells. Only occupied cells take memory, so that the points may lie
 // far apart. Units mm, or the unit of the points.
 
+#include "mesh/base/assert.h"
 #include "mesh/base/geometry.h"
 
 #include <cmath>
@@ -18,6 +19,7 @@ public:
     explicit SpatialHash(double cell)
         : cell_(cell)
     {
+        RETRACTOR_ASSERT(cell > 0.0);
     }
 
     /// @pre the point lies within 2^20 cells of the origin along each axis

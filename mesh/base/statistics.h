@@ -1,6 +1,8 @@
 #pragma once
 // Order statistics of a range of numbers. No function interpolates: each result is one of the numbers.
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <functional>
@@ -15,6 +17,7 @@ namespace retractor {
 template <std::ranges::random_access_range Range, class Before = std::less<>>
 auto value_of_rank(Range&& values, std::size_t rank, Before before = {})
 {
+    RETRACTOR_ASSERT(rank < static_cast<std::size_t>(std::ranges::size(values)));
     const auto at = std::ranges::begin(values) + static_cast<std::ptrdiff_t>(rank);
     std::nth_element(std::ranges::begin(values), at, std::ranges::end(values), before);
     return *at;

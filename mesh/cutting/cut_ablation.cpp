@@ -1,5 +1,6 @@
 #include "mesh/cutting/cut_ablation.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
 #include "mesh/cutting/stroke/cut_groups.h"
@@ -8,13 +9,10 @@
 #include <algorithm>
 #include <set>
 #include <string>
-#include <utility>
 
 namespace retractor::mesh {
 
 namespace {
-
-    using Edge = std::pair<VertexId, VertexId>; ///< sorted
 
     const CutFaces kNothingCut; ///< empty: only removed elements separate others
 
@@ -54,16 +52,13 @@ namespace {
                 const TetId other = store_.across({ marked[i], corner });
                 if (other < 0 || is_marked(other))
                     continue;
-                std::array<Vec3, 3> p;
                 std::array<LipTag, 4> lips = store_.tet(other).lips;
                 for (std::size_t k = 0; k < 4; ++k) // the corner of the neighbour that this element does not have
                     if (store_.corner(marked[i], store_.tet(other).nodes[k]) < 0)
                         lips[k] = { cut_number_, 0 };
                 store_.set_lips(other, lips);
-                for (std::size_t k = 0; k < 3; ++k)
-                    p[k] = store_.position(
-                        tet.nodes[static_cast<std::size_t>(kTetFaces[static_cast<std::size_t>(corner)][k])]);
-                report_.lip_area_mm2 += triangle_area(p);
+                const auto [a, b, c] = face_corners(tet.nodes, corner);
+                report_.lip_area_mm2 += triangle_area(store_.position(a), store_.position(b), store_.position(c));
             }
             rim_.insert(tet.nodes.begin(), tet.nodes.end());
         }
@@ -88,28 +83,18 @@ namespace {
     /// ends.
     void Ablation::part_edges()
     {
-        std::set<Edge> edges;
+        std::set<EdgeKey> edges;
         for (const VertexId v : rim_)
             for (const TetId t : store_.unsorted_star(v))
                 for (const VertexId w : store_.tet(t).nodes)
                     if (w > v && rim_.contains(w))
                         edges.emplace(v, w);
-        for (const Edge& edge : edges) {
+        for (const EdgeKey& edge : edges) {
             const Groups fans = groups_round(edge, store_, kNothingCut);
             if (fans.size() < 2)
                 continue;
-            const Groups at_a = groups_round(edge.first, store_, kNothingCut),
-                         at_b = groups_round(edge.second, store_, kNothingCut);
-            const auto group = [&](const Groups& groups, std::size_t fan) {
-                return std::find_if(groups.begin(), groups.end(), [&](const std::vector<TetId>& tets) {
-                    return std::binary_search(tets.begin(), tets.end(), fans[fan].front());
-                }) - groups.begin();
-            };
-            bool pinned = false;
-            for (std::size_t i = 0; i < fans.size(); ++i)
-                for (std::size_t j = 0; j < i; ++j)
-                    pinned = pinned || (group(at_a, i) == group(at_a, j) && group(at_b, i) == group(at_b, j));
-            if (pinned)
+            if (pinned(fans, groups_round(edge.first, store_, kNothingCut),
+                    groups_round(edge.second, store_, kNothingCut)))
                 rim_.insert(store_.bisect(edge.first, edge.second,
                     Vec3(0.5 * (store_.position(edge.first) + store_.position(edge.second))), 0.5));
         }
@@ -170,6 +155,7 @@ std::vector<TetId> checked_marks(const CutStore& store, std::span<const TetId> t
 
 CutResult ablate_elements(CutStore& store, std::span<const TetId> marked, int cut_number, const Job& job)
 {
+    RETRACTOR_ASSERT(!marked.empty() && std::is_sorted(marked.begin(), marked.end()));
     return Ablation(store, cut_number).run(marked, job);
 }
 

@@ -1,6 +1,8 @@
 #include "mesh/cutting/cut_journal.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
 
 #include <nlohmann/json.hpp>
 
@@ -8,6 +10,7 @@
 #include <array>
 #include <bit>
 #include <cerrno>
+#include <cinttypes>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -117,13 +120,7 @@ namespace {
         return digest.value();
     }
 
-    std::string hexadecimal(std::uint64_t number)
-    {
-        std::string text(16, '0');
-        for (std::size_t i = 0; i < 16; ++i)
-            text[15 - i] = "0123456789abcdef"[number >> (4 * i) & 15U];
-        return text;
-    }
+    std::string hexadecimal(std::uint64_t number) { return formatted("%016" PRIx64, number); }
 
     // ---- operations as JSON ----------------------------------------------------------------------------------------
 
@@ -147,22 +144,15 @@ namespace {
             points.push_back(read_point(point));
     }
 
-    constexpr std::array<std::pair<Subdivision, std::string_view>, 4> kSubdivisions { {
-        { Subdivision::adaptive, "adaptive" },
-        { Subdivision::intermediate_11, "intermediate_11" },
-        { Subdivision::intermediate_5, "intermediate_5" },
-        { Subdivision::general, "general" },
-    } };
+    /// The only subdivision. Journals name it, because older programs had others.
+    constexpr const char* kSubdivision = "adaptive";
 
     Json written(const CutOptions& options)
     {
         // The structured binding names every option, because a replay would lose an option that is not written.
-        const auto& [subdivision, snap, snap_angle_deg, improve_below_deg, crease_deg, uncut_labels, element_limit]
-            = options;
+        const auto& [snap, snap_angle_deg, improve_below_deg, crease_deg, uncut_labels, element_limit] = options;
         Json json;
-        for (const auto& [value, name] : kSubdivisions)
-            if (value == subdivision)
-                json["subdivision"] = name;
+        json["subdivision"] = kSubdivision;
         json["snap"] = snap;
         json["snap_angle_deg"] = snap_angle_deg;
         json["improve_below_deg"] = improve_below_deg;
@@ -175,12 +165,10 @@ namespace {
     CutOptions read_options(const Json& json)
     {
         CutOptions options;
-        const auto subdivision = json.at("subdivision").get<std::string>();
-        const auto known = std::find_if(
-            kSubdivisions.begin(), kSubdivisions.end(), [&](const auto& entry) { return entry.second == subdivision; });
-        if (known == kSubdivisions.end())
-            throw InputError("unknown subdivision \"" + subdivision + "\"");
-        options.subdivision = known->first;
+        if (const Json& subdivision = json.at("subdivision"); subdivision != kSubdivision)
+            throw InputError("the subdivision is " + subdivision.dump()
+                    + "; this version cuts adaptively only: replay the journal with the version that wrote it",
+                "/options/subdivision");
         json.at("snap").get_to(options.snap);
         json.at("snap_angle_deg").get_to(options.snap_angle_deg);
         json.at("improve_below_deg").get_to(options.improve_below_deg);
@@ -240,6 +228,7 @@ namespace {
     /// Sorted ids as the first and last id of each run.
     Json written_ranges(std::span<const TetId> tets)
     {
+        RETRACTOR_ASSERT(std::adjacent_find(tets.begin(), tets.end(), std::greater_equal<> {}) == tets.end());
         Json list = Json::array();
         for (std::size_t i = 0; i < tets.size();) {
             std::size_t last = i;
@@ -266,26 +255,8 @@ namespace {
         return tets;
     }
 
-    const char* name_of(CutEvent::Kind kind)
-    {
-        switch (kind) {
-        case CutEvent::Kind::cut:
-            return "cut";
-        case CutEvent::Kind::stroke_step:
-            return "step";
-        case CutEvent::Kind::stroke_end:
-            return "end";
-        case CutEvent::Kind::stroke_abandoned:
-            return "abandon";
-        case CutEvent::Kind::ablation:
-            return "ablate";
-        case CutEvent::Kind::undo:
-            return "undo";
-        case CutEvent::Kind::redo:
-            return "redo";
-        }
-        return "";
-    }
+    /// Names of operations, in the order of CutEvent::Kind.
+    constexpr std::array<const char*, 7> kOperations { "cut", "step", "end", "abandon", "ablate", "undo", "redo" };
 
     // ---- progress of a journal -------------------------------------------------------------------------------------
 
@@ -315,6 +286,7 @@ namespace {
     /// Updates the blade and the options that a further step may refer to.
     void follow(Progress& progress, const CutEvent& event)
     {
+        RETRACTOR_ASSERT(event.delta != nullptr);
         if (event.kind == CutEvent::Kind::stroke_step) {
             progress.blade = *event.blade;
             progress.options = *event.options;
@@ -326,7 +298,7 @@ namespace {
 
     std::string operation_line(const CutEvent& event, Progress& progress)
     {
-        Json json { { "do", name_of(event.kind) } };
+        Json json { { "do", kOperations.at(static_cast<std::size_t>(event.kind)) } };
         if (event.kind == CutEvent::Kind::cut) {
             json["blade"] = written(*event.blade, nullptr);
             json["options"] = written(*event.options);

@@ -1,5 +1,6 @@
 #include "mesh/cutting/cut_session.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/statistics.h"
 #include "mesh/cutting/cut_ablation.h"
@@ -14,7 +15,6 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <set>
 #include <sstream>
 #include <unordered_map>
 #include <utility>
@@ -78,6 +78,7 @@ namespace {
     void compare_with_gone(
         const CutStore& store, const CutRecord& record, const std::vector<double>& born, CutReport& report)
     {
+        RETRACTOR_ASSERT(born.size() == record.delta.tets_born.size());
         std::unordered_map<VertexId, Vec3> moved; // first position of each moved vertex; never iterated
         for (const auto& change : record.delta.vertices_moved)
             moved.try_emplace(change.id, change.from);
@@ -240,16 +241,15 @@ struct CutSession::State {
             try {
                 CutResult result = step(event, record, [&] {
                     CutResult cut = cut_stroke(store, blade, options, static_cast<int>(done), job, part, rest);
-                    cut.report.attempts = part.care.attempt;
+                    cut.report.attempts = part.settings.attempt;
                     return cut;
                 });
                 result.report.seconds = watch.seconds();
                 return result;
             } catch (const CutQualityError& broken) {
-                if (part.care.attempt == kMostAttempts || broken.kind() == CutQualityError::Kind::growth
-                    || options.subdivision != Subdivision::adaptive)
-                    throw given_up(broken, part.care.attempt);
-                part.care = settings_of_retry(part.care, broken.kind());
+                if (part.settings.attempt == kMostAttempts || broken.kind() == CutQualityError::Kind::growth)
+                    throw given_up(broken, part.settings.attempt);
+                part.settings = settings_of_retry(part.settings, broken.kind());
             }
     }
 
@@ -261,6 +261,7 @@ struct CutSession::State {
 
     void keep(CutRecord record)
     {
+        RETRACTOR_ASSERT(done <= journal.size());
         journal.resize(done);
         journal.push_back(std::move(record));
         ++done;
@@ -268,6 +269,7 @@ struct CutSession::State {
 
     CutRecord merged(std::vector<CutRecord> steps) const
     {
+        RETRACTOR_ASSERT(!steps.empty());
         while (steps.size() > 1) { // merges pairs, so that a record is copied at most log2(number of records) times
             std::vector<CutRecord> half;
             for (std::size_t i = 0; i < steps.size(); i += 2)
@@ -491,17 +493,6 @@ std::vector<LipFace> CutSession::lips() const
     return faces;
 }
 
-std::vector<VertexId> CutSession::pinched_vertices() const
-{
-    std::set<VertexId> vertices;
-    for (const LipFace& lip : lips())
-        for (std::size_t i = 0; i < 4; ++i)
-            if (static_cast<int>(i) != lip.face.corner)
-                vertices.insert(state_->store.tet(lip.face.tet).nodes[i]);
-    std::erase_if(vertices, [&](VertexId v) { return state_->store.surface_fans(v) <= 1; });
-    return { vertices.begin(), vertices.end() };
-}
-
 TetId CutSession::origin(TetId tet) const
 {
     must_have_tet(state_->store, tet);
@@ -534,27 +525,11 @@ TetMesh CutSession::compact_mesh(SlotMap* map) const
             mesh.nodes.push_back(slots.compact_vertex[static_cast<std::size_t>(v)]);
         mesh.labels.push_back(tet.label);
     }
+    RETRACTOR_ASSERT(slots.vertex_slot.size() == vertex_count() && mesh.labels.size() == tet_count());
+    RETRACTOR_ASSERT(std::none_of(mesh.nodes.begin(), mesh.nodes.end(), [](VertexId v) { return v < 0; }));
     if (map != nullptr)
         *map = std::move(slots);
     return mesh;
-}
-
-CutMesh cut(const TetMesh& mesh, const Blade& blade, const CutOptions& options, const Job& job)
-{
-    CutSession session(mesh);
-    CutResult result = session.cut(blade, options, job);
-    CutMesh out;
-    out.status = result.status;
-    out.message = std::move(result.message);
-    out.report = result.report;
-    SlotMap map;
-    out.mesh = session.compact_mesh(&map);
-    for (const TetId slot : map.tet_slot)
-        out.origin.push_back(session.origin(slot));
-    out.lips = session.lips();
-    for (LipFace& lip : out.lips)
-        lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
-    return out;
 }
 
 } // namespace retractor::mesh

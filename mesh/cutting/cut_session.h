@@ -33,6 +33,7 @@ struct SlotMap {
 
 /// An operation on a session, as the session reports it to its witness.
 struct CutEvent {
+    /// The journal names the kinds in this order.
     enum class Kind { cut, stroke_step, stroke_end, stroke_abandoned, ablation, undo, redo };
     Kind kind = Kind::cut;
     const Blade* blade = nullptr; ///< for cut and stroke_step, else null
@@ -86,7 +87,8 @@ public:
     /// Removes elements, given by id; duplicates count once. The bared faces become lips of a cut of its own, with side
     /// 0; vertices without elements are removed. Where remaining elements would be connected in a point or along an
     /// edge only, they are separated (an edge first gets a vertex in its middle). The surface stays manifold except at
-    /// pinched_vertices().
+    /// vertices where two parts of the surface touch: for example, the tip of a wound reaches another wound or the
+    /// skin.
     /// @throws InputError when `tets` names no element, every element, or a missing element
     CutResult ablate(std::span<const TetId> tets, const Job& job = {});
 
@@ -118,9 +120,6 @@ public:
     void set_witness(CutWitness witness);
     SessionBytes bytes() const;
 
-    /// Vertices where two parts of the surface touch in a point, ascending: for example, the tip of a wound reaches
-    /// another wound or the skin. At these vertices alone the surface is no manifold.
-    std::vector<VertexId> pinched_vertices() const;
     /// The faces of all wounds.
     std::vector<LipFace> lips() const;
     /// The element of the first mesh that contains a living element.
@@ -132,17 +131,5 @@ private:
     struct State;
     std::unique_ptr<State> state_;
 };
-
-/// Result of a single cut of a mesh without a session of the caller.
-struct [[nodiscard]] CutMesh {
-    CutStatus status = CutStatus::done;
-    std::string message; ///< remarks for the user; may be empty
-    TetMesh mesh;
-    std::vector<TetId> origin; ///< per element of `mesh`: the uncut element that contains it
-    std::vector<LipFace> lips; ///< ids of `mesh`
-    CutReport report;
-};
-/// Cuts a mesh once. @throws InputError and SolverError as CutSession and CutSession::cut()
-CutMesh cut(const TetMesh& mesh, const Blade& blade, const CutOptions& options = {}, const Job& job = {});
 
 } // namespace retractor::mesh

@@ -1,5 +1,6 @@
 #include "mesh/cutting/pieces.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
@@ -13,6 +14,7 @@ namespace {
 
     void measure(const TetMesh& mesh, const std::vector<TetId>& tets, Piece& piece)
     {
+        RETRACTOR_ASSERT(!tets.empty());
         std::map<Label, double> volume;
         for (const TetId t : tets) {
             const double v = tet_volume(mesh, t);
@@ -34,6 +36,7 @@ std::vector<Piece> find_pieces(const CutSession& session)
     SlotMap map;
     const TetMesh mesh = session.compact_mesh(&map);
     const std::vector<int> number = connected_pieces(mesh);
+    RETRACTOR_ASSERT(number.size() == map.tet_slot.size());
     std::vector<std::vector<TetId>> tets;
     for (TetId t = 0; t < static_cast<TetId>(number.size()); ++t) {
         const auto n = static_cast<std::size_t>(number[static_cast<std::size_t>(t)]);

@@ -1,5 +1,6 @@
 #include "mesh/cutting/surface_follower.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -34,6 +35,7 @@ SurfaceFollower::SurfaceFollower(const TetMesh& mesh)
     , labels_(mesh.labels)
     , mates_(4 * mesh.tet_count(), kSurface)
 {
+    RETRACTOR_ASSERT(mesh.nodes_per_tet == 4);
     for (std::size_t v = 0; v < positions_.size(); ++v)
         positions_[v] = mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose();
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
@@ -47,10 +49,7 @@ SurfaceFollower::SurfaceFollower(const TetMesh& mesh)
 
 SurfaceFollower::Key SurfaceFollower::key(Half half) const
 {
-    const auto& n = nodes_[static_cast<std::size_t>(half / 4)];
-    const auto& face = kTetFaces[static_cast<std::size_t>(half % 4)];
-    Key key { n[static_cast<std::size_t>(face[0])], n[static_cast<std::size_t>(face[1])],
-        n[static_cast<std::size_t>(face[2])] };
+    Key key = face_corners(nodes_[static_cast<std::size_t>(half / 4)], static_cast<int>(half % 4));
     std::sort(key.begin(), key.end());
     return key;
 }
@@ -84,11 +83,11 @@ void SurfaceFollower::pair_all()
 
 void SurfaceFollower::show(Half half)
 {
+    RETRACTOR_ASSERT(half >= 0 && static_cast<std::size_t>(half) < mates_.size());
     mate(half) = kSurface;
     const auto t = static_cast<std::size_t>(half / 4);
-    SurfaceFace face { { static_cast<TetId>(half / 4), static_cast<int>(half % 4) }, {}, labels_[t] };
-    for (std::size_t i = 0; i < 3; ++i)
-        face.vertices[i] = nodes_[t][static_cast<std::size_t>(kTetFaces[static_cast<std::size_t>(half % 4)][i])];
+    const auto corner = static_cast<int>(half % 4);
+    const SurfaceFace face { { static_cast<TetId>(half / 4), corner }, face_corners(nodes_[t], corner), labels_[t] };
     if (!place_.try_emplace(key(half), faces_.size()).second)
         refuse(face.face.tet);
     changed_.push_back(faces_.size());
@@ -101,6 +100,7 @@ void SurfaceFollower::hide(const Key& gone)
     if (it == place_.end())
         refuse(-1);
     const std::size_t place = it->second;
+    RETRACTOR_ASSERT(place < faces_.size());
     place_.erase(it);
     if (place + 1 < faces_.size()) { // the last face takes the free place
         faces_[place] = faces_.back();

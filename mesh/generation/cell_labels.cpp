@@ -1,5 +1,6 @@
 #include "mesh/generation/cell_labels.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/triangle.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
@@ -43,12 +44,12 @@ namespace {
             : cells_(cells)
             , field_(field)
         {
+            RETRACTOR_ASSERT(cells.neighbours.size() == cells.tets.size() && cells.labels.size() == cells.tets.size());
             candidate_.assign(cells_.tets.size(), -1);
         }
 
-        std::size_t run()
+        void run()
         {
-            const std::vector<std::uint8_t> before = cells_.labels;
             for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
                 bool changed = false;
                 for (std::size_t c = 0; c < cells_.tets.size(); ++c)
@@ -58,12 +59,8 @@ namespace {
                         changed |= improve(candidates_[u(candidate_[c])]);
                     }
                 if (!changed)
-                    break;
+                    return;
             }
-            std::size_t count = 0;
-            for (std::size_t c = 0; c < before.size(); ++c)
-                count += before[c] != cells_.labels[c];
-            return count;
         }
 
     private:
@@ -86,12 +83,10 @@ namespace {
         {
             Cell cell {};
             cell.number = c;
-            const Vec3 p[4] = { corner(c, 0), corner(c, 1), corner(c, 2), corner(c, 3) };
+            const std::array<Vec3, 4> p { corner(c, 0), corner(c, 1), corner(c, 2), corner(c, 3) };
             cell.volume = tet_volume(p[0], p[1], p[2], p[3]);
-            for (std::size_t i = 0; i < 4; ++i) {
-                const auto& f = kTetFaces[i];
-                cell.areas[i] = triangle_area(p[f[0]], p[f[1]], p[f[2]]);
-            }
+            for (int i = 0; i < 4; ++i)
+                cell.areas[u(i)] = triangle_area(face_corners(p, i));
             for (std::size_t s = 0; s < kSamples.size(); ++s) {
                 Vec3 at = Vec3::Zero();
                 for (std::size_t i = 0; i < 4; ++i)
@@ -146,6 +141,6 @@ namespace {
 
 } // namespace
 
-std::size_t fit_labels(LabelledCells& cells, const LabelField& field) { return Fit(cells, field).run(); }
+void fit_labels(LabelledCells& cells, const LabelField& field) { Fit(cells, field).run(); }
 
 } // namespace retractor::mesh

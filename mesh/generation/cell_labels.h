@@ -22,7 +22,6 @@ struct LabelledCells {
 
 /// Changes the labels of single cells while a change lowers the sum of misfit volume and interface area. Misfit volume
 /// is the volume of parts of cells where the field has another label; the area is multiplied by a small length.
-/// @return number of cells whose label changed
-std::size_t fit_labels(LabelledCells& cells, const LabelField& field);
+void fit_labels(LabelledCells& cells, const LabelField& field);
 
 } // namespace retractor::mesh

@@ -1,5 +1,6 @@
 #include "mesh/generation/hybrid_model.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/corridor.h"
 #include "mesh/base/error.h"
 #include "mesh/generation/delaunay_mesher.h"
@@ -65,6 +66,7 @@ namespace {
     /// `message`.
     void drop_loose_pieces(LocalMesh& mesh, double smallest_volume, const WallVoxels& wall, std::string& message)
     {
+        RETRACTOR_ASSERT(!mesh.tets.empty() && mesh.labels.size() == mesh.tets.size());
         TetMesh whole;
         whole.vertices.resize(static_cast<Eigen::Index>(mesh.vertices.size()), 3);
         for (std::size_t v = 0; v < mesh.vertices.size(); ++v)

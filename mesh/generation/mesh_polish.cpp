@@ -1,5 +1,6 @@
 #include "mesh/generation/mesh_polish.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/triangle.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
@@ -36,6 +37,7 @@ namespace {
             : begin(mesh.vertices.size() + 1, 0)
             , tets(4 * mesh.tets.size())
         {
+            RETRACTOR_ASSERT(mesh.labels.size() == mesh.tets.size());
             for (const auto& tet : mesh.tets)
                 for (const VertexId v : tet)
                     ++begin[u(v) + 1];
@@ -67,11 +69,8 @@ namespace {
         std::vector<Record> records;
         records.reserve(4 * mesh.tets.size());
         for (std::size_t t = 0; t < mesh.tets.size(); ++t)
-            for (const auto& corners : kTetFaces) {
-                InterfaceFace face;
-                for (std::size_t i = 0; i < 3; ++i)
-                    face.vertices[i] = mesh.tets[t][static_cast<std::size_t>(corners[i])];
-                face.inside = mesh.labels[t];
+            for (int corner = 0; corner < 4; ++corner) {
+                const InterfaceFace face { face_corners(mesh.tets[t], corner), mesh.labels[t] };
                 std::array<VertexId, 3> key = face.vertices;
                 std::sort(key.begin(), key.end());
                 records.push_back({ key, face });
@@ -139,10 +138,10 @@ namespace {
             if (mesh.labels[t] != inside)
                 continue;
             const auto& tet = mesh.tets[t];
-            const auto corner = static_cast<std::size_t>(std::find(tet.begin(), tet.end(), v) - tet.begin());
-            const auto p
-                = [&](std::size_t i) { return mesh.vertices[u(tet[static_cast<std::size_t>(kTetFaces[corner][i])])]; };
-            sum -= (p(1) - p(0)).cross(p(2) - p(0));
+            const auto [a, b, c]
+                = face_corners(tet, static_cast<int>(std::find(tet.begin(), tet.end(), v) - tet.begin()));
+            const Vec3& from = mesh.vertices[u(a)];
+            sum -= (mesh.vertices[u(b)] - from).cross(mesh.vertices[u(c)] - from);
         }
         return sum.normalized();
     }
@@ -194,6 +193,7 @@ namespace {
 
     double mean_edge(const LocalMesh& mesh, VertexId v, std::span<const std::uint32_t> star)
     {
+        RETRACTOR_ASSERT(!star.empty());
         double sum = 0.0;
         for (const std::uint32_t t : star)
             for (const VertexId w : mesh.tets[t])

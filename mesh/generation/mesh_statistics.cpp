@@ -1,5 +1,6 @@
 #include "mesh/generation/mesh_statistics.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/corridor.h"
 #include "mesh/base/statistics.h"
 #include "mesh/base/triangle.h"
@@ -73,6 +74,7 @@ namespace {
     {
         for (TetId t = 0; t < static_cast<TetId>(local.tet_count()); ++t) {
             const Corners c = tet_corners(local, t);
+            RETRACTOR_ASSERT(number[local.labels[static_cast<std::size_t>(t)]] > 0);
             LabelFit& of = fit[static_cast<std::size_t>(number[local.labels[static_cast<std::size_t>(t)]] - 1)];
             of.mesh_volume_mm3 += std::abs(tet_volume(c[0], c[1], c[2], c[3]));
             if (!corridor.empty())
@@ -97,20 +99,7 @@ namespace {
         const TetMesh& local, const std::vector<int>& number, const LabelField& field, MeshStatistics& statistics)
     {
         // Every face between two labels is counted once, from the tetrahedron with the larger label number.
-        struct Record {
-            std::array<VertexId, 3> key;
-            TetFace face;
-        };
-        std::vector<Record> faces;
-        faces.reserve(4 * local.tet_count());
-        for (TetId t = 0; t < static_cast<TetId>(local.tet_count()); ++t)
-            for (int corner = 0; corner < 4; ++corner) {
-                std::array<VertexId, 3> key = face_vertices(local, { t, corner });
-                std::sort(key.begin(), key.end());
-                faces.push_back({ key, { t, corner } });
-            }
-        std::sort(faces.begin(), faces.end(), [](const Record& a, const Record& b) { return a.key < b.key; });
-
+        const std::vector<FaceRecord> faces = sorted_faces(local);
         const double step = 0.05 * field.wall().spacing.minCoeff();
         const double reach = 4.0 * field.wall().spacing.maxCoeff();
         std::vector<std::pair<double, double>> samples; // distance, area
@@ -128,7 +117,7 @@ namespace {
                 weighted += d * area / 4.0;
             }
         };
-        const auto label_of = [&](const Record& r) { return local.labels[static_cast<std::size_t>(r.face.tet)]; };
+        const auto label_of = [&](const FaceRecord& r) { return local.labels[static_cast<std::size_t>(r.face.tet)]; };
         for (std::size_t i = 0; i < faces.size(); ++i) {
             const bool paired = i + 1 < faces.size() && faces[i + 1].key == faces[i].key;
             if (!paired)
@@ -164,24 +153,12 @@ namespace {
         return piece.empty() ? 0 : *std::max_element(piece.begin(), piece.end()) + 1;
     }
 
-    TetMesh part_with_label(const TetMesh& mesh, Label label)
-    {
-        TetMesh part;
-        part.vertices = mesh.vertices;
-        for (std::size_t t = 0; t < mesh.tet_count(); ++t)
-            if (mesh.labels[t] == label) {
-                const auto tet = mesh.tet(static_cast<TetId>(t));
-                part.nodes.insert(part.nodes.end(), tet.begin(), tet.end());
-                part.labels.push_back(label);
-            }
-        return part;
-    }
-
 } // namespace
 
 MeshStatistics mesh_statistics(const TetMesh& mesh, const LabelVolume& labels, const LabelField& field,
     const std::vector<Vec3>& local_corridor, const MeshSizing& sizing)
 {
+    RETRACTOR_ASSERT(local_corridor.size() == sizing.corridor.size());
     MeshStatistics statistics;
     statistics.vertices = mesh.vertex_count();
     statistics.tets = mesh.tet_count();
@@ -220,7 +197,7 @@ MeshStatistics mesh_statistics(const TetMesh& mesh, const LabelVolume& labels, c
     statistics.pieces = piece_count(mesh);
     for (const Label label : field.wall().labels)
         if (const std::string& name = find_label(labels.table, label)->name; name.starts_with("rib"))
-            if (const TetMesh rib = part_with_label(mesh, label); rib.tet_count() > 0)
+            if (const TetMesh rib = part_with_labels(mesh, std::span(&label, 1)); rib.tet_count() > 0)
                 statistics.rib_pieces[name] = piece_count(rib);
     return statistics;
 }

@@ -1,5 +1,6 @@
 #include "mesh/generation/size_field.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/corridor.h"
 #include "mesh/image/local_thickness.h"
 #include "mesh/image/skeleton.h"
@@ -22,6 +23,10 @@ namespace {
             return 2.5;
         return 4.0;
     }
+
+    /// Growth of the wanted edge (mm) per mm of distance from the corridor. Neighbours then differ by about a third,
+    /// and refinement makes no slivers.
+    constexpr double kEdgeGrowth = 0.4;
 
     /// Coarser edges for bones beyond the region: these bones bend, but nobody looks at them.
     constexpr double kBareFactor = 1.4;
@@ -54,6 +59,7 @@ double SizeField::corridor_edge(const Vec3& local) const
 
 double SizeField::thin_limit(const Vec3& local, int label) const
 {
+    RETRACTOR_ASSERT(label > 0 && static_cast<std::size_t>(label) < edges_per_thickness_.size());
     std::array<int, 3> cell {};
     for (int axis = 0; axis < 3; ++axis) {
         const auto a = static_cast<std::size_t>(axis);

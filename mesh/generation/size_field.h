@@ -9,10 +9,6 @@
 
 namespace retractor::mesh {
 
-/// Growth of the wanted edge (mm) per mm of distance from the corridor. Neighbours then differ by about a third, and
-/// refinement makes no slivers.
-inline constexpr double kEdgeGrowth = 0.4;
-
 class SizeField {
 public:
     /// @param table names the materials; a label's material decides the number of elements across the label

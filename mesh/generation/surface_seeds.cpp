@@ -3,10 +3,11 @@
 #include "mesh/base/disjoint_sets.h"
 #include "mesh/base/spatial_hash.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <unordered_map>
 
@@ -44,8 +45,7 @@ namespace {
 
     struct Extent {
         std::size_t voxels = 0;
-        Eigen::Array3i low = Eigen::Array3i::Constant(std::numeric_limits<int>::max());
-        Eigen::Array3i high = Eigen::Array3i::Constant(-1);
+        Eigen::AlignedBox3i box;
     };
 
     /// Voxel count and bounding box of each component, by its root.
@@ -61,8 +61,7 @@ namespace {
                         continue;
                     Extent& extent = found[component[at]];
                     ++extent.voxels;
-                    extent.low = extent.low.min(Eigen::Array3i(i, j, k));
-                    extent.high = extent.high.max(Eigen::Array3i(i, j, k));
+                    extent.box.extend(Eigen::Vector3i(i, j, k));
                 }
         return found;
     }
@@ -106,7 +105,7 @@ std::vector<SurfaceSeed> surface_seeds(const LabelField& field, const SizeField&
                     if (!seed)
                         continue;
                     const double longest
-                        = ((extent.high - extent.low + 1).cast<double>() * wall.spacing.array()).maxCoeff();
+                        = ((extent.box.sizes().array() + 1).cast<double>() * wall.spacing.array()).maxCoeff();
                     const double spacing = std::min(
                         kSeedSpacing * size.edge(seed->point, seed->a, seed->b), kSpacingPerExtent * longest);
                     if (add_apart(taken, seed->point, spacing))

@@ -1,6 +1,9 @@
 #include "mesh/image/label_field.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -28,28 +31,13 @@ namespace {
 
     constexpr int kSteps[6][3] = { { 1, 0, 0 }, { -1, 0, 0 }, { 0, 1, 0 }, { 0, -1, 0 }, { 0, 0, 1 }, { 0, 0, -1 } };
 
-    struct Box {
-        std::array<int, 3> low { std::numeric_limits<int>::max(), std::numeric_limits<int>::max(),
-            std::numeric_limits<int>::max() };
-        std::array<int, 3> high { -1, -1, -1 };
-        bool empty() const { return high[0] < low[0]; }
-        void include(int i, int j, int k)
-        {
-            const int index[3] = { i, j, k };
-            for (std::size_t a = 0; a < 3; ++a) {
-                low[a] = std::min(low[a], index[a]);
-                high[a] = std::max(high[a], index[a]);
-            }
-        }
-    };
+    using Box = Eigen::AlignedBox3i; ///< first and last index per axis; empty until it is extended
 
     template <typename Visit> void for_each_voxel(const Box& box, Visit&& visit)
     {
-        if (box.empty())
-            return;
-        for (int k = box.low[2]; k <= box.high[2]; ++k)
-            for (int j = box.low[1]; j <= box.high[1]; ++j)
-                for (int i = box.low[0]; i <= box.high[0]; ++i)
+        for (int k = box.min()[2]; k <= box.max()[2]; ++k)
+            for (int j = box.min()[1]; j <= box.max()[1]; ++j)
+                for (int i = box.min()[0]; i <= box.max()[0]; ++i)
                     visit(i, j, k);
     }
 
@@ -71,8 +59,8 @@ namespace {
             }
             if (high < low)
                 return {};
-            box.low[a] = static_cast<int>(low);
-            box.high[a] = static_cast<int>(high);
+            box.min()[axis] = static_cast<int>(low);
+            box.max()[axis] = static_cast<int>(high);
         }
         return box;
     }
@@ -166,6 +154,7 @@ WallVoxels wall_voxels(const LabelVolume& labels, const Region& region)
 {
     const ImageGrid& grid = labels.grid;
     const std::vector<int> number = wall_numbers(labels);
+    RETRACTOR_ASSERT(labels.voxels.size() == grid.voxel_count());
     const auto voxel_number = [&](int i, int j, int k) {
         const Label label = labels.voxels[grid.offset(i, j, k)];
         if (number[label] < 0)
@@ -178,12 +167,12 @@ WallVoxels wall_voxels(const LabelVolume& labels, const Region& region)
     for_each_voxel(region_box(grid, region.corridor, region.region_mm), [&](int i, int j, int k) {
         if (const int n = voxel_number(i, j, k); n > 0) {
             met[static_cast<std::size_t>(n)] = 1;
-            box.include(i, j, k);
+            box.extend(Eigen::Vector3i(i, j, k));
         }
     });
     WallVoxels wall;
     wall.spacing = (grid.spacing / kEdgeGrain).array().round().matrix() * kEdgeGrain;
-    if (box.empty())
+    if (box.isEmpty())
         return wall;
     const std::vector<char> kept = whole_voxels(labels, region);
     std::vector<char> whole(met.size(), 0);
@@ -193,7 +182,7 @@ WallVoxels wall_voxels(const LabelVolume& labels, const Region& region)
                 return;
             const auto label = static_cast<std::size_t>(voxel_number(i, j, k));
             whole[label] = met[label] = 1;
-            box.include(i, j, k);
+            box.extend(Eigen::Vector3i(i, j, k));
         });
 
     std::vector<std::uint8_t> compact(met.size(), 0);
@@ -206,9 +195,9 @@ WallVoxels wall_voxels(const LabelVolume& labels, const Region& region)
                 throw InputError("more than 254 wall labels occur");
             compact[static_cast<std::size_t>(n)] = static_cast<std::uint8_t>(wall.labels.size());
         }
-    for (std::size_t a = 0; a < 3; ++a) {
-        wall.first[a] = box.low[a] - kMargin;
-        wall.size[a] = box.high[a] - box.low[a] + 1 + 2 * kMargin;
+    for (int axis = 0; axis < 3; ++axis) {
+        wall.first[static_cast<std::size_t>(axis)] = box.min()[axis] - kMargin;
+        wall.size[static_cast<std::size_t>(axis)] = box.sizes()[axis] + 1 + 2 * kMargin;
     }
     wall.voxels.assign(static_cast<std::size_t>(wall.size[0]) * static_cast<std::size_t>(wall.size[1])
             * static_cast<std::size_t>(wall.size[2]),
@@ -227,6 +216,8 @@ LabelField::LabelField(WallVoxels wall, Region region)
     , corridor_(region_.corridor, lower(), upper())
     , uniform_(wall_.voxels)
 {
+    RETRACTOR_ASSERT(wall_.labels.size() == wall_.whole.size());
+    RETRACTOR_ASSERT(wall_.voxels.empty() || wall_.voxels.size() == wall_.offset(0, 0, wall_.size[2]));
     for (int axis = 0; axis < 3; ++axis)
         spread_mixed(uniform_, wall_.size, axis);
 }
@@ -247,6 +238,7 @@ int LabelField::at(const Vec3& local) const
     if (uniform == 0)
         return 0;
     const int label = uniform != kMixed ? uniform : smooth_at(cell, fraction);
+    RETRACTOR_ASSERT(static_cast<std::size_t>(label) <= wall_.whole.size());
     if (label == 0 || region_.region_mm == 0.0 || wall_.whole[static_cast<std::size_t>(label - 1)])
         return label;
     return corridor_.within(local, region_.region_mm) ? label : 0;
@@ -284,6 +276,7 @@ int LabelField::smooth_at(const std::array<int, 3>& cell, const Vec3& fraction) 
 
 Vec3 LabelField::crossing(Vec3 a, Vec3 b, double tolerance) const
 {
+    RETRACTOR_ASSERT(tolerance > 0.0);
     const int start = at(a);
     while ((b - a).norm() > tolerance) {
         const Vec3 middle = 0.5 * (a + b);

@@ -1,5 +1,7 @@
 #include "mesh/image/local_thickness.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -60,8 +62,7 @@ namespace {
 
     void transform_axis(const WallVoxels& wall, std::vector<float>& squared, std::size_t axis)
     {
-        const std::size_t strides[3] = { 1, static_cast<std::size_t>(wall.size[0]),
-            static_cast<std::size_t>(wall.size[0]) * static_cast<std::size_t>(wall.size[1]) };
+        const std::size_t strides[3] = { 1, wall.offset(0, 1, 0), wall.offset(0, 0, 1) };
         const std::size_t a1 = (axis + 1) % 3, a2 = (axis + 2) % 3;
         const int n = wall.size[axis];
         RunTransform transform(static_cast<std::size_t>(n));
@@ -82,23 +83,26 @@ namespace {
             }
     }
 
-} // namespace
+    /// Distance (mm) from each voxel's centre to the nearest face between the voxel's label and another label, measured
+    /// along the centres of voxels (exact for flat faces along the axes). Voxels outside have 0.
+    std::vector<float> depth_in_label(const WallVoxels& wall)
+    {
+        constexpr float kFar = 1e12F;
+        std::vector<float> depth(wall.voxels.size());
+        std::transform(
+            wall.voxels.begin(), wall.voxels.end(), depth.begin(), [](std::uint8_t v) { return v == 0 ? 0.0F : kFar; });
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            transform_axis(wall, depth, axis);
+        for (float& d : depth)
+            d = std::sqrt(d);
+        return depth;
+    }
 
-std::vector<float> depth_in_label(const WallVoxels& wall)
-{
-    constexpr float kFar = 1e12F;
-    std::vector<float> depth(wall.voxels.size());
-    std::transform(
-        wall.voxels.begin(), wall.voxels.end(), depth.begin(), [](std::uint8_t v) { return v == 0 ? 0.0F : kFar; });
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        transform_axis(wall, depth, axis);
-    for (float& d : depth)
-        d = std::sqrt(d);
-    return depth;
-}
+} // namespace
 
 std::vector<float> local_thickness(const WallVoxels& wall)
 {
+    RETRACTOR_ASSERT(wall.voxels.size() == wall.offset(0, 0, wall.size[2]));
     const std::vector<float> depth = depth_in_label(wall);
     // Every voxel points to its deepest neighbour of the same label; a ridge voxel points to itself.
     std::vector<std::uint32_t> uphill(depth.size());

@@ -9,10 +9,6 @@
 
 namespace retractor::mesh {
 
-/// Distance (mm) from each voxel's centre to the nearest face between the voxel's label and another label, measured
-/// along the centres of voxels (exact for flat faces along the axes). Voxels outside have 0.
-std::vector<float> depth_in_label(const WallVoxels& wall);
-
 /// Thickness (mm) of the label at each voxel. Voxels outside have 0.
 std::vector<float> local_thickness(const WallVoxels& wall);
 

@@ -1,5 +1,6 @@
 #include "mesh/image/volume.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -71,6 +72,7 @@ Label label_at(const LabelVolume& labels, const Vec3& world)
     const int i = static_cast<int>(std::lround(index.x()));
     const int j = static_cast<int>(std::lround(index.y()));
     const int k = static_cast<int>(std::lround(index.z()));
+    RETRACTOR_ASSERT(!labels.grid.contains(i, j, k) || labels.grid.offset(i, j, k) < labels.voxels.size());
     return labels.grid.contains(i, j, k) ? labels.voxels[labels.grid.offset(i, j, k)] : Label { 0 };
 }
 

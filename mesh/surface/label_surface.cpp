@@ -2,6 +2,8 @@
 
 #include "mesh/base/error.h"
 
+#include <Eigen/Geometry>
+
 #include <vtkCellArray.h>
 #include <vtkCellArrayIterator.h>
 #include <vtkFlyingEdges3D.h>
@@ -14,7 +16,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string>
 
 namespace retractor::mesh {
@@ -28,27 +29,19 @@ namespace {
     /// whose smoothed value is about 0.2.
     constexpr float kThinValue = 0.75F;
 
-    struct Box {
-        std::array<int, 3> low {}, high {}; ///< inclusive
-        std::size_t size(int axis) const { return static_cast<std::size_t>(high[index(axis)] - low[index(axis)] + 1); }
-        static std::size_t index(int axis) { return static_cast<std::size_t>(axis); }
-    };
+    using Box = Eigen::AlignedBox3i; ///< first and last index per axis
 
-    std::optional<Box> bounding_box(const ImageGrid& grid, std::span<const std::uint8_t> mask)
+    /// The box round the voxels of the mask; empty when there is none.
+    Box bounding_box(const ImageGrid& grid, std::span<const std::uint8_t> mask)
     {
-        Box box { grid.size, { -1, -1, -1 } };
+        Box box;
         std::size_t at = 0;
         for (int k = 0; k < grid.size[2]; ++k)
             for (int j = 0; j < grid.size[1]; ++j)
                 for (int i = 0; i < grid.size[0]; ++i, ++at)
-                    if (mask[at] != 0) {
-                        const std::array<int, 3> voxel { i, j, k };
-                        for (std::size_t axis = 0; axis < 3; ++axis) {
-                            box.low[axis] = std::min(box.low[axis], voxel[axis]);
-                            box.high[axis] = std::max(box.high[axis], voxel[axis]);
-                        }
-                    }
-        return box.high[0] < 0 ? std::nullopt : std::optional<Box>(box);
+                    if (mask[at] != 0)
+                        box.extend(Eigen::Vector3i(i, j, k));
+        return box;
     }
 
     /// The values inside `box` as an image with the extent of the box. Values beyond the original image are 0.
@@ -56,12 +49,13 @@ namespace {
     vtkSmartPointer<vtkImageData> indicator(const ImageGrid& grid, const Value& values, const Box& box)
     {
         auto image = vtkSmartPointer<vtkImageData>::New();
-        image->SetExtent(box.low[0], box.high[0], box.low[1], box.high[1], box.low[2], box.high[2]);
+        const Eigen::Vector3i low = box.min(), high = box.max();
+        image->SetExtent(low[0], high[0], low[1], high[1], low[2], high[2]);
         image->AllocateScalars(VTK_FLOAT, 1);
         auto* value = static_cast<float*>(image->GetScalarPointer());
-        for (int k = box.low[2]; k <= box.high[2]; ++k)
-            for (int j = box.low[1]; j <= box.high[1]; ++j)
-                for (int i = box.low[0]; i <= box.high[0]; ++i)
+        for (int k = low[2]; k <= high[2]; ++k)
+            for (int j = low[1]; j <= high[1]; ++j)
+                for (int i = low[0]; i <= high[0]; ++i)
                     *value++ = grid.contains(i, j, k) ? static_cast<float>(values[grid.offset(i, j, k)]) : 0.0F;
         return image;
     }
@@ -83,8 +77,9 @@ namespace {
     /// the restored voxels to the rest. The box has an empty margin, so that every voxel has all neighbours.
     void keep_thin_parts(const float* sharp, float* smooth, const Box& box)
     {
-        const std::size_t count = box.size(0) * box.size(1) * box.size(2);
-        const auto around = neighbours(box.size(0), box.size(1));
+        const auto size = [&](int axis) { return static_cast<std::size_t>(box.sizes()[axis] + 1); };
+        const std::size_t count = size(0) * size(1) * size(2);
+        const auto around = neighbours(size(0), size(1));
         const auto erased = [&](std::size_t v) { return sharp[v] > 0.5F && smooth[v] < static_cast<float>(kLevel); };
         const auto at = [](std::size_t v, std::ptrdiff_t offset) { return v + static_cast<std::size_t>(offset); };
 
@@ -171,11 +166,9 @@ namespace {
     /// Widens the box by the radius of the Gaussian and an empty border.
     void widen(Box& box, const Vec3& sigma)
     {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const int margin = 1 + static_cast<int>(std::ceil(kKernelRadius * sigma[static_cast<Eigen::Index>(axis)]));
-            box.low[axis] -= margin;
-            box.high[axis] += margin;
-        }
+        const Eigen::Vector3i margin = ((kKernelRadius * sigma).array().ceil().cast<int>() + 1).matrix();
+        box.min() -= margin;
+        box.max() += margin;
     }
 
     /// The grid whose voxels are blocks of `factor` voxels of `grid`. The last blocks may reach beyond `grid`.
@@ -217,17 +210,17 @@ TriMesh mask_surface(const ImageGrid& grid, std::span<const std::uint8_t> mask, 
 {
     check_input(grid, mask.size(), smoothing_mm);
     const Stopwatch watch;
-    std::optional<Box> box = bounding_box(grid, mask);
-    if (!box || job.cancelled())
+    Box box = bounding_box(grid, mask);
+    if (box.isEmpty() || job.cancelled())
         return {};
     const Vec3 sigma = Vec3::Constant(smoothing_mm).cwiseQuotient(grid.spacing);
-    widen(*box, sigma);
+    widen(box, sigma);
 
-    vtkSmartPointer<vtkImageData> image = indicator(grid, mask, *box);
+    vtkSmartPointer<vtkImageData> image = indicator(grid, mask, box);
     if (smoothing_mm > 0.0) {
         const vtkSmartPointer<vtkImageData> smooth = smoothed(*image, sigma);
-        keep_thin_parts(static_cast<const float*>(image->GetScalarPointer()),
-            static_cast<float*>(smooth->GetScalarPointer()), *box);
+        keep_thin_parts(
+            static_cast<const float*>(image->GetScalarPointer()), static_cast<float*>(smooth->GetScalarPointer()), box);
         image = smooth;
     }
     TriMesh mesh = contour_of(*image, grid);
@@ -266,12 +259,12 @@ TriMesh viewing_surface(const LabelVolume& labels, std::span<const Label> which,
                     inside[grid.offset(i / factor[0], j / factor[1], k / factor[2])] += share;
     std::vector<std::uint8_t> occupied(inside.size());
     std::transform(inside.begin(), inside.end(), occupied.begin(), [](float f) { return f > 0.0F ? 1 : 0; });
-    std::optional<Box> box = bounding_box(grid, occupied);
-    if (!box || job.cancelled())
+    Box box = bounding_box(grid, occupied);
+    if (box.isEmpty() || job.cancelled())
         return {};
     const Vec3 sigma = Vec3::Constant(smoothing_mm).cwiseQuotient(grid.spacing);
-    widen(*box, sigma);
-    const vtkSmartPointer<vtkImageData> image = indicator(grid, inside, *box);
+    widen(box, sigma);
+    const vtkSmartPointer<vtkImageData> image = indicator(grid, inside, box);
     TriMesh mesh = contour_of(smoothing_mm > 0.0 ? *smoothed(*image, sigma) : *image, grid);
     record_part(job, "viewing surface", watch, bytes_of(mesh));
     return mesh;

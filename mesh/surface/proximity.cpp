@@ -60,33 +60,28 @@ TriangleProximity::TriangleProximity(Points vertices, std::vector<std::array<Ver
         throw InputError("the reach must be positive", "proximity");
     if (triangles_.empty())
         return;
-    Vec3 low = Vec3::Constant(HUGE_VAL), high = Vec3::Constant(-HUGE_VAL);
+    Eigen::AlignedBox3d whole;
     double extent = 0.0;
     const auto box = [&](std::size_t t) {
-        Vec3 from = vertices_.row(triangles_[t][0]).transpose(), to = from;
-        for (const VertexId v : triangles_[t]) {
-            from = from.cwiseMin(vertices_.row(v).transpose());
-            to = to.cwiseMax(vertices_.row(v).transpose());
-        }
-        return std::pair(from, to);
+        Eigen::AlignedBox3d round;
+        for (const VertexId v : triangles_[t])
+            round.extend(point_at(vertices_, v));
+        return round;
     };
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
         for (const VertexId v : triangles_[t])
             if (v < 0 || v >= vertices_.rows() || !vertices_.row(v).allFinite())
                 throw InputError("vertex " + std::to_string(v) + " is out of range or not finite",
                     "proximity, triangle " + std::to_string(t));
-        const auto [from, to] = box(t);
-        low = low.cwiseMin(from);
-        high = high.cwiseMax(to);
-        extent += (to - from).maxCoeff() / static_cast<double>(triangles_.size());
+        whole.extend(box(t));
+        extent += box(t).sizes().maxCoeff() / static_cast<double>(triangles_.size());
     }
     // With cells as large as the reach, a search visits 27 cells. Cells smaller than the triangles would only be more
     // cells.
-    size_ = std::max({ reach, extent, (high - low).maxCoeff() / ((1 << kBits) - 4) });
-    origin_ = low - Vec3::Constant(size_);
+    size_ = std::max({ reach, extent, whole.sizes().maxCoeff() / ((1 << kBits) - 4) });
+    origin_ = whole.min() - Vec3::Constant(size_);
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
-        const auto [from, to] = box(t);
-        const auto first = cell(from), last = cell(to);
+        const auto first = cell(box(t).min()), last = cell(box(t).max());
         for (std::int64_t z = first[2]; z <= last[2]; ++z)
             for (std::int64_t y = first[1]; y <= last[1]; ++y)
                 for (std::int64_t x = first[0]; x <= last[0]; ++x)

@@ -32,7 +32,7 @@ public:
     };
     /// The triangles within `distance` (mm) of a point, the nearest first; at equal distance the lower number comes
     /// first.
-    /// @pre distance <= reach
+    /// A distance above the reach counts as the reach.
     std::vector<Nearby> within(const Vec3& point, double distance) const;
 
 private:

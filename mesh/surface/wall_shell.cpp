@@ -1,5 +1,6 @@
 #include "mesh/surface/wall_shell.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/disjoint_sets.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
@@ -19,7 +20,6 @@ namespace retractor::mesh {
 namespace {
 
     using Edge = std::pair<VertexId, VertexId>;
-    Edge edge_of(VertexId a, VertexId b) { return { std::min(a, b), std::max(a, b) }; }
 
     Vec3 corner_point(const TriMesh& surface, std::size_t t, std::size_t c)
     {
@@ -70,7 +70,7 @@ namespace {
         std::map<Edge, std::vector<std::size_t>> triangles_at;
         for (std::size_t t = 0; t < surface.triangles.size(); ++t)
             for (std::size_t c = 0; c < 3; ++c)
-                triangles_at[edge_of(surface.triangles[t][c], surface.triangles[t][(c + 1) % 3])].push_back(t);
+                triangles_at[std::minmax(surface.triangles[t][c], surface.triangles[t][(c + 1) % 3])].push_back(t);
         const auto corner = [&](std::size_t t, VertexId v) {
             const auto& triangle = surface.triangles[t];
             return 3 * t + static_cast<std::size_t>(std::find(triangle.begin(), triangle.end(), v) - triangle.begin());
@@ -208,6 +208,7 @@ namespace {
     void place_inside(TetMesh& mesh, const Layer& layer, double thickness_mm)
     {
         constexpr double kThinnest = 0.05; // share of the requested thickness
+        RETRACTOR_ASSERT(static_cast<std::size_t>(mesh.vertices.rows()) == 2 * layer.thickness.size());
         for (std::size_t v = 0; v < layer.thickness.size(); ++v) {
             const Vec3 outside = mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose();
             if (layer.thickness[v] < kThinnest * thickness_mm)

@@ -1,5 +1,6 @@
 #include "mesh/surface/wound_surface.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -36,6 +37,7 @@ namespace {
         if (mesh.nodes_per_tet == 4)
             return { corner };
         const auto nodes = mesh.tet(face.tet);
+        RETRACTOR_ASSERT(nodes.size() == 10);
         const auto& local = kTetFaces[static_cast<std::size_t>(face.corner)];
         const VertexId m01 = midpoint(nodes, local[0], local[1]);
         const VertexId m12 = midpoint(nodes, local[1], local[2]);
@@ -59,7 +61,6 @@ namespace {
                 }
                 out.surface.triangles.push_back(triangle);
                 out.surface.labels.push_back(mesh.labels[static_cast<std::size_t>(face.tet)]);
-                out.face_of.push_back(face);
             }
         out.surface.vertices.resize(static_cast<Eigen::Index>(out.vertex_of.size()), 3);
         for (std::size_t i = 0; i < out.vertex_of.size(); ++i) {
@@ -69,21 +70,6 @@ namespace {
                 row += displacement.row(out.vertex_of[i]);
         }
         return out;
-    }
-
-    /// The mesh reduced to elements with the given labels; `kept` receives the ids of these elements.
-    TetMesh part_of(const TetMesh& mesh, std::span<const Label> labels, std::vector<TetId>& kept)
-    {
-        TetMesh part;
-        part.nodes_per_tet = mesh.nodes_per_tet;
-        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            if (std::find(labels.begin(), labels.end(), mesh.labels[static_cast<std::size_t>(t)]) != labels.end()) {
-                const auto nodes = mesh.tet(t);
-                part.nodes.insert(part.nodes.end(), nodes.begin(), nodes.end());
-                part.labels.push_back(mesh.labels[static_cast<std::size_t>(t)]);
-                kept.push_back(t);
-            }
-        return part;
     }
 
 } // namespace
@@ -103,8 +89,7 @@ TetSurface tissue_surface(const TetMesh& mesh, const Points& displacement, std::
 {
     check_displacement(mesh, displacement);
     std::vector<TetId> kept;
-    const TetMesh part = part_of(mesh, labels, kept);
-    std::vector<TetFace> faces = boundary_faces(part);
+    std::vector<TetFace> faces = boundary_faces(part_with_labels(mesh, labels, &kept));
     for (TetFace& face : faces)
         face.tet = kept[static_cast<std::size_t>(face.tet)];
     return surface_of_faces(mesh, displacement, faces);

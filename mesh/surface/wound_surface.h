@@ -14,7 +14,6 @@ namespace retractor::mesh {
 struct TetSurface {
     TriMesh surface; ///< only used vertices; one label per triangle, from its element
     std::vector<VertexId> vertex_of; ///< per surface vertex: vertex of the tetrahedral mesh
-    std::vector<TetFace> face_of; ///< per triangle: element face that contains it
 };
 
 /// All faces with tissue on one side only (skin, inner side, lips, border of the region), at rest position +

@@ -1,5 +1,6 @@
 #include "mesh/tetrahedra/mesh_io.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 
@@ -25,6 +26,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace retractor::mesh {
 
@@ -42,30 +44,20 @@ namespace {
         return result;
     }
 
-    void add_scalars(vtkFieldData* to, const std::string& name, const std::vector<double>& values, std::size_t expected)
+    /// Adds the rows of `values`, a table with `columns` columns.
+    void add_array(vtkFieldData* to, const std::string& name, std::span<const double> values, int columns,
+        vtkIdType expected, const char* what)
     {
-        if (values.size() != expected)
+        RETRACTOR_ASSERT(values.size() % static_cast<std::size_t>(columns) == 0);
+        const auto rows = static_cast<vtkIdType>(values.size()) / columns;
+        if (rows != expected)
             throw InputError(
-                "field has " + std::to_string(values.size()) + " values, the mesh needs " + std::to_string(expected),
-                name);
+                "field has " + std::to_string(rows) + what + ", the mesh needs " + std::to_string(expected), name);
         vtkNew<vtkDoubleArray> array;
         array->SetName(name.c_str());
-        array->SetNumberOfTuples(static_cast<vtkIdType>(values.size()));
+        array->SetNumberOfComponents(columns);
+        array->SetNumberOfTuples(rows);
         std::copy(values.begin(), values.end(), array->GetPointer(0));
-        to->AddArray(array);
-    }
-
-    void add_vectors(vtkFieldData* to, const std::string& name, const Points& values, Eigen::Index expected)
-    {
-        if (values.rows() != expected)
-            throw InputError(
-                "field has " + std::to_string(values.rows()) + " rows, the mesh needs " + std::to_string(expected),
-                name);
-        vtkNew<vtkDoubleArray> array;
-        array->SetName(name.c_str());
-        array->SetNumberOfComponents(3);
-        array->SetNumberOfTuples(values.rows());
-        std::copy(values.data(), values.data() + values.size(), array->GetPointer(0));
         to->AddArray(array);
     }
 
@@ -79,13 +71,13 @@ namespace {
 
     void add_fields(vtkDataSet* to, const MeshFields& fields, const std::vector<Label>& labels)
     {
-        const auto cells = static_cast<std::size_t>(to->GetNumberOfCells());
         for (const auto& [name, values] : fields.point_vectors)
-            add_vectors(to->GetPointData(), name, values, to->GetNumberOfPoints());
+            add_array(to->GetPointData(), name, std::span(values.data(), static_cast<std::size_t>(values.size())), 3,
+                to->GetNumberOfPoints(), " rows");
         for (const auto& [name, values] : fields.point_scalars)
-            add_scalars(to->GetPointData(), name, values, static_cast<std::size_t>(to->GetNumberOfPoints()));
+            add_array(to->GetPointData(), name, values, 1, to->GetNumberOfPoints(), " values");
         for (const auto& [name, values] : fields.cell_scalars)
-            add_scalars(to->GetCellData(), name, values, cells);
+            add_array(to->GetCellData(), name, values, 1, to->GetNumberOfCells(), " values");
         if (!labels.empty()) {
             vtkNew<vtkUnsignedShortArray> array;
             array->SetName("label");

@@ -1,5 +1,7 @@
 #include "mesh/tetrahedra/tet_grid.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -14,6 +16,7 @@ TetGrid::TetGrid(const Eigen::AlignedBox3d& box, double cell)
     : origin_(box.min())
     , cell_(std::max(cell, box.sizes().maxCoeff() / kMostCellsPerAxis))
 {
+    RETRACTOR_ASSERT(!box.isEmpty() && cell > 0.0);
     for (int axis = 0; axis < 3; ++axis)
         size_[static_cast<std::size_t>(axis)] = std::max(1, static_cast<int>(std::ceil(box.sizes()[axis] / cell_)));
     cells_.resize(
@@ -60,9 +63,11 @@ void TetGrid::insert(TetId t, const Eigen::AlignedBox3d& box)
 
 void TetGrid::remove(TetId t)
 {
+    RETRACTOR_ASSERT(t >= 0 && static_cast<std::size_t>(t) < listed_.size());
     Range& listed = listed_[static_cast<std::size_t>(t)];
     for_cells(listed, [&](std::size_t cell) {
         auto& tets = cells_[cell];
+        RETRACTOR_ASSERT(std::find(tets.begin(), tets.end(), t) != tets.end());
         *std::find(tets.rbegin(), tets.rend(), t) = tets.back(); // cuts mostly remove elements that they have just made
         tets.pop_back();
     });

@@ -1,5 +1,6 @@
 #include "mesh/tetrahedra/tet_mesh.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/disjoint_sets.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
@@ -16,27 +17,10 @@ namespace retractor::mesh {
 
 namespace {
 
-    struct FaceRecord {
-        std::array<VertexId, 3> key; ///< sorted corners
-        TetFace face;
-    };
-
-    /// All element faces, sorted so that equal faces stand side by side.
-    std::vector<FaceRecord> sorted_faces(const TetMesh& mesh)
+    [[maybe_unused]] bool has_nodes(const TetMesh& mesh, TetId t)
     {
-        std::vector<FaceRecord> faces;
-        faces.reserve(mesh.tet_count() * 4);
-        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            for (int corner = 0; corner < 4; ++corner) {
-                const TetFace face { t, corner };
-                std::array<VertexId, 3> key = face_vertices(mesh, face);
-                std::sort(key.begin(), key.end());
-                faces.push_back({ key, face });
-            }
-        std::sort(faces.begin(), faces.end(), [](const FaceRecord& a, const FaceRecord& b) {
-            return a.key != b.key ? a.key < b.key : a.face.tet < b.face.tet;
-        });
-        return faces;
+        return t >= 0
+            && static_cast<std::size_t>(mesh.nodes_per_tet) * (static_cast<std::size_t>(t) + 1) <= mesh.nodes.size();
     }
 
     std::size_t run_length(const std::vector<FaceRecord>& faces, std::size_t begin)
@@ -49,8 +33,18 @@ namespace {
 
 } // namespace
 
+std::array<std::pair<VertexId, VertexId>, 6> edge_keys(const std::array<VertexId, 4>& element)
+{
+    std::array<std::pair<VertexId, VertexId>, 6> keys;
+    for (std::size_t e = 0; e < 6; ++e)
+        keys[e] = std::minmax(
+            element[static_cast<std::size_t>(kTetEdges[e][0])], element[static_cast<std::size_t>(kTetEdges[e][1])]);
+    return keys;
+}
+
 std::array<Vec3, 4> tet_corners(const TetMesh& mesh, TetId t)
 {
+    RETRACTOR_ASSERT(has_nodes(mesh, t));
     const auto n = mesh.tet(t);
     return { point_at(mesh.vertices, n[0]), point_at(mesh.vertices, n[1]), point_at(mesh.vertices, n[2]),
         point_at(mesh.vertices, n[3]) };
@@ -70,13 +64,8 @@ double tet_volume(const TetMesh& mesh, TetId t)
 std::array<double, 6> dihedral_angles_deg(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
 {
     const std::array<Vec3, 4> p { a, b, c, d };
-    std::array<Vec3, 4> normal;
-    for (std::size_t f = 0; f < 4; ++f) {
-        const auto& face = kTetFaces[f];
-        const auto corner
-            = [&](int i) -> const Vec3& { return p[static_cast<std::size_t>(face[static_cast<std::size_t>(i)])]; };
-        normal[f] = unit_normal(corner(0), corner(1), corner(2));
-    }
+    const std::array<Vec3, 4> normal { unit_normal(face_corners(p, 0)), unit_normal(face_corners(p, 1)),
+        unit_normal(face_corners(p, 2)), unit_normal(face_corners(p, 3)) };
     std::array<double, 6> angles {};
     for (std::size_t e = 0; e < 6; ++e) {
         // The two faces at an edge are opposite the two corners that are not on the edge.
@@ -93,10 +82,29 @@ std::array<double, 6> dihedral_angles_deg(const Vec3& a, const Vec3& b, const Ve
 
 std::array<VertexId, 3> face_vertices(const TetMesh& mesh, const TetFace& face)
 {
+    RETRACTOR_ASSERT(has_nodes(mesh, face.tet) && face.corner >= 0 && face.corner < 4);
     const auto n = mesh.tet(face.tet);
     const auto& local = kTetFaces[static_cast<std::size_t>(face.corner)];
     return { n[static_cast<std::size_t>(local[0])], n[static_cast<std::size_t>(local[1])],
         n[static_cast<std::size_t>(local[2])] };
+}
+
+std::vector<FaceRecord> sorted_faces(const TetMesh& mesh)
+{
+    RETRACTOR_ASSERT(mesh.nodes.size() == mesh.tet_count() * static_cast<std::size_t>(mesh.nodes_per_tet));
+    std::vector<FaceRecord> faces;
+    faces.reserve(mesh.tet_count() * 4);
+    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+        for (int corner = 0; corner < 4; ++corner) {
+            const TetFace face { t, corner };
+            std::array<VertexId, 3> key = face_vertices(mesh, face);
+            std::sort(key.begin(), key.end());
+            faces.push_back({ key, face });
+        }
+    std::sort(faces.begin(), faces.end(), [](const FaceRecord& a, const FaceRecord& b) {
+        return a.key != b.key ? a.key < b.key : a.face.tet < b.face.tet;
+    });
+    return faces;
 }
 
 std::vector<TetFace> boundary_faces(const TetMesh& mesh)
@@ -140,6 +148,21 @@ std::vector<int> connected_pieces(const TetMesh& mesh)
     for (std::size_t t = 0; t < roots.size(); ++t)
         piece[t] = number[roots[t]];
     return piece;
+}
+
+TetMesh part_with_labels(const TetMesh& mesh, std::span<const Label> labels, std::vector<TetId>* kept)
+{
+    TetMesh part { mesh.vertices, mesh.nodes_per_tet, {}, {} };
+    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+        if (const Label label = mesh.labels[static_cast<std::size_t>(t)];
+            std::find(labels.begin(), labels.end(), label) != labels.end()) {
+            const auto nodes = mesh.tet(t);
+            part.nodes.insert(part.nodes.end(), nodes.begin(), nodes.end());
+            part.labels.push_back(label);
+            if (kept != nullptr)
+                kept->push_back(t);
+        }
+    return part;
 }
 
 void check_mesh(const TetMesh& mesh)

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace retractor::mesh {
@@ -33,6 +34,17 @@ inline constexpr std::array<std::array<int, 3>, 4> kTetFaces { { { 1, 2, 3 }, { 
 inline constexpr std::array<std::array<int, 2>, 6> kTetEdges { { { 0, 1 }, { 1, 2 }, { 0, 2 }, { 0, 3 }, { 1, 3 },
     { 2, 3 } } };
 
+/// The corners of the face opposite a corner, counter-clockwise seen from outside. The corners of the element may be
+/// ids or points.
+template <class Corner> std::array<Corner, 3> face_corners(const std::array<Corner, 4>& element, int opposite)
+{
+    const auto& face = kTetFaces[static_cast<std::size_t>(opposite)];
+    const auto at = [&](std::size_t i) -> const Corner& { return element[static_cast<std::size_t>(face[i])]; };
+    return { at(0), at(1), at(2) };
+}
+/// The ends of the six edges, in the order of kTetEdges; the smaller id of each edge comes first.
+std::array<std::pair<VertexId, VertexId>, 6> edge_keys(const std::array<VertexId, 4>& element);
+
 /// The four corners of element t, in the node order above.
 std::array<Vec3, 4> tet_corners(const TetMesh& mesh, TetId t);
 /// Signed volume (mm^3) of the tetrahedron a, b, c, d; positive for the node order above.
@@ -51,12 +63,23 @@ struct TetFace {
 /// The three corners of a face, counter-clockwise seen from outside its element.
 std::array<VertexId, 3> face_vertices(const TetMesh& mesh, const TetFace& face);
 
+/// A face of an element with its corners in ascending order.
+struct FaceRecord {
+    std::array<VertexId, 3> key;
+    TetFace face;
+};
+/// All faces of all elements, sorted by their corners and then by element, so that equal faces stand side by side.
+std::vector<FaceRecord> sorted_faces(const TetMesh& mesh);
+
 /// Faces that belong to one element only. @throws InputError when a face belongs to more than two elements
 std::vector<TetFace> boundary_faces(const TetMesh& mesh);
 
 /// For each element the number of its piece; elements of a piece are connected by faces. Pieces are numbered from 0,
 /// the largest first; of equal pieces, the piece with the first element comes first.
 std::vector<int> connected_pieces(const TetMesh& mesh);
+
+/// The elements with one of the labels, on all vertices of the mesh. `kept`, when not null, receives their ids.
+TetMesh part_with_labels(const TetMesh& mesh, std::span<const Label> labels, std::vector<TetId>* kept = nullptr);
 
 /// Refuses meshes that no later stage can use: indices out of range, NaN or infinite coordinates, wrong array lengths,
 /// elements of zero or negative volume.

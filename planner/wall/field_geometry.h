@@ -32,7 +32,7 @@ bool faces_blade(const mesh::TetMesh& mesh, const mesh::TetFace& face, const mes
 /// Finds the edges between the lips and the surface through which the blade entered. An edge qualifies when one of its
 /// two boundary faces is a lip, and the other face is no lip and faces the blade. Where several edges lie above each
 /// other (a blade through two walls), the edge nearest the top of the blade is taken.
-/// @param lips faces of `mesh` from one cut (compact ids, as in CutMesh)
+/// @param lips faces of `mesh` from one cut (ids of `mesh`)
 /// @throws InputError when a side has no such edge (the blade went in below the skin), or ids are out of range
 WoundEdges wound_edges(const mesh::TetMesh& mesh, std::span<const mesh::LipFace> lips, const mesh::SweptBlade& blade);
 

@@ -127,7 +127,7 @@ void add_benchmarks(ui::cli::Commands& commands)
         ->capture_default_str();
     cut->add_flag("!--small", options->largest, "Without the box of a million elements");
     cut->add_flag("!--no-thorax", options->thorax, "Without the graded chest wall, whose meshing takes some seconds");
-    cut->add_option("--out", options->out, "Folder for bench_cut.json and a picture of the subdivisions");
+    cut->add_option("--out", options->out, "Folder for bench_cut.json");
     auto soak = std::make_shared<SoakOptions>();
     CLI::Option* cuts = cut->add_option("--soak", soak->cuts, "Instead: so many cuts in a row on one body, undo, redo")
                             ->check(CLI::Range(10, 100000));

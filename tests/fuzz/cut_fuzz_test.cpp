@@ -1,4 +1,4 @@
-// The short run of the cut fuzzer, and the seeds that once broke a promise.
+// The short run of the cut fuzzer, and the seeds that once broke a guarantee.
 
 #include "tests/fuzz/cut_fuzz.h"
 

@@ -109,7 +109,7 @@ struct Run {
     std::map<std::string, std::array<Tally, kSnaps.size()>> tallies; ///< per body, by snap
 };
 
-/// False when it is none, which is said.
+/// False, with a message, when the body is missing.
 bool usable(const Body& body)
 {
     if (!body.missing.empty()) {

@@ -1,4 +1,5 @@
 #include "tests/fuzz/cut_invariants.h"
+#include "tests/support/cutting/pinched_vertices.h"
 
 #include <Eigen/Geometry>
 
@@ -488,10 +489,10 @@ namespace {
     }
 
     /// The wound is where the blade went: no further, and everywhere that the blade is in tissue. Two places are left
-    /// out, as nothing was promised there. Where the blade's start, end or front reaches less than 0.1 local edges into
-    /// tissue (seen along the blade, there is none further back), it may end so much earlier. And a flake of less than
-    /// 0.05 local edges between the blade and the surface need not be cut off: the surface may be carried so far, and
-    /// the vertices on it are then on the blade. (Of 1000 strokes some 1.3, all in the plane of a face of the skin,
+    /// out, as nothing is guaranteed there. Where the blade's start, end or front reaches less than 0.1 local edges
+    /// into tissue (seen along the blade, there is none further back), it may end so much earlier. And a flake of less
+    /// than 0.05 local edges between the blade and the surface need not be cut off: the surface may be carried so far,
+    /// and the vertices on it are then on the blade. (Of 1000 strokes some 1.3, all in the plane of a face of the skin,
     /// leave such a flake where they are.) Whatever is deeper than that must be cut, however thin the tissue is.
     void check_extent(const State& before, const State& after, const mesh::TetMesh& first, const mesh::Blade& blade,
         const mesh::CutOptions& options, Findings& findings)
@@ -574,7 +575,7 @@ bool is_named_refusal(const Error& error)
 State::State(const mesh::CutSession& session)
     : mesh(session.compact_mesh(&map))
     , lips(session.lips())
-    , pinched(session.pinched_vertices())
+    , pinched(test_support::pinched_vertices(session))
     , cuts(session.cut_count())
     , tets(session.tet_count())
     , vertices(session.vertex_count())

@@ -12,7 +12,7 @@
 
 namespace retractor::fuzz {
 
-/// A broken promise.
+/// A broken guarantee.
 struct Finding {
     std::string invariant; ///< short name, to be counted by
     std::string detail;

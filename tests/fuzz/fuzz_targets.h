@@ -1,6 +1,7 @@
 #pragma once
-// What the readers of our own JSON files promise, whatever they are given: a value, or an InputError that says what and
-// where. The same functions are fed by libFuzzer (tests/fuzz/README.md) and by the seeded mutations that ctest runs.
+// What the readers of our own JSON files guarantee, whatever they are given: a value, or an InputError that says what
+// and where. The same functions are fed by libFuzzer (tests/fuzz/README.md) and by the seeded mutations that ctest
+// runs.
 
 #include <string>
 #include <vector>
@@ -10,7 +11,7 @@ namespace retractor::fuzz {
 enum class Answer { accepted, refused };
 
 /// Reads the text as case.json. What is accepted must come back unchanged when it is written and read again.
-/// @throws std::logic_error when a promise is broken; whatever else the reader throws passes through.
+/// @throws std::logic_error when a guarantee is broken; whatever else the reader throws passes through.
 Answer feed_case(const std::string& text);
 /// The same for a label table.
 Answer feed_label_table(const std::string& text);

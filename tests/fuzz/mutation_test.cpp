@@ -18,7 +18,7 @@ namespace mutation_test {
         int accepted = 0, refused = 0;
     };
 
-    /// Feeds damaged seeds; a broken promise fails the test and shows the text.
+    /// Feeds damaged seeds; a broken guarantee fails the test and shows the text.
     Tally feed_damaged(const std::vector<std::string>& seeds, const std::function<Answer(const std::string&)>& feed,
         const std::function<std::string(const std::string&, std::mt19937_64&)>& damage)
     {

@@ -1,5 +1,6 @@
 #include "mesh/cutting/store/blade.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
 
@@ -263,6 +264,7 @@ void SweptBlade::build_grid(double reach)
 std::size_t SweptBlade::edge_index(VertexId a, VertexId b) const
 {
     const auto least = static_cast<std::size_t>(std::min(a, b)), step = static_cast<std::size_t>(std::abs(a - b));
+    RETRACTOR_ASSERT(step == 1 || step == depth_.size() || step + 1 == depth_.size());
     return 3 * least + (step == 1 ? 0 : step == depth_.size() ? 2 : 1);
 }
 
@@ -275,12 +277,10 @@ void SweptBlade::build_normals()
         int faces = 0;
     };
     std::vector<Edge> at_edge(3 * at_vertex.size());
-    const auto face_normal
-        = [](const std::array<Vec3, 3>& t) { return Vec3((t[1] - t[0]).cross(t[2] - t[0]).normalized()); };
     for (std::size_t i = 0; i < extended_.triangles.size(); ++i) {
         const auto& v = extended_.triangles[i];
         const auto t = triangle_corners(extended_.vertices, extended_.triangles[i]);
-        const Vec3 normal = face_normal(t);
+        const Vec3 normal = unit_normal(t);
         for (std::size_t k = 0; k < 3; ++k) {
             at_vertex[static_cast<std::size_t>(v[k])] += angle_at(t, k) * normal;
             Edge& edge = at_edge[edge_index(v[k], v[(k + 1) % 3])];
@@ -299,7 +299,7 @@ void SweptBlade::build_normals()
         const auto& v = extended_.triangles[i];
         Patch patch;
         patch.corner = triangle_corners(extended_.vertices, extended_.triangles[i]);
-        patch.normal[6] = face_normal(patch.corner);
+        patch.normal[6] = unit_normal(patch.corner);
         for (std::size_t k = 0; k < 3; ++k) {
             const auto id = static_cast<std::size_t>(v[k]);
             const Edge& edge = at_edge[edge_index(v[k], v[(k + 1) % 3])];
@@ -337,6 +337,7 @@ void SweptBlade::build_strips()
         frame_.row(0) = Vec3(frame_.row(1)).cross(Vec3(frame_.row(2))).transpose();
     }
     const std::size_t per_strip = 2 * (depth_.size() - 1);
+    RETRACTOR_ASSERT(per_strip <= kMostPatches && patches_.size() % per_strip == 0);
     for (std::size_t first = 0; first < patches_.size(); first += per_strip) {
         Strip strip { first, first + per_strip, {} };
         for (std::size_t i = first; i < strip.last; ++i)
@@ -493,6 +494,7 @@ std::vector<SweptBlade::Crease> SweptBlade::creases(double least_angle_deg) cons
     for (std::size_t i = 0; i < extended_.triangles.size(); ++i)
         for (std::size_t k = 0; k < 3; ++k) {
             Sides& sides = sides_of[edge_index(extended_.triangles[i][k], extended_.triangles[i][(k + 1) % 3])];
+            RETRACTOR_ASSERT(sides.count < 2);
             sides.triangle[sides.count++] = i;
         }
     const std::array<VertexId, 3> steps { 1, rows - 1, rows };
@@ -509,7 +511,6 @@ std::vector<SweptBlade::Crease> SweptBlade::creases(double least_angle_deg) cons
         const Vec3 from = extended_.vertices.row(edge.first), to = extended_.vertices.row(edge.second);
         const Vec3 direction = (to - from).normalized();
         creases.push_back({ from, direction, (to - from).norm(), direction.cross(sides[0] + sides[1]).normalized(),
-            std::acos(std::clamp(sides[0].dot(sides[1]), -1.0, 1.0)) * 180.0 / std::numbers::pi,
             0.5
                 * (along_[static_cast<std::size_t>(edge.first / rows)]
                     + along_[static_cast<std::size_t>(edge.second / rows)]),

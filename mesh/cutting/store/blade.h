@@ -60,7 +60,6 @@ public:
         Vec3 origin, direction; ///< start (mm) and unit direction of the edge
         double length = 0.0; ///< mm
         Vec3 normal; ///< unit normal of the plane through the edge that halves the bend
-        double angle_deg = 0.0; ///< angle between the two sides' planes
         double along = 0.0; ///< position of the edge's middle along the line (mm)
         bool ray = false; ///< true: along a point's direction; false: within a twisted strip or along the line
     };

@@ -1,7 +1,8 @@
 #include "mesh/cutting/store/cut_store.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
-#include <map>
 #include <span>
 
 namespace retractor::mesh {
@@ -29,6 +30,8 @@ namespace {
     std::vector<SlotChange<Slot>> merged_changes(
         const std::vector<SlotChange<Slot>>& first, const std::vector<SlotChange<Slot>>& second)
     {
+        RETRACTOR_ASSERT(std::is_sorted(first.begin(), first.end(), by_id<Slot>));
+        RETRACTOR_ASSERT(std::is_sorted(second.begin(), second.end(), by_id<Slot>));
         std::vector<SlotChange<Slot>> all;
         auto a = first.begin();
         auto b = second.begin();
@@ -76,6 +79,7 @@ void FreeList::begin()
 
 std::int32_t FreeList::pop()
 {
+    RETRACTOR_ASSERT(!ids_.empty());
     const std::int32_t id = ids_.back();
     ids_.pop_back();
     if (ids_.size() < kept_) {
@@ -93,6 +97,7 @@ FreeList::Change FreeList::change() const
 
 void FreeList::replace_end(std::size_t kept, const std::vector<std::int32_t>& end)
 {
+    RETRACTOR_ASSERT(kept <= ids_.size());
     ids_.resize(kept);
     ids_.insert(ids_.end(), end.begin(), end.end());
 }
@@ -105,9 +110,11 @@ FreeList::Change FreeList::merged(const Change& first, const Change& second)
     const auto shared
         = [](const std::vector<std::int32_t>& ids, std::size_t count) { return std::span(ids).first(count); };
     if (second.kept > first.kept) { // some entries of the first change stay
+        RETRACTOR_ASSERT(second.kept - first.kept <= first.after.size());
         const auto stays = shared(first.after, second.kept - first.kept);
         both.after.insert(both.after.begin(), stays.begin(), stays.end());
     } else { // the second change popped entries that the first had kept
+        RETRACTOR_ASSERT(first.kept - second.kept <= second.before.size());
         const auto taken = shared(second.before, first.kept - second.kept);
         both.before.insert(both.before.begin(), taken.begin(), taken.end());
     }
@@ -132,6 +139,7 @@ CutStore::CutStore(const TetMesh& mesh)
     , birth_epoch_(mesh.tet_count(), 0)
     , vertex_birth_epoch_(mesh.vertex_count(), 0)
 {
+    RETRACTOR_ASSERT(mesh.nodes_per_tet == 4 && mesh.nodes.size() == 4 * mesh.tet_count());
     grid_ = empty_grid(mesh);
     for (std::size_t v = 0; v < vertices_.size(); ++v)
         vertices_[v] = { mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose(), true };
@@ -143,12 +151,8 @@ CutStore::CutStore(const TetMesh& mesh)
         slot.origin = t;
         slot.alive = true;
         attach(t);
-        for (const auto& e : kTetEdges)
-            first_edge_[static_cast<std::size_t>(t)]
-                += static_cast<float>((position(slot.nodes[static_cast<std::size_t>(e[0])])
-                                          - position(slot.nodes[static_cast<std::size_t>(e[1])]))
-                                          .norm()
-                    / 6.0);
+        for (const auto& [a, b] : edge_keys(slot.nodes))
+            first_edge_[static_cast<std::size_t>(t)] += static_cast<float>((position(a) - position(b)).norm() / 6.0);
     }
     books_ = { vertices_.size(), tets_.size(), vertices_.size(), tets_.size() };
     leave_room(vertices_, stars_, vertex_epoch_, vertex_birth_epoch_, tets_, tet_epoch_, birth_epoch_);
@@ -171,37 +175,6 @@ std::vector<TetId> CutStore::star(VertexId a, VertexId b) const
     return tets;
 }
 
-std::size_t CutStore::surface_fans(VertexId v) const
-{
-    std::map<std::array<VertexId, 2>, int> faces; // by the edge opposite v
-    for (const TetId t : unsorted_star(v)) {
-        const auto& n = tet(t).nodes;
-        for (const auto& e : kTetEdges) {
-            const auto [a, b] = std::minmax(n[static_cast<std::size_t>(e[0])], n[static_cast<std::size_t>(e[1])]);
-            if (a != v && b != v)
-                ++faces[{ a, b }];
-        }
-    }
-    std::map<VertexId, std::vector<VertexId>> next;
-    for (const auto& [edge, count] : faces)
-        if (count == 1) {
-            next[edge[0]].push_back(edge[1]);
-            next[edge[1]].push_back(edge[0]);
-        }
-    std::size_t fans = 0;
-    while (!next.empty()) {
-        ++fans;
-        std::vector<VertexId> open { next.begin()->first };
-        while (!open.empty()) {
-            const auto node = next.extract(open.back());
-            open.pop_back();
-            if (!node.empty())
-                open.insert(open.end(), node.mapped().begin(), node.mapped().end());
-        }
-    }
-    return fans;
-}
-
 double CutStore::volume(TetId t) const
 {
     const auto& n = tet(t).nodes;
@@ -217,11 +190,10 @@ int CutStore::corner(TetId t, VertexId v) const
 
 TetId CutStore::across(const TetFace& face) const
 {
-    const auto& n = tet(face.tet).nodes;
-    const auto& local = kTetFaces[static_cast<std::size_t>(face.corner)];
-    const auto corner_of_face = [&](std::size_t i) { return n[static_cast<std::size_t>(local[i])]; };
-    for (const TetId t : unsorted_star(corner_of_face(0)))
-        if (t != face.tet && corner(t, corner_of_face(1)) >= 0 && corner(t, corner_of_face(2)) >= 0)
+    RETRACTOR_ASSERT(has_tet(face.tet));
+    const auto [a, b, c] = face_corners(tet(face.tet).nodes, face.corner);
+    for (const TetId t : unsorted_star(a))
+        if (t != face.tet && corner(t, b) >= 0 && corner(t, c) >= 0)
             return t;
     return -1;
 }
@@ -291,24 +263,21 @@ void CutStore::attach(TetId t)
     list(t);
 }
 
-void CutStore::list(TetId t)
+void CutStore::list(TetId t) { grid_.insert(t, box_of(t)); }
+
+Eigen::AlignedBox3d CutStore::box_of(TetId t) const
 {
     Eigen::AlignedBox3d box;
     for (const VertexId v : tet(t).nodes)
         box.extend(position(v));
-    grid_.insert(t, box);
+    return box;
 }
 
 void CutStore::gather_near(const Eigen::AlignedBox3d& box, std::vector<TetId>& tets) const
 {
     tets.clear();
     grid_.gather(box, tets);
-    std::erase_if(tets, [&](TetId t) {
-        Eigen::AlignedBox3d own;
-        for (const VertexId v : tet(t).nodes)
-            own.extend(position(v));
-        return !own.intersects(box);
-    });
+    std::erase_if(tets, [&](TetId t) { return !box_of(t).intersects(box); });
 }
 
 std::vector<TetId> CutStore::tets_near(const Eigen::AlignedBox3d& box) const
@@ -345,6 +314,7 @@ void CutStore::detach(TetId t)
 {
     for (const VertexId v : tet(t).nodes) {
         auto& star = stars_[static_cast<std::size_t>(v)];
+        RETRACTOR_ASSERT(std::find(star.begin(), star.end(), t) != star.end());
         *std::find(star.begin(), star.end(), t) = star.back();
         star.pop_back();
     }
@@ -366,11 +336,13 @@ void CutStore::resize(std::size_t vertex_slots, std::size_t tet_slots)
 
 VertexId CutStore::add_vertex(const Vec3& position, VertexId a, VertexId b, double t)
 {
+    RETRACTOR_ASSERT(has_vertex(a) && has_vertex(b));
     return add_vertex({ .position = position, .a = a, .b = b, .t = t, .origin = MeshDelta::Origin::on_edge });
 }
 
 VertexId CutStore::copy_vertex(VertexId v)
 {
+    RETRACTOR_ASSERT(has_vertex(v));
     return add_vertex({ .position = position(v), .a = v, .b = v, .origin = MeshDelta::Origin::copy });
 }
 
@@ -383,6 +355,7 @@ VertexId CutStore::add_vertex(const MeshDelta::VertexBorn& born)
     } else {
         id = free_vertices_.pop();
     }
+    RETRACTOR_ASSERT(!has_vertex(id) && unsorted_star(id).empty());
     touch_vertex(id) = { born.position, true };
     vertex_birth_epoch_[static_cast<std::size_t>(id)] = epoch_;
     ++books_.vertices;
@@ -393,6 +366,7 @@ VertexId CutStore::add_vertex(const MeshDelta::VertexBorn& born)
 
 void CutStore::move_vertex(VertexId v, const Vec3& to)
 {
+    RETRACTOR_ASSERT(has_vertex(v));
     VertexSlot& slot = touch_vertex(v);
     moved_.push_back({ v, slot.position, to });
     slot.position = to;
@@ -402,6 +376,7 @@ void CutStore::move_vertex(VertexId v, const Vec3& to)
 
 void CutStore::remove_vertex(VertexId v)
 {
+    RETRACTOR_ASSERT(has_vertex(v) && !is_added(v) && unsorted_star(v).empty());
     gone_.push_back({ v, position(v), v, v, 0.0, MeshDelta::Origin::restored });
     touch_vertex(v).alive = false;
     freed_vertices_.push_back(v);
@@ -414,6 +389,7 @@ void CutStore::replace_parent(VertexId v, VertexId w)
         return std::find_if(born_.begin(), born_.end(), [&](const auto& born) { return born.id == id; });
     };
     const auto at_v = record(v), at_w = record(w);
+    RETRACTOR_ASSERT(at_v != born_.end() && has_vertex(w) && v != w);
     if (at_w != born_.end() && at_v < at_w) {
         MeshDelta::VertexBorn born = *at_v;
         born.id = w;
@@ -430,8 +406,9 @@ void CutStore::replace_parent(VertexId v, VertexId w)
         }
 }
 
-void CutStore::drop_newborn(VertexId v)
+void CutStore::drop_added(VertexId v)
 {
+    RETRACTOR_ASSERT(has_vertex(v) && is_added(v) && unsorted_star(v).empty());
     std::erase_if(born_, [&](const MeshDelta::VertexBorn& born) { return born.id == v; });
     std::erase_if(moved_, [&](const MeshDelta::VertexMoved& moved) { return moved.id == v; });
     touch_vertex(v) = {};
@@ -442,6 +419,7 @@ void CutStore::drop_newborn(VertexId v)
 
 TetId CutStore::add_tet(const TetSlot& tet)
 {
+    RETRACTOR_ASSERT(std::all_of(tet.nodes.begin(), tet.nodes.end(), [&](VertexId v) { return has_vertex(v); }));
     TetId id = 0;
     if (free_tets_.empty()) {
         id = static_cast<TetId>(tets_.size());
@@ -459,17 +437,22 @@ TetId CutStore::add_tet(const TetSlot& tet)
 
 void CutStore::remove_tet(TetId t)
 {
+    RETRACTOR_ASSERT(has_tet(t));
     detach(t);
-    const bool newborn = birth_epoch_[static_cast<std::size_t>(t)] == epoch_;
+    const bool added = birth_epoch_[static_cast<std::size_t>(t)] == epoch_;
     touch_tet(t).alive = false;
     --books_.tets;
-    if (newborn)
+    if (added)
         free_tets_.push(t);
     else
         freed_tets_.push_back(t);
 }
 
-void CutStore::set_lips(TetId t, const std::array<LipTag, 4>& lips) { touch_tet(t).lips = lips; }
+void CutStore::set_lips(TetId t, const std::array<LipTag, 4>& lips)
+{
+    RETRACTOR_ASSERT(has_tet(t));
+    touch_tet(t).lips = lips;
+}
 
 VertexId CutStore::bisect(VertexId a, VertexId b, const Vec3& position, double t)
 {
@@ -509,6 +492,7 @@ void CutStore::gather_changes(CutRecord& record) const
 
 CutRecord CutStore::finish()
 {
+    RETRACTOR_ASSERT(books_.tet_slots == tets_.size() && books_.vertex_slots == vertices_.size());
     for (const TetId t : freed_tets_)
         free_tets_.push(t);
     for (const VertexId v : freed_vertices_)
@@ -554,6 +538,8 @@ void CutStore::redo(const CutRecord& record) { apply(record, true); }
 void CutStore::apply(const CutRecord& record, bool forward)
 {
     const SlotCounts& target = forward ? record.after : record.before;
+    RETRACTOR_ASSERT(books_.tets == (forward ? record.before : record.after).tets);
+    RETRACTOR_ASSERT(books_.vertices == (forward ? record.before : record.after).vertices);
     for (const auto& change : record.tets)
         if (static_cast<std::size_t>(change.id) < tets_.size() && tet(change.id).alive)
             detach(change.id);

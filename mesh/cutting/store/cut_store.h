@@ -107,8 +107,6 @@ public:
     const std::vector<TetId>& unsorted_star(VertexId v) const { return stars_[static_cast<std::size_t>(v)]; }
     /// Elements round an edge, ascending.
     std::vector<TetId> star(VertexId a, VertexId b) const;
-    /// Number of fans of surface faces that meet at a vertex: 0 inside, 1 on a manifold surface.
-    std::size_t surface_fans(VertexId v) const;
     double volume(TetId t) const; ///< mm^3
     /// The mean edge (mm) of the element of the first mesh that contains t: the local edge length of the guarantees.
     double first_edge(TetId t) const { return first_edge_[static_cast<std::size_t>(tet(t).origin)]; }
@@ -160,14 +158,14 @@ public:
     /// Living elements that were added or changed since begin(), each once, in no particular order.
     std::vector<TetId> changed_tets() const;
     /// True for a vertex that was added since begin().
-    bool is_newborn(VertexId v) const { return vertex_birth_epoch_[static_cast<std::size_t>(v)] == epoch_; }
+    bool is_added(VertexId v) const { return vertex_birth_epoch_[static_cast<std::size_t>(v)] == epoch_; }
     /// Prepares to drop v, which was added since begin(), in favour of the nearby vertex w. In the record, vertices on
     /// edges that ended at v now lie on edges that end at w. If w was added after v, then w takes v's place in the
     /// order of additions.
     void replace_parent(VertexId v, VertexId w);
     /// Removes a vertex that was added since begin(), without a trace in the record.
     /// @pre no element uses the vertex, and replace_parent() has been called
-    void drop_newborn(VertexId v);
+    void drop_added(VertexId v);
     /// Ends the recording and returns all changes since begin().
     CutRecord finish();
     /// Takes back all changes since begin().
@@ -187,6 +185,7 @@ private:
     void detach(TetId t);
     void resize(std::size_t vertex_slots, std::size_t tet_slots);
     void list(TetId t);
+    Eigen::AlignedBox3d box_of(TetId t) const;
     /// A walk over slots: slots with the number of the walk have been visited.
     struct Walk {
         std::uint32_t number = 0;

@@ -68,13 +68,7 @@ struct LipFace {
 
 enum class CutStatus { done, missed_body, cancelled };
 
-/// Subdivision of crossed elements. The product uses `adaptive`. The other values exist for the comparison of Nakao et
-/// al. 2006 (doi 10.1007/s10916-006-9021-4, Table 1) and are defined in cut_patterns.h; they move and improve no
-/// vertex, regardless of the other options.
-enum class Subdivision { adaptive, intermediate_11, intermediate_5, general };
-
 struct CutOptions {
-    Subdivision subdivision = Subdivision::adaptive;
     /// A vertex nearer to the blade than this share of its shortest edge is moved onto the blade, which avoids slivers
     /// and keeps elements few. Between 0 and 0.5. With 0 no vertex moves, and volumes are kept to round-off. The
     /// default gave the best angles for random strokes through Kuhn boxes. No move takes more than 75 % of an element's

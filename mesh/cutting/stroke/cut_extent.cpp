@@ -114,12 +114,9 @@ namespace {
             store_.gather_near(box_round(p, reach), near_);
             for (const TetId t : near_) {
                 const std::array<Vec3, 4> c = corners_of(store_, t);
-                for (int corner = 0; corner < 4; ++corner) {
-                    const auto& f = kTetFaces[static_cast<std::size_t>(corner)];
-                    const auto at = [&](std::size_t i) { return c[static_cast<std::size_t>(f[i])]; };
-                    if (counts(t, corner) && distance({ at(0), at(1), at(2) }, p) <= reach)
+                for (int corner = 0; corner < 4; ++corner)
+                    if (counts(t, corner) && distance(face_corners(c, corner), p) <= reach)
                         return true;
-                }
             }
             return false;
         }
@@ -169,11 +166,11 @@ double wound_edge(const StrokeState& stroke)
     return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
-void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, const StrokeSettings& care,
+void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, const StrokeSettings& settings,
     double from, double to, const std::function<void()>& poll)
 {
     const SweptBlade& blade = stroke.blade;
-    const double edge = wound_edge(stroke), most = largest_blade_deviation(care);
+    const double edge = wound_edge(stroke), most = largest_blade_deviation(settings);
     const std::vector<SweptBlade::Crease> bends = blade.creases(kLeastBend);
     if (!(edge > 0.0) || !(to > from))
         return;
@@ -185,7 +182,7 @@ void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left,
             left.begin(), left.end(), [&](const CrossedStill& element) { return is_inside(element.corners, p); });
         return it == left.end() ? 0.0 : it->local_edge;
     };
-    const double spacing = edge * (bends.empty() ? kFlatSpacing : care.chord > 0.0 ? kCloseSpacing : kBentSpacing);
+    const double spacing = edge * (bends.empty() ? kFlatSpacing : settings.chord > 0.0 ? kCloseSpacing : kBentSpacing);
     const std::vector<double> columns = places(from, to, spacing, bends);
     const int rows = samples(blade.depth(), spacing, !bends.empty());
     for (const double along : columns) {

@@ -28,10 +28,10 @@ double wound_edge(const StrokeState& stroke);
 /// @param left elements that the blade still crosses. On a flat blade the test looks only at these elements and at the
 /// borders, to which corners may have been moved from nearby. A bent blade may dip into elements with all corners on
 /// one side.
-/// @param care gives the permitted distance (in local edges) of the nearest wound, and the density of samples
+/// @param settings gives the permitted distance (in local edges) of the nearest wound, and the density of samples
 /// @param poll called before each column of samples; may throw
 /// @throws CutQualityError (extent) with the place
-void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, const StrokeSettings& care,
+void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, const StrokeSettings& settings,
     double from, double to, const std::function<void()>& poll);
 
 } // namespace retractor::mesh

@@ -1,5 +1,7 @@
 #include "mesh/cutting/stroke/cut_faces.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 
 namespace retractor::mesh {
@@ -20,15 +22,6 @@ namespace {
         order(0, 1);
         return turn;
     }
-
-    /// Corners of an element's face, turning left seen from outside.
-    FaceKey outward(const TetSlot& tet, int corner)
-    {
-        FaceKey v {};
-        for (std::size_t i = 0; i < 3; ++i)
-            v[i] = tet.nodes[static_cast<std::size_t>(kTetFaces[static_cast<std::size_t>(corner)][i])];
-        return v;
-    }
 } // namespace
 
 void CutFaces::add(std::array<VertexId, 3> corners, int turn)
@@ -43,6 +36,7 @@ void CutFaces::add(std::array<VertexId, 3> corners, int turn)
 int CutFaces::remove(const FaceKey& key)
 {
     const auto it = faces_.find(key);
+    RETRACTOR_ASSERT(it != faces_.end());
     const int turn = it->second;
     for (const VertexId v : key)
         std::erase(around_[v], key);
@@ -50,11 +44,11 @@ int CutFaces::remove(const FaceKey& key)
     return turn;
 }
 
-void CutFaces::insert(const TetSlot& minus, int corner) { add(outward(minus, corner), 1); }
+void CutFaces::insert(const TetSlot& minus, int corner) { add(face_corners(minus.nodes, corner), 1); }
 
 int CutFaces::side(const TetSlot& tet, int corner) const
 {
-    FaceKey key = outward(tet, corner);
+    FaceKey key = face_corners(tet.nodes, corner);
     const int turn = sort_corners(key);
     const auto it = faces_.find(key);
     return it == faces_.end() ? 0 : -turn * it->second;
@@ -69,6 +63,7 @@ const std::vector<FaceKey>& CutFaces::around(VertexId v) const
 
 void CutFaces::merge(VertexId a, VertexId b)
 {
+    RETRACTOR_ASSERT(a != b);
     for (const FaceKey& key : std::vector<FaceKey>(around(a))) {
         const int turn = remove(key);
         if (std::find(key.begin(), key.end(), b) != key.end())
@@ -81,6 +76,7 @@ void CutFaces::merge(VertexId a, VertexId b)
 
 void CutFaces::bisect(const EdgeKey& edge, VertexId m)
 {
+    RETRACTOR_ASSERT(edge.first != edge.second && !has(m));
     for (const FaceKey& key : std::vector<FaceKey>(around(edge.first))) {
         if (std::find(key.begin(), key.end(), edge.second) == key.end())
             continue;

@@ -1,5 +1,6 @@
 #include "mesh/cutting/stroke/cut_flips.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/triangle.h"
 #include "mesh/cutting/stroke/cut_moves.h"
 
@@ -76,10 +77,7 @@ namespace {
                 return {};
             // The corners in kTetFaces run counter-clockwise seen from outside, also for the face opposite the edge's
             // second end.
-            const auto& face = kTetFaces[static_cast<std::size_t>(store.corner(t, edge.second))];
-            std::array<VertexId, 3> v;
-            for (std::size_t i = 0; i < 3; ++i)
-                v[i] = tet.nodes[static_cast<std::size_t>(face[i])];
+            const std::array<VertexId, 3> v = face_corners(tet.nodes, store.corner(t, edge.second));
             const auto first = static_cast<std::size_t>(std::find(v.begin(), v.end(), edge.first) - v.begin());
             if (!next.emplace(v[(first + 1) % 3], v[(first + 2) % 3]).second)
                 return {};
@@ -109,6 +107,7 @@ namespace {
             , least_(least)
         {
             const std::size_t n = ring_.size();
+            RETRACTOR_ASSERT(n >= 3 && n <= kMostRing);
             for (std::size_t i = 0; i < n; ++i)
                 for (std::size_t j = 0; j < n; ++j)
                     cost_[i][j] = j == i + 1 ? -1.0 : 1.0;
@@ -233,9 +232,9 @@ double shared_volume(const Corners& a, const Corners& b)
 {
     std::array<std::pair<Vec3, double>, 4> planes;
     for (std::size_t f = 0; f < 4; ++f) {
-        const auto corner = [&](std::size_t i) { return b[static_cast<std::size_t>(kTetFaces[f][i])]; };
-        const Vec3 inward = unit_normal(corner(0), corner(2), corner(1));
-        planes[f] = { inward, inward.dot(corner(0)) };
+        const auto [p, q, r] = face_corners(b, static_cast<int>(f));
+        const Vec3 inward = unit_normal(p, r, q);
+        planes[f] = { inward, inward.dot(p) };
     }
     return clipped_volume(a, planes);
 }
@@ -246,10 +245,7 @@ std::optional<Flip> face_flip(const CutStore& store, TetId t, int corner)
     if (other < 0 || store.tet(other).label != store.tet(t).label)
         return std::nullopt;
     const TetSlot& tet = store.tet(t);
-    const auto& local = kTetFaces[static_cast<std::size_t>(corner)];
-    std::array<VertexId, 3> face;
-    for (std::size_t i = 0; i < 3; ++i)
-        face[i] = tet.nodes[static_cast<std::size_t>(local[i])];
+    const std::array<VertexId, 3> face = face_corners(tet.nodes, corner);
     const VertexId below = tet.nodes[static_cast<std::size_t>(corner)];
     VertexId above = -1;
     for (const VertexId v : store.tet(other).nodes)
@@ -315,6 +311,7 @@ std::optional<Flip> edge_flip(const CutStore& store, const EdgeKey& edge)
 
 std::vector<TetId> make_flip(CutStore& store, const Flip& flip)
 {
+    RETRACTOR_ASSERT(!flip.gone.empty() && !flip.born.empty());
     std::map<FaceKey, LipTag> lips;
     for (const TetId t : flip.gone)
         for (int corner = 0; corner < 4; ++corner)

@@ -1,5 +1,6 @@
 #include "mesh/cutting/stroke/cut_groups.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/disjoint_sets.h"
 
 #include <algorithm>
@@ -73,6 +74,14 @@ namespace {
         return groups;
     }
 
+    std::size_t group_of(TetId t, const Groups& groups)
+    {
+        for (std::size_t g = 0; g < groups.size(); ++g)
+            if (std::binary_search(groups[g].begin(), groups[g].end(), t))
+                return g;
+        return groups.size();
+    }
+
 } // namespace
 
 Groups groups_round(VertexId v, const CutStore& store, const CutFaces& cut)
@@ -84,6 +93,19 @@ Groups groups_round(const EdgeKey& edge, const CutStore& store, const CutFaces& 
 {
     const std::array<VertexId, 2> core { edge.first, edge.second };
     return groups_of_star(core, store.star(edge.first, edge.second), store, cut);
+}
+
+bool pinned(const Groups& fans, const Groups& at_a, const Groups& at_b)
+{
+    for (std::size_t i = 0; i < fans.size(); ++i) {
+        RETRACTOR_ASSERT(group_of(fans[i].front(), at_a) < at_a.size());
+        RETRACTOR_ASSERT(group_of(fans[i].front(), at_b) < at_b.size());
+        for (std::size_t j = 0; j < i; ++j)
+            if (group_of(fans[i].front(), at_a) == group_of(fans[j].front(), at_a)
+                && group_of(fans[i].front(), at_b) == group_of(fans[j].front(), at_b))
+                return true;
+    }
+    return false;
 }
 
 } // namespace retractor::mesh

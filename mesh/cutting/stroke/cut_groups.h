@@ -15,4 +15,10 @@ using Groups = std::vector<std::vector<TetId>>;
 Groups groups_round(VertexId v, const CutStore& store, const CutFaces& cut);
 Groups groups_round(const EdgeKey& edge, const CutStore& store, const CutFaces& cut);
 
+/// True when two fans of elements round an edge are connected at both ends of the edge, so that they would share both
+/// ends after the cut.
+/// @param fans groups round the edge
+/// @param at_a, at_b groups round the ends of the edge
+bool pinned(const Groups& fans, const Groups& at_a, const Groups& at_b);
+
 } // namespace retractor::mesh

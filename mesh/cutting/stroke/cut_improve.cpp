@@ -1,5 +1,6 @@
 #include "mesh/cutting/stroke/cut_improve.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/disjoint_sets.h"
 #include "mesh/base/triangle.h"
 #include "mesh/cutting/stroke/cut_flips.h"
@@ -33,6 +34,165 @@ namespace {
     constexpr double kOffBorder = 0.05;
     /// Steps tried along a direction, as shares of the mean edge.
     constexpr std::array<double, 4> kSteps { 0.3, 0.15, 0.07, 0.03 };
+
+    /// Number of groups of elements at v that are connected by faces at v.
+    std::size_t groups_at(VertexId v, std::span<const std::array<VertexId, 4>> tets)
+    {
+        DisjointSets sets(tets.size());
+        std::vector<std::pair<EdgeKey, std::size_t>> faces;
+        for (std::size_t i = 0; i < tets.size(); ++i)
+            for (const EdgeKey& edge : edge_keys(tets[i]))
+                if (edge.first != v && edge.second != v)
+                    faces.emplace_back(edge, i);
+        std::sort(faces.begin(), faces.end());
+        std::size_t groups = tets.size();
+        for (std::size_t f = 0; f + 1 < faces.size(); ++f)
+            if (faces[f].first == faces[f + 1].first && sets.join(faces[f].second, faces[f + 1].second))
+                --groups;
+        return groups;
+    }
+
+    /// True when contracting a-b would leave elements connected in a vertex only. Between two wounds a single
+    /// element may connect the elements round a vertex, and that element may vanish.
+    bool loosens(const CutStore& store, VertexId a, VertexId b, std::span<const TetId> star_a)
+    {
+        std::vector<VertexId> round;
+        for (const TetId t : star_a)
+            if (store.corner(t, b) >= 0)
+                round.insert(round.end(), store.tet(t).nodes.begin(), store.tet(t).nodes.end());
+        std::sort(round.begin(), round.end());
+        round.erase(std::unique(round.begin(), round.end()), round.end());
+        for (const VertexId v : round) {
+            if (v == a)
+                continue;
+            std::vector<std::array<VertexId, 4>> before, after;
+            for (const TetId t : store.star(v))
+                before.push_back(store.tet(t).nodes);
+            const auto keep = [&](TetId t) {
+                auto nodes = store.tet(t).nodes;
+                std::replace(nodes.begin(), nodes.end(), a, b);
+                after.push_back(nodes);
+            };
+            for (const TetId t : store.star(v))
+                if (store.corner(t, a) < 0 || store.corner(t, b) < 0)
+                    keep(t);
+            if (v == b)
+                for (const TetId t : star_a)
+                    if (store.corner(t, b) < 0)
+                        keep(t);
+            if (groups_at(v, after) > groups_at(v, before))
+                return true;
+        }
+        return false;
+    }
+
+    /// Vertices that share a held face with v.
+    std::set<VertexId> surface_link(std::span<const HeldFace> faces, VertexId v)
+    {
+        std::set<VertexId> link;
+        for (const HeldFace& face : faces)
+            link.insert(face.key.begin(), face.key.end());
+        link.erase(v);
+        return link;
+    }
+
+    /// The link condition for the surface that the faces at a and at b belong to.
+    bool links_agree_on(
+        VertexId a, VertexId b, const std::vector<HeldFace>& held_a, const std::vector<HeldFace>& held_b)
+    {
+        if (held_a.empty())
+            return true;
+        const std::set<VertexId> link_a = surface_link(held_a, a), link_b = surface_link(held_b, b);
+        if (!link_a.contains(b))
+            return false;
+        std::set<VertexId> third;
+        for (const HeldFace& face : held_a)
+            if (std::find(face.key.begin(), face.key.end(), b) != face.key.end())
+                for (const VertexId v : face.key)
+                    if (v != a && v != b)
+                        third.insert(v);
+        return std::all_of(link_a.begin(), link_a.end(),
+            [&](VertexId v) { return v == b || !link_b.contains(v) || third.contains(v); });
+    }
+
+    /// Passes on lips of elements that vanish with the edge a-b. When such an element has a lip opposite a, the
+    /// neighbour across the face opposite b takes its place and its lip.
+    void hand_on_lips(CutStore& store, VertexId a, VertexId b, std::span<const TetId> star_a)
+    {
+        for (const TetId t : star_a) {
+            if (store.corner(t, b) < 0)
+                continue;
+            const LipTag lip = store.tet(t).lips[static_cast<std::size_t>(store.corner(t, a))];
+            if (lip.cut < 0)
+                continue;
+            const FaceKey shared = face_key(store.tet(t), store.corner(t, b));
+            for (const TetId other : star_a)
+                for (int corner = 0; corner < 4; ++corner)
+                    if (other != t && face_key(store.tet(other), corner) == shared) {
+                        auto lips = store.tet(other).lips;
+                        lips[static_cast<std::size_t>(corner)] = lip;
+                        store.set_lips(other, lips);
+                    }
+        }
+    }
+
+    /// The directions in which faces constrain a vertex, the strongest first. A slightly bent surface constrains
+    /// the vertex in one direction; surface_deviation() measures the deviation of a shift along such a surface.
+    std::vector<Vec3> main_normals(std::span<const HeldFace> held)
+    {
+        if (held.empty())
+            return {};
+        Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+        for (const HeldFace& face : held)
+            spread += face.normal * face.normal.transpose() / static_cast<double>(held.size());
+        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+        std::vector<Vec3> normals;
+        for (int i = 2; i >= 0; --i)
+            if (axes.eigenvalues()[i] > kHoldsFrom)
+                normals.push_back(axes.eigenvectors().col(i));
+        return normals;
+    }
+
+    double height(const SweptBlade::Crease& crease, const Vec3& p) { return crease.normal.dot(p - crease.origin); }
+
+    /// An element round a vertex that is shifted: the local index `moving` of the vertex, and the smallest angle's
+    /// cosine.
+    struct StarTet {
+        std::array<Vec3, 4> corners;
+        std::size_t moving = 0;
+        double cosine = 0.0;
+    };
+
+    /// The elements round v, the worst first, so that a position without gain is rejected early.
+    std::vector<StarTet> star_of(const CutStore& store, VertexId v, std::span<const TetId> star)
+    {
+        std::vector<StarTet> round;
+        round.reserve(star.size());
+        for (const TetId t : star) {
+            const auto corners = corners_of(store, t);
+            round.push_back(
+                { corners, static_cast<std::size_t>(store.corner(t, v)), smallest_dihedral_cosine(corners) });
+        }
+        std::stable_sort(
+            round.begin(), round.end(), [](const StarTet& a, const StarTet& b) { return a.cosine > b.cosine; });
+        return round;
+    }
+
+    /// Largest cosine of the smallest angles round v with v at p. When that cosine is at least `enough`, the result
+    /// is any value of at least `enough`.
+    double cosine_at(std::vector<StarTet>& star, const Vec3& p, double enough)
+    {
+        double largest = -1.0;
+        for (StarTet& tet : star) {
+            auto& q = tet.corners;
+            q[tet.moving] = p;
+            largest = std::max(
+                largest, tet_volume(q[0], q[1], q[2], q[3]) > 0.0 ? smallest_dihedral_cosine(q, enough) : 1.0);
+            if (largest >= enough)
+                break;
+        }
+        return largest;
+    }
 
     class Improver {
     public:
@@ -115,7 +275,7 @@ namespace {
         {
             const auto nodes = store_.tet(t).nodes;
             for (const VertexId a : nodes)
-                if (store_.is_newborn(a)) {
+                if (store_.is_added(a)) {
                     const std::vector<TetId> star = store_.star(a);
                     const double limit = worst(star) - kLeastGain;
                     for (const VertexId b : nodes)
@@ -143,10 +303,8 @@ namespace {
             };
             for (int corner = 0; corner < 4; ++corner)
                 look_at(face_flip(store_, t, corner));
-            const auto nodes = store_.tet(t).nodes;
-            for (const auto& e : kTetEdges)
-                look_at(edge_flip(
-                    store_, std::minmax(nodes[static_cast<std::size_t>(e[0])], nodes[static_cast<std::size_t>(e[1])])));
+            for (const EdgeKey& edge : edge_keys(store_.tet(t).nodes))
+                look_at(edge_flip(store_, edge));
             if (!best)
                 return false;
             std::vector<VertexId> round;
@@ -217,14 +375,10 @@ namespace {
                 return false;
             const auto link_edges = [&](VertexId v, std::span<const TetId> star) {
                 std::set<EdgeKey> edges;
-                for (const TetId t : star) {
-                    const auto& n = store_.tet(t).nodes;
-                    for (const auto& e : kTetEdges) {
-                        const VertexId x = n[static_cast<std::size_t>(e[0])], y = n[static_cast<std::size_t>(e[1])];
-                        if (x != v && y != v)
-                            edges.insert(std::minmax(x, y));
-                    }
-                }
+                for (const TetId t : star)
+                    for (const EdgeKey& edge : edge_keys(store_.tet(t).nodes))
+                        if (edge.first != v && edge.second != v)
+                            edges.insert(edge);
                 return edges;
             };
             const std::set<EdgeKey> edges_b = link_edges(b, star_b);
@@ -259,20 +413,10 @@ namespace {
             return false;
         }
 
-        /// Vertices that share a held face with v.
-        static std::set<VertexId> surface_link(std::span<const HeldFace> faces, VertexId v)
-        {
-            std::set<VertexId> link;
-            for (const HeldFace& face : faces)
-                link.insert(face.key.begin(), face.key.end());
-            link.erase(v);
-            return link;
-        }
-
         bool surface_links_agree(VertexId a, VertexId b, std::span<const TetId> star_a, std::span<const TetId> star_b)
         {
-            return surface_links_agree(a, b, held_faces(store_, a, star_a), held_faces(store_, b, star_b))
-                && surface_links_agree(a, b, blade_faces(a), blade_faces(b));
+            return links_agree_on(a, b, held_faces(store_, a, star_a), held_faces(store_, b, star_b))
+                && links_agree_on(a, b, blade_faces(a), blade_faces(b));
         }
 
         /// Faces at v that will be cut.
@@ -282,24 +426,6 @@ namespace {
             for (const FaceKey& key : stroke_.cut_faces.around(v))
                 faces.push_back({ .key = key });
             return faces;
-        }
-
-        static bool surface_links_agree(
-            VertexId a, VertexId b, const std::vector<HeldFace>& held_a, const std::vector<HeldFace>& held_b)
-        {
-            if (held_a.empty())
-                return true;
-            const std::set<VertexId> link_a = surface_link(held_a, a), link_b = surface_link(held_b, b);
-            if (!link_a.contains(b))
-                return false;
-            std::set<VertexId> third;
-            for (const HeldFace& face : held_a)
-                if (std::find(face.key.begin(), face.key.end(), b) != face.key.end())
-                    for (const VertexId v : face.key)
-                        if (v != a && v != b)
-                            third.insert(v);
-            return std::all_of(link_a.begin(), link_a.end(),
-                [&](VertexId v) { return v == b || !link_b.contains(v) || third.contains(v); });
         }
 
         /// True when v is near enough to the border for a corner of the wound that belongs on the border.
@@ -324,86 +450,12 @@ namespace {
             return same_part(a, store_.position(b), stroke_.on_crease.contains(b));
         }
 
-        /// Number of groups of elements at v that are connected by faces at v.
-        static std::size_t groups_at(VertexId v, std::span<const std::array<VertexId, 4>> tets)
-        {
-            DisjointSets sets(tets.size());
-            std::vector<std::pair<EdgeKey, std::size_t>> faces;
-            for (std::size_t i = 0; i < tets.size(); ++i)
-                for (const auto& e : kTetEdges) {
-                    const VertexId x = tets[i][static_cast<std::size_t>(e[0])],
-                                   y = tets[i][static_cast<std::size_t>(e[1])];
-                    if (x != v && y != v)
-                        faces.emplace_back(std::minmax(x, y), i);
-                }
-            std::sort(faces.begin(), faces.end());
-            std::size_t groups = tets.size();
-            for (std::size_t f = 0; f + 1 < faces.size(); ++f)
-                if (faces[f].first == faces[f + 1].first && sets.join(faces[f].second, faces[f + 1].second))
-                    --groups;
-            return groups;
-        }
-
-        /// True when contracting a-b would leave elements connected in a vertex only. Between two wounds a single
-        /// element may connect the elements round a vertex, and that element may vanish.
-        bool loosens(VertexId a, VertexId b, std::span<const TetId> star_a) const
-        {
-            std::vector<VertexId> round;
-            for (const TetId t : star_a)
-                if (store_.corner(t, b) >= 0)
-                    round.insert(round.end(), store_.tet(t).nodes.begin(), store_.tet(t).nodes.end());
-            std::sort(round.begin(), round.end());
-            round.erase(std::unique(round.begin(), round.end()), round.end());
-            for (const VertexId v : round) {
-                if (v == a)
-                    continue;
-                std::vector<std::array<VertexId, 4>> before, after;
-                for (const TetId t : store_.star(v))
-                    before.push_back(store_.tet(t).nodes);
-                const auto keep = [&](TetId t) {
-                    auto nodes = store_.tet(t).nodes;
-                    std::replace(nodes.begin(), nodes.end(), a, b);
-                    after.push_back(nodes);
-                };
-                for (const TetId t : store_.star(v))
-                    if (store_.corner(t, a) < 0 || store_.corner(t, b) < 0)
-                        keep(t);
-                if (v == b)
-                    for (const TetId t : star_a)
-                        if (store_.corner(t, b) < 0)
-                            keep(t);
-                if (groups_at(v, after) > groups_at(v, before))
-                    return true;
-            }
-            return false;
-        }
-
-        /// Passes on lips of elements that vanish with the edge a-b. When such an element has a lip opposite a, the
-        /// neighbour across the face opposite b takes its place and its lip.
-        void hand_on_lips(VertexId a, VertexId b, std::span<const TetId> star_a)
-        {
-            for (const TetId t : star_a) {
-                if (store_.corner(t, b) < 0)
-                    continue;
-                const LipTag lip = store_.tet(t).lips[static_cast<std::size_t>(store_.corner(t, a))];
-                if (lip.cut < 0)
-                    continue;
-                const FaceKey shared = face_key(store_.tet(t), store_.corner(t, b));
-                for (const TetId other : star_a)
-                    for (int corner = 0; corner < 4; ++corner)
-                        if (other != t && face_key(store_.tet(other), corner) == shared) {
-                            auto lips = store_.tet(other).lips;
-                            lips[static_cast<std::size_t>(corner)] = lip;
-                            store_.set_lips(other, lips);
-                        }
-            }
-        }
-
         /// Merges vertex a, which this stroke has added, into b. Returns false when the merge is refused.
         /// @param star_a the elements round a, ascending
         /// @param limit largest permitted cosine of a smallest angle among the remaining elements
         bool contract(VertexId a, VertexId b, std::span<const TetId> star_a, double limit)
         {
+            RETRACTOR_ASSERT(a != b && store_.is_added(a));
             // Cheap tests come first: most pairs fail because of the shape of the remaining elements.
             std::vector<TetId> kept;
             for (const TetId t : star_a) {
@@ -423,7 +475,7 @@ namespace {
             // The unit is the mean edge round a, because the length of a short edge a-b says nothing about the surface.
             if (!SurfaceRoom(stroke_, a, mean_edge(store_, a, star_a), star_a).keeps(deviation))
                 return false;
-            if (!links_agree(a, b, star_a, star_b) || folds_cut(a, b, star_a, star_b) || loosens(a, b, star_a))
+            if (!links_agree(a, b, star_a, star_b) || folds_cut(a, b, star_a, star_b) || loosens(store_, a, b, star_a))
                 return false;
             std::array<bool, 3> on_border {};
             for (std::size_t k = 0; k < 3; ++k)
@@ -436,7 +488,7 @@ namespace {
                 stroke_.drift[b] = std::max(stroke_.drift[b], carried);
             }
             const std::vector<VertexId> around = neighbours(store_, a, star_a);
-            hand_on_lips(a, b, star_a);
+            hand_on_lips(store_, a, b, star_a);
             for (const TetId t : star_a) {
                 TetSlot slot = store_.tet(t);
                 const bool keep = std::find(kept.begin(), kept.end(), t) != kept.end();
@@ -451,7 +503,7 @@ namespace {
                 for (std::size_t k = 0; k < 3; ++k)
                     if (on_border[k])
                         marks_.put_on_border(b, k);
-            store_.drop_newborn(a);
+            store_.drop_added(a);
             marks_.forget(a, around);
             stroke_.on_crease.erase(a);
             stroke_.drift.erase(a);
@@ -499,23 +551,6 @@ namespace {
             return hold;
         }
 
-        /// The directions in which faces constrain a vertex, the strongest first. A slightly bent surface constrains
-        /// the vertex in one direction; surface_deviation() measures the deviation of a shift along such a surface.
-        static std::vector<Vec3> main_normals(std::span<const HeldFace> held)
-        {
-            if (held.empty())
-                return {};
-            Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-            for (const HeldFace& face : held)
-                spread += face.normal * face.normal.transpose() / static_cast<double>(held.size());
-            const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
-            std::vector<Vec3> normals;
-            for (int i = 2; i >= 0; --i)
-                if (axes.eigenvalues()[i] > kHoldsFrom)
-                    normals.push_back(axes.eigenvectors().col(i));
-            return normals;
-        }
-
         /// The permitted position of v nearest `wanted`.
         Vec3 allowed(VertexId v, const Vec3& wanted, const Hold& hold) const
         {
@@ -555,11 +590,6 @@ namespace {
             });
         }
 
-        static double height(const SweptBlade::Crease& crease, const Vec3& p)
-        {
-            return crease.normal.dot(p - crease.origin);
-        }
-
         /// True when a shift to `to` keeps the sides of v with respect to the blade and its borders.
         bool same_place(VertexId v, const Mark& before, const Vec3& to) const
         {
@@ -588,20 +618,17 @@ namespace {
             }
             for (const double share : { 1.0, 0.5, 0.25 })
                 wanted.push_back(from + share * (mean - from));
-            const auto corner = static_cast<std::size_t>(store_.corner(bad, v));
-            const auto& face = kTetFaces[corner];
-            const auto p = corners_of(store_, bad);
-            const auto at = [&](std::size_t i) { return p[static_cast<std::size_t>(face[i])]; };
-            const Vec3 normal = unit_normal(at(0), at(1), at(2));
+            const std::array<Vec3, 3> at = face_corners(corners_of(store_, bad), store_.corner(bad, v));
+            const Vec3 normal = unit_normal(at);
             std::vector<Vec3> directions { normal, -normal };
             for (std::size_t i = 0; i < 3; ++i) {
-                const Vec3 edge = at((i + 1) % 3) - at(i);
-                const Vec3 off = (from - at(i)) - edge * (edge.dot(from - at(i)) / edge.squaredNorm());
+                const Vec3 edge = at[(i + 1) % 3] - at[i];
+                const Vec3 off = (from - at[i]) - edge * (edge.dot(from - at[i]) / edge.squaredNorm());
                 if (off.norm() > 0.0) {
                     directions.push_back(off.normalized());
                     directions.push_back(-off.normalized());
                 }
-                directions.push_back((at(i) - from).normalized());
+                directions.push_back((at[i] - from).normalized());
             }
             for (const Vec3& direction : directions)
                 for (const double step : kSteps)
@@ -609,47 +636,9 @@ namespace {
             return wanted;
         }
 
-        /// An element round a vertex that is shifted: the local index `moving` of the vertex, and the smallest angle's
-        /// cosine.
-        struct StarTet {
-            std::array<Vec3, 4> corners;
-            std::size_t moving = 0;
-            double cosine = 0.0;
-        };
-
-        /// The elements round v, the worst first, so that a position without gain is rejected early.
-        std::vector<StarTet> star_of(VertexId v, std::span<const TetId> star) const
-        {
-            std::vector<StarTet> round;
-            round.reserve(star.size());
-            for (const TetId t : star) {
-                const auto corners = corners_of(store_, t);
-                round.push_back(
-                    { corners, static_cast<std::size_t>(store_.corner(t, v)), smallest_dihedral_cosine(corners) });
-            }
-            std::stable_sort(
-                round.begin(), round.end(), [](const StarTet& a, const StarTet& b) { return a.cosine > b.cosine; });
-            return round;
-        }
-
-        /// Largest cosine of the smallest angles round v with v at p. When that cosine is at least `enough`, the result
-        /// is any value of at least `enough`.
-        static double cosine_at(std::vector<StarTet>& star, const Vec3& p, double enough)
-        {
-            double largest = -1.0;
-            for (StarTet& tet : star) {
-                auto& q = tet.corners;
-                q[tet.moving] = p;
-                largest = std::max(
-                    largest, tet_volume(q[0], q[1], q[2], q[3]) > 0.0 ? smallest_dihedral_cosine(q, enough) : 1.0);
-                if (largest >= enough)
-                    break;
-            }
-            return largest;
-        }
-
         bool shift(VertexId v, TetId bad)
         {
+            RETRACTOR_ASSERT(store_.has_tet(bad) && store_.corner(bad, v) >= 0);
             const std::vector<TetId> star = store_.star(v);
             if (on_lip(store_, v, star))
                 return false;
@@ -659,7 +648,7 @@ namespace {
                 return false;
             const double unit = shortest_edge(store_, v, star);
             SurfaceRoom room(stroke_, v, unit, star, stroke_.resolve_end || part_of_cut(v) ? 1.0 : kDriftOfShifts);
-            std::vector<StarTet> round = star_of(v, star);
+            std::vector<StarTet> round = star_of(store_, v, star);
             const Mark mark = marks_.at(v);
             double best = round.front().cosine - kLeastGain, deviation = 0.0;
             std::optional<Vec3> to;

@@ -1,5 +1,7 @@
 #include "mesh/cutting/stroke/cut_marks.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -16,9 +18,7 @@ namespace {
 
 FaceKey face_key(const TetSlot& tet, int corner)
 {
-    FaceKey key {};
-    for (std::size_t i = 0; i < 3; ++i)
-        key[i] = tet.nodes[static_cast<std::size_t>(kTetFaces[static_cast<std::size_t>(corner)][i])];
+    FaceKey key = face_corners(tet.nodes, corner);
     std::sort(key.begin(), key.end());
     return key;
 }
@@ -73,6 +73,7 @@ Mark& BladeMarks::add(VertexId v)
         chunks_.push_back(std::make_unique<Chunk>());
     if (static_cast<std::size_t>(v) >= table_.size())
         table_.resize(store_.books().vertex_slots, 0);
+    RETRACTOR_ASSERT(store_.has_vertex(v) && static_cast<std::size_t>(v) < table_.size());
     table_[static_cast<std::size_t>(v)] = count_;
     Entry& entry = (*chunks_[count_ / kChunk])[count_ % kChunk];
     ++count_;
@@ -97,6 +98,7 @@ const Crossing& BladeMarks::crossing(const EdgeKey& edge)
     Crossing& c = crossings_.at(key_of(edge), unknown);
     if (!unknown)
         return c;
+    RETRACTOR_ASSERT(at(edge.first).side * at(edge.second).side < 0);
     const Vec3 a = store_.position(edge.first), b = store_.position(edge.second);
     const auto point = [&](double t) { return Vec3((1.0 - t) * a + t * b); };
     c.t = find_root([&](double t) { return blade_.coordinates(point(t)).side; }, at(edge.first).height,
@@ -175,6 +177,7 @@ void BladeMarks::put_on_blade(VertexId v)
 
 void BladeMarks::put_on_border(VertexId v, std::size_t border)
 {
+    RETRACTOR_ASSERT(border < 3);
     (void)at(v);
     find(v)->mark.beyond[border] = 0;
     ++changes_;

@@ -1,5 +1,6 @@
 #include "mesh/cutting/stroke/cut_moves.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/triangle.h"
 #include "mesh/cutting/stroke/cut_retry.h"
 
@@ -165,6 +166,7 @@ double shortest_edge(const CutStore& store, VertexId v, std::span<const TetId> s
 double mean_edge(const CutStore& store, VertexId v, std::span<const TetId> star)
 {
     const std::vector<VertexId> others = neighbours(store, v, star);
+    RETRACTOR_ASSERT(!others.empty());
     double sum = 0.0;
     for (const VertexId w : others)
         sum += (store.position(w) - store.position(v)).norm();
@@ -360,11 +362,13 @@ void report_surface(StrokeState& stroke, VertexId v, double deviation)
 
 void carry_surface(StrokeState& stroke, VertexId v, double deviation)
 {
+    RETRACTOR_ASSERT(deviation >= 0.0);
     report_surface(stroke, v, stroke.drift[v] += deviation);
 }
 
 void move_checked(StrokeState& stroke, VertexId v, const Vec3& to, std::span<const TetId> star, double deviation)
 {
+    RETRACTOR_ASSERT(stroke.store.has_vertex(v) && !star.empty());
     CutReport& report = stroke.report;
     report.largest_move_mm = std::max(report.largest_move_mm, (to - stroke.store.position(v)).norm());
     carry_surface(stroke, v, deviation);

@@ -1,5 +1,7 @@
 #include "mesh/cutting/stroke/cut_retry.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -14,13 +16,15 @@ CutQualityError::CutQualityError(Kind kind, const std::string& what, std::string
 {
 }
 
-StrokeSettings settings_of_retry(const StrokeSettings& care, CutQualityError::Kind kind)
+StrokeSettings settings_of_retry(const StrokeSettings& settings, CutQualityError::Kind kind)
 {
-    StrokeSettings next = care;
+    RETRACTOR_ASSERT(kind != CutQualityError::Kind::growth);
+    RETRACTOR_ASSERT(settings.attempt >= 1 && settings.attempt < kMostAttempts);
+    StrokeSettings next = settings;
     ++next.attempt;
     if (kind == CutQualityError::Kind::shape) {
         next.snap *= next.attempt < kMostAttempts ? 0.6 : 0.0;
-        next.on_blade = std::min(kMostOnBlade, 2.0 * care.on_blade);
+        next.on_blade = std::min(kMostOnBlade, 2.0 * settings.on_blade);
     } else {
         struct Setting {
             double crease_deg, chord;
@@ -28,8 +32,8 @@ StrokeSettings settings_of_retry(const StrokeSettings& care, CutQualityError::Ki
         };
         constexpr std::array<Setting, 5> kSettings { { { 8.0, 0.0, false }, { 3.0, 0.06, false }, { 3.0, 0.04, true },
             { 3.0, 0.025, false }, { 0.0, 0.0, false } } }; // the last one follows twists too
-        const Setting& setting = kSettings[static_cast<std::size_t>(std::clamp(care.attempt - 1, 0, 4))];
-        next.crease_deg = std::min(care.crease_deg, setting.crease_deg);
+        const Setting& setting = kSettings[static_cast<std::size_t>(std::clamp(settings.attempt - 1, 0, 4))];
+        next.crease_deg = std::min(settings.crease_deg, setting.crease_deg);
         next.chord = setting.chord;
         next.past_ends = setting.past_ends;
         next.border *= 0.5;
@@ -39,7 +43,10 @@ StrokeSettings settings_of_retry(const StrokeSettings& care, CutQualityError::Ki
     return next;
 }
 
-double largest_blade_deviation(const StrokeSettings& care) { return care.attempt < kMostAttempts ? 0.09 : 0.098; }
+double largest_blade_deviation(const StrokeSettings& settings)
+{
+    return settings.attempt < kMostAttempts ? 0.09 : 0.098;
+}
 
 std::string quality_message(const std::string& would, double most, const std::string& how)
 {

@@ -45,7 +45,7 @@ inline constexpr int kMostAttempts = 6;
 /// follow more bends; later retries halve elements where the blade bends or twists within them; the last attempt
 /// follows every bend when the failure before was the extent.
 /// @pre kind != growth (too many elements): other settings make more elements, so that such a stroke is refused at once
-StrokeSettings settings_of_retry(const StrokeSettings& care, CutQualityError::Kind kind);
+StrokeSettings settings_of_retry(const StrokeSettings& settings, CutQualityError::Kind kind);
 
 /// Guaranteed largest distance of a wound from the blade, as a share of the local edge (mean edge of the element of the
 /// first mesh).
@@ -53,7 +53,7 @@ inline constexpr double kLargestBladeDeviation = 0.1;
 
 /// Limit that an attempt is tested with, as a share of the local edge. The limit is below kLargestBladeDeviation,
 /// because the test looks at samples only; the last attempt has a slightly larger limit.
-double largest_blade_deviation(const StrokeSettings& care);
+double largest_blade_deviation(const StrokeSettings& settings);
 
 /// Message for a wound off the blade, such as "the wound would lie more than 0.09 local edges off the blade".
 std::string quality_message(const std::string& would, double most, const std::string& how);

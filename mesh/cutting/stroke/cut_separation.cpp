@@ -1,5 +1,6 @@
 #include "mesh/cutting/stroke/cut_separation.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/triangle.h"
 #include "mesh/cutting/stroke/cut_groups.h"
 #include "mesh/cutting/stroke/cut_retry.h"
@@ -20,25 +21,6 @@ namespace {
     /// A vertex that is put on the blade near an edge leaves each half at least this share of the volume of a plain
     /// bisection.
     constexpr double kHalfKeepsVolume = 0.3;
-
-    std::size_t group_of(TetId t, const Groups& groups)
-    {
-        for (std::size_t g = 0; g < groups.size(); ++g)
-            if (std::binary_search(groups[g].begin(), groups[g].end(), t))
-                return g;
-        return groups.size();
-    }
-
-    /// True when two fans of elements round an edge would still share both ends after the cut.
-    bool pinned(const Groups& fans, const Groups& at_a, const Groups& at_b)
-    {
-        for (std::size_t i = 0; i < fans.size(); ++i)
-            for (std::size_t j = 0; j < i; ++j)
-                if (group_of(fans[i].front(), at_a) == group_of(fans[j].front(), at_a)
-                    && group_of(fans[i].front(), at_b) == group_of(fans[j].front(), at_b))
-                    return true;
-        return false;
-    }
 
     /// Smaller bends (degrees) are round-off of points on a straight line.
     constexpr double kLeastChordBend = 1e-3;
@@ -137,14 +119,14 @@ namespace {
 
     /// Measures lips of former steps of the stroke where the current step changed them: an edge of the rim may have a
     /// new vertex, and a lip may belong to an element with a smaller local edge.
-    void look_at_former_lips(StrokeState& stroke, LookAtLips& look, int cut_number)
+    void look_at_former_lips(StrokeState& stroke, LookAtLips& look)
     {
         if (!stroke.goes_on)
             return;
         for (const TetId t : stroke.store.changed_tets())
             for (int corner = 0; corner < 4; ++corner)
                 if (const TetSlot& tet = stroke.store.tet(t);
-                    tet.lips[static_cast<std::size_t>(corner)].cut == cut_number) {
+                    tet.lips[static_cast<std::size_t>(corner)].cut == stroke.cut_number) {
                     const FaceKey key = face_key(tet, corner);
                     stroke.former_lips_off = std::max(stroke.former_lips_off,
                         std::max(look.at_corners(key), look.beyond(key)) / stroke.store.first_edge(t));
@@ -355,9 +337,7 @@ bool keeps_volume(const CutStore& store, const EdgeKey& edge, const Vec3& p, dou
 {
     for (const TetId tet : store.star(edge.first, edge.second))
         for (const auto& [end, share] : { std::pair { edge.first, 1.0 - t }, { edge.second, t } }) {
-            std::array<Vec3, 4> q;
-            for (std::size_t i = 0; i < 4; ++i)
-                q[i] = store.position(store.tet(tet).nodes[i]);
+            std::array<Vec3, 4> q = corners_of(store, tet);
             q[static_cast<std::size_t>(store.corner(tet, end))] = p;
             if (!(tet_volume(q[0], q[1], q[2], q[3]) >= kHalfKeepsVolume * share * store.volume(tet)))
                 return false;
@@ -467,11 +447,12 @@ namespace {
 
 } // namespace
 
-void separate(StrokeState& stroke, int cut_number)
+void separate(StrokeState& stroke)
 {
+    RETRACTOR_ASSERT(!stroke.cut_faces.empty());
     const std::vector<BladeFace> faces = sides_of_cut(stroke);
     LookAtLips look(stroke);
-    look_at_former_lips(stroke, look, cut_number);
+    look_at_former_lips(stroke, look);
     std::set<VertexId> vertices;
     std::set<TetId> on_minus;
     for (const BladeFace& face : faces) {
@@ -486,6 +467,7 @@ void separate(StrokeState& stroke, int cut_number)
         const auto known = stroke.groups.find(v);
         auto groups
             = known != stroke.groups.end() ? std::move(known->second) : groups_round(v, stroke.store, stroke.cut_faces);
+        RETRACTOR_ASSERT(!groups.empty());
         const auto keeps = std::find_if(groups.begin(), groups.end(), [&](const std::vector<TetId>& group) {
             return std::any_of(group.begin(), group.end(), [&](TetId t) { return on_minus.contains(t); });
         });
@@ -497,14 +479,13 @@ void separate(StrokeState& stroke, int cut_number)
                 slot_of(t).nodes[static_cast<std::size_t>(stroke.store.corner(t, v))] = copy;
         }
     }
-    const auto corner_face = [](const TetSlot& slot, int corner) { return face_key(slot, corner); };
     for (const BladeFace& face : faces) {
         TetSlot& minus = slot_of(face.minus.tet);
         TetSlot& plus = slot_of(face.plus.tet);
-        if (corner_face(minus, face.minus.corner) == corner_face(plus, face.plus.corner))
+        if (face_key(minus, face.minus.corner) == face_key(plus, face.plus.corner))
             continue; // every corner lies on the border, and the face stays undivided
-        minus.lips[static_cast<std::size_t>(face.minus.corner)] = { cut_number, -1 };
-        plus.lips[static_cast<std::size_t>(face.plus.corner)] = { cut_number, 1 };
+        minus.lips[static_cast<std::size_t>(face.minus.corner)] = { stroke.cut_number, -1 };
+        plus.lips[static_cast<std::size_t>(face.plus.corner)] = { stroke.cut_number, 1 };
         stroke.report.lip_area_mm2 += triangle_area(
             stroke.store.position(face.key[0]), stroke.store.position(face.key[1]), stroke.store.position(face.key[2]));
         const double local_edge
@@ -524,7 +505,7 @@ void separate(StrokeState& stroke, int cut_number)
             parted.push_back(stroke.store.add_tet(slot));
         }
     }
-    check_lips(stroke.store, parted, cut_number);
+    check_lips(stroke.store, parted, stroke.cut_number);
 }
 
 } // namespace retractor::mesh

@@ -27,8 +27,8 @@ bool open_pinned_edges(StrokeState& stroke);
 /// True when bisecting the edge at p leaves no sliver. The point p is near the point of the edge at t (0 to 1).
 bool keeps_volume(const CutStore& store, const EdgeKey& edge, const Vec3& p, double t);
 
-/// Gives the two sides their own vertices and tags the lips with the cut's number.
+/// Gives the two sides their own vertices and tags the lips with StrokeState::cut_number.
 /// @throws SolverError when the lips would stay connected along an edge
-void separate(StrokeState& stroke, int cut_number);
+void separate(StrokeState& stroke);
 
 } // namespace retractor::mesh

@@ -1,11 +1,11 @@
 #include "mesh/cutting/stroke/cut_stroke.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
 #include "mesh/cutting/stroke/cut_extent.h"
 #include "mesh/cutting/stroke/cut_improve.h"
 #include "mesh/cutting/stroke/cut_moves.h"
-#include "mesh/cutting/stroke/cut_patterns.h"
 #include "mesh/cutting/stroke/cut_retry.h"
 #include "mesh/cutting/stroke/cut_separation.h"
 
@@ -50,13 +50,14 @@ namespace {
 
     class Stroke {
     public:
-        Stroke(
-            CutStore& store, const SweptBlade& blade, const CutOptions& options, const Job& job, const StrokeStep& step)
+        Stroke(CutStore& store, const SweptBlade& blade, const CutOptions& options, int cut_number, const Job& job,
+            const StrokeStep& step)
             : state_ { .store = store,
                 .blade = blade,
                 .options = options,
-                .marks = BladeMarks(store, blade, step.care.on_blade),
-                .border = step.care.border,
+                .marks = BladeMarks(store, blade, step.settings.on_blade),
+                .border = step.settings.border,
+                .cut_number = cut_number,
                 .goes_on = step.goes_on,
                 .resolve_end = step.resolve_end }
             , store_(store)
@@ -69,7 +70,7 @@ namespace {
             if (step.drift != nullptr)
                 state_.drift = *step.drift;
         }
-        CutResult run(int cut_number);
+        CutResult run();
         StrokeRest rest() { return { resume_, std::move(state_.drift) }; }
 
     private:
@@ -79,7 +80,7 @@ namespace {
         /// @pre the lips are not separated yet
         void check_cut_marks();
         void find_near_blade();
-        void restore_cut_marks(int cut_number);
+        void restore_cut_marks();
         const std::vector<TetId>& living_near_blade();
         void find_crossed();
         std::vector<SweptBlade::Crease> bends_to_follow();
@@ -95,9 +96,9 @@ namespace {
         Vec3 border_point(EdgeKey edge, std::size_t border, double& t, double& deviation, bool& on_border);
         double surface_room(const EdgeKey& edge) const;
         void resolve_borders();
-        void check_promises();
+        void check_guarantees();
 
-        double border_tolerance() const { return step_.care.border * kBorderTolerance; }
+        double border_tolerance() const { return step_.settings.border * kBorderTolerance; }
 
         void poll(std::size_t i) const
         {
@@ -147,7 +148,7 @@ namespace {
     /// Marks the lips of former steps of this stroke as on the blade, also where their corners are slightly off the
     /// blade or its borders, so that these lips are not cut again. Edges of these lips are bisected only on the rim,
     /// because otherwise the lips would not mirror each other.
-    void Stroke::restore_cut_marks(int cut_number)
+    void Stroke::restore_cut_marks()
     {
         if (!step_.goes_on)
             return;
@@ -155,7 +156,8 @@ namespace {
         // The lips may belong to elements that only touch the elements near the blade.
         for (const TetId t : store_.tets_round(store_.corners_of_all(living_near_blade())))
             for (int corner = 0; corner < 4; ++corner)
-                if (const TetSlot& tet = store_.tet(t); tet.lips[static_cast<std::size_t>(corner)].cut == cut_number) {
+                if (const TetSlot& tet = store_.tet(t);
+                    tet.lips[static_cast<std::size_t>(corner)].cut == state_.cut_number) {
                     const FaceKey key = face_key(tet, corner);
                     cut.insert(cut.end(), key.begin(), key.end());
                 }
@@ -203,6 +205,7 @@ namespace {
     /// @param past_ends the chord may pass the ends of the blade, where the blade is extended straight
     double bend_under_chord(const SweptBlade& blade, double along, double edge, double from, bool past_ends)
     {
+        RETRACTOR_ASSERT(edge > 0.0);
         const double first = past_ends && from == 0.0 ? along - 0.5 * edge : std::max(along - 0.5 * edge, from),
                      last = past_ends ? along + 0.5 * edge : std::min(along + 0.5 * edge, blade.length());
         double off = 0.0;
@@ -249,7 +252,7 @@ namespace {
             const double edge
                 = ray.along < step_.from_along ? 0.0 : longest_edge(ray.along); // 0: cut before, or no tissue
             if (edge > 0.0
-                && bend_under_chord(blade_, ray.along, edge, last, step_.care.past_ends) > options_.crease_deg) {
+                && bend_under_chord(blade_, ray.along, edge, last, step_.settings.past_ends) > options_.crease_deg) {
                 chosen.push_back(ray);
                 last = ray.along;
             }
@@ -268,7 +271,7 @@ namespace {
         for (const VertexId v : store_.tet(t).nodes)
             if (const Mark& mark = marks_.at(v); mark.side == 0)
                 section.emplace_back(store_.position(v), mark.distance);
-        const double most = step_.care.chord * store_.first_edge(t);
+        const double most = step_.settings.chord * store_.first_edge(t);
         for (std::size_t i = 0; i < section.size(); ++i)
             for (std::size_t j = 0; j < i; ++j) {
                 const auto& [p, beyond_p] = section[i];
@@ -297,10 +300,8 @@ namespace {
             for (const TetId t : crossed_) {
                 if (!spans_bend(t))
                     continue;
-                const auto& n = store_.tet(t).nodes;
-                std::vector<EdgeKey> own;
-                for (const auto& e : kTetEdges)
-                    own.push_back(std::minmax(n[static_cast<std::size_t>(e[0])], n[static_cast<std::size_t>(e[1])]));
+                const auto keys = edge_keys(store_.tet(t).nodes);
+                std::vector<EdgeKey> own(keys.begin(), keys.end());
                 sort_longest_first(own, store_);
                 if (!is_parted(state_, own.front()))
                     edges.push_back(own.front());
@@ -339,13 +340,12 @@ namespace {
     /// True when the bend runs through the element or touches it.
     bool Stroke::pierced(const SweptBlade::Crease& crease, TetId t) const
     {
-        const TetSlot& tet = store_.tet(t);
+        const std::array<Vec3, 4> corners = corners_of(store_, t);
         double first = 0.0, last = crease.length;
-        for (const auto& face : kTetFaces) {
-            const auto corner
-                = [&](std::size_t i) { return store_.position(tet.nodes[static_cast<std::size_t>(face[i])]); };
-            const Vec3 out = unit_normal(corner(0), corner(1), corner(2));
-            const double height = out.dot(crease.origin - corner(0)) - marks_.tolerance(),
+        for (int f = 0; f < 4; ++f) {
+            const std::array<Vec3, 3> face = face_corners(corners, f);
+            const Vec3 out = unit_normal(face);
+            const double height = out.dot(crease.origin - face[0]) - marks_.tolerance(),
                          slope = out.dot(crease.direction);
             if (std::abs(slope) < std::numeric_limits<double>::epsilon()) {
                 if (height > 0.0)
@@ -386,7 +386,7 @@ namespace {
         const auto side_of = [&](VertexId v) { return taken.contains(v) ? 0 : sign(height(v), marks_.tolerance()); };
         std::vector<TetId> tets;
         for (const TetId t : living_near_blade())
-            if (pierced(crease, t) || (step_.care.attempt > 1 && straddled(crease, t)))
+            if (pierced(crease, t) || (step_.settings.attempt > 1 && straddled(crease, t)))
                 tets.push_back(t);
         std::set<VertexId> vertices;
         for (const TetId t : tets)
@@ -412,12 +412,9 @@ namespace {
         }
         std::vector<EdgeKey> edges;
         for (const TetId t : tets)
-            for (const auto& e : kTetEdges) {
-                const auto& n = store_.tet(t).nodes;
-                const VertexId a = n[static_cast<std::size_t>(e[0])], b = n[static_cast<std::size_t>(e[1])];
-                if (side_of(a) * side_of(b) < 0 && !is_parted(state_, std::minmax(a, b)))
-                    edges.push_back(std::minmax(a, b));
-            }
+            for (const EdgeKey& edge : edge_keys(store_.tet(t).nodes))
+                if (side_of(edge.first) * side_of(edge.second) < 0 && !is_parted(state_, edge))
+                    edges.push_back(edge);
         for (const VertexId v : vertices)
             if (side_of(v) == 0)
                 state_.on_crease.insert(v);
@@ -525,6 +522,7 @@ namespace {
     /// the edge is a chord. Where the edge's surface would be carried too far, the point is on the edge instead.
     Vec3 Stroke::border_point(EdgeKey edge, std::size_t border, double& t, double& deviation, bool& on_border)
     {
+        RETRACTOR_ASSERT(marks_.at(edge.first).beyond[border] * marks_.at(edge.second).beyond[border] < 0);
         const Vec3 a = store_.position(edge.first), b = store_.position(edge.second);
         const auto on_edge = [&](double s) { return Vec3((1.0 - s) * a + s * b); };
         t = find_root([&](double s) { return marks_.beyond(blade_.coordinates(on_edge(s)))[border]; },
@@ -626,9 +624,9 @@ namespace {
 
     /// Tests the guarantees of the stroke. With labels that the blade does not sever, only the lips are tested, because
     /// parts of the blade stay uncut.
-    void Stroke::check_promises()
+    void Stroke::check_guarantees()
     {
-        const double most = largest_blade_deviation(step_.care);
+        const double most = largest_blade_deviation(step_.settings);
         const auto check = [](double share, double limit, const char* would, const char* how) {
             if (share > limit)
                 throw CutQualityError(CutQualityError::Kind::extent, quality_message(would, limit, how),
@@ -638,7 +636,7 @@ namespace {
         check(state_.lips_beyond, most, "reach", "beyond");
         check(state_.former_lips_off, kLargestBladeDeviation, "lie", "off");
         if (options_.uncut_labels.empty())
-            check_extent(state_, left_, step_.care, step_.from_along, resume_, [&] { poll(0); });
+            check_extent(state_, left_, step_.settings, step_.from_along, resume_, [&] { poll(0); });
     }
 
     void check_options(const CutOptions& options)
@@ -655,19 +653,18 @@ namespace {
             throw InputError("element_limit must be at least 1", "element_limit");
     }
 
-    CutResult Stroke::run(int cut_number)
+    CutResult Stroke::run()
     {
         CutResult result;
-        state_.cut_number = cut_number;
         poll(0);
         state_.report.tets_before = store_.books().tets;
         job_.report("cut", 0.0);
         find_near_blade();
-        restore_cut_marks(cut_number);
+        restore_cut_marks();
         find_crossed();
         state_.report.tets_crossed = crossed_.size();
         poll(0);
-        if (step_.care.chord > 0.0)
+        if (step_.settings.chord > 0.0)
             halve_where_bent();
         state_.creases = bends_to_follow();
         for (const SweptBlade::Crease& crease : state_.creases)
@@ -676,12 +673,6 @@ namespace {
             find_crossed();
         if (options_.snap > 0.0) {
             snap_to_blade();
-            find_crossed();
-        }
-        if (has_own_patterns(options_.subdivision)) {
-            divide_by_pattern(state_, crossed_);
-            check_element_limit(state_);
-            find_near_blade();
             find_crossed();
         }
         job_.report("cut", 0.3);
@@ -705,9 +696,8 @@ namespace {
             return result;
         }
         check_cut_marks();
-        separate(state_, cut_number);
-        if (options_.subdivision == Subdivision::adaptive)
-            check_promises();
+        separate(state_);
+        check_guarantees();
         job_.report("cut", 1.0);
         poll(0);
         state_.report.tets_after = store_.books().tets;
@@ -722,13 +712,11 @@ CutResult cut_stroke(CutStore& store, const SweptBlade& blade, const CutOptions&
 {
     check_options(options);
     CutOptions effective = options;
-    if (options.subdivision != Subdivision::adaptive)
-        effective.snap = 0.0;
-    effective.snap *= step.care.snap;
-    effective.crease_deg = std::min(effective.crease_deg, step.care.crease_deg);
+    effective.snap *= step.settings.snap;
+    effective.crease_deg = std::min(effective.crease_deg, step.settings.crease_deg);
     try {
-        Stroke stroke(store, blade, effective, job, step);
-        CutResult result = stroke.run(cut_number);
+        Stroke stroke(store, blade, effective, cut_number, job, step);
+        CutResult result = stroke.run();
         if (rest != nullptr)
             *rest = stroke.rest();
         return result;

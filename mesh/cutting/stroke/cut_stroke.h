@@ -21,7 +21,7 @@ struct StrokeStep {
     bool resolve_end = true;
     bool goes_on = false; ///< former steps may have cut under the same number
     const SurfaceDrift* drift = nullptr; ///< drift of former steps; may be null
-    StrokeSettings care {};
+    StrokeSettings settings {};
 };
 
 /// The state that a step passes to the next step.

@@ -1,6 +1,5 @@
 #include "tests/benchmarks/cutting/bench_cut.h"
 
-#include "tests/benchmarks/cutting/bench_cut_picture.h"
 #include "tests/benchmarks/framework/bench_bodies.h"
 #include "tests/benchmarks/framework/bench_numbers.h"
 #include "tests/benchmarks/framework/cpu_watch.h"
@@ -9,7 +8,7 @@
 
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
-#include "mesh/cutting/stroke/cut_patterns.h"
+#include "mesh/cutting/cut_session.h"
 #include "mesh/cutting/surface_follower.h"
 
 #include <algorithm>
@@ -17,9 +16,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <optional>
-#include <set>
 
 namespace retractor::benchmarks {
 
@@ -35,16 +32,9 @@ namespace {
     /// Ratio of wall time to processor time above which times get a warning.
     constexpr double kBusy = 1.1;
 
-    struct CutModel {
-        const char* name;
-        mesh::Subdivision subdivision;
-        int patterns;
-        double source; ///< published mean increase [Nakao and others 2006, doi 10.1007/s10916-006-9021-4, table 1]
-    };
-    constexpr std::array<CutModel, 4> kModels { { { "adaptive", mesh::Subdivision::adaptive, 2, 4.8 },
-        { "intermediate", mesh::Subdivision::intermediate_11, 11, 5.6 },
-        { "intermediate", mesh::Subdivision::intermediate_5, 5, 8.6 },
-        { "general", mesh::Subdivision::general, 1, 16.0 } } };
+    /// Published mean increase of elements with adaptive subdivision [Nakao and others 2006, doi
+    /// 10.1007/s10916-006-9021-4, table 1].
+    constexpr double kSourceIncrease = 4.8;
 
     /// Index of the value that is the percentile.
     std::size_t percentile_at(const std::vector<double>& values, double share)
@@ -66,44 +56,12 @@ namespace {
             throw SolverError("the bench's cut was not made: " + result.message);
     }
 
-    /// The two definitions of "increase" of elements, per crossed element, for the crossed elements alone and for all
-    /// elements that the cut changed: elements after minus elements before, and elements made. Elements that only get
-    /// other vertices on the lips do not count as made.
-    struct Increase {
-        double crossed_after_minus_before = 0.0, crossed_made = 0.0;
-        double all_after_minus_before = 0.0, all_made = 0.0;
-    };
-
-    /// @pre the first cut of its session, so that each element before the cut is its own origin
-    Increase increase_of(const mesh::MeshDelta& delta, const std::vector<TetId>& crossed)
-    {
-        std::map<TetId, std::size_t> parts;
-        for (const mesh::MeshDelta::Tet& tet : delta.tets_born)
-            ++parts[tet.origin];
-        const auto n = static_cast<double>(std::max<std::size_t>(1, crossed.size()));
-        Increase sum;
-        for (const auto& [origin, count] : parts) {
-            const auto made = static_cast<double>(count);
-            const double divided = count > 1 ? made : 0.0; // one part only: the element itself
-            sum.all_made += divided / n;
-            if (std::binary_search(crossed.begin(), crossed.end(), origin)) {
-                sum.crossed_made += divided / n;
-                sum.crossed_after_minus_before += (made - 1.0) / n;
-            }
-        }
-        sum.all_after_minus_before
-            = (static_cast<double>(delta.tets_born.size()) - static_cast<double>(delta.tets_gone.size())) / n;
-        return sum;
-    }
-
     struct Row {
-        const CutModel* model = nullptr;
         std::string mesh;
         mesh::CutReport report;
         mesh::CutReport freehand; ///< report of the same stroke in steps, as a whole
         mesh::CutReport hand, hand_at_once; ///< reports of the stroke drawn by hand: in steps, and in one cut
         std::vector<double> hand_step_cpu_ms;
-        Increase increase;
         std::size_t surface_faces = 0; ///< faces of the surface that the stroke updates
         std::vector<std::size_t> step_crossed; ///< crossed elements by freehand step, as step_cpu_ms
         std::vector<double> stroke_ms, stroke_cpu_ms, surface_stroke_ms, step_ms, step_cpu_ms, surface_step_ms,
@@ -112,7 +70,7 @@ namespace {
 
     /// Measures one stroke.
     void measure_stroke(Row& row, mesh::CutSession& session, mesh::SurfaceFollower& surface, const BenchBody& body,
-        const mesh::CutOptions& options, const std::vector<TetId>& crossed)
+        const mesh::CutOptions& options)
     {
         mesh::CutResult result;
         const CpuWatch cpu;
@@ -120,7 +78,6 @@ namespace {
         row.stroke_cpu_ms.push_back(cpu.milliseconds());
         must_be_done(result);
         row.report = result.report;
-        row.increase = increase_of(result.delta, crossed);
         row.surface_stroke_ms.push_back(milliseconds([&] { surface.follow(result.delta); }));
         row.surface_faces = surface.changed().size();
         mesh::MeshDelta back;
@@ -170,22 +127,18 @@ namespace {
         (void)session.undo();
     }
 
-    Row run_row(mesh::CutSession& session, mesh::SurfaceFollower& surface, const BenchBody& body, const CutModel& model,
-        const std::vector<TetId>& crossed, int repeats, const Job& job)
+    Row run_row(
+        mesh::CutSession& session, mesh::SurfaceFollower& surface, const BenchBody& body, int repeats, const Job& job)
     {
         Row row;
-        row.model = &model;
         row.mesh = body.name;
         mesh::CutOptions options;
-        options.subdivision = model.subdivision;
         options.uncut_labels = body.uncut_labels;
         for (int i = 0; i < repeats && !job.cancelled(); ++i) {
-            measure_stroke(row, session, surface, body, options, crossed);
-            // the other repeats serve to compare strokes
-            if (model.subdivision == mesh::Subdivision::adaptive || i == 0)
-                measure_freehand(row, session, surface, body, options);
+            measure_stroke(row, session, surface, body, options);
+            measure_freehand(row, session, surface, body, options);
         }
-        if (model.subdivision == mesh::Subdivision::adaptive && !job.cancelled())
+        if (!job.cancelled())
             measure_drawn(row, session, body, options);
         return row;
     }
@@ -206,15 +159,12 @@ namespace {
     ui::cli::Json as_json(const Row& row)
     {
         const mesh::CutReport& r = row.report;
-        ui::cli::Json json { { "model", row.model->name }, { "patterns", row.model->patterns }, { "mesh", row.mesh },
-            { "tets", r.tets_before }, { "cut_elements", r.tets_crossed }, { "mean_increase", r.mean_increase() },
-            { "made_per_cut_element", row.increase.all_made },
-            { "mean_increase_of_cut_elements", row.increase.crossed_after_minus_before },
-            { "made_of_cut_elements", row.increase.crossed_made }, { "source_mean_increase", row.model->source },
-            { "min_dihedral_before_deg", r.worst_dihedral_before_deg }, { "min_dihedral_deg", r.worst_dihedral_deg },
-            { "p01_dihedral_deg", r.p01_dihedral_deg }, { "lip_to_blade_max", r.lip_to_blade },
-            { "surface_deviation_max", r.surface_deviation }, { "smallest_volume_ratio", r.smallest_volume_ratio },
-            { "stroke_ms", percentile(row.stroke_ms, 0.5) }, { "stroke_cpu_ms", percentile(row.stroke_cpu_ms, 0.5) },
+        ui::cli::Json json { { "mesh", row.mesh }, { "tets", r.tets_before }, { "cut_elements", r.tets_crossed },
+            { "mean_increase", r.mean_increase() }, { "min_dihedral_before_deg", r.worst_dihedral_before_deg },
+            { "min_dihedral_deg", r.worst_dihedral_deg }, { "p01_dihedral_deg", r.p01_dihedral_deg },
+            { "lip_to_blade_max", r.lip_to_blade }, { "surface_deviation_max", r.surface_deviation },
+            { "smallest_volume_ratio", r.smallest_volume_ratio }, { "stroke_ms", percentile(row.stroke_ms, 0.5) },
+            { "stroke_cpu_ms", percentile(row.stroke_cpu_ms, 0.5) },
             { "surface_stroke_ms", percentile(row.surface_stroke_ms, 0.5) }, { "surface_faces", row.surface_faces },
             { "step_ms_median", percentile(row.step_ms, 0.5) }, { "step_ms_p95", percentile(row.step_ms, 0.95) },
             { "step_cpu_ms_median", percentile(row.step_cpu_ms, 0.5) },
@@ -240,46 +190,34 @@ namespace {
         return text.data();
     }
 
-    std::string model_name(const CutModel& model) { return line("%s, %d", model.name, model.patterns); }
-
-    /// Rows as in table 1 of [Nakao and others 2006, doi 10.1007/s10916-006-9021-4]: a blade through the whole body,
+    /// The row as in table 1 of [Nakao and others 2006, doi 10.1007/s10916-006-9021-4]: a blade through the whole body,
     /// so that no border of a wound adds to the subdivision.
-    std::vector<Row> severing_rows()
+    Row severing_row()
     {
         const BenchBody body = bench_box_severed();
-        const std::vector<TetId> crossed = mesh::crossed_elements(body.mesh, mesh::SweptBlade(body.blade));
         mesh::SurfaceFollower surface(body.mesh);
         mesh::CutSession session(body.mesh);
-        std::vector<Row> rows;
-        for (const CutModel& model : kModels) {
-            Row row;
-            row.model = &model;
-            row.mesh = body.name;
-            measure_stroke(row, session, surface, body, { .subdivision = model.subdivision }, crossed);
-            rows.push_back(row);
-        }
-        return rows;
+        Row row;
+        row.mesh = body.name;
+        measure_stroke(row, session, surface, body, {});
+        return row;
     }
 
     constexpr const char* kSubdivisionHeading
         = "Subdivision (increase of elements per element crossed by the blade before anything moves)\n"
-          "model, patterns   mesh      tets     cut   after minus before       made          Nakao 2006 dihedral deg   "
-          "            lip off   stroke\n"
-          "                                  elements   all  cut alone     all  cut alone   table 1   before  worst    "
-          "p01   (edges)       ms\n";
+          "mesh      tets     cut  increase  Nakao 2006  dihedral deg                 lip off   stroke\n"
+          "              elements              table 1   before  worst    p01   (edges)       ms\n";
 
     std::string subdivision_line(const Row& row)
     {
         const mesh::CutReport& r = row.report;
-        return line("%-16s %-7s %8zu %6zu %8.2f %8.2f %9.2f %8.2f %10.1f %8.1f %6.1f %6.1f %9.3f %9.2f\n",
-            model_name(*row.model).c_str(), row.mesh.c_str(), r.tets_before, r.tets_crossed, r.mean_increase(),
-            row.increase.crossed_after_minus_before, row.increase.all_made, row.increase.crossed_made,
-            row.model->source, r.worst_dihedral_before_deg, r.worst_dihedral_deg, r.p01_dihedral_deg, r.lip_to_blade,
-            percentile(row.stroke_ms, 0.5));
+        return line("%-7s %6zu %7zu %9.2f %11.1f %8.1f %6.1f %6.1f %9.3f %9.2f\n", row.mesh.c_str(), r.tets_before,
+            r.tets_crossed, r.mean_increase(), kSourceIncrease, r.worst_dihedral_before_deg, r.worst_dihedral_deg,
+            r.p01_dihedral_deg, r.lip_to_blade, percentile(row.stroke_ms, 0.5));
     }
 
     constexpr const char* kTimeHeading
-        = "\nTime of the adaptive knife (ms; freehand: steps of 5 mm; cpu: processor time, whatever else the machine "
+        = "\nTime of the knife (ms; freehand: steps of 5 mm; cpu: processor time, whatever else the machine "
           "does)\n"
           "mesh        tets    cut   stroke   per 1000 cut  surface    undo      step             step    cpu    cut  "
           "  surface           finish\n"
@@ -317,11 +255,11 @@ namespace {
             percentile(row.hand_step_cpu_ms, 0.5), percentile(row.hand_step_cpu_ms, 0.95));
     }
 
-    /// The row of a body with adaptive subdivision, if measured.
-    const Row* adaptive(const std::vector<Row>& rows, const std::string& mesh)
+    /// The row of a body, if measured.
+    const Row* row_of(const std::vector<Row>& rows, const std::string& mesh)
     {
         for (const Row& row : rows)
-            if (row.mesh == mesh && row.model->subdivision == mesh::Subdivision::adaptive)
+            if (row.mesh == mesh)
                 return &row;
         return nullptr;
     }
@@ -341,7 +279,7 @@ namespace {
 
     std::optional<double> step_ratio(const std::vector<Row>& rows)
     {
-        const Row *small = adaptive(rows, "12k"), *large = adaptive(rows, "1M");
+        const Row *small = row_of(rows, "12k"), *large = row_of(rows, "1M");
         if (small == nullptr || large == nullptr)
             return std::nullopt;
         return percentile(large->step_cpu_ms, 0.5) / percentile(small->step_cpu_ms, 0.5);
@@ -374,7 +312,7 @@ namespace {
     {
         std::vector<const Row*> boxes;
         for (const Row& row : rows)
-            if (row.model->subdivision == mesh::Subdivision::adaptive && row.mesh != "thorax")
+            if (row.mesh != "thorax")
                 boxes.push_back(&row);
         std::vector<Target> all {
             worst_of(
@@ -404,7 +342,7 @@ namespace {
 
     std::string target_lines(const std::vector<Target>& all)
     {
-        std::string text = "\nTargets (adaptive, boxes; the worst of them)\n";
+        std::string text = "\nTargets (boxes; the worst of them)\n";
         for (const Target& t : all)
             text += line("  %-50s %8.3f (%s)   asked: %s %.3g   %s\n", t.name, t.value, t.where.c_str(),
                 t.at_least ? ">=" : "<=", t.bound, t.met() ? "met" : "missed");
@@ -430,32 +368,11 @@ namespace {
         return names;
     }
 
-    /// Pictures of the smallest box, cut by every model.
-    void write_picture(const std::filesystem::path& file)
-    {
-        const BenchBody body = bench_box("12k");
-        std::vector<PicturedCut> pictured;
-        for (const CutModel& model : kModels) {
-            mesh::CutOptions options;
-            options.subdivision = model.subdivision;
-            mesh::CutMesh made = cut(body.mesh, body.blade, options);
-            const mesh::CutReport& r = made.report;
-            pictured.push_back({ std::string(model.name) + ": " + std::to_string(model.patterns)
-                    + (model.patterns == 1 ? " pattern" : " patterns"),
-                { line("mean increase %.2f, worst angle %.1f deg", r.mean_increase(), r.worst_dihedral_deg) },
-                std::move(made) });
-        }
-        write_cut_picture(file, body, pictured);
-    }
-
     void measure_body(std::vector<Row>& rows, const BenchBody& body, int repeats, const Job& job)
     {
-        const std::vector<TetId> crossed = mesh::crossed_elements(body.mesh, mesh::SweptBlade(body.blade));
         mesh::SurfaceFollower surface(body.mesh);
         mesh::CutSession session(body.mesh);
-        for (const CutModel& model : kModels)
-            if (!job.cancelled())
-                rows.push_back(run_row(session, surface, body, model, crossed, repeats, job));
+        rows.push_back(run_row(session, surface, body, repeats, job));
     }
 
 } // namespace
@@ -473,24 +390,21 @@ ui::cli::Outcome bench_cut(const CutBenchOptions& options, const Job& job)
         else
             measure_body(rows, bench_box(names[i]), options.repeats, job);
     }
-    ui::cli::Json results = ui::cli::Json::array(), severing = ui::cli::Json::array();
+    ui::cli::Json results = ui::cli::Json::array();
     std::string times = kTimeHeading, freehand = kFreehandHeading;
     outcome.text = kSubdivisionHeading;
-    for (const Row& row : severing_rows()) {
-        severing.push_back(as_json(row));
-        outcome.text += subdivision_line(row);
-    }
+    const Row severing = severing_row();
+    outcome.text += subdivision_line(severing);
     for (const Row& row : rows) {
         results.push_back(as_json(row));
         outcome.text += subdivision_line(row);
-        if (row.model->subdivision == mesh::Subdivision::adaptive) {
-            times += time_line(row);
-            freehand += freehand_line(row);
-        }
+        times += time_line(row);
+        freehand += freehand_line(row);
     }
     outcome.text += times + freehand;
     outcome.document["results"] = results;
-    outcome.document["source_comparison"] = severing;
+    outcome.document["severed"] = as_json(severing);
+    outcome.document["source_mean_increase"] = kSourceIncrease;
     if (job.cancelled()) {
         outcome.text += "cancelled\n";
         outcome.exit_code = 1;
@@ -509,9 +423,8 @@ ui::cli::Outcome bench_cut(const CutBenchOptions& options, const Job& job)
     if (!options.out.empty()) {
         ui::cli::make_folder(options.out);
         const std::filesystem::path folder = options.out;
-        write_picture(folder / "bench_cut.png");
         write_file_atomically(folder / "bench_cut.json", outcome.document.dump(2) + "\n");
-        outcome.text += "written: " + (folder / "bench_cut.json").string() + ", bench_cut.png\n";
+        outcome.text += "written: " + (folder / "bench_cut.json").string() + "\n";
     }
     return outcome;
 }

@@ -6,7 +6,7 @@
 #include <random>
 
 namespace retractor {
-namespace keyed_slots_test {
+namespace open_address_map_test {
 
     struct Entry {
         int number = 0;
@@ -60,5 +60,5 @@ namespace keyed_slots_test {
         EXPECT_FALSE(is_new);
     }
 
-} // namespace keyed_slots_test
+} // namespace open_address_map_test
 } // namespace retractor

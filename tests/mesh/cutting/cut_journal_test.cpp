@@ -356,15 +356,24 @@ namespace cut_journal_test {
         EXPECT_THROW(static_cast<void>(start_journal(folder_ / "none" / "cuts.jsonl", body())), IoError);
     }
 
-    /// The check of a journal's first line: FNV-1a over a 0 of eight bytes and the line.
-    std::string head_check(const std::string& line)
+    /// A journal's line with another text, and with a check that fits: FNV-1a over the check of the line before (a 0
+    /// of eight bytes before the first line) and the line.
+    std::string changed_line(
+        const std::string& before, const std::string& line, const std::string& from, const std::string& to)
     {
+        const std::string mark = ",\"check\":\"";
+        const std::uint64_t check
+            = before.empty() ? 0 : std::stoull(before.substr(before.find(mark) + mark.size(), 16), nullptr, 16);
+        std::string text = line.substr(0, line.find(mark));
+        text.replace(text.find(from), from.size(), to);
         std::uint64_t value = 14695981039346656037U;
-        for (const char c : std::string(8, '\0') + line)
-            value = (value ^ static_cast<unsigned char>(c)) * 1099511628211U;
-        std::ostringstream text;
-        text << std::hex << std::setw(16) << std::setfill('0') << value;
-        return text.str();
+        const auto add = [&](char c) { value = (value ^ static_cast<unsigned char>(c)) * 1099511628211U; };
+        for (int i = 0; i < 8; ++i)
+            add(static_cast<char>(check >> (8 * i)));
+        std::for_each(text.begin(), text.end(), add);
+        std::ostringstream end;
+        end << mark << std::hex << std::setw(16) << std::setfill('0') << value << "\"}\n";
+        return text + end.str();
     }
 
     TEST_F(CutJournal, AnotherVersionIsRefusedByName)
@@ -373,13 +382,9 @@ namespace cut_journal_test {
             CutSession session = start_journal(path_, body());
         }
         const std::string now = "\"version\":" + std::to_string(kCutJournalVersion);
-        const std::string head = lines().front(), mark = ",\"check\":\"";
+        const std::string head = lines().front();
         ASSERT_NE(head.find(now), std::string::npos) << head;
-        const auto with_version = [&](const std::string& version) {
-            std::string line = head.substr(0, head.find(mark));
-            line.replace(line.find(now), now.size(), version);
-            return line + mark + head_check(line) + "\"}\n";
-        };
+        const auto with_version = [&](const std::string& version) { return changed_line({}, head, now, version); };
         ASSERT_EQ(with_version(now), head);
         for (const int version : { 1, 2, 3, kCutJournalVersion + 1 }) { // the older cutters made other elements
             write(with_version("\"version\":" + std::to_string(version)));
@@ -390,6 +395,31 @@ namespace cut_journal_test {
                     + std::to_string(kCutJournalVersion));
             EXPECT_EQ(error.where(), path_.string() + ":1");
         }
+    }
+
+    TEST_F(CutJournal, AnotherSubdivisionIsRefusedByName)
+    {
+        {
+            CutSession session = start_journal(path_, body());
+            ASSERT_EQ(session
+                          .cut({ .line = { { 2.1, 3.3, 9 }, { 9.4, 4.2, 9 } },
+                              .directions = { { 0, 0.2, -1 } },
+                              .depth_mm = 4 })
+                          .status,
+                CutStatus::done);
+        }
+        const std::vector<std::string> written = lines();
+        ASSERT_EQ(written.size(), 2u);
+        const std::string adaptive = "\"subdivision\":\"adaptive\"";
+        ASSERT_NE(written[1].find(adaptive), std::string::npos) << written[1];
+        ASSERT_EQ(changed_line(written[0], written[1], adaptive, adaptive), written[1]);
+        write(written[0] + changed_line(written[0], written[1], adaptive, "\"subdivision\":\"general\""));
+        const InputError error = refusal();
+        EXPECT_STREQ(error.what(),
+            "the subdivision is \"general\"; this version cuts adaptively only: replay the journal with the version "
+            "that "
+            "wrote it");
+        EXPECT_EQ(error.where(), path_.string() + ":2 (/options/subdivision)");
     }
 
     TEST_F(CutJournal, AFullDiskTakesTheOperationBack)

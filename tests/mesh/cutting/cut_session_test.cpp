@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 #include "mesh/cutting/stroke/cut_retry.h"
+#include "tests/support/cutting/pinched_vertices.h"
 
 #include <Eigen/Geometry>
 
@@ -21,7 +22,7 @@
 namespace retractor::mesh {
 namespace cut_session_test {
 
-    constexpr double kOnBlade = 1e-9; // of the blade's size: the promise of the header
+    constexpr double kOnBlade = 1e-9; // of the blade's size: the guarantee of the header
     constexpr double kRoundOff = 1e-12; // of a sum of some thousand volumes
     constexpr double kSnappedBorder = 0.1; // of the local edge: what depth and ends may be off where vertices snap
     constexpr double kSnapVolume = 0.01; // of the body: what snapping may change on flat faces and interfaces
@@ -123,7 +124,7 @@ namespace cut_session_test {
         EXPECT_EQ(c.mesh.tet_count(), session.tet_count());
         EXPECT_EQ(c.mesh.vertex_count(), session.vertex_count());
         std::set<VertexId> pinched;
-        for (const VertexId v : session.pinched_vertices())
+        for (const VertexId v : test_support::pinched_vertices(session))
             pinched.insert(c.map.compact_vertex[static_cast<std::size_t>(v)]);
         expect_manifold_boundary(c.mesh, pinched);
         std::set<std::pair<TetId, int>> boundary;
@@ -433,7 +434,7 @@ namespace cut_session_test {
             ASSERT_EQ(result.status, CutStatus::done);
             expect_sound(session);
             const Compact c(session);
-            const double border = snap == 0.0 ? 0.0 : 0.1 * 4.0; // of an edge: as promised
+            const double border = snap == 0.0 ? 0.0 : 0.1 * 4.0; // of an edge: as guaranteed
             expect_lips_separate(c, swept, border);
             EXPECT_EQ(piece_count(c.mesh), 1);
             EXPECT_EQ(euler_characteristic(c.mesh), 1);
@@ -667,7 +668,7 @@ namespace cut_session_test {
         EXPECT_EQ((session.compact_mesh().vertices - box.vertices).cwiseAbs().maxCoeff(), 0.0);
     }
 
-    /// Its direction turns about the line by so much from end to end.
+    /// A straight blade whose direction turns about the line by this angle from end to end.
     Blade twisted_blade(const Vec3& top_centre, double length, double depth, double turn_deg, int points)
     {
         Blade blade { .line = {}, .directions = {}, .depth_mm = depth };
@@ -1006,24 +1007,6 @@ namespace cut_session_test {
             EXPECT_EQ(error.where(), "depth_mm");
         }
         EXPECT_EQ(session.cut_count(), 0u);
-    }
-
-    TEST(Cut, OneOffCutIsTheSessionsCompactMesh)
-    {
-        const TetMesh box = layered_box(10, 10, 4, 4.0);
-        const Blade blade = oblique_blade({ 20, 20, 16 }, 24.0, 9.0);
-        CutSession session(box);
-        ASSERT_EQ(session.cut(blade).status, CutStatus::done);
-        const Snapshot expected(session);
-        const CutMesh out = cut(box, blade);
-        EXPECT_EQ(out.status, CutStatus::done);
-        EXPECT_EQ(out.mesh.nodes, expected.compact.mesh.nodes);
-        EXPECT_EQ(out.origin, expected.origins);
-        EXPECT_EQ(out.lips.size(), expected.compact.lips.size());
-        const auto boundary = boundary_faces(out.mesh);
-        for (const LipFace& lip : out.lips)
-            EXPECT_TRUE(std::any_of(boundary.begin(), boundary.end(),
-                [&](const TetFace& f) { return f.tet == lip.face.tet && f.corner == lip.face.corner; }));
     }
 
 } // namespace cut_session_test

@@ -92,10 +92,8 @@ namespace surface_follower_test {
             } else if (dice == 1 && session.can_redo()) {
                 follower.follow(session.redo());
             } else {
-                CutOptions options;
-                options.subdivision = dice == 2 ? Subdivision::intermediate_5 : Subdivision::adaptive;
                 try {
-                    const CutResult result = session.cut(random_blade(random), options);
+                    const CutResult result = session.cut(random_blade(random));
                     follower.follow(result.delta);
                     done += result.status == CutStatus::done ? 1 : 0;
                 } catch (const SolverError&) { // a refusal: nothing has changed

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <vector>
 
 namespace retractor::mesh {
 namespace wound_surface_test {
@@ -39,9 +40,7 @@ namespace wound_surface_test {
         const TetSurface out = boundary_surface(mesh, stretch);
         EXPECT_NEAR(volume(out.surface), 24.0, 1e-12);
         EXPECT_EQ(out.surface.triangles.size(), 2U * (2 * (4 * 2) + 2 * (4 * 2) + 2 * (2 * 2)));
-        ASSERT_EQ(out.face_of.size(), out.surface.triangles.size());
-        for (std::size_t t = 0; t < out.face_of.size(); ++t)
-            EXPECT_EQ(out.surface.labels[t], mesh.labels[static_cast<std::size_t>(out.face_of[t].tet)]);
+        EXPECT_EQ(out.surface.labels.size(), out.surface.triangles.size());
         for (std::size_t v = 0; v < out.vertex_of.size(); ++v) {
             const auto row = out.surface.vertices.row(static_cast<Eigen::Index>(v));
             EXPECT_EQ((row - mesh.vertices.row(out.vertex_of[v]) - stretch.row(out.vertex_of[v])).norm(), 0.0);
@@ -66,8 +65,7 @@ namespace wound_surface_test {
         const std::array<Label, 1> one { 1 };
         const TetSurface part = tissue_surface(mesh, {}, one);
         EXPECT_NEAR(volume(part.surface), 8.0, 1e-12);
-        for (std::size_t t = 0; t < part.face_of.size(); ++t)
-            EXPECT_EQ(mesh.labels[static_cast<std::size_t>(part.face_of[t].tet)], 1);
+        EXPECT_EQ(part.surface.labels, std::vector<Label>(part.surface.triangles.size(), 1));
         const std::array<Label, 2> both { 1, 2 };
         EXPECT_EQ(tissue_surface(mesh, {}, both).surface.triangles.size(), boundary_faces(mesh).size());
         EXPECT_TRUE(tissue_surface(mesh, {}, {}).surface.triangles.empty());

@@ -34,9 +34,12 @@ int main()
     const retractor::mesh::Blade blade { .line = { { 0.0, -5.0, 31.0 }, { 0.0, 25.0, 31.0 } },
         .directions = { retractor::Vec3::UnitX() },
         .depth_mm = 10.0 };
-    const retractor::mesh::CutMesh cut = retractor::mesh::cut(bar, blade);
-    const double whole = pulling_force(bar), halved = pulling_force(cut.mesh);
+    retractor::mesh::CutSession session(bar);
+    if (session.cut(blade).status != retractor::mesh::CutStatus::done)
+        return 1;
+    const retractor::mesh::TetMesh cut = session.compact_mesh();
+    const double whole = pulling_force(bar), halved = pulling_force(cut);
     std::printf("%zu tetrahedra, %.3f N; cut half through %zu tetrahedra, %.3f N\n", bar.tet_count(), whole,
-        cut.mesh.tet_count(), halved);
+        cut.tet_count(), halved);
     return halved > 0.0 && halved < 0.9 * whole ? 0 : 1;
 }

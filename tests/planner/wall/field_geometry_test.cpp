@@ -3,6 +3,7 @@
 
 #include "mesh/base/error.h"
 #include "planner/measures/exposure.h"
+#include "tests/support/cutting/cut_mesh.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -300,7 +301,7 @@ namespace field_geometry_test {
                 blade.line.push_back(Vec3(x, y, 20.0 - drop(x, y)));
             }
             const mesh::SweptBlade swept(blade);
-            const mesh::CutMesh wound = cut(mesh, blade);
+            const test_support::CutMesh wound = test_support::cut(mesh, blade);
             ASSERT_EQ(wound.status, mesh::CutStatus::done);
             const WoundEdges edges = wound_edges(wound.mesh, wound.lips, swept);
             ASSERT_EQ(edges.left.vertices.size(), edges.right.vertices.size());

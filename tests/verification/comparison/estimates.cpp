@@ -8,6 +8,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/cutting/cut_session.h"
+#include "tests/support/cutting/cut_mesh.h"
 #include "tests/verification/framework/meshes.h"
 #include "tests/verification/framework/tension.h"
 #include "tests/verification/framework/vessel.h"
@@ -83,7 +84,7 @@ namespace {
     }
 
     /// Distance between the lips at the middle of the cut, mean over the thickness.
-    double sheet_gape_of(const SheetProblem& sheet, const mesh::CutMesh& cut, const Eigen::VectorXd& u)
+    double sheet_gape_of(const SheetProblem& sheet, const test_support::CutMesh& cut, const Eigen::VectorXd& u)
     {
         double sum = 0.0;
         int faces = 0;
@@ -103,7 +104,7 @@ namespace {
         SheetProblem sheet;
         sheet.around = around;
         const std::vector<fem::Material> materials(2, { "skin", E, nu, 1.1e-9, "verification" });
-        const mesh::CutMesh cut = retractor::mesh::cut(sheet_mesh(sheet), sheet_blade(sheet));
+        const test_support::CutMesh cut = test_support::cut(sheet_mesh(sheet), sheet_blade(sheet));
         if (cut.status != mesh::CutStatus::done)
             throw SolverError("the sheet was not cut: " + cut.message);
         const std::vector<Mat3> stresses = fem::pre_stress(cut.mesh, materials,

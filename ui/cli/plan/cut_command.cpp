@@ -16,7 +16,6 @@
 #include "planner/wall/wall_cut.h"
 
 #include <algorithm>
-#include <map>
 #include <memory>
 #include <system_error>
 #include <utility>
@@ -29,14 +28,10 @@ namespace {
     namespace fs = std::filesystem;
 
     struct KnifeOptions {
-        std::string case_file, approach, out, journal, replay, subdivision = "adaptive";
+        std::string case_file, approach, out, journal, replay;
         int undo = 0;
         bool finish = false, abandon = false;
     };
-
-    const std::map<std::string, mesh::Subdivision> kSubdivisions { { "adaptive", mesh::Subdivision::adaptive },
-        { "intermediate11", mesh::Subdivision::intermediate_11 },
-        { "intermediate5", mesh::Subdivision::intermediate_5 }, { "general", mesh::Subdivision::general } };
 
     Json report_document(const mesh::CutReport& r)
     {
@@ -144,12 +139,11 @@ namespace {
     }
 
     /// Cuts the approach. @return the tissue that its ablations removed
-    std::vector<planner::RemovedTissue> add_cut(const KnifeOptions& options, const planner::Approach& approach,
-        const mesh::LabelTable& table, mesh::CutSession& session, Json& document, const Job& job)
+    std::vector<planner::RemovedTissue> add_cut(const planner::Approach& approach, const mesh::LabelTable& table,
+        mesh::CutSession& session, Json& document, const Job& job)
     {
-        mesh::CutOptions cut = planner::cut_options_of(approach, table);
-        cut.subdivision = kSubdivisions.at(options.subdivision);
-        const planner::PlannedCut planned = planner::cut_as_planned(session, approach, table, cut, job);
+        const planner::PlannedCut planned
+            = planner::cut_as_planned(session, approach, table, planner::cut_options_of(approach, table), job);
         refuse_if_cancelled(job);
         if (planned.status != mesh::CutStatus::done)
             throw SolverError(planned.message, "approach " + approach.name);
@@ -250,7 +244,7 @@ namespace {
             check_ending(options, session);
         else
             try {
-                removed = add_cut(options, approach, table, session, document, job);
+                removed = add_cut(approach, table, session, document, job);
                 check_ending(options, session);
                 // Remove the new journal, which would be in the way of the next attempt.
             } catch (...) {
@@ -308,9 +302,6 @@ void add_cut_command(Commands& commands)
     CLI::Option* finish = command->add_flag(
         "--finish", options->finish, "Finish the freehand stroke that the replayed journal leaves open");
     command->add_flag("--abandon", options->abandon, "Take it back instead")->excludes(finish);
-    command->add_option("--subdivision", options->subdivision, "How crossed elements are divided")
-        ->capture_default_str()
-        ->check(CLI::IsMember({ "adaptive", "intermediate11", "intermediate5", "general" }));
     command->callback(
         [&commands, options] { commands.run = [options](const Job& job) { return knife(*options, job); }; });
 }

@@ -1,0 +1,31 @@
+#pragma once
+// Cuts a mesh once, without a session of the caller.
+
+#include "mesh/cutting/cut_session.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace retractor::test_support {
+
+struct [[nodiscard]] CutMesh {
+    mesh::CutStatus status = mesh::CutStatus::done;
+    std::string message; ///< remarks for the user; may be empty
+    mesh::TetMesh mesh;
+    std::vector<mesh::LipFace> lips; ///< ids of `mesh`
+};
+
+/// @throws InputError and SolverError as CutSession and CutSession::cut()
+inline CutMesh cut(const mesh::TetMesh& mesh, const mesh::Blade& blade)
+{
+    mesh::CutSession session(mesh);
+    const mesh::CutResult result = session.cut(blade);
+    mesh::SlotMap map;
+    CutMesh out { result.status, result.message, session.compact_mesh(&map), session.lips() };
+    for (mesh::LipFace& lip : out.lips)
+        lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
+    return out;
+}
+
+} // namespace retractor::test_support

@@ -7,8 +7,9 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(RETRACTOR_INSTALLED_FOLDERS mesh fem datasets haptics planner)
-# The headers of mesh_io and mesh_generation lie in mesh, those of session in planner/session.
-set(RETRACTOR_COMPONENTS mesh mesh_io mesh_generation fem datasets haptics planner session)
+# The headers of mesh_io and mesh_generation lie in mesh, those of session and palpation_session in planner/session.
+set(RETRACTOR_COMPONENTS mesh mesh_io mesh_generation fem datasets haptics planner_approach planner session
+  palpation_session)
 set(retractor_package_folder "${CMAKE_INSTALL_LIBDIR}/cmake/retractor")
 
 # What the static libraries need from VTK and ITK is asked of their targets, so that the package file cannot fall behind.

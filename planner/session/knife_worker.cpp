@@ -2,7 +2,6 @@
 
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
-#include "mesh/tetrahedra/mesh_io.h"
 
 #include <chrono>
 #include <exception>
@@ -106,7 +105,9 @@ struct KnifeWorker::Runner {
     {
         if (live_session.stroke_open())
             return { false, "a stroke is open: finish it first" };
-        mesh::write_vtu(c.path, live_session.session().compact_mesh());
+        if (!worker.write_wall_)
+            return { false, "this program cannot save the wall" };
+        worker.write_wall_(c.path, live_session.session().compact_mesh());
         return { true, "Saved " + c.path.string() };
     }
 
@@ -253,6 +254,7 @@ void KnifeWorker::prepare_session(const std::function<SurgerySetup(const Job&)>&
     make_ready([&] {
         SurgerySetup table = prepare(job);
         caution_ = table.caution;
+        write_wall_ = table.write_wall;
         auto outline = std::make_shared<const std::vector<EdgePlace>>(
             region_outline(table.wall, table.region, table.labels, table.outward));
         std::shared_ptr<const BeyondSurface> beyond;

@@ -116,6 +116,7 @@ private:
     };
     std::optional<Question> question_; ///< none: not asked, or answered already
     std::string caution_; ///< caution of the setup
+    std::function<void(const std::filesystem::path&, const mesh::TetMesh&)> write_wall_; ///< of the setup
     std::unique_ptr<SurgerySession> live_session_; ///< null: being prepared, or failed
     std::size_t refused_stroke_ = 0; ///< see SessionSnapshot
     bool changed_ = false; ///< a command ran since the last snapshot

@@ -73,7 +73,7 @@ namespace surgery {
     };
     struct TakeOffHooks { };
 
-    /// Writes the cut wall at rest as VTU, with a message. Refused while a stroke is open.
+    /// Writes the cut wall at rest by SurgerySetup::write_wall, with a message. Refused while a stroke is open.
     struct ExportWall {
         std::filesystem::path path {};
     };

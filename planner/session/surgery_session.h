@@ -53,6 +53,8 @@ struct SurgerySetup {
     std::shared_ptr<const TriMesh> beyond {};
     std::filesystem::path journal; ///< file that keeps the cuts; empty: cuts are not kept
     std::string caution {}; ///< message for the surgeon when the session is ready; may be empty
+    /// Writes the cut wall at rest to a file (ExportWall), on the session's thread; empty: the wall cannot be saved.
+    std::function<void(const std::filesystem::path&, const mesh::TetMesh&)> write_wall {};
 };
 
 struct KnifeSettings {

@@ -3,6 +3,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/generation/hybrid_model.h"
+#include "mesh/tetrahedra/mesh_io.h"
 #include "planner/case/case.h"
 #include "planner/case/patient.h"
 #include "planner/plan/plan.h"
@@ -12,6 +13,7 @@
 #include "ui/plan_scene/plan_scene.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -78,6 +80,8 @@ namespace {
         table.journal = planner::cuts_journal(planned_case.file(), approach.name);
         table.materials = planner::materials_as_solved(planned_case, planner::ElementKind::p1);
         table.caution = not_as_planned(planned_case);
+        table.write_wall
+            = [](const std::filesystem::path& file, const mesh::TetMesh& wall) { mesh::write_vtu(file, wall); };
         Vec3 inward = Vec3::Zero();
         for (const Vec3& direction : approach.directions)
             inward += direction;

@@ -1,7 +1,7 @@
 #pragma once
-// Commands of live surgery, as plain data. A front end fills a command in and gives it to KnifeWorker::run(). A command
-// that cannot run changes nothing unless noted below; the next snapshot gives the reason. Units mm, N; frame patient
-// LPS.
+// Commands of live surgery, as plain data. A front end fills a command in and gives it to SurgeryWorker::run(). A
+// command that cannot run changes nothing unless noted below; the next snapshot gives the reason. Units mm, N; frame
+// patient LPS.
 
 #include "planner/session/surgery_session.h"
 
@@ -16,7 +16,7 @@ namespace surgery {
     struct BeginStroke {
         Touch at {};
         KnifeSettings settings {};
-        std::size_t number = 1; ///< number for SessionSnapshot::refused_stroke; the front end counts from 1
+        std::size_t number = 1; ///< number for SurgerySnapshot::refused_stroke; the front end counts from 1
     };
     /// Draws the last begun stroke on. DrawTo, LeaveWall and FinishStroke do nothing when that stroke was refused.
     struct DrawTo {

@@ -135,32 +135,32 @@ struct SurgerySession::Stroke {
     std::string omitted; ///< why a part of the line was not cut; empty: all of it was cut
 };
 
-SurgerySession::SurgerySession(SurgerySetup table, const Job& job)
-    : SurgerySession(table, open_session(table.wall, job), {}, job)
+SurgerySession::SurgerySession(SurgerySetup setup, const Job& job)
+    : SurgerySession(setup, open_session(setup.wall, job), {}, job)
 {
 }
 
 SurgerySession::SurgerySession(
-    SurgerySetup table, mesh::CutSession session, const std::vector<mesh::MeshDelta>& cuts, const Job& job)
-    : labels_(std::move(table.labels))
-    , materials_(std::move(table.materials))
-    , outward_(table.outward)
-    , first_(std::make_shared<const mesh::TetMesh>(std::move(table.wall)))
+    SurgerySetup setup, mesh::CutSession session, const std::vector<mesh::MeshDelta>& cuts, const Job& job)
+    : labels_(std::move(setup.labels))
+    , materials_(std::move(setup.materials))
+    , outward_(setup.outward)
+    , first_(std::make_shared<const mesh::TetMesh>(std::move(setup.wall)))
     , skeleton_(skeleton_labels(labels_))
     , session_(std::move(session))
     , follower_(*first_)
     , rest_(first_->vertices)
-    , region_(std::move(table.region))
-    , cut_off_(std::move(table.cut_off))
+    , region_(std::move(setup.region))
+    , cut_off_(std::move(setup.cut_off))
     , held_(first_->vertex_count(), 0)
     , bed_(first_->vertex_count(), 0.0)
-    , approach_(std::move(table.approach))
+    , approach_(std::move(setup.approach))
 {
     job_.ledger = job.ledger;
-    for (const VertexId v : table.held)
+    for (const VertexId v : setup.held)
         held_.at(static_cast<std::size_t>(v)) = 1;
-    cut_off_.insert(cut_off_.end(), table.held.begin(), table.held.end());
-    for (const fem::BeddedVertex& bed : table.bedded)
+    cut_off_.insert(cut_off_.end(), setup.held.begin(), setup.held.end());
+    for (const fem::BeddedVertex& bed : setup.bedded)
         bed_.at(static_cast<std::size_t>(bed.vertex)) = bed.stiffness;
     const std::vector<LipsOfCut> lips = cuts.empty() ? std::vector<LipsOfCut> {} : lips_of_cuts(session_, cuts.size());
     for (const mesh::MeshDelta& delta : cuts)
@@ -681,7 +681,7 @@ double SurgerySession::case_tension() const
 
 /// Replaces the solver by a solver without hooks. Its corridor has the vertices that the hooks will hold and the
 /// vertices where the knife will continue.
-void SurgerySession::make_hooks(std::span<const HookPlacement> seats)
+void SurgerySession::make_hooks(std::span<const HookPlacement> placements)
 {
     const Stopwatch watch;
     fem::Supports supports;
@@ -692,8 +692,8 @@ void SurgerySession::make_hooks(std::span<const HookPlacement> seats)
         if (bed_[static_cast<std::size_t>(v)] > 0.0)
             supports.bedded.push_back({ v, bed_[static_cast<std::size_t>(v)] });
     std::vector<VertexId> corridor = along_planned_line(session_, approach_);
-    for (const HookPlacement& seat : seats)
-        corridor.insert(corridor.end(), seat.nodes.begin(), seat.nodes.end());
+    for (const HookPlacement& placement : placements)
+        corridor.insert(corridor.end(), placement.nodes.begin(), placement.nodes.end());
     auto hooks = std::make_unique<WoundHooks>(
         session_, materials_, supports, corridor, tension_ > 0.0 ? tension_stresses(tension_) : std::vector<Mat3> {});
     hooks->set_yield(yield_N_);
@@ -710,14 +710,15 @@ void SurgerySession::renew_hooks()
     std::vector<HookState> hooks = hooks_->report().hooks;
     std::vector<VertexId> held = hooks_->held_vertices();
     std::sort(held.begin(), held.end());
-    std::vector<HookPlacement> seats;
+    std::vector<HookPlacement> placements;
     for (HookState& hook : hooks) {
-        std::erase_if(hook.seat.nodes, [&](VertexId v) { return !std::binary_search(held.begin(), held.end(), v); });
-        seats.push_back(hook.seat);
+        std::erase_if(
+            hook.placement.nodes, [&](VertexId v) { return !std::binary_search(held.begin(), held.end(), v); });
+        placements.push_back(hook.placement);
     }
-    make_hooks(seats);
+    make_hooks(placements);
     for (const HookState& hook : hooks)
-        hooks_->attach(hook.seat, hook.name, hook.drive, hook.planned);
+        hooks_->attach(hook.placement, hook.name, hook.drive, hook.planned);
 }
 
 /// Runs a call of the solver that may fail; the cut stays when it fails.
@@ -760,19 +761,20 @@ void SurgerySession::hooks_taken_off()
     }
 }
 
-KnifeAnswer SurgerySession::attach(std::vector<HookPlacement> seats, const std::vector<std::string>& names,
+KnifeAnswer SurgerySession::attach(std::vector<HookPlacement> placements, const std::vector<std::string>& names,
     const std::vector<fem::HookDrive>& drives, bool planned, std::string omitted)
 {
     try {
         if (hooks_ == nullptr)
-            make_hooks(seats);
+            make_hooks(placements);
     } catch (const Error& error) {
         return { false, std::string("the wall cannot be opened: ") + error.what() };
     }
     std::size_t attached = 0;
-    for (std::size_t i = 0; i < seats.size(); ++i)
+    for (std::size_t i = 0; i < placements.size(); ++i)
         try {
-            hooks_->attach(std::move(seats[i]), names[i], drives[i], planned ? std::optional(drives[i]) : std::nullopt);
+            hooks_->attach(
+                std::move(placements[i]), names[i], drives[i], planned ? std::optional(drives[i]) : std::nullopt);
             ++attached;
         } catch (const InputError& error) {
             omitted += (omitted.empty() ? "" : "; ") + error.where() + ": " + error.what();
@@ -789,15 +791,15 @@ KnifeAnswer SurgerySession::place_hook(const Touch& at)
     if (stroke_open())
         return { false, "a stroke is open: finish it first" };
     std::string why_not;
-    HookPlacement seat = find_hook_seat(*picture()->surface, lip_triangles(session_), held_, at, why_not);
-    if (seat.nodes.empty())
+    HookPlacement placement = find_hook_placement(*picture()->surface, lip_triangles(session_), held_, at, why_not);
+    if (placement.nodes.empty())
         return { false, why_not };
     const std::string name = "hook " + std::to_string(hooks_placed_ + 1);
     Vec3 lies = Vec3::Zero(); // under tension the lip has moved: the hook takes the lip at its present place
-    for (const VertexId v : seat.nodes)
+    for (const VertexId v : placement.nodes)
         lies += (picture()->shown.row(v) - picture()->surface->rest.row(v)).transpose()
-            / static_cast<double>(seat.nodes.size());
-    KnifeAnswer answer = attach({ std::move(seat) }, { name }, { { .displacement = lies } }, false, {});
+            / static_cast<double>(placement.nodes.size());
+    KnifeAnswer answer = attach({ std::move(placement) }, { name }, { { .displacement = lies } }, false, {});
     if (answer.done)
         ++hooks_placed_;
     return answer;
@@ -805,14 +807,16 @@ KnifeAnswer SurgerySession::place_hook(const Touch& at)
 
 namespace {
 
-    void leave_out_those_there(PlannedSeats& planned, const std::vector<HookState>& there)
+    void leave_out_those_there(PlannedPlacements& planned, const std::vector<HookState>& there)
     {
-        PlannedSeats missing { .seats = {}, .names = {}, .drives = {}, .omitted = std::move(planned.omitted) };
-        for (std::size_t i = 0; i < planned.seats.size(); ++i) {
+        PlannedPlacements missing {
+            .placements = {}, .names = {}, .drives = {}, .omitted = std::move(planned.omitted)
+        };
+        for (std::size_t i = 0; i < planned.placements.size(); ++i) {
             if (std::any_of(there.begin(), there.end(),
                     [&](const HookState& hook) { return hook.planned && hook.name == planned.names[i]; }))
                 continue;
-            missing.seats.push_back(std::move(planned.seats[i]));
+            missing.placements.push_back(std::move(planned.placements[i]));
             missing.names.push_back(std::move(planned.names[i]));
             missing.drives.push_back(planned.drives[i]);
         }
@@ -840,14 +844,14 @@ KnifeAnswer SurgerySession::take_planned_hooks()
     const std::vector<mesh::LipFace> lips = session_.lips();
     if (lips.empty())
         return { false, "there is no wound to open yet: cut first" };
-    PlannedSeats planned = planned_seats(session_, approach_, labels_, held_);
-    if (planned.seats.empty())
+    PlannedPlacements planned = planned_placements(session_, approach_, labels_, held_);
+    if (planned.placements.empty())
         return { false, planned.omitted };
     leave_out_those_there(planned, hooks().hooks);
-    if (planned.seats.empty())
+    if (planned.placements.empty())
         return { false, "the planned hooks hold the wound already: take them off to begin anew" };
     KnifeAnswer answer
-        = attach(std::move(planned.seats), planned.names, planned.drives, true, std::move(planned.omitted));
+        = attach(std::move(planned.placements), planned.names, planned.drives, true, std::move(planned.omitted));
     if (answer.done && tension_ != case_tension())
         answer.reason += (answer.reason.empty() ? "" : "; ") + tension_unlike_the_plan(tension_, case_tension());
     return answer;

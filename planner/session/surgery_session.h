@@ -90,12 +90,12 @@ class SurgerySession {
 public:
     /// Starts without a journal, whatever setup.journal says. The constructor is reported as part "cutting session".
     /// @throws InputError as CutSession
-    explicit SurgerySession(SurgerySetup table, const Job& job = {});
+    explicit SurgerySession(SurgerySetup setup, const Job& job = {});
     /// Starts from a session of the setup's wall that has these cuts.
     /// @param cuts one delta per cut, in order.
     /// @pre no stroke is open
     SurgerySession(
-        SurgerySetup table, mesh::CutSession session, const std::vector<mesh::MeshDelta>& cuts, const Job& job = {});
+        SurgerySetup setup, mesh::CutSession session, const std::vector<mesh::MeshDelta>& cuts, const Job& job = {});
     ~SurgerySession();
     SurgerySession(SurgerySession&&) noexcept;
     SurgerySession& operator=(SurgerySession&&) noexcept;
@@ -217,11 +217,11 @@ private:
     void lie_as(const Points& displacement);
     void start_moving();
     std::vector<Mat3> tension_stresses(double strain) const;
-    void make_hooks(std::span<const HookPlacement> seats);
+    void make_hooks(std::span<const HookPlacement> placements);
     void renew_hooks();
     void drop_hooks(const std::string& why);
     void hooks_taken_off();
-    KnifeAnswer attach(std::vector<HookPlacement> seats, const std::vector<std::string>& names,
+    KnifeAnswer attach(std::vector<HookPlacement> placements, const std::vector<std::string>& names,
         const std::vector<fem::HookDrive>& drives, bool planned, std::string omitted);
     template <class Call> void with_hooks(const Call& call);
     std::shared_ptr<const WallSurface> make_surface() const;

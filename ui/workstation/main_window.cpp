@@ -137,13 +137,13 @@ void MainWindow::show_knife()
 {
     if (model_ && model_->selected() && knife_tab_open()) {
         const std::size_t index = *model_->selected();
-        knife_->lay_out(index, [make = backend_.operating_table, approach = model_->approach(index)](const Job& job) {
+        knife_->set_up(index, [make = backend_.surgery_input, approach = model_->approach(index)](const Job& job) {
             return make(approach, job);
         });
     } else {
         knife_->leave();
     }
-    const planner::SessionSnapshot* snapshot = knife_->snapshot();
+    const planner::SurgerySnapshot* snapshot = knife_->snapshot();
     knife_action_->setEnabled(model_ && model_->selected());
     line_action_->setEnabled(knife_action_->isEnabled());
     knife_action_->setChecked(knife_->mode() == KnifeMode::freehand);

@@ -396,7 +396,7 @@ void KnifePanel::show_opening(const std::vector<planner::HookState>& hooks)
     }
     double mm = 0.0;
     for (const planner::HookState& hook : hooks)
-        mm += hook.drive.displacement.dot(hook.seat.pull) / static_cast<double>(hooks.size());
+        mm += hook.drive.displacement.dot(hook.placement.pull) / static_cast<double>(hooks.size());
     set_opening(static_cast<int>(std::lround(mm)), false);
 }
 
@@ -413,9 +413,9 @@ void KnifePanel::set_opening(int value, bool by_share)
     opening_text_->setText(opening_text(opening_->value()));
 }
 
-void KnifePanel::show_hooks(const planner::SessionSnapshot* snapshot)
+void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
 {
-    const bool ready = snapshot != nullptr && snapshot->phase == planner::SessionSnapshot::Phase::ready;
+    const bool ready = snapshot != nullptr && snapshot->phase == planner::SurgerySnapshot::Phase::ready;
     const planner::HookReport report = ready ? snapshot->hooks : planner::HookReport {};
     const auto count = static_cast<int>(report.hooks.size());
     while (hooks_->count() > count)
@@ -502,10 +502,10 @@ void KnifePanel::offer_case_tension(double strain)
         tension_->setCurrentIndex(case_tension_item_);
 }
 
-void KnifePanel::show_snapshot(const planner::SessionSnapshot* snapshot, double draw_ms)
+void KnifePanel::show_snapshot(const planner::SurgerySnapshot* snapshot, double draw_ms)
 {
-    const bool ready = snapshot != nullptr && snapshot->phase == planner::SessionSnapshot::Phase::ready;
-    const bool asking = snapshot != nullptr && snapshot->phase == planner::SessionSnapshot::Phase::asking;
+    const bool ready = snapshot != nullptr && snapshot->phase == planner::SurgerySnapshot::Phase::ready;
+    const bool asking = snapshot != nullptr && snapshot->phase == planner::SurgerySnapshot::Phase::asking;
     question_->setVisible(asking);
     if (asking)
         question_text_->setText(snapshot->saved_cuts == 0

@@ -3,14 +3,13 @@
 #include "fem/springs/edge_springs.h"
 #include "fem/springs/spring_relaxation.h"
 #include "mesh/base/error.h"
-#include "mesh/base/triangle.h"
 #include "mesh/image/skeleton.h"
 #include "planner/wall/wall_tension.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
-#include <map>
 #include <sstream>
 #include <utility>
 
@@ -36,8 +35,6 @@ namespace {
     /// Share of the former direction of the knife that a step keeps, because a hand does not turn the blade at every
     /// bump.
     constexpr double kSteadiness = 0.5;
-    /// Share of the removed tissue that counts as round-off of divided elements, and not as another tissue.
-    constexpr double kNoVolume = 1e-6;
 
     /// A hand strays from the planned line by about this distance, in edges of the corridor's elements.
     constexpr double kStrayEdges = 1.5;
@@ -73,52 +70,12 @@ namespace {
         return labels;
     }
 
-    std::string label_name(const mesh::LabelTable& table, Label label)
-    {
-        const mesh::LabelInfo* info = mesh::find_label(table, label);
-        return info == nullptr ? "nothing" : info->name;
-    }
-
     mesh::CutSession open_session(const mesh::TetMesh& wall, const Job& job)
     {
         const Stopwatch watch;
         mesh::CutSession session(wall);
         record_part(job, "cutting session", watch, session.bytes().mesh);
         return session;
-    }
-
-    double volume_of(const mesh::MeshDelta::Tet& tet, const Points& vertices)
-    {
-        const auto p = [&](std::size_t i) { return Vec3(vertices.row(tet.nodes[i])); };
-        return mesh::tet_volume(p(0), p(1), p(2), p(3));
-    }
-
-} // namespace
-
-/// The present lips of a cut.
-struct LipsOfCut {
-    double area_mm2 = 0.0; ///< area of one lip at rest
-    bool bared = false; ///< an ablation exposed a part of the faces
-};
-
-namespace {
-
-    std::vector<LipsOfCut> lips_of_cuts(const mesh::CutSession& session, std::size_t cuts)
-    {
-        std::vector<LipsOfCut> found(cuts);
-        for (const mesh::LipFace& lip : session.lips()) {
-            if (lip.side < 0 || static_cast<std::size_t>(lip.cut) >= cuts)
-                continue;
-            const auto nodes = session.tet(lip.face.tet).nodes;
-            std::array<Vec3, 3> p;
-            for (std::size_t i = 0; i < 3; ++i)
-                p[i] = session.position(
-                    nodes[static_cast<std::size_t>(mesh::kTetFaces[static_cast<std::size_t>(lip.face.corner)][i])]);
-            LipsOfCut& of = found[static_cast<std::size_t>(lip.cut)];
-            of.area_mm2 += triangle_area(p);
-            of.bared = of.bared || lip.side == 0;
-        }
-        return found;
     }
 
 } // namespace
@@ -164,41 +121,8 @@ SurgerySession::SurgerySession(
         bed_.at(static_cast<std::size_t>(bed.vertex)) = bed.stiffness;
     const std::vector<LipsOfCut> lips = cuts.empty() ? std::vector<LipsOfCut> {} : lips_of_cuts(session_, cuts.size());
     for (const mesh::MeshDelta& delta : cuts)
-        cuts_.push_back(restored_entry(
-            static_cast<int>(cuts_.size()) + 1, delta, lips[cuts_.size()], [&] { (void)take_in(delta); }));
-}
-
-/// @param take applies the delta; volumes before and after are needed
-CutEntry SurgerySession::restored_entry(
-    int number, const mesh::MeshDelta& delta, const LipsOfCut& lips, const std::function<void()>& take) const
-{
-    CutEntry entry { .number = number, .restored = true };
-    entry.report.lip_area_mm2 = lips.area_mm2;
-    std::map<Label, double> lost;
-    for (const mesh::MeshDelta::Tet& tet : delta.tets_gone)
-        lost[tet.label] += volume_of(tet, rest_);
-    take();
-    for (const mesh::MeshDelta::Tet& tet : delta.tets_born)
-        lost[tet.label] -= volume_of(tet, rest_);
-    // An ablation removes vertices, or exposes faces, or both; a cut does neither.
-    const bool ablation = lips.bared
-        || std::any_of(delta.vertices_gone.begin(), delta.vertices_gone.end(),
-            [](const auto& gone) { return gone.origin == mesh::MeshDelta::Origin::restored; });
-    if (!ablation || lost.empty())
-        return entry;
-    double most = 0.0;
-    for (const auto& [label, volume] : lost)
-        entry.report.removed_volume_mm3 += volume;
-    for (const auto& [label, volume] : lost) {
-        if (volume < kNoVolume * entry.report.removed_volume_mm3)
-            continue;
-        entry.several_tissues = most > 0.0;
-        if (volume > most) {
-            most = volume;
-            entry.taken_out = label_name(labels_, label);
-        }
-    }
-    return entry;
+        history_.append(
+            restored_entry(delta, lips[history_.entries().size()], labels_, rest_, [&] { (void)take_in(delta); }));
 }
 
 SurgerySession::~SurgerySession() = default;
@@ -339,16 +263,13 @@ KnifeAnswer SurgerySession::finish_stroke()
     follow(result.delta);
     if (result.status != mesh::CutStatus::done)
         return { false, result.message };
-    std::erase_if(cuts_, [](const CutEntry& cut) { return !cut.in_force; });
-    CutEntry entry {
-        .number = static_cast<int>(cuts_.size()) + 1, .depth_mm = ended->blade.depth_mm, .report = result.report
-    };
+    CutEntry entry { .depth_mm = ended->blade.depth_mm, .report = result.report };
     for (std::size_t i = 1; i < ended->blade.line.size(); ++i)
         entry.length_mm += (ended->blade.line[i] - ended->blade.line[i - 1]).norm();
     entry.omitted = ended->omitted;
     if (!ended->off.empty())
         entry.omitted += (entry.omitted.empty() ? "" : "; ") + ended->off;
-    cuts_.push_back(entry);
+    history_.add(entry);
     if (entry.omitted.empty())
         return { true, {} };
     return { true,
@@ -453,30 +374,28 @@ KnifeAnswer SurgerySession::take_out(const Touch& at, double radius_mm)
         return { false, result.message };
     step_ms_ = 1e3 * watch.seconds();
     follow(result.delta);
-    std::erase_if(cuts_, [](const CutEntry& cut) { return !cut.in_force; });
-    entry.number = static_cast<int>(cuts_.size()) + 1;
     entry.taken_out = label_name(labels_, kind);
     entry.report = result.report;
-    cuts_.push_back(entry);
+    history_.add(entry);
     return { true, entry.omitted.empty() ? std::string {} : "a part of the ball was left out: " + entry.omitted };
 }
 
 void SurgerySession::undo()
 {
     follow(session_.undo());
-    cuts_[session_.cut_count()].in_force = false;
+    history_.set_in_force(session_.cut_count(), false);
 }
 
 void SurgerySession::redo()
 {
     const mesh::MeshDelta delta = session_.redo();
     const std::size_t count = session_.cut_count();
-    if (cuts_.size() < count) // the cut was undone before the journal was opened again
-        cuts_.push_back(restored_entry(
-            static_cast<int>(count), delta, lips_of_cuts(session_, count).back(), [&] { follow(delta); }));
+    if (history_.entries().size() < count) // the cut was undone before the journal was opened again
+        history_.append(
+            restored_entry(delta, lips_of_cuts(session_, count).back(), labels_, rest_, [&] { follow(delta); }));
     else
         follow(delta);
-    cuts_[count - 1].in_force = true;
+    history_.set_in_force(count - 1, true);
 }
 
 std::shared_ptr<const WallSurface> SurgerySession::make_surface() const
@@ -625,7 +544,7 @@ void SurgerySession::set_tension(double strain)
             drop_hooks(error.what());
             return;
         }
-        with_hooks([&] { hooks_->frame(); });
+        show_hooks();
         return;
     }
     std::unique_ptr<fem::SpringNetwork> springs = strain > 0.0 ? make_springs(strain) : nullptr;
@@ -640,15 +559,21 @@ void SurgerySession::set_tension(double strain)
     start_moving();
 }
 
-std::unique_ptr<fem::SpringNetwork> SurgerySession::make_springs(double strain) const
+/// The present vertices that do not move.
+std::vector<VertexId> SurgerySession::held_vertices() const
 {
-    const Stopwatch watch;
-    auto springs = std::make_unique<fem::SpringNetwork>(session_, materials_, tension_stresses(strain));
     std::vector<VertexId> held;
     for (VertexId v = 0; v < static_cast<VertexId>(held_.size()); ++v)
         if (held_[static_cast<std::size_t>(v)] != 0 && session_.has_vertex(v))
             held.push_back(v);
-    springs->fix(held);
+    return held;
+}
+
+std::unique_ptr<fem::SpringNetwork> SurgerySession::make_springs(double strain) const
+{
+    const Stopwatch watch;
+    auto springs = std::make_unique<fem::SpringNetwork>(session_, materials_, tension_stresses(strain));
+    springs->fix(held_vertices());
     springs->set_wound(session_.lips());
     record_part(job_, "springs", watch, springs->bytes());
     return springs;
@@ -684,10 +609,7 @@ double SurgerySession::case_tension() const
 void SurgerySession::make_hooks(std::span<const HookPlacement> placements)
 {
     const Stopwatch watch;
-    fem::Supports supports;
-    for (VertexId v = 0; v < static_cast<VertexId>(held_.size()); ++v)
-        if (held_[static_cast<std::size_t>(v)] != 0 && session_.has_vertex(v))
-            supports.fixed.push_back(v);
+    fem::Supports supports { .fixed = held_vertices(), .bedded = {} };
     for (VertexId v = 0; v < static_cast<VertexId>(bed_.size()); ++v)
         if (bed_[static_cast<std::size_t>(v)] > 0.0)
             supports.bedded.push_back({ v, bed_[static_cast<std::size_t>(v)] });
@@ -761,6 +683,27 @@ void SurgerySession::hooks_taken_off()
     }
 }
 
+/// Runs a change of the hooks, and opens the wound again; does nothing without hooks.
+/// @throws as the change, and nothing is solved then
+template <class Call> void SurgerySession::change_hooks(const Call& change)
+{
+    if (hooks_ == nullptr)
+        return;
+    change();
+    show_hooks();
+}
+
+/// Opens the wound for the present hooks, as long as there are any.
+void SurgerySession::show_hooks()
+{
+    with_hooks([&] {
+        if (!hooks_->empty())
+            hooks_->frame();
+    });
+}
+
+bool SurgerySession::has_hook(fem::HookId hook) const { return hooks_ != nullptr && hooks_->has(hook); }
+
 KnifeAnswer SurgerySession::attach(std::vector<HookPlacement> placements, const std::vector<std::string>& names,
     const std::vector<fem::HookDrive>& drives, bool planned, std::string omitted)
 {
@@ -779,10 +722,7 @@ KnifeAnswer SurgerySession::attach(std::vector<HookPlacement> placements, const 
         } catch (const InputError& error) {
             omitted += (omitted.empty() ? "" : "; ") + error.where() + ": " + error.what();
         }
-    with_hooks([&] {
-        if (!hooks_->empty())
-            hooks_->frame();
-    });
+    show_hooks();
     return { attached > 0, std::move(omitted) };
 }
 
@@ -859,26 +799,18 @@ KnifeAnswer SurgerySession::take_planned_hooks()
 
 void SurgerySession::pull_hook(fem::HookId hook, const Vec3& asked)
 {
-    if (hooks_ == nullptr || !hooks_->has(hook))
-        return;
-    hooks_->pull(hook, asked);
-    with_hooks([&] { hooks_->frame(); });
+    if (has_hook(hook))
+        change_hooks([&] { hooks_->pull(hook, asked); });
 }
 
 void SurgerySession::pull_all_hooks(double mm)
 {
-    if (hooks_ == nullptr)
-        return;
-    hooks_->pull_all(mm);
-    with_hooks([&] { hooks_->frame(); });
+    change_hooks([&] { hooks_->pull_all(mm); });
 }
 
 void SurgerySession::pull_hooks_by_share(double share)
 {
-    if (hooks_ == nullptr)
-        return;
-    hooks_->pull_share(share);
-    with_hooks([&] { hooks_->frame(); });
+    change_hooks([&] { hooks_->pull_share(share); });
 }
 
 void SurgerySession::set_yield(double force_N)
@@ -886,30 +818,19 @@ void SurgerySession::set_yield(double force_N)
     if (!(force_N > 0.0))
         throw InputError("the force at which hooks yield must be positive", "yield");
     yield_N_ = force_N;
-    if (hooks_ == nullptr)
-        return;
-    hooks_->set_yield(force_N);
-    with_hooks([&] { hooks_->frame(); });
+    change_hooks([&] { hooks_->set_yield(force_N); });
 }
 
 void SurgerySession::set_nonlinear(bool wanted)
 {
-    nonlinear_ = wanted;
-    if (hooks_ == nullptr || hooks_->nonlinear() == wanted)
-        return;
-    hooks_->set_nonlinear(wanted);
-    with_hooks([&] { hooks_->frame(); });
+    if (std::exchange(nonlinear_, wanted) != wanted)
+        change_hooks([&] { hooks_->set_nonlinear(wanted); });
 }
 
 void SurgerySession::take_off_hook(fem::HookId hook)
 {
-    if (hooks_ == nullptr || !hooks_->has(hook))
-        return;
-    hooks_->take_off(hook);
-    with_hooks([&] {
-        if (!hooks_->empty())
-            hooks_->frame();
-    });
+    if (has_hook(hook))
+        change_hooks([&] { hooks_->take_off(hook); });
 }
 
 void SurgerySession::take_off_hooks()

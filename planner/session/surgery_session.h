@@ -11,6 +11,7 @@
 #include "mesh/cutting/surface_follower.h"
 #include "mesh/image/volume.h"
 #include "planner/case/approach.h"
+#include "planner/session/cut_history.h"
 #include "planner/session/wall_picture.h"
 #include "planner/session/wall_region.h"
 #include "planner/session/wound_hooks.h"
@@ -68,23 +69,6 @@ struct [[nodiscard]] KnifeAnswer {
     bool done = false; ///< false: nothing was changed
     std::string reason; ///< not done: the reason; done: a message for the surgeon, or empty
 };
-
-/// A finished cut or removed tissue, active or undone.
-struct CutEntry {
-    int number = 0; ///< counted from 1 in the order of cutting
-    std::string taken_out {}; ///< name of the removed tissue, of the largest part when several; empty: a cut
-    bool several_tissues = false; ///< several tissues were removed
-    double length_mm = 0.0, depth_mm = 0.0;
-    mesh::CutReport report {};
-    bool in_force = true;
-    /// Reason why a part of the line was not cut, or a part of the ball not removed; empty: nothing is missing.
-    std::string omitted {};
-    /// Read from disk, which does not keep lengths and reports: the report has only lip_area_mm2 and
-    /// removed_volume_mm3.
-    bool restored = false;
-};
-
-struct LipsOfCut;
 
 class SurgerySession {
 public:
@@ -187,7 +171,7 @@ public:
     std::string take_remark() { return std::exchange(remark_, {}); }
 
     /// All cuts that can be undone or redone, in order.
-    const std::vector<CutEntry>& cuts() const { return cuts_; }
+    const std::vector<CutEntry>& cuts() const { return history_.entries(); }
     /// The present surface; shared between calls while nothing changes.
     std::shared_ptr<const WallPicture> picture();
     const mesh::CutSession& session() const { return session_; }
@@ -209,8 +193,7 @@ private:
     };
     void follow(const mesh::MeshDelta& delta);
     Returned take_in(const mesh::MeshDelta& delta);
-    CutEntry restored_entry(
-        int number, const mesh::MeshDelta& delta, const LipsOfCut& lips, const std::function<void()>& take) const;
+    std::vector<VertexId> held_vertices() const;
     std::unique_ptr<fem::SpringNetwork> make_springs(double strain) const;
     void renew_springs(const std::string& why);
     void drop_tension(const std::string& why);
@@ -224,6 +207,9 @@ private:
     KnifeAnswer attach(std::vector<HookPlacement> placements, const std::vector<std::string>& names,
         const std::vector<fem::HookDrive>& drives, bool planned, std::string omitted);
     template <class Call> void with_hooks(const Call& call);
+    template <class Call> void change_hooks(const Call& change);
+    void show_hooks();
+    bool has_hook(fem::HookId hook) const;
     std::shared_ptr<const WallSurface> make_surface() const;
 
     mesh::LabelTable labels_;
@@ -233,7 +219,7 @@ private:
     Job job_;
     std::vector<Label> skeleton_;
     mesh::CutSession session_;
-    std::vector<CutEntry> cuts_;
+    CutHistory history_;
     std::shared_ptr<Stroke> stroke_; ///< null: no open stroke
     mesh::SurfaceFollower follower_;
     Points rest_; ///< of the session's vertices, by id

@@ -113,7 +113,6 @@ public:
 
     /// Whether the nonlinear solution is shown when possible; off at the start.
     void set_nonlinear(bool wanted);
-    bool nonlinear() const { return nonlinear_; }
 
     const HookReport& report() const { return report_; }
     /// Shown displacement, mm, three numbers per vertex id of the session.

@@ -50,8 +50,6 @@ public:
     QString opening_text() const; ///< text beside the slider
     QListWidget& hook_list() { return *hooks_; }
     QPushButton& planned_hooks_button() { return *planned_; }
-    QPushButton& hook_off_button() { return *hook_off_; }
-    QPushButton& hooks_off_button() { return *hooks_off_; }
     QString hook_numbers() const; ///< text on the panel
     QString hook_warning() const; ///< text on the panel; empty: none
     QPushButton& restore_button() { return *restore_; }

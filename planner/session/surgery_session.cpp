@@ -2,6 +2,7 @@
 
 #include "fem/springs/edge_springs.h"
 #include "fem/springs/spring_relaxation.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/image/skeleton.h"
 #include "planner/wall/wall_tension.h"
@@ -210,6 +211,7 @@ void SurgerySession::leave_wall()
 
 KnifeAnswer SurgerySession::cut_to(std::vector<Vec3> points, std::vector<Vec3> directions)
 {
+    RETRACTOR_ASSERT(stroke_ != nullptr && points.size() == directions.size());
     Stroke& stroke = *stroke_;
     mesh::Blade longer = stroke.blade;
     longer.line.insert(longer.line.end(), points.begin(), points.end());
@@ -514,6 +516,7 @@ void SurgerySession::drop_tension(const std::string& why)
 /// a row in only one of them.
 void SurgerySession::lie_as(const Points& displacement)
 {
+    RETRACTOR_ASSERT(springs_ != nullptr);
     Points start = springs_->displacement();
     const Eigen::Index common = std::min(start.rows(), displacement.rows());
     start.topRows(common) = displacement.topRows(common);
@@ -522,6 +525,7 @@ void SurgerySession::lie_as(const Points& displacement)
 
 void SurgerySession::start_moving()
 {
+    RETRACTOR_ASSERT(springs_ != nullptr);
     moving_ = session_.cut_count() > 0 || session_.stroke_open();
     reach_mm_ = kFirstReachMm;
     still_frames_ = 0;
@@ -629,6 +633,7 @@ void SurgerySession::make_hooks(std::span<const HookPlacement> placements)
 /// Attaches the same hooks, with the vertices that they hold now, to a solver of the present wall and supports.
 void SurgerySession::renew_hooks()
 {
+    RETRACTOR_ASSERT(hooks_ != nullptr);
     std::vector<HookState> hooks = hooks_->report().hooks;
     std::vector<VertexId> held = hooks_->held_vertices();
     std::sort(held.begin(), held.end());
@@ -646,6 +651,7 @@ void SurgerySession::renew_hooks()
 /// Runs a call of the solver that may fail; the cut stays when it fails.
 template <class Call> void SurgerySession::with_hooks(const Call& call)
 {
+    RETRACTOR_ASSERT(hooks_ != nullptr);
     picture_.reset();
     try {
         call();
@@ -707,6 +713,7 @@ bool SurgerySession::has_hook(fem::HookId hook) const { return hooks_ != nullptr
 KnifeAnswer SurgerySession::attach(std::vector<HookPlacement> placements, const std::vector<std::string>& names,
     const std::vector<fem::HookDrive>& drives, bool planned, std::string omitted)
 {
+    RETRACTOR_ASSERT(names.size() == placements.size() && drives.size() == placements.size());
     try {
         if (hooks_ == nullptr)
             make_hooks(placements);
@@ -850,6 +857,7 @@ void SurgerySession::relax(double milliseconds, const Job& job)
         return;
     }
     fem::RelaxOptions options;
+    RETRACTOR_ASSERT(springs_ != nullptr); // what moves without hooks are springs
     options.tolerance = kRestTolerance;
     options.max_iterations = std::max(kFewestIterations, static_cast<int>(milliseconds * iterations_per_ms_));
     options.reach_mm = reach_mm_ > kLastReachMm ? 0.0 : reach_mm_;

@@ -1,5 +1,6 @@
 #include "planner/session/surgery_worker.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 
@@ -313,6 +314,7 @@ std::unique_ptr<SurgerySession> SurgeryWorker::start_session(
 
 void SurgeryWorker::ask_to_restore(SurgerySetup setup, SavedCuts kept)
 {
+    RETRACTOR_ASSERT(!question_);
     change_snapshot([&](SurgerySnapshot& next) {
         next.phase = SurgerySnapshot::Phase::asking;
         next.saved_cuts = kept.deltas.size();
@@ -354,6 +356,7 @@ void SurgeryWorker::make_ready(const std::function<std::unique_ptr<SurgerySessio
 /// @pre there is a session
 void SurgeryWorker::execute(const surgery::Command& command)
 {
+    RETRACTOR_ASSERT(live_session_ != nullptr);
     changed_ = true;
     KnifeAnswer answer;
     try {

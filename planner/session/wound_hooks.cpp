@@ -1,5 +1,6 @@
 #include "planner/session/wound_hooks.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/job.h"
 
@@ -480,6 +481,7 @@ void WoundHooks::show_linear()
 void WoundHooks::show_near()
 {
     const fem::NearFrame& frame = near_.frame();
+    RETRACTOR_ASSERT(frame.hook_displacements.size() == report_.hooks.size());
     displacement_ = near_.displacement(linear_.size());
     forget_since();
     if (answered_)

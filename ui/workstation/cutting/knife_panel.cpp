@@ -165,6 +165,17 @@ namespace {
         return text + reduction_error_text(cut) + angle_remark(r);
     }
 
+    QPushButton* add_button(
+        QWidget& owner, QHBoxLayout& row, const QString& text, const QString& tip, const std::function<void()>& run)
+    {
+        auto* button = new QPushButton(text);
+        button->setToolTip(tip);
+        button->setFocusPolicy(Qt::NoFocus);
+        QObject::connect(button, &QPushButton::clicked, &owner, run);
+        row.addWidget(button);
+        return button;
+    }
+
 } // namespace
 
 KnifePanel::KnifePanel(QWidget* parent)
@@ -210,12 +221,7 @@ KnifePanel::KnifePanel(QWidget* parent)
 
     auto* buttons = new QHBoxLayout;
     const auto add = [&](const QString& text, const QString& tip, const std::function<void()>& run) {
-        auto* button = new QPushButton(text);
-        button->setToolTip(tip);
-        button->setFocusPolicy(Qt::NoFocus);
-        connect(button, &QPushButton::clicked, this, run);
-        buttons->addWidget(button);
-        return button;
+        return add_button(*this, *buttons, text, tip, run);
     };
     undo_ = add("Undo", "Take the last cut back (Ctrl+Z)", [this] { give(planner::surgery::Undo {}); });
     redo_ = add("Redo", "Make it again (Ctrl+Shift+Z)", [this] { give(planner::surgery::Redo {}); });
@@ -328,12 +334,7 @@ QWidget* KnifePanel::make_hooks()
     column->addLayout(form);
     auto* buttons = new QHBoxLayout;
     const auto add = [&](const QString& text, const QString& tip, const std::function<void()>& run) {
-        auto* button = new QPushButton(text);
-        button->setToolTip(tip);
-        button->setFocusPolicy(Qt::NoFocus);
-        connect(button, &QPushButton::clicked, this, run);
-        buttons->addWidget(button);
-        return button;
+        return add_button(*this, *buttons, text, tip, run);
     };
     planned_ = add("As planned", "The approach's hooks, opened as it says",
         [this] { give(planner::surgery::TakePlannedHooks {}); });

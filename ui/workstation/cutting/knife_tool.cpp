@@ -340,12 +340,16 @@ void KnifeTool::show_line()
     view_.draw_soon();
 }
 
+bool KnifeTool::wall_is_shown() const
+{
+    return snapshot() != nullptr && snapshot()->picture != nullptr && view_.scenes().size() == 1;
+}
+
 std::optional<planner::Touch> KnifeTool::feel_wall(const QPointF& at) const
 {
-    const Session* session = shown();
-    if (session == nullptr || session->snapshot->picture == nullptr || view_.scenes().size() != 1)
+    if (!wall_is_shown())
         return std::nullopt;
-    return touch(*session->snapshot->picture, view_.ray_at(at));
+    return touch(*snapshot()->picture, view_.ray_at(at));
 }
 
 std::optional<planner::Touch> KnifeTool::feel(const QPointF& at, std::string& why_not) const
@@ -355,11 +359,10 @@ std::optional<planner::Touch> KnifeTool::feel(const QPointF& at, std::string& wh
         return std::nullopt;
     };
     const bool taking_out = mode_ == KnifeMode::take_out;
-    const Session* session = shown();
-    if (session == nullptr || session->snapshot->picture == nullptr || view_.scenes().size() != 1)
+    if (!wall_is_shown())
         return refuse("the wall is not laid out yet");
     const planner::Ray ray = view_.ray_at(at);
-    const std::optional<planner::Touch> found = touch(*session->snapshot->picture, ray);
+    const std::optional<planner::Touch> found = touch(*snapshot()->picture, ray);
     const auto before = [&](const TriMesh& mesh) {
         const auto hit = planner::first_hit(mesh, ray);
         return hit && (!found || *hit < found->distance);
@@ -367,7 +370,7 @@ std::optional<planner::Touch> KnifeTool::feel(const QPointF& at, std::string& wh
     if (before(beyond_))
         return refuse(
             planner::outside_the_outline(taking_out ? "nothing can be taken out here" : "the knife cannot cut here"));
-    for (const SurfaceItem& item : session->surroundings->surfaces)
+    for (const SurfaceItem& item : shown()->surroundings->surfaces)
         if (item.target && before(*item.mesh))
             return refuse("that is the target, not the wall");
     if (!found)
@@ -407,7 +410,7 @@ void KnifeTool::take_out(const QPointF& at)
 
 void KnifeTool::take_hook(const QPointF& at)
 {
-    if (shown() == nullptr || shown()->snapshot->picture == nullptr || view_.scenes().size() != 1)
+    if (!wall_is_shown())
         return say("the wall is not laid out yet", true);
     const std::optional<planner::Touch> touched = feel_wall(at);
     const planner::Ray ray = view_.ray_at(at);

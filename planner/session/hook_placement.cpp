@@ -107,14 +107,14 @@ std::vector<LipTriangle> lip_triangles(const mesh::CutSession& session)
     return triangles;
 }
 
-HookPlacement find_hook_seat(const WallSurface& surface, std::span<const LipTriangle> lips, std::span<const char> held,
-    const Touch& at, std::string& why_not)
+HookPlacement find_hook_placement(const WallSurface& surface, std::span<const LipTriangle> lips,
+    std::span<const char> held, const Touch& at, std::string& why_not)
 {
-    HookPlacement seat;
+    HookPlacement placement;
     const auto refuse = [&](std::string reason) {
         why_not = std::move(reason);
-        seat.nodes.clear();
-        return seat;
+        placement.nodes.clear();
+        return placement;
     };
     if (lips.empty())
         return refuse("there is no wound to open yet: cut first");
@@ -131,12 +131,12 @@ HookPlacement find_hook_seat(const WallSurface& surface, std::span<const LipTria
     });
     if (own == lips.end()) // the surface is older than the cut
         return refuse("the wound has just changed: set the hook again");
-    seat.cut = own->cut;
-    seat.side = own->side;
+    placement.cut = own->cut;
+    placement.side = own->side;
     std::vector<std::array<VertexId, 3>> faces;
     Vec3 gap = Vec3::Zero(), along = Vec3::Zero();
     for (const LipTriangle& lip : lips) {
-        if (lip.cut != seat.cut || lip.side != seat.side)
+        if (lip.cut != placement.cut || lip.side != placement.side)
             continue;
         faces.push_back(lip.vertices);
         const Vec3 a = place(surface, lip.vertices[0]);
@@ -150,33 +150,33 @@ HookPlacement find_hook_seat(const WallSurface& surface, std::span<const LipTria
         }
     if (!(gap.norm() > 0.0 && along.norm() > 0.0))
         return refuse("the edge of the wound has no direction here: set the hook elsewhere");
-    seat.pull = -gap.normalized();
-    seat.along = (along - along.dot(seat.pull) * seat.pull).normalized();
-    seat.inward = seat.pull.cross(seat.along).normalized();
-    if (seat.inward.dot(at.inward) < 0.0)
-        seat.inward = -seat.inward;
-    seat.centre = place(surface, grip) + (0.5 * seat.height_mm - kAboveEdgeMm) * seat.inward;
+    placement.pull = -gap.normalized();
+    placement.along = (along - along.dot(placement.pull) * placement.pull).normalized();
+    placement.inward = placement.pull.cross(placement.along).normalized();
+    if (placement.inward.dot(at.inward) < 0.0)
+        placement.inward = -placement.inward;
+    placement.centre = place(surface, grip) + (0.5 * placement.height_mm - kAboveEdgeMm) * placement.inward;
     mesh::TetMesh vertices; // in the form that hook_patch_nodes() takes
     vertices.vertices = surface.rest;
     try {
-        seat.nodes = fem::hook_patch_nodes(
-            vertices, faces, seat.centre, seat.along, seat.inward, seat.width_mm, seat.height_mm);
+        placement.nodes = fem::hook_patch_nodes(vertices, faces, placement.centre, placement.along, placement.inward,
+            placement.width_mm, placement.height_mm);
     } catch (const InputError& error) {
         return refuse(error.what());
     }
-    std::erase_if(seat.nodes, [&](VertexId v) {
+    std::erase_if(placement.nodes, [&](VertexId v) {
         return meeting.contains(v)
             || (static_cast<std::size_t>(v) < held.size() && held[static_cast<std::size_t>(v)] != 0);
     });
-    if (seat.nodes.size() < 3)
+    if (placement.nodes.size() < 3)
         return refuse("the wound is too small here for a hook: fewer than three of its places are free");
-    return seat;
+    return placement;
 }
 
-PlannedSeats planned_seats(const mesh::CutSession& session, const Approach& approach, const mesh::LabelTable& table,
-    std::span<const char> held)
+PlannedPlacements planned_placements(const mesh::CutSession& session, const Approach& approach,
+    const mesh::LabelTable& table, std::span<const char> held)
 {
-    PlannedSeats planned;
+    PlannedPlacements planned;
     mesh::SlotMap map;
     const mesh::TetMesh wall = session.compact_mesh(&map);
     fem::Supports supports;
@@ -196,19 +196,19 @@ PlannedSeats planned_seats(const mesh::CutSession& session, const Approach& appr
         one.hooks = { spec };
         try {
             const fem::HookPatch patch = hook_patches(wall, lips, one, table, supports).front();
-            HookPlacement seat { .side = spec.side,
+            HookPlacement placement { .side = spec.side,
                 .pull = spec.direction,
                 .width_mm = spec.patch_width_mm,
                 .height_mm = spec.patch_height_mm };
             for (const VertexId v : patch.nodes) {
-                seat.nodes.push_back(map.vertex_slot[static_cast<std::size_t>(v)]);
-                seat.centre += wall.vertices.row(v).transpose() / static_cast<double>(patch.nodes.size());
+                placement.nodes.push_back(map.vertex_slot[static_cast<std::size_t>(v)]);
+                placement.centre += wall.vertices.row(v).transpose() / static_cast<double>(patch.nodes.size());
             }
-            std::sort(seat.nodes.begin(), seat.nodes.end());
+            std::sort(placement.nodes.begin(), placement.nodes.end());
             const Vec3 inward = mean_direction(approach);
-            seat.along = inward.cross(spec.direction).normalized();
-            seat.inward = spec.direction.cross(seat.along).normalized();
-            planned.seats.push_back(std::move(seat));
+            placement.along = inward.cross(spec.direction).normalized();
+            placement.inward = spec.direction.cross(placement.along).normalized();
+            planned.placements.push_back(std::move(placement));
             planned.names.push_back(spec.name);
             planned.drives.push_back(drive_of(spec));
         } catch (const InputError& error) {

@@ -36,17 +36,17 @@ struct HookPlacement {
 /// Finds the patch for a hook near a touched place.
 /// @param held per vertex: 1 = does not move, so that no hook can hold the vertex
 /// @param why_not receives the reason when no lip is near; the result then has no nodes
-HookPlacement find_hook_seat(const WallSurface& surface, std::span<const LipTriangle> lips, std::span<const char> held,
-    const Touch& at, std::string& why_not);
+HookPlacement find_hook_placement(const WallSurface& surface, std::span<const LipTriangle> lips,
+    std::span<const char> held, const Touch& at, std::string& why_not);
 
 /// The planned hooks that find a lip in a wound that was drawn by hand.
-struct PlannedSeats {
-    std::vector<HookPlacement> seats;
+struct PlannedPlacements {
+    std::vector<HookPlacement> placements;
     std::vector<std::string> names; ///< one per placement
     std::vector<fem::HookDrive> drives; ///< planned drive of each placement
     std::string omitted; ///< message that names the hooks without a lip, with the reasons
 };
-PlannedSeats planned_seats(const mesh::CutSession& session, const Approach& approach, const mesh::LabelTable& table,
-    std::span<const char> held);
+PlannedPlacements planned_placements(const mesh::CutSession& session, const Approach& approach,
+    const mesh::LabelTable& table, std::span<const char> held);
 
 } // namespace retractor::planner

@@ -1,5 +1,7 @@
 #include "planner/session/lip_overlap.h"
 
+#include "mesh/base/assert.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -39,6 +41,7 @@ std::vector<LipPair> lip_pairs(const mesh::CutSession& session, std::span<const 
 
 double lip_overlap_mm(std::span<const LipPair> pairs, const Eigen::VectorXd& displacement)
 {
+    RETRACTOR_ASSERT(displacement.size() % 3 == 0);
     double deepest = 0.0;
     for (const LipPair& pair : pairs)
         if (3 * static_cast<Eigen::Index>(std::max(pair.a, pair.b)) + 3 <= displacement.size())

@@ -2,6 +2,7 @@
 
 #include "fem/statics/drag_options.h"
 #include "fem/statics/near_opening.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -162,6 +163,7 @@ bool NearWound::take()
 
 Eigen::VectorXd NearWound::displacement(Eigen::Index size) const
 {
+    RETRACTOR_ASSERT(ready());
     Eigen::VectorXd by_id = Eigen::VectorXd::Zero(size);
     for (std::size_t v = 0; v < id_.size(); ++v)
         by_id.segment<3>(3 * static_cast<Eigen::Index>(id_[v]))
@@ -187,6 +189,7 @@ bool NearWound::drawn_to(std::span<const fem::HookDrive> drives) const
 
 void NearWound::drag(std::span<const fem::HookDrive> drives)
 {
+    RETRACTOR_ASSERT(ready());
     far_change_.reset();
     guarded([&] { frame_ = field_->drag(drives); });
     drives_.assign(drives.begin(), drives.end());
@@ -195,6 +198,7 @@ void NearWound::drag(std::span<const fem::HookDrive> drives)
 
 void NearWound::settle(const Job& job)
 {
+    RETRACTOR_ASSERT(ready());
     guarded([&] {
         frame_ = field_->settle(job);
         far_change_ = change_beyond(*field_, frame_);

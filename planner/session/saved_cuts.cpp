@@ -53,24 +53,24 @@ SavedCuts read_saved_cuts(const std::filesystem::path& journal, const mesh::TetM
     return kept;
 }
 
-SurgerySession restored_session(SurgerySetup table, const SavedCuts& kept, const Job& job)
+SurgerySession restored_session(SurgerySetup setup, const SavedCuts& kept, const Job& job)
 {
-    mesh::ReplayedJournal opened = mesh::open_journal(table.journal, table.wall, job);
+    mesh::ReplayedJournal opened = mesh::open_journal(setup.journal, setup.wall, job);
     if (opened.status == mesh::CutStatus::cancelled)
-        throw InputError("reading the kept cuts was cancelled", table.journal.string());
+        throw InputError("reading the kept cuts was cancelled", setup.journal.string());
     if (opened.session.stroke_open())
         (void)opened.session.finish_stroke();
-    return SurgerySession(std::move(table), std::move(opened.session), kept.deltas, job);
+    return SurgerySession(std::move(setup), std::move(opened.session), kept.deltas, job);
 }
 
-SurgerySession new_session(SurgerySetup table, const Job& job)
+SurgerySession new_session(SurgerySetup setup, const Job& job)
 {
     std::error_code error;
-    std::filesystem::create_directories(table.journal.parent_path(), error);
+    std::filesystem::create_directories(setup.journal.parent_path(), error);
     if (error)
-        throw IoError("the folder for cuts cannot be made: " + error.message(), table.journal.parent_path().string());
-    mesh::CutSession session = mesh::start_journal(table.journal, table.wall);
-    return SurgerySession(std::move(table), std::move(session), {}, job);
+        throw IoError("the folder for cuts cannot be made: " + error.message(), setup.journal.parent_path().string());
+    mesh::CutSession session = mesh::start_journal(setup.journal, setup.wall);
+    return SurgerySession(std::move(setup), std::move(session), {}, job);
 }
 
 std::filesystem::path set_aside(const std::filesystem::path& journal)

@@ -28,9 +28,9 @@ struct SavedCuts {
 SavedCuts read_saved_cuts(const std::filesystem::path& journal, const mesh::TetMesh& wall, const Job& job = {});
 
 /// A session with the saved cuts that continues their journal. @throws as read_saved_cuts()
-SurgerySession restored_session(SurgerySetup table, const SavedCuts& kept, const Job& job = {});
+SurgerySession restored_session(SurgerySetup setup, const SavedCuts& kept, const Job& job = {});
 /// A session without cuts and with a new journal. @throws IoError when a journal exists already, or none can be written
-SurgerySession new_session(SurgerySetup table, const Job& job = {});
+SurgerySession new_session(SurgerySetup setup, const Job& job = {});
 
 /// Renames the journal within its folder by appending .1, .2, ..., so that nothing is lost.
 /// @return the new path

@@ -1,13 +1,12 @@
 #pragma once
-// Commands of live surgery, as plain data. A front end fills a command in and gives it to KnifeWorker::run(). A command
-// that cannot run changes nothing unless noted below; the next snapshot gives the reason. Units mm, N; frame patient
-// LPS.
+// Commands of live surgery, as plain data. A front end fills a command in and gives it to SurgeryWorker::run(). A
+// command that cannot run changes nothing unless noted below; the next snapshot gives the reason. Units mm, N; frame
+// patient LPS.
 
 #include "planner/session/surgery_session.h"
 
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <variant>
 
 namespace retractor::planner {
@@ -17,7 +16,7 @@ namespace surgery {
     struct BeginStroke {
         Touch at {};
         KnifeSettings settings {};
-        std::size_t number = 1; ///< number for SessionSnapshot::refused_stroke; the front end counts from 1
+        std::size_t number = 1; ///< number for SurgerySnapshot::refused_stroke; the front end counts from 1
     };
     /// Draws the last begun stroke on. DrawTo, LeaveWall and FinishStroke do nothing when that stroke was refused.
     struct DrawTo {
@@ -74,11 +73,9 @@ namespace surgery {
     };
     struct TakeOffHooks { };
 
-    /// Writes the cut wall at rest to a file, with a message. Refused while a stroke is open.
+    /// Writes the cut wall at rest by SurgerySetup::write_wall, with a message. Refused while a stroke is open.
     struct ExportWall {
         std::filesystem::path path {};
-        /// Writes a mesh in the format that the front end chose, e.g. mesh::write_vtu(). May throw IoError.
-        std::function<void(const std::filesystem::path&, const mesh::TetMesh&)> write {};
     };
 
     using Command = std::variant<BeginStroke, DrawTo, LeaveWall, FinishStroke, AbandonStroke, TakeOut, Undo, Redo, GoTo,

@@ -2,15 +2,15 @@
 
 #include "fem/springs/edge_springs.h"
 #include "fem/springs/spring_relaxation.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
-#include "mesh/base/triangle.h"
 #include "mesh/image/skeleton.h"
 #include "planner/wall/wall_tension.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
-#include <map>
 #include <sstream>
 #include <utility>
 
@@ -36,8 +36,6 @@ namespace {
     /// Share of the former direction of the knife that a step keeps, because a hand does not turn the blade at every
     /// bump.
     constexpr double kSteadiness = 0.5;
-    /// Share of the removed tissue that counts as round-off of divided elements, and not as another tissue.
-    constexpr double kNoVolume = 1e-6;
 
     /// A hand strays from the planned line by about this distance, in edges of the corridor's elements.
     constexpr double kStrayEdges = 1.5;
@@ -73,52 +71,12 @@ namespace {
         return labels;
     }
 
-    std::string label_name(const mesh::LabelTable& table, Label label)
-    {
-        const mesh::LabelInfo* info = mesh::find_label(table, label);
-        return info == nullptr ? "nothing" : info->name;
-    }
-
     mesh::CutSession open_session(const mesh::TetMesh& wall, const Job& job)
     {
         const Stopwatch watch;
         mesh::CutSession session(wall);
         record_part(job, "cutting session", watch, session.bytes().mesh);
         return session;
-    }
-
-    double volume_of(const mesh::MeshDelta::Tet& tet, const Points& vertices)
-    {
-        const auto p = [&](std::size_t i) { return Vec3(vertices.row(tet.nodes[i])); };
-        return mesh::tet_volume(p(0), p(1), p(2), p(3));
-    }
-
-} // namespace
-
-/// The present lips of a cut.
-struct LipsOfCut {
-    double area_mm2 = 0.0; ///< area of one lip at rest
-    bool bared = false; ///< an ablation exposed a part of the faces
-};
-
-namespace {
-
-    std::vector<LipsOfCut> lips_of_cuts(const mesh::CutSession& session, std::size_t cuts)
-    {
-        std::vector<LipsOfCut> found(cuts);
-        for (const mesh::LipFace& lip : session.lips()) {
-            if (lip.side < 0 || static_cast<std::size_t>(lip.cut) >= cuts)
-                continue;
-            const auto nodes = session.tet(lip.face.tet).nodes;
-            std::array<Vec3, 3> p;
-            for (std::size_t i = 0; i < 3; ++i)
-                p[i] = session.position(
-                    nodes[static_cast<std::size_t>(mesh::kTetFaces[static_cast<std::size_t>(lip.face.corner)][i])]);
-            LipsOfCut& of = found[static_cast<std::size_t>(lip.cut)];
-            of.area_mm2 += triangle_area(p);
-            of.bared = of.bared || lip.side == 0;
-        }
-        return found;
     }
 
 } // namespace
@@ -135,70 +93,37 @@ struct SurgerySession::Stroke {
     std::string omitted; ///< why a part of the line was not cut; empty: all of it was cut
 };
 
-SurgerySession::SurgerySession(SurgerySetup table, const Job& job)
-    : SurgerySession(table, open_session(table.wall, job), {}, job)
+SurgerySession::SurgerySession(SurgerySetup setup, const Job& job)
+    : SurgerySession(setup, open_session(setup.wall, job), {}, job)
 {
 }
 
 SurgerySession::SurgerySession(
-    SurgerySetup table, mesh::CutSession session, const std::vector<mesh::MeshDelta>& cuts, const Job& job)
-    : labels_(std::move(table.labels))
-    , materials_(std::move(table.materials))
-    , outward_(table.outward)
-    , first_(std::make_shared<const mesh::TetMesh>(std::move(table.wall)))
+    SurgerySetup setup, mesh::CutSession session, const std::vector<mesh::MeshDelta>& cuts, const Job& job)
+    : labels_(std::move(setup.labels))
+    , materials_(std::move(setup.materials))
+    , outward_(setup.outward)
+    , first_(std::make_shared<const mesh::TetMesh>(std::move(setup.wall)))
     , skeleton_(skeleton_labels(labels_))
     , session_(std::move(session))
     , follower_(*first_)
     , rest_(first_->vertices)
-    , region_(std::move(table.region))
-    , cut_off_(std::move(table.cut_off))
+    , region_(std::move(setup.region))
+    , cut_off_(std::move(setup.cut_off))
     , held_(first_->vertex_count(), 0)
     , bed_(first_->vertex_count(), 0.0)
-    , approach_(std::move(table.approach))
+    , approach_(std::move(setup.approach))
 {
     job_.ledger = job.ledger;
-    for (const VertexId v : table.held)
+    for (const VertexId v : setup.held)
         held_.at(static_cast<std::size_t>(v)) = 1;
-    cut_off_.insert(cut_off_.end(), table.held.begin(), table.held.end());
-    for (const fem::BeddedVertex& bed : table.bedded)
+    cut_off_.insert(cut_off_.end(), setup.held.begin(), setup.held.end());
+    for (const fem::BeddedVertex& bed : setup.bedded)
         bed_.at(static_cast<std::size_t>(bed.vertex)) = bed.stiffness;
     const std::vector<LipsOfCut> lips = cuts.empty() ? std::vector<LipsOfCut> {} : lips_of_cuts(session_, cuts.size());
     for (const mesh::MeshDelta& delta : cuts)
-        cuts_.push_back(restored_entry(
-            static_cast<int>(cuts_.size()) + 1, delta, lips[cuts_.size()], [&] { (void)take_in(delta); }));
-}
-
-/// @param take applies the delta; volumes before and after are needed
-CutEntry SurgerySession::restored_entry(
-    int number, const mesh::MeshDelta& delta, const LipsOfCut& lips, const std::function<void()>& take) const
-{
-    CutEntry entry { .number = number, .restored = true };
-    entry.report.lip_area_mm2 = lips.area_mm2;
-    std::map<Label, double> lost;
-    for (const mesh::MeshDelta::Tet& tet : delta.tets_gone)
-        lost[tet.label] += volume_of(tet, rest_);
-    take();
-    for (const mesh::MeshDelta::Tet& tet : delta.tets_born)
-        lost[tet.label] -= volume_of(tet, rest_);
-    // An ablation removes vertices, or exposes faces, or both; a cut does neither.
-    const bool ablation = lips.bared
-        || std::any_of(delta.vertices_gone.begin(), delta.vertices_gone.end(),
-            [](const auto& gone) { return gone.origin == mesh::MeshDelta::Origin::restored; });
-    if (!ablation || lost.empty())
-        return entry;
-    double most = 0.0;
-    for (const auto& [label, volume] : lost)
-        entry.report.removed_volume_mm3 += volume;
-    for (const auto& [label, volume] : lost) {
-        if (volume < kNoVolume * entry.report.removed_volume_mm3)
-            continue;
-        entry.several_tissues = most > 0.0;
-        if (volume > most) {
-            most = volume;
-            entry.taken_out = label_name(labels_, label);
-        }
-    }
-    return entry;
+        history_.append(
+            restored_entry(delta, lips[history_.entries().size()], labels_, rest_, [&] { (void)take_in(delta); }));
 }
 
 SurgerySession::~SurgerySession() = default;
@@ -286,6 +211,7 @@ void SurgerySession::leave_wall()
 
 KnifeAnswer SurgerySession::cut_to(std::vector<Vec3> points, std::vector<Vec3> directions)
 {
+    RETRACTOR_ASSERT(stroke_ != nullptr && points.size() == directions.size());
     Stroke& stroke = *stroke_;
     mesh::Blade longer = stroke.blade;
     longer.line.insert(longer.line.end(), points.begin(), points.end());
@@ -339,16 +265,13 @@ KnifeAnswer SurgerySession::finish_stroke()
     follow(result.delta);
     if (result.status != mesh::CutStatus::done)
         return { false, result.message };
-    std::erase_if(cuts_, [](const CutEntry& cut) { return !cut.in_force; });
-    CutEntry entry {
-        .number = static_cast<int>(cuts_.size()) + 1, .depth_mm = ended->blade.depth_mm, .report = result.report
-    };
+    CutEntry entry { .depth_mm = ended->blade.depth_mm, .report = result.report };
     for (std::size_t i = 1; i < ended->blade.line.size(); ++i)
         entry.length_mm += (ended->blade.line[i] - ended->blade.line[i - 1]).norm();
     entry.omitted = ended->omitted;
     if (!ended->off.empty())
         entry.omitted += (entry.omitted.empty() ? "" : "; ") + ended->off;
-    cuts_.push_back(entry);
+    history_.add(entry);
     if (entry.omitted.empty())
         return { true, {} };
     return { true,
@@ -453,30 +376,28 @@ KnifeAnswer SurgerySession::take_out(const Touch& at, double radius_mm)
         return { false, result.message };
     step_ms_ = 1e3 * watch.seconds();
     follow(result.delta);
-    std::erase_if(cuts_, [](const CutEntry& cut) { return !cut.in_force; });
-    entry.number = static_cast<int>(cuts_.size()) + 1;
     entry.taken_out = label_name(labels_, kind);
     entry.report = result.report;
-    cuts_.push_back(entry);
+    history_.add(entry);
     return { true, entry.omitted.empty() ? std::string {} : "a part of the ball was left out: " + entry.omitted };
 }
 
 void SurgerySession::undo()
 {
     follow(session_.undo());
-    cuts_[session_.cut_count()].in_force = false;
+    history_.set_in_force(session_.cut_count(), false);
 }
 
 void SurgerySession::redo()
 {
     const mesh::MeshDelta delta = session_.redo();
     const std::size_t count = session_.cut_count();
-    if (cuts_.size() < count) // the cut was undone before the journal was opened again
-        cuts_.push_back(restored_entry(
-            static_cast<int>(count), delta, lips_of_cuts(session_, count).back(), [&] { follow(delta); }));
+    if (history_.entries().size() < count) // the cut was undone before the journal was opened again
+        history_.append(
+            restored_entry(delta, lips_of_cuts(session_, count).back(), labels_, rest_, [&] { follow(delta); }));
     else
         follow(delta);
-    cuts_[count - 1].in_force = true;
+    history_.set_in_force(count - 1, true);
 }
 
 std::shared_ptr<const WallSurface> SurgerySession::make_surface() const
@@ -595,6 +516,7 @@ void SurgerySession::drop_tension(const std::string& why)
 /// a row in only one of them.
 void SurgerySession::lie_as(const Points& displacement)
 {
+    RETRACTOR_ASSERT(springs_ != nullptr);
     Points start = springs_->displacement();
     const Eigen::Index common = std::min(start.rows(), displacement.rows());
     start.topRows(common) = displacement.topRows(common);
@@ -603,6 +525,7 @@ void SurgerySession::lie_as(const Points& displacement)
 
 void SurgerySession::start_moving()
 {
+    RETRACTOR_ASSERT(springs_ != nullptr);
     moving_ = session_.cut_count() > 0 || session_.stroke_open();
     reach_mm_ = kFirstReachMm;
     still_frames_ = 0;
@@ -625,7 +548,7 @@ void SurgerySession::set_tension(double strain)
             drop_hooks(error.what());
             return;
         }
-        with_hooks([&] { hooks_->frame(); });
+        show_hooks();
         return;
     }
     std::unique_ptr<fem::SpringNetwork> springs = strain > 0.0 ? make_springs(strain) : nullptr;
@@ -640,15 +563,21 @@ void SurgerySession::set_tension(double strain)
     start_moving();
 }
 
-std::unique_ptr<fem::SpringNetwork> SurgerySession::make_springs(double strain) const
+/// The present vertices that do not move.
+std::vector<VertexId> SurgerySession::held_vertices() const
 {
-    const Stopwatch watch;
-    auto springs = std::make_unique<fem::SpringNetwork>(session_, materials_, tension_stresses(strain));
     std::vector<VertexId> held;
     for (VertexId v = 0; v < static_cast<VertexId>(held_.size()); ++v)
         if (held_[static_cast<std::size_t>(v)] != 0 && session_.has_vertex(v))
             held.push_back(v);
-    springs->fix(held);
+    return held;
+}
+
+std::unique_ptr<fem::SpringNetwork> SurgerySession::make_springs(double strain) const
+{
+    const Stopwatch watch;
+    auto springs = std::make_unique<fem::SpringNetwork>(session_, materials_, tension_stresses(strain));
+    springs->fix(held_vertices());
     springs->set_wound(session_.lips());
     record_part(job_, "springs", watch, springs->bytes());
     return springs;
@@ -681,19 +610,16 @@ double SurgerySession::case_tension() const
 
 /// Replaces the solver by a solver without hooks. Its corridor has the vertices that the hooks will hold and the
 /// vertices where the knife will continue.
-void SurgerySession::make_hooks(std::span<const HookPlacement> seats)
+void SurgerySession::make_hooks(std::span<const HookPlacement> placements)
 {
     const Stopwatch watch;
-    fem::Supports supports;
-    for (VertexId v = 0; v < static_cast<VertexId>(held_.size()); ++v)
-        if (held_[static_cast<std::size_t>(v)] != 0 && session_.has_vertex(v))
-            supports.fixed.push_back(v);
+    fem::Supports supports { .fixed = held_vertices(), .bedded = {} };
     for (VertexId v = 0; v < static_cast<VertexId>(bed_.size()); ++v)
         if (bed_[static_cast<std::size_t>(v)] > 0.0)
             supports.bedded.push_back({ v, bed_[static_cast<std::size_t>(v)] });
     std::vector<VertexId> corridor = along_planned_line(session_, approach_);
-    for (const HookPlacement& seat : seats)
-        corridor.insert(corridor.end(), seat.nodes.begin(), seat.nodes.end());
+    for (const HookPlacement& placement : placements)
+        corridor.insert(corridor.end(), placement.nodes.begin(), placement.nodes.end());
     auto hooks = std::make_unique<WoundHooks>(
         session_, materials_, supports, corridor, tension_ > 0.0 ? tension_stresses(tension_) : std::vector<Mat3> {});
     hooks->set_yield(yield_N_);
@@ -707,22 +633,25 @@ void SurgerySession::make_hooks(std::span<const HookPlacement> seats)
 /// Attaches the same hooks, with the vertices that they hold now, to a solver of the present wall and supports.
 void SurgerySession::renew_hooks()
 {
+    RETRACTOR_ASSERT(hooks_ != nullptr);
     std::vector<HookState> hooks = hooks_->report().hooks;
     std::vector<VertexId> held = hooks_->held_vertices();
     std::sort(held.begin(), held.end());
-    std::vector<HookPlacement> seats;
+    std::vector<HookPlacement> placements;
     for (HookState& hook : hooks) {
-        std::erase_if(hook.seat.nodes, [&](VertexId v) { return !std::binary_search(held.begin(), held.end(), v); });
-        seats.push_back(hook.seat);
+        std::erase_if(
+            hook.placement.nodes, [&](VertexId v) { return !std::binary_search(held.begin(), held.end(), v); });
+        placements.push_back(hook.placement);
     }
-    make_hooks(seats);
+    make_hooks(placements);
     for (const HookState& hook : hooks)
-        hooks_->attach(hook.seat, hook.name, hook.drive, hook.planned);
+        hooks_->attach(hook.placement, hook.name, hook.drive, hook.planned);
 }
 
 /// Runs a call of the solver that may fail; the cut stays when it fails.
 template <class Call> void SurgerySession::with_hooks(const Call& call)
 {
+    RETRACTOR_ASSERT(hooks_ != nullptr);
     picture_.reset();
     try {
         call();
@@ -760,27 +689,47 @@ void SurgerySession::hooks_taken_off()
     }
 }
 
-KnifeAnswer SurgerySession::attach(std::vector<HookPlacement> seats, const std::vector<std::string>& names,
-    const std::vector<fem::HookDrive>& drives, bool planned, std::string omitted)
+/// Runs a change of the hooks, and opens the wound again; does nothing without hooks.
+/// @throws as the change, and nothing is solved then
+template <class Call> void SurgerySession::change_hooks(const Call& change)
 {
-    try {
-        if (hooks_ == nullptr)
-            make_hooks(seats);
-    } catch (const Error& error) {
-        return { false, std::string("the wall cannot be opened: ") + error.what() };
-    }
-    std::size_t attached = 0;
-    for (std::size_t i = 0; i < seats.size(); ++i)
-        try {
-            hooks_->attach(std::move(seats[i]), names[i], drives[i], planned ? std::optional(drives[i]) : std::nullopt);
-            ++attached;
-        } catch (const InputError& error) {
-            omitted += (omitted.empty() ? "" : "; ") + error.where() + ": " + error.what();
-        }
+    if (hooks_ == nullptr)
+        return;
+    change();
+    show_hooks();
+}
+
+/// Opens the wound for the present hooks, as long as there are any.
+void SurgerySession::show_hooks()
+{
     with_hooks([&] {
         if (!hooks_->empty())
             hooks_->frame();
     });
+}
+
+bool SurgerySession::has_hook(fem::HookId hook) const { return hooks_ != nullptr && hooks_->has(hook); }
+
+KnifeAnswer SurgerySession::attach(std::vector<HookPlacement> placements, const std::vector<std::string>& names,
+    const std::vector<fem::HookDrive>& drives, bool planned, std::string omitted)
+{
+    RETRACTOR_ASSERT(names.size() == placements.size() && drives.size() == placements.size());
+    try {
+        if (hooks_ == nullptr)
+            make_hooks(placements);
+    } catch (const Error& error) {
+        return { false, std::string("the wall cannot be opened: ") + error.what() };
+    }
+    std::size_t attached = 0;
+    for (std::size_t i = 0; i < placements.size(); ++i)
+        try {
+            hooks_->attach(
+                std::move(placements[i]), names[i], drives[i], planned ? std::optional(drives[i]) : std::nullopt);
+            ++attached;
+        } catch (const InputError& error) {
+            omitted += (omitted.empty() ? "" : "; ") + error.where() + ": " + error.what();
+        }
+    show_hooks();
     return { attached > 0, std::move(omitted) };
 }
 
@@ -789,15 +738,15 @@ KnifeAnswer SurgerySession::place_hook(const Touch& at)
     if (stroke_open())
         return { false, "a stroke is open: finish it first" };
     std::string why_not;
-    HookPlacement seat = find_hook_seat(*picture()->surface, lip_triangles(session_), held_, at, why_not);
-    if (seat.nodes.empty())
+    HookPlacement placement = find_hook_placement(*picture()->surface, lip_triangles(session_), held_, at, why_not);
+    if (placement.nodes.empty())
         return { false, why_not };
     const std::string name = "hook " + std::to_string(hooks_placed_ + 1);
     Vec3 lies = Vec3::Zero(); // under tension the lip has moved: the hook takes the lip at its present place
-    for (const VertexId v : seat.nodes)
+    for (const VertexId v : placement.nodes)
         lies += (picture()->shown.row(v) - picture()->surface->rest.row(v)).transpose()
-            / static_cast<double>(seat.nodes.size());
-    KnifeAnswer answer = attach({ std::move(seat) }, { name }, { { .displacement = lies } }, false, {});
+            / static_cast<double>(placement.nodes.size());
+    KnifeAnswer answer = attach({ std::move(placement) }, { name }, { { .displacement = lies } }, false, {});
     if (answer.done)
         ++hooks_placed_;
     return answer;
@@ -805,14 +754,16 @@ KnifeAnswer SurgerySession::place_hook(const Touch& at)
 
 namespace {
 
-    void leave_out_those_there(PlannedSeats& planned, const std::vector<HookState>& there)
+    void leave_out_those_there(PlannedPlacements& planned, const std::vector<HookState>& there)
     {
-        PlannedSeats missing { .seats = {}, .names = {}, .drives = {}, .omitted = std::move(planned.omitted) };
-        for (std::size_t i = 0; i < planned.seats.size(); ++i) {
+        PlannedPlacements missing {
+            .placements = {}, .names = {}, .drives = {}, .omitted = std::move(planned.omitted)
+        };
+        for (std::size_t i = 0; i < planned.placements.size(); ++i) {
             if (std::any_of(there.begin(), there.end(),
                     [&](const HookState& hook) { return hook.planned && hook.name == planned.names[i]; }))
                 continue;
-            missing.seats.push_back(std::move(planned.seats[i]));
+            missing.placements.push_back(std::move(planned.placements[i]));
             missing.names.push_back(std::move(planned.names[i]));
             missing.drives.push_back(planned.drives[i]);
         }
@@ -840,14 +791,14 @@ KnifeAnswer SurgerySession::take_planned_hooks()
     const std::vector<mesh::LipFace> lips = session_.lips();
     if (lips.empty())
         return { false, "there is no wound to open yet: cut first" };
-    PlannedSeats planned = planned_seats(session_, approach_, labels_, held_);
-    if (planned.seats.empty())
+    PlannedPlacements planned = planned_placements(session_, approach_, labels_, held_);
+    if (planned.placements.empty())
         return { false, planned.omitted };
     leave_out_those_there(planned, hooks().hooks);
-    if (planned.seats.empty())
+    if (planned.placements.empty())
         return { false, "the planned hooks hold the wound already: take them off to begin anew" };
     KnifeAnswer answer
-        = attach(std::move(planned.seats), planned.names, planned.drives, true, std::move(planned.omitted));
+        = attach(std::move(planned.placements), planned.names, planned.drives, true, std::move(planned.omitted));
     if (answer.done && tension_ != case_tension())
         answer.reason += (answer.reason.empty() ? "" : "; ") + tension_unlike_the_plan(tension_, case_tension());
     return answer;
@@ -855,26 +806,18 @@ KnifeAnswer SurgerySession::take_planned_hooks()
 
 void SurgerySession::pull_hook(fem::HookId hook, const Vec3& asked)
 {
-    if (hooks_ == nullptr || !hooks_->has(hook))
-        return;
-    hooks_->pull(hook, asked);
-    with_hooks([&] { hooks_->frame(); });
+    if (has_hook(hook))
+        change_hooks([&] { hooks_->pull(hook, asked); });
 }
 
 void SurgerySession::pull_all_hooks(double mm)
 {
-    if (hooks_ == nullptr)
-        return;
-    hooks_->pull_all(mm);
-    with_hooks([&] { hooks_->frame(); });
+    change_hooks([&] { hooks_->pull_all(mm); });
 }
 
 void SurgerySession::pull_hooks_by_share(double share)
 {
-    if (hooks_ == nullptr)
-        return;
-    hooks_->pull_share(share);
-    with_hooks([&] { hooks_->frame(); });
+    change_hooks([&] { hooks_->pull_share(share); });
 }
 
 void SurgerySession::set_yield(double force_N)
@@ -882,30 +825,19 @@ void SurgerySession::set_yield(double force_N)
     if (!(force_N > 0.0))
         throw InputError("the force at which hooks yield must be positive", "yield");
     yield_N_ = force_N;
-    if (hooks_ == nullptr)
-        return;
-    hooks_->set_yield(force_N);
-    with_hooks([&] { hooks_->frame(); });
+    change_hooks([&] { hooks_->set_yield(force_N); });
 }
 
 void SurgerySession::set_nonlinear(bool wanted)
 {
-    nonlinear_ = wanted;
-    if (hooks_ == nullptr || hooks_->nonlinear() == wanted)
-        return;
-    hooks_->set_nonlinear(wanted);
-    with_hooks([&] { hooks_->frame(); });
+    if (std::exchange(nonlinear_, wanted) != wanted)
+        change_hooks([&] { hooks_->set_nonlinear(wanted); });
 }
 
 void SurgerySession::take_off_hook(fem::HookId hook)
 {
-    if (hooks_ == nullptr || !hooks_->has(hook))
-        return;
-    hooks_->take_off(hook);
-    with_hooks([&] {
-        if (!hooks_->empty())
-            hooks_->frame();
-    });
+    if (has_hook(hook))
+        change_hooks([&] { hooks_->take_off(hook); });
 }
 
 void SurgerySession::take_off_hooks()
@@ -925,6 +857,7 @@ void SurgerySession::relax(double milliseconds, const Job& job)
         return;
     }
     fem::RelaxOptions options;
+    RETRACTOR_ASSERT(springs_ != nullptr); // what moves without hooks are springs
     options.tolerance = kRestTolerance;
     options.max_iterations = std::max(kFewestIterations, static_cast<int>(milliseconds * iterations_per_ms_));
     options.reach_mm = reach_mm_ > kLastReachMm ? 0.0 : reach_mm_;

@@ -11,6 +11,7 @@
 #include "mesh/cutting/surface_follower.h"
 #include "mesh/image/volume.h"
 #include "planner/case/approach.h"
+#include "planner/session/cut_history.h"
 #include "planner/session/wall_picture.h"
 #include "planner/session/wall_region.h"
 #include "planner/session/wound_hooks.h"
@@ -53,6 +54,8 @@ struct SurgerySetup {
     std::shared_ptr<const TriMesh> beyond {};
     std::filesystem::path journal; ///< file that keeps the cuts; empty: cuts are not kept
     std::string caution {}; ///< message for the surgeon when the session is ready; may be empty
+    /// Writes the cut wall at rest to a file (ExportWall), on the session's thread; empty: the wall cannot be saved.
+    std::function<void(const std::filesystem::path&, const mesh::TetMesh&)> write_wall {};
 };
 
 struct KnifeSettings {
@@ -67,33 +70,16 @@ struct [[nodiscard]] KnifeAnswer {
     std::string reason; ///< not done: the reason; done: a message for the surgeon, or empty
 };
 
-/// A finished cut or removed tissue, active or undone.
-struct CutEntry {
-    int number = 0; ///< counted from 1 in the order of cutting
-    std::string taken_out {}; ///< name of the removed tissue, of the largest part when several; empty: a cut
-    bool several_tissues = false; ///< several tissues were removed
-    double length_mm = 0.0, depth_mm = 0.0;
-    mesh::CutReport report {};
-    bool in_force = true;
-    /// Reason why a part of the line was not cut, or a part of the ball not removed; empty: nothing is missing.
-    std::string omitted {};
-    /// Read from disk, which does not keep lengths and reports: the report has only lip_area_mm2 and
-    /// removed_volume_mm3.
-    bool restored = false;
-};
-
-struct LipsOfCut;
-
 class SurgerySession {
 public:
     /// Starts without a journal, whatever setup.journal says. The constructor is reported as part "cutting session".
     /// @throws InputError as CutSession
-    explicit SurgerySession(SurgerySetup table, const Job& job = {});
+    explicit SurgerySession(SurgerySetup setup, const Job& job = {});
     /// Starts from a session of the setup's wall that has these cuts.
     /// @param cuts one delta per cut, in order.
     /// @pre no stroke is open
     SurgerySession(
-        SurgerySetup table, mesh::CutSession session, const std::vector<mesh::MeshDelta>& cuts, const Job& job = {});
+        SurgerySetup setup, mesh::CutSession session, const std::vector<mesh::MeshDelta>& cuts, const Job& job = {});
     ~SurgerySession();
     SurgerySession(SurgerySession&&) noexcept;
     SurgerySession& operator=(SurgerySession&&) noexcept;
@@ -185,7 +171,7 @@ public:
     std::string take_remark() { return std::exchange(remark_, {}); }
 
     /// All cuts that can be undone or redone, in order.
-    const std::vector<CutEntry>& cuts() const { return cuts_; }
+    const std::vector<CutEntry>& cuts() const { return history_.entries(); }
     /// The present surface; shared between calls while nothing changes.
     std::shared_ptr<const WallPicture> picture();
     const mesh::CutSession& session() const { return session_; }
@@ -207,21 +193,23 @@ private:
     };
     void follow(const mesh::MeshDelta& delta);
     Returned take_in(const mesh::MeshDelta& delta);
-    CutEntry restored_entry(
-        int number, const mesh::MeshDelta& delta, const LipsOfCut& lips, const std::function<void()>& take) const;
+    std::vector<VertexId> held_vertices() const;
     std::unique_ptr<fem::SpringNetwork> make_springs(double strain) const;
     void renew_springs(const std::string& why);
     void drop_tension(const std::string& why);
     void lie_as(const Points& displacement);
     void start_moving();
     std::vector<Mat3> tension_stresses(double strain) const;
-    void make_hooks(std::span<const HookPlacement> seats);
+    void make_hooks(std::span<const HookPlacement> placements);
     void renew_hooks();
     void drop_hooks(const std::string& why);
     void hooks_taken_off();
-    KnifeAnswer attach(std::vector<HookPlacement> seats, const std::vector<std::string>& names,
+    KnifeAnswer attach(std::vector<HookPlacement> placements, const std::vector<std::string>& names,
         const std::vector<fem::HookDrive>& drives, bool planned, std::string omitted);
     template <class Call> void with_hooks(const Call& call);
+    template <class Call> void change_hooks(const Call& change);
+    void show_hooks();
+    bool has_hook(fem::HookId hook) const;
     std::shared_ptr<const WallSurface> make_surface() const;
 
     mesh::LabelTable labels_;
@@ -231,7 +219,7 @@ private:
     Job job_;
     std::vector<Label> skeleton_;
     mesh::CutSession session_;
-    std::vector<CutEntry> cuts_;
+    CutHistory history_;
     std::shared_ptr<Stroke> stroke_; ///< null: no open stroke
     mesh::SurfaceFollower follower_;
     Points rest_; ///< of the session's vertices, by id

@@ -1,5 +1,6 @@
 #include "planner/session/wall_picture.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/triangle.h"
 
 #include <Eigen/Geometry>
@@ -93,6 +94,7 @@ namespace {
 std::optional<Touch> touch(const WallPicture& picture, const Ray& ray)
 {
     const WallSurface& surface = *picture.surface;
+    RETRACTOR_ASSERT(picture.shown.rows() == surface.rest.rows());
     std::optional<Hit> nearest;
     std::size_t where = 0;
     for (std::size_t t = 0; t < surface.triangles.size(); ++t) {

@@ -1,5 +1,6 @@
 #include "planner/session/wall_region.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/corridor.h"
 #include "mesh/base/triangle.h"
 #include "mesh/surface/wound_surface.h"
@@ -169,6 +170,7 @@ Points BeyondSurface::shown(const WallPicture& picture) const
 {
     const WallSurface& wall = *picture.surface;
     const std::vector<char> on = on_surface(wall);
+    RETRACTOR_ASSERT(first_.size() == static_cast<std::size_t>(surface_->vertices.rows()) + 1);
     std::vector<char> left(rim_.size(), 0);
     std::vector<Vec3> moved(rim_.size(), Vec3::Zero());
     for (std::size_t r = 0; r < rim_.size(); ++r) {

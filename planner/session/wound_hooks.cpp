@@ -1,5 +1,6 @@
 #include "planner/session/wound_hooks.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/job.h"
 
@@ -117,10 +118,12 @@ fem::HookDrive WoundHooks::limited(const fem::HookDrive& drive) const
 }
 
 fem::HookId WoundHooks::attach(
-    HookPlacement seat, std::string name, const fem::HookDrive& drive, std::optional<fem::HookDrive> planned)
+    HookPlacement placement, std::string name, const fem::HookDrive& drive, std::optional<fem::HookDrive> planned)
 {
-    HookState hook { .name = std::move(name), .seat = std::move(seat), .drive = drive, .planned = std::move(planned) };
-    hook.id = opening_.attach({ hook.name, hook.seat.side, hook.seat.nodes, limited(drive) });
+    HookState hook {
+        .name = std::move(name), .placement = std::move(placement), .drive = drive, .planned = std::move(planned)
+    };
+    hook.id = opening_.attach({ hook.name, hook.placement.side, hook.placement.nodes, limited(drive) });
     const fem::HookId id = hook.id;
     report_.hooks.push_back(std::move(hook));
     // The linear solution already moves the tissue to the hook; adding `since_` would move the tissue twice.
@@ -204,7 +207,7 @@ void WoundHooks::pull_all(double mm)
         if (drive.force_N)
             forget_since();
         drive.force_N.reset();
-        drive.displacement = mm * hook.seat.pull;
+        drive.displacement = mm * hook.placement.pull;
     }
     drive(drawn);
     for (HookState& hook : report_.hooks)
@@ -278,7 +281,7 @@ void WoundHooks::renew_factor(const mesh::MeshDelta& delta)
 void WoundHooks::take_off_lost()
 {
     for (const HookState& hook : std::vector<HookState>(report_.hooks)) {
-        const auto left = std::count_if(hook.seat.nodes.begin(), hook.seat.nodes.end(),
+        const auto left = std::count_if(hook.placement.nodes.begin(), hook.placement.nodes.end(),
             [&](VertexId v) { return std::binary_search(wound_.begin(), wound_.end(), v); });
         if (left >= 3)
             continue;
@@ -414,7 +417,7 @@ void WoundHooks::begin_near()
     std::sort(held.begin(), held.end());
     std::vector<fem::HookPatch> hooks;
     for (const HookState& hook : report_.hooks) {
-        hooks.push_back({ hook.name, hook.seat.side, hook.seat.nodes, Vec3::Zero() });
+        hooks.push_back({ hook.name, hook.placement.side, hook.placement.nodes, Vec3::Zero() });
         std::erase_if(hooks.back().nodes, [&](VertexId v) { return !std::binary_search(held.begin(), held.end(), v); });
     }
     NearProblem problem = near_problem(opening_, materials_, std::move(hooks), wound_);
@@ -445,7 +448,7 @@ bool WoundHooks::show()
     for (HookState& hook : report_.hooks) {
         if (hook.drive.force_N && hook.drive.force_N->norm() > yield_N_)
             hook.yielded = true; // the solver knows the limited force only
-        report_.side_N[hook.seat.side > 0 ? 0 : 1] += hook.force_N.norm();
+        report_.side_N[hook.placement.side > 0 ? 0 : 1] += hook.force_N.norm();
     }
     if (!as_before_) {
         const bool near = report_.shown == ShownAnswer::nonlinear;
@@ -478,6 +481,7 @@ void WoundHooks::show_linear()
 void WoundHooks::show_near()
 {
     const fem::NearFrame& frame = near_.frame();
+    RETRACTOR_ASSERT(frame.hook_displacements.size() == report_.hooks.size());
     displacement_ = near_.displacement(linear_.size());
     forget_since();
     if (answered_)

@@ -32,7 +32,7 @@ namespace retractor::planner {
 struct HookState {
     fem::HookId id = 0;
     std::string name;
-    HookPlacement seat; ///< held patch; its side is +1 or -1
+    HookPlacement placement; ///< held patch; its side is +1 or -1
     fem::HookDrive drive; ///< drive as the hand sets it now; WoundHooks::set_yield() limits the force too
     std::optional<fem::HookDrive> planned; ///< drive of the plan; none: the hook was set or pulled by hand
     Vec3 displacement = Vec3::Zero(); ///< displacement of the held tissue
@@ -82,8 +82,8 @@ public:
     /// Attaches a hook and drives it at once. Here and below a pulled hook stops where its lip meets the lip of a hook
     /// in its way, which stays in place; hooks that are pulled together give way alike.
     /// @throws InputError as OnlineOpening::attach()
-    fem::HookId attach(
-        HookPlacement seat, std::string name, const fem::HookDrive& drive, std::optional<fem::HookDrive> planned = {});
+    fem::HookId attach(HookPlacement placement, std::string name, const fem::HookDrive& drive,
+        std::optional<fem::HookDrive> planned = {});
     void take_off(fem::HookId hook); ///< @throws InputError when the hook does not exist
     /// Pulls a hook by hand to a displacement, mm from rest. The hook keeps its limit and grip, and forgets its plan.
     /// @throws InputError when the hook does not exist, or on NaN
@@ -113,7 +113,6 @@ public:
 
     /// Whether the nonlinear solution is shown when possible; off at the start.
     void set_nonlinear(bool wanted);
-    bool nonlinear() const { return nonlinear_; }
 
     const HookReport& report() const { return report_; }
     /// Shown displacement, mm, three numbers per vertex id of the session.

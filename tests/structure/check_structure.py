@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""Checks the structure of the sources: which way includes point, circles among modules, and the size of folders.
+"""Checks the structure of the sources: which way includes point, circles among modules, the size of folders,
+and which folders see which library.
 
     check_structure.py ROOT      checks the sources below ROOT; exit status 1 and one line for each fault
     check_structure.py --plant   plants each fault in a small tree and checks that it is found
 
-A module is a header with its source. Three rules hold, and docs/developer/architecture.md gives their reasons:
+A module is a header with its source. Four rules hold, and docs/developer/architecture.md gives their reasons:
 1. an include points to the same floor or to a lower one;
 2. no modules include each other in a circle;
-3. a folder holds at most 20 modules.
+3. a folder holds at most 20 modules;
+4. the headers of a library are included only where FORBIDDEN allows them.
 """
 import os
 import re
@@ -37,6 +39,19 @@ FLOORS = {
 SEPARATE = [("fem", "datasets"), ("ui/cli", "ui/workstation")]
 MAX_MODULES = 20
 PRODUCT = ("mesh", "fem", "datasets", "haptics", "planner", "ui")
+# In the product, not in its tests: headers that a folder must not include, as (folder, pattern of the header's path,
+# allowed places). "" is every folder; a place is a folder, or a module without its ending.
+FORBIDDEN = [
+    ("", r"Q[A-Z]\w*", ["ui/workstation"]),
+    ("", r"itk\w+\.h", ["datasets"]),
+    ("", r"CGAL/.*", ["mesh/generation"]),
+    ("", r"vtk\w+\.h", ["datasets", "mesh/surface/label_surface", "mesh/tetrahedra/mesh_io", "ui/scene/vtk",
+                       "ui/workstation/view"]),
+    ("fem", r"mesh/tetrahedra/mesh_io\.h", []),
+    ("mesh", r"mesh/tetrahedra/mesh_io\.h", ["mesh/tetrahedra/mesh_io"]),
+    ("planner/session", r"mesh/tetrahedra/mesh_io\.h", []),
+]
+ANY_INCLUDE = re.compile(r'^\s*#\s*include\s+[<"]([^>"]+)[>"]', re.MULTILINE)
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 
@@ -68,6 +83,18 @@ def is_upward(includer, included):
     if FLOORS[below] > FLOORS[above]:
         return True
     return any({above.split("/session")[0], below} == set(pair) for pair in SEPARATE)
+
+
+def lies_in(path, place):
+    return place == "" or module(path) == place or str(path).startswith(place + "/")
+
+
+def is_forbidden(includer, included):
+    """Whether FORBIDDEN keeps this header out of this file."""
+    if str(includer).split("/", 1)[0] not in PRODUCT:
+        return False
+    return any(lies_in(includer, folder) and re.fullmatch(pattern, included)
+               and not any(lies_in(includer, place) for place in allowed) for folder, pattern, allowed in FORBIDDEN)
 
 
 def circles(arrows):
@@ -109,7 +136,11 @@ def faults(root):
     for file in files:
         arrows.setdefault(module(file), set())
         folders.setdefault(str(file.parent), set()).add(file.stem)
-        for included in INCLUDE.findall((root / file).read_text()):
+        text = (root / file).read_text()
+        for included in ANY_INCLUDE.findall(text):
+            if is_forbidden(file, included):
+                found.append(f"{file}: includes {included}, which is forbidden here")
+        for included in INCLUDE.findall(text):
             if included not in known:
                 found.append(f'{file}: includes "{included}", which is no file of this tree')
                 continue
@@ -136,6 +167,11 @@ def check_that_faults_are_found():
         "between separate folders": {"datasets/io/reader.h": '#include "fem/high.h"\n'},
         "circle of includes": {"fem/high.h": '#include "fem/other.h"\n', "fem/other.cpp": '#include "fem/high.h"\n'},
         "at most 20": {f"fem/many/m{i}.h": "" for i in range(21)},
+        "vtkPolyData.h, which is forbidden": {"fem/high.h": "#include <vtkPolyData.h>\n"},
+        "QWidget, which is forbidden": {"planner/session/worker.h": "#include <QWidget>\n"},
+        "mesh_io.h, which is forbidden": {
+            "mesh/tetrahedra/mesh_io.h": "",
+            "planner/session/worker.cpp": '#include "mesh/tetrahedra/mesh_io.h"\n'},
         "no file of this tree": {"fem/high.h": '#include "fem/gone.h"\n'},
     }
     for name, plant in plants.items():
@@ -162,7 +198,8 @@ def main():
     if len(sys.argv) != 2:
         raise SystemExit(__doc__)
     found = faults(sys.argv[1])
-    print("\n".join(found) if found else "includes point down, no circles, no folder is too large")
+    good = "includes point down, no circles, no folder is too large, and no header is forbidden"
+    print("\n".join(found) if found else good)
     sys.exit(1 if found else 0)
 
 

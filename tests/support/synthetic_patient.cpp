@@ -130,18 +130,18 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
         ++control->closed_made;
         return patient_scene(approach, false);
     };
-    backend.operating_table = [control](const planner::Approach& approach, const Job& job) -> ui::KnifeTable {
+    backend.surgery_input = [control](const planner::Approach& approach, const Job& job) -> ui::SurgeryInput {
         job.report("mesh", 0.5);
-        ++control->tables_laid;
+        ++control->setups_made;
         if (approach.name == "broken")
             throw InputError("there is no wall to cut", "approach broken");
-        ui::KnifeTable laid { .table = planner::layered_wall({ -kHalfWidthMm, 0.0, -kHalfWidthMm }),
+        ui::SurgeryInput input { .setup = planner::layered_wall({ -kHalfWidthMm, 0.0, -kHalfWidthMm }),
             .surroundings = {} };
         if (!control->cuts_folder.empty())
-            laid.table.journal = planner::cuts_journal(control->cuts_folder / "case.json", approach.name);
-        laid.surroundings.title = approach.name + ": by hand";
-        laid.surroundings.camera = { .eye = { 60.0, -400.0, 60.0 }, .aim = { 60.0, 0.0, 60.0 }, .up = Vec3::UnitZ() };
-        return laid;
+            input.setup.journal = planner::cuts_journal(control->cuts_folder / "case.json", approach.name);
+        input.surroundings.title = approach.name + ": by hand";
+        input.surroundings.camera = { .eye = { 60.0, -400.0, 60.0 }, .aim = { 60.0, 0.0, 60.0 }, .up = Vec3::UnitZ() };
+        return input;
     };
     backend.plan = [control](const planner::Approach& approach, const Job& job) -> ui::PlanOutcome {
         job.report("cut", 0.5);

@@ -17,7 +17,7 @@ planner::Case synthetic_case();
 struct SyntheticControl {
     std::atomic<bool> hold { false }; ///< plans wait until this is false or they are cancelled
     std::filesystem::path cuts_folder; ///< folder for cuts by hand; empty: cuts are not kept
-    std::atomic<int> closed_made { 0 }, plans_made { 0 }, tables_laid { 0 };
+    std::atomic<int> closed_made { 0 }, plans_made { 0 }, setups_made { 0 };
 };
 
 ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& control);

@@ -2,7 +2,6 @@
 
 #include "datasets/phantoms/palpation_scene_file.h"
 #include "mesh/base/error.h"
-#include "mesh/tetrahedra/mesh_io.h"
 #include "planner/case/case_io.h"
 #include "planner/case/patient.h"
 #include "planner/palpation/palpable.h"
@@ -138,13 +137,13 @@ void MainWindow::show_knife()
 {
     if (model_ && model_->selected() && knife_tab_open()) {
         const std::size_t index = *model_->selected();
-        knife_->lay_out(index, [make = backend_.operating_table, approach = model_->approach(index)](const Job& job) {
+        knife_->set_up(index, [make = backend_.surgery_input, approach = model_->approach(index)](const Job& job) {
             return make(approach, job);
         });
     } else {
         knife_->leave();
     }
-    const planner::SessionSnapshot* snapshot = knife_->snapshot();
+    const planner::SurgerySnapshot* snapshot = knife_->snapshot();
     knife_action_->setEnabled(model_ && model_->selected());
     line_action_->setEnabled(knife_action_->isEnabled());
     knife_action_->setChecked(knife_->mode() == KnifeMode::freehand);
@@ -650,8 +649,7 @@ void MainWindow::ask_for_export_file()
         return;
     if (!file.endsWith(".vtu", Qt::CaseInsensitive))
         file += ".vtu";
-    knife_->run(planner::surgery::ExportWall { file.toStdString(),
-        [](const std::filesystem::path& path, const mesh::TetMesh& wall) { mesh::write_vtu(path, wall); } });
+    knife_->run(planner::surgery::ExportWall { file.toStdString() });
 }
 
 void MainWindow::show_about()

@@ -5,8 +5,8 @@
 
 #include "fem/linear_algebra/sparse_cholesky.h"
 #include "mesh/base/error.h"
-#include "planner/session/knife_worker.h"
 #include "planner/session/surgery_session.h"
+#include "planner/session/surgery_worker.h"
 #include "tests/planner/session/layered_wall.h"
 
 #include <gtest/gtest.h>
@@ -87,8 +87,8 @@ namespace near_wound_test {
             mesh::SlotMap map;
             const mesh::TetMesh mesh = live_session.session().compact_mesh(&map);
             const auto compact = [&](VertexId id) { return map.compact_vertex[static_cast<std::size_t>(id)]; };
-            SurgerySetup table = layered_wall();
-            for (fem::Material& material : table.materials)
+            SurgerySetup setup = layered_wall();
+            for (fem::Material& material : setup.materials)
                 material.poissons_ratio = std::min(material.poissons_ratio, 0.45);
             fem::Supports supports;
             for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
@@ -98,8 +98,8 @@ namespace near_wound_test {
             std::vector<fem::HookPatch> hooks;
             std::vector<Vec3> asked;
             for (const HookState& hook : report.hooks) {
-                hooks.push_back({ hook.name, hook.seat.side, {}, Vec3::Zero() });
-                for (const VertexId v : hook.seat.nodes)
+                hooks.push_back({ hook.name, hook.placement.side, {}, Vec3::Zero() });
+                for (const VertexId v : hook.placement.nodes)
                     hooks.back().nodes.push_back(compact(v));
                 asked.push_back(hook.drive.displacement);
             }
@@ -113,7 +113,7 @@ namespace near_wound_test {
             for (const VertexId v : lips)
                 wound.row(row++) = mesh.vertices.row(v);
             constexpr double kNearMm = 40.0, kStepMm = 3.0;
-            fem::NonlinearRegion field(mesh, table.materials, supports, hooks, fem::elements_near(mesh, wound, kNearMm),
+            fem::NonlinearRegion field(mesh, setup.materials, supports, hooks, fem::elements_near(mesh, wound, kNearMm),
                 { .elasticity = fem::Elasticity::corotational_linear });
             const int steps
                 = static_cast<int>(std::ceil(live_session.hooks().hooks[0].drive.displacement.norm() / kStepMm));
@@ -174,7 +174,7 @@ namespace near_wound_test {
         ASSERT_EQ(live_session.hooks().hooks.size(), 3U);
         const Points placed = wound.moved();
         for (const HookState& hook : live_session.hooks().hooks)
-            for (const VertexId v : hook.seat.nodes)
+            for (const VertexId v : hook.placement.nodes)
                 EXPECT_LT((placed.row(v).transpose() - hook.drive.displacement).norm(), 1e-9) << hook.name;
         wound.expect_near_field();
     }
@@ -232,7 +232,7 @@ namespace near_wound_test {
         const Points cut = wound.moved();
         EXPECT_LT(difference(cut, before), 0.5 * difference(linear, before)) << "it does not jump back";
         for (const HookState& hook : live_session.hooks().hooks)
-            for (const VertexId v : hook.seat.nodes)
+            for (const VertexId v : hook.placement.nodes)
                 EXPECT_LT((cut.row(v).transpose() - hook.drive.displacement).norm(), 1e-9);
         EXPECT_NEAR(live_session.hooks().hooks[0].force_N.norm() / force, 1.0, 0.05) << "a small cut far away";
         live_session.relax(40.0);
@@ -267,7 +267,7 @@ namespace near_wound_test {
             const Vec3 slip = hook.drive.displacement - hook.displacement;
             EXPECT_GT(slip.norm(), 1.0) << hook.name;
             EXPECT_NEAR(slip.normalized().dot(hook.force_N.normalized()), 1.0, kAtLimit) << "it slips as it is pulled";
-            for (const VertexId v : hook.seat.nodes)
+            for (const VertexId v : hook.placement.nodes)
                 EXPECT_LT((shown.row(v).transpose() - hook.displacement).norm(), 1e-9) << hook.name;
         }
         // The same by a hand that goes no farther than the hooks have come to.
@@ -301,12 +301,12 @@ namespace near_wound_test {
     TEST(NearWound, SaysWhereLinearTissueBeyondIsOffByMuch)
     {
         constexpr double kFarMm = 30.0; // each way
-        SurgerySetup table = wall_with_planned_hooks({}, 7.0);
-        for (HookSpec& hook : table.approach.hooks)
+        SurgerySetup setup = wall_with_planned_hooks({}, 7.0);
+        for (HookSpec& hook : setup.approach.hooks)
             hook.opening_mm = kFarMm;
         // By one side alone: the others turn.
-        std::erase_if(table.held, [&](VertexId v) { return table.wall.vertices(v, 2) > 1.0; });
-        SurgerySession live_session(std::move(table));
+        std::erase_if(setup.held, [&](VertexId v) { return setup.wall.vertices(v, 2) > 1.0; });
+        SurgerySession live_session(std::move(setup));
         ASSERT_TRUE(draw(live_session, 30.0, 60.0, 90.0, 60.0));
         live_session.set_nonlinear(true);
         ASSERT_TRUE(live_session.take_planned_hooks().done);
@@ -335,7 +335,7 @@ namespace near_wound_test {
             EXPECT_EQ(live_session.hooks().shown_text, "nonlinear within 40 mm");
             EXPECT_LT(live_session.hooks().residual, kSettled);
             for (const HookState& hook : live_session.hooks().hooks)
-                EXPECT_LT((hook.force_N - force_N * hook.seat.pull).norm(), kAtForce * kForceN) << hook.name;
+                EXPECT_LT((hook.force_N - force_N * hook.placement.pull).norm(), kAtForce * kForceN) << hook.name;
         };
         const double linear = way(0).norm();
         expect_force(kForceN);
@@ -517,12 +517,12 @@ namespace near_wound_test {
         EXPECT_EQ(near.refusal(), "");
     }
 
-    TEST(KnifeWorker, TheNonlinearAnswerComesWhenTheHandRests)
+    TEST(SurgeryWorker, TheNonlinearAnswerComesWhenTheHandRests)
     {
-        KnifeWorker worker([](const Job&) { return layered_wall(); }, [] {});
+        SurgeryWorker worker([](const Job&) { return layered_wall(); }, [] {});
         const auto wait = [&] {
             for (int i = 0;
-                 i < 12000 && (!worker.idle() || worker.snapshot()->phase == SessionSnapshot::Phase::preparing); ++i)
+                 i < 12000 && (!worker.idle() || worker.snapshot()->phase == SurgerySnapshot::Phase::preparing); ++i)
                 std::this_thread::sleep_for(std::chrono::milliseconds(10));
             ASSERT_TRUE(worker.idle());
         };
@@ -537,13 +537,13 @@ namespace near_wound_test {
         worker.run(surgery::PlaceHook { at_now(60.0, 63.0) });
         worker.run(surgery::PlaceHook { at_now(60.0, 57.0) });
         wait();
-        const SessionSnapshot placed = *worker.snapshot();
+        const SurgerySnapshot placed = *worker.snapshot();
         ASSERT_EQ(placed.hooks.hooks.size(), 2U) << placed.answer;
         EXPECT_EQ(placed.hooks.shown, ShownAnswer::nonlinear) << placed.hooks.shown_text;
         for (int i = 1; i <= 200; ++i)
             worker.run(surgery::PullHook { placed.hooks.hooks[0].id, Vec3(0.0, 0.0, 0.05 * i) });
         wait();
-        const SessionSnapshot pulled = *worker.snapshot();
+        const SurgerySnapshot pulled = *worker.snapshot();
         EXPECT_LT((pulled.hooks.hooks[0].displacement - Vec3(0.0, 0.0, 10.0)).norm(), kRounding)
             << "the newest order counts";
         EXPECT_EQ(pulled.hooks.shown, ShownAnswer::nonlinear);

@@ -15,11 +15,11 @@ namespace planned_tension_test {
 
     SurgerySetup wall_under_tension()
     {
-        SurgerySetup table = wall_with_planned_hooks({}, 7.0);
-        table.materials[kSkin].pre_strain
+        SurgerySetup setup = wall_with_planned_hooks({}, 7.0);
+        setup.materials[kSkin].pre_strain
             = { .kind = fem::PreStrainKind::biaxial, .strain = 0.05, .pull = Vec3::UnitZ(), .across = 0.02 };
-        table.materials[kFat].pre_strain = { .kind = fem::PreStrainKind::equibiaxial, .strain = 0.02 };
-        return table;
+        setup.materials[kFat].pre_strain = { .kind = fem::PreStrainKind::equibiaxial, .strain = 0.02 };
+        return setup;
     }
 
     struct Opened {
@@ -27,9 +27,9 @@ namespace planned_tension_test {
         double gape_mm = 0.0; ///< of the widest place
     };
 
-    Opened under_the_knife(const SurgerySetup& table, double tension)
+    Opened under_the_knife(const SurgerySetup& setup, double tension)
     {
-        SurgerySession live_session(table);
+        SurgerySession live_session(setup);
         live_session.set_tension(tension);
         const auto at = [&](double x) { return *touch(*live_session.picture(), ray_down(x, 60.0)); };
         EXPECT_TRUE(live_session.begin_stroke(at(30.0), { .depth_mm = 20.0 }).done);
@@ -46,12 +46,12 @@ namespace planned_tension_test {
     }
 
     /// The same wall, blade and hooks as plan_approach() goes about them.
-    Opened as_planned(const SurgerySetup& table)
+    Opened as_planned(const SurgerySetup& setup)
     {
-        const WallTension tension = wall_tension(table.wall, table.materials, table.labels, table.held, table.outward);
-        const CutWall cut = cut_wall(table.wall, table.approach, table.labels, { .fixed = table.held }, {});
+        const WallTension tension = wall_tension(setup.wall, setup.materials, setup.labels, setup.held, setup.outward);
+        const CutWall cut = cut_wall(setup.wall, setup.approach, setup.labels, { .fixed = setup.held }, {});
         const fem::ElasticProblem problem { .mesh = cut.wall,
-            .material_of_label = table.materials,
+            .material_of_label = setup.materials,
             .supports = cut.supports,
             .hooks = cut.hooks,
             .loads = released_tension(cut.wall, cut.origin, cut.wound, tension).tractions };
@@ -65,12 +65,12 @@ namespace planned_tension_test {
 
     TEST(PlannedTension, HooksBearTheSameUnderTheKnifeAsInAPlan)
     {
-        const SurgerySetup table = wall_under_tension();
-        SurgerySetup slack = table;
+        const SurgerySetup setup = wall_under_tension();
+        SurgerySetup slack = setup;
         for (fem::Material& material : slack.materials)
             material.pre_strain = {};
-        const Opened plan = as_planned(table), plan_without = as_planned(slack),
-                     knife = under_the_knife(table, SurgerySession(table).case_tension()),
+        const Opened plan = as_planned(setup), plan_without = as_planned(slack),
+                     knife = under_the_knife(setup, SurgerySession(setup).case_tension()),
                      knife_without = under_the_knife(slack, 0.0);
         constexpr double kMeshes = 0.05; // a stroke divides elements otherwise than one blade does
         ASSERT_EQ(knife.hook_forces_N.size(), 2U);
@@ -85,14 +85,14 @@ namespace planned_tension_test {
 
     TEST(PlannedTension, TheCasesTensionIsScaledAsAWhole)
     {
-        const SurgerySetup table = wall_under_tension();
-        EXPECT_EQ(SurgerySession(table).case_tension(), 0.05);
+        const SurgerySetup setup = wall_under_tension();
+        EXPECT_EQ(SurgerySession(setup).case_tension(), 0.05);
         EXPECT_EQ(SurgerySession(wall_with_planned_hooks({}, 7.0)).case_tension(), 0.0);
         // Linear: what the hooks bear falls in proportion to the tension; but the stroke is drawn on a wound that
         // gapes.
         constexpr double kDrawn = 0.02;
-        const Opened none = under_the_knife(table, 0.0), half = under_the_knife(table, 0.025),
-                     all = under_the_knife(table, 0.05);
+        const Opened none = under_the_knife(setup, 0.0), half = under_the_knife(setup, 0.025),
+                     all = under_the_knife(setup, 0.05);
         for (std::size_t h = 0; h < 2; ++h)
             EXPECT_NEAR(none.hook_forces_N[h] - half.hook_forces_N[h], half.hook_forces_N[h] - all.hook_forces_N[h],
                 kDrawn * (none.hook_forces_N[h] - half.hook_forces_N[h]));

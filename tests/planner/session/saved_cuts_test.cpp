@@ -1,7 +1,7 @@
 #include "planner/session/saved_cuts.h"
 
 #include "mesh/base/error.h"
-#include "planner/session/knife_worker.h"
+#include "planner/session/surgery_worker.h"
 #include "tests/planner/session/layered_wall.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ namespace saved_cuts_test {
             fs::remove_all(folder_);
             fs::create_directories(folder_);
         }
-        SurgerySetup table() const
+        SurgerySetup setup() const
         {
             SurgerySetup made = layered_wall();
             made.journal = journal();
@@ -89,17 +89,17 @@ namespace saved_cuts_test {
         mesh::TetMesh left;
         std::shared_ptr<const WallSurface> surface;
         {
-            SurgerySession live_session = new_session(table());
+            SurgerySession live_session = new_session(setup());
             for (const double z : { 30.0, 62.0, 91.0 })
                 cut(live_session, z);
             live_session.undo();
             left = live_session.session().compact_mesh();
             surface = live_session.picture()->surface;
         }
-        const SavedCuts kept = read_saved_cuts(journal(), table().wall);
+        const SavedCuts kept = read_saved_cuts(journal(), setup().wall);
         EXPECT_EQ(kept.deltas.size(), 2U);
         EXPECT_TRUE(kept.more);
-        SurgerySession live_session = restored_session(table(), kept);
+        SurgerySession live_session = restored_session(setup(), kept);
         EXPECT_TRUE(same(live_session.session().compact_mesh(), left));
         EXPECT_TRUE(same(*live_session.picture()->surface, *surface));
         ASSERT_EQ(live_session.cuts().size(), 2U);
@@ -114,7 +114,7 @@ namespace saved_cuts_test {
         live_session.undo();
         live_session.undo();
         live_session.undo();
-        EXPECT_TRUE(same(live_session.session().compact_mesh(), table().wall));
+        EXPECT_TRUE(same(live_session.session().compact_mesh(), setup().wall));
     }
 
     TEST_F(SavedCutsTest, WhatWasTakenOutIsRestoredAsThat)
@@ -123,7 +123,7 @@ namespace saved_cuts_test {
         constexpr double kRounding = 1e-9;
         mesh::CutReport report;
         {
-            SurgerySession live_session = new_session(table());
+            SurgerySession live_session = new_session(setup());
             cut(live_session, 30.0);
             ASSERT_TRUE(live_session.take_out(at(live_session, 60.0, 80.0), 12.0).done);
             report = live_session.cuts().back().report;
@@ -137,7 +137,7 @@ namespace saved_cuts_test {
                 taken.report.removed_volume_mm3, report.removed_volume_mm3, kRounding * report.removed_volume_mm3);
         };
         {
-            SurgerySession live_session = restored_session(table(), read_saved_cuts(journal(), table().wall));
+            SurgerySession live_session = restored_session(setup(), read_saved_cuts(journal(), setup().wall));
             ASSERT_EQ(live_session.cuts().size(), 3U);
             EXPECT_EQ(live_session.cuts()[0].taken_out, "");
             check(live_session.cuts()[1]);
@@ -145,7 +145,7 @@ namespace saved_cuts_test {
             live_session.undo();
             live_session.undo();
         }
-        SurgerySession live_session = restored_session(table(), read_saved_cuts(journal(), table().wall));
+        SurgerySession live_session = restored_session(setup(), read_saved_cuts(journal(), setup().wall));
         ASSERT_EQ(live_session.cuts().size(), 1U);
         live_session.redo();
         live_session.redo();
@@ -158,14 +158,14 @@ namespace saved_cuts_test {
     {
         mesh::TetMesh left;
         {
-            auto live_session = std::make_unique<SurgerySession>(new_session(table()));
+            auto live_session = std::make_unique<SurgerySession>(new_session(setup()));
             cut(*live_session, 30.0);
             begin(*live_session, 62.0); // the session ends without finishing it, as a crash would
             left = live_session->session().compact_mesh();
         }
-        const SavedCuts kept = read_saved_cuts(journal(), table().wall);
+        const SavedCuts kept = read_saved_cuts(journal(), setup().wall);
         ASSERT_EQ(kept.deltas.size(), 2U);
-        SurgerySession live_session = restored_session(table(), kept);
+        SurgerySession live_session = restored_session(setup(), kept);
         EXPECT_FALSE(live_session.stroke_open());
         EXPECT_GE(live_session.session().tet_count(), left.tet_count());
         live_session.undo();
@@ -175,25 +175,25 @@ namespace saved_cuts_test {
     TEST_F(SavedCutsTest, AnotherWallOrADamagedFileIsRefused)
     {
         {
-            SurgerySession live_session = new_session(table());
+            SurgerySession live_session = new_session(setup());
             cut(live_session, 30.0);
         }
-        EXPECT_THROW((void)new_session(table()), IoError) << "what is kept is not written over";
+        EXPECT_THROW((void)new_session(setup()), IoError) << "what is kept is not written over";
         EXPECT_THROW((void)read_saved_cuts(journal(), layered_wall({ 0.0, 0.0, 1.0 }).wall), InputError);
         const fs::path first = set_aside(journal());
         EXPECT_EQ(first, journal().string() + ".1");
         EXPECT_FALSE(fs::exists(journal()));
         std::ofstream(journal()) << "no journal\n";
-        EXPECT_THROW((void)read_saved_cuts(journal(), table().wall), InputError);
+        EXPECT_THROW((void)read_saved_cuts(journal(), setup().wall), InputError);
         EXPECT_EQ(set_aside(journal()), journal().string() + ".2");
         EXPECT_THROW((void)set_aside(journal()), IoError);
-        EXPECT_EQ(read_saved_cuts(first, table().wall).deltas.size(), 1U) << "set aside, not lost";
+        EXPECT_EQ(read_saved_cuts(first, setup().wall).deltas.size(), 1U) << "set aside, not lost";
     }
 
     /// What a worker says once it is not preparing any more.
-    SessionSnapshot settled(KnifeWorker& worker)
+    SurgerySnapshot settled(SurgeryWorker& worker)
     {
-        while (!worker.idle() || worker.snapshot()->phase == SessionSnapshot::Phase::preparing)
+        while (!worker.idle() || worker.snapshot()->phase == SurgerySnapshot::Phase::preparing)
             std::this_thread::sleep_for(std::chrono::milliseconds(2));
         return *worker.snapshot();
     }
@@ -201,40 +201,40 @@ namespace saved_cuts_test {
     TEST_F(SavedCutsTest, TheWorkerAsksBeforeItRestores)
     {
         {
-            KnifeWorker worker([&](const Job&) { return table(); }, [] {});
-            const SessionSnapshot snapshot = settled(worker);
-            ASSERT_EQ(snapshot.phase, SessionSnapshot::Phase::ready) << "nothing was kept: nothing is asked";
+            SurgeryWorker worker([&](const Job&) { return setup(); }, [] {});
+            const SurgerySnapshot snapshot = settled(worker);
+            ASSERT_EQ(snapshot.phase, SurgerySnapshot::Phase::ready) << "nothing was kept: nothing is asked";
             worker.restore(true); // no question
             worker.run(surgery::BeginStroke { *touch(*snapshot.picture, ray_down(20.0, 62.0)) });
             for (double x = 24.0; x <= 80.0; x += 4.0)
                 worker.run(surgery::DrawTo { *touch(*snapshot.picture, ray_down(x, 62.0)) });
         } // ends in the middle of the stroke
         {
-            KnifeWorker worker([&](const Job&) { return table(); }, [] {});
-            const SessionSnapshot snapshot = settled(worker);
-            EXPECT_EQ(snapshot.phase, SessionSnapshot::Phase::asking);
+            SurgeryWorker worker([&](const Job&) { return setup(); }, [] {});
+            const SurgerySnapshot snapshot = settled(worker);
+            EXPECT_EQ(snapshot.phase, SurgerySnapshot::Phase::asking);
             EXPECT_EQ(snapshot.saved_cuts, 1U);
         } // ends without an answer
         {
-            KnifeWorker worker([&](const Job&) { return table(); }, [] {});
-            ASSERT_EQ(settled(worker).phase, SessionSnapshot::Phase::asking);
+            SurgeryWorker worker([&](const Job&) { return setup(); }, [] {});
+            ASSERT_EQ(settled(worker).phase, SurgerySnapshot::Phase::asking);
             worker.restore(true);
-            while (worker.snapshot()->phase != SessionSnapshot::Phase::ready)
+            while (worker.snapshot()->phase != SurgerySnapshot::Phase::ready)
                 std::this_thread::sleep_for(std::chrono::milliseconds(2));
             EXPECT_EQ(worker.snapshot()->cuts.size(), 1U);
         }
         {
-            KnifeWorker worker([&](const Job&) { return table(); }, [] {});
-            ASSERT_EQ(settled(worker).phase, SessionSnapshot::Phase::asking);
+            SurgeryWorker worker([&](const Job&) { return setup(); }, [] {});
+            ASSERT_EQ(settled(worker).phase, SurgerySnapshot::Phase::asking);
             worker.restore(false);
-            while (worker.snapshot()->phase != SessionSnapshot::Phase::ready)
+            while (worker.snapshot()->phase != SurgerySnapshot::Phase::ready)
                 std::this_thread::sleep_for(std::chrono::milliseconds(2));
             EXPECT_TRUE(worker.snapshot()->cuts.empty());
             EXPECT_TRUE(fs::exists(journal().string() + ".1"));
             // Another window on the same case cuts, but not into the same file.
-            KnifeWorker second([&](const Job&) { return table(); }, [] {});
-            const SessionSnapshot snapshot = settled(second);
-            EXPECT_EQ(snapshot.phase, SessionSnapshot::Phase::ready);
+            SurgeryWorker second([&](const Job&) { return setup(); }, [] {});
+            const SurgerySnapshot snapshot = settled(second);
+            EXPECT_EQ(snapshot.phase, SurgerySnapshot::Phase::ready);
             EXPECT_TRUE(snapshot.refused);
             EXPECT_NE(snapshot.answer.find("not kept on disk"), std::string::npos) << snapshot.answer;
         }
@@ -243,19 +243,19 @@ namespace saved_cuts_test {
     TEST_F(SavedCutsTest, CommandsWaitForTheAnswer)
     {
         {
-            KnifeWorker worker([&](const Job&) { return table(); }, [] {});
-            const SessionSnapshot snapshot = settled(worker);
+            SurgeryWorker worker([&](const Job&) { return setup(); }, [] {});
+            const SurgerySnapshot snapshot = settled(worker);
             worker.run(surgery::BeginStroke { *touch(*snapshot.picture, ray_down(20.0, 62.0)) });
             for (double x = 24.0; x <= 80.0; x += 4.0)
                 worker.run(surgery::DrawTo { *touch(*snapshot.picture, ray_down(x, 62.0)) });
         }
-        KnifeWorker worker([&](const Job&) { return table(); }, [] {});
-        ASSERT_EQ(settled(worker).phase, SessionSnapshot::Phase::asking);
+        SurgeryWorker worker([&](const Job&) { return setup(); }, [] {});
+        ASSERT_EQ(settled(worker).phase, SurgerySnapshot::Phase::asking);
         worker.run(surgery::SetTension { 0.04 });
         EXPECT_FALSE(worker.idle()) << "the command waits";
         worker.restore(true);
-        const SessionSnapshot ready = settled(worker);
-        EXPECT_EQ(ready.phase, SessionSnapshot::Phase::ready);
+        const SurgerySnapshot ready = settled(worker);
+        EXPECT_EQ(ready.phase, SurgerySnapshot::Phase::ready);
         EXPECT_EQ(ready.cuts.size(), 1U);
         EXPECT_EQ(ready.tension, 0.04);
         EXPECT_GT(ready.gape_mm, 0.0) << "the restored cut gapes under it";
@@ -263,14 +263,14 @@ namespace saved_cuts_test {
 
     TEST_F(SavedCutsTest, TheWorkerSaysWhatTheTableDoesNotFeel)
     {
-        KnifeWorker worker(
+        SurgeryWorker worker(
             [&](const Job&) {
-                SurgerySetup laid = table();
-                laid.caution = "nothing presses here";
-                return laid;
+                SurgerySetup cautioned = setup();
+                cautioned.caution = "nothing presses here";
+                return cautioned;
             },
             [] {});
-        const SessionSnapshot snapshot = settled(worker);
+        const SurgerySnapshot snapshot = settled(worker);
         EXPECT_EQ(snapshot.answer, "nothing presses here");
         EXPECT_EQ(snapshot.answers, 1U);
         EXPECT_FALSE(snapshot.refused);
@@ -280,9 +280,9 @@ namespace saved_cuts_test {
     {
         fs::create_directories(journal().parent_path());
         std::ofstream(journal()) << "no journal\n";
-        KnifeWorker worker([&](const Job&) { return table(); }, [] {});
-        const SessionSnapshot snapshot = settled(worker);
-        EXPECT_EQ(snapshot.phase, SessionSnapshot::Phase::ready);
+        SurgeryWorker worker([&](const Job&) { return setup(); }, [] {});
+        const SurgerySnapshot snapshot = settled(worker);
+        EXPECT_EQ(snapshot.phase, SurgerySnapshot::Phase::ready);
         EXPECT_NE(snapshot.answer.find("median.jsonl.1"), std::string::npos) << snapshot.answer;
         EXPECT_TRUE(fs::exists(journal().string() + ".1"));
         EXPECT_TRUE(fs::exists(journal()));

@@ -1,7 +1,7 @@
 #include "planner/session/surgery_session.h"
 
 #include "mesh/base/error.h"
-#include "planner/session/knife_worker.h"
+#include "planner/session/surgery_worker.h"
 #include "tests/planner/session/layered_wall.h"
 #include "tests/support/session_state.h"
 
@@ -11,6 +11,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -280,9 +281,9 @@ namespace surgery_session_test {
 
     TEST(SurgerySession, LeavesWhatIsBeyondTheOutlineOrHeldWhereItIs)
     {
-        SurgerySetup table = layered_wall();
-        table.region = { .corridor = { { 60.0, 0.0, 20.0 }, { 60.0, 0.0, 100.0 } }, .meshed_mm = 40.0 };
-        SurgerySession live_session(std::move(table));
+        SurgerySetup setup = layered_wall();
+        setup.region = { .corridor = { { 60.0, 0.0, 20.0 }, { 60.0, 0.0, 100.0 } }, .meshed_mm = 40.0 };
+        SurgerySession live_session(std::move(setup));
         const auto beyond = [&] { // and an edge further: elements at the border are divided
             const mesh::TetMesh mesh = live_session.session().compact_mesh();
             std::size_t count = 0;
@@ -316,10 +317,10 @@ namespace surgery_session_test {
 
     TEST(SurgerySession, NeverTakesOutEverythingNorWhatIsNoLongerThere)
     {
-        SurgerySetup table = layered_wall();
-        table.held.clear();
-        std::fill(table.wall.labels.begin(), table.wall.labels.end(), kMuscle);
-        SurgerySession live_session(std::move(table));
+        SurgerySetup setup = layered_wall();
+        setup.held.clear();
+        std::fill(setup.wall.labels.begin(), setup.wall.labels.end(), kMuscle);
+        SurgerySession live_session(std::move(setup));
         const KnifeAnswer everything = live_session.take_out(at(live_session, 60.0, 60.0), 1000.0);
         EXPECT_FALSE(everything.done);
         EXPECT_EQ(everything.reason, "nothing of the wall would be left");
@@ -335,14 +336,14 @@ namespace surgery_session_test {
     /// on a bed as all of it does.
     SurgerySession wounded_session(bool without_side)
     {
-        SurgerySetup table = layered_wall();
-        std::vector<char> held(table.wall.vertex_count(), 0);
-        for (const VertexId v : table.held)
+        SurgerySetup setup = layered_wall();
+        std::vector<char> held(setup.wall.vertex_count(), 0);
+        for (const VertexId v : setup.held)
             held[static_cast<std::size_t>(v)] = 1;
-        for (Eigen::Index v = 0; v < table.wall.vertices.rows(); ++v)
-            if (table.wall.vertices(v, 1) == kSlabThicknessMm && held[static_cast<std::size_t>(v)] == 0)
-                table.bedded.push_back({ static_cast<VertexId>(v), 1.0 });
-        mesh::CutSession session(table.wall);
+        for (Eigen::Index v = 0; v < setup.wall.vertices.rows(); ++v)
+            if (setup.wall.vertices(v, 1) == kSlabThicknessMm && held[static_cast<std::size_t>(v)] == 0)
+                setup.bedded.push_back({ static_cast<VertexId>(v), 1.0 });
+        mesh::CutSession session(setup.wall);
         const mesh::Blade blade { .line = { { 20.0, 0.0, 61.0 }, { 50.0, 0.0, 61.0 }, { 80.0, 0.0, 61.0 } },
             .directions = { Vec3::UnitY(), Vec3::UnitY(), Vec3::UnitY() },
             .depth_mm = 15.0 };
@@ -351,7 +352,7 @@ namespace surgery_session_test {
             cuts.push_back(
                 session.ablate(test_support::elements_in(session, { Vec3(0.0, 0.0, 30.0), Vec3(15.0, 30.0, 90.0) }))
                     .delta);
-        return { std::move(table), std::move(session), cuts };
+        return { std::move(setup), std::move(session), cuts };
     }
 
     double largest_move_of_held(SurgerySession& live_session)
@@ -416,15 +417,15 @@ namespace surgery_session_test {
 
     TEST(SurgerySession, ABedGoesWithTheTissueThatLayOnIt)
     {
-        SurgerySetup table = layered_wall();
+        SurgerySetup setup = layered_wall();
         const Vec3 middle(35.0, 0.0, 35.0);
         std::vector<VertexId> gone;
-        for (Eigen::Index v = 0; v < table.wall.vertices.rows(); ++v)
-            if ((table.wall.vertices.row(v).transpose() - middle).norm() < 15.0 && table.wall.vertices(v, 1) == 0.0)
+        for (Eigen::Index v = 0; v < setup.wall.vertices.rows(); ++v)
+            if ((setup.wall.vertices.row(v).transpose() - middle).norm() < 15.0 && setup.wall.vertices(v, 1) == 0.0)
                 gone.push_back(static_cast<VertexId>(v));
         std::vector<Points> shown;
         for (const bool bedded : { true, false }) {
-            SurgerySetup same = table;
+            SurgerySetup same = setup;
             if (bedded)
                 for (const VertexId v : gone)
                     same.bedded.push_back({ v, 1e3 });
@@ -511,9 +512,9 @@ namespace surgery_session_test {
 
     TEST(SurgerySession, CutsOnlyWhereThereIsAWallAndSaysWhatItLeftOut)
     {
-        SurgerySetup table = layered_wall();
-        table.region = { .corridor = { { 60.0, 0.0, 20.0 }, { 60.0, 0.0, 100.0 } }, .meshed_mm = 40.0 };
-        SurgerySession live_session(std::move(table));
+        SurgerySetup setup = layered_wall();
+        setup.region = { .corridor = { { 60.0, 0.0, 20.0 }, { 60.0, 0.0, 100.0 } }, .meshed_mm = 40.0 };
+        SurgerySession live_session(std::move(setup));
         const KnifeAnswer outside = live_session.begin_stroke(at(live_session, 96.0, 60.0), {});
         EXPECT_FALSE(outside.done);
         EXPECT_NE(outside.reason.find("inside the outline"), std::string::npos) << outside.reason;
@@ -567,13 +568,13 @@ namespace surgery_session_test {
     protected:
         SurgerySession make_session()
         {
-            SurgerySetup table = layered_wall();
-            mesh::CutSession session(table.wall);
+            SurgerySetup setup = layered_wall();
+            mesh::CutSession session(setup.wall);
             session.set_witness([refuse = refuse_](const mesh::CutEvent& event) {
                 if (*refuse)
                     (*refuse)(event.kind);
             });
-            return { std::move(table), std::move(session), {} };
+            return { std::move(setup), std::move(session), {} };
         }
         /// 60 mm, of which the last 3 are left to finish_stroke().
         static void draw_open_stroke(SurgerySession& live_session)
@@ -748,9 +749,9 @@ namespace surgery_session_test {
 
     TEST(SurgerySession, WithoutSpringsTheTensionStaysAsItWas)
     {
-        SurgerySetup table = layered_wall();
-        table.materials.clear();
-        SurgerySession live_session(std::move(table));
+        SurgerySetup setup = layered_wall();
+        setup.materials.clear();
+        SurgerySession live_session(std::move(setup));
         for (int again = 0; again < 2; ++again)
             EXPECT_THROW(live_session.set_tension(0.04), InputError);
         EXPECT_EQ(live_session.tension(), 0.0);
@@ -772,25 +773,25 @@ namespace surgery_session_test {
         mesh::check_mesh(live_session.session().compact_mesh());
     }
 
-    void wait_for(const KnifeWorker& worker)
+    void wait_for(const SurgeryWorker& worker)
     {
         while (!worker.idle())
             std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
 
-    TEST(KnifeWorker, CutsOnItsOwnThreadAndTellsWhatCameOfIt)
+    TEST(SurgeryWorker, CutsOnItsOwnThreadAndTellsWhatCameOfIt)
     {
         std::atomic<int> told { 0 };
-        KnifeWorker worker(
+        SurgeryWorker worker(
             [](const Job& job) {
                 job.report("mesh", 0.5);
                 return layered_wall();
             },
             [&] { ++told; });
         wait_for(worker);
-        const std::shared_ptr<const SessionSnapshot> held = worker.snapshot();
-        const SessionSnapshot& snapshot = *held;
-        ASSERT_EQ(snapshot.phase, SessionSnapshot::Phase::ready);
+        const std::shared_ptr<const SurgerySnapshot> held = worker.snapshot();
+        const SurgerySnapshot& snapshot = *held;
+        ASSERT_EQ(snapshot.phase, SurgerySnapshot::Phase::ready);
         EXPECT_EQ(snapshot.labels.size(), 4U);
         const auto touched = [&](double x, double z) { return *touch(*snapshot.picture, ray_down(x, z)); };
         worker.run(surgery::BeginStroke { touched(20.0, 62.0) });
@@ -798,7 +799,7 @@ namespace surgery_session_test {
             worker.run(surgery::DrawTo { touched(x, 62.0) });
         worker.run(surgery::FinishStroke {});
         wait_for(worker);
-        const SessionSnapshot cut = *worker.snapshot();
+        const SurgerySnapshot cut = *worker.snapshot();
         ASSERT_EQ(cut.cuts.size(), 1U);
         EXPECT_TRUE(cut.can_undo);
         EXPECT_NE(cut.picture->surface, snapshot.picture->surface);
@@ -826,16 +827,16 @@ namespace surgery_session_test {
         EXPECT_GT(told, 0);
     }
 
-    TEST(KnifeWorker, GoesOnWhenASnapshotCannotBeAnnounced)
+    TEST(SurgeryWorker, GoesOnWhenASnapshotCannotBeAnnounced)
     {
         std::atomic<bool> fail { false };
-        KnifeWorker worker([](const Job&) { return layered_wall(); },
+        SurgeryWorker worker([](const Job&) { return layered_wall(); },
             [&] {
                 if (fail.exchange(false))
                     throw std::bad_alloc();
             });
         wait_for(worker);
-        const SessionSnapshot snapshot = *worker.snapshot();
+        const SurgerySnapshot snapshot = *worker.snapshot();
         fail = true;
         worker.run(surgery::BeginStroke { *touch(*snapshot.picture, ray_down(20.0, 62.0)) });
         for (double x = 24.0; x <= 80.0; x += 4.0)
@@ -850,29 +851,49 @@ namespace surgery_session_test {
         EXPECT_FALSE(worker.snapshot()->can_undo);
     }
 
-    TEST(KnifeWorker, SaysWhyThereIsNoTable)
+    TEST(SurgeryWorker, SavesTheWallByTheFunctionOfItsSetup)
     {
-        KnifeWorker worker([](const Job&) -> SurgerySetup { throw InputError("no wall", "approach x"); }, [] {});
+        mesh::TetMesh saved;
+        SurgeryWorker worker(
+            [&](const Job&) {
+                SurgerySetup setup = layered_wall();
+                setup.write_wall = [&](const std::filesystem::path&, const mesh::TetMesh& wall) { saved = wall; };
+                return setup;
+            },
+            [] {});
+        worker.run(surgery::ExportWall { "wall.vtu" });
         wait_for(worker);
-        EXPECT_EQ(worker.snapshot()->phase, SessionSnapshot::Phase::failed);
+        EXPECT_TRUE(same_mesh(saved, layered_wall().wall));
+        EXPECT_EQ(worker.snapshot()->answer, "Saved wall.vtu");
+        SurgeryWorker without([](const Job&) { return layered_wall(); }, [] {});
+        without.run(surgery::ExportWall { "wall.vtu" });
+        wait_for(without);
+        EXPECT_TRUE(without.snapshot()->refused);
+    }
+
+    TEST(SurgeryWorker, SaysWhyThereIsNoSetup)
+    {
+        SurgeryWorker worker([](const Job&) -> SurgerySetup { throw InputError("no wall", "approach x"); }, [] {});
+        wait_for(worker);
+        EXPECT_EQ(worker.snapshot()->phase, SurgerySnapshot::Phase::failed);
         EXPECT_EQ(worker.snapshot()->failure, "approach x: no wall");
         worker.run(surgery::Undo {}); // without a session
         wait_for(worker);
-        EXPECT_EQ(worker.snapshot()->phase, SessionSnapshot::Phase::failed);
+        EXPECT_EQ(worker.snapshot()->phase, SurgerySnapshot::Phase::failed);
     }
 
-    TEST(KnifeWorker, EndsInTheMiddleOfAStrokeAndOfPreparing)
+    TEST(SurgeryWorker, EndsInTheMiddleOfAStrokeAndOfPreparing)
     {
         {
-            KnifeWorker worker([](const Job&) { return layered_wall(); }, [] {});
+            SurgeryWorker worker([](const Job&) { return layered_wall(); }, [] {});
             wait_for(worker);
-            const SessionSnapshot snapshot = *worker.snapshot();
+            const SurgerySnapshot snapshot = *worker.snapshot();
             worker.run(surgery::BeginStroke { *touch(*snapshot.picture, ray_down(20.0, 62.0)) });
             for (double x = 24.0; x <= 80.0; x += 4.0)
                 worker.run(surgery::DrawTo { *touch(*snapshot.picture, ray_down(x, 62.0)) });
         }
         {
-            KnifeWorker worker(
+            SurgeryWorker worker(
                 [](const Job& job) -> SurgerySetup {
                     while (!job.cancelled())
                         std::this_thread::sleep_for(std::chrono::milliseconds(2));

@@ -38,8 +38,8 @@ namespace wall_region_test {
 
     TEST(WallRegion, ItsOutlineIsALineOnTheSkinWhereTheKnifeMayStillCut)
     {
-        const SurgerySetup table = layered_wall();
-        const std::vector<EdgePlace> places = region_outline(table.wall, small_region(), table.labels, table.outward);
+        const SurgerySetup setup = layered_wall();
+        const std::vector<EdgePlace> places = region_outline(setup.wall, small_region(), setup.labels, setup.outward);
         SurgerySession live_session(layered_wall());
         const std::vector<Vec3> shown = shown_places(places, *live_session.picture());
         ASSERT_GT(shown.size(), 20U);
@@ -51,20 +51,20 @@ namespace wall_region_test {
             EXPECT_NEAR(from_incision(shown[i]), 34.0, kSagMm);
         }
         EXPECT_NEAR(length, 2.0 * 20.0 + 2.0 * M_PI * 34.0, 0.01 * length) << "all round";
-        EXPECT_TRUE(region_outline(table.wall, {}, table.labels, table.outward).empty());
+        EXPECT_TRUE(region_outline(setup.wall, {}, setup.labels, setup.outward).empty());
     }
 
     TEST(BeyondSurface, GoesAlongWithTheRimAndRestsFarAway)
     {
-        SurgerySetup table = layered_wall();
+        SurgerySetup setup = layered_wall();
         const WallRegion region { .corridor = { { 60.0, 0.0, 0.0 }, { 60.0, 0.0, 120.0 } }, .meshed_mm = 60.0 };
         auto sheet = std::make_shared<TriMesh>();
         sheet->vertices.resize(4, 3);
         sheet->vertices << 121.0, 0.0, 60.0, 140.0, 0.0, 60.0, 170.0, 0.0, 60.0, 140.0, 0.0, 80.0;
         sheet->triangles = { { 0, 1, 3 }, { 1, 2, 3 } };
         sheet->labels = { kSkin, kSkin };
-        const BeyondSurface beyond(sheet, table.wall, region);
-        SurgerySession live_session(std::move(table));
+        const BeyondSurface beyond(sheet, setup.wall, region);
+        SurgerySession live_session(std::move(setup));
         WallPicture picture = *live_session.picture();
         EXPECT_EQ(beyond.shown(picture), sheet->vertices) << "the wall lies at rest";
         picture.shown.rowwise() += Eigen::RowVector3d(3.0, 0.0, 4.0);
@@ -86,10 +86,10 @@ namespace wall_region_test {
 
     TEST(WallRegion, ItsOutlineIsNotDrawnOverTissueThatWasTakenOut)
     {
-        const SurgerySetup table = layered_wall();
+        const SurgerySetup setup = layered_wall();
         const WallRegion region { .corridor = { { 70.0, 0.0, 50.0 }, { 70.0, 0.0, 70.0 } }, .meshed_mm = 30.0 };
-        const std::vector<EdgePlace> places = region_outline(table.wall, region, table.labels, table.outward);
-        SurgerySession live_session(table);
+        const std::vector<EdgePlace> places = region_outline(setup.wall, region, setup.labels, setup.outward);
+        SurgerySession live_session(setup);
         const std::vector<Vec3> whole = shown_places(places, *live_session.picture());
         const Touch middle = *touch(*live_session.picture(), ray_down(94.0, 60.0));
         ASSERT_TRUE(live_session.take_out(middle, 15.0).done);
@@ -113,17 +113,17 @@ namespace wall_region_test {
 
     TEST(BeyondSurface, GoesAlongWithWhatIsLeftOfTheRim)
     {
-        SurgerySetup table = layered_wall();
-        table.held.clear();
+        SurgerySetup setup = layered_wall();
+        setup.held.clear();
         const WallRegion region { .corridor = { { 60.0, 0.0, 0.0 }, { 60.0, 0.0, 120.0 } }, .meshed_mm = 60.0 };
         auto sheet = std::make_shared<TriMesh>();
         sheet->vertices.resize(3, 3);
         sheet->vertices << 121.0, 0.0, 60.0, 140.0, 0.0, 60.0, 170.0, 0.0, 60.0;
         sheet->triangles = { { 0, 1, 2 } };
         sheet->labels = { kSkin };
-        const BeyondSurface beyond(sheet, table.wall, region);
-        const Points first = table.wall.vertices;
-        SurgerySession live_session(std::move(table));
+        const BeyondSurface beyond(sheet, setup.wall, region);
+        const Points first = setup.wall.vertices;
+        SurgerySession live_session(std::move(setup));
         ASSERT_TRUE(live_session.take_out(*touch(*live_session.picture(), ray_down(119.0, 60.0)), 9.0).done);
         const auto check = [&] {
             WallPicture picture = *live_session.picture();

@@ -3,8 +3,8 @@
 #include "fem/linear_algebra/sparse_cholesky.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/error.h"
-#include "planner/session/knife_worker.h"
 #include "planner/session/surgery_session.h"
+#include "planner/session/surgery_worker.h"
 #include "tests/planner/session/layered_wall.h"
 
 #include <gtest/gtest.h>
@@ -64,23 +64,23 @@ namespace wound_hooks_test {
         EXPECT_LT(report.residual, kResidual);
         mesh::SlotMap map;
         const mesh::TetMesh mesh = live_session.session().compact_mesh(&map);
-        SurgerySetup table = layered_wall();
+        SurgerySetup setup = layered_wall();
         fem::Supports supports;
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
             if (const Vec3 p = mesh.vertices.row(v); p.x() == 0.0 || p.x() == 120.0 || p.z() == 0.0 || p.z() == 120.0)
                 supports.fixed.push_back(v);
-        for (fem::Material& material : table.materials)
+        for (fem::Material& material : setup.materials)
             material.poissons_ratio = std::min(material.poissons_ratio, 0.45);
         std::vector<fem::HookPatch> patches;
         for (const HookState& hook : report.hooks) {
-            fem::HookPatch patch { hook.name, hook.seat.side, {}, hook.displacement };
-            for (const VertexId v : hook.seat.nodes)
+            fem::HookPatch patch { hook.name, hook.placement.side, {}, hook.displacement };
+            for (const VertexId v : hook.placement.nodes)
                 if (live_session.session().has_vertex(v))
                     patch.nodes.push_back(map.compact_vertex[static_cast<std::size_t>(v)]);
             patches.push_back(patch);
         }
         fem::Opening opening(
-            mesh, table.materials, supports, { .elasticity = fem::Elasticity::linear, .tolerance = 1e-10 });
+            mesh, setup.materials, supports, { .elasticity = fem::Elasticity::linear, .tolerance = 1e-10 });
         const fem::OpeningResult right = opening.open(patches);
         ASSERT_EQ(right.status, fem::OpeningStatus::converged) << right.message;
         const WallPicture& picture = *live_session.picture();
@@ -103,8 +103,8 @@ namespace wound_hooks_test {
     struct OpenWound {
         SurgerySession live_session;
 
-        explicit OpenWound(SurgerySetup table = layered_wall())
-            : live_session(std::move(table))
+        explicit OpenWound(SurgerySetup setup = layered_wall())
+            : live_session(std::move(setup))
         {
             EXPECT_TRUE(draw(live_session, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }).done);
             for (const double z : { 63.0, 57.0 }) {
@@ -122,14 +122,14 @@ namespace wound_hooks_test {
         HookReport report = live_session.hooks();
         ASSERT_EQ(report.hooks.size(), 2U);
         EXPECT_EQ(report.hooks[0].name, "hook 1");
-        EXPECT_EQ(report.hooks[0].seat.side, -report.hooks[1].seat.side);
-        EXPECT_GT(report.hooks[0].seat.pull.z(), 0.99);
-        EXPECT_LT(report.hooks[1].seat.pull.z(), -0.99);
+        EXPECT_EQ(report.hooks[0].placement.side, -report.hooks[1].placement.side);
+        EXPECT_GT(report.hooks[0].placement.pull.z(), 0.99);
+        EXPECT_LT(report.hooks[1].placement.pull.z(), -0.99);
         for (const HookState& hook : report.hooks) {
-            EXPECT_GT(hook.seat.inward.y(), 0.99);
-            for (const VertexId v : hook.seat.nodes) {
+            EXPECT_GT(hook.placement.inward.y(), 0.99);
+            for (const VertexId v : hook.placement.nodes) {
                 const Vec3 p = live_session.session().position(v);
-                EXPECT_LE(std::abs(p.x() - hook.seat.centre.x()), 5.0 + 1e-6);
+                EXPECT_LE(std::abs(p.x() - hook.placement.centre.x()), 5.0 + 1e-6);
                 EXPECT_LE(p.y(), 15.0);
             }
         }
@@ -339,20 +339,20 @@ namespace wound_hooks_test {
 
     TEST(WoundHooks, ThePlannedOnesAreTakenWhereALipLiesUnderThem)
     {
-        SurgerySetup table = layered_wall();
-        table.approach.incision = { { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 } };
-        table.approach.directions.assign(2, Vec3::UnitY());
-        table.approach.depth_mm = 20.0;
+        SurgerySetup setup = layered_wall();
+        setup.approach.incision = { { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 } };
+        setup.approach.directions.assign(2, Vec3::UnitY());
+        setup.approach.depth_mm = 20.0;
         // Left of a blade that goes along x and down y is -z or +z: told by the way the hooks pull.
         for (const double pull : { 1.0, -1.0 })
             for (const double along : { 20.0, 100.0 })
-                table.approach.hooks.push_back({ .name = (pull > 0.0 ? "left " : "right ") + std::to_string(int(along)),
+                setup.approach.hooks.push_back({ .name = (pull > 0.0 ? "left " : "right ") + std::to_string(int(along)),
                     .side = pull > 0.0 ? 1 : -1,
                     .along_mm = along,
                     .depth_mm = 8.0,
                     .direction = pull * Vec3::UnitZ(),
                     .opening_mm = 6.0 });
-        SurgerySession live_session(std::move(table));
+        SurgerySession live_session(std::move(setup));
         EXPECT_NE(live_session.take_planned_hooks().reason.find("cut first"), std::string::npos);
         ASSERT_TRUE(draw(live_session, { 70.0, 0.0, 60.5 }, { 32.0, 0.0, 59.5 }, 20.0).done)
             << "the other way, and shorter";
@@ -365,9 +365,9 @@ namespace wound_hooks_test {
         EXPECT_EQ(report.hooks[0].name, "left 20");
         EXPECT_LT((report.hooks[0].displacement - Vec3(0.0, 0.0, 6.0)).norm(), kRoundingMm);
         for (const HookState& hook : report.hooks)
-            for (const VertexId v : hook.seat.nodes) // the lip that faces the other one
+            for (const VertexId v : hook.placement.nodes) // the lip that faces the other one
                 EXPECT_NEAR(live_session.picture()->shown(v, 2) - live_session.picture()->surface->rest(v, 2),
-                    6.0 * hook.seat.pull.z(), kRoundingMm);
+                    6.0 * hook.placement.pull.z(), kRoundingMm);
         EXPECT_GE(live_session.gape_mm(), 12.0 - kRoundingMm);
 
         const KnifeAnswer again = live_session.take_planned_hooks();
@@ -426,8 +426,8 @@ namespace wound_hooks_test {
         const double way = wound.way_mm(0);
         EXPECT_GT(way, 0.5);
         for (const HookState& hook : wound.hooks()) {
-            EXPECT_LT((hook.force_N - kForceN * hook.seat.pull).norm(), kAtForce * kForceN) << hook.name;
-            EXPECT_GT(hook.displacement.dot(hook.seat.pull), 0.0) << hook.name;
+            EXPECT_LT((hook.force_N - kForceN * hook.placement.pull).norm(), kAtForce * kForceN) << hook.name;
+            EXPECT_GT(hook.displacement.dot(hook.placement.pull), 0.0) << hook.name;
             EXPECT_FALSE(hook.yielded);
         }
         // The slider: half the force goes half the way, in linear tissue.
@@ -484,7 +484,7 @@ namespace wound_hooks_test {
         constexpr double kForceN = 3.0;
         PlannedWound wound({ .force_N = kForceN });
         SurgerySession& live_session = wound.live_session;
-        const Vec3 pull = wound.hooks()[0].seat.pull;
+        const Vec3 pull = wound.hooks()[0].placement.pull;
         const auto between_mm
             = [&] { return (wound.hooks()[0].displacement - wound.hooks()[1].displacement).dot(pull); };
         // Drawn into the other one, that pulls with its force, it stops where that is.
@@ -539,7 +539,7 @@ namespace wound_hooks_test {
         PlannedWound wound({ .grip_N_per_mm = kGrip });
         expect_exact(wound.live_session);
         for (const HookState& hook : wound.hooks()) {
-            const Vec3 left = 6.0 * hook.seat.pull - hook.displacement;
+            const Vec3 left = 6.0 * hook.placement.pull - hook.displacement;
             EXPECT_GT(left.norm(), 0.1) << hook.name;
             EXPECT_LT((hook.force_N - kGrip * left).norm(), kAtForce * hook.force_N.norm()) << hook.name;
             EXPECT_FALSE(hook.yielded);
@@ -592,12 +592,12 @@ namespace wound_hooks_test {
 
     TEST(WoundHooks, WhereALineIsPlannedTheWoundFollowsTheKnifeWithTheFactorAsItIs)
     {
-        SurgerySetup table = layered_wall();
-        table.approach.incision = { { 15.0, 0.0, 30.0 }, { 85.0, 0.0, 30.0 } };
-        table.approach.directions = { Vec3::UnitY(), Vec3::UnitY() };
-        table.approach.depth_mm = 20.0;
-        table.approach.sizing.corridor_edge_mm = kSlabEdgeMm;
-        OpenWound planned(std::move(table)), unplanned;
+        SurgerySetup setup = layered_wall();
+        setup.approach.incision = { { 15.0, 0.0, 30.0 }, { 85.0, 0.0, 30.0 } };
+        setup.approach.directions = { Vec3::UnitY(), Vec3::UnitY() };
+        setup.approach.depth_mm = 20.0;
+        setup.approach.sizing.corridor_edge_mm = kSlabEdgeMm;
+        OpenWound planned(std::move(setup)), unplanned;
         for (OpenWound* wound : { &planned, &unplanned }) {
             wound->live_session.pull_all_hooks(2.0);
             ASSERT_TRUE(draw(wound->live_session, { 15.0, 0.0, 31.0 }, { 85.0, 0.0, 29.0 }, 20.0).done); // nearly
@@ -615,12 +615,12 @@ namespace wound_hooks_test {
         EXPECT_EQ(planned.live_session.hooks().factors_swapped, 0);
     }
 
-    TEST(KnifeWorker, TheWoundFollowsTheHandAndItsNumbersSettle)
+    TEST(SurgeryWorker, TheWoundFollowsTheHandAndItsNumbersSettle)
     {
-        KnifeWorker worker([](const Job&) { return layered_wall(); }, [] {});
+        SurgeryWorker worker([](const Job&) { return layered_wall(); }, [] {});
         const auto wait = [&] {
             for (int i = 0;
-                 i < 12000 && (!worker.idle() || worker.snapshot()->phase == SessionSnapshot::Phase::preparing); ++i)
+                 i < 12000 && (!worker.idle() || worker.snapshot()->phase == SurgerySnapshot::Phase::preparing); ++i)
                 std::this_thread::sleep_for(std::chrono::milliseconds(10));
             ASSERT_TRUE(worker.idle());
         };
@@ -634,13 +634,13 @@ namespace wound_hooks_test {
         worker.run(surgery::PlaceHook { at_now(60.0, 63.0) });
         worker.run(surgery::PlaceHook { at_now(60.0, 57.0) });
         wait();
-        const SessionSnapshot placed = *worker.snapshot();
+        const SurgerySnapshot placed = *worker.snapshot();
         ASSERT_EQ(placed.hooks.hooks.size(), 2U) << placed.answer;
         const fem::HookId id = placed.hooks.hooks[0].id;
         for (int i = 1; i <= 500; ++i)
             worker.run(surgery::PullHook { id, Vec3(0.0, 0.0, 0.01 * i) });
         wait();
-        const SessionSnapshot pulled = *worker.snapshot();
+        const SurgerySnapshot pulled = *worker.snapshot();
         EXPECT_LT((pulled.hooks.hooks[0].displacement - Vec3(0.0, 0.0, 5.0)).norm(), kRoundingMm)
             << "the newest order counts";
         EXPECT_TRUE(pulled.hooks.settled);

@@ -165,6 +165,17 @@ namespace {
         return text + reduction_error_text(cut) + angle_remark(r);
     }
 
+    QPushButton* add_button(
+        QWidget& owner, QHBoxLayout& row, const QString& text, const QString& tip, const std::function<void()>& run)
+    {
+        auto* button = new QPushButton(text);
+        button->setToolTip(tip);
+        button->setFocusPolicy(Qt::NoFocus);
+        QObject::connect(button, &QPushButton::clicked, &owner, run);
+        row.addWidget(button);
+        return button;
+    }
+
 } // namespace
 
 KnifePanel::KnifePanel(QWidget* parent)
@@ -210,12 +221,7 @@ KnifePanel::KnifePanel(QWidget* parent)
 
     auto* buttons = new QHBoxLayout;
     const auto add = [&](const QString& text, const QString& tip, const std::function<void()>& run) {
-        auto* button = new QPushButton(text);
-        button->setToolTip(tip);
-        button->setFocusPolicy(Qt::NoFocus);
-        connect(button, &QPushButton::clicked, this, run);
-        buttons->addWidget(button);
-        return button;
+        return add_button(*this, *buttons, text, tip, run);
     };
     undo_ = add("Undo", "Take the last cut back (Ctrl+Z)", [this] { give(planner::surgery::Undo {}); });
     redo_ = add("Redo", "Make it again (Ctrl+Shift+Z)", [this] { give(planner::surgery::Redo {}); });
@@ -328,12 +334,7 @@ QWidget* KnifePanel::make_hooks()
     column->addLayout(form);
     auto* buttons = new QHBoxLayout;
     const auto add = [&](const QString& text, const QString& tip, const std::function<void()>& run) {
-        auto* button = new QPushButton(text);
-        button->setToolTip(tip);
-        button->setFocusPolicy(Qt::NoFocus);
-        connect(button, &QPushButton::clicked, this, run);
-        buttons->addWidget(button);
-        return button;
+        return add_button(*this, *buttons, text, tip, run);
     };
     planned_ = add("As planned", "The approach's hooks, opened as it says",
         [this] { give(planner::surgery::TakePlannedHooks {}); });
@@ -396,7 +397,7 @@ void KnifePanel::show_opening(const std::vector<planner::HookState>& hooks)
     }
     double mm = 0.0;
     for (const planner::HookState& hook : hooks)
-        mm += hook.drive.displacement.dot(hook.seat.pull) / static_cast<double>(hooks.size());
+        mm += hook.drive.displacement.dot(hook.placement.pull) / static_cast<double>(hooks.size());
     set_opening(static_cast<int>(std::lround(mm)), false);
 }
 
@@ -413,9 +414,9 @@ void KnifePanel::set_opening(int value, bool by_share)
     opening_text_->setText(opening_text(opening_->value()));
 }
 
-void KnifePanel::show_hooks(const planner::SessionSnapshot* snapshot)
+void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
 {
-    const bool ready = snapshot != nullptr && snapshot->phase == planner::SessionSnapshot::Phase::ready;
+    const bool ready = snapshot != nullptr && snapshot->phase == planner::SurgerySnapshot::Phase::ready;
     const planner::HookReport report = ready ? snapshot->hooks : planner::HookReport {};
     const auto count = static_cast<int>(report.hooks.size());
     while (hooks_->count() > count)
@@ -502,10 +503,10 @@ void KnifePanel::offer_case_tension(double strain)
         tension_->setCurrentIndex(case_tension_item_);
 }
 
-void KnifePanel::show_snapshot(const planner::SessionSnapshot* snapshot, double draw_ms)
+void KnifePanel::show_snapshot(const planner::SurgerySnapshot* snapshot, double draw_ms)
 {
-    const bool ready = snapshot != nullptr && snapshot->phase == planner::SessionSnapshot::Phase::ready;
-    const bool asking = snapshot != nullptr && snapshot->phase == planner::SessionSnapshot::Phase::asking;
+    const bool ready = snapshot != nullptr && snapshot->phase == planner::SurgerySnapshot::Phase::ready;
+    const bool asking = snapshot != nullptr && snapshot->phase == planner::SurgerySnapshot::Phase::asking;
     question_->setVisible(asking);
     if (asking)
         question_text_->setText(snapshot->saved_cuts == 0

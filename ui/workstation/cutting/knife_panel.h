@@ -2,8 +2,8 @@
 // The panel on the right while cutting: the knife's settings and the list of cuts, and below them the hooks and their
 // numbers.
 
-#include "planner/session/knife_worker.h"
 #include "planner/session/surgery_command.h"
+#include "planner/session/surgery_worker.h"
 
 #include <QWidget>
 
@@ -32,7 +32,7 @@ public:
     /// unless the user chose another one for the case. 0: the case has none.
     void offer_case_tension(double strain);
     /// @param snapshot null: there is no session
-    void show_snapshot(const planner::SessionSnapshot* snapshot, double draw_ms);
+    void show_snapshot(const planner::SurgerySnapshot* snapshot, double draw_ms);
 
     // Set by the owner; called when something is pressed or set.
     std::function<void(planner::surgery::Command)> on_command;
@@ -50,8 +50,6 @@ public:
     QString opening_text() const; ///< text beside the slider
     QListWidget& hook_list() { return *hooks_; }
     QPushButton& planned_hooks_button() { return *planned_; }
-    QPushButton& hook_off_button() { return *hook_off_; }
-    QPushButton& hooks_off_button() { return *hooks_off_; }
     QString hook_numbers() const; ///< text on the panel
     QString hook_warning() const; ///< text on the panel; empty: none
     QPushButton& restore_button() { return *restore_; }
@@ -65,7 +63,7 @@ private:
     QWidget* make_hooks();
     void give(planner::surgery::Command command);
     void take_off_chosen_hook();
-    void show_hooks(const planner::SessionSnapshot* snapshot);
+    void show_hooks(const planner::SurgerySnapshot* snapshot);
     void show_opening(const std::vector<planner::HookState>& hooks);
     void set_opening(int value, bool by_share);
     QString opening_text(int value) const;

@@ -31,22 +31,22 @@ namespace {
     {
         Vec3 sum = Vec3::Zero();
         int count = 0;
-        for (const VertexId v : hook.seat.nodes)
+        for (const VertexId v : hook.placement.nodes)
             if (v < picture.shown.rows()) {
                 sum += picture.shown.row(v).transpose();
                 ++count;
             }
-        return count > 0 ? Vec3(sum / count) : hook.seat.centre;
+        return count > 0 ? Vec3(sum / count) : hook.placement.centre;
     }
 
     TriMesh steel_of(const planner::HookState& hook, const planner::WallPicture& picture)
     {
         return hook_mesh({ .name = hook.name,
             .position = shown_centre(hook, picture),
-            .pull = hook.seat.pull,
-            .outward = -hook.seat.inward,
-            .width_mm = hook.seat.width_mm,
-            .depth_mm = hook.seat.height_mm });
+            .pull = hook.placement.pull,
+            .outward = -hook.placement.inward,
+            .width_mm = hook.placement.width_mm,
+            .depth_mm = hook.placement.height_mm });
     }
 
     void append(TriMesh& all, const TriMesh& mesh)
@@ -129,30 +129,30 @@ KnifeTool::~KnifeTool()
     view_.set_live(nullptr);
 }
 
-KnifeTool::Table* KnifeTool::shown() { return shown_ ? &tables_.at(*shown_) : nullptr; }
-const KnifeTool::Table* KnifeTool::shown() const { return shown_ ? &tables_.at(*shown_) : nullptr; }
+KnifeTool::Session* KnifeTool::shown() { return shown_ ? &sessions_.at(*shown_) : nullptr; }
+const KnifeTool::Session* KnifeTool::shown() const { return shown_ ? &sessions_.at(*shown_) : nullptr; }
 
-void KnifeTool::lay_out(std::size_t approach, std::function<KnifeTable(const Job&)> prepare)
+void KnifeTool::set_up(std::size_t approach, std::function<SurgeryInput(const Job&)> prepare)
 {
     if (shown_ == approach)
         return;
     leave();
-    Table& table = tables_[approach];
+    Session& session = sessions_[approach];
     shown_ = approach;
-    if (table.worker == nullptr || table.snapshot->phase == planner::SessionSnapshot::Phase::failed) {
-        table.snapshot = std::make_shared<const planner::SessionSnapshot>();
-        table.surroundings = std::make_shared<Scene>();
-        auto lay = [prepare = std::move(prepare), surroundings = table.surroundings](const Job& job) {
-            KnifeTable laid = prepare(job);
-            *surroundings = std::move(laid.surroundings);
-            return std::move(laid.table);
+    if (session.worker == nullptr || session.snapshot->phase == planner::SurgerySnapshot::Phase::failed) {
+        session.snapshot = std::make_shared<const planner::SurgerySnapshot>();
+        session.surroundings = std::make_shared<Scene>();
+        auto make_setup = [prepare = std::move(prepare), surroundings = session.surroundings](const Job& job) {
+            SurgeryInput input = prepare(job);
+            *surroundings = std::move(input.surroundings);
+            return std::move(input.setup);
         };
-        table.worker = std::make_unique<planner::KnifeWorker>(std::move(lay), [this, approach] {
+        session.worker = std::make_unique<planner::SurgeryWorker>(std::move(make_setup), [this, approach] {
             QMetaObject::invokeMethod(
                 this, [this, approach] { take_snapshot(approach); }, Qt::QueuedConnection);
         });
     }
-    answers_ = table.snapshot->answers;
+    answers_ = session.snapshot->answers;
     run(planner::surgery::SetTension { panel_.tension() });
     run(planner::surgery::SetYield { panel_.yield_N() });
     run(planner::surgery::SetNonlinear { panel_.nonlinear() });
@@ -171,7 +171,7 @@ void KnifeTool::leave()
 void KnifeTool::clear()
 {
     leave();
-    tables_.clear();
+    sessions_.clear();
     panel_.offer_case_tension(0.0);
     case_tension_offered_ = false;
 }
@@ -226,22 +226,23 @@ void KnifeTool::say(const std::string& text, bool refused) const
 
 std::shared_ptr<const Scene> KnifeTool::scene() const
 {
-    const Table* table = shown();
-    return table != nullptr && table->snapshot->phase == planner::SessionSnapshot::Phase::ready ? table->surroundings
-                                                                                                : nullptr;
+    const Session* session = shown();
+    return session != nullptr && session->snapshot->phase == planner::SurgerySnapshot::Phase::ready
+        ? session->surroundings
+        : nullptr;
 }
 
-const planner::SessionSnapshot* KnifeTool::snapshot() const
+const planner::SurgerySnapshot* KnifeTool::snapshot() const
 {
     return shown() != nullptr ? shown()->snapshot.get() : nullptr;
 }
 
 QString KnifeTool::waiting_for() const
 {
-    const planner::SessionSnapshot* now = snapshot();
-    if (now != nullptr && now->phase == planner::SessionSnapshot::Phase::asking)
+    const planner::SurgerySnapshot* now = snapshot();
+    if (now != nullptr && now->phase == planner::SurgerySnapshot::Phase::asking)
         return QString("Restore last cuts (%1)? Answer on the right.").arg(now->saved_cuts);
-    if (now == nullptr || now->phase != planner::SessionSnapshot::Phase::preparing)
+    if (now == nullptr || now->phase != planner::SurgerySnapshot::Phase::preparing)
         return {};
     return "Laying the wall out for the knife"
         + (now->stage.empty() ? QString(" …")
@@ -252,25 +253,25 @@ QString KnifeTool::waiting_for() const
 
 bool KnifeTool::idle() const
 {
-    return std::all_of(tables_.begin(), tables_.end(), [](const auto& entry) {
+    return std::all_of(sessions_.begin(), sessions_.end(), [](const auto& entry) {
         return entry.second.worker->idle()
-            && entry.second.snapshot->phase != planner::SessionSnapshot::Phase::preparing;
+            && entry.second.snapshot->phase != planner::SurgerySnapshot::Phase::preparing;
     });
 }
 
 void KnifeTool::take_snapshot(std::size_t approach)
 {
-    const auto found = tables_.find(approach);
-    if (found == tables_.end()) // the session belongs to a case that was closed
+    const auto found = sessions_.find(approach);
+    if (found == sessions_.end()) // the session belongs to a case that was closed
         return;
     found->second.snapshot = found->second.worker->snapshot();
     if (shown_ != approach)
         return;
-    const planner::SessionSnapshot& snapshot = *found->second.snapshot;
+    const planner::SurgerySnapshot& snapshot = *found->second.snapshot;
     if (snapshot.case_tension > 0.0 && !std::exchange(case_tension_offered_, true))
         panel_.offer_case_tension(snapshot.case_tension);
     show_picture();
-    if (snapshot.phase == planner::SessionSnapshot::Phase::failed)
+    if (snapshot.phase == planner::SurgerySnapshot::Phase::failed)
         say(snapshot.failure, true);
     if (std::exchange(answers_, snapshot.answers) != snapshot.answers)
         say(snapshot.answer, snapshot.refused);
@@ -286,7 +287,7 @@ void KnifeTool::take_snapshot(std::size_t approach)
 
 void KnifeTool::show_picture()
 {
-    const planner::SessionSnapshot& snapshot = *shown()->snapshot;
+    const planner::SurgerySnapshot& snapshot = *shown()->snapshot;
     panel_.show_snapshot(&snapshot, view_.draw_ms());
     if (snapshot.picture == nullptr)
         return;
@@ -308,7 +309,7 @@ void KnifeTool::show_picture()
 
 void KnifeTool::show_beyond()
 {
-    const planner::SessionSnapshot& snapshot = *shown()->snapshot;
+    const planner::SurgerySnapshot& snapshot = *shown()->snapshot;
     if (snapshot.beyond != nullptr) {
         beyond_.vertices = snapshot.beyond->shown(*snapshot.picture);
         drawn_.beyond.set_positions(beyond_.vertices);
@@ -326,7 +327,7 @@ void KnifeTool::show_beyond()
 
 void KnifeTool::show_steel()
 {
-    const planner::SessionSnapshot& snapshot = *shown()->snapshot;
+    const planner::SurgerySnapshot& snapshot = *shown()->snapshot;
     TriMesh steel;
     for (const planner::HookState& hook : snapshot.hooks.hooks)
         append(steel, steel_of(hook, *snapshot.picture));
@@ -339,12 +340,16 @@ void KnifeTool::show_line()
     view_.draw_soon();
 }
 
+bool KnifeTool::wall_is_shown() const
+{
+    return snapshot() != nullptr && snapshot()->picture != nullptr && view_.scenes().size() == 1;
+}
+
 std::optional<planner::Touch> KnifeTool::feel_wall(const QPointF& at) const
 {
-    const Table* table = shown();
-    if (table == nullptr || table->snapshot->picture == nullptr || view_.scenes().size() != 1)
+    if (!wall_is_shown())
         return std::nullopt;
-    return touch(*table->snapshot->picture, view_.ray_at(at));
+    return touch(*snapshot()->picture, view_.ray_at(at));
 }
 
 std::optional<planner::Touch> KnifeTool::feel(const QPointF& at, std::string& why_not) const
@@ -354,11 +359,10 @@ std::optional<planner::Touch> KnifeTool::feel(const QPointF& at, std::string& wh
         return std::nullopt;
     };
     const bool taking_out = mode_ == KnifeMode::take_out;
-    const Table* table = shown();
-    if (table == nullptr || table->snapshot->picture == nullptr || view_.scenes().size() != 1)
+    if (!wall_is_shown())
         return refuse("the wall is not laid out yet");
     const planner::Ray ray = view_.ray_at(at);
-    const std::optional<planner::Touch> found = touch(*table->snapshot->picture, ray);
+    const std::optional<planner::Touch> found = touch(*snapshot()->picture, ray);
     const auto before = [&](const TriMesh& mesh) {
         const auto hit = planner::first_hit(mesh, ray);
         return hit && (!found || *hit < found->distance);
@@ -366,7 +370,7 @@ std::optional<planner::Touch> KnifeTool::feel(const QPointF& at, std::string& wh
     if (before(beyond_))
         return refuse(
             planner::outside_the_outline(taking_out ? "nothing can be taken out here" : "the knife cannot cut here"));
-    for (const SurfaceItem& item : table->surroundings->surfaces)
+    for (const SurfaceItem& item : shown()->surroundings->surfaces)
         if (item.target && before(*item.mesh))
             return refuse("that is the target, not the wall");
     if (!found)
@@ -378,7 +382,7 @@ std::optional<planner::Touch> KnifeTool::feel(const QPointF& at, std::string& wh
 const planner::HookState* KnifeTool::hook_under(
     const planner::Ray& ray, const std::optional<planner::Touch>& touched) const
 {
-    const planner::SessionSnapshot& snapshot = *shown()->snapshot;
+    const planner::SurgerySnapshot& snapshot = *shown()->snapshot;
     const planner::HookState* nearest = nullptr;
     double least = touched ? touched->distance : std::numeric_limits<double>::infinity();
     for (const planner::HookState& hook : snapshot.hooks.hooks)
@@ -390,7 +394,7 @@ const planner::HookState* KnifeTool::hook_under(
         return nearest;
     for (const planner::HookState& hook : snapshot.hooks.hooks) // tissue that the hook holds
         for (const VertexId v : touched->triangle)
-            if (std::find(hook.seat.nodes.begin(), hook.seat.nodes.end(), v) != hook.seat.nodes.end())
+            if (std::find(hook.placement.nodes.begin(), hook.placement.nodes.end(), v) != hook.placement.nodes.end())
                 return &hook;
     return nullptr;
 }
@@ -406,7 +410,7 @@ void KnifeTool::take_out(const QPointF& at)
 
 void KnifeTool::take_hook(const QPointF& at)
 {
-    if (shown() == nullptr || shown()->snapshot->picture == nullptr || view_.scenes().size() != 1)
+    if (!wall_is_shown())
         return say("the wall is not laid out yet", true);
     const std::optional<planner::Touch> touched = feel_wall(at);
     const planner::Ray ray = view_.ray_at(at);

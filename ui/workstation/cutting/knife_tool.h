@@ -2,8 +2,8 @@
 // The knife in the window: turns mouse strokes on the picture into commands of a surgery session, and draws the
 // session's snapshots.
 
-#include "planner/session/knife_worker.h"
 #include "planner/session/surgery_command.h"
+#include "planner/session/surgery_worker.h"
 #include "ui/scene/vtk/live_surface.h"
 #include "ui/workstation/cutting/knife_panel.h"
 #include "ui/workstation/planning/planning_backend.h"
@@ -36,7 +36,7 @@ public:
     ~KnifeTool() override;
 
     /// Starts the session of an approach, if there is none yet, and shows it.
-    void lay_out(std::size_t approach, std::function<KnifeTable(const Job&)> prepare);
+    void set_up(std::size_t approach, std::function<SurgeryInput(const Job&)> prepare);
     /// Shows no session. Existing sessions stay, with their cuts.
     void leave();
     /// Ends all sessions, for another case.
@@ -46,14 +46,14 @@ public:
     KnifeMode mode() const { return mode_; }
     /// Takes back the present stroke. @return false when there is none
     bool abandon();
-    /// Gives the table that is shown a command; nothing when none is. While a stroke is drawn nothing is undone or
-    /// redone.
+    /// Gives the session that is shown a command; nothing without such a session. While a stroke is drawn nothing is
+    /// undone or redone.
     void run(planner::surgery::Command command);
 
     /// The scene of the shown session; null when none is shown or the session is not ready.
     std::shared_ptr<const Scene> scene() const;
     /// The snapshot of the shown session; null when none is shown. Valid until the window's next event.
-    const planner::SessionSnapshot* snapshot() const;
+    const planner::SurgerySnapshot* snapshot() const;
     /// The work for which a session waits, in words; empty: none.
     QString waiting_for() const;
     /// Whether nothing is being prepared or cut.
@@ -65,9 +65,9 @@ public:
     std::function<void(const std::string&, bool refused)> on_answer;
 
 private:
-    struct Table {
-        std::unique_ptr<planner::KnifeWorker> worker;
-        std::shared_ptr<const planner::SessionSnapshot> snapshot; ///< the newest snapshot
+    struct Session {
+        std::unique_ptr<planner::SurgeryWorker> worker;
+        std::shared_ptr<const planner::SurgerySnapshot> snapshot; ///< the newest snapshot
         /// Filled by the worker's thread before a snapshot reports the session as ready; read only after that.
         std::shared_ptr<Scene> surroundings;
     };
@@ -77,12 +77,13 @@ private:
     void release(const QPointF& at) override;
 
     void say(const std::string& text, bool refused) const;
-    Table* shown();
-    const Table* shown() const;
+    Session* shown();
+    const Session* shown() const;
     void take_snapshot(std::size_t approach);
     void show_picture();
     void show_beyond();
     void show_line();
+    bool wall_is_shown() const;
     /// The place that the knife touches, or the reason why nothing there can be cut.
     std::optional<planner::Touch> feel(const QPointF& at, std::string& why_not) const;
     /// The place on the wall for the rest of a stroke, even where something hides the wall.
@@ -109,7 +110,7 @@ private:
     Props drawn_;
     std::shared_ptr<const planner::WallSurface> drawn_surface_; ///< surface from which drawn_.wall was made
     TriMesh beyond_; ///< the body outside the wall, as shown
-    std::map<std::size_t, Table> tables_;
+    std::map<std::size_t, Session> sessions_;
     std::optional<std::size_t> shown_;
     KnifeMode mode_ = KnifeMode::away;
     bool drawing_ = false; ///< a stroke is open, and its button is down

@@ -3,6 +3,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/generation/hybrid_model.h"
+#include "mesh/tetrahedra/mesh_io.h"
 #include "planner/case/case.h"
 #include "planner/case/patient.h"
 #include "planner/plan/plan.h"
@@ -12,6 +13,7 @@
 #include "ui/plan_scene/plan_scene.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -57,7 +59,7 @@ namespace {
 
     /// The setup of a surgery session. The wall is meshed as in plan_approach(), so the session cuts the elements of
     /// the plan.
-    KnifeTable lay_table(planner::Patient& patient, const planner::Approach& approach, const Job& job)
+    SurgeryInput make_surgery_input(planner::Patient& patient, const planner::Approach& approach, const Job& job)
     {
         planner::check_approach(approach);
         const planner::Case& planned_case = patient.planned_case();
@@ -67,26 +69,28 @@ namespace {
         if (model.status != mesh::MeshStatus::done)
             throw InputError(
                 model.message.empty() ? "there is no wall to cut" : model.message, "approach " + approach.name);
-        KnifeTable laid;
-        planner::SurgerySetup& table = laid.table;
+        SurgeryInput input;
+        planner::SurgerySetup& setup = input.setup;
         fem::Supports supports = planner::supports_of(model.wall, *labels, planned_case, sizing);
-        table.held = std::move(supports.fixed);
-        table.cut_off = planner::cut_off_vertices(model.wall, *labels);
-        table.bedded = std::move(supports.bedded);
-        table.approach = approach;
-        table.labels = planned_case.label_table;
-        table.journal = planner::cuts_journal(planned_case.file(), approach.name);
-        table.materials = planner::materials_as_solved(planned_case, planner::ElementKind::p1);
-        table.caution = not_as_planned(planned_case);
+        setup.held = std::move(supports.fixed);
+        setup.cut_off = planner::cut_off_vertices(model.wall, *labels);
+        setup.bedded = std::move(supports.bedded);
+        setup.approach = approach;
+        setup.labels = planned_case.label_table;
+        setup.journal = planner::cuts_journal(planned_case.file(), approach.name);
+        setup.materials = planner::materials_as_solved(planned_case, planner::ElementKind::p1);
+        setup.caution = not_as_planned(planned_case);
+        setup.write_wall
+            = [](const std::filesystem::path& file, const mesh::TetMesh& wall) { mesh::write_vtu(file, wall); };
         Vec3 inward = Vec3::Zero();
         for (const Vec3& direction : approach.directions)
             inward += direction;
-        table.outward = -inward.normalized();
-        laid.surroundings = knife_surroundings(patient, approach);
-        table.beyond = std::make_shared<const TriMesh>(body_beyond(patient, approach, model.wall, job));
-        table.region = { .corridor = sizing.corridor, .meshed_mm = sizing.region_mm };
-        table.wall = std::move(model.wall);
-        return laid;
+        setup.outward = -inward.normalized();
+        input.surroundings = knife_surroundings(patient, approach);
+        setup.beyond = std::make_shared<const TriMesh>(body_beyond(patient, approach, model.wall, job));
+        setup.region = { .corridor = sizing.corridor, .meshed_mm = sizing.region_mm };
+        setup.wall = std::move(model.wall);
+        return input;
     }
 
 } // namespace
@@ -97,8 +101,9 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case)
     PlanningBackend backend;
     backend.closed_scene
         = [patient](const planner::Approach& approach, const Job&) { return planning_scene(*patient, approach); };
-    backend.operating_table
-        = [patient](const planner::Approach& approach, const Job& job) { return lay_table(*patient, approach, job); };
+    backend.surgery_input = [patient](const planner::Approach& approach, const Job& job) {
+        return make_surgery_input(*patient, approach, job);
+    };
     backend.plan = [patient](const planner::Approach& approach, const Job& job) -> PlanOutcome {
         const planner::PlannedField field = planner::plan_approach(*patient, approach, job);
         switch (field.status) {

@@ -18,8 +18,8 @@ struct PlanOutcome {
 };
 
 /// The input of a surgery session in the window.
-struct KnifeTable {
-    planner::SurgerySetup table;
+struct SurgeryInput {
+    planner::SurgerySetup setup;
     Scene surroundings; ///< drawn but not cut; with the camera of the overview
 };
 
@@ -28,7 +28,7 @@ struct PlanningBackend {
     std::function<Scene(const planner::Approach&, const Job&)> closed_scene;
     std::function<PlanOutcome(const planner::Approach&, const Job&)> plan;
     /// The wall round the approach's incision, uncut, for the knife. The function throws when there is no wall.
-    std::function<KnifeTable(const planner::Approach&, const Job&)> operating_table;
+    std::function<SurgeryInput(const planner::Approach&, const Job&)> surgery_input;
 };
 
 /// The real planner. The backend reads data on first use and keeps them.

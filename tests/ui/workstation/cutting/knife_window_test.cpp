@@ -106,7 +106,7 @@ namespace knife_window_test {
             for (int i = 1; i <= 10; ++i)
                 mouse_to(pixel(x0 + (x1 - x0) * i / 10.0, z0 + (z1 - z0) * i / 10.0));
         }
-        const planner::SessionSnapshot& snapshot() { return *window_->knife().snapshot(); }
+        const planner::SurgerySnapshot& snapshot() { return *window_->knife().snapshot(); }
         std::string error() const { return window_->error_line(); }
 
         std::shared_ptr<test_support::SyntheticControl> control_ = std::make_shared<test_support::SyntheticControl>();
@@ -387,7 +387,7 @@ namespace knife_window_test {
     TEST_F(KnifeWindowTest, EachApproachKeepsItsCuts)
     {
         take_knife();
-        EXPECT_EQ(control_->tables_laid, 1) << "only where the knife was taken";
+        EXPECT_EQ(control_->setups_made, 1) << "only where the knife was taken";
         draw(-30.0, 0.0, 30.0, 0.0);
         window_->select("lateral");
         wait_until_idle();
@@ -395,7 +395,7 @@ namespace knife_window_test {
         window_->select("median");
         wait_until_idle();
         EXPECT_EQ(snapshot().cuts.size(), 1U);
-        EXPECT_EQ(control_->tables_laid, 2);
+        EXPECT_EQ(control_->setups_made, 2);
         window_->select("broken");
         wait_until_idle();
         EXPECT_EQ(error(), "knife: approach broken: there is no wall to cut");
@@ -416,7 +416,7 @@ namespace knife_window_test {
             open_synthetic();
             press(Qt::Key_K);
             ASSERT_TRUE(QTest::qWaitFor(
-                [&] { return window_->knife().snapshot()->phase == planner::SessionSnapshot::Phase::asking; },
+                [&] { return window_->knife().snapshot()->phase == planner::SurgerySnapshot::Phase::asking; },
                 test_support::kPatienceMs));
             // The session waits for the answer, and what was asked of it meanwhile waits too: it is not idle.
             ASSERT_TRUE(QTest::qWaitFor(
@@ -426,7 +426,7 @@ namespace knife_window_test {
             KnifePanel& panel = window_->knife_panel();
             QTest::mouseClick(wanted ? &panel.restore_button() : &panel.discard_button(), Qt::LeftButton);
             ASSERT_TRUE(QTest::qWaitFor(
-                [&] { return window_->knife().snapshot()->phase == planner::SessionSnapshot::Phase::ready; },
+                [&] { return window_->knife().snapshot()->phase == planner::SurgerySnapshot::Phase::ready; },
                 test_support::kPatienceMs));
             wait_until_idle();
             EXPECT_EQ(snapshot().cuts.size(), wanted ? 2U : 0U);
@@ -481,8 +481,8 @@ namespace knife_window_test {
     TEST(KnifePanelText, FlatElementsAreMarkedWithTheReason)
     {
         KnifePanel panel;
-        planner::SessionSnapshot snapshot;
-        snapshot.phase = planner::SessionSnapshot::Phase::ready;
+        planner::SurgerySnapshot snapshot;
+        snapshot.phase = planner::SurgerySnapshot::Phase::ready;
         planner::CutEntry fine { .number = 1 }, grazing { .number = 2 }, flat_before { .number = 3 };
         fine.report.worst_dihedral_deg = 6.0;
         grazing.report.worst_dihedral_deg = 1.2;
@@ -501,8 +501,8 @@ namespace knife_window_test {
     {
         KnifePanel panel;
         panel.show();
-        planner::SessionSnapshot snapshot;
-        snapshot.phase = planner::SessionSnapshot::Phase::ready;
+        planner::SurgerySnapshot snapshot;
+        snapshot.phase = planner::SurgerySnapshot::Phase::ready;
         snapshot.planned_hooks = 2;
         snapshot.cuts = { { .number = 1, .in_force = false } };
         panel.show_snapshot(&snapshot, 0.0);
@@ -535,8 +535,8 @@ namespace knife_window_test {
     {
         KnifePanel panel;
         panel.show();
-        planner::SessionSnapshot snapshot;
-        snapshot.phase = planner::SessionSnapshot::Phase::ready;
+        planner::SurgerySnapshot snapshot;
+        snapshot.phase = planner::SurgerySnapshot::Phase::ready;
         const fem::HookDrive force { .force_N = Vec3(0.0, 0.0, 30.0) };
         const fem::HookDrive limit { .displacement = Vec3(0.0, 0.0, 15.0), .force_limit_N = 60.0 };
         const fem::HookDrive grip { .displacement = Vec3(0.0, 0.0, 15.0), .grip_N_per_mm = 5.0 };
@@ -544,7 +544,7 @@ namespace knife_window_test {
             = [&](const std::string& name, const fem::HookDrive& drive, const std::optional<fem::HookDrive>& planned) {
                   planner::HookState& hook = snapshot.hooks.hooks.emplace_back();
                   hook.name = name;
-                  hook.seat.pull = Vec3::UnitZ();
+                  hook.placement.pull = Vec3::UnitZ();
                   hook.drive = drive;
                   hook.planned = planned;
               };
@@ -636,7 +636,7 @@ namespace knife_window_test {
     {
         planner::Case planned_case = block_on_disk("materials_case", { 100.0, 80.0, 100.0 }, 14.0);
         const planner::Approach& approach = planned_case.approaches.front();
-        const planner::SurgerySetup alike = make_planning_backend(planned_case).operating_table(approach, {}).table;
+        const planner::SurgerySetup alike = make_planning_backend(planned_case).surgery_input(approach, {}).setup;
         EXPECT_EQ(alike.caution, "");
         const std::vector<fem::Material> planned = planner::materials_as_solved(planned_case);
         ASSERT_EQ(alike.materials.size(), planned.size());
@@ -645,7 +645,7 @@ namespace knife_window_test {
             EXPECT_EQ(alike.materials[label].poissons_ratio, planned[label].poissons_ratio) << planned[label].name;
         }
         planned_case.solution.element = planner::ElementKind::p2;
-        const planner::SurgerySetup other = make_planning_backend(planned_case).operating_table(approach, {}).table;
+        const planner::SurgerySetup other = make_planning_backend(planned_case).surgery_input(approach, {}).setup;
         EXPECT_EQ(other.caution,
             "hooks under the knife take Poisson's ratios as at most 0.45, plans of this case as they are (skin 0.48)");
     }
@@ -678,7 +678,7 @@ namespace knife_window_test {
             wait();
         };
         draw({ 40.0, skin, 20.0 }, { 40.0, skin, -20.0 });
-        const planner::SessionSnapshot& snapshot = *window.knife().snapshot();
+        const planner::SurgerySnapshot& snapshot = *window.knife().snapshot();
         ASSERT_EQ(snapshot.cuts.size(), 1U) << window.error_line();
         const QImage after = view.picture();
         window.save_screenshot(picture_folder() / "workstation_knife_rim.png");

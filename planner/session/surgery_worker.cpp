@@ -1,5 +1,6 @@
-#include "planner/session/knife_worker.h"
+#include "planner/session/surgery_worker.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 
@@ -32,17 +33,17 @@ namespace {
 } // namespace
 
 /// Changes a copy, because a published snapshot never changes.
-template <class Change> void KnifeWorker::change_snapshot(const Change& change)
+template <class Change> void SurgeryWorker::change_snapshot(const Change& change)
 {
     const std::lock_guard lock(mutex_);
-    auto next = std::make_shared<SessionSnapshot>(*snapshot_);
+    auto next = std::make_shared<SurgerySnapshot>(*snapshot_);
     change(*next);
     snapshot_ = std::move(next);
 }
 
 /// Carries each command out on the session. The result is an answer, or nothing when there is no message.
-struct KnifeWorker::Runner {
-    KnifeWorker& worker;
+struct SurgeryWorker::Runner {
+    SurgeryWorker& worker;
     SurgerySession& live_session;
 
     KnifeAnswer operator()(const surgery::BeginStroke& c) const
@@ -105,7 +106,9 @@ struct KnifeWorker::Runner {
     {
         if (live_session.stroke_open())
             return { false, "a stroke is open: finish it first" };
-        c.write(c.path, live_session.session().compact_mesh());
+        if (!worker.write_wall_)
+            return { false, "this program cannot save the wall" };
+        worker.write_wall_(c.path, live_session.session().compact_mesh());
         return { true, "Saved " + c.path.string() };
     }
 
@@ -123,13 +126,13 @@ private:
     }
 };
 
-KnifeWorker::KnifeWorker(std::function<SurgerySetup(const Job&)> prepare, std::function<void()> on_snapshot)
+SurgeryWorker::SurgeryWorker(std::function<SurgerySetup(const Job&)> prepare, std::function<void()> on_snapshot)
     : on_snapshot_(std::move(on_snapshot))
-    , snapshot_(std::make_shared<const SessionSnapshot>())
+    , snapshot_(std::make_shared<const SurgerySnapshot>())
     , executor_({ .step = [this] { return step(); },
           .on_progress =
               [this] {
-                  change_snapshot([progress = executor_.progress()](SessionSnapshot& next) {
+                  change_snapshot([progress = executor_.progress()](SurgerySnapshot& next) {
                       next.stage = progress.stage;
                       next.fraction = progress.fraction;
                   });
@@ -140,7 +143,7 @@ KnifeWorker::KnifeWorker(std::function<SurgerySetup(const Job&)> prepare, std::f
     executor_.post([this, prepare = std::move(prepare)](const Job& job) { prepare_session(prepare, job); });
 }
 
-KnifeWorker::~KnifeWorker()
+SurgeryWorker::~SurgeryWorker()
 {
     executor_.post([this](const Job&) {
         refused_stroke_ = 0; // the open stroke is finished even when a later stroke was refused
@@ -150,7 +153,7 @@ KnifeWorker::~KnifeWorker()
     });
 }
 
-void KnifeWorker::run(surgery::Command command)
+void SurgeryWorker::run(surgery::Command command)
 {
     std::string key = key_of(command);
     executor_.post_latest(std::move(key), [this, command = std::move(command)](const Job&) {
@@ -163,30 +166,30 @@ void KnifeWorker::run(surgery::Command command)
     });
 }
 
-void KnifeWorker::restore(bool wanted)
+void SurgeryWorker::restore(bool wanted)
 {
     {
         const std::lock_guard lock(mutex_);
-        if (snapshot_->phase != SessionSnapshot::Phase::asking)
+        if (snapshot_->phase != SurgerySnapshot::Phase::asking)
             return;
     }
     executor_.post([this, wanted](const Job& job) {
         if (!question_) // answered already
             return;
-        change_snapshot([](SessionSnapshot& next) { next.phase = SessionSnapshot::Phase::preparing; });
+        change_snapshot([](SurgerySnapshot& next) { next.phase = SurgerySnapshot::Phase::preparing; });
         Question asked = std::move(*std::exchange(question_, std::nullopt));
-        make_ready([&] { return start_session(std::move(asked.table), std::move(asked.kept), wanted, job); });
+        make_ready([&] { return start_session(std::move(asked.setup), std::move(asked.kept), wanted, job); });
     });
 }
 
-std::shared_ptr<const SessionSnapshot> KnifeWorker::snapshot()
+std::shared_ptr<const SurgerySnapshot> SurgeryWorker::snapshot()
 {
     const std::lock_guard lock(mutex_);
     announced_ = false;
     return snapshot_;
 }
 
-bool KnifeWorker::idle() const
+bool SurgeryWorker::idle() const
 {
     if (!executor_.idle())
         return false;
@@ -194,7 +197,7 @@ bool KnifeWorker::idle() const
     return deferred_.empty();
 }
 
-void KnifeWorker::announce()
+void SurgeryWorker::announce()
 {
     {
         const std::lock_guard lock(mutex_);
@@ -204,30 +207,30 @@ void KnifeWorker::announce()
     on_snapshot_();
 }
 
-void KnifeWorker::set_status(std::string answer, bool refused)
+void SurgeryWorker::set_status(std::string answer, bool refused)
 {
-    change_snapshot([&](SessionSnapshot& next) {
+    change_snapshot([&](SurgerySnapshot& next) {
         next.answer = std::move(answer);
         next.refused = refused;
         ++next.answers;
     });
 }
 
-void KnifeWorker::add_status(const std::string& more)
+void SurgeryWorker::add_status(const std::string& more)
 {
-    change_snapshot([&](SessionSnapshot& next) {
+    change_snapshot([&](SurgerySnapshot& next) {
         remark(next.answer, more);
         ++next.answers;
     });
 }
 
-void KnifeWorker::publish(SurgerySession& live_session)
+void SurgeryWorker::publish(SurgerySession& live_session)
 {
     const Stopwatch watch;
     const std::shared_ptr<const WallPicture> picture = live_session.picture();
     const double picture_ms = 1e3 * watch.seconds();
-    change_snapshot([&](SessionSnapshot& next) {
-        next.phase = SessionSnapshot::Phase::ready;
+    change_snapshot([&](SurgerySnapshot& next) {
+        next.phase = SurgerySnapshot::Phase::ready;
         if (next.picture != picture)
             next.picture_ms = picture_ms;
         next.picture = picture;
@@ -247,22 +250,23 @@ void KnifeWorker::publish(SurgerySession& live_session)
     announce();
 }
 
-void KnifeWorker::prepare_session(const std::function<SurgerySetup(const Job&)>& prepare, const Job& job)
+void SurgeryWorker::prepare_session(const std::function<SurgerySetup(const Job&)>& prepare, const Job& job)
 {
     make_ready([&] {
-        SurgerySetup table = prepare(job);
-        caution_ = table.caution;
+        SurgerySetup setup = prepare(job);
+        caution_ = setup.caution;
+        write_wall_ = setup.write_wall;
         auto outline = std::make_shared<const std::vector<EdgePlace>>(
-            region_outline(table.wall, table.region, table.labels, table.outward));
+            region_outline(setup.wall, setup.region, setup.labels, setup.outward));
         std::shared_ptr<const BeyondSurface> beyond;
-        if (table.beyond != nullptr && !table.beyond->triangles.empty())
-            beyond = std::make_shared<const BeyondSurface>(table.beyond, table.wall, table.region);
-        change_snapshot([&](SessionSnapshot& next) {
-            next.labels = table.labels;
+        if (setup.beyond != nullptr && !setup.beyond->triangles.empty())
+            beyond = std::make_shared<const BeyondSurface>(setup.beyond, setup.wall, setup.region);
+        change_snapshot([&](SurgerySnapshot& next) {
+            next.labels = setup.labels;
             next.outline = std::move(outline);
             next.beyond = std::move(beyond);
         });
-        return start_session(std::move(table), {}, {}, job);
+        return start_session(std::move(setup), {}, {}, job);
     });
 }
 
@@ -271,60 +275,61 @@ void KnifeWorker::prepare_session(const std::function<SurgerySetup(const Job&)>&
 /// @param kept the saved cuts; empty: they must be read
 /// @param wanted the user's answer; empty: the user was not asked
 /// @return null when the user must answer first
-std::unique_ptr<SurgerySession> KnifeWorker::start_session(
-    SurgerySetup table, std::optional<SavedCuts> kept, std::optional<bool> wanted, const Job& job)
+std::unique_ptr<SurgerySession> SurgeryWorker::start_session(
+    SurgerySetup setup, std::optional<SavedCuts> kept, std::optional<bool> wanted, const Job& job)
 {
-    if (table.journal.empty())
-        return std::make_unique<SurgerySession>(std::move(table), job);
+    if (setup.journal.empty())
+        return std::make_unique<SurgerySession>(std::move(setup), job);
     try {
-        if (std::filesystem::exists(table.journal)) {
+        if (std::filesystem::exists(setup.journal)) {
             try {
                 if (!kept)
-                    kept = read_saved_cuts(table.journal, table.wall, job);
+                    kept = read_saved_cuts(setup.journal, setup.wall, job);
                 if (!wanted && kept->worth_asking()) {
-                    ask_to_restore(std::move(table), std::move(*kept));
+                    ask_to_restore(std::move(setup), std::move(*kept));
                     return nullptr;
                 }
                 if (wanted.value_or(true)) {
                     if (!kept->note.empty())
                         set_status(kept->note, false);
-                    return std::make_unique<SurgerySession>(restored_session(table, *kept, job));
+                    return std::make_unique<SurgerySession>(restored_session(setup, *kept, job));
                 }
-                const std::filesystem::path other = set_aside(table.journal);
+                const std::filesystem::path other = set_aside(setup.journal);
                 set_status("The former cuts are set aside in " + other.string(), false);
             } catch (const InputError&) {
                 if (job.cancelled())
                     throw;
-                const std::filesystem::path other = set_aside(table.journal);
+                const std::filesystem::path other = set_aside(setup.journal);
                 set_status("the former cuts do not fit and are set aside in " + other.string() + " ("
                         + to_string(current_failure()) + ")",
                     true);
             }
         }
-        return std::make_unique<SurgerySession>(new_session(table, job));
+        return std::make_unique<SurgerySession>(new_session(setup, job));
     } catch (const IoError&) {
         set_status("cuts are not kept on disk: " + to_string(current_failure()), true);
-        return std::make_unique<SurgerySession>(std::move(table), job);
+        return std::make_unique<SurgerySession>(std::move(setup), job);
     }
 }
 
-void KnifeWorker::ask_to_restore(SurgerySetup table, SavedCuts kept)
+void SurgeryWorker::ask_to_restore(SurgerySetup setup, SavedCuts kept)
 {
-    change_snapshot([&](SessionSnapshot& next) {
-        next.phase = SessionSnapshot::Phase::asking;
+    RETRACTOR_ASSERT(!question_);
+    change_snapshot([&](SurgerySnapshot& next) {
+        next.phase = SurgerySnapshot::Phase::asking;
         next.saved_cuts = kept.deltas.size();
     });
-    question_ = Question { std::move(table), std::move(kept) };
+    question_ = Question { std::move(setup), std::move(kept) };
     announce();
 }
 
 /// Takes the new session and runs the commands that arrived while the question was open. When there is no session, the
 /// snapshot gives the reason.
-/// @param lay returns null when the user must answer a question first
-void KnifeWorker::make_ready(const std::function<std::unique_ptr<SurgerySession>()>& lay)
+/// @param start returns null when the user must answer a question first
+void SurgeryWorker::make_ready(const std::function<std::unique_ptr<SurgerySession>()>& start)
 {
     try {
-        std::unique_ptr<SurgerySession> live_session = lay();
+        std::unique_ptr<SurgerySession> live_session = start();
         if (question_)
             return;
         if (!caution_.empty())
@@ -332,8 +337,8 @@ void KnifeWorker::make_ready(const std::function<std::unique_ptr<SurgerySession>
         publish(*live_session);
         live_session_ = std::move(live_session);
     } catch (...) {
-        change_snapshot([failure = to_string(current_failure())](SessionSnapshot& next) {
-            next.phase = SessionSnapshot::Phase::failed;
+        change_snapshot([failure = to_string(current_failure())](SurgerySnapshot& next) {
+            next.phase = SurgerySnapshot::Phase::failed;
             next.failure = failure;
         });
         announce();
@@ -349,8 +354,9 @@ void KnifeWorker::make_ready(const std::function<std::unique_ptr<SurgerySession>
 }
 
 /// @pre there is a session
-void KnifeWorker::execute(const surgery::Command& command)
+void SurgeryWorker::execute(const surgery::Command& command)
 {
+    RETRACTOR_ASSERT(live_session_ != nullptr);
     changed_ = true;
     KnifeAnswer answer;
     try {
@@ -371,14 +377,14 @@ void KnifeWorker::execute(const surgery::Command& command)
     take_remark();
 }
 
-void KnifeWorker::take_remark()
+void SurgeryWorker::take_remark()
 {
     if (std::string remark = live_session_->take_remark(); !remark.empty())
         set_status(std::move(remark), true);
 }
 
 /// Computes one frame and shows it at once.
-void KnifeWorker::open_wound()
+void SurgeryWorker::open_wound()
 {
     if (live_session_->waiting()) // there is nothing to draw, and the background work needs the cores
         return;
@@ -387,12 +393,12 @@ void KnifeWorker::open_wound()
     job.cancel = &executor_.task_waits();
     live_session_->relax(kFrameMs, job);
     take_remark();
-    change_snapshot([&](SessionSnapshot& next) { next.relax_ms = 1e3 * watch.seconds(); });
+    change_snapshot([&](SurgerySnapshot& next) { next.relax_ms = 1e3 * watch.seconds(); });
     publish(*live_session_);
 }
 
 /// After commands: publishes a snapshot of the changes. Otherwise: computes the next frame of an opening wound.
-std::optional<std::chrono::steady_clock::time_point> KnifeWorker::step()
+std::optional<std::chrono::steady_clock::time_point> SurgeryWorker::step()
 {
     if (live_session_ == nullptr)
         return {};

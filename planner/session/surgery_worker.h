@@ -25,7 +25,7 @@
 namespace retractor::planner {
 
 /// Everything that a front end shows at one moment. A published snapshot never changes.
-struct SessionSnapshot {
+struct SurgerySnapshot {
     enum class Phase {
         preparing,
         /// Saved cuts of an earlier session are on disk; the front end asks whether to restore them or set them aside.
@@ -62,16 +62,16 @@ struct SessionSnapshot {
     std::size_t planned_hooks = 0; ///< number of hooks in the approach
 };
 
-class KnifeWorker {
+class SurgeryWorker {
 public:
     /// @param prepare runs on the worker's thread; an exception gives phase `failed` with its message
     /// @param on_snapshot called on the worker's thread when there is a new snapshot, and not again until snapshot()
     /// was called
-    KnifeWorker(std::function<SurgerySetup(const Job&)> prepare, std::function<void()> on_snapshot);
+    SurgeryWorker(std::function<SurgerySetup(const Job&)> prepare, std::function<void()> on_snapshot);
     /// Cancels the preparation and leaves saved cuts on disk. Finishes an open stroke, so that its cuts are kept.
-    ~KnifeWorker();
-    KnifeWorker(const KnifeWorker&) = delete;
-    KnifeWorker& operator=(const KnifeWorker&) = delete;
+    ~SurgeryWorker();
+    SurgeryWorker(const SurgeryWorker&) = delete;
+    SurgeryWorker& operator=(const SurgeryWorker&) = delete;
 
     // Any thread:
 
@@ -82,7 +82,7 @@ public:
     void run(surgery::Command command);
 
     /// The newest snapshot; never null.
-    std::shared_ptr<const SessionSnapshot> snapshot();
+    std::shared_ptr<const SurgerySnapshot> snapshot();
     /// Whether nothing is being prepared, no command waits or runs, and the wound is at rest.
     bool idle() const;
 
@@ -95,9 +95,9 @@ private:
     void announce();
     void prepare_session(const std::function<SurgerySetup(const Job&)>& prepare, const Job& job);
     std::unique_ptr<SurgerySession> start_session(
-        SurgerySetup table, std::optional<SavedCuts> kept, std::optional<bool> wanted, const Job& job);
-    void ask_to_restore(SurgerySetup table, SavedCuts kept);
-    void make_ready(const std::function<std::unique_ptr<SurgerySession>()>& lay);
+        SurgerySetup setup, std::optional<SavedCuts> kept, std::optional<bool> wanted, const Job& job);
+    void ask_to_restore(SurgerySetup setup, SavedCuts kept);
+    void make_ready(const std::function<std::unique_ptr<SurgerySession>()>& start);
     void execute(const surgery::Command& command);
     void take_remark();
     std::optional<std::chrono::steady_clock::time_point> step();
@@ -105,19 +105,20 @@ private:
 
     std::function<void()> on_snapshot_;
     mutable std::mutex mutex_; ///< guards the next three members
-    std::shared_ptr<const SessionSnapshot> snapshot_;
+    std::shared_ptr<const SurgerySnapshot> snapshot_;
     bool announced_ = false;
     std::vector<surgery::Command> deferred_; ///< commands that arrived while the question was open
 
     // The executor's thread only:
     struct Question {
-        SurgerySetup table;
+        SurgerySetup setup;
         SavedCuts kept;
     };
     std::optional<Question> question_; ///< none: not asked, or answered already
     std::string caution_; ///< caution of the setup
+    std::function<void(const std::filesystem::path&, const mesh::TetMesh&)> write_wall_; ///< of the setup
     std::unique_ptr<SurgerySession> live_session_; ///< null: being prepared, or failed
-    std::size_t refused_stroke_ = 0; ///< see SessionSnapshot
+    std::size_t refused_stroke_ = 0; ///< see SurgerySnapshot
     bool changed_ = false; ///< a command ran since the last snapshot
 
     SerialExecutor executor_; ///< last, because its tasks use all members above

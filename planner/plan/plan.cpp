@@ -27,6 +27,7 @@ namespace retractor::planner {
 
 namespace {
 
+    constexpr int kTargetSamples = 2000;
     /// A bone across a smaller share of the lines of sight is no obstacle.
     constexpr double kSmallestBoneShare = 0.01;
 
@@ -189,8 +190,7 @@ namespace {
         const double eye_distance = (field.geometry.centre - aim).norm() + view.eye_distance_mm;
         const ViewCone cone
             = cone_through_opening(field.geometry, aim, eye_distance, view.half_angle_deg, view.eye_count);
-        const RayScene scene(*target, occluders(patient, field), job);
-        field.exposure = scene.exposure(cone, {}, job);
+        field.exposure = measure_exposure(*target, occluders(patient, field), cone, kTargetSamples, job);
         if (field.exposure.status == ExposureStatus::cancelled)
             field.status = PlanStatus::cancelled;
         const auto distance = working_distance_mm(field.geometry, *target, aim, cone.axis);

@@ -392,17 +392,9 @@ std::optional<double> working_distance_mm(
         return std::nullopt;
     const double skin = opening.normal.dot(opening.centre - aim) / cosine; // mm along the axis, from the aim
     double surface = -std::numeric_limits<double>::infinity();
-    for (const auto& t : target.triangles) { // [Moeller and Trumbore 1997]
-        const Vec3 a = point_at(target.vertices, t[0]);
-        const Vec3 e1 = point_at(target.vertices, t[1]) - a, e2 = point_at(target.vertices, t[2]) - a;
-        const Vec3 p = out.cross(e2), s = aim - a, q = s.cross(e1);
-        const double determinant = e1.dot(p);
-        if (determinant == 0.0)
-            continue;
-        const double u = s.dot(p) / determinant, v = out.dot(q) / determinant;
-        if (u >= 0.0 && v >= 0.0 && u + v <= 1.0)
-            surface = std::max(surface, e2.dot(q) / determinant);
-    }
+    for (const auto& t : target.triangles)
+        if (const auto hit = line_hit(aim, out, triangle_corners(target.vertices, t)))
+            surface = std::max(surface, hit->distance);
     return skin - (std::isfinite(surface) ? surface : 0.0);
 }
 

@@ -276,7 +276,7 @@ namespace {
 
     /// The voxels of some labels near a point: their weighted mean, and their share of all weights.
     std::pair<Vec3, double> local_mean(
-        const mesh::LabelVolume& labels, const std::vector<bool>& counts, const Vec3& point, double radius)
+        const mesh::LabelVolume& labels, const mesh::LabelFlags& counts, const Vec3& point, double radius)
     {
         const mesh::ImageGrid& grid = labels.grid;
         const Vec3 centre = grid.index(point);
@@ -291,7 +291,7 @@ namespace {
                     const Vec3 offset = grid.spacing.cwiseProduct(Vec3(i, j, k) - centre);
                     const double weight = std::max(0.0, 1.0 - offset.squaredNorm() / (radius * radius));
                     all += weight * weight;
-                    if (!grid.contains(i, j, k) || !counts[labels.voxels[grid.offset(i, j, k)]])
+                    if (!grid.contains(i, j, k) || counts[labels.voxels[grid.offset(i, j, k)]] == 0)
                         continue;
                     sum += weight * weight * offset;
                     found += weight * weight;
@@ -305,12 +305,9 @@ namespace {
     {
         constexpr double kStepMm = 4.0, kRadiusMm = 9.0, kLeastShare = 0.08, kTurn = 0.4;
         constexpr int kMostSteps = 80;
-        std::vector<bool> counts(std::size_t { 1 } << 16, false);
-        bool any = false;
-        for (const mesh::LabelInfo& info : labels.table)
-            if (info.name.find("cartilage") != std::string::npos)
-                counts[info.id] = any = true;
-        if (!any || line.points.size() < 4)
+        const mesh::LabelFlags counts = mesh::flagged_labels(
+            labels.table, [](const mesh::LabelInfo& info) { return info.name.find("cartilage") != std::string::npos; });
+        if (std::find(counts.begin(), counts.end(), 1) == counts.end() || line.points.size() < 4)
             return;
         Vec3 here = line.points.back();
         Vec3 ahead = (here - line.points[line.points.size() - 4]).normalized();

@@ -3,6 +3,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/statistics.h"
 #include "mesh/base/text_format.h"
+#include "mesh/image/skeleton.h"
 #include "planner/anatomy/body_probe.h"
 
 #include <Eigen/Geometry>
@@ -60,22 +61,10 @@ namespace {
         return names;
     }
 
-    std::vector<std::string> hard_names(const mesh::LabelTable& table)
+    mesh::LabelFlags hard_labels(const mesh::LabelTable& table)
     {
-        std::vector<std::string> names = bone_names(table);
-        for (const mesh::LabelInfo& info : table)
-            if (info.material == "cartilage" && info.role == mesh::Role::wall)
-                names.push_back(info.name);
-        return names;
-    }
-
-    LabelMask mask_of_names(const mesh::LabelTable& table, const std::vector<std::string>& names)
-    {
-        std::vector<Label> ids;
-        for (const std::string& name : names)
-            if (const mesh::LabelInfo* info = mesh::find_label(table, name))
-                ids.push_back(info->id);
-        return mask_of(table, ids);
+        return mesh::flagged_labels(
+            table, [](const mesh::LabelInfo& info) { return mesh::is_wall(info) && mesh::is_skeleton(info); });
     }
 
     /// Organs held aside; lungs may be one label per lung or per lobe ("lung_upper_lobe_left").
@@ -326,8 +315,8 @@ namespace {
     }
 
     /// Smallest distance (mm) from a stretch of the blade to a voxel of the mask, at most `reach`.
-    double clearance(const mesh::LabelVolume& labels, const LabelMask& mask, const Vec3& skin, const Vec3& inward,
-        double depth, double reach)
+    double clearance(const mesh::LabelVolume& labels, const mesh::LabelFlags& mask, const Vec3& skin,
+        const Vec3& inward, double depth, double reach)
     {
         const mesh::ImageGrid& grid = labels.grid;
         double least = reach;
@@ -338,8 +327,7 @@ namespace {
             for (int k = std::max(low(2), 0); k <= std::min(high(2), grid.size[2] - 1); ++k)
                 for (int j = std::max(low(1), 0); j <= std::min(high(1), grid.size[1] - 1); ++j)
                     for (int i = std::max(low(0), 0); i <= std::min(high(0), grid.size[0] - 1); ++i)
-                        if (const Label label = labels.voxels[grid.offset(i, j, k)];
-                            label < mask.size() && mask[label] != 0)
+                        if (const Label label = labels.voxels[grid.offset(i, j, k)]; mask[label] != 0)
                             least = std::min(least, grid.spacing.cwiseProduct(Vec3(i, j, k) - centre).norm());
         }
         return least - 0.5 * grid.spacing.maxCoeff();
@@ -350,7 +338,7 @@ namespace {
     void mark_covered(const mesh::LabelVolume& labels, std::vector<SpaceNode>& nodes)
     {
         constexpr double kReachMm = 4.0, kBelowRibsMm = 8.0;
-        const LabelMask hard = mask_of_names(labels.table, hard_names(labels.table));
+        const mesh::LabelFlags hard = hard_labels(labels.table);
         const auto cover = [](const SpaceNode& node) { return (node.skin - node.middle).norm(); };
         std::vector<double> covers;
         for (const SpaceNode& node : nodes)
@@ -426,7 +414,7 @@ namespace {
     std::string check_clearance(const mesh::LabelVolume& labels, const Approach& approach, const std::string& space)
     {
         constexpr double kReachMm = 12.0;
-        const LabelMask hard = mask_of_names(labels.table, hard_names(labels.table));
+        const mesh::LabelFlags hard = hard_labels(labels.table);
         double room = kReachMm;
         for (std::size_t n = 0; n < approach.incision.size(); ++n)
             room = std::min(room,

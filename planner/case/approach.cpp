@@ -147,14 +147,7 @@ std::optional<LoosePieces> loose_pieces_from_string(std::string_view text)
 
 mesh::CutOptions cut_options_of(const Approach& approach, const mesh::LabelTable& table)
 {
-    mesh::CutOptions options;
-    for (const std::string& name : approach.uncut_labels) {
-        const mesh::LabelInfo* info = mesh::find_label(table, name);
-        if (info == nullptr)
-            throw InputError("there is no label of this name", name);
-        options.uncut_labels.push_back(info->id);
-    }
-    return options;
+    return { .uncut_labels = mesh::label_ids(table, approach.uncut_labels) };
 }
 
 mesh::Blade blade_of(const Approach& approach)

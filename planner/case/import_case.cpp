@@ -77,7 +77,7 @@ namespace {
 
     std::vector<std::size_t> voxel_counts(const mesh::LabelVolume& labels)
     {
-        std::vector<std::size_t> counts(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, 0);
+        std::vector<std::size_t> counts(mesh::kLabelCount, 0);
         for (const Label label : labels.voxels)
             ++counts[label];
         return counts;
@@ -120,7 +120,7 @@ namespace {
     std::size_t write_over(mesh::LabelVolume& labels, const mesh::LabelVolume& later)
     {
         const mesh::LabelVolume moved = datasets::resample_labels_to(later, labels.grid);
-        std::vector<Label> id_of(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, 0);
+        std::vector<Label> id_of(mesh::kLabelCount, 0);
         for (const mesh::LabelInfo& info : later.table) {
             if (const mesh::LabelInfo* same = mesh::find_label(labels.table, info.name)) {
                 id_of[info.id] = same->id;
@@ -204,7 +204,7 @@ namespace {
 
     std::vector<LabelValues> values_of_labels(const mesh::Volume& ct, const mesh::LabelVolume& labels)
     {
-        std::vector<LabelValues> values(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1);
+        std::vector<LabelValues> values(mesh::kLabelCount);
         const Vec3 start = ct.grid.index(labels.grid.origin);
         Mat3 step; // change of the CT's index per index of the labels
         for (int axis = 0; axis < 3; ++axis)

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace retractor::planner {
@@ -75,26 +74,18 @@ AnatomicalFrame Patient::frame()
 bool Patient::has_voxels(std::string_view name)
 {
     const std::lock_guard lock(mutex_);
-    const mesh::LabelInfo* info = mesh::find_label(case_.label_table, name);
-    if (info == nullptr)
-        throw InputError("there is no label of this name", std::string(name));
-    if (label_occurs_.empty()) {
-        label_occurs_.resize(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
-        for (const Label label : labels_locked()->voxels)
-            label_occurs_[label] = true;
-    }
-    return label_occurs_[info->id];
+    const Label wanted = mesh::label_named(case_.label_table, name).id;
+    if (label_occurs_.empty())
+        label_occurs_ = mesh::flagged_labels(labels_locked()->voxels);
+    return label_occurs_[wanted] != 0;
 }
 
 std::shared_ptr<const TriMesh> Patient::organ_locked(std::string_view name)
 {
     if (const auto found = organs_.find(name); found != organs_.end())
         return found->second;
-    const mesh::LabelInfo* info = mesh::find_label(case_.label_table, name);
-    if (info == nullptr)
-        throw InputError("there is no label of this name", std::string(name));
+    const std::array<Label, 1> which { mesh::label_named(case_.label_table, name).id };
     const Stopwatch watch;
-    const std::array<Label, 1> which { info->id };
     auto surface = std::make_shared<const TriMesh>(mesh::label_surface(*labels_locked(), which));
     if (surface->triangles.empty())
         throw InputError("the label has no voxel", std::string(name));

@@ -53,7 +53,7 @@ private:
     std::shared_ptr<const Anatomy> anatomy_;
     std::map<std::string, std::shared_ptr<const TriMesh>, std::less<>> organs_;
     std::shared_ptr<const TriMesh> body_;
-    std::vector<bool> label_occurs_; ///< one flag per label id; empty until first needed
+    mesh::LabelFlags label_occurs_; ///< one flag per label id; empty until first needed
 
     std::shared_ptr<const mesh::LabelVolume> labels_locked();
     std::shared_ptr<const TriMesh> organ_locked(std::string_view name);

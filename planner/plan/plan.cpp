@@ -49,18 +49,6 @@ namespace {
         Stopwatch watch_;
     };
 
-    std::vector<Label> label_ids(const mesh::LabelTable& table, const std::vector<std::string>& names)
-    {
-        std::vector<Label> ids;
-        for (const std::string& name : names) {
-            const mesh::LabelInfo* info = mesh::find_label(table, name);
-            if (info == nullptr)
-                throw InputError("there is no label of this name", name);
-            ids.push_back(info->id);
-        }
-        return ids;
-    }
-
     /// Takes over the cut wall. @returns false, with status and message set, when the blade does not meet the wall
     bool take_cut(PlannedField& field, CutWall& cut)
     {
@@ -302,7 +290,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     field.approach = approach;
     const auto labels = patient.labels();
     const mesh::MeshSizing sizing = mesh_sizing_of(approach, planned_case.label_table);
-    const std::vector<Label> fixed_labels = label_ids(planned_case.label_table, planned_case.supports.labels);
+    const std::vector<Label> fixed_labels = mesh::label_ids(planned_case.label_table, planned_case.supports.labels);
     CutWall cut;
     OpenedWound wound;
     {

@@ -222,14 +222,12 @@ namespace {
     /// Elsewhere bare bone means that the labels lack one voxel of skin or pleura.
     void label_triangles(TriMesh& surface, const mesh::LabelVolume& labels)
     {
-        std::vector<char> is_wall(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, 0);
-        std::vector<char> is_bare(is_wall.size(), 0);
+        const mesh::LabelFlags is_wall = mesh::flagged_labels(labels.table, mesh::is_wall),
+                               is_skeleton = mesh::flagged_labels(labels.table, mesh::is_skeleton);
         Label skin = 0, muscle = 0;
         for (const mesh::LabelInfo& info : labels.table) {
             if (info.role != mesh::Role::wall)
                 continue;
-            is_wall[info.id] = 1;
-            is_bare[info.id] = mesh::is_skeleton(info) ? 1 : 0;
             skin = info.material == "skin" || skin == 0 ? info.id : skin;
             muscle = info.material == "muscle" || muscle == 0 ? info.id : muscle;
         }
@@ -252,7 +250,7 @@ namespace {
             const Vec3 beyond = middle - 2.0 * voxel * inward;
             if (is_wall[label] == 0)
                 label = skin;
-            else if (is_bare[label] != 0 && !ends_here(beyond))
+            else if (is_skeleton[label] != 0 && !ends_here(beyond))
                 label = mesh::label_at(labels, beyond) == 0 ? skin : muscle;
             surface.labels.push_back(label);
         }

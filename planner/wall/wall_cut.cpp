@@ -151,10 +151,7 @@ namespace {
         {
             if (ablation.label.empty())
                 return {};
-            const mesh::LabelInfo* info = mesh::find_label(table_, ablation.label);
-            if (info == nullptr)
-                throw InputError("there is no label of this name", ablation.label);
-            return { info->id };
+            return { mesh::label_named(table_, ablation.label).id };
         }
 
         void remark_unsawn(const std::string& text, const Error& error)
@@ -457,13 +454,7 @@ PlannedCut cut_as_planned(mesh::CutSession& session, const Approach& approach, c
 fem::Supports supports_of(const mesh::TetMesh& wall, const mesh::LabelVolume& labels, const Case& planned_case,
     const mesh::MeshSizing& sizing)
 {
-    std::vector<Label> fixed_labels;
-    for (const std::string& name : planned_case.supports.labels) {
-        const mesh::LabelInfo* info = mesh::find_label(planned_case.label_table, name);
-        if (info == nullptr)
-            throw InputError("there is no label of this name", name);
-        fixed_labels.push_back(info->id);
-    }
+    const std::vector<Label> fixed_labels = mesh::label_ids(planned_case.label_table, planned_case.supports.labels);
     return { .fixed
         = wall_supports(wall, labels, fixed_labels, sizing.whole_labels, planned_case.supports.region_border),
         .bedded = girdle_beds(wall, labels, sizing.whole_labels) };

@@ -147,22 +147,20 @@ namespace {
 
 } // namespace
 
-void estimate_errors(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
+ErrorBars estimate_errors(
+    const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
 {
-    FieldMetrics& m = field.metrics;
-    ErrorBars& bars = m.error.emplace();
+    ErrorBars bars;
     if (!is_usable(field.opening)) {
         bars.message = field.opening.status == fem::OpeningStatus::inverted
             ? "elements of the opened wound are inside out"
             : "the wound was not opened as asked";
-        return;
+        return bars;
     }
     const Stopwatch watch;
     try {
         OtherAnswers answers = choice.element == ElementKind::p2 ? coarser_answer(field, wound, choice, job)
                                                                  : finer_answer(field, wound, choice, job);
-        if (job.cancelled())
-            field.status = PlanStatus::cancelled;
         bars.message = answers.message;
         if (bars.message.empty())
             fill_bars(bars, field, wound, std::move(answers));
@@ -170,6 +168,7 @@ void estimate_errors(PlannedField& field, const OpenedWound& wound, const Solver
         bars.message = error.what();
     }
     bars.seconds = watch.seconds();
+    return bars;
 }
 
 } // namespace retractor::planner

@@ -108,6 +108,16 @@ struct LabelVolume {
     LabelTable table;
 };
 
+/// Calls visit(i, j, k, label) for every voxel, in the order of the voxels.
+template <class Visit> void visit_voxels(const LabelVolume& labels, Visit&& visit)
+{
+    std::size_t at = 0;
+    for (int k = 0; k < labels.grid.size[2]; ++k)
+        for (int j = 0; j < labels.grid.size[1]; ++j)
+            for (int i = 0; i < labels.grid.size[0]; ++i)
+                visit(i, j, k, labels.voxels[at++]);
+}
+
 /// The label at the voxel nearest to a world position (mm, LPS); 0 outside the grid.
 Label label_at(const LabelVolume& labels, const Vec3& world);
 

@@ -105,14 +105,10 @@ namespace {
                 destination[info.id] = &found.ribs.back().voxels;
             }
         }
-        std::size_t v = 0;
-        for (int k = 0; k < labels.grid.size[2]; ++k)
-            for (int j = 0; j < labels.grid.size[1]; ++j)
-                for (int i = 0; i < labels.grid.size[0]; ++i, ++v) {
-                    const Label label = labels.voxels[v];
-                    if (label <= largest && destination[label] != nullptr)
-                        destination[label]->indices.push_back({ i, j, k });
-                }
+        mesh::visit_voxels(labels, [&](int i, int j, int k, Label label) {
+            if (label <= largest && destination[label] != nullptr)
+                destination[label]->indices.push_back({ i, j, k });
+        });
         std::erase_if(found.ribs, [](const RibVoxels& rib) { return rib.voxels.empty(); });
         std::sort(found.ribs.begin(), found.ribs.end(), [](const RibVoxels& a, const RibVoxels& b) {
             return std::pair(!a.left, a.number) < std::pair(!b.left, b.number);
@@ -248,8 +244,7 @@ namespace {
             .left = rib.left,
             .number = rib.number,
             .points = {},
-            .angle_deg = {},
-            .bone_points = 0 };
+            .angle_deg = {} };
         std::vector<std::pair<double, Vec3>> places;
         places.reserve(rib.voxels.indices.size());
         double low = 360.0, high = -360.0;
@@ -270,7 +265,6 @@ namespace {
                 line.points.push_back(frame.origin + bin.sum / bin.weight);
                 line.angle_deg.push_back(bin.parameter / bin.weight);
             }
-        line.bone_points = line.points.size();
         return line;
     }
 
@@ -416,12 +410,10 @@ Vec3 label_centroid(const mesh::LabelVolume& labels, std::string_view name)
     if (info == nullptr)
         throw InputError("there is no label \"" + std::string(name) + "\" in the label table", std::string(name));
     Voxels voxels;
-    std::size_t v = 0;
-    for (int k = 0; k < labels.grid.size[2]; ++k)
-        for (int j = 0; j < labels.grid.size[1]; ++j)
-            for (int i = 0; i < labels.grid.size[0]; ++i, ++v)
-                if (labels.voxels[v] == info->id)
-                    voxels.indices.push_back({ i, j, k });
+    mesh::visit_voxels(labels, [&](int i, int j, int k, Label label) {
+        if (label == info->id)
+            voxels.indices.push_back({ i, j, k });
+    });
     if (voxels.empty())
         throw InputError("no voxel is labelled \"" + std::string(name) + "\"", std::string(name));
     return centroid(labels.grid, voxels);

@@ -71,14 +71,12 @@ BodyProbe::BodyProbe(const mesh::LabelVolume& labels)
     // Whole-number sums are exact, so a mirrored or turned grid gives the same centroid to the last bits.
     Vec3 sum = Vec3::Zero();
     double count = 0.0;
-    std::size_t v = 0;
-    for (int k = 0; k < grid.size[2]; ++k)
-        for (int j = 0; j < grid.size[1]; ++j)
-            for (int i = 0; i < grid.size[0]; ++i, ++v)
-                if (wall_[labels.voxels[v]] != 0) {
-                    sum += Vec3(i, j, k);
-                    count += 1.0;
-                }
+    mesh::visit_voxels(labels, [&](int i, int j, int k, Label label) {
+        if (wall_[label] != 0) {
+            sum += Vec3(i, j, k);
+            count += 1.0;
+        }
+    });
     if (count == 0.0)
         throw InputError("no voxel has a label of role wall: give the chest wall's labels (skin, muscle, ribs ...) the "
                          "role \"wall\"");

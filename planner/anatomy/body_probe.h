@@ -34,7 +34,6 @@ public:
     /// The point of the skin nearest to a point close to the skin. @throws InputError when none is found
     Vec3 project_to_skin(const Vec3& point) const;
 
-    const Vec3& wall_centroid() const { return wall_centroid_; }
     const mesh::LabelVolume& labels() const { return labels_; }
     static constexpr double kCavityMm = 4.0;
 

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace retractor::planner {
@@ -540,10 +541,9 @@ namespace {
     Approach start(const ApproachRequest& request, const std::string& template_name)
     {
         Approach approach;
-        approach.name = request.name.empty() ? template_name : request.name;
-        std::replace(approach.name.begin(), approach.name.end(), ':', '_');
-        if (!request.name.empty())
-            approach.name = request.name;
+        approach.name = request.name;
+        if (approach.name.empty())
+            std::replace_copy(template_name.begin(), template_name.end(), std::back_inserter(approach.name), ':', '_');
         approach.template_name = template_name;
         approach.target = request.target;
         approach.sizing = request.sizing;

@@ -44,15 +44,13 @@ namespace {
                 "several label maps are joined on the CT's grid, and there is no CT", "labels", { "labels" });
     }
 
-    std::string joined(const std::vector<std::string>& names)
+    /// The first twelve names, and the number of the others.
+    std::string first_names(std::vector<std::string> names)
     {
         constexpr std::size_t kMost = 12;
-        std::string text;
-        for (std::size_t n = 0; n < names.size() && n < kMost; ++n)
-            text += (n == 0 ? "" : ", ") + names[n];
-        if (names.size() > kMost)
-            text += " and " + std::to_string(names.size() - kMost) + " more";
-        return text;
+        const std::size_t others = names.size() - std::min(names.size(), kMost);
+        names.resize(names.size() - others);
+        return joined(names) + (others > 0 ? " and " + std::to_string(others) + " more" : "");
     }
 
     // ---- the CT ----------------------------------------------------------------------------------------------------
@@ -178,7 +176,7 @@ namespace {
         if (labels.table.empty())
             throw InputError("no voxel is labelled", "labels", { "labels" });
         if (!absent.empty())
-            imported.notes.push_back("named in the label table but without voxels: " + joined(absent));
+            imported.notes.push_back("named in the label table but without voxels: " + first_names(absent));
     }
 
     mesh::LabelVolume find_labels(
@@ -209,22 +207,19 @@ namespace {
         Mat3 step; // change of the CT's index per index of the labels
         for (int axis = 0; axis < 3; ++axis)
             step.col(axis) = ct.grid.index(labels.grid.world(Vec3::Unit(axis))) - start;
-        std::size_t at = 0;
-        for (int k = 0; k < labels.grid.size[2]; ++k)
-            for (int j = 0; j < labels.grid.size[1]; ++j)
-                for (int i = 0; i < labels.grid.size[0]; ++i, ++at) {
-                    if (labels.voxels[at] == 0)
-                        continue;
-                    LabelValues& value = values[labels.voxels[at]];
-                    const Vec3 index = (start + step * Vec3(i, j, k)).array().round();
-                    if (!holds_index(ct.grid, index)) {
-                        ++value.outside;
-                        continue;
-                    }
-                    const Eigen::Vector3i v = index.cast<int>();
-                    ++value.inside;
-                    value.sum_hu += ct.voxels[ct.grid.offset(v.x(), v.y(), v.z())];
-                }
+        mesh::visit_voxels(labels, [&](int i, int j, int k, Label label) {
+            if (label == 0)
+                return;
+            LabelValues& value = values[label];
+            const Vec3 index = (start + step * Vec3(i, j, k)).array().round();
+            if (!holds_index(ct.grid, index)) {
+                ++value.outside;
+                return;
+            }
+            const Eigen::Vector3i v = index.cast<int>();
+            ++value.inside;
+            value.sum_hu += ct.voxels[ct.grid.offset(v.x(), v.y(), v.z())];
+        });
         return values;
     }
 
@@ -259,7 +254,7 @@ namespace {
         }
         if (!odd.empty())
             imported.warnings.push_back(
-                "the CT does not show what these labels say; are both of the same images? " + joined(odd));
+                "the CT does not show what these labels say; are both of the same images? " + first_names(odd));
         const double share = static_cast<double>(outside) / static_cast<double>(inside + outside);
         if (share > kMuchOutside)
             imported.warnings.push_back(in_words(100.0 * share) + " % of the labelled voxels lie outside the CT");

@@ -40,8 +40,9 @@ std::shared_ptr<const mesh::Volume> Patient::ct()
     return ct_;
 }
 
-std::shared_ptr<const mesh::LabelVolume> Patient::labels_locked()
+std::shared_ptr<const mesh::LabelVolume> Patient::labels()
 {
+    const std::lock_guard lock(mutex_);
     if (!labels_) {
         mesh::LabelVolume labels = datasets::read_label_volume(case_.labels_path(), job_);
         labels.table = case_.label_table;
@@ -50,17 +51,11 @@ std::shared_ptr<const mesh::LabelVolume> Patient::labels_locked()
     return labels_;
 }
 
-std::shared_ptr<const mesh::LabelVolume> Patient::labels()
-{
-    const std::lock_guard lock(mutex_);
-    return labels_locked();
-}
-
 std::shared_ptr<const Anatomy> Patient::anatomy()
 {
     const std::lock_guard lock(mutex_);
     if (!anatomy_)
-        anatomy_ = std::make_shared<const Anatomy>(find_anatomy(*labels_locked()));
+        anatomy_ = std::make_shared<const Anatomy>(find_anatomy(*labels()));
     return anatomy_;
 }
 
@@ -76,28 +71,23 @@ bool Patient::has_voxels(std::string_view name)
     const std::lock_guard lock(mutex_);
     const Label wanted = mesh::label_named(case_.label_table, name).id;
     if (label_occurs_.empty())
-        label_occurs_ = mesh::flagged_labels(labels_locked()->voxels);
+        label_occurs_ = mesh::flagged_labels(labels()->voxels);
     return label_occurs_[wanted] != 0;
-}
-
-std::shared_ptr<const TriMesh> Patient::organ_locked(std::string_view name)
-{
-    if (const auto found = organs_.find(name); found != organs_.end())
-        return found->second;
-    const std::array<Label, 1> which { mesh::label_named(case_.label_table, name).id };
-    const Stopwatch watch;
-    auto surface = std::make_shared<const TriMesh>(mesh::label_surface(*labels_locked(), which));
-    if (surface->triangles.empty())
-        throw InputError("the label has no voxel", std::string(name));
-    record_part(job_, "surface " + std::string(name), watch, bytes_of(*surface));
-    organs_.emplace(name, surface);
-    return surface;
 }
 
 std::shared_ptr<const TriMesh> Patient::organ(std::string_view name)
 {
     const std::lock_guard lock(mutex_);
-    return organ_locked(name);
+    if (const auto found = organs_.find(name); found != organs_.end())
+        return found->second;
+    const std::array<Label, 1> which { mesh::label_named(case_.label_table, name).id };
+    const Stopwatch watch;
+    auto surface = std::make_shared<const TriMesh>(mesh::label_surface(*labels(), which));
+    if (surface->triangles.empty())
+        throw InputError("the label has no voxel", std::string(name));
+    record_part(job_, "surface " + std::string(name), watch, bytes_of(*surface));
+    organs_.emplace(name, surface);
+    return surface;
 }
 
 std::shared_ptr<const TriMesh> Patient::body()
@@ -109,7 +99,7 @@ std::shared_ptr<const TriMesh> Patient::body()
         for (const mesh::LabelInfo& info : case_.label_table)
             if (info.role == mesh::Role::wall)
                 wall.push_back(info.id);
-        body_ = std::make_shared<const TriMesh>(mesh::viewing_surface(*labels_locked(), wall, kBodySmoothingMm));
+        body_ = std::make_shared<const TriMesh>(mesh::viewing_surface(*labels(), wall, kBodySmoothingMm));
         if (body_->triangles.empty())
             throw InputError("no voxel has a label of role wall", case_.labels.path.string());
         record_part(job_, "surface body", watch, bytes_of(*body_));

@@ -266,9 +266,6 @@ TriMesh unmeshed_wall_region(const TriMesh& body, const mesh::LabelVolume& label
     const Stopwatch watch;
     const CorridorDistance corridor(sizing.corridor, body.vertices.colwise().minCoeff().transpose(),
         body.vertices.colwise().maxCoeff().transpose());
-    const auto at = [](const TriMesh& mesh, std::size_t v) -> Vec3 {
-        return mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose();
-    };
     TriMesh rest = part_beyond(body, corridor, sizing.region_mm - kOverlapMm);
     if (rest.triangles.empty() || job.cancelled())
         return {};
@@ -278,9 +275,8 @@ TriMesh unmeshed_wall_region(const TriMesh& body, const mesh::LabelVolume& label
         = moved_points(wall, displacement, sizing.corridor, sizing.region_mm - kRimBandMm, sizing.whole_labels);
     const FadingField field(moved, corridor, sizing.region_mm + kFadeMm);
     const Points normals = mesh::vertex_normals(rest);
-    for (std::size_t v = 0; v < static_cast<std::size_t>(rest.vertices.rows()); ++v) {
-        const auto row = static_cast<Eigen::Index>(v);
-        const Vec3 p = at(rest, v), normal = normals.row(row);
+    for (Eigen::Index row = 0; row < rest.vertices.rows(); ++row) {
+        const Vec3 p = rest.vertices.row(row), normal = normals.row(row);
         Vec3 by = field.at(p);
         double lift = corridor.within(p, sizing.region_mm) ? -kSunkMm : 0.0;
         if (const MovedPoint* sample = nearest_to(p, moved)) {

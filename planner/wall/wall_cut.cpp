@@ -545,7 +545,6 @@ CutWall cut_wall(mesh::TetMesh uncut, const Approach& approach, const mesh::Labe
     PlannedCut planned = cut_as_planned(session, approach, table, cut_options_of(approach, table), job);
     cut.status = planned.status;
     cut.message = std::move(planned.message);
-    cut.report = planned.report;
     cut.removed = std::move(planned.removed);
     cut.removed_skin_mm2 = planned.removed_skin_mm2;
     if (cut.status != mesh::CutStatus::done)

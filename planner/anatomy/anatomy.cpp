@@ -1,5 +1,6 @@
 #include "planner/anatomy/anatomy.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Eigenvalues>
@@ -28,6 +29,7 @@ namespace {
         bool empty() const { return indices.empty(); }
         Vec3 mean_index() const
         {
+            RETRACTOR_ASSERT(!empty());
             Vec3 sum = Vec3::Zero();
             for (const auto& v : indices)
                 sum += Vec3(v[0], v[1], v[2]);
@@ -209,6 +211,7 @@ namespace {
             const auto last = static_cast<double>(bins_.size() - 1);
             const double floor = std::clamp(std::floor(x), 0.0, last - 1.0);
             const auto b = static_cast<std::size_t>(floor);
+            RETRACTOR_ASSERT(b + 1 < bins_.size());
             put(bins_[b], 1.0 - (x - floor), parameter, point);
             put(bins_[b + 1], x - floor, parameter, point);
         }
@@ -394,6 +397,7 @@ const RibLine& find_rib(const Anatomy& anatomy, bool left, int number)
 
 Vec3 point_at_angle(const RibLine& rib, double angle_deg)
 {
+    RETRACTOR_ASSERT(!rib.points.empty() && rib.points.size() == rib.angle_deg.size());
     const auto above = std::upper_bound(rib.angle_deg.begin(), rib.angle_deg.end(), angle_deg);
     if (above == rib.angle_deg.begin())
         return rib.points.front();

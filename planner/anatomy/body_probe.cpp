@@ -1,5 +1,6 @@
 #include "planner/anatomy/body_probe.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 
@@ -90,6 +91,7 @@ double BodyProbe::share(const mesh::LabelFlags& mask, const Vec3& point) const
 
 double BodyProbe::share_within(const mesh::LabelFlags& mask, const Vec3& point, double radius) const
 {
+    RETRACTOR_ASSERT(mask.size() == mesh::kLabelCount && radius > 0.0);
     const mesh::ImageGrid& grid = labels_.grid;
     const Vec3 centre = grid.index(point);
     for (int a = 0; a < 3; ++a) {

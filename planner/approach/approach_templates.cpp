@@ -1,5 +1,6 @@
 #include "planner/approach/approach_templates.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/statistics.h"
 #include "mesh/base/text_format.h"
@@ -124,6 +125,7 @@ namespace {
 
     std::string wall_words(const Approach& approach, std::size_t omitted)
     {
+        RETRACTOR_ASSERT(!approach.wall_thickness_mm.empty());
         const auto [thin, thick]
             = std::minmax_element(approach.wall_thickness_mm.begin(), approach.wall_thickness_mm.end());
         std::string text = " The wall along it is " + in_words(*thin) + " to " + in_words(*thick)
@@ -169,6 +171,7 @@ namespace {
                     static_cast<void>(mesh::SweptBlade(blade_to(count)));
                 } catch (const InputError& error) {
                     const std::size_t from = given[count - 2];
+                    RETRACTOR_ASSERT(from + 1 < points.size());
                     const Vec3 ends = approach.incision.back() - approach.incision.front();
                     throw InputError(std::string(error.what()) + " on the way from the point " + in_words(points[from])
                             + " to " + in_words(points[from + 1]) + ", with a depth of " + in_words(approach.depth_mm)
@@ -233,6 +236,7 @@ namespace {
     /// Gaussian mean over neighbours. Point reflection at the ends keeps the ends in place.
     std::vector<Vec3> smoothed(const std::vector<Vec3>& values, double sigma_nodes)
     {
+        RETRACTOR_ASSERT(!values.empty() && sigma_nodes > 0.0);
         const auto n = static_cast<int>(values.size());
         const auto at = [&](int i) -> Vec3 {
             if (i < 0)
@@ -258,6 +262,7 @@ namespace {
 
     std::vector<Vec3> tangents(const std::vector<Vec3>& line)
     {
+        RETRACTOR_ASSERT(line.size() >= 2);
         std::vector<Vec3> result(line.size());
         for (std::size_t n = 0; n < line.size(); ++n)
             result[n] = (line[std::min(n + 1, line.size() - 1)] - line[n == 0 ? 0 : n - 1]).normalized();
@@ -438,6 +443,7 @@ namespace {
 
     double along_at_angle(const std::vector<SpaceNode>& nodes, double angle_deg)
     {
+        RETRACTOR_ASSERT(!nodes.empty());
         for (std::size_t n = 1; n < nodes.size(); ++n)
             if (nodes[n].angle_deg >= angle_deg) {
                 const double t = (angle_deg - nodes[n - 1].angle_deg) / (nodes[n].angle_deg - nodes[n - 1].angle_deg);
@@ -490,6 +496,7 @@ namespace {
 
     SpacePlan plan_for(const ParsedTemplate& parsed, const ApproachRequest& request)
     {
+        RETRACTOR_ASSERT(parsed.kind != "intercostal" || parsed.space > 0); // parse_template() refuses it
         const auto length = [&](double standard) { return request.length_mm > 0.0 ? request.length_mm : standard; };
         if (parsed.kind == "distal")
             return { .left = true,

@@ -1,6 +1,7 @@
 #include "planner/approach/hooks.h"
 
 #include "fem/statics/driven_opening.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 
@@ -76,6 +77,7 @@ std::vector<HookSpec> make_hooks(
         throw InputError("unknown hook template \"" + std::string(template_name) + "\": use 2, 4, 8 or blade",
             "hook template", { "hook_template" });
     const double spacing = kHeldShare * length / per_lip;
+    RETRACTOR_ASSERT(per_lip > 0);
     if (spacing < model.patch_width_mm)
         throw InputError("an incision of " + in_words(length) + " mm is too short for " + std::to_string(per_lip)
                 + " hooks of " + in_words(model.patch_width_mm) + " mm on each lip",

@@ -2,6 +2,7 @@
 
 #include "datasets/io/volume_io.h"
 #include "datasets/labels/label_import.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "planner/case/case_io.h"
@@ -118,6 +119,7 @@ namespace {
     std::size_t write_over(mesh::LabelVolume& labels, const mesh::LabelVolume& later)
     {
         const mesh::LabelVolume moved = datasets::resample_labels_to(later, labels.grid);
+        RETRACTOR_ASSERT(moved.voxels.size() == labels.voxels.size());
         std::vector<Label> id_of(mesh::kLabelCount, 0);
         for (const mesh::LabelInfo& info : later.table) {
             if (const mesh::LabelInfo* same = mesh::find_label(labels.table, info.name)) {
@@ -182,6 +184,7 @@ namespace {
     mesh::LabelVolume find_labels(
         const ImportRequest& request, std::optional<mesh::LabelVolume> given, ImportedCase& imported, const Job& job)
     {
+        RETRACTOR_ASSERT(given.has_value() || request.autosegment); // check_request() refuses it
         if (!request.autosegment)
             return *std::move(given);
         datasets::AutosegmentOptions options;

@@ -119,6 +119,7 @@ namespace {
     std::vector<SightShare> sorted_shares(
         const std::vector<TissueName>& tissues, const std::vector<std::size_t>& counts, std::size_t total)
     {
+        RETRACTOR_ASSERT(counts.size() == tissues.size());
         std::map<std::string, std::size_t> by_name;
         for (std::size_t i = 0; i < counts.size(); ++i)
             if (counts[i] > 0)
@@ -218,6 +219,7 @@ namespace {
         /// Index of the tissue that was hit.
         std::size_t tissue_of(const RTCHit& hit) const
         {
+            RETRACTOR_ASSERT(hit.geomID < bodies.size() && hit.primID < bodies[hit.geomID].tissue.size());
             return static_cast<std::size_t>(bodies[hit.geomID].tissue[hit.primID]);
         }
 

@@ -2,6 +2,7 @@
 
 #include "fem/error_estimation/error_estimate.h"
 #include "fem/statics/opening.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "planner/plan/hook_equilibrium_correction.h"
 
@@ -135,6 +136,7 @@ namespace {
             return;
         }
         bars.hook_forces_N.assign(hooks, 0.0);
+        RETRACTOR_ASSERT(answers.other.hook_forces_N.size() == hooks && own.hook_forces_N.size() == hooks);
         bars.hook_moved_mm.assign(hooks, 0.0);
         add(own, answers.other, held, answers.factor);
         if (answers.plain)

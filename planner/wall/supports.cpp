@@ -1,4 +1,5 @@
 #include "planner/wall/supports.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/triangle.h"
 #include "mesh/image/skeleton.h"
 
@@ -123,6 +124,7 @@ std::vector<VertexId> wall_supports(const mesh::TetMesh& mesh, const mesh::Label
     std::span<const Label> fixed_labels, std::span<const Label> whole_labels, bool region_border)
 {
     std::vector<bool> fixed(mesh.vertex_count(), false);
+    RETRACTOR_ASSERT(mesh.labels.size() == mesh.tet_count());
     const Points normals = outward_normals(mesh);
     if (!fixed_labels.empty())
         hold_spine_side(mesh, labels, normals, fixed_labels, fixed);
@@ -168,6 +170,7 @@ std::vector<fem::BeddedVertex> girdle_beds(
             && !belongs_to_rib_cage(info.name);
     });
     std::vector<bool> only_bone(mesh.vertex_count(), true);
+    RETRACTOR_ASSERT(mesh.labels.size() == mesh.tet_count());
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
         if (is_whole_bone[mesh.labels[static_cast<std::size_t>(t)]] == 0)
             for (const VertexId v : mesh.tet(t))
@@ -193,6 +196,7 @@ std::vector<bool> joint_elements(
     const mesh::LabelFlags wanted = mesh::flagged_labels(fixed_labels);
     std::vector<std::int8_t> near_spine(mesh.vertex_count(), -1); // -1: not yet computed
     std::vector<bool> joint(mesh.tet_count(), false);
+    RETRACTOR_ASSERT(mesh.labels.size() == mesh.tet_count());
     for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
         const mesh::LabelInfo* info = mesh::find_label(labels.table, mesh.labels[t]);
         const bool is_bone = info != nullptr && is_skeleton(*info);

@@ -1,5 +1,6 @@
 #include "planner/wall/unmeshed_wall.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/corridor.h"
 #include "mesh/base/spatial_hash.h"
 #include "mesh/base/triangle.h"
@@ -59,6 +60,7 @@ namespace {
         double from_mm, const std::vector<Label>& bones)
     {
         const mesh::TetSurface rest = mesh::boundary_surface(wall, {});
+        RETRACTOR_ASSERT(displacement.rows() == 0 || displacement.rows() == wall.vertices.rows());
         const bool moves = displacement.rows() > 0;
         MovedPoints points(kReachMm);
         for (std::size_t f = 0; f < rest.surface.triangles.size(); ++f) {

@@ -1,6 +1,7 @@
 #include "planner/wall/wall_cut.h"
 
 #include "fem/model/floating_components.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/base/triangle.h"
@@ -167,6 +168,7 @@ namespace {
             const BesideBlade& places, const AblationSpec& ablation, const std::string& text)
         {
             const std::vector<Label> label = labels(ablation);
+            RETRACTOR_ASSERT(label.size() == 1); // check_approach() refuses a segment without a label
             const double from = ablation.along_from_mm.value_or(0.0),
                          to = ablation.along_to_mm.value_or(places.blade().length());
             mesh::CutOptions options;
@@ -269,6 +271,7 @@ namespace {
     {
         mesh::SlotMap map;
         cut.wall = session.compact_mesh(&map);
+        RETRACTOR_ASSERT(map.tet_slot.size() == cut.wall.tet_count());
         cut.lips.clear();
         cut.wound.clear();
         for (mesh::LipFace lip : session.lips()) {
@@ -395,6 +398,7 @@ namespace {
     /// points.
     Eigen::Isometry3d best_motion(const std::vector<Vec3>& from, const std::vector<Vec3>& to)
     {
+        RETRACTOR_ASSERT(from.size() == to.size());
         Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
         if (from.empty())
             return motion;
@@ -473,6 +477,7 @@ std::vector<WallPiece> find_wall_pieces(const mesh::TetMesh& wall, const mesh::L
     const fem::Supports& supports, std::span<const fem::HookPatch> hooks)
 {
     const std::vector<int> number = mesh::connected_pieces(wall);
+    RETRACTOR_ASSERT(number.size() == wall.tet_count() && wall.labels.size() == wall.tet_count());
     std::vector<VertexId> held = supports.fixed;
     for (const fem::BeddedVertex& bedded : supports.bedded)
         held.push_back(bedded.vertex);
@@ -533,6 +538,7 @@ bool is_crumb(const WallPiece& piece) { return piece.volume_mm3 < kCrumbMm3; }
 
 std::string crumbs_text(std::size_t count)
 {
+    RETRACTOR_ASSERT(count > 0);
     return std::to_string(count) + (count == 1 ? " crumb" : " crumbs") + " below " + formatted("%.0f mm3", kCrumbMm3);
 }
 
@@ -560,6 +566,7 @@ void move_rigid_pieces(const mesh::TetMesh& wall, std::span<const std::vector<Ve
 {
     if (rigid.empty())
         return;
+    RETRACTOR_ASSERT(displacement.rows() == wall.vertices.rows());
     std::vector<bool> is_rigid(wall.vertex_count(), false);
     for (const auto& vertices : rigid)
         for (const VertexId v : vertices)

@@ -368,7 +368,7 @@ namespace {
         }
         if (field.opening.far) {
             const StageTimer timer(field.metrics, "judge far field");
-            field.metrics.solution.far = estimate_far_field_error(field, wound, choice);
+            field.metrics.solution.far = estimate_condensed_region_error(field, wound, choice);
         }
         if (check_far) {
             const StageTimer timer(field.metrics, "compare with the whole");

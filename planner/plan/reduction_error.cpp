@@ -24,8 +24,8 @@ namespace {
         return largest > 0.0 ? worst / largest : 0.0;
     }
 
-    void compare_with_far_change(
-        const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, FarFieldMetrics& metrics)
+    void compare_with_far_change(const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice,
+        CondensedRegionMetrics& metrics)
     {
         const fem::LinearFarField& far = *field.opening.far;
         const Points& corners = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
@@ -51,12 +51,12 @@ namespace {
 
 } // namespace
 
-FarFieldMetrics estimate_far_field_error(
+CondensedRegionMetrics estimate_condensed_region_error(
     const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice)
 {
     RETRACTOR_ASSERT(field.opening.far);
     const fem::LinearFarField& far = *field.opening.far;
-    FarFieldMetrics metrics { .linear = far.kept, .linear_share = far.share };
+    CondensedRegionMetrics metrics { .linear = far.kept, .linear_share = far.share };
     if (far.kept)
         try {
             compare_with_far_change(field, wound, choice, metrics);

@@ -7,7 +7,7 @@
 namespace retractor::planner {
 
 /// What a linear far field is off, by the law of the tissue there. @pre field.opening.far.
-FarFieldMetrics estimate_far_field_error(
+CondensedRegionMetrics estimate_condensed_region_error(
     const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice);
 
 /// With all of the wall solved as it is near the lips.

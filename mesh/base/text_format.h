@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
 namespace retractor {
 
@@ -16,6 +17,15 @@ inline std::string in_words(double value, int digits = 0) { return formatted("%.
 inline std::string in_words(const Vec3& point)
 {
     return formatted("(%.1f, %.1f, %.1f) mm", point.x(), point.y(), point.z());
+}
+
+/// The words with ", " between them.
+inline std::string joined(const std::vector<std::string>& words)
+{
+    std::string text;
+    for (const std::string& word : words)
+        text += (text.empty() ? "" : ", ") + word;
+    return text;
 }
 
 /// Appends a remark to a message, after "; ". Does nothing for an empty remark.

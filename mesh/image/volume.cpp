@@ -64,6 +64,30 @@ const LabelInfo* find_label(const LabelTable& table, Label id)
     return it == table.end() ? nullptr : &*it;
 }
 
+const LabelInfo& label_named(const LabelTable& table, std::string_view name)
+{
+    const LabelInfo* info = find_label(table, name);
+    if (info == nullptr)
+        throw InputError("there is no label of this name", std::string(name));
+    return *info;
+}
+
+std::vector<Label> label_ids(const LabelTable& table, std::span<const std::string> names)
+{
+    std::vector<Label> ids;
+    for (const std::string& name : names)
+        ids.push_back(label_named(table, name).id);
+    return ids;
+}
+
+LabelFlags flagged_labels(std::span<const Label> labels)
+{
+    LabelFlags flags(kLabelCount, 0);
+    for (const Label label : labels)
+        flags[label] = 1;
+    return flags;
+}
+
 Label label_at(const LabelVolume& labels, const Vec3& world)
 {
     const Vec3 index = labels.grid.index(world);

@@ -8,7 +8,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -79,6 +81,25 @@ using LabelTable = std::vector<LabelInfo>;
 /// The entry with this name or id, or nullptr.
 const LabelInfo* find_label(const LabelTable& table, std::string_view name);
 const LabelInfo* find_label(const LabelTable& table, Label id);
+/// The entry with this name. @throws InputError naming a label that is not in the table
+const LabelInfo& label_named(const LabelTable& table, std::string_view name);
+/// The ids of these names. @throws InputError as label_named() does
+std::vector<Label> label_ids(const LabelTable& table, std::span<const std::string> names);
+
+/// One flag per possible label id, 0 or 1.
+using LabelFlags = std::vector<std::uint8_t>;
+inline constexpr std::size_t kLabelCount = std::size_t { std::numeric_limits<Label>::max() } + 1;
+
+/// Flags the entries of a table for which a condition holds. Label 0 is never flagged.
+template <class Condition> LabelFlags flagged_labels(const LabelTable& table, Condition&& holds)
+{
+    LabelFlags flags(kLabelCount, 0);
+    for (const LabelInfo& info : table)
+        flags[info.id] = info.id != 0 && holds(info) ? 1 : 0;
+    return flags;
+}
+LabelFlags flagged_labels(std::span<const Label> labels);
+inline bool is_wall(const LabelInfo& info) { return info.role == Role::wall; }
 
 /// Labels with their table. Every voxel value is 0 or an id of the table.
 struct LabelVolume {
@@ -86,6 +107,16 @@ struct LabelVolume {
     std::vector<Label> voxels;
     LabelTable table;
 };
+
+/// Calls visit(i, j, k, label) for every voxel, in the order of the voxels.
+template <class Visit> void visit_voxels(const LabelVolume& labels, Visit&& visit)
+{
+    std::size_t at = 0;
+    for (int k = 0; k < labels.grid.size[2]; ++k)
+        for (int j = 0; j < labels.grid.size[1]; ++j)
+            for (int i = 0; i < labels.grid.size[0]; ++i)
+                visit(i, j, k, labels.voxels[at++]);
+}
 
 /// The label at the voxel nearest to a world position (mm, LPS); 0 outside the grid.
 Label label_at(const LabelVolume& labels, const Vec3& world);

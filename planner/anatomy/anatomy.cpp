@@ -1,5 +1,6 @@
 #include "planner/anatomy/anatomy.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Eigenvalues>
@@ -28,6 +29,7 @@ namespace {
         bool empty() const { return indices.empty(); }
         Vec3 mean_index() const
         {
+            RETRACTOR_ASSERT(!empty());
             Vec3 sum = Vec3::Zero();
             for (const auto& v : indices)
                 sum += Vec3(v[0], v[1], v[2]);
@@ -105,14 +107,10 @@ namespace {
                 destination[info.id] = &found.ribs.back().voxels;
             }
         }
-        std::size_t v = 0;
-        for (int k = 0; k < labels.grid.size[2]; ++k)
-            for (int j = 0; j < labels.grid.size[1]; ++j)
-                for (int i = 0; i < labels.grid.size[0]; ++i, ++v) {
-                    const Label label = labels.voxels[v];
-                    if (label <= largest && destination[label] != nullptr)
-                        destination[label]->indices.push_back({ i, j, k });
-                }
+        mesh::visit_voxels(labels, [&](int i, int j, int k, Label label) {
+            if (label <= largest && destination[label] != nullptr)
+                destination[label]->indices.push_back({ i, j, k });
+        });
         std::erase_if(found.ribs, [](const RibVoxels& rib) { return rib.voxels.empty(); });
         std::sort(found.ribs.begin(), found.ribs.end(), [](const RibVoxels& a, const RibVoxels& b) {
             return std::pair(!a.left, a.number) < std::pair(!b.left, b.number);
@@ -213,6 +211,7 @@ namespace {
             const auto last = static_cast<double>(bins_.size() - 1);
             const double floor = std::clamp(std::floor(x), 0.0, last - 1.0);
             const auto b = static_cast<std::size_t>(floor);
+            RETRACTOR_ASSERT(b + 1 < bins_.size());
             put(bins_[b], 1.0 - (x - floor), parameter, point);
             put(bins_[b + 1], x - floor, parameter, point);
         }
@@ -248,8 +247,7 @@ namespace {
             .left = rib.left,
             .number = rib.number,
             .points = {},
-            .angle_deg = {},
-            .bone_points = 0 };
+            .angle_deg = {} };
         std::vector<std::pair<double, Vec3>> places;
         places.reserve(rib.voxels.indices.size());
         double low = 360.0, high = -360.0;
@@ -270,13 +268,12 @@ namespace {
                 line.points.push_back(frame.origin + bin.sum / bin.weight);
                 line.angle_deg.push_back(bin.parameter / bin.weight);
             }
-        line.bone_points = line.points.size();
         return line;
     }
 
     /// The voxels of some labels near a point: their weighted mean, and their share of all weights.
     std::pair<Vec3, double> local_mean(
-        const mesh::LabelVolume& labels, const std::vector<bool>& counts, const Vec3& point, double radius)
+        const mesh::LabelVolume& labels, const mesh::LabelFlags& counts, const Vec3& point, double radius)
     {
         const mesh::ImageGrid& grid = labels.grid;
         const Vec3 centre = grid.index(point);
@@ -291,7 +288,7 @@ namespace {
                     const Vec3 offset = grid.spacing.cwiseProduct(Vec3(i, j, k) - centre);
                     const double weight = std::max(0.0, 1.0 - offset.squaredNorm() / (radius * radius));
                     all += weight * weight;
-                    if (!grid.contains(i, j, k) || !counts[labels.voxels[grid.offset(i, j, k)]])
+                    if (!grid.contains(i, j, k) || counts[labels.voxels[grid.offset(i, j, k)]] == 0)
                         continue;
                     sum += weight * weight * offset;
                     found += weight * weight;
@@ -305,12 +302,9 @@ namespace {
     {
         constexpr double kStepMm = 4.0, kRadiusMm = 9.0, kLeastShare = 0.08, kTurn = 0.4;
         constexpr int kMostSteps = 80;
-        std::vector<bool> counts(std::size_t { 1 } << 16, false);
-        bool any = false;
-        for (const mesh::LabelInfo& info : labels.table)
-            if (info.name.find("cartilage") != std::string::npos)
-                counts[info.id] = any = true;
-        if (!any || line.points.size() < 4)
+        const mesh::LabelFlags counts = mesh::flagged_labels(
+            labels.table, [](const mesh::LabelInfo& info) { return info.name.find("cartilage") != std::string::npos; });
+        if (std::find(counts.begin(), counts.end(), 1) == counts.end() || line.points.size() < 4)
             return;
         Vec3 here = line.points.back();
         Vec3 ahead = (here - line.points[line.points.size() - 4]).normalized();
@@ -403,6 +397,7 @@ const RibLine& find_rib(const Anatomy& anatomy, bool left, int number)
 
 Vec3 point_at_angle(const RibLine& rib, double angle_deg)
 {
+    RETRACTOR_ASSERT(!rib.points.empty() && rib.points.size() == rib.angle_deg.size());
     const auto above = std::upper_bound(rib.angle_deg.begin(), rib.angle_deg.end(), angle_deg);
     if (above == rib.angle_deg.begin())
         return rib.points.front();
@@ -419,12 +414,10 @@ Vec3 label_centroid(const mesh::LabelVolume& labels, std::string_view name)
     if (info == nullptr)
         throw InputError("there is no label \"" + std::string(name) + "\" in the label table", std::string(name));
     Voxels voxels;
-    std::size_t v = 0;
-    for (int k = 0; k < labels.grid.size[2]; ++k)
-        for (int j = 0; j < labels.grid.size[1]; ++j)
-            for (int i = 0; i < labels.grid.size[0]; ++i, ++v)
-                if (labels.voxels[v] == info->id)
-                    voxels.indices.push_back({ i, j, k });
+    mesh::visit_voxels(labels, [&](int i, int j, int k, Label label) {
+        if (label == info->id)
+            voxels.indices.push_back({ i, j, k });
+    });
     if (voxels.empty())
         throw InputError("no voxel is labelled \"" + std::string(name) + "\"", std::string(name));
     return centroid(labels.grid, voxels);

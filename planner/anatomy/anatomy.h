@@ -34,7 +34,6 @@ struct RibLine {
     int number = 0; ///< 1 to 12
     std::vector<Vec3> points; ///< from the spine end to the front end
     std::vector<double> angle_deg; ///< angle of each point, increasing
-    std::size_t bone_points = 0; ///< number of points in bone; the points after them lie in cartilage
 };
 
 struct Anatomy {

@@ -1,5 +1,6 @@
 #include "planner/anatomy/body_probe.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 
@@ -45,8 +46,6 @@ namespace {
                 }
     }
 
-    bool has(const LabelMask& mask, Label label) { return label < mask.size() && mask[label] != 0; }
-
     /// Finds the change of inside(t) between a t that is inside and one that is outside.
     template <typename Inside> double bisect(double inside_t, double outside_t, Inside&& inside)
     {
@@ -57,47 +56,12 @@ namespace {
         return 0.5 * (inside_t + outside_t);
     }
 
-    LabelMask empty_mask(const mesh::LabelTable& table)
-    {
-        Label largest = 0;
-        for (const mesh::LabelInfo& info : table)
-            largest = std::max(largest, info.id);
-        return LabelMask(static_cast<std::size_t>(largest) + 1, 0);
-    }
-
 } // namespace
-
-LabelMask wall_mask(const mesh::LabelTable& table)
-{
-    LabelMask mask = empty_mask(table);
-    for (const mesh::LabelInfo& info : table)
-        if (info.id != 0 && info.role == mesh::Role::wall)
-            mask[info.id] = 1;
-    return mask;
-}
-
-LabelMask body_mask(const mesh::LabelTable& table)
-{
-    LabelMask mask = empty_mask(table);
-    for (const mesh::LabelInfo& info : table)
-        if (info.id != 0)
-            mask[info.id] = 1;
-    return mask;
-}
-
-LabelMask mask_of(const mesh::LabelTable& table, std::span<const Label> labels)
-{
-    LabelMask mask = empty_mask(table);
-    for (const Label label : labels)
-        if (label != 0 && label < mask.size())
-            mask[label] = 1;
-    return mask;
-}
 
 BodyProbe::BodyProbe(const mesh::LabelVolume& labels)
     : labels_(labels)
-    , wall_(wall_mask(labels.table))
-    , body_(body_mask(labels.table))
+    , wall_(mesh::flagged_labels(labels.table, mesh::is_wall))
+    , body_(mesh::flagged_labels(labels.table, [](const mesh::LabelInfo&) { return true; }))
 {
     mesh::check_grid(labels.grid);
     const mesh::ImageGrid& grid = labels.grid;
@@ -108,24 +72,26 @@ BodyProbe::BodyProbe(const mesh::LabelVolume& labels)
     // Whole-number sums are exact, so a mirrored or turned grid gives the same centroid to the last bits.
     Vec3 sum = Vec3::Zero();
     double count = 0.0;
-    std::size_t v = 0;
-    for (int k = 0; k < grid.size[2]; ++k)
-        for (int j = 0; j < grid.size[1]; ++j)
-            for (int i = 0; i < grid.size[0]; ++i, ++v)
-                if (has(wall_, labels.voxels[v])) {
-                    sum += Vec3(i, j, k);
-                    count += 1.0;
-                }
+    mesh::visit_voxels(labels, [&](int i, int j, int k, Label label) {
+        if (wall_[label] != 0) {
+            sum += Vec3(i, j, k);
+            count += 1.0;
+        }
+    });
     if (count == 0.0)
         throw InputError("no voxel has a label of role wall: give the chest wall's labels (skin, muscle, ribs ...) the "
                          "role \"wall\"");
     wall_centroid_ = grid.world(sum / count);
 }
 
-double BodyProbe::share(const LabelMask& mask, const Vec3& point) const { return share_within(mask, point, radius_); }
-
-double BodyProbe::share_within(const LabelMask& mask, const Vec3& point, double radius) const
+double BodyProbe::share(const mesh::LabelFlags& mask, const Vec3& point) const
 {
+    return share_within(mask, point, radius_);
+}
+
+double BodyProbe::share_within(const mesh::LabelFlags& mask, const Vec3& point, double radius) const
+{
+    RETRACTOR_ASSERT(mask.size() == mesh::kLabelCount && radius > 0.0);
     const mesh::ImageGrid& grid = labels_.grid;
     const Vec3 centre = grid.index(point);
     for (int a = 0; a < 3; ++a) {
@@ -136,7 +102,7 @@ double BodyProbe::share_within(const LabelMask& mask, const Vec3& point, double 
     double inside = 0.0, all = 0.0;
     visit_ball(labels_, point, radius, [&](Label label, const Vec3&, double weight) {
         all += weight;
-        if (has(mask, label))
+        if (mask[label] != 0)
             inside += weight;
     });
     return all > 0.0 ? inside / all : 0.0;
@@ -202,7 +168,7 @@ Vec3 BodyProbe::skin_normal(const Vec3& skin, double radius_mm) const
     visit_ball(labels_, skin, std::max(radius_mm, 2.0 * radius_), [&](Label label, const Vec3& offset, double weight) {
         const Eigen::Vector4d row(1.0, offset.x(), offset.y(), offset.z());
         moments += weight * row * row.transpose();
-        if (has(body_, label))
+        if (body_[label] != 0)
             values += weight * row;
     });
     const Vec3 slope = moments.ldlt().solve(values).tail<3>();

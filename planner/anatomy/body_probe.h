@@ -4,19 +4,9 @@
 
 #include "mesh/image/volume.h"
 
-#include <cstdint>
 #include <optional>
-#include <span>
-#include <vector>
 
 namespace retractor::planner {
-
-/// The labels that count: one flag per label id.
-using LabelMask = std::vector<std::uint8_t>;
-
-LabelMask wall_mask(const mesh::LabelTable& table); ///< all labels of role `wall`
-LabelMask body_mask(const mesh::LabelTable& table); ///< all labels but 0
-LabelMask mask_of(const mesh::LabelTable& table, std::span<const Label> labels);
 
 /// Probes the labels, and keeps a reference to them. @pre the labels outlive the probe
 class BodyProbe {
@@ -25,7 +15,7 @@ public:
     explicit BodyProbe(const mesh::LabelVolume& labels);
 
     /// Share of the labels in `mask` within a smooth ball round a point, from 0 to 1; a half on a flat boundary.
-    double share(const LabelMask& mask, const Vec3& point) const;
+    double share(const mesh::LabelFlags& mask, const Vec3& point) const;
 
     /// Distance from `from` along the unit `direction` to the skin: the last passage from wall to outside. The distance
     /// is averaged over some voxels, so that a line drawn on the skin shows no staircase.
@@ -44,17 +34,16 @@ public:
     /// The point of the skin nearest to a point close to the skin. @throws InputError when none is found
     Vec3 project_to_skin(const Vec3& point) const;
 
-    const Vec3& wall_centroid() const { return wall_centroid_; }
     const mesh::LabelVolume& labels() const { return labels_; }
     static constexpr double kCavityMm = 4.0;
 
 private:
-    double share_within(const LabelMask& mask, const Vec3& point, double radius) const;
+    double share_within(const mesh::LabelFlags& mask, const Vec3& point, double radius) const;
     double evened(const Vec3& from, const Vec3& direction, double distance) const;
 
     const mesh::LabelVolume& labels_;
-    LabelMask wall_;
-    LabelMask body_;
+    mesh::LabelFlags wall_;
+    mesh::LabelFlags body_;
     Vec3 wall_centroid_ = Vec3::Zero();
     double radius_ = 0.0; ///< radius of the kernel, mm
     double reach_ = 0.0; ///< diagonal of the grid, mm

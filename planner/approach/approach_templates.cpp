@@ -1,8 +1,10 @@
 #include "planner/approach/approach_templates.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/statistics.h"
 #include "mesh/base/text_format.h"
+#include "mesh/image/skeleton.h"
 #include "planner/anatomy/body_probe.h"
 
 #include <Eigen/Geometry>
@@ -10,6 +12,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace retractor::planner {
@@ -60,22 +63,10 @@ namespace {
         return names;
     }
 
-    std::vector<std::string> hard_names(const mesh::LabelTable& table)
+    mesh::LabelFlags hard_labels(const mesh::LabelTable& table)
     {
-        std::vector<std::string> names = bone_names(table);
-        for (const mesh::LabelInfo& info : table)
-            if (info.material == "cartilage" && info.role == mesh::Role::wall)
-                names.push_back(info.name);
-        return names;
-    }
-
-    LabelMask mask_of_names(const mesh::LabelTable& table, const std::vector<std::string>& names)
-    {
-        std::vector<Label> ids;
-        for (const std::string& name : names)
-            if (const mesh::LabelInfo* info = mesh::find_label(table, name))
-                ids.push_back(info->id);
-        return mask_of(table, ids);
+        return mesh::flagged_labels(
+            table, [](const mesh::LabelInfo& info) { return mesh::is_wall(info) && mesh::is_skeleton(info); });
     }
 
     /// Organs held aside; lungs may be one label per lung or per lobe ("lung_upper_lobe_left").
@@ -134,6 +125,7 @@ namespace {
 
     std::string wall_words(const Approach& approach, std::size_t omitted)
     {
+        RETRACTOR_ASSERT(!approach.wall_thickness_mm.empty());
         const auto [thin, thick]
             = std::minmax_element(approach.wall_thickness_mm.begin(), approach.wall_thickness_mm.end());
         std::string text = " The wall along it is " + in_words(*thin) + " to " + in_words(*thick)
@@ -179,6 +171,7 @@ namespace {
                     static_cast<void>(mesh::SweptBlade(blade_to(count)));
                 } catch (const InputError& error) {
                     const std::size_t from = given[count - 2];
+                    RETRACTOR_ASSERT(from + 1 < points.size());
                     const Vec3 ends = approach.incision.back() - approach.incision.front();
                     throw InputError(std::string(error.what()) + " on the way from the point " + in_words(points[from])
                             + " to " + in_words(points[from + 1]) + ", with a depth of " + in_words(approach.depth_mm)
@@ -243,6 +236,7 @@ namespace {
     /// Gaussian mean over neighbours. Point reflection at the ends keeps the ends in place.
     std::vector<Vec3> smoothed(const std::vector<Vec3>& values, double sigma_nodes)
     {
+        RETRACTOR_ASSERT(!values.empty() && sigma_nodes > 0.0);
         const auto n = static_cast<int>(values.size());
         const auto at = [&](int i) -> Vec3 {
             if (i < 0)
@@ -268,6 +262,7 @@ namespace {
 
     std::vector<Vec3> tangents(const std::vector<Vec3>& line)
     {
+        RETRACTOR_ASSERT(line.size() >= 2);
         std::vector<Vec3> result(line.size());
         for (std::size_t n = 0; n < line.size(); ++n)
             result[n] = (line[std::min(n + 1, line.size() - 1)] - line[n == 0 ? 0 : n - 1]).normalized();
@@ -326,8 +321,8 @@ namespace {
     }
 
     /// Smallest distance (mm) from a stretch of the blade to a voxel of the mask, at most `reach`.
-    double clearance(const mesh::LabelVolume& labels, const LabelMask& mask, const Vec3& skin, const Vec3& inward,
-        double depth, double reach)
+    double clearance(const mesh::LabelVolume& labels, const mesh::LabelFlags& mask, const Vec3& skin,
+        const Vec3& inward, double depth, double reach)
     {
         const mesh::ImageGrid& grid = labels.grid;
         double least = reach;
@@ -338,8 +333,7 @@ namespace {
             for (int k = std::max(low(2), 0); k <= std::min(high(2), grid.size[2] - 1); ++k)
                 for (int j = std::max(low(1), 0); j <= std::min(high(1), grid.size[1] - 1); ++j)
                     for (int i = std::max(low(0), 0); i <= std::min(high(0), grid.size[0] - 1); ++i)
-                        if (const Label label = labels.voxels[grid.offset(i, j, k)];
-                            label < mask.size() && mask[label] != 0)
+                        if (const Label label = labels.voxels[grid.offset(i, j, k)]; mask[label] != 0)
                             least = std::min(least, grid.spacing.cwiseProduct(Vec3(i, j, k) - centre).norm());
         }
         return least - 0.5 * grid.spacing.maxCoeff();
@@ -350,7 +344,7 @@ namespace {
     void mark_covered(const mesh::LabelVolume& labels, std::vector<SpaceNode>& nodes)
     {
         constexpr double kReachMm = 4.0, kBelowRibsMm = 8.0;
-        const LabelMask hard = mask_of_names(labels.table, hard_names(labels.table));
+        const mesh::LabelFlags hard = hard_labels(labels.table);
         const auto cover = [](const SpaceNode& node) { return (node.skin - node.middle).norm(); };
         std::vector<double> covers;
         for (const SpaceNode& node : nodes)
@@ -426,7 +420,7 @@ namespace {
     std::string check_clearance(const mesh::LabelVolume& labels, const Approach& approach, const std::string& space)
     {
         constexpr double kReachMm = 12.0;
-        const LabelMask hard = mask_of_names(labels.table, hard_names(labels.table));
+        const mesh::LabelFlags hard = hard_labels(labels.table);
         double room = kReachMm;
         for (std::size_t n = 0; n < approach.incision.size(); ++n)
             room = std::min(room,
@@ -449,6 +443,7 @@ namespace {
 
     double along_at_angle(const std::vector<SpaceNode>& nodes, double angle_deg)
     {
+        RETRACTOR_ASSERT(!nodes.empty());
         for (std::size_t n = 1; n < nodes.size(); ++n)
             if (nodes[n].angle_deg >= angle_deg) {
                 const double t = (angle_deg - nodes[n - 1].angle_deg) / (nodes[n].angle_deg - nodes[n - 1].angle_deg);
@@ -501,6 +496,7 @@ namespace {
 
     SpacePlan plan_for(const ParsedTemplate& parsed, const ApproachRequest& request)
     {
+        RETRACTOR_ASSERT(parsed.kind != "intercostal" || parsed.space > 0); // parse_template() refuses it
         const auto length = [&](double standard) { return request.length_mm > 0.0 ? request.length_mm : standard; };
         if (parsed.kind == "distal")
             return { .left = true,
@@ -552,10 +548,9 @@ namespace {
     Approach start(const ApproachRequest& request, const std::string& template_name)
     {
         Approach approach;
-        approach.name = request.name.empty() ? template_name : request.name;
-        std::replace(approach.name.begin(), approach.name.end(), ':', '_');
-        if (!request.name.empty())
-            approach.name = request.name;
+        approach.name = request.name;
+        if (approach.name.empty())
+            std::replace_copy(template_name.begin(), template_name.end(), std::back_inserter(approach.name), ':', '_');
         approach.template_name = template_name;
         approach.target = request.target;
         approach.sizing = request.sizing;

@@ -21,18 +21,10 @@ namespace {
 
     HookPlace hook_place(const Approach& approach, const HookSpec& spec)
     {
-        double rest = spec.along_mm;
-        std::size_t i = 0;
-        double length = (approach.incision[1] - approach.incision[0]).norm();
-        while (rest > length && i + 2 < approach.incision.size()) {
-            rest -= length;
-            ++i;
-            length = (approach.incision[i + 1] - approach.incision[i]).norm();
-        }
-        const double t = std::clamp(rest / length, 0.0, 1.0);
-        const Vec3 depth = ((1.0 - t) * approach.directions[i] + t * approach.directions[i + 1]).normalized();
-        const Vec3 on_skin = (1.0 - t) * approach.incision[i] + t * approach.incision[i + 1];
-        return { on_skin + spec.depth_mm * depth, (approach.incision[i + 1] - approach.incision[i]) / length, depth };
+        const IncisionPlace place = incision_place(approach, spec.along_mm);
+        const Vec3 depth = place.of(approach.directions).normalized();
+        const Vec3 step = approach.incision[place.segment + 1] - approach.incision[place.segment];
+        return { place.of(approach.incision) + spec.depth_mm * depth, step / step.norm(), depth };
     }
 
     /// A hook in front of a bone bears on the bone: a retractor's blade lies against the rib and squeezes the muscle

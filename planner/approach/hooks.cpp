@@ -1,6 +1,7 @@
 #include "planner/approach/hooks.h"
 
 #include "fem/statics/driven_opening.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 
@@ -18,44 +19,14 @@ namespace {
     constexpr double kSpreaderShare = 0.5, kSpreaderLargestMm = 60.0;
     constexpr double kRimMm = 2.0; ///< distance of a patch from the skin and from the cavity
 
-    /// A place on the incision: interpolated between its points.
-    struct Place {
-        std::size_t segment = 0;
-        double t = 0.0;
-    };
-
-    Place place_at(const Approach& approach, double along)
-    {
-        const auto& line = approach.incision;
-        for (std::size_t n = 0; n + 1 < line.size(); ++n) {
-            const double length = (line[n + 1] - line[n]).norm();
-            if (along <= length || n + 2 == line.size())
-                return { n, std::clamp(along / length, 0.0, 1.0) };
-            along -= length;
-        }
-        return {};
-    }
-
-    double value_at(const std::vector<double>& values, const Place& place)
-    {
-        return (1.0 - place.t) * values[place.segment] + place.t * values[place.segment + 1];
-    }
-
     /// Direction to the left of the cut, looking down on the skin: side +1, see BladeCoordinates.
     Vec3 left_at(const Approach& approach, double along, double width)
     {
-        const auto point = [&](double s) {
-            const Place place = place_at(approach, s);
-            return Vec3(
-                (1.0 - place.t) * approach.incision[place.segment] + place.t * approach.incision[place.segment + 1]);
-        };
+        const auto point = [&](double s) { return incision_place(approach, s).of(approach.incision); };
         const double length = incision_length(approach);
         // The tangent is the chord under the patch, because a rigid patch has one direction.
         const Vec3 tangent = point(std::min(length, along + 0.5 * width)) - point(std::max(0.0, along - 0.5 * width));
-        const Place place = place_at(approach, along);
-        const Vec3 down
-            = (1.0 - place.t) * approach.directions[place.segment] + place.t * approach.directions[place.segment + 1];
-        return tangent.cross(down).normalized();
+        return tangent.cross(incision_place(approach, along).of(approach.directions)).normalized();
     }
 
     /// Fits a hook to the thinnest wall and the mean hold depth under its patch.
@@ -67,10 +38,10 @@ namespace {
         const double length = incision_length(approach);
         for (int n = 0; n < kSamples; ++n) {
             const double along = hook.along_mm + hook.patch_width_mm * (static_cast<double>(n) / (kSamples - 1) - 0.5);
-            const Place place = place_at(approach, std::clamp(along, 0.0, length));
+            const IncisionPlace place = incision_place(approach, std::clamp(along, 0.0, length));
             if (!approach.wall_thickness_mm.empty())
-                wall = std::min(wall, value_at(approach.wall_thickness_mm, place));
-            hold += (approach.hook_depth_mm.empty() ? 0.5 * approach.depth_mm : value_at(approach.hook_depth_mm, place))
+                wall = std::min(wall, place.of(approach.wall_thickness_mm));
+            hold += (approach.hook_depth_mm.empty() ? 0.5 * approach.depth_mm : place.of(approach.hook_depth_mm))
                 / kSamples;
         }
         const double room = wall - 2.0 * kRimMm;
@@ -106,6 +77,7 @@ std::vector<HookSpec> make_hooks(
         throw InputError("unknown hook template \"" + std::string(template_name) + "\": use 2, 4, 8 or blade",
             "hook template", { "hook_template" });
     const double spacing = kHeldShare * length / per_lip;
+    RETRACTOR_ASSERT(per_lip > 0);
     if (spacing < model.patch_width_mm)
         throw InputError("an incision of " + in_words(length) + " mm is too short for " + std::to_string(per_lip)
                 + " hooks of " + in_words(model.patch_width_mm) + " mm on each lip",

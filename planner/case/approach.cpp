@@ -1,6 +1,7 @@
 #include "planner/case/approach.h"
 
 #include "fem/statics/driven_opening.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/image/skeleton.h"
@@ -147,14 +148,7 @@ std::optional<LoosePieces> loose_pieces_from_string(std::string_view text)
 
 mesh::CutOptions cut_options_of(const Approach& approach, const mesh::LabelTable& table)
 {
-    mesh::CutOptions options;
-    for (const std::string& name : approach.uncut_labels) {
-        const mesh::LabelInfo* info = mesh::find_label(table, name);
-        if (info == nullptr)
-            throw InputError("there is no label of this name", name);
-        options.uncut_labels.push_back(info->id);
-    }
-    return options;
+    return { .uncut_labels = mesh::label_ids(table, approach.uncut_labels) };
 }
 
 mesh::Blade blade_of(const Approach& approach)
@@ -188,6 +182,18 @@ double incision_length(const Approach& approach)
     for (std::size_t n = 1; n < approach.incision.size(); ++n)
         length += (approach.incision[n] - approach.incision[n - 1]).norm();
     return length;
+}
+
+IncisionPlace incision_place(const Approach& approach, double along_mm)
+{
+    const auto& line = approach.incision;
+    RETRACTOR_ASSERT(line.size() >= 2);
+    for (std::size_t n = 0;; ++n) {
+        const double length = (line[n + 1] - line[n]).norm();
+        if (along_mm <= length || n + 2 == line.size())
+            return { n, std::clamp(along_mm / length, 0.0, 1.0) };
+        along_mm -= length;
+    }
 }
 
 void check_sizing(const SizingSpec& sizing, const std::string& pointer)

@@ -132,6 +132,21 @@ mesh::MeshSizing mesh_sizing_of(const Approach& approach, const mesh::LabelTable
 /// Length of the incision, mm.
 double incision_length(const Approach& approach);
 
+/// A place on the incision, between two of its points.
+struct IncisionPlace {
+    std::size_t segment = 0; ///< index of the point before the place
+    double t = 0.0; ///< 0 at this point, 1 at the next one
+
+    /// Interpolates values at the incision's points. @pre one value per point
+    template <class Value> Value of(const std::vector<Value>& values) const
+    {
+        return (1.0 - t) * values[segment] + t * values[segment + 1];
+    }
+};
+/// The place at a distance (mm) along the incision. A distance beyond an end gives the end.
+/// @pre the incision has at least two points
+IncisionPlace incision_place(const Approach& approach, double along_mm);
+
 /// @param pointer JSON pointer of the sizing, put before the failing key
 /// @throws InputError on NaN or sizes out of range
 void check_sizing(const SizingSpec& sizing, const std::string& pointer = {});

@@ -132,14 +132,14 @@ std::vector<fem::Material> materials_as_solved(const Case& planned_case)
 
 const Approach& find_approach(const Case& planned_case, std::string_view name)
 {
-    std::string known;
+    std::vector<std::string> known;
     for (const Approach& approach : planned_case.approaches) {
         if (approach.name == name)
             return approach;
-        known += (known.empty() ? "" : ", ") + approach.name;
+        known.push_back(approach.name);
     }
     throw InputError(
-        "there is no approach \"" + std::string(name) + "\"; the case has: " + (known.empty() ? "none" : known),
+        "there is no approach \"" + std::string(name) + "\"; the case has: " + (known.empty() ? "none" : joined(known)),
         "/approaches");
 }
 

@@ -11,11 +11,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <fstream>
 #include <iterator>
 #include <limits>
 #include <memory>
 #include <sstream>
+#include <type_traits>
+#include <variant>
+#include <vector>
 
 namespace retractor::planner {
 
@@ -87,8 +91,8 @@ namespace {
         }
 
         /// Checks for an object with these keys and no others.
-        const Node& object(std::initializer_list<std::string_view> required,
-            std::initializer_list<std::string_view> optional = {}) const
+        void object(
+            const std::vector<std::string_view>& required, const std::vector<std::string_view>& optional = {}) const
         {
             expect(json_.is_object(), "an object");
             for (const auto& [key, value] : json_.items())
@@ -96,13 +100,17 @@ namespace {
                     && std::find(optional.begin(), optional.end(), key) == optional.end())
                     throw InputError("unknown key \"" + key + "\"", child_pointer(key));
             for (const std::string_view key : required)
-                if (!json_.contains(key))
-                    throw InputError("the key \"" + std::string(key) + "\" is missing", child_pointer(key));
-            return *this;
+                require(key);
         }
         bool is_object() const { return json_.is_object(); }
         bool has(std::string_view key) const { return json_.contains(key); }
-        Node operator[](std::string_view key) const { return { json_.at(std::string(key)), child_pointer(key) }; }
+        /// The value of a key, which must be there.
+        Node operator[](std::string_view key) const
+        {
+            expect(json_.is_object(), "an object");
+            require(key);
+            return { json_.at(std::string(key)), child_pointer(key) };
+        }
 
         double number() const
         {
@@ -147,18 +155,6 @@ namespace {
                 values.push_back(read(Node(json_[n], pointer_ + "/" + std::to_string(n))));
             return values;
         }
-        std::vector<double> numbers() const
-        {
-            return list<double>([](const Node& n) { return n.number(); });
-        }
-        std::vector<std::string> texts() const
-        {
-            return list<std::string>([](const Node& n) { return n.text(); });
-        }
-        std::vector<Vec3> points() const
-        {
-            return list<Vec3>([](const Node& n) { return n.point(); });
-        }
         void must_be(std::string_view expected) const
         {
             if (text() != expected)
@@ -173,6 +169,11 @@ namespace {
                 escaped += c == '~' ? std::string("~0") : c == '/' ? std::string("~1") : std::string(1, c);
             return pointer_ + "/" + escaped;
         }
+        void require(std::string_view key) const
+        {
+            if (!json_.contains(key))
+                throw InputError("the key \"" + std::string(key) + "\" is missing", child_pointer(key));
+        }
         void expect(bool right, std::string_view what) const
         {
             if (!right)
@@ -182,441 +183,462 @@ namespace {
         std::string pointer_;
     };
 
-    // ---- each section, read and written side by side ---------------------------------------------------------------
+    // ---- the fields of each section, named once for reading and writing ---------------------------------------------
 
-    Json written(const Vec3& v) { return Json::array({ v.x(), v.y(), v.z() }); }
+    template <class T, class Section>
+    concept Is = std::same_as<std::remove_const_t<T>, Section>;
 
-    Json written(const std::vector<Vec3>& points)
-    {
-        Json list = Json::array();
-        for (const Vec3& point : points)
-            list.push_back(written(point));
-        return list;
-    }
-
-    Json written(const mesh::LabelInfo& info);
-    Json written(const fem::Material& material);
-    Json written(const PressureSpec& pressure);
-    Json written(const HookSpec& hook);
-    Json written(const AblationSpec& ablation);
-    Json written(const Approach& approach);
-
-    template <typename T> Json written_list(const std::vector<T>& items)
-    {
-        Json list = Json::array();
-        for (const T& item : items)
-            list.push_back(written(item));
-        return list;
-    }
-
-    FileReference read_reference(const Node& node)
-    {
-        return { .path = node["path"].text(), .sha256 = node["sha256"].text() };
-    }
-
-    Json written(const FileReference& file)
-    {
-        return { { "path", file.path.generic_string() }, { "sha256", file.sha256 } };
-    }
-
-    mesh::LabelInfo read_label(const Node& node)
-    {
-        node.object({ "id", "name", "material", "role" });
-        const auto role = mesh::role_from_string(node["role"].text());
-        if (!role)
-            node["role"].refuse("unknown role \"" + node["role"].text() + "\": use wall, voxel, target or at-risk");
-        return { .id = static_cast<Label>(node["id"].integer(0, std::numeric_limits<Label>::max())),
-            .name = node["name"].text(),
-            .material = node["material"].text(),
-            .role = *role };
-    }
-
-    Json written(const mesh::LabelInfo& info)
-    {
-        return { { "id", info.id }, { "name", info.name }, { "material", info.material },
-            { "role", std::string(to_string(info.role)) } };
-    }
-
-    fem::TissueLaw with_fibres(const fem::Hyperelastic& law, const Node& node, std::size_t families)
-    {
-        if (node.is_object()) {
-            node.object({ "around", "angle_deg" });
-            const Node around = node["around"];
-            around.object({ "point_mm", "axis" });
-            const fem::FibresAround fibres { .point = around["point_mm"].point(),
-                .axis = around["axis"].point(),
-                .angle_deg = node["angle_deg"].number() };
-            try {
-                fem::check_fibres_around(fibres, {});
-            } catch (const InputError& error) {
-                node.refuse(error.what());
-            }
-            return { .law = law, .around = fibres };
+    /// Passes each key of a section with its field, in the order of the file, to a FieldKeys, FieldReader or
+    /// FieldWriter.
+    struct Fields {
+        static void of(auto& io, Is<datasets::PatientIdentity> auto& patient)
+        {
+            io.required("name", patient.name, "id", patient.id);
         }
-        const std::vector<Vec3> fibres = node.points();
-        if (fibres.empty() || fibres.size() > families)
-            node.refuse("must be " + std::string(families == 1 ? "one direction" : "one or two directions")
-                + ", or {\"around\": {\"point_mm\", \"axis\"}, \"angle_deg\"}");
-        for (const Vec3& fibre : fibres)
-            if (!(fibre.norm() > 0.0))
-                node.refuse("a direction must not be zero");
-        return { law, { fibres.front().normalized(), fibres.back().normalized() } };
-    }
-
-    fem::TissueLaw read_law(const Node& node)
-    {
-        node.object({ "model" },
-            { "c10_MPa", "c01_MPa", "mu_MPa", "k1_MPa", "k2", "dispersion", "C_MPa", "bf", "bt", "bfs", "fibres" });
-        const std::string model = node["model"].text();
-        if (model == "mooney-rivlin") {
-            node.object({ "model", "c10_MPa", "c01_MPa" });
-            return { fem::MooneyRivlin { .c10 = node["c10_MPa"].number(), .c01 = node["c01_MPa"].number() } };
+        static void of(auto& io, Is<FileReference> auto& file)
+        {
+            io.required("path", file.path, "sha256", file.sha256);
         }
-        if (model == "holzapfel-gasser-ogden") {
-            node.object({ "model", "mu_MPa", "k1_MPa", "k2", "dispersion", "fibres" });
-            return with_fibres(fem::HolzapfelGasserOgden { .mu = node["mu_MPa"].number(),
-                                   .k1 = node["k1_MPa"].number(),
-                                   .k2 = node["k2"].number(),
-                                   .dispersion = node["dispersion"].number() },
-                node["fibres"], 2);
+        static void of(auto& io, Is<mesh::LabelInfo> auto& info)
+        {
+            io.integer("id", info.id, 0, std::numeric_limits<Label>::max());
+            io.required("name", info.name, "material", info.material, "role", info.role);
         }
-        if (model == "guccione") {
-            node.object({ "model", "C_MPa", "bf", "bt", "bfs", "fibres" });
-            return with_fibres(fem::Guccione { .C = node["C_MPa"].number(),
-                                   .bf = node["bf"].number(),
-                                   .bt = node["bt"].number(),
-                                   .bfs = node["bfs"].number() },
-                node["fibres"], 1);
+        static void of(auto& io, Is<fem::MooneyRivlin> auto& law)
+        {
+            io.required("c10_MPa", law.c10, "c01_MPa", law.c01);
         }
-        node["model"].refuse("unknown model \"" + model
-            + "\": use mooney-rivlin, holzapfel-gasser-ogden or guccione; without a law tissue is neo-Hookean");
-    }
-
-    Json written_fibres(const fem::TissueLaw& tissue, std::size_t families)
-    {
-        if (tissue.around)
-            return { { "around",
-                         { { "point_mm", written(tissue.around->point) }, { "axis", written(tissue.around->axis) } } },
-                { "angle_deg", tissue.around->angle_deg } };
-        Json directions = Json::array({ written(tissue.fibres.first) });
-        if (families > 1)
-            directions.push_back(written(tissue.fibres.second));
-        return directions;
-    }
-
-    Json written(const fem::TissueLaw& tissue)
-    {
-        if (const auto* law = std::get_if<fem::MooneyRivlin>(&tissue.law))
-            return { { "model", "mooney-rivlin" }, { "c10_MPa", law->c10 }, { "c01_MPa", law->c01 } };
-        if (const auto* law = std::get_if<fem::HolzapfelGasserOgden>(&tissue.law))
-            return { { "model", "holzapfel-gasser-ogden" }, { "mu_MPa", law->mu }, { "k1_MPa", law->k1 },
-                { "k2", law->k2 }, { "dispersion", law->dispersion }, { "fibres", written_fibres(tissue, 2) } };
-        if (const auto* law = std::get_if<fem::Guccione>(&tissue.law))
-            return { { "model", "guccione" }, { "C_MPa", law->C }, { "bf", law->bf }, { "bt", law->bt },
-                { "bfs", law->bfs }, { "fibres", written_fibres(tissue, 1) } };
-        throw InputError("a neo-Hookean material is one without a law", "/materials");
-    }
-
-    /// Tissue without "across" is free to narrow.
-    fem::PreStrain read_pre_strain(const Node& node)
-    {
-        node.object({ "along" }, { "across", "direction", "normal" });
-        fem::PreStrain tension { .kind = fem::PreStrainKind::uniaxial_stress, .strain = node["along"].number() };
-        if (node.has("across")) {
-            tension.kind = fem::PreStrainKind::biaxial;
-            tension.across = node["across"].number();
+        static void of(auto& io, Is<fem::HolzapfelGasserOgden> auto& law)
+        {
+            io.required("mu_MPa", law.mu, "k1_MPa", law.k1, "k2", law.k2, "dispersion", law.dispersion);
         }
-        const auto read_direction = [&](std::string_view key, Vec3& direction) {
-            if (!node.has(key))
+        static void of(auto& io, Is<fem::Guccione> auto& law)
+        {
+            io.required("C_MPa", law.C, "bf", law.bf, "bt", law.bt, "bfs", law.bfs);
+        }
+        static void of(auto& io, Is<fem::FibresAround> auto& fibres)
+        {
+            io.section("around", [&](auto& around) { around.required("point_mm", fibres.point, "axis", fibres.axis); });
+            io.required("angle_deg", fibres.angle_deg);
+        }
+        static void of(auto& io, Is<fem::Material> auto& material)
+        {
+            io.required("name", material.name, "youngs_modulus_MPa", material.youngs_modulus_MPa, "poissons_ratio",
+                material.poissons_ratio, "density_tonne_per_mm3", material.density_tonne_per_mm3, "source",
+                material.source);
+            io.optional("law", material.law);
+            io.optional("pre_strain", material.pre_strain, material.pre_strain.kind != fem::PreStrainKind::none);
+        }
+        static void of(auto& io, Is<SupportSpec> auto& supports)
+        {
+            io.required("labels", supports.labels, "region_border", supports.region_border);
+        }
+        static void of(auto& io, Is<SolverSettings> auto& choice)
+        {
+            io.optional("elasticity", choice.elasticity, true);
+            io.optional("element", choice.element, true);
+            io.optional("near_mm", choice.near_mm, choice.near_mm > 0.0);
+        }
+        static void of(auto& io, Is<PressureSpec> auto& pressure)
+        {
+            io.required("label", pressure.label, "pressure_kPa", pressure.pressure_kPa);
+        }
+        static void of(auto& io, Is<SizingSpec> auto& sizing)
+        {
+            io.required("corridor_radius_mm", sizing.corridor_radius_mm, "corridor_edge_mm", sizing.corridor_edge_mm,
+                "coarse_edge_mm", sizing.coarse_edge_mm, "region_mm", sizing.region_mm);
+        }
+        static void of(auto& io, Is<TargetSpec> auto& target)
+        {
+            if (io.chosen("label", !target.is_sphere())) { // a label and a sphere contradict each other
+                io.required("label", target.label);
                 return;
-            direction = node[key].point();
-            if (direction.isZero(0.0))
-                node[key].refuse("a direction must not be zero");
-        };
-        read_direction("direction", tension.pull);
-        read_direction("normal", tension.normal);
-        return tension;
-    }
-
-    Json written(const fem::PreStrain& tension)
-    {
-        Json json { { "along", tension.strain } };
-        switch (tension.kind) {
-        case fem::PreStrainKind::uniaxial_stress:
-            break;
-        case fem::PreStrainKind::held_width:
-            json["across"] = 0.0;
-            break;
-        case fem::PreStrainKind::biaxial:
-            json["across"] = tension.across;
-            break;
-        case fem::PreStrainKind::equibiaxial:
-            json["across"] = tension.strain;
-            break;
-        case fem::PreStrainKind::none:
-        case fem::PreStrainKind::isotropic:
-            throw InputError("a case holds tension in the tissue's plane only", "/materials");
+            }
+            io.required("centre_mm", target.centre, "radius_mm", target.radius_mm);
         }
-        if (!tension.pull.isZero(0.0))
-            json["direction"] = written(tension.pull);
-        if (!tension.normal.isZero(0.0))
-            json["normal"] = written(tension.normal);
-        return json;
-    }
-
-    fem::Material read_material(const Node& node)
-    {
-        node.object({ "name", "youngs_modulus_MPa", "poissons_ratio", "density_tonne_per_mm3", "source" },
-            { "law", "pre_strain" });
-        return { .name = node["name"].text(),
-            .youngs_modulus_MPa = node["youngs_modulus_MPa"].number(),
-            .poissons_ratio = node["poissons_ratio"].number(),
-            .density_tonne_per_mm3 = node["density_tonne_per_mm3"].number(),
-            .source = node["source"].text(),
-            .law = node.has("law") ? std::optional(read_law(node["law"])) : std::nullopt,
-            .pre_strain = node.has("pre_strain") ? read_pre_strain(node["pre_strain"]) : fem::PreStrain {} };
-    }
-
-    Json written(const fem::Material& material)
-    {
-        Json json { { "name", material.name }, { "youngs_modulus_MPa", material.youngs_modulus_MPa },
-            { "poissons_ratio", material.poissons_ratio }, { "density_tonne_per_mm3", material.density_tonne_per_mm3 },
-            { "source", material.source } };
-        if (material.law)
-            json["law"] = written(*material.law);
-        if (material.pre_strain.kind != fem::PreStrainKind::none)
-            json["pre_strain"] = written(material.pre_strain);
-        return json;
-    }
-
-    SolverSettings read_solution(const Node& node)
-    {
-        if (node.is_object() && node.has("local"))
-            node["local"].refuse(
-                "the submodel was removed: it held the wall beyond a distance still, and its forces came "
-                "out too large; near_mm does it right and solves that wall as linear");
-        node.object({}, { "elasticity", "element", "near_mm" });
-        SolverSettings choice;
-        if (node.has("elasticity")) {
-            const auto elasticity = elasticity_from_string(node["elasticity"].text());
-            if (!elasticity)
-                node["elasticity"].refuse("must be linear, corotational or hyperelastic");
-            choice.elasticity = *elasticity;
+        static void of(auto& io, Is<ViewSpec> auto& view)
+        {
+            io.required("eye_distance_mm", view.eye_distance_mm, "half_angle_deg", view.half_angle_deg);
+            io.integer("eye_count", view.eye_count, 1, 100000);
         }
-        if (node.has("element")) {
-            const auto element = element_from_string(node["element"].text());
-            if (!element)
-                node["element"].refuse("must be p1, locking-free or p2");
-            choice.element = *element;
+        static void of(auto& io, Is<HookSpec> auto& hook)
+        {
+            io.required("name", hook.name);
+            io.integer("side", hook.side, -1, 1);
+            io.required("along_mm", hook.along_mm, "depth_mm", hook.depth_mm, "patch_width_mm", hook.patch_width_mm,
+                "patch_height_mm", hook.patch_height_mm, "direction", hook.direction);
+            io.optional("force_N", hook.pull.force_N);
+            if (io.chosen("force_N", hook.pull.force_N.has_value()))
+                io.optional("opening_mm", hook.opening_mm, false); // check_hook() refuses both
+            else
+                io.required("opening_mm", hook.opening_mm);
+            io.optional("force_limit_N", hook.pull.force_limit_N);
+            io.optional("grip_N_per_mm", hook.pull.grip_N_per_mm);
         }
-        if (node.has("near_mm"))
-            choice.near_mm = node["near_mm"].number();
-        return choice;
-    }
-
-    Json written(const SolverSettings& choice)
-    {
-        Json json { { "elasticity", to_string(choice.elasticity) }, { "element", to_string(choice.element) } };
-        if (choice.near_mm > 0.0)
-            json["near_mm"] = choice.near_mm;
-        return json;
-    }
-
-    PressureSpec read_pressure(const Node& node)
-    {
-        node.object({ "label", "pressure_kPa" });
-        return { .label = node["label"].text(), .pressure_kPa = node["pressure_kPa"].number() };
-    }
-
-    Json written(const PressureSpec& pressure)
-    {
-        return { { "label", pressure.label }, { "pressure_kPa", pressure.pressure_kPa } };
-    }
-
-    SizingSpec read_sizing(const Node& node)
-    {
-        node.object({ "corridor_radius_mm", "corridor_edge_mm", "coarse_edge_mm", "region_mm" });
-        return { .corridor_radius_mm = node["corridor_radius_mm"].number(),
-            .corridor_edge_mm = node["corridor_edge_mm"].number(),
-            .coarse_edge_mm = node["coarse_edge_mm"].number(),
-            .region_mm = node["region_mm"].number() };
-    }
-
-    Json written(const SizingSpec& sizing)
-    {
-        return { { "corridor_radius_mm", sizing.corridor_radius_mm }, { "corridor_edge_mm", sizing.corridor_edge_mm },
-            { "coarse_edge_mm", sizing.coarse_edge_mm }, { "region_mm", sizing.region_mm } };
-    }
-
-    TargetSpec read_target(const Node& node)
-    {
-        node.object({}, { "label", "centre_mm", "radius_mm" });
-        if (node.has("label")) {
-            node.object({ "label" }); // a label and a sphere contradict each other
-            if (node["label"].text().empty())
-                node["label"].refuse("must not be empty");
-            return { .label = node["label"].text(), .centre = Vec3::Zero() };
+        static void of(auto& io, Is<AblationSpec> auto& ablation)
+        {
+            const bool is_ball
+                = io.chosen("centre_mm", ablation.is_ball()) || io.chosen("radius_mm", ablation.is_ball());
+            if (is_ball) { // a ball and a segment contradict each other
+                io.optional("label", ablation.label, !ablation.label.empty());
+                io.required("centre_mm", ablation.centre, "radius_mm", ablation.radius_mm);
+                return;
+            }
+            io.required("label", ablation.label, "from_mm", ablation.from_mm, "to_mm", ablation.to_mm);
+            io.optional("along_from_mm", ablation.along_from_mm);
+            io.optional("along_to_mm", ablation.along_to_mm);
         }
-        node.object({ "centre_mm", "radius_mm" });
-        return { .label = {}, .centre = node["centre_mm"].point(), .radius_mm = node["radius_mm"].number() };
-    }
+        static void of(auto& io, Is<Approach> auto& approach)
+        {
+            io.required("name", approach.name, "template", approach.template_name, "incision_mm", approach.incision,
+                "directions", approach.directions, "depth_mm", approach.depth_mm, "wall_thickness_mm",
+                approach.wall_thickness_mm, "hook_depth_mm", approach.hook_depth_mm, "target", approach.target, "hooks",
+                approach.hooks, "retracted", approach.retracted, "uncut_labels", approach.uncut_labels, "sizing",
+                approach.sizing, "view", approach.view, "rationale", approach.rationale);
+            // These two were added later. A case without them has no ablations, and its loose pieces are held.
+            io.optional("ablations", approach.ablations, !approach.ablations.empty());
+            io.optional("loose_pieces", approach.loose_pieces, approach.loose_pieces != LoosePieces::held);
+        }
+        static void of(auto& io, Is<Case> auto& whole)
+        {
+            io.optional("patient", whole.patient);
+            io.optional("ct", whole.ct);
+            io.section("labels", [&](auto& labels) {
+                Fields::of(labels, whole.labels);
+                labels.required("table", whole.label_table);
+            });
+            io.required("materials", whole.materials, "supports", whole.supports);
+            io.optional("contact", whole.contact, whole.contact);
+            io.optional("pressures", whole.pressures, !whole.pressures.empty());
+            io.optional("solution", whole.solution, !(whole.solution == SolverSettings {}));
+            io.required("sizing", whole.sizing, "approaches", whole.approaches, "views", whole.views);
+        }
+    };
 
-    Json written(const TargetSpec& target)
-    {
-        if (!target.is_sphere())
-            return { { "label", target.label } };
-        return { { "centre_mm", written(target.centre) }, { "radius_mm", target.radius_mm } };
-    }
+    /// Name of a law in the file, and the most directions of its fibres.
+    struct LawModel {
+        std::string_view name;
+        std::size_t families = 0;
+    };
+    template <class Law> constexpr LawModel kModel {};
+    template <> constexpr LawModel kModel<fem::MooneyRivlin> { "mooney-rivlin", 0 };
+    template <> constexpr LawModel kModel<fem::HolzapfelGasserOgden> { "holzapfel-gasser-ogden", 2 };
+    template <> constexpr LawModel kModel<fem::Guccione> { "guccione", 1 };
 
-    ViewSpec read_view(const Node& node)
-    {
-        node.object({ "eye_distance_mm", "half_angle_deg", "eye_count" });
-        return { .eye_distance_mm = node["eye_distance_mm"].number(),
-            .half_angle_deg = node["half_angle_deg"].number(),
-            .eye_count = node["eye_count"].integer(1, 100000) };
-    }
+    /// Collects the keys of a section as it is in the file.
+    class FieldKeys {
+    public:
+        FieldKeys(const Node& node, std::vector<std::string_view> more)
+            : node_(node)
+            , required_(std::move(more))
+        {
+        }
+        bool chosen(std::string_view key, bool) const { return node_.has(key); }
+        void required(std::string_view key, const auto&, const auto&... rest)
+        {
+            required_.push_back(key);
+            if constexpr (sizeof...(rest) > 0)
+                required(rest...);
+        }
+        void optional(std::string_view key, const auto&, bool = true) { optional_.push_back(key); }
+        void integer(std::string_view key, int, int, int) { required_.push_back(key); }
+        void section(std::string_view key, const auto&) { required_.push_back(key); }
+        /// Refuses other keys and missing ones.
+        void check() const { node_.object(required_, optional_); }
 
-    Json written(const ViewSpec& view)
-    {
-        return { { "eye_distance_mm", view.eye_distance_mm }, { "half_angle_deg", view.half_angle_deg },
-            { "eye_count", view.eye_count } };
-    }
+    private:
+        const Node& node_;
+        std::vector<std::string_view> required_, optional_;
+    };
 
-    HookSpec read_hook(const Node& node)
-    {
-        if (node.has("force_N"))
-            node.object(
-                { "name", "side", "along_mm", "depth_mm", "patch_width_mm", "patch_height_mm", "direction", "force_N" },
-                { "opening_mm", "force_limit_N", "grip_N_per_mm" });
-        else
-            node.object({ "name", "side", "along_mm", "depth_mm", "patch_width_mm", "patch_height_mm", "direction",
-                            "opening_mm" },
-                { "force_limit_N", "grip_N_per_mm" });
-        const auto optional_number
-            = [&](std::string_view key) { return node.has(key) ? std::optional(node[key].number()) : std::nullopt; };
-        return { .name = node["name"].text(),
-            .side = node["side"].integer(-1, 1),
-            .along_mm = node["along_mm"].number(),
-            .depth_mm = node["depth_mm"].number(),
-            .patch_width_mm = node["patch_width_mm"].number(),
-            .patch_height_mm = node["patch_height_mm"].number(),
-            .direction = node["direction"].point(),
-            .opening_mm = optional_number("opening_mm").value_or(0.0),
-            .pull
-            = { optional_number("force_N"), optional_number("force_limit_N"), optional_number("grip_N_per_mm") } };
-    }
+    class FieldReader {
+    public:
+        /// Reads a section whose fields `body` names.
+        /// @param more other keys that the section must have
+        static void read_section(const Node& node, std::vector<std::string_view> more, const auto& body)
+        {
+            FieldKeys keys(node, std::move(more));
+            body(keys);
+            keys.check();
+            FieldReader reader(node);
+            body(reader);
+        }
 
-    Json written(const HookSpec& hook)
-    {
-        Json json { { "name", hook.name }, { "side", hook.side }, { "along_mm", hook.along_mm },
-            { "depth_mm", hook.depth_mm }, { "patch_width_mm", hook.patch_width_mm },
-            { "patch_height_mm", hook.patch_height_mm }, { "direction", written(hook.direction) } };
-        if (hook.pull.force_N)
-            json["force_N"] = *hook.pull.force_N;
-        else
-            json["opening_mm"] = hook.opening_mm;
-        if (hook.pull.force_limit_N)
-            json["force_limit_N"] = *hook.pull.force_limit_N;
-        if (hook.pull.grip_N_per_mm)
-            json["grip_N_per_mm"] = *hook.pull.grip_N_per_mm;
-        return json;
-    }
+        bool chosen(std::string_view key, bool) const { return node_.has(key); }
+        void required(std::string_view key, auto& value, auto&... rest)
+        {
+            read(node_[key], value);
+            if constexpr (sizeof...(rest) > 0)
+                required(rest...);
+        }
+        template <class T> void optional(std::string_view key, T& value, bool = true)
+        {
+            if (node_.has(key))
+                read(node_[key], value);
+        }
+        template <class T> void integer(std::string_view key, T& value, int low, int high)
+        {
+            value = static_cast<T>(node_[key].integer(low, high));
+        }
+        void section(std::string_view key, const auto& body) { read_section(node_[key], {}, body); }
 
-    AblationSpec read_ablation(const Node& node)
-    {
-        node.object({}, { "label", "from_mm", "to_mm", "along_from_mm", "along_to_mm", "centre_mm", "radius_mm" });
-        AblationSpec ablation;
-        if (node.has("centre_mm") || node.has("radius_mm")) {
-            node.object({ "centre_mm", "radius_mm" }, { "label" }); // a ball and a segment contradict each other
-            ablation.centre = node["centre_mm"].point();
-            ablation.radius_mm = node["radius_mm"].number();
-            if (!ablation.is_ball())
+    private:
+        explicit FieldReader(const Node& node)
+            : node_(node)
+        {
+        }
+
+        static void read(const Node& node, double& value) { value = node.number(); }
+        static void read(const Node& node, bool& value) { value = node.boolean(); }
+        static void read(const Node& node, std::string& value) { value = node.text(); }
+        static void read(const Node& node, fs::path& value) { value = node.text(); }
+        static void read(const Node& node, Vec3& value) { value = node.point(); }
+        template <class T> static void read(const Node& node, std::optional<T>& value) { read(node, value.emplace()); }
+        template <class T> static void read(const Node& node, std::vector<T>& values)
+        {
+            values = node.list<T>([](const Node& item) {
+                T value {};
+                read(item, value);
+                return value;
+            });
+        }
+        template <class Section> static void read(const Node& node, Section& section)
+        {
+            read_section(node, {}, [&](auto& io) { Fields::of(io, section); });
+        }
+
+        static void read(const Node& node, mesh::Role& role)
+        {
+            role = known(node, mesh::role_from_string(node.text()),
+                "unknown role \"" + node.text() + "\": use wall, voxel, target or at-risk");
+        }
+        static void read(const Node& node, fem::Elasticity& elasticity)
+        {
+            elasticity
+                = known(node, elasticity_from_string(node.text()), "must be linear, corotational or hyperelastic");
+        }
+        static void read(const Node& node, ElementKind& element)
+        {
+            element = known(node, element_from_string(node.text()), "must be p1, locking-free or p2");
+        }
+        static void read(const Node& node, LoosePieces& policy)
+        {
+            policy = known(node, loose_pieces_from_string(node.text()),
+                "unknown \"" + node.text() + "\": use held, removed or rigid");
+        }
+        template <class T> static T known(const Node& node, const std::optional<T>& value, const std::string& refusal)
+        {
+            if (!value)
+                node.refuse(refusal);
+            return *value;
+        }
+
+        static void read(const Node& node, SolverSettings& choice)
+        {
+            if (node.has("local"))
+                node["local"].refuse(
+                    "the submodel was removed: it held the wall beyond a distance still, and its forces came "
+                    "out too large; near_mm does it right and solves that wall as linear");
+            read<SolverSettings>(node, choice);
+        }
+        static void read(const Node& node, TargetSpec& target)
+        {
+            read<TargetSpec>(node, target);
+            refuse_empty_label(node);
+        }
+        static void read(const Node& node, AblationSpec& ablation)
+        {
+            read<AblationSpec>(node, ablation);
+            if (node.has("radius_mm") && !ablation.is_ball())
                 node["radius_mm"].refuse("must be positive");
-        } else {
-            node.object({ "label", "from_mm", "to_mm" }, { "along_from_mm", "along_to_mm" });
-            ablation.from_mm = node["from_mm"].number();
-            ablation.to_mm = node["to_mm"].number();
-            if (node.has("along_from_mm"))
-                ablation.along_from_mm = node["along_from_mm"].number();
-            if (node.has("along_to_mm"))
-                ablation.along_to_mm = node["along_to_mm"].number();
+            refuse_empty_label(node);
         }
-        if (node.has("label")) {
-            ablation.label = node["label"].text();
-            if (ablation.label.empty())
+        static void refuse_empty_label(const Node& node)
+        {
+            if (node.has("label") && node["label"].text().empty())
                 node["label"].refuse("must not be empty");
         }
-        return ablation;
-    }
 
-    Json written(const AblationSpec& ablation)
-    {
-        Json json = Json::object();
-        if (!ablation.label.empty())
-            json["label"] = ablation.label;
-        if (ablation.is_ball()) {
-            json["centre_mm"] = written(ablation.centre);
-            json["radius_mm"] = ablation.radius_mm;
+        /// Tissue without "across" is free to narrow.
+        static void read(const Node& node, fem::PreStrain& tension)
+        {
+            node.object({ "along" }, { "across", "direction", "normal" });
+            tension = { .kind = fem::PreStrainKind::uniaxial_stress, .strain = node["along"].number() };
+            if (node.has("across")) {
+                tension.kind = fem::PreStrainKind::biaxial;
+                tension.across = node["across"].number();
+            }
+            const auto read_direction = [&](std::string_view key, Vec3& direction) {
+                if (!node.has(key))
+                    return;
+                direction = node[key].point();
+                if (direction.isZero(0.0))
+                    node[key].refuse("a direction must not be zero");
+            };
+            read_direction("direction", tension.pull);
+            read_direction("normal", tension.normal);
+        }
+
+        static void read(const Node& node, fem::TissueLaw& tissue)
+        {
+            const std::string model = node["model"].text();
+            if (!read_law<fem::MooneyRivlin>(node, model, tissue)
+                && !read_law<fem::HolzapfelGasserOgden>(node, model, tissue)
+                && !read_law<fem::Guccione>(node, model, tissue))
+                node["model"].refuse("unknown model \"" + model
+                    + "\": use mooney-rivlin, holzapfel-gasser-ogden or guccione; without a law tissue is neo-Hookean");
+        }
+        template <class Law> static bool read_law(const Node& node, std::string_view model, fem::TissueLaw& tissue)
+        {
+            if (model != kModel<Law>.name)
+                return false;
+            Law law {};
+            std::vector<std::string_view> more { "model" };
+            if (kModel<Law>.families > 0)
+                more.emplace_back("fibres");
+            read_section(node, std::move(more), [&](auto& io) { Fields::of(io, law); });
+            tissue.law = law;
+            if (kModel<Law>.families > 0)
+                read_fibres(node["fibres"], kModel<Law>.families, tissue);
+            return true;
+        }
+        static void read_fibres(const Node& node, std::size_t families, fem::TissueLaw& tissue)
+        {
+            if (node.is_object()) {
+                read(node, tissue.around);
+                try {
+                    fem::check_fibres_around(*tissue.around, {});
+                } catch (const InputError& error) {
+                    node.refuse(error.what());
+                }
+                return;
+            }
+            std::vector<Vec3> fibres;
+            read(node, fibres);
+            if (fibres.empty() || fibres.size() > families)
+                node.refuse("must be " + std::string(families == 1 ? "one direction" : "one or two directions")
+                    + ", or {\"around\": {\"point_mm\", \"axis\"}, \"angle_deg\"}");
+            for (const Vec3& fibre : fibres)
+                if (!(fibre.norm() > 0.0))
+                    node.refuse("a direction must not be zero");
+            tissue.fibres = { fibres.front().normalized(), fibres.back().normalized() };
+        }
+
+        const Node& node_;
+    };
+
+    class FieldWriter {
+    public:
+        explicit FieldWriter(Json& json)
+            : json_(json)
+        {
+        }
+
+        bool chosen(std::string_view, bool stored) const { return stored; }
+        void required(std::string_view key, const auto& value, const auto&... rest)
+        {
+            json_[std::string(key)] = written(value);
+            if constexpr (sizeof...(rest) > 0)
+                required(rest...);
+        }
+        void optional(std::string_view key, const auto& value, bool differs)
+        {
+            if (differs)
+                required(key, value);
+        }
+        template <class T> void optional(std::string_view key, const std::optional<T>& value)
+        {
+            if (value)
+                required(key, *value);
+        }
+        void integer(std::string_view key, const auto& value, int, int) { required(key, value); }
+        void section(std::string_view key, const auto& body) { json_[std::string(key)] = written_section(body); }
+
+        template <class T> static Json written(const T& value)
+        {
+            if constexpr (std::is_enum_v<T>)
+                return std::string(to_string(value));
+            else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>)
+                return value;
+            else
+                return written_section([&](auto& io) { Fields::of(io, value); });
+        }
+        template <class T> static Json written(const std::vector<T>& items)
+        {
+            Json list = Json::array();
+            for (const T& item : items)
+                list.push_back(written(item));
+            return list;
+        }
+        static Json written(const fs::path& path) { return path.generic_string(); }
+        static Json written(const Vec3& v) { return Json::array({ v.x(), v.y(), v.z() }); }
+
+        static Json written(const fem::PreStrain& tension)
+        {
+            Json json { { "along", tension.strain } };
+            switch (tension.kind) {
+            case fem::PreStrainKind::uniaxial_stress:
+                break;
+            case fem::PreStrainKind::held_width:
+                json["across"] = 0.0;
+                break;
+            case fem::PreStrainKind::biaxial:
+                json["across"] = tension.across;
+                break;
+            case fem::PreStrainKind::equibiaxial:
+                json["across"] = tension.strain;
+                break;
+            case fem::PreStrainKind::none:
+            case fem::PreStrainKind::isotropic:
+                throw InputError("a case holds tension in the tissue's plane only", "/materials");
+            }
+            if (!tension.pull.isZero(0.0))
+                json["direction"] = written(tension.pull);
+            if (!tension.normal.isZero(0.0))
+                json["normal"] = written(tension.normal);
             return json;
         }
-        json["from_mm"] = ablation.from_mm;
-        json["to_mm"] = ablation.to_mm;
-        if (ablation.along_from_mm)
-            json["along_from_mm"] = *ablation.along_from_mm;
-        if (ablation.along_to_mm)
-            json["along_to_mm"] = *ablation.along_to_mm;
-        return json;
-    }
 
-    LoosePieces read_loose_pieces(const Node& node)
-    {
-        const auto policy = loose_pieces_from_string(node.text());
-        if (!policy)
-            node.refuse("unknown \"" + node.text() + "\": use held, removed or rigid");
-        return *policy;
-    }
+        static Json written(const fem::TissueLaw& tissue)
+        {
+            return std::visit(
+                [&]<class Law>(const Law& law) -> Json {
+                    if constexpr (kModel<Law>.name.empty()) {
+                        throw InputError("a neo-Hookean material is one without a law", "/materials");
+                    } else {
+                        Json json { { "model", std::string(kModel<Law>.name) } };
+                        FieldWriter writer(json);
+                        Fields::of(writer, law);
+                        if (kModel<Law>.families > 0)
+                            json["fibres"] = written_fibres(tissue, kModel<Law>.families);
+                        return json;
+                    }
+                },
+                tissue.law);
+        }
 
-    Approach read_approach(const Node& node)
-    {
-        // "ablations" and "loose_pieces" were added later. A case without them has no ablations, and its loose pieces
-        // are held.
-        node.object({ "name", "template", "incision_mm", "directions", "depth_mm", "wall_thickness_mm", "hook_depth_mm",
-                        "target", "hooks", "retracted", "uncut_labels", "sizing", "view", "rationale" },
-            { "ablations", "loose_pieces" });
-        return { .name = node["name"].text(),
-            .template_name = node["template"].text(),
-            .incision = node["incision_mm"].points(),
-            .directions = node["directions"].points(),
-            .depth_mm = node["depth_mm"].number(),
-            .wall_thickness_mm = node["wall_thickness_mm"].numbers(),
-            .hook_depth_mm = node["hook_depth_mm"].numbers(),
-            .target = read_target(node["target"]),
-            .hooks = node["hooks"].list<HookSpec>(read_hook),
-            .retracted = node["retracted"].texts(),
-            .uncut_labels = node["uncut_labels"].texts(),
-            .ablations = node.has("ablations") ? node["ablations"].list<AblationSpec>(read_ablation)
-                                               : std::vector<AblationSpec> {},
-            .loose_pieces = node.has("loose_pieces") ? read_loose_pieces(node["loose_pieces"]) : LoosePieces::held,
-            .sizing = read_sizing(node["sizing"]),
-            .view = read_view(node["view"]),
-            .rationale = node["rationale"].text() };
-    }
+    private:
+        static Json written_section(const auto& body)
+        {
+            Json json = Json::object();
+            FieldWriter writer(json);
+            body(writer);
+            return json;
+        }
+        static Json written_fibres(const fem::TissueLaw& tissue, std::size_t families)
+        {
+            if (tissue.around)
+                return written(*tissue.around);
+            std::vector<Vec3> directions { tissue.fibres.first };
+            if (families > 1)
+                directions.push_back(tissue.fibres.second);
+            return written(directions);
+        }
 
-    Json written(const Approach& approach)
-    {
-        Json json { { "name", approach.name }, { "template", approach.template_name },
-            { "incision_mm", written(approach.incision) }, { "directions", written(approach.directions) },
-            { "depth_mm", approach.depth_mm }, { "wall_thickness_mm", approach.wall_thickness_mm },
-            { "hook_depth_mm", approach.hook_depth_mm }, { "target", written(approach.target) },
-            { "hooks", written_list(approach.hooks) }, { "retracted", approach.retracted },
-            { "uncut_labels", approach.uncut_labels }, { "sizing", written(approach.sizing) },
-            { "view", written(approach.view) }, { "rationale", approach.rationale } };
-        if (!approach.ablations.empty())
-            json["ablations"] = written_list(approach.ablations);
-        if (approach.loose_pieces != LoosePieces::held)
-            json["loose_pieces"] = to_string(approach.loose_pieces);
-        return json;
-    }
+        Json& json_;
+    };
+
+    // ---- the whole case --------------------------------------------------------------------------------------------
 
     constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kUnits { { { "length", "mm" },
         { "force", "N" }, { "stress", "MPa" }, { "mass", "tonne" }, { "angle", "deg" } } };
@@ -624,51 +646,15 @@ namespace {
     void check_head(const Node& root)
     {
         // The schema is checked first, because another schema may have other keys.
-        if (root.has("schema"))
-            if (const int schema = root["schema"].integer(0, 1000000); schema != kCaseSchema)
-                root["schema"].refuse("the case has schema " + std::to_string(schema) + ", written by "
-                    + (schema < kCaseSchema ? "an older" : "a newer") + " program; this program reads schema "
-                    + std::to_string(kCaseSchema));
-        root.object({ "schema", "frame", "units", "labels", "materials", "supports", "sizing", "approaches", "views" },
-            { "contact", "ct", "patient", "pressures", "solution" });
+        if (const int schema = root["schema"].integer(0, 1000000); schema != kCaseSchema)
+            root["schema"].refuse("the case has schema " + std::to_string(schema) + ", written by "
+                + (schema < kCaseSchema ? "an older" : "a newer") + " program; this program reads schema "
+                + std::to_string(kCaseSchema));
         root["frame"].must_be("LPS");
         const Node units = root["units"];
         units.object({ "length", "force", "stress", "mass", "angle" });
         for (const auto& [quantity, unit] : kUnits)
             units[quantity].must_be(unit);
-    }
-
-    Case read_sections(const Node& root, const fs::path& folder)
-    {
-        check_head(root);
-        Case read;
-        read.folder = folder;
-        if (root.has("patient")) {
-            const Node patient = root["patient"];
-            patient.object({ "name", "id" });
-            read.patient = datasets::PatientIdentity { .name = patient["name"].text(), .id = patient["id"].text() };
-        }
-        if (root.has("ct"))
-            read.ct = read_reference(root["ct"].object({ "path", "sha256" }));
-        const Node labels = root["labels"];
-        labels.object({ "path", "sha256", "table" });
-        read.labels = read_reference(labels);
-        read.label_table = labels["table"].list<mesh::LabelInfo>(read_label);
-        read.materials = root["materials"].list<fem::Material>(read_material);
-        const Node supports = root["supports"];
-        supports.object({ "labels", "region_border" });
-        read.supports = { .labels = supports["labels"].texts(), .region_border = supports["region_border"].boolean() };
-        if (root.has("contact"))
-            read.contact = root["contact"].boolean();
-        if (root.has("pressures"))
-            read.pressures = root["pressures"].list<PressureSpec>(read_pressure);
-        if (root.has("solution"))
-            read.solution = read_solution(root["solution"]);
-        read.sizing = read_sizing(root["sizing"]);
-        read.approaches = root["approaches"].list<Approach>(read_approach);
-        read.views = root["views"].texts();
-        check_case(read);
-        return read;
     }
 
     void check_file(const Case& read, const FileReference& file, const std::string& where, bool verify)
@@ -716,7 +702,13 @@ FileReference make_reference(const fs::path& case_folder, const fs::path& path)
 Case case_from_json(const std::string& text, const fs::path& folder)
 {
     const Json json = datasets::parse_strictly(text, "/");
-    return read_sections(Node(json, ""), folder);
+    const Node root(json, "");
+    check_head(root);
+    Case read;
+    read.folder = folder;
+    FieldReader::read_section(root, { "schema", "frame", "units" }, [&](auto& io) { Fields::of(io, read); });
+    check_case(read);
+    return read;
 }
 
 Case read_case(const fs::path& path, const ReadCaseOptions& options)
@@ -736,7 +728,7 @@ Case read_case(const fs::path& path, const ReadCaseOptions& options)
     return read;
 }
 
-std::string ablation_to_json(const AblationSpec& ablation) { return written(ablation).dump(); }
+std::string ablation_to_json(const AblationSpec& ablation) { return FieldWriter::written(ablation).dump(); }
 
 std::string case_to_json(const Case& planned_case)
 {
@@ -746,24 +738,8 @@ std::string case_to_json(const Case& planned_case)
     json["frame"] = "LPS";
     for (const auto& [quantity, unit] : kUnits)
         json["units"][std::string(quantity)] = std::string(unit);
-    if (planned_case.patient)
-        json["patient"] = { { "name", planned_case.patient->name }, { "id", planned_case.patient->id } };
-    if (planned_case.ct)
-        json["ct"] = written(*planned_case.ct);
-    json["labels"] = written(planned_case.labels);
-    json["labels"]["table"] = written_list(planned_case.label_table);
-    json["materials"] = written_list(planned_case.materials);
-    json["supports"]
-        = { { "labels", planned_case.supports.labels }, { "region_border", planned_case.supports.region_border } };
-    if (planned_case.contact)
-        json["contact"] = true;
-    if (!planned_case.pressures.empty())
-        json["pressures"] = written_list(planned_case.pressures);
-    if (!(planned_case.solution == SolverSettings {}))
-        json["solution"] = written(planned_case.solution);
-    json["sizing"] = written(planned_case.sizing);
-    json["approaches"] = written_list(planned_case.approaches);
-    json["views"] = planned_case.views;
+    FieldWriter writer(json);
+    Fields::of(writer, planned_case);
     try {
         return json.dump(1, '\t') + "\n";
     } catch (const Json::exception& error) {

@@ -2,6 +2,7 @@
 
 #include "datasets/io/volume_io.h"
 #include "datasets/labels/label_import.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "planner/case/case_io.h"
@@ -44,15 +45,13 @@ namespace {
                 "several label maps are joined on the CT's grid, and there is no CT", "labels", { "labels" });
     }
 
-    std::string joined(const std::vector<std::string>& names)
+    /// The first twelve names, and the number of the others.
+    std::string first_names(std::vector<std::string> names)
     {
         constexpr std::size_t kMost = 12;
-        std::string text;
-        for (std::size_t n = 0; n < names.size() && n < kMost; ++n)
-            text += (n == 0 ? "" : ", ") + names[n];
-        if (names.size() > kMost)
-            text += " and " + std::to_string(names.size() - kMost) + " more";
-        return text;
+        const std::size_t others = names.size() - std::min(names.size(), kMost);
+        names.resize(names.size() - others);
+        return joined(names) + (others > 0 ? " and " + std::to_string(others) + " more" : "");
     }
 
     // ---- the CT ----------------------------------------------------------------------------------------------------
@@ -77,7 +76,7 @@ namespace {
 
     std::vector<std::size_t> voxel_counts(const mesh::LabelVolume& labels)
     {
-        std::vector<std::size_t> counts(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, 0);
+        std::vector<std::size_t> counts(mesh::kLabelCount, 0);
         for (const Label label : labels.voxels)
             ++counts[label];
         return counts;
@@ -120,7 +119,8 @@ namespace {
     std::size_t write_over(mesh::LabelVolume& labels, const mesh::LabelVolume& later)
     {
         const mesh::LabelVolume moved = datasets::resample_labels_to(later, labels.grid);
-        std::vector<Label> id_of(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, 0);
+        RETRACTOR_ASSERT(moved.voxels.size() == labels.voxels.size());
+        std::vector<Label> id_of(mesh::kLabelCount, 0);
         for (const mesh::LabelInfo& info : later.table) {
             if (const mesh::LabelInfo* same = mesh::find_label(labels.table, info.name)) {
                 id_of[info.id] = same->id;
@@ -178,12 +178,13 @@ namespace {
         if (labels.table.empty())
             throw InputError("no voxel is labelled", "labels", { "labels" });
         if (!absent.empty())
-            imported.notes.push_back("named in the label table but without voxels: " + joined(absent));
+            imported.notes.push_back("named in the label table but without voxels: " + first_names(absent));
     }
 
     mesh::LabelVolume find_labels(
         const ImportRequest& request, std::optional<mesh::LabelVolume> given, ImportedCase& imported, const Job& job)
     {
+        RETRACTOR_ASSERT(given.has_value() || request.autosegment); // check_request() refuses it
         if (!request.autosegment)
             return *std::move(given);
         datasets::AutosegmentOptions options;
@@ -204,27 +205,24 @@ namespace {
 
     std::vector<LabelValues> values_of_labels(const mesh::Volume& ct, const mesh::LabelVolume& labels)
     {
-        std::vector<LabelValues> values(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1);
+        std::vector<LabelValues> values(mesh::kLabelCount);
         const Vec3 start = ct.grid.index(labels.grid.origin);
         Mat3 step; // change of the CT's index per index of the labels
         for (int axis = 0; axis < 3; ++axis)
             step.col(axis) = ct.grid.index(labels.grid.world(Vec3::Unit(axis))) - start;
-        std::size_t at = 0;
-        for (int k = 0; k < labels.grid.size[2]; ++k)
-            for (int j = 0; j < labels.grid.size[1]; ++j)
-                for (int i = 0; i < labels.grid.size[0]; ++i, ++at) {
-                    if (labels.voxels[at] == 0)
-                        continue;
-                    LabelValues& value = values[labels.voxels[at]];
-                    const Vec3 index = (start + step * Vec3(i, j, k)).array().round();
-                    if (!holds_index(ct.grid, index)) {
-                        ++value.outside;
-                        continue;
-                    }
-                    const Eigen::Vector3i v = index.cast<int>();
-                    ++value.inside;
-                    value.sum_hu += ct.voxels[ct.grid.offset(v.x(), v.y(), v.z())];
-                }
+        mesh::visit_voxels(labels, [&](int i, int j, int k, Label label) {
+            if (label == 0)
+                return;
+            LabelValues& value = values[label];
+            const Vec3 index = (start + step * Vec3(i, j, k)).array().round();
+            if (!holds_index(ct.grid, index)) {
+                ++value.outside;
+                return;
+            }
+            const Eigen::Vector3i v = index.cast<int>();
+            ++value.inside;
+            value.sum_hu += ct.voxels[ct.grid.offset(v.x(), v.y(), v.z())];
+        });
         return values;
     }
 
@@ -259,7 +257,7 @@ namespace {
         }
         if (!odd.empty())
             imported.warnings.push_back(
-                "the CT does not show what these labels say; are both of the same images? " + joined(odd));
+                "the CT does not show what these labels say; are both of the same images? " + first_names(odd));
         const double share = static_cast<double>(outside) / static_cast<double>(inside + outside);
         if (share > kMuchOutside)
             imported.warnings.push_back(in_words(100.0 * share) + " % of the labelled voxels lie outside the CT");

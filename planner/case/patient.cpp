@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace retractor::planner {
@@ -41,8 +40,9 @@ std::shared_ptr<const mesh::Volume> Patient::ct()
     return ct_;
 }
 
-std::shared_ptr<const mesh::LabelVolume> Patient::labels_locked()
+std::shared_ptr<const mesh::LabelVolume> Patient::labels()
 {
+    const std::lock_guard lock(mutex_);
     if (!labels_) {
         mesh::LabelVolume labels = datasets::read_label_volume(case_.labels_path(), job_);
         labels.table = case_.label_table;
@@ -51,17 +51,11 @@ std::shared_ptr<const mesh::LabelVolume> Patient::labels_locked()
     return labels_;
 }
 
-std::shared_ptr<const mesh::LabelVolume> Patient::labels()
-{
-    const std::lock_guard lock(mutex_);
-    return labels_locked();
-}
-
 std::shared_ptr<const Anatomy> Patient::anatomy()
 {
     const std::lock_guard lock(mutex_);
     if (!anatomy_)
-        anatomy_ = std::make_shared<const Anatomy>(find_anatomy(*labels_locked()));
+        anatomy_ = std::make_shared<const Anatomy>(find_anatomy(*labels()));
     return anatomy_;
 }
 
@@ -75,38 +69,25 @@ AnatomicalFrame Patient::frame()
 bool Patient::has_voxels(std::string_view name)
 {
     const std::lock_guard lock(mutex_);
-    const mesh::LabelInfo* info = mesh::find_label(case_.label_table, name);
-    if (info == nullptr)
-        throw InputError("there is no label of this name", std::string(name));
-    if (label_occurs_.empty()) {
-        label_occurs_.resize(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
-        for (const Label label : labels_locked()->voxels)
-            label_occurs_[label] = true;
-    }
-    return label_occurs_[info->id];
-}
-
-std::shared_ptr<const TriMesh> Patient::organ_locked(std::string_view name)
-{
-    if (const auto found = organs_.find(name); found != organs_.end())
-        return found->second;
-    const mesh::LabelInfo* info = mesh::find_label(case_.label_table, name);
-    if (info == nullptr)
-        throw InputError("there is no label of this name", std::string(name));
-    const Stopwatch watch;
-    const std::array<Label, 1> which { info->id };
-    auto surface = std::make_shared<const TriMesh>(mesh::label_surface(*labels_locked(), which));
-    if (surface->triangles.empty())
-        throw InputError("the label has no voxel", std::string(name));
-    record_part(job_, "surface " + std::string(name), watch, bytes_of(*surface));
-    organs_.emplace(name, surface);
-    return surface;
+    const Label wanted = mesh::label_named(case_.label_table, name).id;
+    if (label_occurs_.empty())
+        label_occurs_ = mesh::flagged_labels(labels()->voxels);
+    return label_occurs_[wanted] != 0;
 }
 
 std::shared_ptr<const TriMesh> Patient::organ(std::string_view name)
 {
     const std::lock_guard lock(mutex_);
-    return organ_locked(name);
+    if (const auto found = organs_.find(name); found != organs_.end())
+        return found->second;
+    const std::array<Label, 1> which { mesh::label_named(case_.label_table, name).id };
+    const Stopwatch watch;
+    auto surface = std::make_shared<const TriMesh>(mesh::label_surface(*labels(), which));
+    if (surface->triangles.empty())
+        throw InputError("the label has no voxel", std::string(name));
+    record_part(job_, "surface " + std::string(name), watch, bytes_of(*surface));
+    organs_.emplace(name, surface);
+    return surface;
 }
 
 std::shared_ptr<const TriMesh> Patient::body()
@@ -118,7 +99,7 @@ std::shared_ptr<const TriMesh> Patient::body()
         for (const mesh::LabelInfo& info : case_.label_table)
             if (info.role == mesh::Role::wall)
                 wall.push_back(info.id);
-        body_ = std::make_shared<const TriMesh>(mesh::viewing_surface(*labels_locked(), wall, kBodySmoothingMm));
+        body_ = std::make_shared<const TriMesh>(mesh::viewing_surface(*labels(), wall, kBodySmoothingMm));
         if (body_->triangles.empty())
             throw InputError("no voxel has a label of role wall", case_.labels.path.string());
         record_part(job_, "surface body", watch, bytes_of(*body_));

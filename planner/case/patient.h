@@ -47,16 +47,13 @@ public:
 private:
     Case case_;
     Job job_;
-    std::mutex mutex_;
+    std::recursive_mutex mutex_; ///< recursive: a part is built from other parts
     std::shared_ptr<const mesh::Volume> ct_;
     std::shared_ptr<const mesh::LabelVolume> labels_;
     std::shared_ptr<const Anatomy> anatomy_;
     std::map<std::string, std::shared_ptr<const TriMesh>, std::less<>> organs_;
     std::shared_ptr<const TriMesh> body_;
-    std::vector<bool> label_occurs_; ///< one flag per label id; empty until first needed
-
-    std::shared_ptr<const mesh::LabelVolume> labels_locked();
-    std::shared_ptr<const TriMesh> organ_locked(std::string_view name);
+    mesh::LabelFlags label_occurs_; ///< one flag per label id; empty until first needed
 };
 
 /// A sphere as an icosahedron subdivided until its chords deviate by less than 0.2 % of the radius.

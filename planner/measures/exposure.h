@@ -10,9 +10,6 @@
 #include "mesh/image/volume.h"
 #include "planner/wall/field_geometry.h"
 
-#include <map>
-#include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,38 +31,19 @@ struct Occluder {
 /// @throws InputError on NaN, a zero axis, an up vector along the axis, or values out of range
 std::vector<Vec3> eye_positions(const ViewCone& cone);
 
-/// A point on a surface. All samples of a surface stand for equal areas.
+/// A point on the target. All samples of a target stand for equal areas.
 struct SurfaceSample {
     Vec3 position;
     int triangle = 0;
-};
-
-/// Samples a surface: deterministic, weighted by area and stratified. Equal steps along the cumulated area pick the
-/// triangle, and the R2 low-discrepancy sequence (M. Roberts 2018) picks the place in the triangle. The samples move
-/// with the surface under rigid motion.
-/// @throws InputError on an empty surface, NaN, zero area or count < 1
-std::vector<SurfaceSample> surface_samples(const TriMesh& surface, int count);
-
-struct ExposureOptions {
-    int samples = 2000; ///< number of points on the target
-    /// The target does not hide a sample from a ray that comes this near to the sample. The distance is larger than the
-    /// error of single precision (about 1e-4 mm at 1 m), and smaller than a surgeon could see.
-    double tolerance_mm = 0.02;
-    /// No other surface hides a sample from this near either. Surfaces of touching labels are smoothed separately and
-    /// overlap by a part of a voxel, so an artery on the heart would dip under the surface of the heart.
-    double contact_mm = 0.5;
-    std::vector<std::string> bone_materials { "bone", "cartilage" };
 };
 
 /// What one eye sees. Fractions are of the target's surface area, 0 to 1.
 struct EyeView {
     Vec3 eye = Vec3::Zero();
     double visible_fraction = 0.0; ///< seen past all occluders
-    double unobstructed_fraction = 0.0; ///< seen when the wall is removed
     /// The seen part divided by the part seen when the wall is removed, by solid angle: the share of target pixels in
     /// this eye's picture. 0 when nothing is seen with the wall removed.
     double picture_share = 0.0;
-    std::string inside; ///< name of the closed occluder that contains the eye; empty when the eye is outside all
 };
 
 /// A share of the lines of sight (eye, sample) that reach the sample when the target stands alone.
@@ -87,16 +65,10 @@ struct [[nodiscard]] Exposure {
     double visible_fraction = 0.0; ///< seen from at least one eye of the cone
     double visible_fraction_unobstructed = 0.0; ///< upper bound of visible_fraction
     double mean_visible_fraction = 0.0; ///< mean over the eyes of the cone
-    double mean_unobstructed_fraction = 0.0; ///< upper bound of mean_visible_fraction
-    double best_eye_fraction = 0.0; ///< seen from the best-placed eye
-    int best_eye = 0; ///< index into `eyes`
     double central_eye_fraction = 0.0; ///< seen from the eye on the axis
-    /// visible_fraction divided by its upper bound: 1 when the wall hides nothing; 0 when there is nothing to see.
-    double relative_visible_fraction = 0.0;
 
-    /// The first obstacles of the lines of sight, largest share first. The shares and reached_share add up to 1.
+    /// The first obstacles of the lines of sight, largest share first.
     std::vector<SightShare> blocked_by;
-    double reached_share = 0.0;
     /// The lines of sight with bone anywhere between eye and target, also behind other tissue. Only lines count that
     /// are clear when the wall is removed, so the shares show the cost of a rib. Largest share first; shares may
     /// overlap.
@@ -107,43 +79,14 @@ struct [[nodiscard]] Exposure {
     std::vector<float> sample_seen; ///< share of the eyes that see each sample, 0 to 1
 };
 
-/// The first surface that a ray meets.
-struct RayHit {
-    double distance_mm = 0.0;
-    std::string name;
-    std::string material;
-    bool target = false;
-    int triangle = 0; ///< triangle of the target's or the occluder's surface
-};
-
-/// Target and occluders, built once for ray queries from any number of cones.
-class RayScene {
-public:
-    /// The target blocks the view of itself too. The ledger records the part "ray tracer".
-    /// @throws InputError on an empty or malformed target, or a malformed occluder (named). An occluder without
-    /// triangles is allowed.
-    RayScene(TriMesh target, std::vector<Occluder> occluders, const Job& job = {});
-    ~RayScene();
-    RayScene(RayScene&&) noexcept;
-    RayScene& operator=(RayScene&&) noexcept;
-
-    /// @throws InputError on a bad cone or bad options, or when the central eye is inside a closed occluder or the
-    /// target. Other eyes inside an occluder are reported in their EyeView, with what the rays from there see.
-    Exposure exposure(const ViewCone& cone, const ExposureOptions& options = {}, const Job& job = {}) const;
-
-    /// The first surface between two points. @throws InputError on NaN or coinciding points
-    std::optional<RayHit> first_hit(const Vec3& from, const Vec3& to) const;
-
-    /// The name of a closed surface that encloses the point; empty when there is none.
-    std::string enclosing(const Vec3& point) const;
-
-private:
-    struct State;
-    std::unique_ptr<State> state_;
-};
-
-/// Builds a RayScene for a single measurement.
-Exposure measure_exposure(const TriMesh& target, const std::vector<Occluder>& occluders, const ViewCone& cone,
-    const ExposureOptions& options = {}, const Job& job = {});
+/// Measures what the eyes of a cone see of the target, which also hides parts of itself. The target is sampled at
+/// points: deterministic, weighted by area and stratified. Equal steps along the cumulated area pick the triangle, and
+/// the R2 low-discrepancy sequence (M. Roberts 2018) picks the place in the triangle. The samples move with the target
+/// under rigid motion. The ledger records the part "ray tracer".
+/// @param samples number of points on the target
+/// @throws InputError on an empty or malformed target, a malformed occluder (named), a bad cone, or when the central
+/// eye is inside a closed occluder or the target. An occluder without triangles is allowed.
+Exposure measure_exposure(
+    TriMesh target, std::vector<Occluder> occluders, const ViewCone& cone, int samples, const Job& job = {});
 
 } // namespace retractor::planner

@@ -1,6 +1,7 @@
 #include "planner/measures/metrics.h"
 
 #include "fem/material/tissue_law.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "planner/measures/hook_opening.h"
@@ -93,7 +94,7 @@ namespace {
             whole.opening_width_mm, whole.hook_force_N, 100.0 * whole.lips_difference, whole.seconds);
     }
 
-    Json far_document(const FieldMetrics& field, const FarFieldMetrics& far)
+    Json far_document(const FieldMetrics& field, const CondensedRegionMetrics& far)
     {
         Json json { { "linear", far.linear } };
         if (!far.message.empty()) {
@@ -109,7 +110,7 @@ namespace {
         return json;
     }
 
-    std::string far_text(const FieldMetrics& field, const FarFieldMetrics& far)
+    std::string far_text(const FieldMetrics& field, const CondensedRegionMetrics& far)
     {
         if (!far.message.empty())
             return "; how far the linear rest is off is not told: " + far.message;
@@ -186,6 +187,48 @@ namespace {
         return all;
     }
 
+    void put_forces(Json& json, const FieldMetrics& field)
+    {
+        json["hook_forces_N"] = Json::array();
+        json["hook_names"] = Json::array();
+        double per_side[2] = { 0.0, 0.0 };
+        for (const HookForce& hook : field.hooks) {
+            json["hook_forces_N"].push_back(hook.force_N);
+            json["hook_names"].push_back(hook.name);
+            if (!hook.pushes)
+                per_side[hook.side > 0 ? 0 : 1] += hook.force_N;
+        }
+        json["side_forces_N"] = { per_side[0], per_side[1] };
+        json["hooks"] = hooks_document(field);
+    }
+
+    void put_surfaces(Json& json, const FieldMetrics& field)
+    {
+        if (field.contact)
+            json["contact"] = { { "touching_points", field.contact->touching },
+                { "largest_penetration_mm", field.contact->largest_penetration_mm },
+                { "force_N", field.contact->force_N }, { "overlap_at_rest_mm", field.contact->overlap_at_rest_mm } };
+        for (const PressureMetrics& pressure : field.pressures)
+            json["pressures"].push_back({ { "label", pressure.label }, { "pressure_kPa", pressure.pressure_kPa },
+                { "area_mm2", pressure.area_mm2 },
+                { "force_N", { pressure.force_N.x(), pressure.force_N.y(), pressure.force_N.z() } },
+                { "follows_surface", pressure.follows }, { "behind_gap_mm2", pressure.behind_gap_mm2 } });
+    }
+
+    void put_removed(Json& json, const FieldMetrics& field)
+    {
+        json["removed"] = Json::array();
+        double volume = 0.0;
+        for (const RemovedTissue& tissue : field.removed) {
+            json["removed"].push_back(
+                { { "what", tissue.what }, { "label", tissue.label }, { "volume_mm3", tissue.volume_mm3 } });
+            volume += tissue.volume_mm3;
+        }
+        put(json, field, "removed_volume_mm3", volume);
+        put(json, field, "removed_skin_mm2", field.removed_skin_mm2);
+        json["loose_pieces"] = field.loose_pieces;
+    }
+
     Json field_document(const FieldMetrics& field)
     {
         Json json;
@@ -201,19 +244,7 @@ namespace {
         put(json, field, "hook_opening_reached_mm", hooks.reached_mm);
         put(json, field, MetricGroup::distances);
         put(json, field, MetricGroup::force);
-        Json forces = Json::array();
-        Json names = Json::array();
-        double per_side[2] = { 0.0, 0.0 };
-        for (const HookForce& hook : field.hooks) {
-            forces.push_back(hook.force_N);
-            names.push_back(hook.name);
-            if (!hook.pushes)
-                per_side[hook.side > 0 ? 0 : 1] += hook.force_N;
-        }
-        json["hook_forces_N"] = forces;
-        json["hook_names"] = names;
-        json["side_forces_N"] = { per_side[0], per_side[1] };
-        json["hooks"] = hooks_document(field);
+        put_forces(json, field);
         put(json, field, MetricGroup::strain);
         if (field.strain_p99_at) {
             const Vec3& at = *field.strain_p99_at;
@@ -223,15 +254,7 @@ namespace {
         put(json, field, MetricGroup::soundness);
         json["mechanics_status"] = field.mechanics_status;
         json["solution"] = solution_document(field, field.solution);
-        if (field.contact)
-            json["contact"] = { { "touching_points", field.contact->touching },
-                { "largest_penetration_mm", field.contact->largest_penetration_mm },
-                { "force_N", field.contact->force_N }, { "overlap_at_rest_mm", field.contact->overlap_at_rest_mm } };
-        for (const PressureMetrics& pressure : field.pressures)
-            json["pressures"].push_back({ { "label", pressure.label }, { "pressure_kPa", pressure.pressure_kPa },
-                { "area_mm2", pressure.area_mm2 },
-                { "force_N", { pressure.force_N.x(), pressure.force_N.y(), pressure.force_N.z() } },
-                { "follows_surface", pressure.follows }, { "behind_gap_mm2", pressure.behind_gap_mm2 } });
+        put_surfaces(json, field);
         if (field.tension)
             json["tension"] = tension_document(field, *field.tension);
         if (field.error)
@@ -239,28 +262,17 @@ namespace {
         if (field.second_opinion)
             json["second_opinion"] = opinion_document(field, *field.second_opinion);
         json["bone_in_sight"] = field.bone_in_sight;
-        Json blockers = Json::array();
+        json["blockers"] = Json::array();
         for (const SightBlocker& blocker : field.blockers)
-            blockers.push_back({ { "name", blocker.name }, { "share", blocker.share }, { "bone", blocker.bone } });
-        json["blockers"] = blockers;
+            json["blockers"].push_back(
+                { { "name", blocker.name }, { "share", blocker.share }, { "bone", blocker.bone } });
         json["retracted"] = field.retracted;
-        Json removed = Json::array();
-        double removed_volume = 0.0;
-        for (const RemovedTissue& tissue : field.removed) {
-            removed.push_back(
-                { { "what", tissue.what }, { "label", tissue.label }, { "volume_mm3", tissue.volume_mm3 } });
-            removed_volume += tissue.volume_mm3;
-        }
-        json["removed"] = removed;
-        put(json, field, "removed_volume_mm3", removed_volume);
-        put(json, field, "removed_skin_mm2", field.removed_skin_mm2);
-        json["loose_pieces"] = field.loose_pieces;
+        put_removed(json, field);
         json["tets"] = field.tets;
         json["explanation"] = field.explanation;
-        Json seconds = Json::object();
+        json["seconds"] = Json::object();
         for (const auto& [stage, time] : field.seconds)
-            seconds[stage] = time;
-        json["seconds"] = seconds;
+            json["seconds"][stage] = time;
         return json;
     }
 
@@ -268,6 +280,7 @@ namespace {
     std::string moved_text(const FieldMetrics& field, std::size_t hook)
     {
         const double moved = field.hooks[hook].moved_mm;
+        RETRACTOR_ASSERT(!field.error || !field.error->message.empty() || hook < field.error->hook_moved_mm.size());
         if (field.error && field.error->message.empty())
             return formatted("%.1f +- %.1f", moved, field.error->hook_moved_mm[hook]);
         return in_words(moved, 1);
@@ -328,6 +341,7 @@ bool forces_are_known(const FieldMetrics& field)
 
 std::string tension_text(const FieldMetrics& field)
 {
+    RETRACTOR_ASSERT(field.tension);
     const TensionMetrics& tension = *field.tension;
     std::string text = "tension before the cut: ";
     for (std::size_t i = 0; i < tension.tissues.size(); ++i)
@@ -342,6 +356,7 @@ std::string tension_text(const FieldMetrics& field)
 
 std::string contact_text(const FieldMetrics& field)
 {
+    RETRACTOR_ASSERT(field.contact);
     const ContactMetrics& contact = *field.contact;
     std::string text = "contact: nothing touches";
     if (contact.touching != 0)

@@ -40,17 +40,9 @@ namespace {
         return used;
     }
 
-    std::string words(const std::vector<std::string>& list)
-    {
-        std::string text;
-        for (const std::string& word : list)
-            text += (text.empty() ? "" : ", ") + word;
-        return text;
-    }
-
     std::string supports_text(const SupportSpec& supports)
     {
-        std::string text = words(supports.labels);
+        std::string text = joined(supports.labels);
         if (supports.region_border)
             text += (text.empty() ? "" : "; ") + std::string("the border of the meshed region");
         return text.empty() ? "none" : text;
@@ -61,7 +53,7 @@ namespace {
         std::vector<std::string> each;
         for (const PressureSpec& pressure : pressures)
             each.push_back(pressure.label + " " + in_words(pressure.pressure_kPa, 2) + " kPa");
-        return each.empty() ? "none" : words(each);
+        return each.empty() ? "none" : joined(each);
     }
 
     std::string file_text(const FileReference& file)

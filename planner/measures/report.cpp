@@ -85,12 +85,9 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         return content;
     }
 
-    std::string joined(const std::vector<std::string>& words)
+    std::string listed(const std::vector<std::string>& words)
     {
-        std::string out;
-        for (const std::string& word : words)
-            out += (out.empty() ? "" : ", ") + word;
-        return out.empty() ? "none" : out;
+        return words.empty() ? "none" : escaped(joined(words));
     }
 
     bool is_solved(const FieldMetrics& field) { return field.mechanics_status == "converged"; }
@@ -211,8 +208,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             [](const FieldMetrics& f) { return in_words(hook_opening(f).reached_mm, 1) + " mm"; });
         if (std::any_of(fields.begin(), fields.end(), has_limited_hooks))
             text_row("Hooks that yielded", yielded_hooks);
-        text_row("Bone in the line of sight", [](const FieldMetrics& f) { return escaped(joined(f.bone_in_sight)); });
-        text_row("Held aside", [](const FieldMetrics& f) { return escaped(joined(f.retracted)); });
+        text_row("Bone in the line of sight", [](const FieldMetrics& f) { return listed(f.bone_in_sight); });
+        text_row("Held aside", [](const FieldMetrics& f) { return listed(f.retracted); });
         const auto has = [&](auto&& list) {
             return std::any_of(fields.begin(), fields.end(), [&](const FieldMetrics& f) { return !list(f).empty(); });
         };
@@ -221,10 +218,10 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 std::vector<std::string> words;
                 for (const RemovedTissue& tissue : f.removed)
                     words.push_back(in_words(1e-3 * tissue.volume_mm3, 2) + " cm3 of " + tissue.label);
-                return escaped(joined(words));
+                return listed(words);
             });
         if (has([](const FieldMetrics& f) { return f.loose_pieces; }))
-            text_row("Loose pieces", [](const FieldMetrics& f) { return escaped(joined(f.loose_pieces)); });
+            text_row("Loose pieces", [](const FieldMetrics& f) { return listed(f.loose_pieces); });
         text_row("Mechanics", [](const FieldMetrics& f) {
             const bool good = f.mechanics_status == "converged" && f.inverted_elements == 0;
             return std::string(good ? "<span>" : "<span class=\"bad\">") + escaped(f.mechanics_status) + "; inverted "

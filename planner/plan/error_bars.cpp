@@ -2,6 +2,7 @@
 
 #include "fem/error_estimation/error_estimate.h"
 #include "fem/statics/opening.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "planner/plan/hook_equilibrium_correction.h"
 
@@ -45,7 +46,7 @@ namespace {
         fem::ErrorEstimate finer = fem::estimate_error(field.problem, choice.elasticity, solved, job, wound.contact);
         OtherAnswers answers { .message = finer.message };
         if (finer.status != fem::EstimateStatus::done) {
-            if (has_linear_far_field(field) && field.opening.inverted_elements > 0)
+            if (has_condensed_region(field) && field.opening.inverted_elements > 0)
                 answers.message += ", perhaps by the linear far field: nonlinear farther out they would not be";
             return answers;
         }
@@ -62,7 +63,7 @@ namespace {
         }
         answers.factor = 1.0 / fem::kErrorShare;
         // Of the equations that were solved: not with a linear far field or a penalty.
-        if (!has_linear_far_field(field) && !wound.contact)
+        if (!has_condensed_region(field) && !wound.contact)
             answers.energy = EnergyBars { finer.energy_error / std::sqrt(fem::kErrorShare), finer.algebraic_error };
         return answers;
     }
@@ -74,7 +75,7 @@ namespace {
         const fem::ElasticProblem coarse = fem::without_midpoints(field.problem);
         fem::OpeningOptions options { .elasticity = choice.elasticity };
         options.contact = wound.contact;
-        if (has_linear_far_field(field))
+        if (has_condensed_region(field))
             options.near = near_elements(field, choice.near_mm);
         options.far_tolerance = std::numeric_limits<double>::infinity(); // it is linear there, as in the answer
         fem::Opening opening(coarse, options);
@@ -98,8 +99,8 @@ namespace {
     void fill_bars(ErrorBars& bars, const PlannedField& field, const OpenedWound& wound, OtherAnswers answers)
     {
         const std::size_t hooks = field.hooks.size();
-        // With the hooks held the opening changes one way, with the hooks let go the other: where the two cancel, what
-        // each is not known to is left.
+        // The opening changes one way with the hooks held, and the other way once they have moved: where the two
+        // cancel, what each is not known to is left.
         const auto of_parts
             = [](double in_all, double held) { return std::max(in_all, (1.0 - fem::kErrorShare) * held); };
         const auto add = [&](WoundAnswer& a, WoundAnswer& b, const WoundMeasures& b_held, double factor) {
@@ -135,6 +136,7 @@ namespace {
             return;
         }
         bars.hook_forces_N.assign(hooks, 0.0);
+        RETRACTOR_ASSERT(answers.other.hook_forces_N.size() == hooks && own.hook_forces_N.size() == hooks);
         bars.hook_moved_mm.assign(hooks, 0.0);
         add(own, answers.other, held, answers.factor);
         if (answers.plain)
@@ -147,22 +149,20 @@ namespace {
 
 } // namespace
 
-void estimate_errors(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
+ErrorBars estimate_errors(
+    const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
 {
-    FieldMetrics& m = field.metrics;
-    ErrorBars& bars = m.error.emplace();
+    ErrorBars bars;
     if (!is_usable(field.opening)) {
         bars.message = field.opening.status == fem::OpeningStatus::inverted
             ? "elements of the opened wound are inside out"
             : "the wound was not opened as asked";
-        return;
+        return bars;
     }
     const Stopwatch watch;
     try {
         OtherAnswers answers = choice.element == ElementKind::p2 ? coarser_answer(field, wound, choice, job)
                                                                  : finer_answer(field, wound, choice, job);
-        if (job.cancelled())
-            field.status = PlanStatus::cancelled;
         bars.message = answers.message;
         if (bars.message.empty())
             fill_bars(bars, field, wound, std::move(answers));
@@ -170,6 +170,7 @@ void estimate_errors(PlannedField& field, const OpenedWound& wound, const Solver
         bars.message = error.what();
     }
     bars.seconds = watch.seconds();
+    return bars;
 }
 
 } // namespace retractor::planner

@@ -6,8 +6,8 @@
 
 namespace retractor::planner {
 
-/// Fills field.metrics.error; where there is no estimate that says why. Nothing here can undo the plan, but
-/// cancelling it.
-void estimate_errors(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job);
+/// The error bars, or the reason why there are none. An estimate that fails leaves the plan as it is.
+ErrorBars estimate_errors(
+    const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job);
 
 } // namespace retractor::planner

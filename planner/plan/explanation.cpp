@@ -21,14 +21,6 @@ namespace {
 
     std::string millimetres(double value) { return formatted("%.0f mm", value); }
 
-    std::string spoken(std::string name)
-    {
-        for (char& c : name)
-            if (c == '_')
-                c = ' ';
-        return name;
-    }
-
     std::string listed(const std::vector<std::string>& words)
     {
         std::string out;
@@ -69,29 +61,33 @@ namespace {
 
     std::string sight_sentence(const FieldMetrics& metrics)
     {
-        return percent(metrics.visible_fraction) + " of the " + spoken(metrics.target)
+        return percent(metrics.visible_fraction) + " of the " + readable(metrics.target)
             + "'s surface is seen through the opening, of " + percent(metrics.visible_fraction_wall_removed)
             + " that these eyes would see with the wall removed. ";
     }
 
-    std::string blocker_sentence(const Exposure& exposure)
+    /// Names with their shares, the largest first.
+    std::string named_shares(const std::vector<SightShare>& shares, std::size_t most)
     {
         std::vector<std::string> words;
-        for (const SightShare& blocker : exposure.blocked_by)
-            if (blocker.share >= kSmallestShareToName && words.size() < 4)
-                words.push_back(spoken(blocker.name) + " (" + percent(blocker.share) + ")");
-        return words.empty() ? std::string {} : "Lines of sight that end early meet first " + listed(words) + ". ";
+        for (const SightShare& share : shares)
+            if (share.share >= kSmallestShareToName && words.size() < most)
+                words.push_back(readable(share.name) + " (" + percent(share.share) + ")");
+        return listed(words);
+    }
+
+    std::string blocker_sentence(const Exposure& exposure)
+    {
+        const std::string words = named_shares(exposure.blocked_by, 4);
+        return words.empty() ? words : "Lines of sight that end early meet first " + words + ". ";
     }
 
     std::string bone_sentence(const Exposure& exposure)
     {
-        std::vector<std::string> words;
-        for (const SightShare& bone : exposure.bone_in_sight)
-            if (bone.share >= kSmallestShareToName)
-                words.push_back(spoken(bone.name) + " (" + percent(bone.share) + ")");
+        const std::string words = named_shares(exposure.bone_in_sight, exposure.bone_in_sight.size());
         if (words.empty())
             return "No bone stands in the line of sight. ";
-        return "Bone in the line of sight: " + listed(words)
+        return "Bone in the line of sight: " + words
             + "; part of it would have to be pulled further or removed to see more. ";
     }
 

@@ -32,14 +32,6 @@ namespace {
         return bare;
     }
 
-    /// Its opening is then the field's. @throws as open_wall().
-    void open_bare(PlannedField& bare, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
-    {
-        fem::OpeningOptions options = opening_options(choice);
-        options.contact = wound.contact;
-        bare.opening = open_wall(bare, choice.near_mm, {}, options, as_stage(job, "opening, without hooks")).opening;
-    }
-
 } // namespace
 
 std::vector<std::pair<std::string, fem::PreStrain>> tissues_under_tension(const fem::ElasticProblem& problem)
@@ -54,7 +46,8 @@ std::vector<std::pair<std::string, fem::PreStrain>> tissues_under_tension(const 
     return tissues;
 }
 
-TensionMetrics measure_gape(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
+TensionMetrics measure_gape(
+    const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
 {
     const Stopwatch watch;
     TensionMetrics tension { .tissues = tissues_under_tension(field.problem) };
@@ -67,7 +60,10 @@ TensionMetrics measure_gape(PlannedField& field, const OpenedWound& wound, const
                 tension.message = why_unusable(field.opening);
         } else {
             PlannedField bare = without_hooks(field);
-            open_bare(bare, wound, choice, job);
+            fem::OpeningOptions options = opening_options(choice);
+            options.contact = wound.contact;
+            bare.opening
+                = open_wall(bare, choice.near_mm, {}, options, as_stage(job, "opening, without hooks")).opening;
             if (is_usable(bare.opening))
                 gape = measures_of(bare, wound.rigid, bare.opening.displacement, {});
             else
@@ -78,8 +74,6 @@ TensionMetrics measure_gape(PlannedField& field, const OpenedWound& wound, const
     } catch (const Error& error) { // the plan itself is good
         tension.message = error.what();
     }
-    if (job.cancelled())
-        field.status = PlanStatus::cancelled;
     tension.seconds = watch.seconds();
     return tension;
 }

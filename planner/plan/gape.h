@@ -14,10 +14,9 @@ namespace retractor::planner {
 std::vector<std::pair<std::string, fem::PreStrain>> tissues_under_tension(const fem::ElasticProblem& problem);
 
 /// Solves the wound again in the same way, without hooks. A wound that has no hooks gives its own solution. When there
-/// is no gape (a piece held only by hooks), the result holds the reason instead of an exception. A cancelled job sets
-/// the field's status.
+/// is no gape (a piece held only by hooks, a cancelled job), the result holds the reason instead of an exception.
 /// @param wound the opened and measured wound of the field
 TensionMetrics measure_gape(
-    PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job);
+    const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job);
 
 } // namespace retractor::planner

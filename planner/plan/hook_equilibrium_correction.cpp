@@ -1,6 +1,7 @@
 #include "planner/plan/hook_equilibrium_correction.h"
 
 #include "fem/statics/hook_drive.h"
+#include "mesh/base/assert.h"
 
 namespace retractor::planner {
 
@@ -10,6 +11,7 @@ HeldHooks held_hooks(const Approach& approach, const fem::ElasticProblem& proble
     HeldHooks held { .drives = drives_of(approach), .response = {}, .at = {}, .forces = {} };
     if (held.drives.empty())
         return held;
+    RETRACTOR_ASSERT(forces_N.size() == problem.hooks.size() && held.drives.size() == problem.hooks.size());
     held.response = fem::hook_response(problem, model, displacement, contact);
     std::vector<Vec3> at;
     for (const fem::HookPatch& hook : problem.hooks)
@@ -23,6 +25,7 @@ bool correct_hook_equilibrium(const HeldHooks& held, WoundAnswer& answer)
 {
     if (held.drives.empty())
         return true;
+    RETRACTOR_ASSERT(answer.hook_forces_N.size() == held.drives.size());
     const std::optional<fem::ReleasedHooks> rest
         = fem::release_hooks(held.response, held.at, held.forces, fem::packed(answer.hook_forces_N), held.drives);
     if (!rest)

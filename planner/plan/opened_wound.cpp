@@ -5,6 +5,7 @@
 #include "fem/statics/hook.h"
 #include "fem/statics/nonlinear_region.h"
 #include "fem/statics/opening.h"
+#include "mesh/base/assert.h"
 #include "planner/approach/hook_patches.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/wall_pressure.h"
@@ -42,6 +43,7 @@ namespace {
             .density_tonne_per_mm3 = 1.1e-9,
             .source = "Lebschy 2024, J Biomech 163:111923" });
         const std::vector<bool> is_joint = joint_elements(wall, labels, fixed_labels);
+        RETRACTOR_ASSERT(is_joint.size() == elastic.mesh.labels.size());
         for (std::size_t t = 0; t < is_joint.size(); ++t)
             if (is_joint[t])
                 elastic.mesh.labels[t] = joint_label;
@@ -100,7 +102,7 @@ bool is_usable(const fem::OpeningResult& opening)
             && opening.inverted_elements <= kMostInverted * static_cast<double>(opening.strain.size()));
 }
 
-bool has_linear_far_field(const PlannedField& field) { return field.opening.far && field.opening.far->kept; }
+bool has_condensed_region(const PlannedField& field) { return field.opening.far && field.opening.far->kept; }
 
 std::vector<std::uint8_t> near_elements(const PlannedField& field, double near_mm)
 {
@@ -202,6 +204,7 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelV
         field.problem = with_midpoints(field.problem);
     field.metrics.solution = solution_metrics(field, choice);
     OpenedWall opened = open_wall(field, choice.near_mm, drives_of(field.approach), options, job);
+    RETRACTOR_ASSERT(opened.hooks.size() == field.hooks.size());
     // From here on the hooks are held where they came to rest: exports are of that, and so are the answers that
     // estimates begin with.
     for (std::size_t h = 0; h < field.hooks.size(); ++h)
@@ -234,6 +237,7 @@ std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3
     for (const Vec3& force : forces_N)
         largest = std::max(largest, force.norm());
     std::vector<bool> pushing;
+    RETRACTOR_ASSERT(forces_N.size() <= approach.hooks.size());
     for (std::size_t i = 0; i < forces_N.size(); ++i) {
         const Vec3 direction = approach.hooks[i].direction.normalized();
         const double along = forces_N[i].dot(direction), across = (forces_N[i] - along * direction).norm();
@@ -245,6 +249,7 @@ std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3
 std::array<double, 2> side_forces(const PlannedField& field, const std::vector<Vec3>& forces_N)
 {
     const std::vector<bool> pushing = pushing_hooks(field.approach, field.opening.hook_forces_N);
+    RETRACTOR_ASSERT(forces_N.size() <= pushing.size() && forces_N.size() <= field.hooks.size());
     std::array<double, 2> of_side {};
     for (std::size_t i = 0; i < forces_N.size(); ++i)
         if (!pushing[i])

@@ -1,5 +1,6 @@
 #include "planner/plan/plan.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/generation/hybrid_model.h"
@@ -20,6 +21,7 @@
 #include <array>
 #include <atomic>
 #include <exception>
+#include <span>
 #include <thread>
 #include <utility>
 
@@ -27,6 +29,7 @@ namespace retractor::planner {
 
 namespace {
 
+    constexpr int kTargetSamples = 2000;
     /// A bone across a smaller share of the lines of sight is no obstacle.
     constexpr double kSmallestBoneShare = 0.01;
 
@@ -47,18 +50,6 @@ namespace {
         std::string stage_;
         Stopwatch watch_;
     };
-
-    std::vector<Label> label_ids(const mesh::LabelTable& table, const std::vector<std::string>& names)
-    {
-        std::vector<Label> ids;
-        for (const std::string& name : names) {
-            const mesh::LabelInfo* info = mesh::find_label(table, name);
-            if (info == nullptr)
-                throw InputError("there is no label of this name", name);
-            ids.push_back(info->id);
-        }
-        return ids;
-    }
 
     /// Takes over the cut wall. @returns false, with status and message set, when the blade does not meet the wall
     bool take_cut(PlannedField& field, CutWall& cut)
@@ -178,26 +169,31 @@ namespace {
         return all;
     }
 
-    void look_through(PlannedField& field, Patient& patient, const Job& job)
+    /// What the surgeon sees through the opened wound.
+    struct View {
+        OpeningGeometry geometry;
+        Exposure exposure;
+        double working_distance_mm = 0.0;
+        std::string message; ///< a remark
+    };
+
+    /// @pre the field's wound is opened, and its remaining wall is known
+    View look_through(const PlannedField& field, Patient& patient, const Job& job)
     {
-        const mesh::SweptBlade blade(blade_of(field.approach));
-        const WoundEdges edges = wound_edges(field.wall, field.lips, blade);
-        field.geometry = opening_geometry(edges, field.wall, field.opening.displacement);
+        View view;
+        const WoundEdges edges = wound_edges(field.wall, field.lips, mesh::SweptBlade(blade_of(field.approach)));
+        view.geometry = opening_geometry(edges, field.wall, field.opening.displacement);
         const std::shared_ptr<const TriMesh> target = patient.target(field.approach.target);
         const Vec3 aim = surface_centre(*target);
-        const ViewSpec& view = field.approach.view;
-        const double eye_distance = (field.geometry.centre - aim).norm() + view.eye_distance_mm;
-        const ViewCone cone
-            = cone_through_opening(field.geometry, aim, eye_distance, view.half_angle_deg, view.eye_count);
-        const RayScene scene(*target, occluders(patient, field), job);
-        field.exposure = scene.exposure(cone, {}, job);
-        if (field.exposure.status == ExposureStatus::cancelled)
-            field.status = PlanStatus::cancelled;
-        const auto distance = working_distance_mm(field.geometry, *target, aim, cone.axis);
+        const ViewSpec& eyes = field.approach.view;
+        const double to_aim = (view.geometry.centre - aim).norm();
+        const ViewCone cone = cone_through_opening(
+            view.geometry, aim, to_aim + eyes.eye_distance_mm, eyes.half_angle_deg, eyes.eye_count);
+        view.exposure = measure_exposure(*target, occluders(patient, field), cone, kTargetSamples, job);
+        view.working_distance_mm = working_distance_mm(view.geometry, *target, aim, cone.axis).value_or(to_aim);
         if (const mesh::LabelInfo* organ = organ_of_sphere(patient, field.approach.target))
-            remark(
-                field.message, "the sphere lies in the " + organ->name + ", which is not counted as blocking its view");
-        field.metrics.working_distance_mm = distance.value_or((field.geometry.centre - aim).norm());
+            view.message = "the sphere lies in the " + organ->name + ", which is not counted as blocking its view";
+        return view;
     }
 
     std::string status_text(const PlannedField& field)
@@ -227,12 +223,8 @@ namespace {
         return middle;
     }
 
-    void fill_metrics(PlannedField& field, Patient& patient)
+    void fill_sight(FieldMetrics& m, const Exposure& seen, const mesh::LabelTable& table)
     {
-        FieldMetrics& m = field.metrics;
-        const Exposure& seen = field.exposure;
-        m.name = field.approach.name;
-        m.target = field.approach.target.is_sphere() ? "sphere" : field.approach.target.label;
         m.visible_fraction = seen.visible_fraction;
         m.visible_fraction_mean_eye = seen.mean_visible_fraction;
         m.visible_fraction_central_eye = seen.central_eye_fraction;
@@ -242,30 +234,47 @@ namespace {
         m.eyes = seen.cone.eyes;
         m.target_samples = static_cast<int>(seen.samples);
         for (const SightShare& blocker : seen.blocked_by) {
-            const mesh::LabelInfo* info = mesh::find_label(patient.planned_case().label_table, blocker.name);
+            const mesh::LabelInfo* info = mesh::find_label(table, blocker.name);
             m.blockers.push_back({ blocker.name, blocker.share, info != nullptr && is_skeleton(*info) });
         }
         for (const SightShare& bone : seen.bone_in_sight)
             if (bone.share >= kSmallestBoneShare)
                 m.bone_in_sight.push_back(bone.name);
-        m.retracted = field.approach.retracted;
-        m.opening_area_mm2 = field.geometry.area_mm2;
-        m.opening_width_mm = field.geometry.width_mm;
-        m.incision_length_mm = field.geometry.incision_length_mm;
-        m.cut_depth_mm = field.approach.depth_mm;
+    }
+
+    std::vector<HookForce> hook_forces(const PlannedField& field)
+    {
+        RETRACTOR_ASSERT(field.opening.hook_forces_N.size() == field.hooks.size());
+        RETRACTOR_ASSERT(field.approach.hooks.size() == field.hooks.size());
+        RETRACTOR_ASSERT(field.yielded.empty() || field.yielded.size() == field.hooks.size());
         const std::vector<bool> pushing = pushing_hooks(field.approach, field.opening.hook_forces_N);
+        std::vector<HookForce> forces;
         for (std::size_t i = 0; i < field.hooks.size(); ++i) {
-            const double force = field.opening.hook_forces_N[i].norm();
             const HookSpec& spec = field.approach.hooks[i];
-            m.hooks.push_back({ .name = field.hooks[i].name,
+            forces.push_back({ .name = field.hooks[i].name,
                 .side = field.hooks[i].side,
-                .force_N = force,
+                .force_N = field.opening.hook_forces_N[i].norm(),
                 .pushes = pushing[i],
                 .moved_mm = field.hooks[i].displacement.norm(),
                 .asked_mm = spec.opening_mm,
                 .pull = spec.pull,
                 .yielded = !field.yielded.empty() && field.yielded[i] });
         }
+        return forces;
+    }
+
+    void fill_metrics(PlannedField& field, Patient& patient)
+    {
+        FieldMetrics& m = field.metrics;
+        m.name = field.approach.name;
+        m.target = field.approach.target.is_sphere() ? "sphere" : field.approach.target.label;
+        fill_sight(m, field.exposure, patient.planned_case().label_table);
+        m.retracted = field.approach.retracted;
+        m.opening_area_mm2 = field.geometry.area_mm2;
+        m.opening_width_mm = field.geometry.width_mm;
+        m.incision_length_mm = field.geometry.incision_length_mm;
+        m.cut_depth_mm = field.approach.depth_mm;
+        m.hooks = hook_forces(field);
         m.hook_force_N = measures_of(field).larger_side_N();
         m.strain_p99 = field.opening.strain_p99;
         m.strain_p99_at = place_of_strain(field);
@@ -277,9 +286,103 @@ namespace {
         m.explanation = explain_field(field, patient.frame());
     }
 
-    std::string place_of(const Approach& approach, const Error& error)
+    // ---- the stages of a plan: each returns false, with status and message set, when the plan ends there -----------
+
+    bool mesh_wall(PlannedField& field, const mesh::LabelVolume& labels, const mesh::MeshSizing& sizing, const Job& job)
     {
-        return "approach " + approach.name + (error.where().empty() ? "" : ": " + error.where());
+        const StageTimer timer(field.metrics, "mesh");
+        mesh::HybridModel model = mesh::build_hybrid_model(labels, sizing, job);
+        field.mesh_statistics = model.statistics;
+        field.message = std::move(model.message);
+        field.wall = std::move(model.wall);
+        if (model.status != mesh::MeshStatus::done)
+            field.status
+                = model.status == mesh::MeshStatus::cancelled ? PlanStatus::cancelled : PlanStatus::nothing_to_mesh;
+        return field.status == PlanStatus::done;
+    }
+
+    bool cut_meshed_wall(PlannedField& field, CutWall& cut, const mesh::LabelVolume& labels, const Case& planned_case,
+        const mesh::MeshSizing& sizing, const Job& job)
+    {
+        const StageTimer timer(field.metrics, "cut");
+        fem::Supports supports = supports_of(field.wall, labels, planned_case, sizing);
+        if (supports.fixed.empty())
+            remark(field.message,
+                "nothing but the hooks holds this wall: name what does in case.json, \"supports\" (the spine, or the "
+                "border of the region)");
+        const WallTension tension = tension_of(field.wall, labels, planned_case, field.approach, supports);
+        cut = cut_wall(std::move(field.wall), field.approach, planned_case.label_table, std::move(supports), job);
+        if (!take_cut(field, cut))
+            return false;
+        release(field, cut, tension);
+        check_lips(field, cut.took_lip);
+        return true;
+    }
+
+    bool open_cut_wall(PlannedField& field, OpenedWound& wound, CutWall cut, Patient& patient,
+        const mesh::LabelVolume& labels, std::span<const Label> fixed_labels, const Job& job)
+    {
+        const StageTimer timer(field.metrics, "open");
+        wound = open_wound(field, patient, labels, fixed_labels, std::move(cut), job);
+        if (field.status != PlanStatus::done && field.status != PlanStatus::cancelled)
+            remark(field.message, field.opening.message);
+        return field.status != PlanStatus::cancelled;
+    }
+
+    bool expose_target(PlannedField& field, Patient& patient, const mesh::LabelVolume& labels,
+        const mesh::MeshSizing& sizing, const Job& job)
+    {
+        const StageTimer timer(field.metrics, "expose");
+        field.remaining_wall
+            = unmeshed_wall_region(*patient.body(), labels, sizing, field.wall, field.opening.displacement, job);
+        View view = look_through(field, patient, job);
+        field.geometry = std::move(view.geometry);
+        field.exposure = std::move(view.exposure);
+        field.metrics.working_distance_mm = view.working_distance_mm;
+        remark(field.message, view.message);
+        if (field.exposure.status == ExposureStatus::cancelled)
+            field.status = PlanStatus::cancelled;
+        return field.status != PlanStatus::cancelled;
+    }
+
+    /// Solves the wound in other ways and compares.
+    bool estimate(
+        PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, bool check_far, const Job& job)
+    {
+        const auto goes_on = [&] {
+            if (job.cancelled())
+                field.status = PlanStatus::cancelled;
+            return field.status != PlanStatus::cancelled;
+        };
+        if (!tissues_under_tension(field.problem).empty()) {
+            const StageTimer timer(field.metrics, "gape");
+            field.metrics.tension = measure_gape(field, wound, choice, job);
+            if (!goes_on())
+                return false;
+        }
+        {
+            const StageTimer timer(field.metrics, "estimate error");
+            field.metrics.error = estimate_errors(field, wound, choice, job);
+            if (!goes_on())
+                return false;
+        }
+        if (field.opening.far) {
+            const StageTimer timer(field.metrics, "judge far field");
+            field.metrics.solution.far = estimate_condensed_region_error(field, wound, choice);
+        }
+        if (check_far) {
+            const StageTimer timer(field.metrics, "compare with the whole");
+            field.metrics.solution.whole = compare_with_whole(field, wound.rigid, choice, job);
+            return goes_on();
+        }
+        return true;
+    }
+
+    /// The same error, with the approach in its place.
+    template <class Kind> std::exception_ptr at_approach(const Approach& approach, const Kind& error)
+    {
+        return std::make_exception_ptr(Kind(error.what(),
+            "approach " + approach.name + (error.where().empty() ? "" : ": " + error.where()), error.fields()));
     }
 
 } // namespace
@@ -295,76 +398,19 @@ void check_plan(const Case& planned_case, bool check_far)
 PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job, bool check_far)
 {
     const Case& planned_case = patient.planned_case();
-    const SolverSettings& choice = planned_case.solution;
     check_approach(approach);
     check_plan(planned_case, check_far);
     PlannedField field;
     field.approach = approach;
     const auto labels = patient.labels();
     const mesh::MeshSizing sizing = mesh_sizing_of(approach, planned_case.label_table);
-    const std::vector<Label> fixed_labels = label_ids(planned_case.label_table, planned_case.supports.labels);
+    const std::vector<Label> fixed_labels = mesh::label_ids(planned_case.label_table, planned_case.supports.labels);
     CutWall cut;
     OpenedWound wound;
-    {
-        const StageTimer timer(field.metrics, "mesh");
-        mesh::HybridModel model = mesh::build_hybrid_model(*labels, sizing, job);
-        field.mesh_statistics = model.statistics;
-        if (model.status != mesh::MeshStatus::done) {
-            field.status
-                = model.status == mesh::MeshStatus::cancelled ? PlanStatus::cancelled : PlanStatus::nothing_to_mesh;
-            field.message = model.message;
-            return field;
-        }
-        field.message = std::move(model.message);
-        field.wall = std::move(model.wall);
-    }
-    {
-        const StageTimer timer(field.metrics, "cut");
-        fem::Supports supports = supports_of(field.wall, *labels, planned_case, sizing);
-        if (supports.fixed.empty())
-            remark(field.message,
-                "nothing but the hooks holds this wall: name what does in case.json, \"supports\" (the spine, or the "
-                "border of the region)");
-        const WallTension tension = tension_of(field.wall, *labels, planned_case, approach, supports);
-        cut = cut_wall(std::move(field.wall), approach, planned_case.label_table, std::move(supports), job);
-        if (!take_cut(field, cut))
-            return field;
-        release(field, cut, tension);
-        check_lips(field, cut.took_lip);
-    }
-    {
-        const StageTimer timer(field.metrics, "open");
-        wound = open_wound(field, patient, *labels, fixed_labels, std::move(cut), job);
-        if (field.status == PlanStatus::cancelled)
-            return field;
-        if (field.status != PlanStatus::done)
-            remark(field.message, field.opening.message);
-    }
-    {
-        const StageTimer timer(field.metrics, "expose");
-        field.remaining_wall
-            = unmeshed_wall_region(*patient.body(), *labels, sizing, field.wall, field.opening.displacement, job);
-        look_through(field, patient, job);
-    }
-    if (field.status != PlanStatus::cancelled && !tissues_under_tension(field.problem).empty()) {
-        const StageTimer timer(field.metrics, "gape");
-        field.metrics.tension = measure_gape(field, wound, choice, job);
-    }
-    if (field.status != PlanStatus::cancelled) {
-        const StageTimer timer(field.metrics, "estimate error");
-        estimate_errors(field, wound, choice, job);
-    }
-    if (field.status != PlanStatus::cancelled && field.opening.far) {
-        const StageTimer timer(field.metrics, "judge far field");
-        estimate_far_field_error(field, wound, choice);
-    }
-    if (field.status != PlanStatus::cancelled && check_far) {
-        const StageTimer timer(field.metrics, "compare with the whole");
-        field.metrics.solution.whole = compare_with_whole(field, wound.rigid, choice, job);
-        if (job.cancelled())
-            field.status = PlanStatus::cancelled;
-    }
-    if (field.status != PlanStatus::cancelled)
+    if (mesh_wall(field, *labels, sizing, job) && cut_meshed_wall(field, cut, *labels, planned_case, sizing, job)
+        && open_cut_wall(field, wound, std::move(cut), patient, *labels, fixed_labels, job)
+        && expose_target(field, patient, *labels, sizing, job)
+        && estimate(field, wound, planned_case.solution, check_far, job))
         fill_metrics(field, patient);
     return field;
 }
@@ -380,17 +426,14 @@ std::vector<PlannedField> plan_all(Patient& patient, const Job& job, bool check_
             try {
                 fields[i] = plan_approach(patient, approaches[i], job, check_far);
             } catch (const InputError& error) {
-                failures[i]
-                    = std::make_exception_ptr(InputError(error.what(), place_of(approaches[i], error), error.fields()));
-                next.store(approaches.size());
+                failures[i] = at_approach(approaches[i], error);
             } catch (const SolverError& error) {
-                failures[i] = std::make_exception_ptr(
-                    SolverError(error.what(), place_of(approaches[i], error), error.fields()));
-                next.store(approaches.size());
+                failures[i] = at_approach(approaches[i], error);
             } catch (...) {
                 failures[i] = std::current_exception();
-                next.store(approaches.size());
             }
+            if (failures[i])
+                next.store(approaches.size());
         }
     };
     const std::size_t workers = std::min<std::size_t>({ 2, approaches.size(),

@@ -1,5 +1,6 @@
 #include "planner/plan/reduction_error.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "planner/plan/hook_equilibrium_correction.h"
 
@@ -23,8 +24,8 @@ namespace {
         return largest > 0.0 ? worst / largest : 0.0;
     }
 
-    void compare_with_far_change(
-        const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, FarFieldMetrics& metrics)
+    void compare_with_far_change(const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice,
+        CondensedRegionMetrics& metrics)
     {
         const fem::LinearFarField& far = *field.opening.far;
         const Points& corners = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
@@ -50,18 +51,19 @@ namespace {
 
 } // namespace
 
-void estimate_far_field_error(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice)
+CondensedRegionMetrics estimate_condensed_region_error(
+    const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice)
 {
+    RETRACTOR_ASSERT(field.opening.far);
     const fem::LinearFarField& far = *field.opening.far;
-    FarFieldMetrics& metrics = field.metrics.solution.far.emplace();
-    metrics.linear = far.kept;
-    metrics.linear_share = far.share;
+    CondensedRegionMetrics metrics { .linear = far.kept, .linear_share = far.share };
     if (far.kept)
         try {
             compare_with_far_change(field, wound, choice, metrics);
         } catch (const Error& error) { // the plan itself is good
             metrics.message = error.what();
         }
+    return metrics;
 }
 
 WholeMetrics compare_with_whole(

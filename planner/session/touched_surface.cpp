@@ -19,21 +19,15 @@ namespace {
         Vec3 weights = Vec3::Zero();
     };
 
-    /// Intersection after Moller and Trumbore 1997, front faces only.
+    /// Where a ray meets a triangle, front faces only.
     std::optional<Meeting> meet(const Ray& ray, const std::array<Vec3, 3>& p)
     {
-        const Vec3 e1 = p[1] - p[0], e2 = p[2] - p[0];
-        if (!(e1.cross(e2).dot(ray.direction) < 0.0))
+        if (!((p[1] - p[0]).cross(p[2] - p[0]).dot(ray.direction) < 0.0))
             return std::nullopt;
-        const Vec3 q = ray.direction.cross(e2);
-        const double determinant = e1.dot(q);
-        const Vec3 s = ray.origin - p[0];
-        const double u = s.dot(q) / determinant;
-        const Vec3 r = s.cross(e1);
-        const double v = ray.direction.dot(r) / determinant, distance = e2.dot(r) / determinant;
-        if (!(u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance > 0.0))
+        const auto hit = line_hit(ray.origin, ray.direction, p);
+        if (!hit || !(hit->distance > 0.0))
             return std::nullopt;
-        return Meeting { distance, { 1.0 - u - v, u, v } };
+        return Meeting { hit->distance, { 1.0 - hit->u - hit->v, hit->u, hit->v } };
     }
 
     /// Distance from a point to the surface; negative behind the surface. When an edge is nearest, the face that the

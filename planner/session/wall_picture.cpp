@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -23,30 +24,11 @@ namespace {
     constexpr double kCavityMm = 4.0;
     constexpr std::size_t kThicknessSamples = 40;
 
-    struct Hit {
-        double distance = 0.0, u = 0.0, v = 0.0; ///< weights of the second and third corner
-    };
-
-    /// Intersection after Moeller and Trumbore 1997, both sides of the triangle.
-    std::optional<Hit> meet(const Ray& ray, const Vec3& a, const Vec3& b, const Vec3& c)
+    /// Where a ray meets a triangle, from either side.
+    std::optional<LineHit> meet(const Ray& ray, const std::array<Vec3, 3>& p)
     {
-        const Vec3 ab = b - a, ac = c - a;
-        const Vec3 h = ray.direction.cross(ac);
-        const double det = ab.dot(h);
-        if (det == 0.0)
-            return std::nullopt;
-        const Vec3 from = ray.origin - a;
-        const double u = from.dot(h) / det;
-        if (u < 0.0 || u > 1.0)
-            return std::nullopt;
-        const Vec3 g = from.cross(ab);
-        const double v = ray.direction.dot(g) / det;
-        if (v < 0.0 || u + v > 1.0)
-            return std::nullopt;
-        const double distance = ac.dot(g) / det;
-        if (distance <= 0.0)
-            return std::nullopt;
-        return Hit { distance, u, v };
+        const auto hit = line_hit(ray.origin, ray.direction, p);
+        return hit && hit->distance > 0.0 ? hit : std::nullopt;
     }
 
     /// Mean inward rest normal of the skin round a place; nearer faces weigh more.
@@ -75,7 +57,7 @@ namespace {
             if (surface.is_lip[t] != 0)
                 continue;
             const auto p = triangle_corners(surface.rest, surface.triangles[t]);
-            if (const auto hit = meet(ray, p[0], p[1], p[2]); hit && hit->distance <= limit_mm)
+            if (const auto hit = meet(ray, p); hit && hit->distance <= limit_mm)
                 passages.emplace_back(hit->distance, area_vector(p).dot(ray.direction) > 0.0 ? -1 : 1);
         }
         std::sort(passages.begin(), passages.end());
@@ -95,11 +77,11 @@ std::optional<Touch> touch(const WallPicture& picture, const Ray& ray)
 {
     const WallSurface& surface = *picture.surface;
     RETRACTOR_ASSERT(picture.shown.rows() == surface.rest.rows());
-    std::optional<Hit> nearest;
+    std::optional<LineHit> nearest;
     std::size_t where = 0;
     for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
         const auto p = triangle_corners(picture.shown, surface.triangles[t]);
-        const auto hit = meet(ray, p[0], p[1], p[2]);
+        const auto hit = meet(ray, p);
         if (hit && (!nearest || hit->distance < nearest->distance)) {
             nearest = hit;
             where = t;
@@ -124,7 +106,7 @@ std::optional<double> first_hit(const TriMesh& surface, const Ray& ray)
     std::optional<double> nearest;
     for (const auto& triangle : surface.triangles) {
         const auto p = triangle_corners(surface.vertices, triangle);
-        const auto hit = meet(ray, p[0], p[1], p[2]);
+        const auto hit = meet(ray, p);
         if (hit && (!nearest || hit->distance < *nearest))
             nearest = hit->distance;
     }

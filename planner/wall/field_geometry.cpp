@@ -1,5 +1,6 @@
 #include "planner/wall/field_geometry.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
 
@@ -138,6 +139,7 @@ namespace {
 
     double mean_depth(const Chain& chain)
     {
+        RETRACTOR_ASSERT(!chain.empty());
         double sum = 0.0;
         for (const RimPoint& p : chain)
             sum += p.depth;
@@ -215,6 +217,7 @@ namespace {
     /// The point of a lip at a parameter; beyond an end, this end.
     Vec3 at(const LipLine& line, double along)
     {
+        RETRACTOR_ASSERT(!line.points.empty() && line.points.size() == line.along_mm.size());
         const auto upper = std::upper_bound(line.along_mm.begin(), line.along_mm.end(), along);
         if (upper == line.along_mm.begin())
             return line.points.front();
@@ -265,6 +268,7 @@ namespace {
 
     void measure_width(OpeningGeometry& opening, const std::vector<Rung>& ladder)
     {
+        RETRACTOR_ASSERT(!ladder.empty());
         std::vector<double> gaps;
         for (std::size_t i = 0; i < ladder.size(); ++i) {
             gaps.push_back(std::max(0.0, gap(ladder, i, opening.normal, opening.along)));
@@ -288,6 +292,7 @@ namespace {
 
     LipLine line_of(const WoundEdge& edge, const mesh::TetMesh& mesh, const Points& displacement)
     {
+        RETRACTOR_ASSERT(edge.vertices.size() == edge.along_mm.size());
         LipLine line { {}, edge.along_mm };
         for (const VertexId v : edge.vertices) {
             if (v < 0 || v >= mesh.vertices.rows())
@@ -392,17 +397,9 @@ std::optional<double> working_distance_mm(
         return std::nullopt;
     const double skin = opening.normal.dot(opening.centre - aim) / cosine; // mm along the axis, from the aim
     double surface = -std::numeric_limits<double>::infinity();
-    for (const auto& t : target.triangles) { // [Moeller and Trumbore 1997]
-        const Vec3 a = point_at(target.vertices, t[0]);
-        const Vec3 e1 = point_at(target.vertices, t[1]) - a, e2 = point_at(target.vertices, t[2]) - a;
-        const Vec3 p = out.cross(e2), s = aim - a, q = s.cross(e1);
-        const double determinant = e1.dot(p);
-        if (determinant == 0.0)
-            continue;
-        const double u = s.dot(p) / determinant, v = out.dot(q) / determinant;
-        if (u >= 0.0 && v >= 0.0 && u + v <= 1.0)
-            surface = std::max(surface, e2.dot(q) / determinant);
-    }
+    for (const auto& t : target.triangles)
+        if (const auto hit = line_hit(aim, out, triangle_corners(target.vertices, t)))
+            surface = std::max(surface, hit->distance);
     return skin - (std::isfinite(surface) ? surface : 0.0);
 }
 

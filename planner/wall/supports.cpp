@@ -1,4 +1,5 @@
 #include "planner/wall/supports.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/triangle.h"
 #include "mesh/image/skeleton.h"
 
@@ -8,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <string_view>
 
 namespace retractor::planner {
@@ -28,14 +28,6 @@ namespace {
         return false;
     }
 
-    std::vector<bool> wall_flags(const mesh::LabelTable& table)
-    {
-        std::vector<bool> is_wall(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
-        for (const mesh::LabelInfo& info : table)
-            is_wall[info.id] = info.role == mesh::Role::wall;
-        return is_wall;
-    }
-
     /// Area-weighted outward normals at boundary vertices; zero at inner vertices.
     Points outward_normals(const mesh::TetMesh& mesh)
     {
@@ -52,24 +44,23 @@ namespace {
     void hold_border(const mesh::TetMesh& mesh, const mesh::LabelVolume& labels, const Points& normals,
         std::span<const Label> whole_labels, bool hold_soft_tissue, std::vector<bool>& fixed)
     {
-        std::vector<bool> is_bone(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
-        for (const mesh::LabelInfo& info : labels.table)
-            is_bone[info.id] = info.role == mesh::Role::wall && is_skeleton(info);
-        std::vector<bool> is_cut_bone = is_bone;
+        const mesh::LabelFlags is_bone = mesh::flagged_labels(
+            labels.table, [](const mesh::LabelInfo& info) { return mesh::is_wall(info) && is_skeleton(info); });
+        mesh::LabelFlags is_cut_bone = is_bone;
         for (const Label label : whole_labels)
-            is_cut_bone[label] = false;
+            is_cut_bone[label] = 0;
         std::vector<bool> touches_bone(mesh.vertex_count(), false), touches_whole_bone(mesh.vertex_count(), false);
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
             const Label label = mesh.labels[static_cast<std::size_t>(t)];
-            if (is_bone[label])
+            if (is_bone[label] != 0)
                 for (const VertexId v : mesh.tet(t)) {
                     touches_bone[static_cast<std::size_t>(v)] = true;
-                    if (!is_cut_bone[label])
+                    if (is_cut_bone[label] == 0)
                         touches_whole_bone[static_cast<std::size_t>(v)] = true;
                 }
         }
         const double probe_mm = kProbeVoxels * labels.grid.spacing.maxCoeff();
-        const std::vector<bool> is_wall = wall_flags(labels.table);
+        const mesh::LabelFlags is_wall = mesh::flagged_labels(labels.table, mesh::is_wall);
         for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
             const double length = normals.row(v).norm();
             if (length == 0.0)
@@ -77,8 +68,8 @@ namespace {
             const Vec3 probe = (mesh.vertices.row(v) + probe_mm / length * normals.row(v)).transpose();
             const Vec3 near_probe = (mesh.vertices.row(v) + 0.5 * probe_mm / length * normals.row(v)).transpose();
             const bool is_held = touches_bone[static_cast<std::size_t>(v)]
-                ? is_cut_bone[mesh::label_at(labels, near_probe)]
-                : hold_soft_tissue && is_wall[mesh::label_at(labels, probe)];
+                ? is_cut_bone[mesh::label_at(labels, near_probe)] != 0
+                : hold_soft_tissue && is_wall[mesh::label_at(labels, probe)] != 0;
             // A bone that leaves the image hangs on its joint, or, as the shoulder girdle, in its muscles.
             const bool ends_with_image = (hold_soft_tissue || !touches_whole_bone[static_cast<std::size_t>(v)])
                 && leaves_image(labels.grid, probe);
@@ -93,7 +84,7 @@ namespace {
     }
 
     /// Whether a voxel with one of the labels has its centre within `radius` of a point.
-    bool is_near(const mesh::LabelVolume& labels, const std::vector<bool>& wanted, const Vec3& point, double radius)
+    bool is_near(const mesh::LabelVolume& labels, const mesh::LabelFlags& wanted, const Vec3& point, double radius)
     {
         const Vec3 centre = labels.grid.index(point);
         std::array<int, 3> low {};
@@ -107,7 +98,7 @@ namespace {
         for (int k = low[2]; k <= high[2]; ++k)
             for (int j = low[1]; j <= high[1]; ++j)
                 for (int i = low[0]; i <= high[0]; ++i)
-                    if (wanted[labels.voxels[labels.grid.offset(i, j, k)]]
+                    if (wanted[labels.voxels[labels.grid.offset(i, j, k)]] != 0
                         && (labels.grid.spacing.cwiseProduct(Vec3(i, j, k) - centre)).norm() <= radius)
                         return true;
         return false;
@@ -116,11 +107,9 @@ namespace {
     void hold_spine_side(const mesh::TetMesh& mesh, const mesh::LabelVolume& labels, const Points& normals,
         std::span<const Label> fixed_labels, std::vector<bool>& fixed)
     {
-        std::vector<bool> wanted(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
-        for (const Label label : fixed_labels)
-            wanted[label] = true;
+        const mesh::LabelFlags wanted = mesh::flagged_labels(fixed_labels);
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            if (wanted[mesh.labels[static_cast<std::size_t>(t)]])
+            if (wanted[mesh.labels[static_cast<std::size_t>(t)]] != 0)
                 for (const VertexId v : mesh.tet(t))
                     fixed[static_cast<std::size_t>(v)] = true;
         for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
@@ -135,6 +124,7 @@ std::vector<VertexId> wall_supports(const mesh::TetMesh& mesh, const mesh::Label
     std::span<const Label> fixed_labels, std::span<const Label> whole_labels, bool region_border)
 {
     std::vector<bool> fixed(mesh.vertex_count(), false);
+    RETRACTOR_ASSERT(mesh.labels.size() == mesh.tet_count());
     const Points normals = outward_normals(mesh);
     if (!fixed_labels.empty())
         hold_spine_side(mesh, labels, normals, fixed_labels, fixed);
@@ -151,9 +141,10 @@ std::vector<VertexId> wall_supports(const mesh::TetMesh& mesh, const mesh::Label
 std::vector<VertexId> cut_off_vertices(const mesh::TetMesh& mesh, const mesh::LabelVolume& labels)
 {
     const double probe_mm = kProbeVoxels * labels.grid.spacing.maxCoeff();
-    const std::vector<bool> is_wall = wall_flags(labels.table);
-    const auto goes_on
-        = [&](const Vec3& probe) { return leaves_image(labels.grid, probe) || is_wall[mesh::label_at(labels, probe)]; };
+    const mesh::LabelFlags is_wall = mesh::flagged_labels(labels.table, mesh::is_wall);
+    const auto goes_on = [&](const Vec3& probe) {
+        return leaves_image(labels.grid, probe) || is_wall[mesh::label_at(labels, probe)] != 0;
+    };
     std::vector<VertexId> vertices;
     for (const mesh::TetFace& face : mesh::boundary_faces(mesh)) {
         const auto corners = mesh::face_vertices(mesh, face);
@@ -172,17 +163,16 @@ std::vector<VertexId> cut_off_vertices(const mesh::TetMesh& mesh, const mesh::La
 std::vector<fem::BeddedVertex> girdle_beds(
     const mesh::TetMesh& mesh, const mesh::LabelVolume& labels, std::span<const Label> whole_labels)
 {
-    std::vector<bool> is_whole_bone(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
-    std::vector<bool> is_soft = wall_flags(labels.table);
-    for (const mesh::LabelInfo& info : labels.table)
-        if (mesh::is_skeleton(info))
-            is_soft[info.id] = false;
-    for (const Label label : whole_labels)
-        if (const mesh::LabelInfo* info = mesh::find_label(labels.table, label))
-            is_whole_bone[label] = !belongs_to_rib_cage(info->name);
+    const mesh::LabelFlags is_soft = mesh::flagged_labels(
+        labels.table, [](const mesh::LabelInfo& info) { return mesh::is_wall(info) && !is_skeleton(info); });
+    const mesh::LabelFlags is_whole_bone = mesh::flagged_labels(labels.table, [&](const mesh::LabelInfo& info) {
+        return std::find(whole_labels.begin(), whole_labels.end(), info.id) != whole_labels.end()
+            && !belongs_to_rib_cage(info.name);
+    });
     std::vector<bool> only_bone(mesh.vertex_count(), true);
+    RETRACTOR_ASSERT(mesh.labels.size() == mesh.tet_count());
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-        if (!is_whole_bone[mesh.labels[static_cast<std::size_t>(t)]])
+        if (is_whole_bone[mesh.labels[static_cast<std::size_t>(t)]] == 0)
             for (const VertexId v : mesh.tet(t))
                 only_bone[static_cast<std::size_t>(v)] = false;
     const Points normals = outward_normals(mesh);
@@ -194,7 +184,7 @@ std::vector<fem::BeddedVertex> girdle_beds(
             continue;
         const Vec3 probe = (mesh.vertices.row(v) + probe_mm / length * normals.row(v)).transpose();
         constexpr double kShare = 1.0 / 3.0; // share of a face's area at each corner
-        if (is_soft[mesh::label_at(labels, probe)])
+        if (is_soft[mesh::label_at(labels, probe)] != 0)
             beds.push_back({ static_cast<VertexId>(v), kBedModulus * kShare * length });
     }
     return beds;
@@ -203,15 +193,14 @@ std::vector<fem::BeddedVertex> girdle_beds(
 std::vector<bool> joint_elements(
     const mesh::TetMesh& mesh, const mesh::LabelVolume& labels, std::span<const Label> fixed_labels)
 {
-    std::vector<bool> wanted(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
-    for (const Label label : fixed_labels)
-        wanted[label] = true;
+    const mesh::LabelFlags wanted = mesh::flagged_labels(fixed_labels);
     std::vector<std::int8_t> near_spine(mesh.vertex_count(), -1); // -1: not yet computed
     std::vector<bool> joint(mesh.tet_count(), false);
+    RETRACTOR_ASSERT(mesh.labels.size() == mesh.tet_count());
     for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
         const mesh::LabelInfo* info = mesh::find_label(labels.table, mesh.labels[t]);
         const bool is_bone = info != nullptr && is_skeleton(*info);
-        if (!is_bone || wanted[mesh.labels[t]])
+        if (!is_bone || wanted[mesh.labels[t]] != 0)
             continue;
         for (const VertexId v : mesh.tet(static_cast<TetId>(t))) {
             std::int8_t& flag = near_spine[static_cast<std::size_t>(v)];

@@ -1,5 +1,6 @@
 #include "planner/wall/unmeshed_wall.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/corridor.h"
 #include "mesh/base/spatial_hash.h"
 #include "mesh/base/triangle.h"
@@ -59,6 +60,7 @@ namespace {
         double from_mm, const std::vector<Label>& bones)
     {
         const mesh::TetSurface rest = mesh::boundary_surface(wall, {});
+        RETRACTOR_ASSERT(displacement.rows() == 0 || displacement.rows() == wall.vertices.rows());
         const bool moves = displacement.rows() > 0;
         MovedPoints points(kReachMm);
         for (std::size_t f = 0; f < rest.surface.triangles.size(); ++f) {
@@ -222,14 +224,12 @@ namespace {
     /// Elsewhere bare bone means that the labels lack one voxel of skin or pleura.
     void label_triangles(TriMesh& surface, const mesh::LabelVolume& labels)
     {
-        std::vector<char> is_wall(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, 0);
-        std::vector<char> is_bare(is_wall.size(), 0);
+        const mesh::LabelFlags is_wall = mesh::flagged_labels(labels.table, mesh::is_wall),
+                               is_skeleton = mesh::flagged_labels(labels.table, mesh::is_skeleton);
         Label skin = 0, muscle = 0;
         for (const mesh::LabelInfo& info : labels.table) {
             if (info.role != mesh::Role::wall)
                 continue;
-            is_wall[info.id] = 1;
-            is_bare[info.id] = mesh::is_skeleton(info) ? 1 : 0;
             skin = info.material == "skin" || skin == 0 ? info.id : skin;
             muscle = info.material == "muscle" || muscle == 0 ? info.id : muscle;
         }
@@ -252,7 +252,7 @@ namespace {
             const Vec3 beyond = middle - 2.0 * voxel * inward;
             if (is_wall[label] == 0)
                 label = skin;
-            else if (is_bare[label] != 0 && !ends_here(beyond))
+            else if (is_skeleton[label] != 0 && !ends_here(beyond))
                 label = mesh::label_at(labels, beyond) == 0 ? skin : muscle;
             surface.labels.push_back(label);
         }
@@ -268,9 +268,6 @@ TriMesh unmeshed_wall_region(const TriMesh& body, const mesh::LabelVolume& label
     const Stopwatch watch;
     const CorridorDistance corridor(sizing.corridor, body.vertices.colwise().minCoeff().transpose(),
         body.vertices.colwise().maxCoeff().transpose());
-    const auto at = [](const TriMesh& mesh, std::size_t v) -> Vec3 {
-        return mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose();
-    };
     TriMesh rest = part_beyond(body, corridor, sizing.region_mm - kOverlapMm);
     if (rest.triangles.empty() || job.cancelled())
         return {};
@@ -280,9 +277,8 @@ TriMesh unmeshed_wall_region(const TriMesh& body, const mesh::LabelVolume& label
         = moved_points(wall, displacement, sizing.corridor, sizing.region_mm - kRimBandMm, sizing.whole_labels);
     const FadingField field(moved, corridor, sizing.region_mm + kFadeMm);
     const Points normals = mesh::vertex_normals(rest);
-    for (std::size_t v = 0; v < static_cast<std::size_t>(rest.vertices.rows()); ++v) {
-        const auto row = static_cast<Eigen::Index>(v);
-        const Vec3 p = at(rest, v), normal = normals.row(row);
+    for (Eigen::Index row = 0; row < rest.vertices.rows(); ++row) {
+        const Vec3 p = rest.vertices.row(row), normal = normals.row(row);
         Vec3 by = field.at(p);
         double lift = corridor.within(p, sizing.region_mm) ? -kSunkMm : 0.0;
         if (const MovedPoint* sample = nearest_to(p, moved)) {

@@ -1,6 +1,7 @@
 #include "planner/wall/wall_cut.h"
 
 #include "fem/model/floating_components.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/base/triangle.h"
@@ -151,10 +152,7 @@ namespace {
         {
             if (ablation.label.empty())
                 return {};
-            const mesh::LabelInfo* info = mesh::find_label(table_, ablation.label);
-            if (info == nullptr)
-                throw InputError("there is no label of this name", ablation.label);
-            return { info->id };
+            return { mesh::label_named(table_, ablation.label).id };
         }
 
         void remark_unsawn(const std::string& text, const Error& error)
@@ -170,6 +168,7 @@ namespace {
             const BesideBlade& places, const AblationSpec& ablation, const std::string& text)
         {
             const std::vector<Label> label = labels(ablation);
+            RETRACTOR_ASSERT(label.size() == 1); // check_approach() refuses a segment without a label
             const double from = ablation.along_from_mm.value_or(0.0),
                          to = ablation.along_to_mm.value_or(places.blade().length());
             mesh::CutOptions options;
@@ -272,6 +271,7 @@ namespace {
     {
         mesh::SlotMap map;
         cut.wall = session.compact_mesh(&map);
+        RETRACTOR_ASSERT(map.tet_slot.size() == cut.wall.tet_count());
         cut.lips.clear();
         cut.wound.clear();
         for (mesh::LipFace lip : session.lips()) {
@@ -398,6 +398,7 @@ namespace {
     /// points.
     Eigen::Isometry3d best_motion(const std::vector<Vec3>& from, const std::vector<Vec3>& to)
     {
+        RETRACTOR_ASSERT(from.size() == to.size());
         Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
         if (from.empty())
             return motion;
@@ -457,13 +458,7 @@ PlannedCut cut_as_planned(mesh::CutSession& session, const Approach& approach, c
 fem::Supports supports_of(const mesh::TetMesh& wall, const mesh::LabelVolume& labels, const Case& planned_case,
     const mesh::MeshSizing& sizing)
 {
-    std::vector<Label> fixed_labels;
-    for (const std::string& name : planned_case.supports.labels) {
-        const mesh::LabelInfo* info = mesh::find_label(planned_case.label_table, name);
-        if (info == nullptr)
-            throw InputError("there is no label of this name", name);
-        fixed_labels.push_back(info->id);
-    }
+    const std::vector<Label> fixed_labels = mesh::label_ids(planned_case.label_table, planned_case.supports.labels);
     return { .fixed
         = wall_supports(wall, labels, fixed_labels, sizing.whole_labels, planned_case.supports.region_border),
         .bedded = girdle_beds(wall, labels, sizing.whole_labels) };
@@ -482,6 +477,7 @@ std::vector<WallPiece> find_wall_pieces(const mesh::TetMesh& wall, const mesh::L
     const fem::Supports& supports, std::span<const fem::HookPatch> hooks)
 {
     const std::vector<int> number = mesh::connected_pieces(wall);
+    RETRACTOR_ASSERT(number.size() == wall.tet_count() && wall.labels.size() == wall.tet_count());
     std::vector<VertexId> held = supports.fixed;
     for (const fem::BeddedVertex& bedded : supports.bedded)
         held.push_back(bedded.vertex);
@@ -542,6 +538,7 @@ bool is_crumb(const WallPiece& piece) { return piece.volume_mm3 < kCrumbMm3; }
 
 std::string crumbs_text(std::size_t count)
 {
+    RETRACTOR_ASSERT(count > 0);
     return std::to_string(count) + (count == 1 ? " crumb" : " crumbs") + " below " + formatted("%.0f mm3", kCrumbMm3);
 }
 
@@ -554,7 +551,6 @@ CutWall cut_wall(mesh::TetMesh uncut, const Approach& approach, const mesh::Labe
     PlannedCut planned = cut_as_planned(session, approach, table, cut_options_of(approach, table), job);
     cut.status = planned.status;
     cut.message = std::move(planned.message);
-    cut.report = planned.report;
     cut.removed = std::move(planned.removed);
     cut.removed_skin_mm2 = planned.removed_skin_mm2;
     if (cut.status != mesh::CutStatus::done)
@@ -570,6 +566,7 @@ void move_rigid_pieces(const mesh::TetMesh& wall, std::span<const std::vector<Ve
 {
     if (rigid.empty())
         return;
+    RETRACTOR_ASSERT(displacement.rows() == wall.vertices.rows());
     std::vector<bool> is_rigid(wall.vertex_count(), false);
     for (const auto& vertices : rigid)
         for (const VertexId v : vertices)

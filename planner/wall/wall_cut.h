@@ -72,7 +72,6 @@ std::string crumbs_text(std::size_t count);
 struct [[nodiscard]] CutWall {
     mesh::CutStatus status = mesh::CutStatus::done;
     std::string message; ///< reason of a failure, or remarks
-    mesh::CutReport report;
     mesh::TetMesh wall;
     std::vector<mesh::LipFace> lips; ///< faces of `wall` on the incision's two sides
     std::vector<mesh::TetFace> wound; ///< faces of `wall` that any cut or ablation bared, with the lips

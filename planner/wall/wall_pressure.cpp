@@ -13,7 +13,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <set>
 #include <utility>
 
@@ -58,9 +57,7 @@ BorderingFaces faces_bordering(
     // The smooth surface stands off the surface of the voxels by up to one voxel, and a face stands off the smooth
     // surface by up to 0.12 of an edge, the limit in the mesh's size field.
     constexpr double kVoxels = 2.0, kVoxelsOff = 1.0, kEdgesOff = 0.12, kStepVoxels = 0.25;
-    std::vector<bool> is_wall(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
-    for (const mesh::LabelInfo& info : labels.table)
-        is_wall[info.id] = info.role == mesh::Role::wall;
+    const mesh::LabelFlags is_wall = mesh::flagged_labels(labels.table, mesh::is_wall);
     std::set<std::pair<TetId, int>> bared;
     for (const mesh::TetFace& face : cut)
         bared.insert({ face.tet, face.corner });
@@ -78,7 +75,7 @@ BorderingFaces faces_bordering(
             const Label there = mesh::label_at(labels, middle + reach * outward);
             if (there == label)
                 (gap ? bordering.behind_gap : bordering.faces).push_back(face);
-            if (there != 0 && (gap || !is_wall[there]))
+            if (there != 0 && (gap || is_wall[there] == 0))
                 break;
             gap = there == 0;
         }

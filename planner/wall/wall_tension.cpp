@@ -1,6 +1,7 @@
 #include "planner/wall/wall_tension.h"
 
 #include "fem/model/pre_strain.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 
@@ -79,6 +80,7 @@ WallTension wall_tension(const mesh::TetMesh& uncut, std::span<const fem::Materi
     if (!under_tension(material_of_label))
         return tension;
     const std::vector<Vec3> normals = tissue_normals(uncut, table, held, outward);
+    RETRACTOR_ASSERT(normals.size() == uncut.tet_count());
     const bool no_skin = skin_labels(table).empty();
     tension.stress_of_element.reserve(uncut.tet_count());
     tension.without_direction.assign(uncut.tet_count(), 0);
@@ -104,6 +106,8 @@ ReleasedTension released_tension(const mesh::TetMesh& wall, std::span<const TetI
     ReleasedTension released;
     if (tension.stress_of_element.empty())
         return released;
+    RETRACTOR_ASSERT(origin.size() == wall.tet_count());
+    RETRACTOR_ASSERT(tension.without_direction.size() == tension.stress_of_element.size());
     std::vector<Mat3> stresses;
     stresses.reserve(origin.size());
     for (const TetId t : origin)

@@ -101,17 +101,8 @@ namespace {
 
     bool segment_meets_triangle(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>& t)
     {
-        const Vec3 d = q - p;
-        const Vec3 e1 = t[1] - t[0], e2 = t[2] - t[0];
-        const Vec3 h = d.cross(e2);
-        const double det = e1.dot(h);
-        if (det == 0.0)
-            return false;
-        const double u = (p - t[0]).dot(h) / det;
-        const Vec3 g = (p - t[0]).cross(e1);
-        const double v = d.dot(g) / det;
-        const double s = e2.dot(g) / det;
-        return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && s >= 0.0 && s <= 1.0;
+        const auto hit = line_hit(p, q - p, t);
+        return hit && hit->distance >= 0.0 && hit->distance <= 1.0;
     }
 
     Eigen::AlignedBox3d box(const std::array<Vec3, 3>& triangle)

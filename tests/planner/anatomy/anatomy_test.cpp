@@ -138,7 +138,6 @@ namespace anatomy_test {
             = datasets::make_thorax_phantom({ .spacing_mm = { 2.4, 2.4, 2.6 }, .noise_hu = 0.0 });
         const Anatomy anatomy = find_anatomy(phantom.labels);
         const RibLine& rib = find_rib(anatomy, true, 4);
-        EXPECT_LT(rib.bone_points, rib.points.size());
         double nearest = 1e300;
         for (const Vec3& point : anatomy.sternum.midline)
             nearest = std::min(nearest, (point - rib.points.back()).norm());

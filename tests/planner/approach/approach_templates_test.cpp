@@ -138,7 +138,7 @@ namespace approach_templates_test {
     TEST(ApproachTemplates, BladePassesTheWholeWallAndLittleMore)
     {
         for (const Patient& patient : patients()) {
-            const LabelMask wall = wall_mask(patient.labels.table);
+            const mesh::LabelFlags wall = mesh::flagged_labels(patient.labels.table, mesh::is_wall);
             for (const std::string& name : kTemplates) {
                 SCOPED_TRACE(patient.name + " " + name);
                 const Approach approach = approach_from_template(patient.labels, request(name));

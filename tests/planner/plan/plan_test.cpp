@@ -19,7 +19,7 @@
 namespace retractor::planner {
 namespace plan_test {
 
-    /// The bound on frame invariance: meshes are equal up to round-off, rays are traced in single precision.
+    /// Bound on frame invariance: meshes are equal up to round-off, rays are traced in single precision.
     constexpr double kFrameTolerance = 1e-3;
 
     PlannedField plan_block(const std::string& name, const datasets::Phantom& phantom, const Eigen::Isometry3d& X,
@@ -181,7 +181,7 @@ namespace plan_test {
             << solution_text(along);
     }
 
-    TEST(Plan, ALinearFarFieldSaysHowFarItIsOffAndIsGivenUpWhereThatIsTooFar)
+    TEST(Plan, ACondensedRegionTellsItsErrorAndIsGivenUpWhereTheErrorIsTooLarge)
     {
         constexpr double kMostOff = 0.02; // what is promised: far fields that are off by 1 % are given up
         const auto off = [](const PlannedField& field) {
@@ -379,7 +379,7 @@ namespace plan_test {
         }
     }
 
-    TEST(Plan, ALinearFarFieldIsJudgedWithDrivenHooksLetGo)
+    TEST(Plan, ACondensedRegionIsComparedAfterDrivenHooksHaveMoved)
     {
         constexpr double kForceN = 0.02; // nonlinear tissue is then nearly linear: the far field stays
         Case planned_case

@@ -10,7 +10,7 @@
 #include <cmath>
 
 namespace retractor::planner {
-namespace wall_beyond_test {
+namespace unmeshed_wall_test {
 
     constexpr double kThickness = 20.0;
     constexpr double kRegion = 30.0;
@@ -135,5 +135,5 @@ namespace wall_beyond_test {
         EXPECT_TRUE(unmeshed_wall_region({}, sample().labels, sizing(), sample().wall, {}).triangles.empty());
     }
 
-} // namespace wall_beyond_test
+} // namespace unmeshed_wall_test
 } // namespace retractor::planner

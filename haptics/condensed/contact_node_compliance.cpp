@@ -127,8 +127,8 @@ ContactNodeCompliance::~ContactNodeCompliance() = default;
 /// pads press are therefore solved together.
 void ContactNodeCompliance::measure_pads(const Job& job)
 {
-    const std::vector<PadGroup> groups = pad_groups(*surface_, kStandInRadius);
-    stand_in_.assign(surface_->contact_nodes().size(), 0.0);
+    const std::vector<PadGroup> groups = pad_groups(*surface_, kFallbackRadius);
+    fallback_stiffness_.assign(surface_->contact_nodes().size(), 0.0);
     std::atomic<std::size_t> next { 0 };
     const auto measure = [&](const PadGroup& group) {
         std::vector<fem::SparseCholesky::Load> loads;
@@ -139,7 +139,8 @@ void ContactNodeCompliance::measure_pads(const Job& job)
             = solver_->solver->half_solve(loads, static_cast<Eigen::Index>(group.pressed.size()));
         const Eigen::MatrixXd C = fem::SparseCholesky::product(half, half);
         for (const std::int32_t s : group.middles)
-            stand_in_[static_cast<std::size_t>(s)] = pad_stiffness(*surface_, s, kStandInRadius, group.pressed, C);
+            fallback_stiffness_[static_cast<std::size_t>(s)]
+                = pad_stiffness(*surface_, s, kFallbackRadius, group.pressed, C);
     };
     std::array<std::exception_ptr, 2> failures;
     const auto work = [&](std::exception_ptr& failure) noexcept {

@@ -82,7 +82,7 @@ double pad_stiffness(const TouchSurface& surface, std::int32_t middle, double ra
             solver.compliance(a, b) = compliance(under[a], under[b]);
     }
     if (!solver.solve(under.size()))
-        throw SolverError("no forces under a fingertip were found", "station " + std::to_string(middle));
+        throw SolverError("no forces under a fingertip were found", "contact node " + std::to_string(middle));
     double sum = 0.0;
     for (std::size_t a = 0; a < under.size(); ++a)
         sum += solver.force(a);

@@ -74,8 +74,7 @@ SpringTissue::SpringTissue(SpringBody body, const ElementLaw& law, const SpringT
         finger.gripped.resize(motion_.body().mass.size());
         finger.offsets.resize(motion_.body().mass.size());
     }
-    if (options.grip == GripPatch::ring)
-        rings_ = all_rings(motion_.body());
+    rings_ = all_rings(motion_.body());
 }
 
 void SpringTissue::press_from_inside(double time_s) noexcept
@@ -112,18 +111,15 @@ void SpringTissue::take_hold(Finger& finger, const Fingertip& tip) noexcept
         const double distance = (motion_.position(v) - tip.position).norm();
         if (distance > reach)
             continue;
-        if (options_.grip == GripPatch::touched)
-            hold(v);
         if (distance < least || nearest < 0) {
             least = distance;
             nearest = v;
         }
     }
-    if (nearest >= 0 && options_.grip != GripPatch::touched) {
+    if (nearest >= 0) {
         hold(nearest);
-        if (options_.grip == GripPatch::ring)
-            for (const VertexId v : rings_[static_cast<std::size_t>(nearest)])
-                hold(v);
+        for (const VertexId v : rings_[static_cast<std::size_t>(nearest)])
+            hold(v);
     }
     finger.holds = finger.gripped_count > 0;
 }

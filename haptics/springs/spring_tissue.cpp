@@ -1,5 +1,6 @@
 #include "haptics/springs/spring_tissue.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 
@@ -101,6 +102,7 @@ void SpringTissue::take_hold(Finger& finger, const Fingertip& tip) noexcept
     const auto hold = [&](VertexId v) {
         if (gripped_[static_cast<std::size_t>(v)] != 0)
             return; // another finger holds the particle
+        RETRACTOR_ASSERT(finger.gripped_count < finger.gripped.size());
         gripped_[static_cast<std::size_t>(v)] = 1;
         finger.gripped[finger.gripped_count] = v;
         finger.offsets[finger.gripped_count++] = motion_.position(v) - tip.position;
@@ -153,6 +155,7 @@ FingerContact SpringTissue::contact_of(const Finger& finger, const Fingertip& ti
 {
     FingerContact contact;
     contact.proxy = tip.position;
+    RETRACTOR_ASSERT(steps > 0);
     contact.force = finger.impulse / steps;
     const double force = contact.force.norm();
     if (!(force > 0.0))
@@ -182,6 +185,7 @@ FingerContact SpringTissue::contact_of(const Finger& finger, const Fingertip& ti
 void SpringTissue::tick(
     double time_s, double step_s, std::span<const Fingertip> fingers, std::span<FingerContact> contacts) noexcept
 {
+    RETRACTOR_ASSERT(fingers.size() == fingers_.size() && contacts.size() == fingers_.size());
     const double tick = std::min(step_s, options_.longest_tick);
     if (!(tick > 0.0)) { // no time to move in, or NaN; the servo takes NaN as a fault
         for (std::size_t f = 0; f < fingers.size(); ++f) {

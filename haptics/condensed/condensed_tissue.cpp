@@ -55,7 +55,7 @@ namespace {
         if (o.fingers < 1 || o.fingers > 16)
             refuse("between 1 and 16 fingers", "fingers");
         if (o.patch_limit < 1 || o.patch_limit > 1024)
-            refuse("between 1 and 1024 stations", "patch limit");
+            refuse("between 1 and 1024 contact nodes", "patch limit");
         if (!(std::isfinite(o.force_gain) && o.force_gain > 0.0))
             refuse("must be positive and finite", "force gain");
         if (!(std::isfinite(o.blend) && o.blend > 0.0))
@@ -73,7 +73,7 @@ struct CondensedTissue::Finger {
     std::vector<Candidate> candidates;
     std::size_t count = 0; ///< number of candidates
     int missing = 0, missing_before = 0;
-    bool fallback_stiffness = false, stand_in_before = false;
+    bool fallback_stiffness = false, fallback_before = false;
     std::vector<std::int32_t> pressing {}; ///< contact nodes that pressed at the last tick
     std::size_t pressing_count = 0;
     std::size_t first_point = 0, last_point = 0;
@@ -328,7 +328,7 @@ bool CondensedTissue::solve_contact(Body& body, double pressure, std::span<const
         if (finger.place.touching && finger.missing > 0) {
             const std::int32_t contact_node = body.touch->contact_node_of(finger.place.vertex);
             const double stiffness = compliance.fallback_stiffness(std::max(contact_node, 0)) * fingers[f].radius
-                / ContactNodeCompliance::kStandInRadius;
+                / ContactNodeCompliance::kFallbackRadius;
             if (finger.place.depth * stiffness > sum) {
                 finger.fallback_stiffness = true;
                 finger.stiffness = stiffness;
@@ -363,7 +363,7 @@ void CondensedTissue::tick(
     bool late = false;
     for (Finger& finger : fingers_) {
         const bool columns_came
-            = finger.missing < finger.missing_before || finger.fallback_stiffness != finger.stand_in_before;
+            = finger.missing < finger.missing_before || finger.fallback_stiffness != finger.fallback_before;
         if (!finger.place.touching)
             finger.offset.setZero();
         else if (swapped || (columns_came && !finger.raw_before.isZero(0.0)))
@@ -372,7 +372,7 @@ void CondensedTissue::tick(
         finger.offset *= left > options_.blend ? (left - options_.blend) / left : 0.0;
         finger.raw_before = finger.raw;
         finger.missing_before = finger.missing;
-        finger.stand_in_before = finger.fallback_stiffness;
+        finger.fallback_before = finger.fallback_stiffness;
         late = late || finger.missing > 0;
     }
     ++ticks_;

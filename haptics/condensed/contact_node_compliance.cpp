@@ -4,6 +4,7 @@
 #include "fem/linear_algebra/parallel.h"
 #include "fem/model/loads.h"
 #include "haptics/condensed/pad_stiffness.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -76,6 +77,8 @@ ContactNodeCompliance::ContactNodeCompliance(const TouchedBody& body, const Touc
     , shown_(body.shown)
     , solver_(std::make_unique<Solver>())
 {
+    RETRACTOR_ASSERT(body.mesh != nullptr && lame.size() == body.mesh->tet_count());
+    RETRACTOR_ASSERT(body.prescribed.size() == 3 * body.mesh->vertex_count());
     const Stopwatch watch;
     Solver& s = *solver_;
     s.unknowns = 3 * body.mesh->vertices.rows();
@@ -127,8 +130,8 @@ ContactNodeCompliance::~ContactNodeCompliance() = default;
 /// pads press are therefore solved together.
 void ContactNodeCompliance::measure_pads(const Job& job)
 {
-    const std::vector<PadGroup> groups = pad_groups(*surface_, kStandInRadius);
-    stand_in_.assign(surface_->contact_nodes().size(), 0.0);
+    const std::vector<PadGroup> groups = pad_groups(*surface_, kFallbackRadius);
+    fallback_stiffness_.assign(surface_->contact_nodes().size(), 0.0);
     std::atomic<std::size_t> next { 0 };
     const auto measure = [&](const PadGroup& group) {
         std::vector<fem::SparseCholesky::Load> loads;
@@ -139,7 +142,8 @@ void ContactNodeCompliance::measure_pads(const Job& job)
             = solver_->solver->half_solve(loads, static_cast<Eigen::Index>(group.pressed.size()));
         const Eigen::MatrixXd C = fem::SparseCholesky::product(half, half);
         for (const std::int32_t s : group.middles)
-            stand_in_[static_cast<std::size_t>(s)] = pad_stiffness(*surface_, s, kStandInRadius, group.pressed, C);
+            fallback_stiffness_[static_cast<std::size_t>(s)]
+                = pad_stiffness(*surface_, s, kFallbackRadius, group.pressed, C);
     };
     std::array<std::exception_ptr, 2> failures;
     const auto work = [&](std::exception_ptr& failure) noexcept {
@@ -188,6 +192,7 @@ std::int32_t ContactNodeCompliance::free_place(std::int64_t newer_than)
 
 void ContactNodeCompliance::forget(std::size_t place)
 {
+    RETRACTOR_ASSERT(contact_node_at_[place] >= 0 && ready_count_ > 0);
     place_[static_cast<std::size_t>(contact_node_at_[place])].store(-1, std::memory_order_seq_cst);
     contact_node_at_[place] = -1;
     columns_[place].clear();
@@ -252,6 +257,7 @@ bool ContactNodeCompliance::awaits_columns(std::int32_t place, std::int32_t cont
 /// Computes the blocks of these contact nodes with each other and with all ready ones; then the servo may use them.
 void ContactNodeCompliance::take_in(std::span<const std::int32_t> contact_nodes, std::span<const std::int32_t> places)
 {
+    RETRACTOR_ASSERT(contact_nodes.size() == places.size());
     Batch fresh { { contact_nodes.begin(), contact_nodes.end() }, { places.begin(), places.end() },
         solver_->half_solve(*surface_, contact_nodes) };
     const auto at = [](std::size_t i) { return static_cast<Eigen::Index>(3 * i); };
@@ -313,6 +319,7 @@ std::size_t ContactNodeCompliance::columns_missing() const { return shown_.empty
 
 void ContactNodeCompliance::keep_columns(std::int32_t place, const Eigen::Ref<const Eigen::MatrixXd>& columns)
 {
+    RETRACTOR_ASSERT(columns.cols() == 3);
     std::vector<double>& kept = columns_[static_cast<std::size_t>(place)];
     kept.resize(9 * shown_.size());
     for (Eigen::Index axis = 0; axis < 3; ++axis)
@@ -329,6 +336,7 @@ void ContactNodeCompliance::keep_columns(std::int32_t place, const Eigen::Ref<co
 void ContactNodeCompliance::add_displacement(
     double pressure, std::span<const ContactNodeForce> forces, Points& points) const
 {
+    RETRACTOR_ASSERT(points.size() == shown_pulse_.size());
     Eigen::Map<Eigen::VectorXd> sum(points.data(), points.size());
     sum += pressure * Eigen::Map<const Eigen::VectorXd>(shown_pulse_.data(), shown_pulse_.size());
     for (const ContactNodeForce& f : forces) {

@@ -115,14 +115,14 @@ public:
     {
         return contact_node_pulse_.row(contact_node).transpose();
     }
-    /// Stiffness that a pad of radius kStandInRadius feels on this contact node, N/mm, whether or not the other contact
-    /// nodes are ready. The constructor computes the values. The servo uses this stiffness until the contact nodes are
-    /// ready.
+    /// Stiffness that a pad of radius kFallbackRadius feels on this contact node, N/mm, whether or not the other
+    /// contact nodes are ready. The constructor computes the values. The servo uses this stiffness until the contact
+    /// nodes are ready.
     double fallback_stiffness(std::int32_t contact_node) const noexcept
     {
-        return stand_in_[static_cast<std::size_t>(contact_node)];
+        return fallback_stiffness_[static_cast<std::size_t>(contact_node)];
     }
-    static constexpr double kStandInRadius = 4.0; ///< mm
+    static constexpr double kFallbackRadius = 4.0; ///< mm
 
 private:
     struct Solver;
@@ -158,7 +158,7 @@ private:
     std::vector<std::vector<double>> columns_;
     std::vector<Batch> batches_; ///< fetched batches without columns
     Points vertex_pulse_, contact_node_pulse_, shown_pulse_;
-    std::vector<double> stand_in_; ///< fallback stiffness of each contact node, N/mm
+    std::vector<double> fallback_stiffness_; ///< fallback stiffness of each contact node, N/mm
 };
 
 } // namespace retractor::haptics

@@ -1,5 +1,7 @@
 #include "haptics/condensed/contact_solver.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -65,6 +67,7 @@ void ContactSolver::substitute(std::vector<double>& x) const noexcept
 
 void ContactSolver::find_forces(std::size_t points) noexcept
 {
+    RETRACTOR_ASSERT(active_count_ <= points);
     for (std::size_t i = 0; i < active_count_; ++i)
         right_[i] = demand_[active_[i]];
     substitute(right_);
@@ -75,6 +78,7 @@ void ContactSolver::find_forces(std::size_t points) noexcept
 
 bool ContactSolver::hold(std::size_t points) noexcept
 {
+    RETRACTOR_ASSERT(points <= capacity_);
     points_ = points;
     factorisations_ = 0;
     if (!factorise())
@@ -85,6 +89,7 @@ bool ContactSolver::hold(std::size_t points) noexcept
 
 bool ContactSolver::solve(std::size_t points) noexcept
 {
+    RETRACTOR_ASSERT(points <= capacity_);
     points_ = points;
     factorisations_ = 0;
     double largest = 0.0;
@@ -130,6 +135,7 @@ bool ContactSolver::solve(std::size_t points) noexcept
 
 double ContactSolver::stiffness(std::size_t first, std::size_t last) noexcept
 {
+    RETRACTOR_ASSERT(first <= last);
     double sum = 0.0;
     for (std::size_t i = 0; i < active_count_; ++i)
         right_[i] = active_[i] >= first && active_[i] < last ? 1.0 : 0.0;

@@ -1,5 +1,6 @@
 #include "haptics/condensed/fingertip_search.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/surface/proximity.h"
 
 #include <Eigen/Geometry>
@@ -134,6 +135,7 @@ std::size_t FingertipSearch::candidates(const Fingertip& finger, const TouchedPl
     const ContactNodeCompliance& body, double pressure, std::vector<Candidate>& into, std::size_t most,
     int& missing) noexcept
 {
+    RETRACTOR_ASSERT(0 < most && most <= into.size() && place.vertex >= 0);
     std::size_t found = 0, first = 0, last = 0;
     missing = 0;
     const auto look_at = [&](std::int32_t contact_node) {

@@ -1,6 +1,7 @@
 #include "haptics/condensed/pad_stiffness.h"
 
 #include "haptics/condensed/contact_solver.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -41,6 +42,7 @@ namespace {
 
 std::vector<PadGroup> pad_groups(const TouchSurface& surface, double radius)
 {
+    RETRACTOR_ASSERT(radius > 0.0);
     std::vector<PadGroup> groups;
     std::vector<std::uint8_t> grouped(surface.contact_nodes().size(), 0);
     for (std::int32_t seed = 0; seed < static_cast<std::int32_t>(grouped.size()); ++seed) {
@@ -66,6 +68,8 @@ std::vector<PadGroup> pad_groups(const TouchSurface& surface, double radius)
 double pad_stiffness(const TouchSurface& surface, std::int32_t middle, double radius,
     const std::vector<std::int32_t>& pressed, const Eigen::MatrixXd& compliance)
 {
+    RETRACTOR_ASSERT(compliance.rows() == static_cast<Eigen::Index>(pressed.size()));
+    RETRACTOR_ASSERT(compliance.cols() == compliance.rows());
     std::vector<Eigen::Index> under;
     for (std::size_t i = 0; i < pressed.size(); ++i)
         if (presses(surface, middle, pressed[i], radius))
@@ -82,7 +86,7 @@ double pad_stiffness(const TouchSurface& surface, std::int32_t middle, double ra
             solver.compliance(a, b) = compliance(under[a], under[b]);
     }
     if (!solver.solve(under.size()))
-        throw SolverError("no forces under a fingertip were found", "station " + std::to_string(middle));
+        throw SolverError("no forces under a fingertip were found", "contact node " + std::to_string(middle));
     double sum = 0.0;
     for (std::size_t a = 0; a < under.size(); ++a)
         sum += solver.force(a);

@@ -1,6 +1,7 @@
 #include "haptics/condensed/touch_surface.h"
 
 #include "fem/element/tet_element.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Geometry>
@@ -92,6 +93,7 @@ namespace {
 WallFaces wall_faces(
     const mesh::TetMesh& mesh, std::span<const std::uint8_t> inner_wall, std::span<const std::uint8_t> fixed)
 {
+    RETRACTOR_ASSERT(inner_wall.size() == mesh.vertex_count() && fixed.size() == mesh.vertex_count());
     WallFaces faces;
     for (const mesh::TetFace& face : mesh::boundary_faces(mesh)) {
         bool inner = false, held = true;
@@ -110,13 +112,17 @@ TouchSurface::TouchSurface(const mesh::TetMesh& mesh, const std::vector<mesh::Te
     : spacing_(spacing)
 {
     if (!(spacing > 0.0 && std::isfinite(spacing)))
-        throw InputError("the spacing of the stations must be positive", "touch surface");
+        throw InputError("the spacing of the contact nodes must be positive", "touch surface");
+    RETRACTOR_ASSERT(fixed.size() == mesh.vertex_count());
     take_faces(mesh, outer);
     measure_normals();
     place_contact_nodes(fixed);
     if (contact_nodes_.empty())
         throw InputError("no part of the surface can be touched", "touch surface");
     weigh_contact_nodes(mesh, outer);
+    RETRACTOR_ASSERT(contact_node_neighbours_.count() == contact_nodes_.size());
+    RETRACTOR_ASSERT(contact_node_vertices_.count() == contact_nodes_.size());
+    RETRACTOR_ASSERT(weights_.size() == contact_node_vertices_.entry.size());
     fill_grid();
 }
 

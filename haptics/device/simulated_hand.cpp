@@ -84,9 +84,10 @@ SimulatedHand::SimulatedHand(const SimulatedHandOptions& options, const DeviceIn
 void SimulatedHand::integrate(double from_s, double step_s) noexcept
 {
     const HandParameters& h = options_.hand;
-    // A late tick is integrated in steps of the usual size. Of a longer pause only the first kLongestPause is
-    // integrated.
-    constexpr double kLongestStep = 2.5e-4, kLongestPause = 0.25;
+    // A late tick is integrated in small steps. Of a very long pause only the end is integrated, because the hand has
+    // forgotten by then where it began.
+    constexpr double kLongestStep = 2.5e-4, kLongestPause = 10.0;
+    from_s += std::max(0.0, step_s - kLongestPause);
     step_s = std::min(step_s, kLongestPause);
     const int substeps = std::max(options_.substeps, static_cast<int>(std::ceil(step_s / kLongestStep)));
     const double dt = step_s / substeps;

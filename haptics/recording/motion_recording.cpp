@@ -1,5 +1,6 @@
 #include "haptics/recording/motion_recording.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <utility>
@@ -21,6 +22,7 @@ MotionRecorder::MotionRecorder(std::vector<RecordedDevice> devices, double rate_
 
 void MotionRecorder::add(double time_s, std::span<const MotionSample> samples) noexcept
 {
+    RETRACTOR_ASSERT(samples.size() == recording_.devices.size());
     if (recording_.times_s.size() == max_ticks_) {
         ++lost_;
         return;

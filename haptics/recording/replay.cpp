@@ -1,5 +1,6 @@
 #include "haptics/recording/replay.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -32,6 +33,7 @@ double ReplayDevice::duration_s() const noexcept { return recording_.times_s.bac
 MotionSample ReplayDevice::sample_at(double time_s) noexcept
 {
     const std::vector<double>& times = recording_.times_s;
+    RETRACTOR_ASSERT(cursor_ < times.size());
     double time = times.front() + time_s;
     // Recorded times are rounded: a tick that is due within a millionth of a step counts as reached.
     time += 1e-6 / recording_.rate_hz;

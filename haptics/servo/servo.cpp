@@ -1,6 +1,7 @@
 #include "haptics/servo/servo.h"
 
 #include "haptics/device/pose_check.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -58,6 +59,7 @@ Servo::Servo(std::vector<ServoDevice> devices, TissueResponse& response, const S
         || !std::isfinite(options.force_gain))
         throw InputError("the step must be positive, the force gain not negative, both finite");
     for (const ServoDevice& d : devices) {
+        RETRACTOR_ASSERT(d.device != nullptr);
         const DeviceInfo& info = d.device->info();
         channels_.push_back({ .device = d.device,
             .mapping = DeviceMapping(d.mapping, info.workspace),
@@ -75,6 +77,7 @@ Servo::Servo(std::vector<ServoDevice> devices, TissueResponse& response, const S
     contacts_.resize(fingers_.size());
     forces_.assign(fingers_.size(), Vec3::Zero());
     samples_.resize(channels_.size());
+    RETRACTOR_ASSERT(couplings_.size() == fingers_.size() && fingers_.size() <= kMaxFingers);
 }
 
 void Servo::record_to(MotionRecorder* recorder)
@@ -102,6 +105,7 @@ void Servo::latch(FaultKind kind, std::size_t device, double time_s, double valu
 
 void Servo::check(std::size_t device, const DeviceReading& reading, double time_s, double step_s) noexcept
 {
+    RETRACTOR_ASSERT(device < channels_.size());
     DeviceChannel& channel = channels_[device];
     channel.placed = false;
     const FaultOptions& limits = options_.faults;
@@ -261,6 +265,7 @@ void Servo::tick(double time_s, double step_s) noexcept
         latch(FaultKind::late, 0, time_s, step_s);
         step_s = options_.step_s; // a late tick must not shorten a ramp
     }
+    RETRACTOR_ASSERT(step_s > 0.0);
     read_devices(time_s, step_s);
     ask_tissue(time_s, step_s);
     write_devices(time_s, step_s);

@@ -1,6 +1,7 @@
 #include "haptics/spheres/sphere_filling.h"
 
 #include "haptics/spheres/surface_locator.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -40,6 +41,7 @@ namespace {
 
     SphereFilling filling_of(const SurfaceLocator& surface, const std::vector<Site>& sites, double radius)
     {
+        RETRACTOR_ASSERT(!sites.empty() && radius > 0.0);
         SphereFilling filling;
         filling.radius = radius;
         filling.centres.resize(static_cast<Eigen::Index>(sites.size()), 3);
@@ -67,6 +69,7 @@ namespace {
                     ? radius
                     : surface.distance_within(
                         filling.centres.row(static_cast<Eigen::Index>(i)).transpose(), kFarthest * radius));
+        RETRACTOR_ASSERT(filling.first.size() == sites.size() + 1 && filling.reach.size() == sites.size());
         return filling;
     }
 

@@ -1,6 +1,7 @@
 #include "haptics/spheres/sphere_motion.h"
 
 #include "haptics/condensed/sneddon.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -55,6 +56,8 @@ SphereMotion::SphereMotion(std::vector<SphereOrgan> organs, const SphereLaw& law
     Eigen::Index sphere = 0, vertex = 0;
     for (std::size_t o = 0; o < organs_.size(); ++o) {
         const SphereOrgan& organ = organs_[o];
+        RETRACTOR_ASSERT(organ.filling.reach.size() == organ.filling.count());
+        RETRACTOR_ASSERT(organ.filling.first.size() == organ.filling.count() + 1);
         rest_.middleRows(sphere, organ.filling.centres.rows()) = organ.filling.centres;
         for (std::size_t i = 0; i < organ.filling.count(); ++i) {
             organ_of_.push_back(static_cast<std::uint32_t>(o));
@@ -74,6 +77,7 @@ SphereMotion::SphereMotion(std::vector<SphereOrgan> organs, const SphereLaw& law
         sphere += organ.filling.centres.rows();
         vertex += organ.surface.vertices.rows();
     }
+    RETRACTOR_ASSERT(organ_of_.size() == count && sphere == rest_.rows());
     now_ = rest_;
     layer_.assign(count, kUntouched);
     owner_.assign(count, 0);
@@ -105,6 +109,7 @@ SphereMotion::SphereMotion(std::vector<SphereOrgan> organs, const SphereLaw& law
 /// Finds the four spheres of the organ that are nearest at rest.
 SphereMotion::Binding SphereMotion::bind(const Vec3& rest, std::size_t organ) const
 {
+    RETRACTOR_ASSERT(organ < organs_.size());
     std::array<std::pair<double, std::int32_t>, 4> nearest;
     nearest.fill({ std::numeric_limits<double>::infinity(), -1 });
     for (double reach = 2.0 * grid_cell_; nearest[3].second < 0 && reach < 1e3 * grid_cell_; reach *= 2.0) {
@@ -207,6 +212,7 @@ void SphereMotion::recover(double dt) noexcept
 
 void SphereMotion::claim(std::int32_t sphere, std::size_t finger, int layer) noexcept
 {
+    RETRACTOR_ASSERT(layer >= 0 && layer < kUntouched && finger < pinches_.size());
     const auto i = static_cast<std::size_t>(sphere);
     layer_[i] = static_cast<std::uint8_t>(layer);
     owner_[i] = static_cast<std::uint8_t>(finger);
@@ -218,6 +224,7 @@ void SphereMotion::claim(std::int32_t sphere, std::size_t finger, int layer) noe
 
 void SphereMotion::touch(std::span<const Fingertip> fingers) noexcept
 {
+    RETRACTOR_ASSERT(fingers.size() <= pinches_.size());
     frontier_count_ = 0;
     for (std::size_t f = 0; f < fingers.size(); ++f) {
         if (pinches_[f].vertex >= 0) {
@@ -320,6 +327,7 @@ void SphereMotion::measure(std::span<SphereContact> contacts) const noexcept
         const auto s = static_cast<std::size_t>(i);
         if (layer_[s] == kUntouched)
             continue; // on the way back to rest
+        RETRACTOR_ASSERT(owner_[s] < contacts.size());
         SphereContact& contact = contacts[owner_[s]];
         const Vec3 displacement = at(now_, i) - at(rest_, i);
         contact.force -= organs_[organ_of_[s]].stiffness * displacement;

@@ -1,5 +1,6 @@
 #include "haptics/spheres/sphere_tissue.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -36,6 +37,7 @@ FingerContact SphereTissue::contact_of(const Answer& answer, const Fingertip& ti
 void SphereTissue::tick(
     double time_s, double step_s, std::span<const Fingertip> fingers, std::span<FingerContact> contacts) noexcept
 {
+    RETRACTOR_ASSERT(fingers.size() == finger_count() && contacts.size() == fingers.size());
     Question& question = questions_.draft();
     question.valid = true;
     question.time_s = time_s;

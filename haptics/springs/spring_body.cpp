@@ -1,6 +1,7 @@
 #include "haptics/springs/spring_body.h"
 
 #include "fem/springs/edge_springs.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -84,6 +85,7 @@ namespace {
     {
         if (!(calibration > 0.0) || !std::isfinite(calibration))
             throw InputError("the springs' calibration must be positive, got " + std::to_string(calibration));
+        RETRACTOR_ASSERT(modulus.size() == mesh.tet_count() && density.size() == mesh.tet_count());
         SpringBody body;
         body.surface.vertices = mesh.vertices;
         body.mass.assign(mesh.vertex_count(), 0.0);
@@ -130,12 +132,6 @@ namespace {
     }
 
 } // namespace
-
-SheetSprings sheet_springs(int columns, int rows)
-{
-    return { columns * (rows - 1) + rows * (columns - 1), 2 * (columns - 1) * (rows - 1),
-        columns * (rows - 2) + rows * (columns - 2) };
-}
 
 SpringBody make_spring_sheet(const SheetOptions& options)
 {

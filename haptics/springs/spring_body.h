@@ -47,14 +47,6 @@ struct SheetOptions {
     SheetEdges edges = SheetEdges::fixed;
 };
 
-/// Number of springs of each kind in a sheet.
-struct SheetSprings {
-    int structural = 0, shear = 0, bend = 0;
-    int total() const { return structural + shear + bend; }
-};
-/// A 25 x 25 sheet has 1,200 + 1,152 + 1,150 = 3,502 springs.
-SheetSprings sheet_springs(int columns, int rows);
-
 /// Makes a sheet in the plane z = 0, centred on the origin, particles row by row; the upper side faces +z.
 /// @throws InputError naming the option that is out of range
 SpringBody make_spring_sheet(const SheetOptions& options = {});

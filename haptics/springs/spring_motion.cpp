@@ -1,5 +1,6 @@
 #include "haptics/springs/spring_motion.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 
@@ -10,16 +11,11 @@
 
 namespace retractor::haptics {
 
-DeviceVoigt device_voigt(const DeviceLimits& device, double stiffness_fraction, double damping_fraction)
+DeviceVoigt device_voigt(const DeviceLimits& device)
 {
-    if (!(stiffness_fraction > 0.0 && stiffness_fraction <= 1.0))
-        throw InputError("a stiffness is a fraction of the device's range, above 0 and at most 1, got "
-            + std::to_string(stiffness_fraction));
-    if (!(damping_fraction >= 0.0 && damping_fraction <= 1.0))
-        throw InputError(
-            "a damping is a fraction of the device's range, 0 to 1, got " + std::to_string(damping_fraction));
-    const double stiffness = stiffness_fraction * device.max_stiffness;
-    return { stiffness, damping_fraction * device.max_damping / stiffness };
+    constexpr double kStiffness = 0.15, kDamping = 0.9;
+    const double stiffness = kStiffness * device.max_stiffness;
+    return { stiffness, kDamping * device.max_damping / stiffness };
 }
 
 void check_element_law(const ElementLaw& law)
@@ -80,6 +76,7 @@ void SpringMotion::compute_bound()
 
 void SpringMotion::compute_inertia(double dt) noexcept
 {
+    RETRACTOR_ASSERT(dt > 0.0);
     dt_ = dt;
     for (std::size_t v = 0; v < body_.mass.size(); ++v) {
         inertia_[v] = body_.mass[v] + dt * damping_[v];
@@ -163,6 +160,7 @@ Vec3 SpringMotion::hold_next(VertexId v, const Vec3& place) noexcept
     const auto i = static_cast<std::size_t>(v);
     if (inverse_inertia_[i] == 0.0)
         return Vec3::Zero();
+    RETRACTOR_ASSERT(dt_ > 0.0);
     const Vec3 force = (place - next(v)) * (inertia_[i] / (dt_ * dt_));
     next(v) = place;
     return force;
@@ -170,6 +168,7 @@ Vec3 SpringMotion::hold_next(VertexId v, const Vec3& place) noexcept
 
 void SpringMotion::end_step() noexcept
 {
+    RETRACTOR_ASSERT(dt_ > 0.0);
     const double rate = 1.0 / dt_;
     for (std::size_t j = 0; j < next_.size(); ++j)
         velocity_[j] = rate * (next_[j] - position_[j]);

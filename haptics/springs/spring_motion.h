@@ -36,16 +36,13 @@ struct ElementLaw {
 };
 inline constexpr double kGravity = 9806.65; ///< mm/s^2
 
-/// A Voigt element by the two numbers of Tang et al. 2020: stiffness and damping as fractions of the largest values
+/// A Voigt element by the two numbers of Tang et al. 2020: 0.15 of the largest stiffness and 0.9 of the largest damping
 /// that a device can render.
 struct DeviceVoigt {
     double stiffness = 0.0; ///< N/mm
     double voigt_time = 0.0; ///< s
 };
-inline constexpr double kSourceStiffness = 0.15, kSourceDamping = 0.9;
-/// @throws InputError on a stiffness fraction outside (0, 1] or a damping fraction outside [0, 1]
-DeviceVoigt device_voigt(
-    const DeviceLimits& device, double stiffness_fraction = kSourceStiffness, double damping_fraction = kSourceDamping);
+DeviceVoigt device_voigt(const DeviceLimits& device);
 
 /// @throws InputError naming the value that is negative or not finite
 void check_element_law(const ElementLaw& law);

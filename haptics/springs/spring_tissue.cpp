@@ -1,5 +1,6 @@
 #include "haptics/springs/spring_tissue.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 
@@ -74,8 +75,7 @@ SpringTissue::SpringTissue(SpringBody body, const ElementLaw& law, const SpringT
         finger.gripped.resize(motion_.body().mass.size());
         finger.offsets.resize(motion_.body().mass.size());
     }
-    if (options.grip == GripPatch::ring)
-        rings_ = all_rings(motion_.body());
+    rings_ = all_rings(motion_.body());
 }
 
 void SpringTissue::press_from_inside(double time_s) noexcept
@@ -102,6 +102,7 @@ void SpringTissue::take_hold(Finger& finger, const Fingertip& tip) noexcept
     const auto hold = [&](VertexId v) {
         if (gripped_[static_cast<std::size_t>(v)] != 0)
             return; // another finger holds the particle
+        RETRACTOR_ASSERT(finger.gripped_count < finger.gripped.size());
         gripped_[static_cast<std::size_t>(v)] = 1;
         finger.gripped[finger.gripped_count] = v;
         finger.offsets[finger.gripped_count++] = motion_.position(v) - tip.position;
@@ -112,18 +113,15 @@ void SpringTissue::take_hold(Finger& finger, const Fingertip& tip) noexcept
         const double distance = (motion_.position(v) - tip.position).norm();
         if (distance > reach)
             continue;
-        if (options_.grip == GripPatch::touched)
-            hold(v);
         if (distance < least || nearest < 0) {
             least = distance;
             nearest = v;
         }
     }
-    if (nearest >= 0 && options_.grip != GripPatch::touched) {
+    if (nearest >= 0) {
         hold(nearest);
-        if (options_.grip == GripPatch::ring)
-            for (const VertexId v : rings_[static_cast<std::size_t>(nearest)])
-                hold(v);
+        for (const VertexId v : rings_[static_cast<std::size_t>(nearest)])
+            hold(v);
     }
     finger.holds = finger.gripped_count > 0;
 }
@@ -157,6 +155,7 @@ FingerContact SpringTissue::contact_of(const Finger& finger, const Fingertip& ti
 {
     FingerContact contact;
     contact.proxy = tip.position;
+    RETRACTOR_ASSERT(steps > 0);
     contact.force = finger.impulse / steps;
     const double force = contact.force.norm();
     if (!(force > 0.0))
@@ -186,6 +185,7 @@ FingerContact SpringTissue::contact_of(const Finger& finger, const Fingertip& ti
 void SpringTissue::tick(
     double time_s, double step_s, std::span<const Fingertip> fingers, std::span<FingerContact> contacts) noexcept
 {
+    RETRACTOR_ASSERT(fingers.size() == fingers_.size() && contacts.size() == fingers_.size());
     const double tick = std::min(step_s, options_.longest_tick);
     if (!(tick > 0.0)) { // no time to move in, or NaN; the servo takes NaN as a fault
         for (std::size_t f = 0; f < fingers.size(); ++f) {

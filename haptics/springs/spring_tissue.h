@@ -9,8 +9,8 @@
 // the finger feels the springs. The tissue yields fully, so the proxy is the finger itself; the servo couples the force
 // to the device's limits.
 //
-// A grip holds the particles under a finger (all touched particles, the nearest particle, or the nearest particle with
-// its ring) and carries them along until the finger releases them. Only a grip can pull the finger.
+// A grip holds the particle nearest to a finger with its ring, and carries them along until the finger releases them.
+// Only a grip can pull the finger.
 
 #include "haptics/condensed/pulse_pressure.h"
 #include "haptics/servo/tissue_response.h"
@@ -22,9 +22,6 @@
 
 namespace retractor::haptics {
 
-/// The particles that a grip holds.
-enum class GripPatch { touched, point, ring };
-
 /// Pressure on the inside of a hollow body. The pressure acts on each of these particles over its area.
 struct SpringPulse {
     PulsePressure pulse = PulsePressure::constant(0.0);
@@ -35,7 +32,6 @@ struct SpringPulse {
 
 struct SpringTissueOptions {
     std::size_t fingers = 1;
-    GripPatch grip = GripPatch::ring;
     double longest_tick = 0.005; ///< a longer tick moves the tissue by this time only, s
     int ticks_per_frame = 8; ///< number of ticks between positions for follow()
     SpringPulse pulse = {}; ///< no particles: no pulse
@@ -100,7 +96,7 @@ private:
     SpringMotion motion_;
     SpringTissueOptions options_;
     std::vector<Finger> fingers_;
-    std::vector<std::vector<VertexId>> rings_; ///< ring of each particle for grips; empty unless GripPatch::ring
+    std::vector<std::vector<VertexId>> rings_; ///< ring of each particle for grips
     std::vector<std::uint8_t> gripped_; ///< per particle
     TripleBuffer<Points> frames_;
     BeatClock beat_;

@@ -1,6 +1,7 @@
 #include "planner/session/palpation_worker.h"
 
 #include "haptics/recording/motion_file.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -149,6 +150,7 @@ void PalpationWorker::set_status(std::string answer, bool refused)
 /// @pre there is a session
 void PalpationWorker::publish()
 {
+    RETRACTOR_ASSERT(session_ != nullptr);
     change_snapshot([this](PalpationSnapshot& next) {
         next.phase = PalpationSnapshot::Phase::ready;
         next.setup = session_->setup();
@@ -165,6 +167,7 @@ void PalpationWorker::publish()
 /// @pre there is a session
 void PalpationWorker::draw_frame()
 {
+    RETRACTOR_ASSERT(session_ != nullptr);
     session_->frame(frames_.draft());
     frames_.publish();
 }
@@ -193,6 +196,7 @@ void PalpationWorker::prepare(
 /// @pre there is a session
 void PalpationWorker::execute(const palpation::Command& command, const Job& job)
 {
+    RETRACTOR_ASSERT(session_ != nullptr);
     try {
         const Runner runner { *this, *session_, job };
         std::string answer = std::visit(

@@ -12,6 +12,7 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <utility>
 #include <vector>
 
 namespace retractor::planner {
@@ -170,11 +171,11 @@ namespace {
         haptics::SheetOptions options;
         options.columns = options.rows = scene.sheet_particles;
         options.stiffness = voigt.stiffness * (choice.calibration > 0.0 ? choice.calibration : 1.0);
+        haptics::SpringBody sheet = haptics::make_spring_sheet(options);
         ChosenTissue chosen;
-        chosen.notes.push_back("a sheet of "
-            + std::to_string(haptics::sheet_springs(options.columns, options.rows).total())
-            + " springs, K and D as shares of the device's range");
-        chosen.response = std::make_unique<haptics::SpringTissue>(haptics::make_spring_sheet(options),
+        chosen.notes.push_back(
+            "a sheet of " + std::to_string(sheet.springs.size()) + " springs, K and D as shares of the device's range");
+        chosen.response = std::make_unique<haptics::SpringTissue>(std::move(sheet),
             haptics::ElementLaw { .voigt_time = voigt.voigt_time },
             haptics::SpringTissueOptions { .fingers = choice.fingers });
         return chosen;

@@ -51,8 +51,8 @@ namespace {
     std::string sheet_name(int side)
     {
         std::array<char, 64> text {};
-        std::snprintf(text.data(), text.size(), "sheet %d x %d, %d springs", side, side,
-            haptics::sheet_springs(side, side).total());
+        std::snprintf(text.data(), text.size(), "sheet %d x %d, %zu springs", side, side,
+            haptics::make_spring_sheet({ .columns = side, .rows = side }).springs.size());
         return text.data();
     }
 

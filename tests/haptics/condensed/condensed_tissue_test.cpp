@@ -154,7 +154,7 @@ namespace condensed_tissue_test {
         for (Eigen::Index j = 0; j < m; ++j) {
             const auto s = static_cast<std::size_t>(pressed.forces[static_cast<std::size_t>(j)].contact_node);
             const Vec3 inward = -pressed.normals[static_cast<std::size_t>(j)];
-            // What must give way is measured from where the pulse takes the station.
+            // What must give way is measured from where the pulse takes the contact node.
             right[n + j] = pressed.demands[static_cast<std::size_t>(j)]
                 + inward.dot(
                     pressed.pressure * tissue.compliance().pulse_of_contact_node(static_cast<std::int32_t>(s)));
@@ -658,7 +658,7 @@ namespace condensed_tissue_test {
         EXPECT_EQ(tissue.edits().size(), 2U);
     }
 
-    TEST(CondensedTissue, WhatStandsInForColumnsIsNotFarOff)
+    TEST(CondensedTissue, TheFallbackForColumnsIsNotFarOff)
     {
         const datasets::PalpationScene scene = small_tube();
         CondensedOptions waiting = source_options();
@@ -670,7 +670,7 @@ namespace condensed_tissue_test {
             right.press(0, scene.site(name), 2.0);
             guess.press(0, scene.site(name), 2.0);
             EXPECT_GT(without.late_ticks(), 0) << name;
-            constexpr double kGuess = 0.1; // stations press along their own normals there, along one here
+            constexpr double kGuess = 0.1; // contact nodes press along their own normals there, along one here
             EXPECT_NEAR(guess.contacts[0].force.norm() / right.contacts[0].force.norm(), 1.0, kGuess) << name;
         }
     }
@@ -681,7 +681,7 @@ namespace condensed_tissue_test {
         const datasets::TouchSite& site = scene.site("centre");
         CondensedTissue all(scene.body, PulsePressure::constant(80.0), source_options());
         CondensedOptions tight = source_options();
-        tight.store_bytes = 1; // the fewest stations there may be
+        tight.store_bytes = 1; // the fewest contact nodes there may be
         tight.fetch_all_below = 0;
         CondensedTissue some(scene.body, PulsePressure::constant(80.0), tight);
         ASSERT_TRUE(all.compliance().holds_all());

@@ -12,7 +12,7 @@
 namespace retractor::haptics {
 namespace pad_stiffness_test {
 
-    constexpr double kRadius = ContactNodeCompliance::kStandInRadius;
+    constexpr double kRadius = ContactNodeCompliance::kFallbackRadius;
 
     CondensedTissue& vessel()
     {
@@ -35,7 +35,7 @@ namespace pad_stiffness_test {
         return vessel().touch_surface().contact_nodes()[static_cast<std::size_t>(s)];
     }
 
-    TEST(PadStiffness, EveryStationIsAMiddleOnceAndWhatItsPadPressesIsThere)
+    TEST(PadStiffness, EveryContactNodeIsAMiddleOnceAndWhatItsPadPressesIsThere)
     {
         const std::vector<PadGroup> groups = pad_groups(vessel().touch_surface(), kRadius);
         const auto contact_nodes = static_cast<std::int32_t>(vessel().touch_surface().contact_nodes().size());

@@ -30,7 +30,7 @@ namespace device_rig_test {
         const test_support::TemporaryFolder folder;
         const std::vector<std::string> names { "replay:" + write_recording(folder), "touch:Left Device",
             "touch:#100-1" };
-        DeviceRig rig(names, { .libraries = { RETRACTOR_STAND_IN_HD } });
+        DeviceRig rig(names, { .libraries = { RETRACTOR_SIMULATED_HD } });
         ASSERT_EQ(rig.devices().size(), 3u);
         EXPECT_EQ(rig.devices()[0]->info().name, "hand");
         EXPECT_EQ(rig.devices()[1]->info().serial, "100-2");

@@ -42,7 +42,7 @@ namespace hd_diagnosis_test {
         put(usb / "devnum", "7\n");
         put(root.path / "dev/bus/usb/001/007", "");
         fs::create_directories(root.path / "home/.3dsystems/config");
-        const auto findings = diagnose_hd({ RETRACTOR_STAND_IN_HD }, root.path, root.path / "home");
+        const auto findings = diagnose_hd({ RETRACTOR_SIMULATED_HD }, root.path, root.path / "home");
         ASSERT_EQ(findings.size(), 5u);
         for (const HdFinding& finding : findings) {
             EXPECT_TRUE(finding.ok) << finding.name << ": " << finding.found;
@@ -50,7 +50,7 @@ namespace hd_diagnosis_test {
         }
         EXPECT_EQ(findings[2].found, "2988:0304 at " + (root.path / "dev/bus/usb/001/007").string());
         fs::remove(root.path / "dev/bus/usb/001/007");
-        const auto without = diagnose_hd({ RETRACTOR_STAND_IN_HD }, root.path, root.path / "home");
+        const auto without = diagnose_hd({ RETRACTOR_SIMULATED_HD }, root.path, root.path / "home");
         EXPECT_EQ(without[3].name, "permission");
         EXPECT_FALSE(without[3].ok);
         EXPECT_NE(without[3].advice.find("udev rule"), std::string::npos);
@@ -59,7 +59,7 @@ namespace hd_diagnosis_test {
     TEST(HdDiagnosis, NamesALibraryThatTheLibraryNeedsItself)
     {
         // A library whose own dependency is not there.
-        const auto findings = diagnose_hd({ RETRACTOR_STAND_IN_HD_BROKEN }, "/", "/");
+        const auto findings = diagnose_hd({ RETRACTOR_BROKEN_HD }, "/", "/");
         EXPECT_FALSE(findings[0].ok);
         EXPECT_EQ(findings[0].advice,
             "OpenHaptics needs libPhantomIOLib42.so: install the Touch Device Driver "

@@ -1,9 +1,9 @@
-// Every line of the HDAPI driver, against a stand-in library with a simulated Touch in it.
+// Every line of the HDAPI driver, against a simulated library with a simulated Touch in it.
 
 #include "haptics/device/hd_session.h"
 
 #include "haptics/servo/servo.h"
-#include "tests/haptics/device/stand_in_hd.h"
+#include "tests/haptics/device/simulated_hd.h"
 #include "tests/support/test_help.h"
 #include "tests/support/walls.h"
 
@@ -18,21 +18,21 @@
 namespace retractor::haptics {
 namespace hd_session_test {
 
-    /// The stand-in's own functions, out of the library that the driver loads.
-    template <class Function> Function* stand_in(Function* /*declared*/, const char* name)
+    /// The simulated library's own functions, out of the library that the driver loads.
+    template <class Function> Function* simulated(Function* /*declared*/, const char* name)
     {
-        static void* const library = ::dlopen(RETRACTOR_STAND_IN_HD, RTLD_LAZY | RTLD_GLOBAL);
+        static void* const library = ::dlopen(RETRACTOR_SIMULATED_HD, RTLD_LAZY | RTLD_GLOBAL);
         EXPECT_NE(library, nullptr) << ::dlerror();
         return reinterpret_cast<Function*>(::dlsym(library, name));
     }
-#define STAND_IN(function) stand_in(static_cast<decltype(&function)>(nullptr), #function)
+#define SIMULATED(function) simulated(static_cast<decltype(&function)>(nullptr), #function)
 
-    double scheduler_time() noexcept { return 1e-3 * static_cast<double>(STAND_IN(stand_in_ticks)()); }
+    double scheduler_time() noexcept { return 1e-3 * static_cast<double>(SIMULATED(simulated_ticks)()); }
 
     HdOptions by_hand()
     {
         HdOptions options;
-        options.libraries = { RETRACTOR_STAND_IN_HD };
+        options.libraries = { RETRACTOR_SIMULATED_HD };
         options.calibration_limit = std::chrono::milliseconds(60);
         options.ramp_up_s = 1e-3;
         options.clock = scheduler_time;
@@ -43,21 +43,22 @@ namespace hd_session_test {
     protected:
         HdSessionTest()
         {
-            STAND_IN(stand_in_reset)();
-            STAND_IN(stand_in_threaded)(0);
+            SIMULATED(simulated_reset)();
+            SIMULATED(simulated_threaded)(0);
         }
         ~HdSessionTest() override
         {
-            EXPECT_STREQ(STAND_IN(stand_in_violations)(), "");
-            EXPECT_EQ(STAND_IN(stand_in_scheduler_runs)(), 0);
-            EXPECT_EQ(STAND_IN(stand_in_initialised)(0) + STAND_IN(stand_in_initialised)(1), 0) << "all is given back";
-            STAND_IN(stand_in_reset)();
+            EXPECT_STREQ(SIMULATED(simulated_violations)(), "");
+            EXPECT_EQ(SIMULATED(simulated_scheduler_runs)(), 0);
+            EXPECT_EQ(SIMULATED(simulated_initialised)(0) + SIMULATED(simulated_initialised)(1), 0)
+                << "all is given back";
+            SIMULATED(simulated_reset)();
         }
-        static void run(int ticks) { STAND_IN(stand_in_run)(ticks); }
+        static void run(int ticks) { SIMULATED(simulated_run)(ticks); }
         static Vec3 motor_force(int device)
         {
             Vec3 force;
-            STAND_IN(stand_in_motor_force)(device, force.data());
+            SIMULATED(simulated_motor_force)(device, force.data());
             return force;
         }
         static std::string message(const std::vector<HdDeviceRequest>& requests, const HdOptions& options = by_hand())
@@ -94,7 +95,7 @@ namespace hd_session_test {
         HdSession session({ { .name = "Left Device" } }, by_hand());
         const DeviceInfo& info = session.device(0).info();
         EXPECT_EQ(info.name, "Left Device");
-        EXPECT_EQ(info.model, "Stand-in Touch");
+        EXPECT_EQ(info.model, "Simulated Touch");
         EXPECT_EQ(info.serial, "100-2");
         EXPECT_EQ(info.limits.max_force, 3.3);
         EXPECT_EQ(info.limits.max_stiffness, 0.5);
@@ -124,8 +125,8 @@ namespace hd_session_test {
     {
         HdSession session({ {} }, by_hand());
         Pusher pusher(session);
-        STAND_IN(stand_in_target)(0, 11.0, -7.0, 3.0);
-        STAND_IN(stand_in_buttons)(0, 2);
+        SIMULATED(simulated_target)(0, 11.0, -7.0, 3.0);
+        SIMULATED(simulated_buttons)(0, 2);
         session.start(pusher);
         run(800);
         const DeviceReading& reading = pusher.readings[0];
@@ -161,13 +162,13 @@ namespace hd_session_test {
             EXPECT_TRUE(session.take_problems().empty());
             pusher.forces = { Vec3::Zero(), Vec3::Zero() };
             run(2);
-            STAND_IN(stand_in_threaded)(0);
+            SIMULATED(simulated_threaded)(0);
         }
     }
 
     TEST_F(HdSessionTest, BringsTheForceUpAndTakesItDownBeforeItLetsGo)
     {
-        STAND_IN(stand_in_threaded)(1);
+        SIMULATED(simulated_threaded)(1);
         HdOptions options = by_hand();
         options.clock = tick_clock_s;
         options.ramp_up_s = 0.05;
@@ -177,8 +178,8 @@ namespace hd_session_test {
         session.start(pusher);
         while (motor_force(0).x() < 1.0)
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        session.stop(); // the stand-in notes a force that is left on
-        EXPECT_EQ(STAND_IN(stand_in_scheduler_runs)(), 0);
+        session.stop(); // the simulated library notes a force that is left on
+        EXPECT_EQ(SIMULATED(simulated_scheduler_runs)(), 0);
         EXPECT_GT(session.times().ticks, 50u);
         session.stop();
         session.start(pusher);
@@ -190,8 +191,8 @@ namespace hd_session_test {
         HdSession session({ {}, { .name = "Left Device" } }, by_hand());
         Pusher pusher(session);
         session.start(pusher);
-        STAND_IN(stand_in_post_error)(1, hd::kWarmMotors, 5);
-        STAND_IN(stand_in_post_error)(0, hd::kInvalidInputType, 0);
+        SIMULATED(simulated_post_error)(1, hd::kWarmMotors, 5);
+        SIMULATED(simulated_post_error)(0, hd::kInvalidInputType, 0);
         run(1);
         const std::vector<HdProblem> problems = session.take_problems();
         ASSERT_EQ(problems.size(), 2u);
@@ -204,7 +205,7 @@ namespace hd_session_test {
         run(1);
         EXPECT_EQ(pusher.readings[1].trouble, DeviceTrouble::none) << "it recovers";
         for (int i = 0; i < 200; ++i)
-            STAND_IN(stand_in_post_error)(0, hd::kInvalidInputType, 0);
+            SIMULATED(simulated_post_error)(0, hd::kInvalidInputType, 0);
         run(5);
         EXPECT_EQ(session.take_problems().size(), 64u) << "as many as there is room for";
         EXPECT_TRUE(session.take_problems().empty());
@@ -243,14 +244,14 @@ namespace hd_session_test {
             : session({ {} }, by_hand())
             , servo({ { .device = &session.device(0) } }, wall, options())
         {
-            STAND_IN(stand_in_target)(0, 0.0, -3.5, 0.0);
+            SIMULATED(simulated_target)(0, 0.0, -3.5, 0.0);
             session.start(servo);
-            STAND_IN(stand_in_run)(1000);
+            SIMULATED(simulated_run)(1000);
         }
         ~Pressed()
         {
             servo.let_go();
-            STAND_IN(stand_in_run)(150);
+            SIMULATED(simulated_run)(150);
         }
         Pressed(const Pressed&) = delete;
         Pressed& operator=(const Pressed&) = delete;
@@ -258,7 +259,7 @@ namespace hd_session_test {
 
     TEST_F(HdSessionTest, TheServoFeelsAWallThroughIt)
     {
-        STAND_IN(stand_in_noise)(0.01);
+        SIMULATED(simulated_noise)(0.01);
         Pressed pressed;
         // Springs in a row: 0.4 and 0.3 N/mm over 3.5 mm.
         EXPECT_NEAR(motor_force(0).y(), 3.5 * 0.4 * 0.3 / 0.7, 0.03);
@@ -268,7 +269,7 @@ namespace hd_session_test {
     TEST_F(HdSessionTest, LetsGoWhenItIsUnplugged)
     {
         Pressed pressed;
-        STAND_IN(stand_in_unplug)(0);
+        SIMULATED(simulated_unplug)(0);
         run(200);
         EXPECT_EQ(pressed.servo.latest().fault.kind, FaultKind::lost);
         EXPECT_EQ(pressed.servo.latest().force_share, 0.0);
@@ -280,15 +281,15 @@ namespace hd_session_test {
     TEST_F(HdSessionTest, LetsGoOfAMotionThatOverruns)
     {
         for (const double jump : { 60.0, 500.0 }) {
-            STAND_IN(stand_in_reset)();
-            STAND_IN(stand_in_threaded)(0);
+            SIMULATED(simulated_reset)();
+            SIMULATED(simulated_threaded)(0);
             Pressed pressed;
-            STAND_IN(stand_in_offset)(0, 80.0 + jump, 0.0, 0.0);
+            SIMULATED(simulated_offset)(0, 80.0 + jump, 0.0, 0.0);
             run(1);
             EXPECT_EQ(pressed.servo.latest().fault.kind, FaultKind::over_limit) << "beyond any arm's reach";
             run(200);
             EXPECT_EQ(motor_force(0).norm(), 0.0);
-            STAND_IN(stand_in_offset)(0, 0.0, 0.0, 0.0);
+            SIMULATED(simulated_offset)(0, 0.0, 0.0, 0.0);
             run(2); // back from the jump
             pressed.servo.rearm();
             run(500);
@@ -300,7 +301,7 @@ namespace hd_session_test {
     TEST_F(HdSessionTest, LetsGoWhenTheDeviceSaysTooFast)
     {
         Pressed pressed;
-        STAND_IN(stand_in_post_error)(0, hd::kExceededVelocity, 0);
+        SIMULATED(simulated_post_error)(0, hd::kExceededVelocity, 0);
         run(200);
         EXPECT_EQ(pressed.servo.latest().fault.kind, FaultKind::over_limit);
         EXPECT_EQ(motor_force(0).norm(), 0.0);
@@ -313,30 +314,30 @@ namespace hd_session_test {
         session.start(pusher);
         run(3);
         session.stop(); // nobody runs ticks meanwhile
-        EXPECT_EQ(STAND_IN(stand_in_scheduler_runs)(), 0);
+        EXPECT_EQ(SIMULATED(simulated_scheduler_runs)(), 0);
     }
 
     TEST_F(HdSessionTest, CalibratesWhatCanBeAndSaysWhatAPersonMustDo)
     {
-        STAND_IN(stand_in_calibration)(0, 1);
+        SIMULATED(simulated_calibration)(0, 1);
         EXPECT_EQ(message({ {} }), "");
-        STAND_IN(stand_in_calibration)(0, 2);
+        SIMULATED(simulated_calibration)(0, 2);
         EXPECT_NE(message({ {} }).find("device 'default' is not calibrated: put the stylus into its inkwell"),
             std::string::npos);
-        STAND_IN(stand_in_calibration)(0, 3);
+        SIMULATED(simulated_calibration)(0, 3);
         EXPECT_NE(message({ {} }).find("run the vendor's diagnostics"), std::string::npos);
     }
 
     TEST_F(HdSessionTest, SaysWhyADeviceCannotBeInitialised)
     {
-        STAND_IN(stand_in_refuse)(hd::kCommError);
+        SIMULATED(simulated_refuse)(hd::kCommError);
         const std::string text = message({ {} });
         EXPECT_NE(text.find("device 'default' cannot be initialised: communication error (HDAPI 0x0302, internal 7, "
                             "\"Communication error\"); is it plugged in and configured?"),
             std::string::npos)
             << text;
-        STAND_IN(stand_in_refuse)(0);
-        STAND_IN(stand_in_post_error)(0, hd::kTimerError, 0); // an old error is not blamed on the next call
+        SIMULATED(simulated_refuse)(0);
+        SIMULATED(simulated_post_error)(0, hd::kTimerError, 0); // an old error is not blamed on the next call
         EXPECT_EQ(message({ {} }), "");
     }
 
@@ -345,8 +346,8 @@ namespace hd_session_test {
         const std::string text = test_support::message_of([] { HdLibrary library({ "libNoSuchHD.so", "libm.so.6" }); });
         EXPECT_NE(text.find("libNoSuchHD.so: cannot open shared object file"), std::string::npos);
         EXPECT_NE(text.find("libm.so.6 has no hdInitDevice"), std::string::npos);
-        const HdLibrary found({ "libNoSuchHD.so", RETRACTOR_STAND_IN_HD });
-        EXPECT_EQ(found.name(), RETRACTOR_STAND_IN_HD);
+        const HdLibrary found({ "libNoSuchHD.so", RETRACTOR_SIMULATED_HD });
+        EXPECT_EQ(found.name(), RETRACTOR_SIMULATED_HD);
         ASSERT_EQ(found.attempts().size(), 1u);
         EXPECT_EQ(missing_library(found.attempts()[0].reason), "libNoSuchHD.so");
         EXPECT_EQ(missing_library("something else"), "");

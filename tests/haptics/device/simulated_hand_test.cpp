@@ -44,6 +44,24 @@ namespace simulated_hand_test {
         }
     }
 
+    TEST(SimulatedHand, GoesOnThroughAPauseBetweenTicks)
+    {
+        constexpr double kSettled = 0.05; // mm
+        for (const double pause : { 1.5, 60.0 }) {
+            SimulatedHand hand(pressing_down(12.3));
+            hand.read(0.0, kStep);
+            hand.write(Vec3::Zero());
+            hand.read(pause, pause);
+            EXPECT_NEAR((hand.true_position() - Vec3(0.0, -12.3, 0.0)).norm(), 0.0, kSettled) << pause << " s";
+        }
+        // A path that begins late in the pause is followed as well.
+        SimulatedHandOptions late;
+        late.path = HandPath({ { 58.0, Vec3::Zero() }, { 58.2, Vec3(0.0, -12.3, 0.0) } });
+        SimulatedHand hand(late);
+        hand.read(60.0, 60.0);
+        EXPECT_NEAR(hand.true_position().y(), -12.3, kSettled);
+    }
+
     TEST(SimulatedHand, YieldsToAForceLikeItsSpringsInARow)
     {
         constexpr double kSettled = 0.01; // mm

@@ -97,7 +97,7 @@ TEST(SpringTissue, restingFingerFeelsNoVibration)
         squares += touch.contact.force.z() * touch.contact.force.z();
     }
     const double variance = squares / kTicks - (sum / kTicks) * (sum / kTicks);
-    EXPECT_LT(std::sqrt(std::max(0.0, variance)), 0.01); // N rms: the bound
+    EXPECT_LT(std::sqrt(std::max(0.0, variance)), 0.01); // N rms; our bound
 }
 
 TEST(SpringTissue, aStretchedSheetRecoversSooner)
@@ -112,7 +112,7 @@ TEST(SpringTissue, aStretchedSheetRecoversSooner)
 
 TEST(SpringTissue, aGripPullsAndLetsGo)
 {
-    Touch touch({}, { .drag = 30.0 }, { .grip = GripPatch::ring });
+    Touch touch({}, { .drag = 30.0 });
     touch.move_to(3.8, 100);
     touch.tissue.grip(0, true);
     touch.move_to(6.8, 300);
@@ -127,7 +127,7 @@ TEST(SpringTissue, aGripPullsAndLetsGo)
 
 TEST(SpringTissue, aFingerThatIsPlacedElsewhereLetsGoAndSweepsNothing)
 {
-    Touch touch({}, { .drag = 30.0 }, { .grip = GripPatch::ring });
+    Touch touch({}, { .drag = 30.0 });
     touch.move_to(3.8, 100);
     touch.tissue.grip(0, true);
     touch.move_to(4.8, 100);
@@ -150,7 +150,7 @@ TEST(SpringTissue, gravityAgainstTheHandIsFelt)
         touch.move_to(2.0, 2000);
         return touch.contact.force.z();
     };
-    EXPECT_GT(force(kGravity), force(0.0)); // gravity up, pressing down: the source's fig. 14
+    EXPECT_GT(force(kGravity), force(0.0)); // gravity up, pressing down: fig. 14 of the paper
     EXPECT_LT(force(-kGravity), force(0.0));
 }
 

@@ -1,5 +1,5 @@
 // retractor palpate and relay as scripts see them: every model on every scene, hands that are simulated, recorded, on a
-// Touch (a stand-in for the vendor's library) and on another computer (this one).
+// Touch (behind a simulated vendor's library) and on another computer (this one).
 
 #include "datasets/io/volume_io.h"
 #include "haptics/device/udp_bridge.h"
@@ -60,7 +60,7 @@ protected:
 fs::path Palpate::folder;
 
 const std::string kShort = " --seconds 0.3";
-const std::string kTouch = std::string("RETRACTOR_HD_LIBRARY=") + RETRACTOR_STAND_IN_HD + " STAND_IN_DOWN=5";
+const std::string kTouch = std::string("RETRACTOR_HD_LIBRARY=") + RETRACTOR_SIMULATED_HD + " SIMULATED_DOWN=5";
 
 TEST_F(Palpate, EveryModelAnswersOnTheSheet)
 {

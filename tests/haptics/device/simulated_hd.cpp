@@ -2,7 +2,7 @@
 // of latency, saturation at 3.3 N, and faults on demand. It notes wrong use, so that every line of the driver is held
 // to it.
 
-#include "tests/haptics/device/stand_in_hd.h"
+#include "tests/haptics/device/simulated_hd.h"
 
 #include <algorithm>
 #include <array>
@@ -50,7 +50,7 @@ std::array<Touch, kDevices> healthy()
     both[1].name = "Left Device";
     both[1].serial = "100-2";
     // For a program that cannot tell where the hands mean to be: how far down, mm.
-    if (const char* const down = std::getenv("STAND_IN_DOWN"); down != nullptr)
+    if (const char* const down = std::getenv("SIMULATED_DOWN"); down != nullptr)
         for (Touch& touch : both)
             touch.target[1] = -std::strtod(down, nullptr);
     return both;
@@ -142,7 +142,7 @@ void run_once()
 
 extern "C" {
 
-void stand_in_reset()
+void simulated_reset()
 {
     const std::lock_guard lock(mutex);
     touches = healthy();
@@ -156,51 +156,51 @@ void stand_in_reset()
     random_state = 1;
     ticks = 0;
 }
-void stand_in_run(int count)
+void simulated_run(int count)
 {
     for (int i = 0; i < count; ++i)
         if (runs)
             run_once();
 }
-void stand_in_threaded(int own_thread) { threaded = own_thread != 0; }
-void stand_in_target(int device, double x, double y, double z)
+void simulated_threaded(int own_thread) { threaded = own_thread != 0; }
+void simulated_target(int device, double x, double y, double z)
 {
     const std::lock_guard lock(mutex);
     touches.at(static_cast<std::size_t>(device)).target = { x, y, z };
 }
-void stand_in_buttons(int device, int buttons) { touches.at(static_cast<std::size_t>(device)).buttons = buttons; }
-void stand_in_post_error(int device, unsigned code, int internal)
+void simulated_buttons(int device, int buttons) { touches.at(static_cast<std::size_t>(device)).buttons = buttons; }
+void simulated_post_error(int device, unsigned code, int internal)
 {
     const std::lock_guard lock(mutex);
     post(code, static_cast<std::uint32_t>(device), internal);
 }
-void stand_in_unplug(int device)
+void simulated_unplug(int device)
 {
     const std::lock_guard lock(mutex);
     touches.at(static_cast<std::size_t>(device)).unplugged = true;
 }
-void stand_in_offset(int device, double x, double y, double z)
+void simulated_offset(int device, double x, double y, double z)
 {
     const std::lock_guard lock(mutex);
     touches.at(static_cast<std::size_t>(device)).offset = { x, y, z };
 }
-void stand_in_refuse(unsigned code) { refusal = code; }
-void stand_in_calibration(int device, int state) { touches.at(static_cast<std::size_t>(device)).calibration = state; }
-void stand_in_noise(double rms_mm) { noise = rms_mm; }
-void stand_in_motor_force(int device, double* force)
+void simulated_refuse(unsigned code) { refusal = code; }
+void simulated_calibration(int device, int state) { touches.at(static_cast<std::size_t>(device)).calibration = state; }
+void simulated_noise(double rms_mm) { noise = rms_mm; }
+void simulated_motor_force(int device, double* force)
 {
     const std::lock_guard lock(mutex);
     std::copy_n(touches.at(static_cast<std::size_t>(device)).motor.data(), 3, force);
 }
-void stand_in_position(int device, double* position)
+void simulated_position(int device, double* position)
 {
     const std::lock_guard lock(mutex);
     std::copy_n(touches.at(static_cast<std::size_t>(device)).position.data(), 3, position);
 }
-const char* stand_in_violations() { return violations.c_str(); }
-int stand_in_initialised(int device) { return touches.at(static_cast<std::size_t>(device)).initialised ? 1 : 0; }
-long stand_in_ticks() { return ticks; }
-int stand_in_scheduler_runs() { return runs ? 1 : 0; }
+const char* simulated_violations() { return violations.c_str(); }
+int simulated_initialised(int device) { return touches.at(static_cast<std::size_t>(device)).initialised ? 1 : 0; }
+long simulated_ticks() { return ticks; }
+int simulated_scheduler_runs() { return runs ? 1 : 0; }
 
 // ---- HDAPI ----
 
@@ -336,7 +336,7 @@ const char* hdGetString(std::uint32_t what)
     const Touch* const touch = touch_of(current);
     if (touch == nullptr)
         return nullptr;
-    return what == 0x2501 ? "Stand-in Touch" : what == 0x2504 ? touch->serial : "";
+    return what == 0x2501 ? "Simulated Touch" : what == 0x2504 ? touch->serial : "";
 }
 void hdSetDoublev(std::uint32_t what, const double* value)
 {

@@ -430,7 +430,7 @@ void CutStore::replace_parent(VertexId v, VertexId w)
         }
 }
 
-void CutStore::drop_newborn(VertexId v)
+void CutStore::remove_added_vertex(VertexId v)
 {
     std::erase_if(born_, [&](const MeshDelta::VertexBorn& born) { return born.id == v; });
     std::erase_if(moved_, [&](const MeshDelta::VertexMoved& moved) { return moved.id == v; });

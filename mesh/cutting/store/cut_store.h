@@ -167,7 +167,7 @@ public:
     void replace_parent(VertexId v, VertexId w);
     /// Removes a vertex that was added since begin(), without a trace in the record.
     /// @pre no element uses the vertex, and replace_parent() has been called
-    void drop_newborn(VertexId v);
+    void remove_added_vertex(VertexId v);
     /// Ends the recording and returns all changes since begin().
     CutRecord finish();
     /// Takes back all changes since begin().

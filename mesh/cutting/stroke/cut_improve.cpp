@@ -451,7 +451,7 @@ namespace {
                 for (std::size_t k = 0; k < 3; ++k)
                     if (on_border[k])
                         marks_.put_on_border(b, k);
-            store_.drop_newborn(a);
+            store_.remove_added_vertex(a);
             marks_.forget(a, around);
             stroke_.on_crease.erase(a);
             stroke_.drift.erase(a);

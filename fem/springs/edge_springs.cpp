@@ -1,6 +1,7 @@
 #include "fem/springs/edge_springs.h"
 
 #include "fem/element/corner_gradients.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
 
@@ -355,6 +356,7 @@ void SpringNetwork::fix(std::span<const VertexId> vertices, unsigned axes)
 
 void SpringNetwork::place(VertexId v, const Vec3& displacement)
 {
+    RETRACTOR_ASSERT(v >= 0 && at(v) < rows_.size());
     for (int axis = 0; axis < 3; ++axis)
         if ((fixed_axes(v) >> axis & 1U) == 0)
             displacement_(v, axis) = displacement[axis];

@@ -1,6 +1,7 @@
 #include "fem/springs/spring_relaxation.h"
 
 #include "fem/linear_algebra/norm.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Geometry>
@@ -8,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <queue>
 #include <utility>
@@ -126,6 +128,7 @@ namespace {
 SpringPatch::SpringPatch(const SpringNetwork& network, std::vector<VertexId> active)
     : active_(std::move(active))
 {
+    RETRACTOR_ASSERT(std::adjacent_find(active_.begin(), active_.end(), std::greater_equal<>()) == active_.end());
     const auto n = static_cast<std::int32_t>(active_.size());
     std::vector<std::int32_t> number(network.vertex_slots(), -1);
     for (std::int32_t i = 0; i < n; ++i) {
@@ -246,6 +249,7 @@ std::vector<SpringPatch::Crushed> SpringPatch::crushed_elements(
 
 SpringPatch::Response SpringPatch::response(const Eigen::VectorXd& u) const
 {
+    RETRACTOR_ASSERT(u.size() == start_.size());
     Response r;
     const auto n = static_cast<std::int32_t>(active_.size());
     r.forces = -load_;
@@ -370,6 +374,8 @@ void SpringPatch::linearise(const Eigen::VectorXd& u, bool true_tangent)
 
 Eigen::VectorXd SpringPatch::multiply(const Eigen::VectorXd& x) const
 {
+    RETRACTOR_ASSERT(diagonal_.size() == active_.size()); // linearise() was called
+    RETRACTOR_ASSERT(x.size() == start_.size());
     const auto n = static_cast<std::int32_t>(active_.size());
     Eigen::VectorXd product(x.size());
     for (std::int32_t v = 0; v < n; ++v) {
@@ -395,6 +401,7 @@ std::vector<Mat3> SpringPatch::inverse_diagonal() const
 
 void SpringPatch::store(const Eigen::VectorXd& u, SpringNetwork& network) const
 {
+    RETRACTOR_ASSERT(u.size() == start_.size());
     for (std::size_t i = 0; i < active_.size(); ++i)
         network.place(active_[i], u.segment<3>(3 * static_cast<Eigen::Index>(i)));
 }

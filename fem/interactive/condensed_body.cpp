@@ -2,6 +2,7 @@
 
 #include "fem/interactive/vertex_matrix.h"
 #include "fem/linear_algebra/dense_algebra.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -119,6 +120,7 @@ AddedVertices CondensedBody::keep_also(const std::vector<VertexId>& vertices)
     stiffness_ = std::move(S);
     compliance_ = std::make_shared<const Eigen::MatrixXd>(std::move(C));
     const Eigen::Index had = added_fields_.cols();
+    RETRACTOR_ASSERT(stiffness_.rows() == 3 * static_cast<Eigen::Index>(kept_.size()));
     added_fields_.conservativeResize(unknowns, had + added);
     added_fields_.rightCols(added) = fields;
     return hanging;
@@ -126,6 +128,7 @@ AddedVertices CondensedBody::keep_also(const std::vector<VertexId>& vertices)
 
 Eigen::VectorXd CondensedBody::solve(const Eigen::VectorXd& load) const
 {
+    RETRACTOR_ASSERT(load.size() >= 3 * static_cast<Eigen::Index>(number_.size()));
     Eigen::MatrixXd packed(3 * static_cast<Eigen::Index>(free_.size()), 1);
     for (std::size_t i = 0; i < free_.size(); ++i)
         packed.col(0).segment<3>(3 * static_cast<Eigen::Index>(i)) = load.segment<3>(3 * free_[i]);
@@ -138,6 +141,8 @@ Eigen::VectorXd CondensedBody::solve(const Eigen::VectorXd& load) const
 
 Eigen::MatrixXd CondensedBody::field(const Eigen::MatrixXd& kept_displacement, std::size_t slots) const
 {
+    RETRACTOR_ASSERT(kept_displacement.rows() == 3 * static_cast<Eigen::Index>(kept_.size()));
+    RETRACTOR_ASSERT(slots >= number_.size());
     const auto planned = 3 * static_cast<Eigen::Index>(planned_), added = kept_displacement.rows() - planned;
     const auto unknowns = 3 * static_cast<Eigen::Index>(free_.size());
     Eigen::MatrixXd x(unknowns, kept_displacement.cols());

@@ -1,6 +1,7 @@
 #include "fem/interactive/condensed_state.h"
 
 #include "fem/linear_algebra/dense_algebra.h"
+#include "mesh/base/assert.h"
 
 #include <algorithm>
 #include <utility>
@@ -52,6 +53,7 @@ void EliminatedAdded::number_and_factor(const RowOf& row)
 
 void CondensedState::keep(VertexId v)
 {
+    RETRACTOR_ASSERT(v >= 0 && place(v) < 0);
     if (static_cast<std::size_t>(v) >= places.size())
         places.resize(static_cast<std::size_t>(v) + 1, -1);
     places[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(vertices.size());
@@ -71,14 +73,17 @@ std::vector<std::int32_t> rows_of_vertices(const CondensedState& view, const std
 {
     std::vector<std::int32_t> rows;
     rows.reserve(3 * vertices.size());
-    for (const VertexId v : vertices)
+    for (const VertexId v : vertices) {
+        RETRACTOR_ASSERT(view.place(v) >= 0);
         for (std::int32_t axis = 0; axis < 3; ++axis)
             rows.push_back(3 * view.place(v) + axis);
+    }
     return rows;
 }
 
 LoadOnDropped CondensedState::load_on_dropped(const CondensedBody& of, const Eigen::MatrixXd& load) const
 {
+    RETRACTOR_ASSERT(origin != nullptr && load.rows() == origin->rows());
     LoadOnDropped loaded { Eigen::MatrixXd::Zero(load.rows(), load.cols()), {}, {} };
     for (const VertexId v : dropped)
         loaded.load.middleRows(3 * of.place(v), 3) = load.middleRows(3 * of.place(v), 3);
@@ -98,6 +103,8 @@ LoadOnDropped CondensedState::load_on_dropped(const CondensedBody& of, const Eig
 
 Eigen::MatrixXd CondensedState::carried_back(Eigen::MatrixXd forces, const LoadOnDropped* load) const
 {
+    RETRACTOR_ASSERT(origin != nullptr);
+    RETRACTOR_ASSERT(load == nullptr || load->of_changed.size() == steps.size());
     for (std::size_t i = steps.size(); i-- > 0;) {
         const LowRankUpdate& s = *steps[i];
         Eigen::MatrixXd before = Eigen::MatrixXd::Zero(s.columns.rows(), forces.cols());
@@ -134,6 +141,7 @@ void fetch_back(CondensedState& view, const OnlineStiffness& K, const std::vecto
 {
     if (vertices.empty())
         return;
+    RETRACTOR_ASSERT(view.dropped.empty());
     const auto row = [&](VertexId v) -> const OnlineStiffness::Row& {
         const auto found = view.reference.find(v);
         return found == view.reference.end() ? K.row(v) : found->second;
@@ -167,6 +175,7 @@ void fetch_back(CondensedState& view, const OnlineStiffness& K, const std::vecto
 
 void keep_also(CondensedState& view, const AddedVertices& added)
 {
+    RETRACTOR_ASSERT(view.dropped.empty());
     const std::vector<std::int32_t> before = rows_of_vertices(view, added.before);
     const Eigen::MatrixXd of_before = view.compliance()(before, Eigen::all);
     const Eigen::MatrixXd cross = product(added.follow, of_before);

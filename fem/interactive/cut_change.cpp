@@ -2,6 +2,7 @@
 
 #include "fem/interactive/vertex_matrix.h"
 #include "fem/linear_algebra/dense_algebra.h"
+#include "mesh/base/assert.h"
 
 #include <algorithm>
 
@@ -81,6 +82,7 @@ namespace {
 
 Eigen::MatrixXd CutChange::added_following(const Eigen::MatrixXd& beside_displacement) const
 {
+    RETRACTOR_ASSERT(beside_displacement.rows() == static_cast<Eigen::Index>(beside.size()));
     const auto rows = 3 * static_cast<Eigen::Index>(added.size());
     if (rows == 0)
         return Eigen::MatrixXd::Zero(0, beside_displacement.cols());
@@ -92,6 +94,7 @@ Eigen::MatrixXd CutChange::added_following(const Eigen::MatrixXd& beside_displac
 
 CutChange::Pushed CutChange::added_alone(const Eigen::MatrixXd& load) const
 {
+    RETRACTOR_ASSERT(load.rows() == 3 * static_cast<Eigen::Index>(added.size()));
     const auto besides = static_cast<Eigen::Index>(beside.size());
     if (added.empty())
         return { load, Eigen::MatrixXd::Zero(besides, load.cols()) };

@@ -1,5 +1,6 @@
 #include "fem/interactive/local_system.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -91,6 +92,7 @@ LocalSystem::LocalSystem(const OnlineStiffness& K, const CondensedState& view, c
 void LocalSystem::prepare_low_rank()
 {
     const Rows& rows = change_->kept_rows;
+    RETRACTOR_ASSERT(change_->stiffness.rows() == static_cast<Eigen::Index>(rows.size()));
     Eigen::MatrixXd C = view_->compliance()(rows, rows);
     const Eigen::MatrixXd held = rows_of(hooks_->columns, rows);
     C -= product(held, Eigen::MatrixXd(held.transpose()));
@@ -152,6 +154,7 @@ void LocalSystem::prepare_dense()
 
 void LocalSystem::hold_appended()
 {
+    RETRACTOR_ASSERT(route() == LocalRoute::dense);
     Rows number(static_cast<std::size_t>(stiffness_->rows()), -1);
     for (std::size_t i = 0; i < free_rows_.size(); ++i)
         number[static_cast<std::size_t>(free_rows_[i])] = static_cast<std::int32_t>(i);
@@ -159,6 +162,7 @@ void LocalSystem::hold_appended()
     for (std::size_t i = held_in_factor_; i < held_->size(); ++i)
         for (std::int32_t axis = 0; axis < 3; ++axis)
             late_.push_back(number[static_cast<std::size_t>(3 * view_->place((*held_)[i].vertex) + axis)]);
+    RETRACTOR_ASSERT(std::none_of(late_.begin(), late_.end(), [](std::int32_t row) { return row < 0; }));
     late_columns_ = Eigen::MatrixXd::Zero(factor_.rows(), static_cast<Eigen::Index>(late_.size()));
     for (std::size_t i = 0; i < late_.size(); ++i)
         late_columns_(late_[i], static_cast<Eigen::Index>(i)) = 1.0;
@@ -238,6 +242,9 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
 {
     const CutChange& change = *change_;
     const Eigen::Index cases = hook_displacement.cols();
+    RETRACTOR_ASSERT(load_kept.rows() == 3 * static_cast<Eigen::Index>(view_->vertices.size()));
+    RETRACTOR_ASSERT(load_added.rows() == 3 * static_cast<Eigen::Index>(change.added.size()));
+    RETRACTOR_ASSERT(load_kept.cols() == cases && load_added.cols() == cases);
     Eigen::MatrixXd load = load_kept, added_load = load_added;
     // Held vertices that cuts have added pull directly on their neighbours.
     for (const HeldVertex& h : *held_) {

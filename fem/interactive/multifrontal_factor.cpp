@@ -2,6 +2,7 @@
 
 #include "fem/interactive/vertex_matrix.h"
 #include "fem/linear_algebra/parallel.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -165,6 +166,7 @@ MultifrontalFactor::MultifrontalFactor(const OnlineStiffness& stiffness, const D
         const Dissection::Part& part = dissection.parts[p];
         Front& front = fronts_[p];
         front.parent = part.parent;
+        RETRACTOR_ASSERT(part.parent < static_cast<std::int32_t>(p)); // parents come first
         if (part.parent >= 0) {
             front.depth = fronts_[static_cast<std::size_t>(part.parent)].depth + 1;
             fronts_[static_cast<std::size_t>(part.parent)].children.push_back(static_cast<std::int32_t>(p));
@@ -209,6 +211,7 @@ std::size_t MultifrontalFactor::open_count() const
 
 void MultifrontalFactor::touch(VertexId v, const OnlineStiffness::Row& before)
 {
+    RETRACTOR_ASSERT(v >= 0);
     if (closed(v))
         reference_.try_emplace(v, before);
     if (before.column.empty() && !planned_.contains(v)) // another vertex has had this id
@@ -276,6 +279,8 @@ void MultifrontalFactor::condense(const OnlineStiffness& stiffness, Front& front
 
 void MultifrontalFactor::put(VertexId v, std::int32_t part)
 {
+    RETRACTOR_ASSERT(v >= 0 && part < static_cast<std::int32_t>(fronts_.size()));
+    RETRACTOR_ASSERT(!closed(v)); // closed vertices have no place among the members
     if (static_cast<std::size_t>(v) >= part_.size())
         part_.resize(static_cast<std::size_t>(v) + 1, -1);
     if (part_of(v) >= 0) {
@@ -316,7 +321,7 @@ void MultifrontalFactor::place_added(const OnlineStiffness& stiffness, const std
             waiting.push_back(v);
     }
     while (!waiting.empty()) {
-        std::vector<VertexId> left;
+        std::vector<VertexId> still_waiting;
         for (const VertexId v : waiting) {
             std::int32_t part = -1;
             for (const VertexId w : stiffness.row(v).column)
@@ -327,16 +332,16 @@ void MultifrontalFactor::place_added(const OnlineStiffness& stiffness, const std
                     part = both == part ? other : both == other ? part : both;
                 }
             if (part < 0)
-                left.push_back(v);
+                still_waiting.push_back(v);
             else
                 put(v, part);
         }
-        if (left.size() == waiting.size()) { // these vertices have no free neighbours
-            for (const VertexId v : left)
+        if (still_waiting.size() == waiting.size()) { // these vertices have no free neighbours
+            for (const VertexId v : still_waiting)
                 put(v, 0);
             return;
         }
-        waiting = std::move(left);
+        waiting = std::move(still_waiting);
     }
 }
 
@@ -557,78 +562,105 @@ double MultifrontalFactor::reciprocal_condition() const
     return worst;
 }
 
-Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& load) const
+/// Condenses the loads on the closed vertices of a leaf onto the open vertices beside them.
+/// @param inside receives the input of fill_from_trailing_loaded(); stays empty where there is no load
+void MultifrontalFactor::reduce_closed(const Front& front, Eigen::MatrixXd& y, Eigen::MatrixXd& inside)
 {
-    Eigen::MatrixXd x = load;
-    const auto at = [&](std::int32_t number) -> const Front& { return fronts_[static_cast<std::size_t>(number)]; };
-    std::vector<Eigen::MatrixXd> condensed(fronts_.size()); // of leaves with loads on closed vertices
-    const auto down = [&](const std::vector<std::int32_t>& numbers, Eigen::MatrixXd& y) {
-        for (const std::int32_t number : numbers) {
-            const Front& f = at(number);
-            if (!f.closed.empty()) {
-                Eigen::MatrixXd inside = gathered(y, f.closed);
-                if ((inside.array() != 0.0).any()) {
-                    Eigen::MatrixXd& all = condensed[static_cast<std::size_t>(number)];
-                    all = Eigen::MatrixXd::Zero(
-                        inside.rows() + 3 * static_cast<Eigen::Index>(f.beside.size()), y.cols());
-                    all.topRows(inside.rows()) = inside;
-                    f.condensing.reduce_to_trailing(all.rows() - inside.rows(), all);
-                    subtract(-all.bottomRows(all.rows() - inside.rows()), f.beside, y);
-                }
-            }
-            if (f.own.empty())
-                continue;
-            Eigen::MatrixXd own = gathered(y, f.own);
-            forward(f.L11, own);
-            scatter(own, f.own, y);
-            subtract(product(f.L21, own), f.bound, y);
+    const Eigen::MatrixXd load = gathered(y, front.closed);
+    if (!(load.array() != 0.0).any())
+        return;
+    inside = Eigen::MatrixXd::Zero(load.rows() + 3 * static_cast<Eigen::Index>(front.beside.size()), y.cols());
+    inside.topRows(load.rows()) = load;
+    front.condensing.reduce_to_trailing(inside.rows() - load.rows(), inside);
+    subtract(-inside.bottomRows(inside.rows() - load.rows()), front.beside, y);
+}
+
+/// Forward substitution through some fronts, children first.
+/// @param condensed per front: loads on closed vertices, as reduce_closed() gives them
+void MultifrontalFactor::reduce(
+    const std::vector<std::int32_t>& numbers, Eigen::MatrixXd& y, std::vector<Eigen::MatrixXd>& condensed) const
+{
+    for (const std::int32_t number : numbers) {
+        const Front& front = fronts_[static_cast<std::size_t>(number)];
+        if (!front.closed.empty())
+            reduce_closed(front, y, condensed[static_cast<std::size_t>(number)]);
+        if (front.own.empty())
+            continue;
+        Eigen::MatrixXd own = gathered(y, front.own);
+        forward(front.L11, own);
+        scatter(own, front.own, y);
+        subtract(product(front.L21, own), front.bound, y);
+    }
+}
+
+/// Sets the displacements of the closed vertices of a leaf.
+/// @param reduced the result of reduce_closed()
+void MultifrontalFactor::fill_closed(const Front& front, const Eigen::MatrixXd& reduced, Eigen::MatrixXd& x)
+{
+    const auto inside = 3 * static_cast<Eigen::Index>(front.closed.size()),
+               beside = 3 * static_cast<Eigen::Index>(front.beside.size());
+    Eigen::MatrixXd all(inside + beside, x.cols());
+    all.bottomRows(beside) = gathered(x, front.beside);
+    if (reduced.size() != 0) {
+        all.topRows(inside) = reduced.topRows(inside);
+        front.condensing.fill_from_trailing_loaded(beside, all);
+    } else {
+        front.condensing.fill_from_trailing(beside, all);
+    }
+    scatter(all.topRows(inside), front.closed, x);
+}
+
+/// Back substitution through some fronts, parents first.
+void MultifrontalFactor::fill(
+    const std::vector<std::int32_t>& numbers, const std::vector<Eigen::MatrixXd>& condensed, Eigen::MatrixXd& x) const
+{
+    for (auto number = numbers.rbegin(); number != numbers.rend(); ++number) {
+        const Front& front = fronts_[static_cast<std::size_t>(*number)];
+        if (!front.own.empty()) {
+            Eigen::MatrixXd own = gathered(x, front.own);
+            own -= product_transposed(front.L21, gathered(x, front.bound));
+            backward(front.L11, own);
+            scatter(own, front.own, x);
         }
-    };
-    const auto up = [&](const std::vector<std::int32_t>& numbers) {
-        for (auto number = numbers.rbegin(); number != numbers.rend(); ++number) {
-            const Front& f = at(*number);
-            if (!f.own.empty()) {
-                Eigen::MatrixXd own = gathered(x, f.own);
-                own -= product_transposed(f.L21, gathered(x, f.bound));
-                backward(f.L11, own);
-                scatter(own, f.own, x);
-            }
-            if (f.closed.empty())
-                continue;
-            const auto inside = 3 * static_cast<Eigen::Index>(f.closed.size()),
-                       beside = 3 * static_cast<Eigen::Index>(f.beside.size());
-            Eigen::MatrixXd all(inside + beside, x.cols());
-            const Eigen::MatrixXd& reduced = condensed[static_cast<std::size_t>(*number)];
-            const bool loaded = reduced.size() != 0;
-            if (loaded)
-                all.topRows(inside) = reduced.topRows(inside);
-            all.bottomRows(beside) = gathered(x, f.beside);
-            if (loaded)
-                f.condensing.fill_from_trailing_loaded(beside, all);
-            else
-                f.condensing.fill_from_trailing(beside, all);
-            scatter(all.topRows(inside), f.closed, x);
-        }
-    };
-    // Both groups subtract from the fronts above; the second group does so in a field of its own.
+        if (!front.closed.empty())
+            fill_closed(front, condensed[static_cast<std::size_t>(*number)], x);
+    }
+}
+
+/// Moves the rows of the vertices that some fronts eliminate into a field of their own.
+Eigen::MatrixXd MultifrontalFactor::moved_apart(const std::vector<std::int32_t>& numbers, Eigen::MatrixXd& x) const
+{
     Eigen::MatrixXd apart = Eigen::MatrixXd::Zero(x.rows(), x.cols());
-    for (const std::int32_t number : below_[1])
-        for (const auto* list : { &at(number).own, &at(number).closed })
+    for (const std::int32_t number : numbers) {
+        const Front& front = fronts_[static_cast<std::size_t>(number)];
+        for (const auto* list : { &front.own, &front.closed })
             for (const VertexId v : *list) {
                 apart.middleRows(3 * v, 3) = x.middleRows(3 * v, 3);
                 x.middleRows(3 * v, 3).setZero();
             }
+    }
+    return apart;
+}
+
+Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& load) const
+{
+    RETRACTOR_ASSERT(touched_.empty());
+    RETRACTOR_ASSERT(load.rows() == 3 * static_cast<Eigen::Index>(part_.size()));
+    Eigen::MatrixXd x = load;
+    std::vector<Eigen::MatrixXd> condensed(fronts_.size()); // of leaves with loads on closed vertices
+    // Both groups subtract from the fronts above; the second group does so in a field of its own.
+    Eigen::MatrixXd apart = moved_apart(below_[1], x);
     {
-        const ScopedThread other([&] { down(below_[1], apart); });
-        down(below_[0], x);
+        const ScopedThread other([&] { reduce(below_[1], apart, condensed); });
+        reduce(below_[0], x, condensed);
     }
     x += apart;
-    down(above_, x);
+    reduce(above_, x, condensed);
     for (const VertexId v : held_)
         x.middleRows(3 * v, 3).setZero();
-    up(above_);
-    const ScopedThread other([&] { up(below_[1]); });
-    up(below_[0]);
+    fill(above_, condensed, x);
+    const ScopedThread other([&] { fill(below_[1], condensed, x); });
+    fill(below_[0], condensed, x);
     return x;
 }
 

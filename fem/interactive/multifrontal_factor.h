@@ -104,6 +104,13 @@ private:
     void collect(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& active, std::int32_t number,
         std::vector<std::int32_t>& place);
     void share_out();
+    static void reduce_closed(const Front& front, Eigen::MatrixXd& y, Eigen::MatrixXd& inside);
+    void reduce(
+        const std::vector<std::int32_t>& numbers, Eigen::MatrixXd& y, std::vector<Eigen::MatrixXd>& condensed) const;
+    static void fill_closed(const Front& front, const Eigen::MatrixXd& reduced, Eigen::MatrixXd& x);
+    void fill(const std::vector<std::int32_t>& numbers, const std::vector<Eigen::MatrixXd>& condensed,
+        Eigen::MatrixXd& x) const;
+    Eigen::MatrixXd moved_apart(const std::vector<std::int32_t>& numbers, Eigen::MatrixXd& x) const;
 
     std::vector<Front> fronts_; ///< parents come first
     std::vector<std::int32_t> part_; ///< front of each vertex id, or -1

@@ -1,5 +1,6 @@
 #include "fem/interactive/multifrontal_wound_solver.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <utility>
@@ -47,6 +48,8 @@ Eigen::VectorXd MultifrontalWoundSolver::correction(const Eigen::VectorXd& resid
 NearAnswer MultifrontalWoundSolver::solve_under(
     const Eigen::VectorXd& load, const Eigen::MatrixXd& hook_displacement) const
 {
+    RETRACTOR_ASSERT(ready_);
+    RETRACTOR_ASSERT(hook_displacement.rows() == 3 * static_cast<Eigen::Index>(body_.hooks.size()));
     const Eigen::Index cases = hook_displacement.cols(), rows = 3 * static_cast<Eigen::Index>(body_.K.slot_count());
     Eigen::MatrixXd b = Eigen::MatrixXd::Zero(rows, cases);
     if (load.size() != 0)

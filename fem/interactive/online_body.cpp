@@ -1,6 +1,7 @@
 #include "fem/interactive/online_body.h"
 
 #include "fem/model/floating_components.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -256,6 +257,7 @@ std::string loose_piece(const OnlineBody& body)
 
 Eigen::VectorXd on_free(const OnlineBody& body, Eigen::VectorXd by_id)
 {
+    RETRACTOR_ASSERT(by_id.size() == 3 * static_cast<Eigen::Index>(body.K.slot_count()));
     for (std::size_t v = 0; v < body.fixed.size(); ++v)
         if (body.fixed[v] != 0)
             by_id.segment<3>(3 * static_cast<Eigen::Index>(v)).setZero();
@@ -266,6 +268,7 @@ Eigen::VectorXd on_free(const OnlineBody& body, Eigen::VectorXd by_id)
 
 Eigen::VectorXd right_side(const OnlineBody& body, const Eigen::VectorXd& hook_displacement)
 {
+    RETRACTOR_ASSERT(hook_displacement.size() == 3 * static_cast<Eigen::Index>(body.hooks.size()));
     Eigen::VectorXd b
         = body.K.loaded() ? body.K.load() : Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(body.K.slot_count()));
     for (const HeldVertex& h : body.held)
@@ -285,6 +288,7 @@ Eigen::VectorXd imbalance(const OnlineBody& body, const Eigen::VectorXd& displac
 
 std::vector<Vec3> hook_forces(const OnlineBody& body, const Eigen::VectorXd& imbalance_of_all)
 {
+    RETRACTOR_ASSERT(imbalance_of_all.size() == 3 * static_cast<Eigen::Index>(body.K.slot_count()));
     std::vector<Vec3> forces(body.hooks.size(), Vec3::Zero());
     for (const HeldVertex& h : body.held)
         forces[static_cast<std::size_t>(h.hook)] -= imbalance_of_all.segment<3>(3 * h.vertex);

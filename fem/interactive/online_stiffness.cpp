@@ -2,6 +2,7 @@
 
 #include "fem/element/corner_gradients.h"
 #include "fem/linear_algebra/parallel.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
 
@@ -29,19 +30,6 @@ namespace {
                 block[3 * i + j] += (direct + crossed) + (i == j ? both : 0.0);
             }
     }
-
-    /// Runs f(begin, end) over a range, as two halves on two threads where the range is long enough.
-    template <class F> void on_two_cores(std::size_t count, std::size_t worth_a_thread, const F& f)
-    {
-        if (count < worth_a_thread) {
-            f(std::size_t { 0 }, count);
-            return;
-        }
-        const std::size_t middle = count / 2;
-        const ScopedThread second([&] { f(middle, count); });
-        f(std::size_t { 0 }, middle);
-    }
-    constexpr std::size_t kRowsWorthAThread = 2000; // starting a thread takes as long as some hundred rows
 
     std::string element_name(TetId t) { return "element " + std::to_string(t); }
     std::string vertex_name(VertexId v) { return "vertex " + std::to_string(v); }
@@ -85,7 +73,7 @@ OnlineStiffness::OnlineStiffness(const mesh::CutSession& session, std::span<cons
             tet.nodes[a] = map.vertex_slot[static_cast<std::size_t>(mesh.tet(t)[a])];
         add_tet(tet);
     }
-    on_two_cores(rows_.size(), kRowsWorthAThread, [&](std::size_t begin, std::size_t end) {
+    parallel_halves(rows_.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
             make_pattern(static_cast<VertexId>(v));
             sum_row(static_cast<VertexId>(v));
@@ -335,7 +323,7 @@ void OnlineStiffness::sum_row(VertexId v)
 
 void OnlineStiffness::assemble()
 {
-    on_two_cores(rows_.size(), kRowsWorthAThread, [&](std::size_t begin, std::size_t end) {
+    parallel_halves(rows_.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v)
             sum_row(static_cast<VertexId>(v));
     });
@@ -343,8 +331,9 @@ void OnlineStiffness::assemble()
 
 Eigen::VectorXd OnlineStiffness::multiply(const Eigen::VectorXd& x) const
 {
+    RETRACTOR_ASSERT(x.size() == 3 * static_cast<Eigen::Index>(rows_.size()));
     Eigen::VectorXd y(x.size());
-    on_two_cores(rows_.size(), kRowsWorthAThread, [&](std::size_t begin, std::size_t end) {
+    parallel_halves(rows_.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
             const Row& row = rows_[v];
             double sum[3] = { 0.0, 0.0, 0.0 };
@@ -364,10 +353,11 @@ Eigen::VectorXd OnlineStiffness::multiply(const Eigen::VectorXd& x) const
 
 Eigen::MatrixXd OnlineStiffness::multiply(const Eigen::MatrixXd& x) const
 {
+    RETRACTOR_ASSERT(x.rows() == 3 * static_cast<Eigen::Index>(rows_.size()));
     // The cases of one unknown lie side by side, so that each block is read once for all cases.
     const Eigen::MatrixXd in = x.transpose();
     Eigen::MatrixXd out(in.rows(), in.cols());
-    on_two_cores(rows_.size(), kRowsWorthAThread, [&](std::size_t begin, std::size_t end) {
+    parallel_halves(rows_.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
         Eigen::Matrix<double, Eigen::Dynamic, 3> sum(in.rows(), 3);
         for (std::size_t v = begin; v < end; ++v) {
             const Row& row = rows_[v];

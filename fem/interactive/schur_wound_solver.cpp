@@ -1,6 +1,7 @@
 #include "fem/interactive/schur_wound_solver.h"
 
 #include "fem/linear_algebra/dense_algebra.h"
+#include "mesh/base/assert.h"
 
 #include <algorithm>
 #include <limits>
@@ -310,6 +311,7 @@ std::string SchurWoundSolver::route() const
 
 Eigen::VectorXd SchurWoundSolver::grown(const Eigen::VectorXd& by_id) const
 {
+    RETRACTOR_ASSERT(by_id.size() <= rows_of(body_.K.slot_count()));
     Eigen::VectorXd v = Eigen::VectorXd::Zero(rows_of(body_.K.slot_count()));
     v.head(by_id.size()) = by_id;
     return v;
@@ -374,6 +376,8 @@ Eigen::VectorXd SchurWoundSolver::correction(const Eigen::VectorXd& residual) co
 /// @param load by vertex id, the same in all cases, on vertices near the wound; empty: none
 NearAnswer SchurWoundSolver::solve_under(const Eigen::VectorXd& load, const Eigen::MatrixXd& hook_displacement) const
 {
+    RETRACTOR_ASSERT(ready());
+    RETRACTOR_ASSERT(hook_displacement.rows() == rows_of(body_.hooks.size()));
     const Eigen::Index cases = hook_displacement.cols();
     const NearLoads loads = near_loads(load, cases);
     const LocalSystem::Solution solution = local_->solve(

@@ -1,5 +1,7 @@
 #include "fem/interactive/vertex_matrix.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -55,6 +57,7 @@ SparseMatrix vertex_matrix(
 std::vector<std::int32_t> condensing_order(const RowOf& row, const std::vector<VertexId>& vertices,
     const std::function<std::int32_t(VertexId)>& number, std::size_t kept_from, Ordering ordering)
 {
+    RETRACTOR_ASSERT(kept_from <= vertices.size());
     std::vector<std::int32_t> order;
     order.reserve(3 * vertices.size());
     const auto add = [&](std::int32_t vertex) {

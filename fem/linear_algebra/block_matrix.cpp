@@ -1,5 +1,6 @@
 #include "fem/linear_algebra/block_matrix.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/geometry.h"
 
 #include <algorithm>
@@ -93,6 +94,8 @@ std::vector<std::int32_t> element_block_map(const mesh::TetMesh& mesh, const Blo
 
 Eigen::VectorXd BlockMatrix::multiply(const Eigen::VectorXd& x) const
 {
+    RETRACTOR_ASSERT(x.size() == static_cast<Eigen::Index>(3 * pattern.row_count()));
+    RETRACTOR_ASSERT(values.size() == 9 * pattern.block_count());
     Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
     for (std::size_t row = 0; row < pattern.row_count(); ++row) {
         const auto r = static_cast<Eigen::Index>(3 * row);

@@ -1,5 +1,6 @@
 #include "fem/linear_algebra/constrained_solver.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -12,6 +13,7 @@ namespace retractor::fem {
 ConstrainedSolver::ConstrainedSolver(const BlockPattern& pattern, std::vector<std::uint8_t> prescribed)
     : prescribed_(std::move(prescribed))
 {
+    RETRACTOR_ASSERT(prescribed_.size() == 3 * pattern.row_count());
     std::vector<std::int32_t> number(prescribed_.size(), -1);
     SymmetricPattern upper;
     upper.column_start.push_back(0);
@@ -41,6 +43,7 @@ ConstrainedSolver::ConstrainedSolver(const BlockPattern& pattern, std::vector<st
 
 void ConstrainedSolver::factorise(const BlockMatrix& K)
 {
+    RETRACTOR_ASSERT(K.values.size() == 9 * K.pattern.block_count());
     if (free_.empty())
         return;
     for (std::size_t i = 0; i < value_source_.size(); ++i)
@@ -60,6 +63,7 @@ Eigen::VectorXd ConstrainedSolver::solve(const Eigen::VectorXd& b) { return solv
 
 Eigen::MatrixXd ConstrainedSolver::solve_all(const Eigen::MatrixXd& b)
 {
+    RETRACTOR_ASSERT(b.rows() == static_cast<Eigen::Index>(prescribed_.size()));
     if (free_.empty())
         return Eigen::MatrixXd::Zero(b.rows(), b.cols());
     Eigen::MatrixXd packed(static_cast<Eigen::Index>(free_.size()), b.cols());
@@ -137,6 +141,7 @@ ConstrainedSolver::Iterated ConstrainedSolver::iterate(
 
 void ConstrainedSolver::mask(Eigen::VectorXd& vector) const
 {
+    RETRACTOR_ASSERT(vector.size() == static_cast<Eigen::Index>(prescribed_.size()));
     for (std::size_t i = 0; i < prescribed_.size(); ++i)
         if (prescribed_[i] != 0)
             vector[static_cast<Eigen::Index>(i)] = 0.0;

@@ -2,6 +2,7 @@
 
 #include "fem/linear_algebra/blas_threads.h"
 #include "fem/linear_algebra/parallel.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <cblas.h>
@@ -64,6 +65,7 @@ Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b)
     Eigen::MatrixXd c = Eigen::MatrixXd::Zero(a.rows(), b.cols());
     if (a.size() == 0 || b.size() == 0)
         return c;
+    RETRACTOR_ASSERT(a.cols() == b.rows());
     if (b.cols() == 1)
         cblas_dgemv(CblasColMajor, CblasNoTrans, size(a.rows()), size(a.cols()), 1.0, a.data(), size(a.rows()),
             b.data(), 1, 0.0, c.data(), 1);
@@ -89,6 +91,7 @@ Eigen::MatrixXd product_transposed(const Eigen::MatrixXd& a, const Eigen::Matrix
     Eigen::MatrixXd c = Eigen::MatrixXd::Zero(a.cols(), b.cols());
     if (a.size() == 0 || b.size() == 0)
         return c;
+    RETRACTOR_ASSERT(a.rows() == b.rows());
     if (b.cols() == 1)
         cblas_dgemv(CblasColMajor, CblasTrans, size(a.rows()), size(a.cols()), 1.0, a.data(), size(a.rows()), b.data(),
             1, 0.0, c.data(), 1);
@@ -101,6 +104,7 @@ Eigen::MatrixXd product_transposed(const Eigen::MatrixXd& a, const Eigen::Matrix
 Eigen::MatrixXd times_own_transpose(const Eigen::MatrixXd& lower)
 {
     const Eigen::Index n = lower.rows();
+    RETRACTOR_ASSERT(lower.cols() == n);
     Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n, n);
     // A tile of L L^T needs only the columns of L up to its last row. All tiles together take a third of a full
     // product.
@@ -130,6 +134,7 @@ Eigen::MatrixXd times_own_transpose(const Eigen::MatrixXd& lower)
 
 void copy_lower(const Eigen::MatrixXd& from, const std::vector<std::int32_t>& rows, Eigen::Ref<Eigen::MatrixXd> to)
 {
+    RETRACTOR_ASSERT(to.cols() == static_cast<Eigen::Index>(rows.size()) && to.rows() == to.cols());
     struct Run { // consecutive rows, copied together
         Eigen::Index at, from, length;
     };
@@ -162,6 +167,7 @@ void subtract_lower_product(
     constexpr Eigen::Index kColumns = 96;
     if (b.cols() == 0 || n == 0)
         return;
+    RETRACTOR_ASSERT(a.cols() == n && b.rows() == n && c.rows() == n && b.cols() == c.cols());
     const auto columns = [&](Eigen::Index from, Eigen::Index to) {
         for (Eigen::Index j = from; j < to; j += kColumns)
             cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, size(n - j), size(std::min(kColumns, to - j)),
@@ -221,6 +227,7 @@ bool cholesky(Eigen::MatrixXd& a)
 {
     if (a.size() == 0)
         return true;
+    RETRACTOR_ASSERT(a.rows() == a.cols());
     constexpr Eigen::Index kPanel = 192;
     const int n = size(a.rows());
     int info = 0;
@@ -316,6 +323,7 @@ DenseLu::DenseLu(Eigen::MatrixXd a)
     , exchanges_(static_cast<std::size_t>(lu_.rows()))
     , rcond_(1.0)
 {
+    RETRACTOR_ASSERT(lu_.rows() == lu_.cols());
     if (lu_.size() == 0)
         return;
     const int n = size(lu_.rows());
@@ -334,6 +342,7 @@ void DenseLu::solve(Eigen::MatrixXd& b) const
 {
     if (b.size() == 0)
         return;
+    RETRACTOR_ASSERT(b.rows() == lu_.rows());
     const int n = size(lu_.rows()), cases = size(b.cols());
     int info = 0;
     dgetrs_("N", &n, &cases, lu_.data(), &n, exchanges_.data(), b.data(), &n, &info);

@@ -3,6 +3,7 @@
 #include "fem/linear_algebra/blas_threads.h"
 #include "fem/linear_algebra/dense_algebra.h"
 #include "fem/linear_algebra/parallel.h"
+#include "mesh/base/assert.h"
 
 #include <cblas.h>
 
@@ -181,6 +182,8 @@ namespace {
 PartialFactor factor_before(const Supernodes& f, double* x, Eigen::Index end, const SymmetricPattern& pattern,
     const std::vector<std::int32_t>& place, const std::vector<double>& values)
 {
+    RETRACTOR_ASSERT(end >= 0 && end <= f.size);
+    RETRACTOR_ASSERT(place.size() == static_cast<std::size_t>(f.size) && values.size() == pattern.row.size());
     Fronts fronts(f, x, end, columns_before(end, pattern, place, values));
     PartialFactor partial;
     partial.stopped_at = fronts.factor_all();

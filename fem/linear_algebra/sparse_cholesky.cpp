@@ -4,6 +4,7 @@
 #include "fem/linear_algebra/parallel.h"
 #include "fem/linear_algebra/partial_factor.h"
 #include "fem/linear_algebra/supernodes.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <cblas.h>
@@ -127,6 +128,26 @@ namespace {
         all_of(parts.above, y, beyond);
     }
 
+    Eigen::MatrixXd in_elimination_order(const Eigen::MatrixXd& x, const cholmod_factor& factor)
+    {
+        const auto* order = static_cast<const int*>(factor.Perm);
+        Eigen::MatrixXd ordered(static_cast<Eigen::Index>(factor.n), x.cols());
+        for (Eigen::Index c = 0; c < ordered.cols(); ++c)
+            for (Eigen::Index i = 0; i < ordered.rows(); ++i)
+                ordered(i, c) = x(order[i], c);
+        return ordered;
+    }
+
+    Eigen::MatrixXd in_matrix_order(const Eigen::MatrixXd& ordered, const cholmod_factor& factor)
+    {
+        const auto* order = static_cast<const int*>(factor.Perm);
+        Eigen::MatrixXd x(ordered.rows(), ordered.cols());
+        for (Eigen::Index c = 0; c < ordered.cols(); ++c)
+            for (Eigen::Index i = 0; i < ordered.rows(); ++i)
+                x(order[i], c) = ordered(i, c);
+        return x;
+    }
+
     /// The supernodes of these unknowns and all their ancestors, rising.
     std::vector<std::int32_t> reached_from(const Supernodes& f, const std::vector<Eigen::Index>& unknowns)
     {
@@ -146,6 +167,7 @@ namespace {
 
 std::vector<std::int32_t> bisect(const SymmetricPattern& graph, const std::vector<std::int32_t>& weight)
 {
+    RETRACTOR_ASSERT(weight.size() == static_cast<std::size_t>(graph.size()));
     cholmod_common common {};
     cholmod_start(&common);
     common.print = 0;
@@ -298,6 +320,7 @@ void SparseCholesky::analyse_in_order(SymmetricPattern pattern, std::vector<std:
 
 std::vector<std::int32_t> SparseCholesky::elimination_order() const
 {
+    RETRACTOR_ASSERT(analysed());
     const auto* first = static_cast<const int*>(state_->factor->Perm);
     return { first, first + state_->factor->n };
 }
@@ -305,6 +328,8 @@ std::vector<std::int32_t> SparseCholesky::elimination_order() const
 void SparseCholesky::factorise(const std::vector<double>& values)
 {
     State& s = *state_;
+    RETRACTOR_ASSERT(analysed());
+    RETRACTOR_ASSERT(values.size() == s.pattern.row.size()); // keep_factor_only() deletes the pattern
     s.factorised = false;
     s.failed = -1;
     s.check(values);
@@ -328,27 +353,25 @@ std::int32_t SparseCholesky::failed_unknown() const { return state_->failed; }
 Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& right_sides) const
 {
     const Supernodes f(*state_->factor);
-    const auto* order = static_cast<const int*>(state_->factor->Perm);
-    Eigen::MatrixXd ordered(f.size, right_sides.cols());
-    for (Eigen::Index c = 0; c < ordered.cols(); ++c)
-        for (Eigen::Index i = 0; i < f.size; ++i)
-            ordered(i, c) = right_sides(order[i], c);
+    RETRACTOR_ASSERT(state_->factorised);
+    RETRACTOR_ASSERT(right_sides.rows() == f.size);
+    Eigen::MatrixXd ordered = in_elimination_order(right_sides, *state_->factor);
     const TwoParts parts = two_parts(f, f.size);
     forward(f, parts, ordered);
     backward(f, parts, f.size, ordered);
-    Eigen::MatrixXd x(f.size, ordered.cols());
-    for (Eigen::Index c = 0; c < ordered.cols(); ++c)
-        for (Eigen::Index i = 0; i < f.size; ++i)
-            x(order[i], c) = ordered(i, c);
-    return x;
+    return in_matrix_order(ordered, *state_->factor);
 }
 
 SparseCholesky::HalfSolution SparseCholesky::half_solve(std::span<const Load> loads, Eigen::Index columns) const
 {
     const Supernodes f(*state_->factor);
     std::vector<Eigen::Index> loaded; // positions in the order of elimination
-    for (const Load& load : loads)
+    RETRACTOR_ASSERT(state_->factorised);
+    for (const Load& load : loads) {
+        RETRACTOR_ASSERT(load.unknown >= 0 && load.unknown < f.size);
+        RETRACTOR_ASSERT(load.column >= 0 && load.column < columns);
         loaded.push_back(state_->place[static_cast<std::size_t>(load.unknown)]);
+    }
     HalfSolution half;
     half.supernodes = reached_from(f, loaded);
     for (const std::int32_t s : half.supernodes)
@@ -403,22 +426,22 @@ Eigen::MatrixXd SparseCholesky::product(const HalfSolution& a, const HalfSolutio
 Eigen::MatrixXd SparseCholesky::finish(const HalfSolution& half) const
 {
     const Supernodes f(*state_->factor);
-    const auto* order = static_cast<const int*>(state_->factor->Perm);
+    RETRACTOR_ASSERT(state_->factorised);
+    RETRACTOR_ASSERT(half.start.size() == half.supernodes.size() + 1);
     Eigen::MatrixXd ordered = Eigen::MatrixXd::Zero(f.size, half.values.cols());
     for (std::size_t i = 0; i < half.supernodes.size(); ++i)
         ordered.middleRows(f.first[half.supernodes[i]], half.start[i + 1] - half.start[i])
             = half.values.middleRows(half.start[i], half.start[i + 1] - half.start[i]);
     backward(f, two_parts(f, f.size), f.size, ordered);
-    Eigen::MatrixXd x(f.size, ordered.cols());
-    for (Eigen::Index c = 0; c < ordered.cols(); ++c)
-        for (Eigen::Index i = 0; i < f.size; ++i)
-            x(order[i], c) = ordered(i, c);
-    return x;
+    return in_matrix_order(ordered, *state_->factor);
 }
 
 Eigen::MatrixXd SparseCholesky::condense(const std::vector<double>& values, Eigen::Index count)
 {
     State& s = *state_;
+    RETRACTOR_ASSERT(analysed());
+    RETRACTOR_ASSERT(values.size() == s.pattern.row.size());
+    RETRACTOR_ASSERT(count >= 0 && count <= static_cast<Eigen::Index>(s.pattern.size()));
     s.factorised = false;
     s.failed = -1;
     s.check(values);
@@ -441,6 +464,8 @@ Eigen::MatrixXd SparseCholesky::condense(const std::vector<double>& values, Eige
 Eigen::MatrixXd SparseCholesky::trailing_factor(Eigen::Index count) const
 {
     const Supernodes f(*state_->factor);
+    RETRACTOR_ASSERT(state_->factorised);
+    RETRACTOR_ASSERT(count >= 0 && count <= f.size);
     const Eigen::Index first = f.size - count;
     Eigen::MatrixXd L = Eigen::MatrixXd::Zero(count, count);
     for (std::size_t s = 0; s < f.count; ++s)
@@ -452,49 +477,36 @@ Eigen::MatrixXd SparseCholesky::trailing_factor(Eigen::Index count) const
 
 void SparseCholesky::fill_from_trailing(Eigen::Index count, Eigen::MatrixXd& x) const
 {
-    const Supernodes f(*state_->factor);
-    const Eigen::Index given = f.size - count, cases = x.cols();
+    const auto n = static_cast<Eigen::Index>(state_->factor->n);
+    RETRACTOR_ASSERT(count >= 0 && count <= n && x.rows() == n);
     const auto* order = static_cast<const int*>(state_->factor->Perm);
-    Eigen::MatrixXd ordered(f.size, cases);
-    ordered.topRows(given).setZero();
-    for (Eigen::Index c = 0; c < cases; ++c)
-        for (Eigen::Index i = given; i < f.size; ++i)
-            ordered(i, c) = x(order[i], c);
-    backward(f, two_parts(f, given), given, ordered);
-    for (Eigen::Index c = 0; c < cases; ++c)
-        for (Eigen::Index i = 0; i < given; ++i)
-            x(order[i], c) = ordered(i, c);
+    for (Eigen::Index c = 0; c < x.cols(); ++c)
+        for (Eigen::Index i = 0; i < n - count; ++i)
+            x(order[i], c) = 0.0;
+    fill_from_trailing_loaded(count, x);
 }
 
 void SparseCholesky::reduce_to_trailing(Eigen::Index count, Eigen::MatrixXd& x) const
 {
     const Supernodes f(*state_->factor);
+    RETRACTOR_ASSERT(f.values != nullptr && x.rows() == f.size);
+    RETRACTOR_ASSERT(count >= 0 && count <= f.size);
     const Eigen::Index end = f.size - count;
-    const auto* order = static_cast<const int*>(state_->factor->Perm);
-    Eigen::MatrixXd ordered(f.size, x.cols()), beyond(f.most_rows, x.cols());
-    for (Eigen::Index c = 0; c < x.cols(); ++c)
-        for (Eigen::Index i = 0; i < f.size; ++i)
-            ordered(i, c) = x(order[i], c);
+    Eigen::MatrixXd ordered = in_elimination_order(x, *state_->factor), beyond(f.most_rows, x.cols());
     for (std::size_t s = 0; s < f.count && f.first[s] < end; ++s)
         forward(f, s, std::min<Eigen::Index>(f.columns(s), end - f.first[s]), f.first[s], in_order, ordered, beyond);
-    for (Eigen::Index c = 0; c < x.cols(); ++c)
-        for (Eigen::Index i = 0; i < f.size; ++i)
-            x(order[i], c) = ordered(i, c);
+    x = in_matrix_order(ordered, *state_->factor);
 }
 
 void SparseCholesky::fill_from_trailing_loaded(Eigen::Index count, Eigen::MatrixXd& x) const
 {
     const Supernodes f(*state_->factor);
+    RETRACTOR_ASSERT(f.values != nullptr && x.rows() == f.size);
+    RETRACTOR_ASSERT(count >= 0 && count <= f.size);
     const Eigen::Index given = f.size - count;
-    const auto* order = static_cast<const int*>(state_->factor->Perm);
-    Eigen::MatrixXd ordered(f.size, x.cols());
-    for (Eigen::Index c = 0; c < x.cols(); ++c)
-        for (Eigen::Index i = 0; i < f.size; ++i)
-            ordered(i, c) = x(order[i], c);
+    Eigen::MatrixXd ordered = in_elimination_order(x, *state_->factor);
     backward(f, two_parts(f, given), given, ordered);
-    for (Eigen::Index c = 0; c < x.cols(); ++c)
-        for (Eigen::Index i = 0; i < given; ++i)
-            x(order[i], c) = ordered(i, c);
+    x = in_matrix_order(ordered, *state_->factor);
 }
 
 void SparseCholesky::keep_factor_only()

@@ -1,5 +1,7 @@
 #include "fem/linear_algebra/supernodes.h"
 
+#include "mesh/base/assert.h"
+
 #include <cholmod.h>
 
 namespace retractor::fem {
@@ -19,6 +21,7 @@ Supernodes::Supernodes(const cholmod_factor_struct& factor)
 
 TwoParts two_parts(const Supernodes& f, Eigen::Index given)
 {
+    RETRACTOR_ASSERT(given >= 0 && given <= f.size);
     constexpr double kMuch = 1.0 / 12.0;
     std::vector<std::int32_t> parent(f.count, -1);
     std::vector<double> entries(f.count, 0.0); // number of factor entries per subtree

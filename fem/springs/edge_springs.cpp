@@ -1,6 +1,7 @@
 #include "fem/springs/edge_springs.h"
 
 #include "fem/element/corner_gradients.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
 
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <string>
 
@@ -76,6 +76,13 @@ namespace {
         ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
     }
 
+    void check_finite(std::span<const Mat3> stresses)
+    {
+        for (std::size_t t = 0; t < stresses.size(); ++t)
+            if (!stresses[t].allFinite())
+                throw InputError("the pre-stress is not finite", "element " + std::to_string(t));
+    }
+
 } // namespace
 
 const std::array<Vec3, 6>& brace_axes()
@@ -118,16 +125,19 @@ ElementSprings element_springs(const std::array<Vec3, 4>& x, double youngs_modul
     return springs;
 }
 
-SpringNetwork::SpringNetwork(const mesh::TetMesh& mesh, std::span<const Material> material_of_label,
-    std::span<const Mat3> stress_of_element, SpringOptions options)
-    : options_(options)
-    , materials_(material_of_label.begin(), material_of_label.end())
+SpringNetwork::SpringNetwork(
+    const mesh::TetMesh& mesh, std::span<const Material> material_of_label, std::span<const Mat3> stress_of_element)
+    : materials_(material_of_label.begin(), material_of_label.end())
     , stress_of_origin_(stress_of_element.begin(), stress_of_element.end())
 {
     mesh::check_mesh(mesh);
     if (mesh.nodes_per_tet != 4)
         throw InputError("springs lie on the edges of four-node elements", "nodes_per_tet");
-    check_options(stress_of_element, mesh.tet_count());
+    if (!stress_of_element.empty() && stress_of_element.size() != mesh.tet_count())
+        throw InputError("there must be one pre-stress per element: " + std::to_string(stress_of_element.size())
+                + " for " + std::to_string(mesh.tet_count()),
+            "pre-stress");
+    check_finite(stress_of_element);
     make_room(mesh.vertex_count(), mesh.tet_count());
     rest_ = mesh.vertices;
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
@@ -139,14 +149,13 @@ SpringNetwork::SpringNetwork(const mesh::TetMesh& mesh, std::span<const Material
 }
 
 SpringNetwork::SpringNetwork(const mesh::CutSession& session, std::span<const Material> material_of_label,
-    std::span<const Mat3> stress_of_element, SpringOptions options)
-    : options_(options)
-    , materials_(material_of_label.begin(), material_of_label.end())
+    std::span<const Mat3> stress_of_element)
+    : materials_(material_of_label.begin(), material_of_label.end())
     , stress_of_origin_(stress_of_element.begin(), stress_of_element.end())
 {
     mesh::SlotMap map;
     const mesh::TetMesh mesh = session.compact_mesh(&map);
-    check_options(stress_of_element, stress_of_element.size());
+    check_finite(stress_of_element);
     make_room(map.compact_vertex.size(), map.compact_tet.size());
     for (std::size_t v = 0; v < map.vertex_slot.size(); ++v)
         rest_.row(map.vertex_slot[v]) = mesh.vertices.row(static_cast<Eigen::Index>(v));
@@ -160,19 +169,6 @@ SpringNetwork::SpringNetwork(const mesh::CutSession& session, std::span<const Ma
     for (VertexId v = 0; v < static_cast<VertexId>(rows_.size()); ++v)
         sum_row(v);
     set_wound(session.lips());
-}
-
-void SpringNetwork::check_options(std::span<const Mat3> stresses, std::size_t elements) const
-{
-    if (!(options_.calibration > 0.0 && std::isfinite(options_.calibration)))
-        throw InputError("the calibration of springs must be a positive number", "calibration");
-    if (!stresses.empty() && stresses.size() != elements)
-        throw InputError("there must be one pre-stress per element: " + std::to_string(stresses.size()) + " for "
-                + std::to_string(elements),
-            "pre-stress");
-    for (std::size_t t = 0; t < stresses.size(); ++t)
-        if (!stresses[t].allFinite())
-            throw InputError("the pre-stress is not finite", "element " + std::to_string(t));
 }
 
 void SpringNetwork::make_room(std::size_t vertices, std::size_t tets)
@@ -192,8 +188,6 @@ void SpringNetwork::make_room(std::size_t vertices, std::size_t tets)
         around_.resize(vertices);
         rows_.resize(vertices);
         release_.resize(vertices, Vec3::Zero());
-        for (std::size_t v = old; v < vertices; ++v)
-            identity_.push_back(new_identity());
     }
     if (tets > tets_.size())
         tets_.resize(tets);
@@ -234,9 +228,9 @@ void SpringNetwork::measure(TetId id)
     tet.volume = mesh::tet_volume(x[0], x[1], x[2], x[3]);
     if (!(tet.volume > 0.0))
         throw InputError("an element has no volume", "element " + std::to_string(id));
-    const double modulus = options_.calibration * materials_[tet.label].youngs_modulus_MPa;
     static const Mat3 kNone = Mat3::Zero();
-    tet.springs = element_springs(x, modulus, stress_of_origin_.empty() ? kNone : stress_of_origin_[at(tet.origin)]);
+    tet.springs = element_springs(x, materials_[tet.label].youngs_modulus_MPa,
+        stress_of_origin_.empty() ? kNone : stress_of_origin_[at(tet.origin)]);
 }
 
 void SpringNetwork::sum_row(VertexId v)
@@ -266,27 +260,16 @@ void SpringNetwork::sum_row(VertexId v)
     }
 }
 
-SpringNetwork::Identity SpringNetwork::new_identity()
-{
-    ++last_identity_;
-    return { last_identity_, last_identity_ };
-}
-
 void SpringNetwork::take_in(const mesh::MeshDelta::VertexBorn& born)
 {
     rest_.row(born.id) = born.position.transpose();
-    identity_[at(born.id)] = new_identity();
     if (born.origin == mesh::MeshDelta::Origin::restored) {
-        if (const std::optional<Ablated> kept = ablated_.give_back(born.id)) {
-            fixed_[at(born.id)] = kept->fixed;
-            identity_[at(born.id)] = kept->identity;
-        }
+        if (const std::optional<std::uint8_t> axes = ablated_fixed_.give_back(born.id))
+            fixed_[at(born.id)] = *axes;
         return;
     }
     displacement_.row(born.id) = (1.0 - born.t) * displacement_.row(born.a) + born.t * displacement_.row(born.b);
     fixed_[at(born.id)] = static_cast<std::uint8_t>(fixed_axes(born.a) & fixed_axes(born.b));
-    if (born.origin == mesh::MeshDelta::Origin::copy)
-        identity_[at(born.id)].original = identity_[at(born.a)].original;
 }
 
 void SpringNetwork::apply(const mesh::MeshDelta& delta)
@@ -321,11 +304,10 @@ void SpringNetwork::apply(const mesh::MeshDelta& delta)
     }
     for (const mesh::MeshDelta::VertexBorn& gone : delta.vertices_gone) {
         if (gone.origin == mesh::MeshDelta::Origin::restored)
-            ablated_.keep(gone.id, { fixed_[at(gone.id)], identity_[at(gone.id)] });
+            ablated_fixed_.keep(gone.id, fixed_[at(gone.id)]);
         displacement_.row(gone.id).setZero();
         rest_.row(gone.id).setZero();
         fixed_[at(gone.id)] = 0;
-        identity_[at(gone.id)] = {};
     }
     sort_unique(touched);
     for (const VertexId v : touched)
@@ -374,6 +356,7 @@ void SpringNetwork::fix(std::span<const VertexId> vertices, unsigned axes)
 
 void SpringNetwork::place(VertexId v, const Vec3& displacement)
 {
+    RETRACTOR_ASSERT(v >= 0 && at(v) < rows_.size());
     for (int axis = 0; axis < 3; ++axis)
         if ((fixed_axes(v) >> axis & 1U) == 0)
             displacement_(v, axis) = displacement[axis];
@@ -391,29 +374,6 @@ void SpringNetwork::set_displacement(const Points& displacement)
         place(v, displacement.row(v).transpose());
 }
 
-std::vector<std::pair<VertexId, VertexId>> SpringNetwork::copies() const
-{
-    std::map<std::uint32_t, VertexId> oldest; // oldest living vertex by the original's identity
-    const auto is_copy = [](const Identity& identity) { return identity.own != identity.original; };
-    for (VertexId v = 0; v < static_cast<VertexId>(identity_.size()); ++v)
-        if (is_copy(identity_[at(v)])) {
-            VertexId& first = oldest.try_emplace(identity_[at(v)].original, v).first->second;
-            if (identity_[at(v)].own < identity_[at(first)].own)
-                first = v;
-        }
-    if (oldest.empty())
-        return {};
-    for (VertexId v = 0; v < static_cast<VertexId>(identity_.size()); ++v)
-        if (!is_copy(identity_[at(v)]))
-            if (const auto family = oldest.find(identity_[at(v)].own); family != oldest.end())
-                family->second = v;
-    std::vector<std::pair<VertexId, VertexId>> pairs;
-    for (VertexId v = 0; v < static_cast<VertexId>(identity_.size()); ++v)
-        if (is_copy(identity_[at(v)]) && oldest.at(identity_[at(v)].original) != v)
-            pairs.emplace_back(oldest.at(identity_[at(v)].original), v);
-    return pairs;
-}
-
 std::size_t SpringNetwork::spring_count() const
 {
     std::size_t ends = 0;
@@ -424,22 +384,13 @@ std::size_t SpringNetwork::spring_count() const
 
 double SpringNetwork::crush_stiffness(TetId t) const
 {
-    return kSpringCrushPenalty * options_.calibration * materials_[tets_[at(t)].label].youngs_modulus_MPa;
+    return kSpringCrushPenalty * materials_[tets_[at(t)].label].youngs_modulus_MPa;
 }
 
 std::size_t SpringNetwork::bytes() const
 {
     return spring_count() * 2 * sizeof(SpringEnd) + tets_.size() * (sizeof(Tet) + 4 * sizeof(TetId))
         + rows_.size() * (12 * sizeof(double) + 2 * sizeof(std::vector<TetId>));
-}
-
-double widest_gape(const SpringNetwork& network)
-{
-    const Points now = network.positions();
-    double widest = 0.0;
-    for (const auto& [a, b] : network.copies())
-        widest = std::max(widest, (now.row(a) - now.row(b)).norm());
-    return widest;
 }
 
 } // namespace retractor::fem

@@ -9,8 +9,7 @@
 // regular tetrahedron of edge l this gives k = (2 sqrt(2) / 25) E l, the value of [Lloyd, Szekely, Harders 2007, doi
 // 10.1109/TVCG.2007.1055]. [Van Gelder 1998, doi 10.1080/10867651.1998.10487496] has k = E V / L^2, which differs by
 // up to 4 % there. A network yields between its vertices where a finite element does not, so its modulus is slightly
-// off. `calibration` scales the modulus; spring_calibration() (tests/verification/framework/tension.h) measures the
-// right scale against finite elements on a mesh.
+// off: spring_calibration() (tests/verification/framework/tension.h) measures the factor on a mesh.
 //
 // Braces. All edges of a flat element lie near one plane. Whatever their stiffness, such edges do not resist the slip
 // of one side over the other, although the slip costs a finite element more energy the flatter the element is. Where
@@ -36,7 +35,6 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 namespace retractor::fem {
@@ -68,10 +66,6 @@ struct SpringEnd {
     double force_density = 0.0; ///< tension over length, N/mm
 };
 
-struct SpringOptions {
-    double calibration = 1.0; ///< factor on every stiffness; see spring_calibration()
-};
-
 class SpringNetwork {
 public:
     /// Share of the rest volume below which an element resists being crushed.
@@ -80,15 +74,14 @@ public:
     /// A network on the mesh that starts a cutting session.
     /// @param stress_of_element pre-stress, one per element (pre_strain.h), or empty.
     /// @throws InputError on a mesh that check_mesh() refuses, on ten-node elements, on a label whose material is
-    /// missing or invalid, on a calibration that is not positive, and on stresses that are not finite or wrong in
-    /// number.
+    /// missing or invalid, and on stresses that are not finite or wrong in number.
     SpringNetwork(const mesh::TetMesh& mesh, std::span<const Material> material_of_label,
-        std::span<const Mat3> stress_of_element = {}, SpringOptions options = {});
-    /// A network on a session that has cuts already. copies() omits the copies of these cuts. When an ablation from
-    /// before is undone, its vertices return free: call fix() for them.
+        std::span<const Mat3> stress_of_element = {});
+    /// A network on a session that has cuts already. When an ablation from before is undone, its vertices return
+    /// free: call fix() for them.
     /// @param stress_of_element one per element of the session's first mesh.
     SpringNetwork(const mesh::CutSession& session, std::span<const Material> material_of_label,
-        std::span<const Mat3> stress_of_element = {}, SpringOptions options = {});
+        std::span<const Mat3> stress_of_element = {});
 
     /// Follows a cut, an undo or a redo. Only edges of elements that were added, removed or have a moved corner are
     /// summed again, from their elements in the order of the ids; the network is therefore equal, bit by bit, to a
@@ -128,9 +121,6 @@ public:
     /// load of the released tension at a vertex of a lip, N
     const Vec3& release(VertexId v) const { return release_[static_cast<std::size_t>(v)]; }
     std::span<const VertexId> lip_vertices() const { return lip_vertices_; } ///< sorted by id
-    /// Pairs of living vertices that a cut separated: original and copy. Where the original was ablated, the oldest
-    /// copy replaces it.
-    std::vector<std::pair<VertexId, VertexId>> copies() const;
 
     /// Living elements round a vertex, sorted by id.
     std::span<const TetId> elements(VertexId v) const { return around_[static_cast<std::size_t>(v)]; }
@@ -152,41 +142,23 @@ private:
         ElementSprings springs;
     };
 
-    /// Distinguishes a vertex from earlier and later vertices with the same id.
-    struct Identity {
-        std::uint32_t own = 0; ///< larger for younger vertices; 0: no vertex
-        std::uint32_t original = 0; ///< identity of the vertex from which a cut separated this one, or its own identity
-    };
-
-    void check_options(std::span<const Mat3> stresses, std::size_t elements) const;
     void make_room(std::size_t vertices, std::size_t tets);
     void insert(TetId id, const std::array<VertexId, 4>& nodes, Label label, TetId origin);
     void remove(TetId id);
     void measure(TetId id);
     void sum_row(VertexId v);
     void take_in(const mesh::MeshDelta::VertexBorn& born);
-    Identity new_identity();
 
-    SpringOptions options_;
     std::vector<Material> materials_;
     std::vector<Mat3> stress_of_origin_;
     Points rest_, displacement_;
     std::vector<std::uint8_t> fixed_;
-    std::vector<Identity> identity_;
-    std::uint32_t last_identity_ = 0;
-    struct Ablated {
-        std::uint8_t fixed = 0;
-        Identity identity;
-    };
-    mesh::AblatedValues<Ablated> ablated_;
+    mesh::AblatedValues<std::uint8_t> ablated_fixed_;
     std::vector<std::vector<TetId>> around_;
     std::vector<std::vector<SpringEnd>> rows_; ///< per vertex, sorted by the id of the other end
     std::vector<Tet> tets_;
     std::vector<Vec3> release_;
     std::vector<VertexId> lip_vertices_;
 };
-
-/// Largest distance between two vertices that a cut separated, mm; 0 without a wound.
-double widest_gape(const SpringNetwork& network);
 
 } // namespace retractor::fem

@@ -1,6 +1,7 @@
 #include "fem/springs/spring_relaxation.h"
 
 #include "fem/linear_algebra/norm.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Geometry>
@@ -8,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <queue>
 #include <utility>
@@ -109,7 +111,6 @@ namespace {
             const Solve step = solve(patch, patch.inverse_diagonal(), -state.forces, forcing,
                 options.max_iterations - result.iterations, job);
             result.iterations += std::max(step.iterations, 1);
-            ++result.newton_steps;
             if (!search(patch, step.x, u, state)) {
                 result.status = RelaxStatus::no_descent;
                 result.message = "no step lowers the energy of the springs any further";
@@ -119,7 +120,6 @@ namespace {
         }
         patch.store(u, network);
         result.energy = state.energy;
-        result.crushed = state.crushed;
         result.inverted = state.inverted;
     }
 
@@ -128,6 +128,7 @@ namespace {
 SpringPatch::SpringPatch(const SpringNetwork& network, std::vector<VertexId> active)
     : active_(std::move(active))
 {
+    RETRACTOR_ASSERT(std::adjacent_find(active_.begin(), active_.end(), std::greater_equal<>()) == active_.end());
     const auto n = static_cast<std::int32_t>(active_.size());
     std::vector<std::int32_t> number(network.vertex_slots(), -1);
     for (std::int32_t i = 0; i < n; ++i) {
@@ -248,6 +249,7 @@ std::vector<SpringPatch::Crushed> SpringPatch::crushed_elements(
 
 SpringPatch::Response SpringPatch::response(const Eigen::VectorXd& u) const
 {
+    RETRACTOR_ASSERT(u.size() == start_.size());
     Response r;
     const auto n = static_cast<std::int32_t>(active_.size());
     r.forces = -load_;
@@ -372,6 +374,8 @@ void SpringPatch::linearise(const Eigen::VectorXd& u, bool true_tangent)
 
 Eigen::VectorXd SpringPatch::multiply(const Eigen::VectorXd& x) const
 {
+    RETRACTOR_ASSERT(diagonal_.size() == active_.size()); // linearise() was called
+    RETRACTOR_ASSERT(x.size() == start_.size());
     const auto n = static_cast<std::int32_t>(active_.size());
     Eigen::VectorXd product(x.size());
     for (std::int32_t v = 0; v < n; ++v) {
@@ -395,22 +399,9 @@ std::vector<Mat3> SpringPatch::inverse_diagonal() const
     return inverse;
 }
 
-double SpringPatch::gershgorin(const std::vector<double>& masses) const
-{
-    const auto n = static_cast<std::int32_t>(active_.size());
-    double largest = 0.0;
-    for (std::int32_t v = 0; v < n; ++v) { // the norm of a block does not exceed its Frobenius norm
-        double sum = diagonal_[at(v)].norm() / masses[at(v)];
-        for (std::size_t i = row_[at(v)]; i < row_[at(v) + 1]; ++i)
-            if (const std::int32_t other = ends_[i].other; other < n)
-                sum += coupling_[i].norm() / std::sqrt(masses[at(v)] * masses[at(other)]);
-        largest = std::max(largest, sum);
-    }
-    return largest;
-}
-
 void SpringPatch::store(const Eigen::VectorXd& u, SpringNetwork& network) const
 {
+    RETRACTOR_ASSERT(u.size() == start_.size());
     for (std::size_t i = 0; i < active_.size(); ++i)
         network.place(active_[i], u.segment<3>(3 * static_cast<Eigen::Index>(i)));
 }
@@ -464,21 +455,8 @@ RelaxResult relax(SpringNetwork& network, const RelaxOptions& options, const Job
     const double first = largest_nodal_norm(patch.response(patch.displacement()).forces);
     const double scale = released > 0.0 ? released : first; // after an undone cut: relative to the initial force
     descend(patch, scale, options, result, network, job);
-    result.gape_mm = widest_gape(network);
     result.seconds = watch.seconds();
     return result;
-}
-
-double settle(SpringNetwork& network, std::vector<VertexId> active, double tolerance, const Job& job)
-{
-    SpringPatch patch(network, std::move(active));
-    const double first = largest_nodal_norm(patch.response(patch.displacement()).forces);
-    RelaxResult result;
-    constexpr int kPlenty = 100000;
-    descend(patch, first, { .tolerance = tolerance, .max_iterations = kPlenty }, result, network, job);
-    if (result.status != RelaxStatus::converged)
-        throw SolverError("the springs did not come to rest: " + result.message);
-    return result.energy;
 }
 
 } // namespace retractor::fem

@@ -44,10 +44,6 @@ public:
     Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;
     /// The inverses of the diagonal blocks, for use as a preconditioner.
     std::vector<Mat3> inverse_diagonal() const;
-    /// Upper bound of the largest eigenvalue of M^-1/2 K M^-1/2 by Gershgorin's discs on blocks.
-    /// @param masses one per active vertex, tonne.
-    double gershgorin(const std::vector<double>& masses) const;
-
     /// displacement of the active vertices when the patch was made, mm
     Eigen::VectorXd displacement() const { return start_; }
     /// writes the displacement u (mm) into the network
@@ -116,10 +112,9 @@ struct [[nodiscard]] RelaxResult {
     std::string message;
     double residual = 0.0; ///< unbalanced force, relative as in RelaxOptions::tolerance
     double energy = 0.0; ///< N mm, never above the energy at the start
-    int iterations = 0, newton_steps = 0;
+    int iterations = 0; ///< at least one per step of Newton's method
     std::size_t active = 0; ///< number of active vertices
-    int crushed = 0, inverted = 0; ///< numbers of elements, as in SpringPatch::Response
-    double gape_mm = 0.0; ///< result of widest_gape(), mm
+    int inverted = 0; ///< number of elements with zero or negative volume
     double seconds = 0.0;
 };
 
@@ -127,12 +122,6 @@ struct [[nodiscard]] RelaxResult {
 /// move.
 /// @throws InputError on options that are NaN or out of range.
 RelaxResult relax(SpringNetwork& network, const RelaxOptions& options = {}, const Job& job = {});
-
-/// Relaxes chosen vertices without released loads, until the largest unbalanced force is at most `tolerance` of its
-/// initial value.
-/// @return the energy, N mm.
-/// @throws SolverError when the tolerance is not reached.
-double settle(SpringNetwork& network, std::vector<VertexId> active, double tolerance, const Job& job = {});
 
 /// Vertices that are free and belong to an element, within `reach_mm` of the wound along edges at rest, sorted by id;
 /// 0: at any distance.

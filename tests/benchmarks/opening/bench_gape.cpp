@@ -75,7 +75,10 @@ namespace {
         }
         fem::SpringNetwork network(double calibration) const
         {
-            fem::SpringNetwork springs(uncut, materials, stresses, { calibration });
+            std::vector<fem::Material> scaled = materials;
+            for (fem::Material& material : scaled)
+                material.youngs_modulus_MPa *= calibration;
+            fem::SpringNetwork springs(uncut, scaled, stresses);
             springs.set_displacement(rim_displacement(uncut));
             springs.fix(verification::sheet_rim(problem, uncut));
             springs.fix(verification::sheet_middle_plane(uncut), 4);
@@ -89,14 +92,14 @@ namespace {
     };
 
     /// Distance between the lips at the middle of the cut, averaged over the thickness.
-    double gape_at_middle(const fem::SpringNetwork& springs)
+    double gape_at_middle(const Sheet& sheet, const fem::SpringNetwork& springs)
     {
         double sum = 0.0;
         int count = 0;
         const double near = 1e-6;
-        for (const auto& [a, b] : springs.copies())
-            if (std::abs(springs.rest()(a, 0)) < near) {
-                sum += std::abs(springs.displacement()(a, 1) - springs.displacement()(b, 1));
+        for (const mesh::MeshDelta::VertexBorn& born : sheet.delta.vertices_born)
+            if (born.origin == mesh::MeshDelta::Origin::copy && std::abs(born.position.x()) < near) {
+                sum += std::abs(springs.displacement()(born.a, 1) - springs.displacement()(born.id, 1));
                 ++count;
             }
         return count > 0 ? sum / count : 0.0;
@@ -131,7 +134,7 @@ namespace {
         watch = {};
         const fem::RelaxResult result = fem::relax(springs, { .tolerance = kTolerance, .reach_mm = reach }, job);
         row.ms = 1e3 * watch.seconds();
-        row.gape_mm = gape_at_middle(springs);
+        row.gape_mm = gape_at_middle(sheet, springs);
         row.note = status_note(result);
         std::array<char, 96> text {};
         if (reach > 0.0) {
@@ -205,7 +208,7 @@ namespace {
             step(session.extend_stroke(drawn));
         }
         step(session.finish_stroke());
-        row.gape_mm = gape_at_middle(springs);
+        row.gape_mm = gape_at_middle(sheet, springs);
         row.ms = percentile(frame, 0.5);
         std::array<char, 160> text {};
         std::snprintf(text.data(), text.size(),

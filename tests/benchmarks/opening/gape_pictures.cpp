@@ -127,9 +127,10 @@ namespace {
     {
         const Points now = springs.positions();
         double widest = 0.0;
-        for (const auto& [a, b] : springs.copies())
-            if (in_skin(chest, springs, a) && in_skin(chest, springs, b))
-                widest = std::max(widest, (now.row(a) - now.row(b)).norm());
+        for (const mesh::MeshDelta::VertexBorn& born : chest.cut.delta.vertices_born)
+            if (born.origin == mesh::MeshDelta::Origin::copy && in_skin(chest, springs, born.a)
+                && in_skin(chest, springs, born.id))
+                widest = std::max(widest, (now.row(born.a) - now.row(born.id)).norm());
         return widest;
     }
 

@@ -126,15 +126,15 @@ namespace online_opening_test {
         return answer;
     }
 
-    /// The body taken apart, into parts small enough for the tests' boxes to have many.
-    OnlineOptions taken_apart()
+    /// The body divided into parts small enough for the tests' boxes to have many.
+    OnlineOptions divided_body()
     {
         OnlineOptions options;
         options.body = BodyKept::dissected;
         options.part_vertices = 20;
         return options;
     }
-    std::vector<OnlineOptions> both_ways() { return { OnlineOptions {}, taken_apart() }; }
+    std::vector<OnlineOptions> both_ways() { return { OnlineOptions {}, divided_body() }; }
 
     struct Wound {
         explicit Wound(const mesh::TetMesh& box = layered_box(), std::vector<Material> tissues = kTissues,
@@ -199,8 +199,8 @@ namespace online_opening_test {
 
     TEST(OnlineOpening, FollowsCutsUndosAndRedosExactly)
     {
-        // The body taken apart; folding after every step, never, and as it comes.
-        std::vector<OnlineOptions> ways { taken_apart() };
+        // The divided body; updated states after every step, never, and by the usual rule.
+        std::vector<OnlineOptions> ways { divided_body() };
         for (const std::size_t apply_update :
             { std::size_t { 1 }, std::size_t { 100000 }, OnlineOptions {}.update_vertices })
             ways.push_back({ .update_vertices = apply_update });
@@ -254,7 +254,7 @@ namespace online_opening_test {
 
     TEST(OnlineOpening, FoldingOnAThreadOfItsOwnDoesNotTouchTheBits)
     {
-        // Folded at once, and in the background with the steps quick or slow after each other.
+        // Updated at once, and in the background with the steps quick or slow after each other.
         const auto stroke = [](int update_deltas, int wait_ms, int& is_updated) {
             // So many kept vertices that their dense system never pays.
             Wound wound(layered_box(), kTissues, { .update_vertices = 10, .update_deltas = update_deltas },
@@ -292,7 +292,7 @@ namespace online_opening_test {
     }
 
     /// A bar that a stroke goes along, under tension across where it is asked for; far more of it in the corridor than
-    /// a step touches, so that what lies behind the knife leaves the folded state.
+    /// a step touches, so that the updated state drops vertices behind the knife.
     struct LongStroke {
         explicit LongStroke(bool under_tension, int update_deltas = 0)
             : bar(mesh::kuhn_box(18, 6, 4, 4.0))
@@ -376,7 +376,7 @@ namespace online_opening_test {
     {
         const auto fields = [](int threads) {
             set_solver_threads(threads);
-            Wound wound(layered_box(), kTissues, taken_apart());
+            Wound wound(layered_box(), kTissues, divided_body());
             std::vector<Eigen::VectorXd> found { whole_answer(wound.opening).displacement };
             wound.cut(middle_blade());
             EXPECT_EQ(wound.opening.route(), "dissected");
@@ -401,14 +401,14 @@ namespace online_opening_test {
             EXPECT_GT(stroke->opening->dropped_vertices(), 30U);
             return stroke;
         };
-        { // a hook on vertices that have left
+        { // a hook on dropped vertices
             const auto stroke = stroke_with_left();
-            stroke->hook("on the passed lip", Vec3(20.0, 8.0, 16.0), Vec3(0.0, -1.0, 0.0));
+            stroke->hook("on the dropped lip", Vec3(20.0, 8.0, 16.0), Vec3(0.0, -1.0, 0.0));
             stroke->expect_exact();
             stroke->step();
             stroke->expect_exact();
         }
-        { // a second cut across the passed part, then undone
+        { // a second cut across the dropped vertices, then undone
             const auto stroke = stroke_with_left();
             const auto finished = stroke->session.finish_stroke();
             stroke->opening->follow(finished.delta);
@@ -424,7 +424,7 @@ namespace online_opening_test {
             stroke->opening->follow(stroke->session.undo());
             stroke->expect_exact();
         }
-        { // a cut outside the corridor, which the body then keeps as well; the next steps fold again
+        { // a cut outside the corridor, which the body then keeps as well; the next steps make updated states again
             const auto stroke = stroke_with_left();
             const auto finished = stroke->session.finish_stroke();
             stroke->opening->follow(finished.delta);
@@ -614,7 +614,7 @@ namespace online_opening_test {
             wound.expect_exact();
             mesh::SlotMap map;
             const mesh::TetMesh mesh = wound.session.compact_mesh(&map);
-            std::set<VertexId> lip; // newborn vertices among them
+            std::set<VertexId> lip; // added vertices among them
             for (const mesh::LipFace& face : wound.session.lips())
                 if (face.side > 0)
                     for (const VertexId v : mesh::face_vertices(
@@ -796,7 +796,7 @@ namespace online_opening_test {
         Mat3 tension = Mat3::Zero();
         tension(1, 1) = 0.01;
         for (OnlineOptions options :
-            { OnlineOptions { .update_vertices = 1 }, OnlineOptions { .update_vertices = 100000 }, taken_apart() }) {
+            { OnlineOptions { .update_vertices = 1 }, OnlineOptions { .update_vertices = 100000 }, divided_body() }) {
             const mesh::TetMesh box = layered_box();
             for (const Label label : box.labels)
                 options.stress_of_element.push_back(label == 2 ? tension : Mat3(Mat3::Zero()));
@@ -825,7 +825,7 @@ namespace online_opening_test {
             EXPECT_LT(difference(opening.drag(moved),
                           fresh_solution(session, kTissues, { hook }, moved, opening.stiffness().load())),
                 kSameAnswer);
-            for (int more = 0; more < 3; ++more) { // further cuts while the lips of the first are folded away
+            for (int more = 0; more < 3; ++more) { // further cuts after the updated state has dropped the lips
                 const mesh::CutResult next = session.cut(middle_blade(6.0 - more, 10.0 + 2.0 * more, 30.0));
                 ASSERT_NE(next.status, mesh::CutStatus::cancelled);
                 opening.follow(next.delta, session.lips());

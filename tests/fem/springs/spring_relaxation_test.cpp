@@ -27,6 +27,7 @@ namespace spring_relaxation_test {
         mesh::CutSession session { mesh };
         std::vector<Mat3> stresses;
         SpringNetwork network = make();
+        std::vector<std::pair<VertexId, VertexId>> parted; ///< pairs of vertices that the cut separated
 
         SpringNetwork make()
         {
@@ -48,7 +49,18 @@ namespace spring_relaxation_test {
                 .depth_mm = 9.0 });
             ASSERT_EQ(result.status, mesh::CutStatus::done) << result.message;
             network.apply(result.delta);
+            for (const mesh::MeshDelta::VertexBorn& born : result.delta.vertices_born)
+                if (born.origin == mesh::MeshDelta::Origin::copy)
+                    parted.emplace_back(born.a, born.id);
             network.set_wound(session.lips());
+        }
+        double gape() const
+        {
+            const Points now = network.positions();
+            double widest = 0.0;
+            for (const auto& [a, b] : parted)
+                widest = std::max(widest, (now.row(a) - now.row(b)).norm());
+            return widest;
         }
     };
 
@@ -71,10 +83,10 @@ namespace spring_relaxation_test {
         EXPECT_LT(result.energy, 0.0);
         EXPECT_EQ(result.inverted, 0);
         // Less than a cut of this length through a large sheet: 2 e L = 0.9 mm.
-        EXPECT_GT(result.gape_mm, 0.2);
-        EXPECT_LT(result.gape_mm, 2.0 * kStrain * 11.1);
+        EXPECT_GT(wound.gape(), 0.2);
+        EXPECT_LT(wound.gape(), 2.0 * kStrain * 11.1);
         // It is the equilibrium: another call has nothing to do.
-        EXPECT_EQ(relax(wound.network, { .tolerance = 1e-6 }).newton_steps, 0);
+        EXPECT_EQ(relax(wound.network, { .tolerance = 1e-6 }).iterations, 0);
     }
 
     TEST(Relax, FramesOfFewIterationsArriveWhereOneLongOneDoes)
@@ -101,16 +113,17 @@ namespace spring_relaxation_test {
     {
         Wound whole;
         whole.cut();
-        const double right = relax(whole.network, { .tolerance = 1e-6 }).gape_mm;
+        ASSERT_EQ(relax(whole.network, { .tolerance = 1e-6 }).status, RelaxStatus::converged);
+        const double right = whole.gape();
         double before = 0.0;
         for (const double reach : { 2.0, 4.0, 6.0 }) {
             Wound local;
             local.cut();
             const RelaxResult result = relax(local.network, { .tolerance = 1e-6, .reach_mm = reach });
             EXPECT_LT(result.active, vertices_near_wound(whole.network, 0.0).size());
-            EXPECT_GT(result.gape_mm, before); // what stands still holds the wound closed
-            EXPECT_LT(result.gape_mm, right);
-            before = result.gape_mm;
+            EXPECT_GT(local.gape(), before); // what stands still holds the wound closed
+            EXPECT_LT(local.gape(), right);
+            before = local.gape();
         }
         EXPECT_GT(before, 0.8 * right); // 6 mm beside a cut 11 mm long and 9 mm deep
     }
@@ -187,8 +200,6 @@ namespace spring_relaxation_test {
         const double frequency = std::sqrt(values[n - 1]);
         EXPECT_GE(motion.bound().largest_frequency, frequency * (1.0 - 1e-9));
         EXPECT_LE(motion.bound().largest_frequency, frequency * 1.001);
-        EXPECT_GE(motion.bound().gershgorin_frequency, frequency);
-        EXPECT_LT(motion.bound().gershgorin_frequency, 2.0 * frequency);
     }
 
     /// A small push in the stiffest direction, found by applying the bound itself: just below it dies out, just above

@@ -206,7 +206,7 @@ VerificationProblem drawn_ball_problem()
 {
     return { "ball drawn within a ball",
         "rigid ball of 10 mm drawn by 2 mm within one of 30 mm that is held outside, closed form; also as a hook, "
-        "after a cut that is undone, with the body condensed and taken apart, and dragged by its columns",
+        "after a cut that is undone, with the body condensed and divided, and dragged by its columns",
         [](const VerificationOptions& options, const Job& job) {
             constexpr double kBound = 0.05, kQuadratic = 0.01;
             std::vector<VerificationRow> rows;

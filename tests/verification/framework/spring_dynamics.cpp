@@ -83,11 +83,9 @@ void SpringDynamics::compute_bound()
                 = x.segment<3>(3 * static_cast<Eigen::Index>(i)) / std::sqrt(mass_[i]);
         return y;
     };
-    const double lanczos
+    const double largest
         = largest_eigenvalue(u_.size(), [&](const Eigen::VectorXd& x) { return scaled(patch_.multiply(scaled(x))); });
-    const double certain = patch_.gershgorin(mass_);
-    bound_.largest_frequency = std::sqrt(std::min(lanczos, certain));
-    bound_.gershgorin_frequency = std::sqrt(certain);
+    bound_.largest_frequency = std::sqrt(largest);
     bound_.stable_step = 2.0 / bound_.largest_frequency;
     bound_at_ = u_;
 }

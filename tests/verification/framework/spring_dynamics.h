@@ -7,7 +7,7 @@
 // eigenvalue of M^-1/2 K M^-1/2, where K is the tangent at the network's positions. K omits the weakening of
 // compressed springs, which only lowers frequencies. Lanczos' method with its residual added gives an estimate: an
 // eigenvalue lies within the residual, but a higher one may be missed when the start vector has hardly any part in
-// its motion. Gershgorin's discs give a certain bound, which is used where the bound is lower.
+// its motion.
 //
 // A wound opens within a few periods of its slowest motion, while the stiffest spring limits the step. relax()
 // (spring_relaxation.h) is therefore the way to the equilibrium.
@@ -23,10 +23,8 @@
 namespace retractor::verification {
 
 struct StabilityBound {
-    /// Lanczos' value plus its residual, an estimate, or Gershgorin's bound if lower, rad/s
-    double largest_frequency = 0.0;
-    double gershgorin_frequency = 0.0; ///< certain upper bound, not sharp, rad/s
-    double stable_step = 0.0; ///< 2 / largest_frequency, s; 2 / gershgorin_frequency would be certain
+    double largest_frequency = 0.0; ///< Lanczos' value plus its residual, an estimate, rad/s
+    double stable_step = 0.0; ///< 2 / largest_frequency, s
 };
 
 class SpringDynamics {

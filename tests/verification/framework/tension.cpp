@@ -82,6 +82,7 @@ double spring_calibration(const mesh::TetMesh& mesh, std::span<const fem::Materi
     std::span<const VertexId> held, const Vec3& pull, std::span<const VertexId> symmetry, const Job& job)
 {
     constexpr double kStrain = 1e-4; // small enough for both models to be linear
+    constexpr int kPlenty = 100000; // iterations
     if (!(pull.norm() > 0.0 && pull.allFinite()))
         throw InputError("the pull of a calibration must be a direction", "pull");
     const Vec3 along = pull.normalized();
@@ -110,11 +111,11 @@ double spring_calibration(const mesh::TetMesh& mesh, std::span<const fem::Materi
     if (!symmetry.empty())
         network.fix(symmetry, 4);
     network.set_displacement(as_points(start));
-    std::vector<VertexId> free;
-    for (VertexId v = 0; v < static_cast<VertexId>(rows); ++v)
-        if (prescribed[3 * static_cast<std::size_t>(v)] == 0 && !network.elements(v).empty())
-            free.push_back(v);
-    const double springs = fem::settle(network, std::move(free), 1e-4, job);
+    network.fix(held);
+    const fem::RelaxResult rest = fem::relax(network, { .tolerance = 1e-4, .max_iterations = kPlenty }, job);
+    if (rest.status != fem::RelaxStatus::converged)
+        throw SolverError("the springs did not come to rest: " + rest.message);
+    const double springs = rest.energy;
     if (!(springs > 0.0 && elastic > 0.0))
         throw InputError("the held vertices do not stretch the body: there is nothing to calibrate", "held");
     return elastic / springs;

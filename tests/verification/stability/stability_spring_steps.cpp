@@ -35,8 +35,7 @@ namespace {
     std::string step_text(const StabilityBound& bound)
     {
         std::array<char, 96> text {};
-        (void)std::snprintf(text.data(), text.size(), "bound %.4g us; certain one %.4g us", 1e6 * bound.stable_step,
-            2e6 / bound.gershgorin_frequency);
+        (void)std::snprintf(text.data(), text.size(), "bound %.4g us", 1e6 * bound.stable_step);
         return text.data();
     }
 

@@ -28,7 +28,7 @@ namespace {
 
     std::atomic<int> threads_in_use { 2 };
 
-    bool is_grid(const Extent& extent, std::size_t values)
+    [[maybe_unused]] bool is_grid(const Extent& extent, std::size_t values)
     {
         for (std::size_t axis = 0; axis < 3; ++axis)
             if (extent.size[axis] <= 0 || !(extent.spacing[axis] > 0.0) || !std::isfinite(extent.spacing[axis]))
@@ -36,7 +36,7 @@ namespace {
         return values == extent.voxel_count();
     }
 
-    bool is_radius(double radius_mm) { return radius_mm >= 0.0 && std::isfinite(radius_mm); }
+    [[maybe_unused]] bool is_radius(double radius_mm) { return radius_mm >= 0.0 && std::isfinite(radius_mm); }
 
     /// Makes an image of the caller's memory without copying. The memory must outlive the image.
     template <typename Pixel>

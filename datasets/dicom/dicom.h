@@ -17,7 +17,6 @@ namespace retractor::datasets {
 struct DicomOptions {
     std::string patient_name = "Phantom^Retractor"; ///< PatientName
     std::string patient_id = "RETRACTOR-PHANTOM"; ///< PatientID
-    std::string study_description = "Retractor phantom"; ///< StudyDescription
     std::string series_description = "Chest CT, synthetic"; ///< SeriesDescription
 };
 

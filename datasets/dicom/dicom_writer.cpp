@@ -49,7 +49,7 @@ namespace {
     {
         data->Set(DC::PatientName, options.patient_name);
         data->Set(DC::PatientID, options.patient_id);
-        data->Set(DC::StudyDescription, options.study_description);
+        data->Set(DC::StudyDescription, "Retractor phantom");
         data->Set(DC::SeriesDescription, options.series_description);
         data->Set(DC::SeriesNumber, 1);
         data->Set(DC::PatientPosition, "HFS");

@@ -11,6 +11,8 @@ namespace {
 
     enum BlockLabel : Label { kSkin = 1, kFat, kMuscle, kBone, kCavity, kTarget };
 
+    constexpr double kBoneHeight = 12.0, kBoneThickness = 6.0; // mm along z and y
+
     void check(const BlockParameters& p)
     {
         for (const double size : p.size_mm)
@@ -24,10 +26,8 @@ namespace {
         const double wall = p.skin_mm + p.fat_mm + p.muscle_mm;
         if (wall >= p.size_mm.y())
             throw InputError("skin, fat and muscle are thicker than the block", "size_mm");
-        if (p.bone_bar) {
-            check_parameter("bone_height_mm", p.bone_height_mm, 0.5, p.size_mm.z());
-            check_parameter("bone_thickness_mm", p.bone_thickness_mm, 0.5, p.muscle_mm);
-        }
+        if (p.bone_bar)
+            check_parameter("muscle_mm", p.muscle_mm, kBoneThickness, 200.0);
         check_parameter("target_radius_mm", p.target_radius_mm, 0.5, 500.0);
         check_parameter(
             "target_depth_mm", p.target_depth_mm, wall + p.target_radius_mm, p.size_mm.y() - p.target_radius_mm);
@@ -46,8 +46,8 @@ namespace {
         const double cavity_top = muscle_top + b.muscle_mm;
         if (p.y() >= cavity_top)
             return kCavity;
-        const bool in_bar = b.bone_bar && std::abs(p.z()) < 0.5 * b.bone_height_mm
-            && std::abs(p.y() - 0.5 * (muscle_top + cavity_top)) < 0.5 * b.bone_thickness_mm;
+        const bool in_bar = b.bone_bar && std::abs(p.z()) < 0.5 * kBoneHeight
+            && std::abs(p.y() - 0.5 * (muscle_top + cavity_top)) < 0.5 * kBoneThickness;
         if (in_bar)
             return kBone;
         return p.y() < fat_top ? kSkin : p.y() < muscle_top ? kFat : kMuscle;

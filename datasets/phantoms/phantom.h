@@ -28,11 +28,7 @@ struct ThoraxParameters {
     double skin_mm = 3.0; ///< skin thickness, 1 to 6
     double fat_mm = 8.0; ///< subcutaneous fat, 3 to 40; thinner over the sternum, thicker over the belly
     double muscle_mm = 10.0; ///< muscle over the front of the ribs, 5 to 25; thicker at the back
-    double squareness = 2.4; ///< exponent of the cross-section: 2 is an ellipse, 3 nearly a rounded box; 2 to 3
     double aneurysm_diameter_mm = 55.0; ///< diameter of the bulge in the distal arch, 30 to 70
-    Vec3 aneurysm_offset_mm { 0.0, 0.0, 0.0 }; ///< displacement of the bulge, each component within 20
-    /// Diameter of the anastomosis site on the anterior descending artery, 6 to 20.
-    double coronary_target_diameter_mm = 12.0;
     double noise_hu = 12.0; ///< standard deviation of the CT noise, 0 to 100
     std::uint64_t seed = 1; ///< seed of the noise; the same parameters and seed give the same voxels
 };
@@ -53,9 +49,7 @@ struct BlockParameters {
     double skin_mm = 3.0;
     double fat_mm = 9.0;
     double muscle_mm = 12.0;
-    bool bone_bar = false; ///< a bar along x in the middle of the muscle slab, like a rib in an intercostal field
-    double bone_height_mm = 12.0; ///< height of the bar along z
-    double bone_thickness_mm = 6.0; ///< thickness of the bar along y; less than the muscle
+    bool bone_bar = false; ///< a bar along x in the middle of the muscle slab, like a rib; 12 mm along z, 6 mm along y
     double target_radius_mm = 10.0;
     double target_depth_mm = 50.0; ///< depth of the target's centre below the skin's outer face
     double noise_hu = 0.0;

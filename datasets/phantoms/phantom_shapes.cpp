@@ -1,5 +1,7 @@
 #include "datasets/phantoms/phantom_shapes.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,6 +19,7 @@ Nearest nearest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b)
 
 Tube make_tube(std::vector<Vec3> points, std::vector<double> radii)
 {
+    RETRACTOR_ASSERT(points.size() == radii.size());
     Tube tube { std::move(points), std::move(radii), Vec3::Constant(std::numeric_limits<double>::infinity()),
         Vec3::Constant(-std::numeric_limits<double>::infinity()) };
     for (std::size_t i = 0; i < tube.points.size(); ++i) {

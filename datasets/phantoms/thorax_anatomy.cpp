@@ -109,8 +109,7 @@ namespace {
 } // namespace
 
 ThoraxSurfaces::ThoraxSurfaces(const ThoraxParameters& p)
-    : squareness_(p.squareness)
-    , cage_half_width_(0.5 * p.width_mm - layers(p) - kFlankReserve - kShell)
+    : cage_half_width_(0.5 * p.width_mm - layers(p) - kFlankReserve - kShell)
     , cage_half_depth_(0.5
           * ((0.5 * p.depth_mm - layers(p) - kShell)
               + (0.5 * p.depth_mm - p.skin_mm - p.fat_mm - kBackMuscle * p.muscle_mm - kShell)))
@@ -147,9 +146,9 @@ ThoraxSurfaces::Section ThoraxSurfaces::cage_section(double z) const
 
 double ThoraxSurfaces::level(const Section& s, const Vec3& p) const
 {
-    const double sum = std::pow(std::abs(p.x()) / s.half_width, squareness_)
-        + std::pow(std::abs(p.y() - s.centre_y) / s.half_depth, squareness_);
-    return std::sqrt(std::pow(sum, 2.0 / squareness_) + s.dome) - 1.0;
+    const double sum = std::pow(std::abs(p.x()) / s.half_width, kSquareness)
+        + std::pow(std::abs(p.y() - s.centre_y) / s.half_depth, kSquareness);
+    return std::sqrt(std::pow(sum, 2.0 / kSquareness) + s.dome) - 1.0;
 }
 
 double ThoraxSurfaces::body_distance(const Vec3& p) const
@@ -389,10 +388,13 @@ double ThoraxOrgans::diaphragm_height(double x, double y)
     return -smooth_min(smooth_min(-dome(-62.0, -52.0), -dome(64.0, -65.0), 16.0), -central, 16.0);
 }
 
+/// Diameter of the anastomosis site on the anterior descending artery, mm.
+constexpr double kCoronaryTarget = 12.0;
+
 ThoraxOrgans::ThoraxOrgans(const ThoraxParameters& parameters, const ThoraxSurfaces& surfaces)
     : coronary_centre_(Vec3::Zero())
-    , coronary_radius_(0.5 * parameters.coronary_target_diameter_mm / surfaces.scale())
-    , aneurysm_centre_(surfaces.nominal(surfaces.world({ 48.0, 20.0, 47.0 }) + parameters.aneurysm_offset_mm))
+    , coronary_radius_(0.5 * kCoronaryTarget / surfaces.scale())
+    , aneurysm_centre_(surfaces.nominal(surfaces.world({ 48.0, 20.0, 47.0 })))
 {
     // Diameters are world mm, so the scale of the nominal frame is removed.
     const Vec3 per_mm = surfaces.nominal({ 1.0, 1.0, 1.0 }) - surfaces.nominal(Vec3::Zero());

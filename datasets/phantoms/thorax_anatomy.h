@@ -11,6 +11,9 @@
 
 namespace retractor::datasets {
 
+/// Exponent of the cross-sections: 2 is an ellipse, 3 nearly a rounded box.
+inline constexpr double kSquareness = 2.4;
+
 /// Layers of the rib cage, counted outward from the pleura (mm).
 inline constexpr double kPleuralCover = 3.0; ///< intercostal tissue between a rib and the pleura
 inline constexpr double kRibThickness = 8.0;
@@ -26,7 +29,7 @@ public:
     /// @throws InputError when the layers leave no room for a chest.
     explicit ThoraxSurfaces(const ThoraxParameters& parameters);
 
-    /// A cross-section at height z: |x/a|^n + |(y - y0)/b|^n, plus the dome term for the cage. n is squareness().
+    /// A cross-section at height z: |x/a|^n + |(y - y0)/b|^n, plus the dome term for the cage. n is kSquareness.
     struct Section {
         double half_width = 1.0; ///< a, mm
         double centre_y = 0.0; ///< y0, mm
@@ -35,7 +38,6 @@ public:
     };
     Section body_section(double z) const;
     Section cage_section(double z) const;
-    double squareness() const { return squareness_; }
 
     /// First-order signed distances (mm) from the skin and from the inner side of the rib cage.
     double body_distance(const Vec3& p) const;
@@ -61,7 +63,6 @@ public:
 private:
     double level(const Section& section, const Vec3& p) const;
     Vec3 scale_ = Vec3::Ones();
-    double squareness_;
     double cage_half_width_ = 0.0;
     double cage_half_depth_ = 0.0;
     double cage_centre_y_ = 0.0;

@@ -27,11 +27,7 @@ namespace {
         check_parameter("skin_mm", p.skin_mm, 1.0, 6.0);
         check_parameter("fat_mm", p.fat_mm, 3.0, 40.0);
         check_parameter("muscle_mm", p.muscle_mm, 5.0, 25.0);
-        check_parameter("squareness", p.squareness, 2.0, 3.0);
         check_parameter("aneurysm_diameter_mm", p.aneurysm_diameter_mm, 30.0, 70.0);
-        for (const double offset : p.aneurysm_offset_mm)
-            check_parameter("aneurysm_offset_mm", offset, -20.0, 20.0);
-        check_parameter("coronary_target_diameter_mm", p.coronary_target_diameter_mm, 6.0, 20.0);
         check_parameter("noise_hu", p.noise_hu, 0.0, 100.0);
     }
 
@@ -200,8 +196,7 @@ namespace {
 
     /// Computes a field of first-order distances: level sets on the grid, divided by their gradient. The powers of x
     /// and y are computed once per slice, so that only one power per voxel remains.
-    template <typename SectionAt>
-    std::vector<float> distances(const mesh::ImageGrid& grid, double squareness, const SectionAt& section_at)
+    template <typename SectionAt> std::vector<float> distances(const mesh::ImageGrid& grid, const SectionAt& section_at)
     {
         const auto nx = static_cast<std::size_t>(grid.size[0]);
         const auto ny = static_cast<std::size_t>(grid.size[1]);
@@ -211,12 +206,12 @@ namespace {
             std::vector<double> px(nx);
             for (std::size_t i = 0; i < nx; ++i)
                 px[i] = std::pow(
-                    std::abs(grid.origin.x() + grid.spacing.x() * static_cast<double>(i)) / s.half_width, squareness);
+                    std::abs(grid.origin.x() + grid.spacing.x() * static_cast<double>(i)) / s.half_width, kSquareness);
             for (std::size_t j = 0; j < ny; ++j) {
                 const double y = grid.origin.y() + grid.spacing.y() * static_cast<double>(j) - s.centre_y;
-                const double py = std::pow(std::abs(y) / s.half_depth, squareness);
+                const double py = std::pow(std::abs(y) / s.half_depth, kSquareness);
                 for (std::size_t i = 0; i < nx; ++i)
-                    out[j * nx + i] = std::sqrt(std::pow(px[i] + py, 2.0 / squareness) + s.dome) - 1.0;
+                    out[j * nx + i] = std::sqrt(std::pow(px[i] + py, 2.0 / kSquareness) + s.dome) - 1.0;
             }
         };
         std::vector<float> field(grid.voxel_count());
@@ -250,10 +245,10 @@ namespace {
 
     void Painter::fill_distances()
     {
-        depth_ = distances(grid_, surfaces_.squareness(), [this](double z) { return surfaces_.body_section(z); });
+        depth_ = distances(grid_, [this](double z) { return surfaces_.body_section(z); });
         for (float& d : depth_)
             d = -d;
-        outward_ = distances(grid_, surfaces_.squareness(), [this](double z) { return surfaces_.cage_section(z); });
+        outward_ = distances(grid_, [this](double z) { return surfaces_.cage_section(z); });
     }
 
     /// Paints skin, fat, muscle, the intercostal shell, and the spine with its cover.

@@ -1,6 +1,7 @@
 #include "datasets/segmentation/aorta.h"
 
 #include "datasets/segmentation/midline.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/statistics.h"
 
 #include <algorithm>
@@ -98,95 +99,141 @@ namespace {
 
     constexpr std::array<double, 7> kRadii { 8.0, 10.0, 12.0, 14.0, 16.0, 18.5, 21.0 };
 
-    /// Finds the best chain of discs through the windows by dynamic programming.
-    std::vector<Disc> best_chain(const Look& look, const std::vector<Window>& windows, std::size_t first_radius,
-        double pull_per_mm, double& mean_likeness, int threads)
-    {
-        constexpr double kStepCost = 2.0; // per voxel of shift between windows, and per step of radius
-        constexpr int kShift = 2;
-        mean_likeness = -std::numeric_limits<double>::infinity();
-        if (windows.empty())
-            return {};
+    constexpr float kNever = -1e9F; ///< score of a state outside its window
+
+    /// The states of one plane: every centre in the box of all windows, with every radius.
+    struct StateGrid {
         std::array<int, 2> low { std::numeric_limits<int>::max(), std::numeric_limits<int>::max() };
-        std::array<int, 2> high { 0, 0 };
-        for (const Window& w : windows)
-            for (std::size_t a = 0; a < 2; ++a) {
-                low[a] = std::min(low[a], w.low[a]);
-                high[a] = std::max(high[a], w.high[a]);
-            }
-        const int nx = high[0] - low[0] + 1;
-        const int ny = high[1] - low[1] + 1;
-        const auto radii = static_cast<int>(kRadii.size());
-        if (nx <= 0 || ny <= 0)
-            return {};
-        const auto state = [&](int x, int y, int r) {
+        int nx = 0, ny = 0;
+        static constexpr int kRadiusCount = static_cast<int>(kRadii.size());
+
+        bool contains(int x, int y, int r) const
+        {
+            return x >= 0 && y >= 0 && r >= 0 && x < nx && y < ny && r < kRadiusCount;
+        }
+        std::size_t state(int x, int y, int r) const
+        {
+            RETRACTOR_ASSERT(contains(x, y, r));
             return (static_cast<std::size_t>(r) * static_cast<std::size_t>(ny) + static_cast<std::size_t>(y))
                 * static_cast<std::size_t>(nx)
                 + static_cast<std::size_t>(x);
-        };
-        const std::size_t states = state(nx - 1, ny - 1, radii - 1) + 1;
-        constexpr float kNever = -1e9F;
-        std::vector<std::vector<float>> score(windows.size(), std::vector<float>(states, kNever));
+        }
+        std::size_t count() const { return state(nx - 1, ny - 1, kRadiusCount - 1) + 1; }
+        Disc disc(std::size_t state, int k) const
+        {
+            const auto row = static_cast<std::size_t>(nx), column = static_cast<std::size_t>(ny);
+            return { Vec3(static_cast<double>(state % row) + low[0], static_cast<double>(state / row % column) + low[1],
+                         k),
+                kRadii[state / (row * column)] };
+        }
+    };
+
+    StateGrid states_of(const std::vector<Window>& windows)
+    {
+        StateGrid grid;
+        std::array<int, 2> high { 0, 0 };
+        for (const Window& w : windows)
+            for (std::size_t a = 0; a < 2; ++a) {
+                grid.low[a] = std::min(grid.low[a], w.low[a]);
+                high[a] = std::max(high[a], w.high[a]);
+            }
+        grid.nx = high[0] - grid.low[0] + 1;
+        grid.ny = high[1] - grid.low[1] + 1;
+        return grid;
+    }
+
+    /// Scores all states of one window.
+    std::vector<float> scores_in(
+        const Look& look, const Window& w, const StateGrid& grid, std::size_t first_radius, double pull_per_mm)
+    {
+        const Vec3& spacing = look.image.grid.spacing;
+        std::vector<float> score(grid.count(), kNever);
+        for (auto r = static_cast<int>(first_radius); r < StateGrid::kRadiusCount; ++r)
+            for (int y = w.low[1]; y <= w.high[1]; ++y)
+                for (int x = w.low[0]; x <= w.high[0]; ++x) {
+                    const Disc disc { Vec3(x, y, w.k), kRadii[static_cast<std::size_t>(r)] };
+                    const double away = std::hypot((x - w.likely[0]) * spacing.x(), (y - w.likely[1]) * spacing.y());
+                    score[grid.state(x - grid.low[0], y - grid.low[1], r)]
+                        = static_cast<float>(likeness(look, disc, Vec3::UnitX(), Vec3::UnitY()) - pull_per_mm * away);
+                }
+        return score;
+    }
+
+    /// A state of the previous plane, and the value of the best chain that comes from it.
+    struct Predecessor {
+        std::int32_t state = -1;
+        float value = 2.0F * kNever;
+    };
+
+    /// Finds the best of the states from which one step leads to (x, y, r).
+    Predecessor best_predecessor(const StateGrid& grid, const std::vector<float>& best, int x, int y, int r)
+    {
+        constexpr double kStepCost = 2.0; // per voxel of shift between windows, and per step of radius
+        constexpr int kShift = 2;
+        Predecessor found;
+        for (int dr = -1; dr <= 1; ++dr)
+            for (int dy = -kShift; dy <= kShift; ++dy)
+                for (int dx = -kShift; dx <= kShift; ++dx) {
+                    if (!grid.contains(x + dx, y + dy, r + dr))
+                        continue;
+                    const std::size_t there = grid.state(x + dx, y + dy, r + dr);
+                    const float value
+                        = best[there] - static_cast<float>(kStepCost * (std::abs(dx) + std::abs(dy) + std::abs(dr)));
+                    if (value > found.value)
+                        found = { static_cast<std::int32_t>(there), value };
+                }
+        return found;
+    }
+
+    /// Adds the scores of one plane to the best chains that end in the plane before. Returns the predecessors.
+    std::vector<std::int32_t> advance(
+        const StateGrid& grid, const std::vector<float>& score, std::vector<float>& best, int threads)
+    {
+        RETRACTOR_ASSERT(score.size() == grid.count() && best.size() == grid.count());
+        std::vector<std::int32_t> from(score.size(), -1);
+        std::vector<float> next(score.size(), kNever);
+        for_planes(StateGrid::kRadiusCount, threads, [&](int r) {
+            for (int y = 0; y < grid.ny; ++y)
+                for (int x = 0; x < grid.nx; ++x) {
+                    const std::size_t here = grid.state(x, y, r);
+                    if (score[here] <= kNever)
+                        continue;
+                    const Predecessor before = best_predecessor(grid, best, x, y, r);
+                    from[here] = before.state;
+                    next[here] = score[here] + before.value;
+                }
+        });
+        best = std::move(next);
+        return from;
+    }
+
+    /// Finds the best chain of discs through the windows by dynamic programming.
+    std::vector<Disc> best_chain(
+        const Look& look, const std::vector<Window>& windows, std::size_t first_radius, double pull_per_mm, int threads)
+    {
+        RETRACTOR_ASSERT(first_radius < kRadii.size());
+        const StateGrid grid = states_of(windows);
+        if (windows.empty() || grid.nx <= 0 || grid.ny <= 0)
+            return {};
+        std::vector<std::vector<float>> score(windows.size());
         for_planes(static_cast<int>(windows.size()), threads, [&](int n) {
-            const Window& w = windows[static_cast<std::size_t>(n)];
-            const Vec3& spacing = look.image.grid.spacing;
-            for (auto r = static_cast<int>(first_radius); r < radii; ++r)
-                for (int y = w.low[1]; y <= w.high[1]; ++y)
-                    for (int x = w.low[0]; x <= w.high[0]; ++x) {
-                        const Disc disc { Vec3(x, y, w.k), kRadii[static_cast<std::size_t>(r)] };
-                        const double away
-                            = std::hypot((x - w.likely[0]) * spacing.x(), (y - w.likely[1]) * spacing.y());
-                        score[static_cast<std::size_t>(n)][state(x - low[0], y - low[1], r)] = static_cast<float>(
-                            likeness(look, disc, Vec3::UnitX(), Vec3::UnitY()) - pull_per_mm * away);
-                    }
+            const auto w = static_cast<std::size_t>(n);
+            score[w] = scores_in(look, windows[w], grid, first_radius, pull_per_mm);
         });
         std::vector<std::vector<std::int32_t>> from(windows.size());
         std::vector<float> best = score[0];
-        for (std::size_t n = 1; n < windows.size(); ++n) {
-            from[n].assign(states, -1);
-            std::vector<float> next(states, kNever);
-            for_planes(radii, threads, [&](int r) {
-                for (int y = 0; y < ny; ++y)
-                    for (int x = 0; x < nx; ++x) {
-                        const std::size_t here = state(x, y, r);
-                        if (score[n][here] <= kNever)
-                            continue;
-                        float most = 2.0F * kNever;
-                        for (int dr = -1; dr <= 1; ++dr)
-                            for (int dy = -kShift; dy <= kShift; ++dy)
-                                for (int dx = -kShift; dx <= kShift; ++dx) {
-                                    const int px = x + dx;
-                                    const int py = y + dy;
-                                    const int pr = r + dr;
-                                    if (px < 0 || py < 0 || pr < 0 || px >= nx || py >= ny || pr >= radii)
-                                        continue;
-                                    const std::size_t there = state(px, py, pr);
-                                    const float value = best[there]
-                                        - static_cast<float>(kStepCost * (std::abs(dx) + std::abs(dy) + std::abs(dr)));
-                                    if (value > most) {
-                                        most = value;
-                                        from[n][here] = static_cast<std::int32_t>(there);
-                                    }
-                                }
-                        next[here] = score[n][here] + most;
-                    }
-            });
-            best = std::move(next);
-        }
-        std::size_t at = static_cast<std::size_t>(std::max_element(best.begin(), best.end()) - best.begin());
+        for (std::size_t n = 1; n < windows.size(); ++n)
+            from[n] = advance(grid, score[n], best, threads);
+        auto at = static_cast<std::size_t>(std::max_element(best.begin(), best.end()) - best.begin());
         if (best[at] <= kNever)
             return {};
-        mean_likeness = static_cast<double>(best[at]) / static_cast<double>(windows.size());
         std::vector<Disc> chain(windows.size());
         for (std::size_t n = windows.size(); n-- > 0;) {
-            const std::size_t in_plane = static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny);
-            chain[n]
-                = { Vec3(static_cast<double>(at % static_cast<std::size_t>(nx)) + low[0],
-                        static_cast<double>(at / static_cast<std::size_t>(nx) % static_cast<std::size_t>(ny)) + low[1],
-                        windows[n].k),
-                      kRadii[at / in_plane] };
-            if (n > 0)
+            chain[n] = grid.disc(at, windows[n].k);
+            if (n > 0) {
+                RETRACTOR_ASSERT(from[n][at] >= 0);
                 at = static_cast<std::size_t>(from[n][at]);
+            }
         }
         return chain;
     }
@@ -313,8 +360,7 @@ namespace {
                 = { marks.spine_x[n] + 16.0 / image.grid.spacing.x(), marks.spine_y[n] - 6.0 / image.grid.spacing.y() };
             windows.push_back(w);
         }
-        double found = 0.0;
-        std::vector<Disc> descending = best_chain(look, windows, 0, 0.2, found, threads);
+        std::vector<Disc> descending = best_chain(look, windows, 0, 0.2, threads);
         const auto unlike
             = [&](const Disc& disc) { return likeness(look, disc, Vec3::UnitX(), Vec3::UnitY()) < kLeastLikeness; };
         // Discs below the lowest disc that looks like a vessel are dropped.
@@ -328,7 +374,7 @@ namespace {
             windows.push_back(window_in(image, k, Vec3(-26.0, -28.0, 0.0), Vec3(26.0, 24.0, 0.0),
                 marks.spine_x[n] - 10.0 / image.grid.spacing.x(), y));
         }
-        std::vector<Disc> ascending = best_chain(look, windows, 2, 0.6, found, threads);
+        std::vector<Disc> ascending = best_chain(look, windows, 2, 0.6, threads);
         if (descending.empty() || ascending.empty())
             return {};
         std::vector<Disc> chain = ascending;
@@ -343,6 +389,7 @@ namespace {
 Aorta find_aorta(const AortaInput& input, int threads)
 {
     const Extent extent = input.image.extent();
+    RETRACTOR_ASSERT(input.room.size() == extent.voxel_count() && input.bones.size() == extent.voxel_count());
     Aorta aorta;
     aorta.mask.assign(input.room.size(), 0);
     const Landmarks marks = landmarks_of(input);

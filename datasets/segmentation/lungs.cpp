@@ -1,5 +1,6 @@
 #include "datasets/segmentation/lungs.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/statistics.h"
 
@@ -270,78 +271,92 @@ namespace {
         return best.planes * extent.spacing[2] >= kLeastLength ? best : Airway {};
     }
 
-    /// Divides the lungs: 1 left, 2 right, 0 elsewhere. Lungs that touch are divided where the air between them is
-    /// thinnest, because each cell joins the core that is nearest through air.
-    std::vector<std::uint8_t> sides(const Extent& extent, const Mask& lungs, std::vector<std::string>& warnings)
+    constexpr std::uint8_t kLeft = 1, kRight = 2;
+
+    /// Mean index along x of one piece.
+    double middle_x(const Extent& cells, const Pieces& pieces, std::int32_t piece)
     {
-        constexpr int kCells = 2;
+        RETRACTOR_ASSERT(piece > 0 && static_cast<std::size_t>(piece) <= pieces.voxels.size());
+        double sum = 0.0;
+        for (std::size_t v = 0; v < pieces.piece_of.size(); ++v)
+            if (pieces.piece_of[v] == piece)
+                sum += static_cast<double>(v % static_cast<std::size_t>(cells.size[0]));
+        return sum / static_cast<double>(pieces.voxels[static_cast<std::size_t>(piece - 1)]);
+    }
+
+    /// Finds the cores of both lungs, by erosion until two large pieces remain. Returns nothing when the lungs stay
+    /// one piece.
+    std::vector<std::uint8_t> two_cores(const Extent& cells, const Mask& solid)
+    {
         constexpr double kLeastShare = 0.12; // least share of the smaller lung in both lungs
-        const Extent cells = coarse_extent(extent, kCells);
-        const Mask all = coarse_mask(extent, lungs, kCells, 0.0);
-        const Mask solid = coarse_mask(extent, lungs, kCells, 0.6);
-        std::vector<std::uint8_t> side(all.size(), 0);
-        const auto nx = static_cast<std::size_t>(cells.size[0]);
-        const std::size_t nxy = nx * static_cast<std::size_t>(cells.size[1]);
-        const auto middle_x = [&](const Pieces& pieces, std::int32_t piece) {
-            double sum = 0.0;
-            for (std::size_t v = 0; v < pieces.piece_of.size(); ++v)
-                if (pieces.piece_of[v] == piece)
-                    sum += static_cast<double>(v % nx);
-            return sum / static_cast<double>(pieces.voxels[static_cast<std::size_t>(piece - 1)]);
-        };
-        bool parted = false;
-        for (double radius = 0.0; radius < 16.0 && !parted; radius += 3.0) {
+        for (double radius = 0.0; radius < 16.0; radius += 3.0) {
             const Pieces pieces = connected_pieces(cells, radius > 0.0 ? eroded(cells, solid, radius) : solid);
             if (pieces.voxels.size() < 2
                 || static_cast<double>(pieces.voxels[1])
                     < kLeastShare * static_cast<double>(pieces.voxels[0] + pieces.voxels[1]))
                 continue;
-            parted = true;
-            const std::int32_t left = middle_x(pieces, 1) > middle_x(pieces, 2) ? 1 : 2;
+            const std::int32_t left = middle_x(cells, pieces, 1) > middle_x(cells, pieces, 2) ? 1 : 2;
+            std::vector<std::uint8_t> side(solid.size(), 0);
             for (std::size_t v = 0; v < side.size(); ++v)
                 if (pieces.piece_of[v] == 1 || pieces.piece_of[v] == 2)
-                    side[v] = pieces.piece_of[v] == left ? 1 : 2;
+                    side[v] = pieces.piece_of[v] == left ? kLeft : kRight;
+            return side;
         }
-        if (!parted) {
-            const Pieces pieces = connected_pieces(cells, solid);
-            double middle = 0.0;
-            for (std::size_t v = 0; v < all.size(); ++v)
-                middle += all[v] != 0 ? static_cast<double>(v % nx) : 0.0;
-            const bool left = !pieces.voxels.empty() && middle_x(pieces, 1) > 0.5 * cells.size[0];
-            for (std::size_t v = 0; v < side.size(); ++v)
-                side[v] = pieces.piece_of[v] == 1 ? (left ? 1 : 2) : 0;
-            warnings.push_back(std::string("only one lung was found (") + (left ? "left" : "right")
-                + "), or both could not be parted");
-        }
-        // Breadth-first search from both cores at once.
+        return {};
+    }
+
+    /// Takes the largest piece as one lung, on the side of the image where its middle lies.
+    std::vector<std::uint8_t> one_core(const Extent& cells, const Mask& solid, std::vector<std::string>& warnings)
+    {
+        const Pieces pieces = connected_pieces(cells, solid);
+        const bool left = !pieces.voxels.empty() && middle_x(cells, pieces, 1) > 0.5 * cells.size[0];
+        std::vector<std::uint8_t> side(solid.size(), 0);
+        for (std::size_t v = 0; v < side.size(); ++v)
+            side[v] = pieces.piece_of[v] == 1 ? (left ? kLeft : kRight) : 0;
+        warnings.push_back(
+            std::string("only one lung was found (") + (left ? "left" : "right") + "), or both could not be parted");
+        return side;
+    }
+
+    /// Gives each cell of `all` the side of the core that is nearest through `all`. The breadth-first search begins at
+    /// both cores at once.
+    void grow_sides(const Extent& cells, const Mask& all, std::vector<std::uint8_t>& side)
+    {
+        RETRACTOR_ASSERT(all.size() == cells.voxel_count() && side.size() == all.size());
+        const auto nx = static_cast<std::size_t>(cells.size[0]);
+        const std::size_t nxy = nx * static_cast<std::size_t>(cells.size[1]);
         std::vector<std::size_t> front;
         for (std::size_t v = 0; v < side.size(); ++v)
             if (side[v] != 0)
                 front.push_back(v);
         for (std::size_t n = 0; n < front.size(); ++n) {
             const std::size_t v = front[n];
-            const std::size_t i = v % nx;
-            const std::size_t j = v / nx % static_cast<std::size_t>(cells.size[1]);
-            const std::size_t k = v / nxy;
-            const auto reach = [&](std::size_t next) {
-                if (all[next] != 0 && side[next] == 0) {
+            const auto reach = [&](bool inside, std::size_t next) {
+                if (inside && all[next] != 0 && side[next] == 0) {
                     side[next] = side[v];
                     front.push_back(next);
                 }
             };
-            if (i > 0)
-                reach(v - 1);
-            if (i + 1 < nx)
-                reach(v + 1);
-            if (j > 0)
-                reach(v - nx);
-            if (j + 1 < static_cast<std::size_t>(cells.size[1]))
-                reach(v + nx);
-            if (k > 0)
-                reach(v - nxy);
-            if (k + 1 < static_cast<std::size_t>(cells.size[2]))
-                reach(v + nxy);
+            reach(v % nx > 0, v - 1);
+            reach(v % nx + 1 < nx, v + 1);
+            reach(v % nxy >= nx, v - nx);
+            reach(v % nxy + nx < nxy, v + nx);
+            reach(v >= nxy, v - nxy);
+            reach(v + nxy < side.size(), v + nxy);
         }
+    }
+
+    /// Divides the lungs: 1 left, 2 right, 0 elsewhere. Lungs that touch are divided where the air between them is
+    /// thinnest, because each cell joins the core that is nearest through air.
+    std::vector<std::uint8_t> sides(const Extent& extent, const Mask& lungs, std::vector<std::string>& warnings)
+    {
+        constexpr int kCells = 2;
+        const Extent cells = coarse_extent(extent, kCells);
+        const Mask solid = coarse_mask(extent, lungs, kCells, 0.6);
+        std::vector<std::uint8_t> side = two_cores(cells, solid);
+        if (side.empty())
+            side = one_core(cells, solid, warnings);
+        grow_sides(cells, coarse_mask(extent, lungs, kCells, 0.0), side);
         return fine_values(extent, side, kCells);
     }
 
@@ -363,6 +378,7 @@ namespace {
 Lungs segment_lungs(const WorkingImage& image, const Mask& body)
 {
     const Extent extent = image.extent();
+    RETRACTOR_ASSERT(body.size() == extent.voxel_count());
     Lungs lungs;
     const Mask air = common(threshold(image.hu, kLowest, kAirHu), body);
     const Mask lung = lung_air(image, without(air, gut_gas(image, air)));

@@ -1,5 +1,7 @@
 #include "datasets/segmentation/midline.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -7,6 +9,7 @@ namespace retractor::datasets::segmentation {
 
 std::vector<PlaneExtents> plane_extents(const Extent& extent, const Mask& mask)
 {
+    RETRACTOR_ASSERT(mask.size() == extent.voxel_count());
     std::vector<PlaneExtents> planes(static_cast<std::size_t>(extent.size[2]));
     std::size_t v = 0;
     for (int k = 0; k < extent.size[2]; ++k)

@@ -1,5 +1,7 @@
 #include "datasets/segmentation/polar_surface.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -52,6 +54,7 @@ void complete(PolarField& field, const std::vector<std::uint8_t>& known)
     constexpr float kDone = 0.01F; // mm per sweep
     if (std::find(known.begin(), known.end(), std::uint8_t { 1 }) == known.end())
         return;
+    RETRACTOR_ASSERT(known.size() == field.values.size());
     guess(field, known);
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
         float largest = 0.0F;

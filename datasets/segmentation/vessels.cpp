@@ -1,6 +1,7 @@
 #include "datasets/segmentation/vessels.h"
 
 #include "datasets/segmentation/aorta.h"
+#include "mesh/base/assert.h"
 
 #include <algorithm>
 #include <cmath>
@@ -53,6 +54,8 @@ namespace {
 Vessels find_vessels(const VesselsInput& input, int threads)
 {
     const Extent extent = input.image.extent();
+    RETRACTOR_ASSERT(input.mediastinum.size() == extent.voxel_count());
+    RETRACTOR_ASSERT(input.abdomen.size() == extent.voxel_count());
     Mask soft(input.mediastinum.size());
     for (std::size_t v = 0; v < soft.size(); ++v)
         soft[v] = input.mediastinum[v] != 0 && input.image.hu[v] > kSoftHu ? 1 : 0;

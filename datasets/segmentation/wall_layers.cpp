@@ -1,5 +1,7 @@
 #include "datasets/segmentation/wall_layers.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 
 namespace retractor::datasets::segmentation {
@@ -33,6 +35,9 @@ std::vector<Layer> wall_layers(const WallInput& input, int threads)
     constexpr int kCells = 2;
     constexpr double kBetweenRibs = 13.0; // half the widest space between two ribs, mm
     const Extent extent = input.image.extent();
+    RETRACTOR_ASSERT(input.wall.size() == extent.voxel_count() && input.air.size() == input.wall.size());
+    RETRACTOR_ASSERT(input.depth.size() == input.wall.size() && input.shell.size() == input.wall.size());
+    RETRACTOR_ASSERT(input.ribs.size() == input.wall.size());
     const double skin = std::max(kSkin, extent.spacing[0]) * (1.0 + 1e-4);
     constexpr int kBlur = 2; // voxels at which air and tissue mix
     Mask beside_air = input.air;

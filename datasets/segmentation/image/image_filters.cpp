@@ -1,5 +1,6 @@
 #include "datasets/segmentation/image/image_filters.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <itkBinaryFillholeImageFilter.h>
@@ -27,22 +28,15 @@ namespace {
 
     std::atomic<int> threads_in_use { 2 };
 
-    void check_sizes(const Extent& extent, std::size_t given, const char* what)
+    [[maybe_unused]] bool is_grid(const Extent& extent, std::size_t values)
     {
         for (std::size_t axis = 0; axis < 3; ++axis)
             if (extent.size[axis] <= 0 || !(extent.spacing[axis] > 0.0) || !std::isfinite(extent.spacing[axis]))
-                throw InputError("a grid needs positive sizes and spacings", what);
-        if (given != extent.voxel_count())
-            throw InputError("the grid has " + std::to_string(extent.voxel_count()) + " voxels, but "
-                    + std::to_string(given) + " values were given",
-                what);
+                return false;
+        return values == extent.voxel_count();
     }
 
-    void check_radius(double radius_mm, const char* what)
-    {
-        if (!(radius_mm >= 0.0) || !std::isfinite(radius_mm))
-            throw InputError("the radius must be a number of mm that is not negative", what);
-    }
+    [[maybe_unused]] bool is_radius(double radius_mm) { return radius_mm >= 0.0 && std::isfinite(radius_mm); }
 
     /// Makes an image of the caller's memory without copying. The memory must outlive the image.
     template <typename Pixel>
@@ -203,8 +197,7 @@ namespace {
 
 void set_filter_threads(int threads)
 {
-    if (threads < 1)
-        throw InputError("at least one thread is needed, not " + std::to_string(threads), "set_filter_threads");
+    RETRACTOR_ASSERT(threads >= 1);
     threads_in_use = threads;
     itk::MultiThreaderBase::SetGlobalDefaultNumberOfThreads(static_cast<itk::ThreadIdType>(threads));
 }
@@ -219,7 +212,7 @@ Mask threshold(std::span<const std::int16_t> values, int low, int high)
 
 std::vector<float> distance_to(const Extent& extent, const Mask& mask)
 {
-    check_sizes(extent, mask.size(), "distance_to");
+    RETRACTOR_ASSERT(is_grid(extent, mask.size()));
     if (std::find_if(mask.begin(), mask.end(), [](std::uint8_t m) { return m != 0; }) == mask.end()) {
         double squared = 0.0;
         for (std::size_t axis = 0; axis < 3; ++axis)
@@ -242,8 +235,8 @@ std::vector<float> distance_to(const Extent& extent, const Mask& mask)
 
 Mask dilated(const Extent& extent, const Mask& mask, double radius_mm)
 {
-    check_sizes(extent, mask.size(), "dilated");
-    check_radius(radius_mm, "dilated");
+    RETRACTOR_ASSERT(is_grid(extent, mask.size()));
+    RETRACTOR_ASSERT(is_radius(radius_mm));
     const Box box = box_of(extent, mask, radius_mm);
     if (box.empty())
         return Mask(mask.size(), 0);
@@ -252,8 +245,8 @@ Mask dilated(const Extent& extent, const Mask& mask, double radius_mm)
 
 Mask eroded(const Extent& extent, const Mask& mask, double radius_mm)
 {
-    check_sizes(extent, mask.size(), "eroded");
-    check_radius(radius_mm, "eroded");
+    RETRACTOR_ASSERT(is_grid(extent, mask.size()));
+    RETRACTOR_ASSERT(is_radius(radius_mm));
     const Box box = box_of(extent, mask, 0.0);
     if (box.empty())
         return Mask(mask.size(), 0);
@@ -275,7 +268,7 @@ Mask closed(const Extent& extent, const Mask& mask, double radius_mm)
 
 Pieces connected_pieces(const Extent& extent, const Mask& mask)
 {
-    check_sizes(extent, mask.size(), "connected_pieces");
+    RETRACTOR_ASSERT(is_grid(extent, mask.size()));
     const auto image = import_image<std::uint8_t>(extent, mask);
     auto components = make_filter<itk::ConnectedComponentImageFilter<MaskImage, PieceImage>>();
     components->SetInput(image->GetOutput());
@@ -302,7 +295,7 @@ Mask largest_piece(const Extent& extent, const Mask& mask)
 
 Mask reached_from(const Extent& extent, const Mask& mask, const Mask& seeds)
 {
-    check_sizes(extent, seeds.size(), "reached_from, seeds");
+    RETRACTOR_ASSERT(is_grid(extent, seeds.size()));
     const Pieces pieces = connected_pieces(extent, mask);
     std::vector<std::uint8_t> reached(pieces.voxels.size() + 1, 0);
     for (std::size_t v = 0; v < seeds.size(); ++v)
@@ -317,7 +310,7 @@ Mask reached_from(const Extent& extent, const Mask& mask, const Mask& seeds)
 
 Mask holes_filled(const Extent& extent, const Mask& mask)
 {
-    check_sizes(extent, mask.size(), "holes_filled");
+    RETRACTOR_ASSERT(is_grid(extent, mask.size()));
     const auto image = import_image<std::uint8_t>(extent, mask);
     auto filter = make_filter<itk::BinaryFillholeImageFilter<MaskImage>>();
     filter->SetInput(image->GetOutput());
@@ -329,9 +322,8 @@ Mask holes_filled(const Extent& extent, const Mask& mask)
 
 Mask holes_filled_in_planes(const Extent& extent, const Mask& mask, int axis)
 {
-    check_sizes(extent, mask.size(), "holes_filled_in_planes");
-    if (axis < 0 || axis > 2)
-        throw InputError("the axis is 0, 1 or 2, not " + std::to_string(axis), "holes_filled_in_planes");
+    RETRACTOR_ASSERT(is_grid(extent, mask.size()));
+    RETRACTOR_ASSERT(axis >= 0 && axis <= 2);
     const std::array<std::size_t, 3> stride { 1, static_cast<std::size_t>(extent.size[0]),
         static_cast<std::size_t>(extent.size[0]) * static_cast<std::size_t>(extent.size[1]) };
     const auto a = static_cast<std::size_t>(axis);
@@ -357,8 +349,8 @@ Mask holes_filled_in_planes(const Extent& extent, const Mask& mask, int axis)
 
 std::vector<std::int16_t> smoothed(const Extent& extent, std::span<const std::int16_t> values, double sigma_mm)
 {
-    check_sizes(extent, values.size(), "smoothed");
-    check_radius(sigma_mm, "smoothed");
+    RETRACTOR_ASSERT(is_grid(extent, values.size()));
+    RETRACTOR_ASSERT(is_radius(sigma_mm));
     if (sigma_mm == 0.0)
         return { values.begin(), values.end() };
     for (const int size : extent.size)
@@ -378,9 +370,8 @@ std::vector<std::int16_t> smoothed(const Extent& extent, std::span<const std::in
 
 std::vector<std::int16_t> median(const Extent& extent, std::span<const std::int16_t> values, int radius_voxels)
 {
-    check_sizes(extent, values.size(), "median");
-    if (radius_voxels < 0)
-        throw InputError("the radius must not be negative", "median");
+    RETRACTOR_ASSERT(is_grid(extent, values.size()));
+    RETRACTOR_ASSERT(radius_voxels >= 0);
     const auto image = import_image<std::int16_t>(extent, values);
     auto filter = make_filter<itk::MedianImageFilter<ValueImage, ValueImage>>();
     filter->SetInput(image->GetOutput());

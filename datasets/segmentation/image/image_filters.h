@@ -1,7 +1,7 @@
 #pragma once
 // Voxel filters for the segmentation, with radii in mm. ITK is confined to one source file without Eigen, because ITK
 // brings an older Eigen; this header therefore describes grids by plain numbers. Memory order: x fastest. Every filter
-// throws InputError when sizes disagree.
+// requires one value per voxel of its extent.
 
 #include <array>
 #include <cstddef>
@@ -26,7 +26,7 @@ struct Extent {
 /// One byte per voxel, 0 or 1.
 using Mask = std::vector<std::uint8_t>;
 
-/// Sets the number of threads of all filters in the process; the default is 2. @throws InputError for fewer than 1.
+/// Sets the number of threads of all filters in the process; the default is 2. @pre At least 1.
 void set_filter_threads(int threads);
 
 /// Sets voxels with a value in [low, high].
@@ -38,7 +38,7 @@ std::vector<float> distance_to(const Extent& extent, const Mask& mask);
 
 /// Morphological operations with a ball of this radius. Voxels outside the extent count as unset for dilation and as
 /// set for erosion, so that a body cut off by the border of the image does not shrink at the border.
-/// @throws InputError when the radius is negative or not finite.
+/// @pre The radius is finite and not negative.
 Mask dilated(const Extent& extent, const Mask& mask, double radius_mm);
 Mask eroded(const Extent& extent, const Mask& mask, double radius_mm);
 Mask opened(const Extent& extent, const Mask& mask, double radius_mm);

@@ -1,5 +1,7 @@
 #include "datasets/segmentation/image/working_image.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -110,6 +112,7 @@ namespace {
 
     Mask combined(const Mask& a, const Mask& b, bool (*keep)(bool, bool))
     {
+        RETRACTOR_ASSERT(a.size() == b.size());
         Mask out(a.size());
         for (std::size_t v = 0; v < a.size(); ++v)
             out[v] = keep(a[v] != 0, b[v] != 0) ? 1 : 0;
@@ -268,6 +271,7 @@ Extent coarse_extent(const Extent& extent, int factor)
 
 Mask coarse_mask(const Extent& extent, const Mask& mask, int factor, double share)
 {
+    RETRACTOR_ASSERT(factor >= 1 && mask.size() == extent.voxel_count());
     const Extent cells = coarse_extent(extent, factor);
     std::vector<std::uint16_t> set(cells.voxel_count(), 0);
     std::vector<std::uint16_t> all(cells.voxel_count(), 0);
@@ -291,6 +295,7 @@ Mask coarse_mask(const Extent& extent, const Mask& mask, int factor, double shar
 
 Mask majority(const Extent& extent, const Mask& mask, int radius_voxels, int threads)
 {
+    RETRACTOR_ASSERT(radius_voxels >= 0 && mask.size() == extent.voxel_count());
     std::vector<std::uint16_t> sums(mask.begin(), mask.end());
     for (std::size_t axis = 0; axis < 3; ++axis)
         window_sums(extent, sums, axis, radius_voxels, threads);
@@ -304,6 +309,7 @@ Mask majority(const Extent& extent, const Mask& mask, int radius_voxels, int thr
 
 Mask shrunk_by_a_voxel(const Extent& extent, const Mask& mask)
 {
+    RETRACTOR_ASSERT(mask.size() == extent.voxel_count());
     Mask out = mask;
     for_faces(extent, [&](std::size_t v, std::size_t neighbour) {
         if (mask[neighbour] == 0)
@@ -314,6 +320,7 @@ Mask shrunk_by_a_voxel(const Extent& extent, const Mask& mask)
 
 Mask grown_by_a_voxel(const Extent& extent, const Mask& mask, const Mask& limit)
 {
+    RETRACTOR_ASSERT(mask.size() == extent.voxel_count() && limit.size() == mask.size());
     Mask out = mask;
     for_faces(extent, [&](std::size_t v, std::size_t neighbour) {
         if (mask[neighbour] != 0 && limit[v] != 0)

@@ -200,12 +200,10 @@ namespace phantom_test {
 
     TEST(ThoraxPhantom, TheWallHasNoHole)
     {
-        using Shape = std::pair<double, double>;
-        for (const auto& [fat, squareness] : { Shape { 3.0, 2.0 }, Shape { 8.0, 3.0 }, Shape { 20.0, 2.4 } }) {
+        for (const double fat : { 3.0, 20.0 }) {
             ThoraxParameters parameters = coarse();
             parameters.spacing_mm = { 3.0, 3.0, 3.0 };
             parameters.fat_mm = fat;
-            parameters.squareness = squareness;
             parameters.noise_hu = 0.0;
             if (fat > 10.0) {
                 parameters.width_mm = 380.0;
@@ -214,7 +212,7 @@ namespace phantom_test {
             const Phantom phantom = make_thorax_phantom(parameters);
             int holes = 0;
             scan_wall(phantom.labels, [&](Label, Label, const Eigen::Vector3i&) { ++holes; });
-            EXPECT_EQ(holes, 0) << "fat " << fat << ", squareness " << squareness;
+            EXPECT_EQ(holes, 0) << "fat " << fat;
         }
         std::string first;
         scan_wall(thorax().labels, [&](Label a, Label b, const Eigen::Vector3i& at) {
@@ -260,10 +258,8 @@ namespace phantom_test {
         EXPECT_NEAR(volume_ml(thorax(), "coronary_target") / sphere_ml(12.0), 1.0, 0.1);
         ThoraxParameters small;
         small.aneurysm_diameter_mm = 40.0;
-        small.coronary_target_diameter_mm = 8.0;
         const Phantom phantom = make_thorax_phantom(small);
         EXPECT_NEAR(volume_ml(phantom, "aneurysm") / (0.96 * 1.06 * sphere_ml(40.0)), 1.0, 0.03);
-        EXPECT_NEAR(volume_ml(phantom, "coronary_target") / sphere_ml(8.0), 1.0, 0.15);
         EXPECT_GT(volume_ml(thorax(), "heart"), 400.0);
         EXPECT_LT(volume_ml(thorax(), "heart"), 800.0);
     }
@@ -364,9 +360,7 @@ namespace phantom_test {
         refused([](ThoraxParameters& p) { p.depth_mm = std::nan(""); }, "depth_mm");
         refused([](ThoraxParameters& p) { p.spacing_mm.y() = 0.0; }, "spacing_mm");
         refused([](ThoraxParameters& p) { p.noise_hu = -1.0; }, "noise_hu");
-        refused([](ThoraxParameters& p) { p.squareness = 8.0; }, "squareness");
         refused([](ThoraxParameters& p) { p.aneurysm_diameter_mm = 90.0; }, "aneurysm_diameter_mm");
-        refused([](ThoraxParameters& p) { p.aneurysm_offset_mm.z() = -50.0; }, "aneurysm_offset_mm");
         refused([](ThoraxParameters& p) { p.fat_mm = 40.0; }, "leave no room");
         refused([](ThoraxParameters& p) { p.field_of_view_mm = 300.0; }, "field_of_view_mm must be between 346");
     }

@@ -133,7 +133,7 @@ namespace autosegment_test {
         return "no error";
     }
 
-    // What the issue asks for; the same for all shapes, noises and grids.
+    // The least overlap that is accepted; the same for all shapes, noises and grids.
     constexpr double kBody = 0.98;
     constexpr double kLungs = 0.97;
     constexpr double kWall = 0.95;

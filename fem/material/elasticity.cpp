@@ -33,7 +33,7 @@ namespace {
     /// The volumetric energy of the corotational_linear model and its derivatives by the trace of S - I.
     Volumetric corotational_linear_volumetric(const Lame& l, double trace)
     {
-        const double largest = kLargestBoundedPressure * l.mu, pressure = l.lambda * trace;
+        const double largest = kLargestCorotationalLinearPressure * l.mu, pressure = l.lambda * trace;
         if (pressure <= largest)
             return { 0.5 * pressure * trace, pressure, l.lambda };
         return { largest * (trace - 0.5 * largest / l.lambda), largest, 0.0 };

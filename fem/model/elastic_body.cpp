@@ -150,7 +150,7 @@ void ElasticBody::measure_elements()
         }
     }
     if (model_ == Elasticity::corotational_linear && nodes_per_tet_ == 4)
-        bounded_.emplace(mesh_, gradients_, weights_, lame_);
+        corotational_linear_.emplace(mesh_, gradients_, weights_, lame_);
 }
 
 void ElasticBody::set_bed(std::vector<double> stiffness)
@@ -297,10 +297,10 @@ ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
     if (locking_free_) {
         half[0].forces = half[1].forces = Eigen::VectorXd::Zero(u.size());
         half[0].energy = locking_free_->add_response(u, half[0].forces);
-    } else if (bounded_)
-        parallel_halves(bounded_->packs(), [&](std::size_t which, std::size_t begin, std::size_t end) {
+    } else if (corotational_linear_)
+        parallel_halves(corotational_linear_->packs(), [&](std::size_t which, std::size_t begin, std::size_t end) {
             half[which].forces = Eigen::VectorXd::Zero(u.size());
-            half[which].energy = bounded_->add_response(u, begin, end, half[which].forces);
+            half[which].energy = corotational_linear_->add_response(u, begin, end, half[which].forces);
         });
     else
         parallel_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
@@ -471,7 +471,7 @@ std::size_t ElasticBody::bytes() const
     return (gradients_.size() + weights_.size() + stiffness_.values.size() + second_half_.size()) * sizeof(double)
         + (map_.size() + stiffness_.pattern.column.size() + stiffness_.pattern.row_start.size()) * sizeof(std::int32_t)
         + lame_.size() * sizeof(Lame) + tissue_.law_of_element.size() * sizeof(std::int32_t)
-        + tissue_.fibres.size() * sizeof(FibreDirections) + (bounded_ ? bounded_->bytes() : 0);
+        + tissue_.fibres.size() * sizeof(FibreDirections) + (corotational_linear_ ? corotational_linear_->bytes() : 0);
 }
 
 } // namespace retractor::fem

@@ -134,11 +134,11 @@ namespace {
                 share = 1.0;
                 halvings = 0;
                 at_ += step;
-                decide_on_far_field();
+                decide_on_condensed_region();
                 next = rest_at(found_.opening.displacement, packed(found_.opening.hook_forces_N));
                 found_.yielded = next.yielded;
                 found_.last_step_mm = farthest(next.displacement - at_);
-                if (next.converged && found_.last_step_mm <= kAtRest * farthest(at_) && is_far_field_good()) {
+                if (next.converged && found_.last_step_mm <= kAtRest * farthest(at_) && is_condensed_region_good()) {
                     progress.done();
                     return finished();
                 }
@@ -184,13 +184,13 @@ namespace {
 
         /// Fixes the choice for the openings that follow: a linear region that was kept stays, with any error, until
         /// the hooks are at rest; a linear region that was given up stays nonlinear.
-        void decide_on_far_field()
+        void decide_on_condensed_region()
         {
-            const std::optional<LinearFarField>& far = found_.opening.far;
+            const std::optional<LinearCondensedRegion>& far = found_.opening.far;
             if (!far)
                 return;
             if (!far->kept)
-                give_far_field_up(*far);
+                give_condensed_region_up(*far);
             else if (!std::isinf(options_.far_tolerance)) {
                 options_.far_tolerance = std::numeric_limits<double>::infinity();
                 make_opening();
@@ -199,16 +199,16 @@ namespace {
 
         /// Compares the error of the linear region at rest with the requested limit.
         /// @return false when the region is given up now
-        bool is_far_field_good()
+        bool is_condensed_region_good()
         {
-            const std::optional<LinearFarField>& far = found_.opening.far;
+            const std::optional<LinearCondensedRegion>& far = found_.opening.far;
             if (!far || !far->kept || far->change <= far_tolerance_)
                 return true;
-            give_far_field_up({ .kept = false, .change = far->change });
+            give_condensed_region_up({ .kept = false, .change = far->change });
             return false;
         }
 
-        void give_far_field_up(LinearFarField far)
+        void give_condensed_region_up(LinearCondensedRegion far)
         {
             given_up_ = std::move(far);
             std::fill(options_.near.begin(), options_.near.end(), std::uint8_t { 1 });
@@ -246,7 +246,7 @@ namespace {
         std::vector<HookDrive> drives_;
         OpeningOptions options_;
         double far_tolerance_; ///< the requested limit
-        std::optional<LinearFarField> given_up_;
+        std::optional<LinearCondensedRegion> given_up_;
         std::optional<Opening> opening_;
         Eigen::VectorXd at_; ///< displacement of the hooks, three per hook
         Eigen::MatrixXd stiffness_;

@@ -137,7 +137,7 @@ namespace {
 
         void judge(FarChange change)
         {
-            LinearFarField& far = result_.far.emplace();
+            LinearCondensedRegion& far = result_.far.emplace();
             far.change = relative_change(change, settled_);
             far.kept = change.finite && far.change <= options_.far_tolerance;
             if (far.kept) {

@@ -46,7 +46,7 @@ struct WholeMetrics {
 };
 
 /// The linear tissue far from the lips.
-struct FarFieldMetrics {
+struct CondensedRegionMetrics {
     bool linear = true; ///< false: the linear tissue was too inexact, and the whole wall was made nonlinear
     double linear_share = 1.0; ///< if not linear: share of the hooks' motion that was solved with linear tissue
     std::string message {}; ///< if linear: reason for a missing estimate; empty: the estimate is there
@@ -69,7 +69,7 @@ struct SolutionMetrics {
     std::size_t nodes = 0; ///< number of nodes of the wall, with midpoints
     std::vector<std::pair<std::string, std::string>> laws {}; ///< material and law of hyperelastic tissue
     std::size_t near_tets = 0; ///< number of nonlinear elements, where the rest is linear
-    std::optional<FarFieldMetrics> far {}; ///< filled when there was linear tissue and an equilibrium
+    std::optional<CondensedRegionMetrics> far {}; ///< filled when there was linear tissue and an equilibrium
     std::optional<WholeMetrics> whole {}; ///< the whole wall nonlinear; filled on request
 };
 

@@ -93,7 +93,7 @@ namespace {
             whole.opening_width_mm, whole.hook_force_N, 100.0 * whole.lips_difference, whole.seconds);
     }
 
-    Json far_document(const FieldMetrics& field, const FarFieldMetrics& far)
+    Json far_document(const FieldMetrics& field, const CondensedRegionMetrics& far)
     {
         Json json { { "linear", far.linear } };
         if (!far.message.empty()) {
@@ -109,7 +109,7 @@ namespace {
         return json;
     }
 
-    std::string far_text(const FieldMetrics& field, const FarFieldMetrics& far)
+    std::string far_text(const FieldMetrics& field, const CondensedRegionMetrics& far)
     {
         if (!far.message.empty())
             return "; how far the linear rest is off is not told: " + far.message;

@@ -45,7 +45,7 @@ namespace {
         fem::ErrorEstimate finer = fem::estimate_error(field.problem, choice.elasticity, solved, job, wound.contact);
         OtherAnswers answers { .message = finer.message };
         if (finer.status != fem::EstimateStatus::done) {
-            if (has_linear_far_field(field) && field.opening.inverted_elements > 0)
+            if (has_linear_condensed_region(field) && field.opening.inverted_elements > 0)
                 answers.message += ", perhaps by the linear far field: nonlinear farther out they would not be";
             return answers;
         }
@@ -62,7 +62,7 @@ namespace {
         }
         answers.factor = 1.0 / fem::kErrorShare;
         // Of the equations that were solved: not with a linear far field or a penalty.
-        if (!has_linear_far_field(field) && !wound.contact)
+        if (!has_linear_condensed_region(field) && !wound.contact)
             answers.energy = EnergyBars { finer.energy_error / std::sqrt(fem::kErrorShare), finer.algebraic_error };
         return answers;
     }
@@ -74,7 +74,7 @@ namespace {
         const fem::ElasticProblem coarse = fem::without_midpoints(field.problem);
         fem::OpeningOptions options { .elasticity = choice.elasticity };
         options.contact = wound.contact;
-        if (has_linear_far_field(field))
+        if (has_linear_condensed_region(field))
             options.near = near_elements(field, choice.near_mm);
         options.far_tolerance = std::numeric_limits<double>::infinity(); // it is linear there, as in the answer
         fem::Opening opening(coarse, options);

@@ -100,7 +100,7 @@ bool is_usable(const fem::OpeningResult& opening)
             && opening.inverted_elements <= kMostInverted * static_cast<double>(opening.strain.size()));
 }
 
-bool has_linear_far_field(const PlannedField& field) { return field.opening.far && field.opening.far->kept; }
+bool has_linear_condensed_region(const PlannedField& field) { return field.opening.far && field.opening.far->kept; }
 
 std::vector<std::uint8_t> near_elements(const PlannedField& field, double near_mm)
 {

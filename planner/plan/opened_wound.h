@@ -57,7 +57,7 @@ struct WoundMeasures {
 /// Whether the wound is a state that tissue can be in: at rest, and with no more than a few slivers turned over.
 bool is_usable(const fem::OpeningResult& opening);
 
-bool has_linear_far_field(const PlannedField& field);
+bool has_linear_condensed_region(const PlannedField& field);
 
 /// Near the lips, and whatever a hook holds: per element of field.problem.
 std::vector<std::uint8_t> near_elements(const PlannedField& field, double near_mm);

@@ -356,7 +356,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     }
     if (field.status != PlanStatus::cancelled && field.opening.far) {
         const StageTimer timer(field.metrics, "judge far field");
-        estimate_far_field_error(field, wound, choice);
+        estimate_condensed_region_error(field, wound, choice);
     }
     if (field.status != PlanStatus::cancelled && check_far) {
         const StageTimer timer(field.metrics, "compare with the whole");

@@ -23,10 +23,10 @@ namespace {
         return largest > 0.0 ? worst / largest : 0.0;
     }
 
-    void compare_with_far_change(
-        const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, FarFieldMetrics& metrics)
+    void compare_with_far_change(const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice,
+        CondensedRegionMetrics& metrics)
     {
-        const fem::LinearFarField& far = *field.opening.far;
+        const fem::LinearCondensedRegion& far = *field.opening.far;
         const Points& corners = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
         const Points at = wound.ten_node.size() == 0
             ? corners
@@ -50,10 +50,10 @@ namespace {
 
 } // namespace
 
-void estimate_far_field_error(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice)
+void estimate_condensed_region_error(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice)
 {
-    const fem::LinearFarField& far = *field.opening.far;
-    FarFieldMetrics& metrics = field.metrics.solution.far.emplace();
+    const fem::LinearCondensedRegion& far = *field.opening.far;
+    CondensedRegionMetrics& metrics = field.metrics.solution.far.emplace();
     metrics.linear = far.kept;
     metrics.linear_share = far.share;
     if (far.kept)

@@ -8,7 +8,7 @@ namespace retractor::planner {
 
 /// What a linear far field is off, by the law of the tissue there: fills field.metrics.solution.far.
 /// @pre field.opening.far.
-void estimate_far_field_error(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice);
+void estimate_condensed_region_error(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice);
 
 /// With all of the wall solved as it is near the lips.
 WholeMetrics compare_with_whole(

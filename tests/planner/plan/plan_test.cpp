@@ -181,7 +181,7 @@ namespace plan_test {
             << solution_text(along);
     }
 
-    TEST(Plan, ALinearFarFieldSaysHowFarItIsOffAndIsGivenUpWhereThatIsTooFar)
+    TEST(Plan, ALinearCondensedRegionSaysHowFarItIsOffAndIsGivenUpWhereThatIsTooFar)
     {
         constexpr double kMostOff = 0.02; // what is promised: far fields that are off by 1 % are given up
         const auto off = [](const PlannedField& field) {
@@ -379,7 +379,7 @@ namespace plan_test {
         }
     }
 
-    TEST(Plan, ALinearFarFieldIsJudgedWithDrivenHooksLetGo)
+    TEST(Plan, ALinearCondensedRegionIsJudgedWithDrivenHooksLetGo)
     {
         constexpr double kForceN = 0.02; // nonlinear tissue is then nearly linear: the far field stays
         Case planned_case

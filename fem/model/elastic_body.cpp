@@ -241,7 +241,7 @@ void ElasticBody::make_pattern()
 void ElasticBody::avoid_locking(const AveragingScheme& scheme)
 {
     if (model_ == Elasticity::corotational_linear)
-        throw InputError("bounded elasticity has no locking-free elements", "elasticity");
+        throw InputError("corotational_linear elasticity has no locking-free elements", "elasticity");
     std::vector<PointLaw> laws;
     std::vector<std::int32_t> law_of_element = tissue_.law_of_element;
     for (const Hyperelastic& law : tissue_.laws)

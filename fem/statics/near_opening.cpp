@@ -113,7 +113,7 @@ namespace {
         {
             result_.far.reset();
             result_.status = OpeningStatus::cancelled;
-            result_.message = "cancelled where the linear far field was given up";
+            result_.message = "cancelled where the linear condensed region was given up";
             result_.displacement = points(from_.displacement);
             result_.hook_forces_N = from_.hook_forces_N;
             result_.residual = from_.residual;

@@ -15,7 +15,9 @@
 #include <iterator>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <sstream>
+#include <variant>
 
 namespace retractor::planner {
 
@@ -263,31 +265,59 @@ namespace {
         return { law, { fibres.front().normalized(), fibres.back().normalized() } };
     }
 
+    // One overload per law, so that the compiler asks for those of a new law. A neo-Hookean material has no law here.
+
+    std::optional<fem::TissueLaw> read_if(const fem::NeoHookean&, const std::string&, const Node&)
+    {
+        return std::nullopt;
+    }
+    std::optional<fem::TissueLaw> read_if(const fem::MooneyRivlin&, const std::string& model, const Node& node)
+    {
+        if (model != "mooney-rivlin")
+            return std::nullopt;
+        node.object({ "model", "c10_MPa", "c01_MPa" });
+        return fem::TissueLaw { fem::MooneyRivlin {
+            .c10 = node["c10_MPa"].number(), .c01 = node["c01_MPa"].number() } };
+    }
+    std::optional<fem::TissueLaw> read_if(const fem::HolzapfelGasserOgden&, const std::string& model, const Node& node)
+    {
+        if (model != "holzapfel-gasser-ogden")
+            return std::nullopt;
+        node.object({ "model", "mu_MPa", "k1_MPa", "k2", "dispersion", "fibres" });
+        return with_fibres(fem::HolzapfelGasserOgden { .mu = node["mu_MPa"].number(),
+                               .k1 = node["k1_MPa"].number(),
+                               .k2 = node["k2"].number(),
+                               .dispersion = node["dispersion"].number() },
+            node["fibres"], 2);
+    }
+    std::optional<fem::TissueLaw> read_if(const fem::Guccione&, const std::string& model, const Node& node)
+    {
+        if (model != "guccione")
+            return std::nullopt;
+        node.object({ "model", "C_MPa", "bf", "bt", "bfs", "fibres" });
+        return with_fibres(fem::Guccione { .C = node["C_MPa"].number(),
+                               .bf = node["bf"].number(),
+                               .bt = node["bt"].number(),
+                               .bfs = node["bfs"].number() },
+            node["fibres"], 1);
+    }
+
+    /// The law with this model, if any; asks each law of the variant.
+    template <class... Laws>
+    std::optional<fem::TissueLaw> read_model(const std::variant<Laws...>&, const std::string& model, const Node& node)
+    {
+        std::optional<fem::TissueLaw> law;
+        (void)((law = read_if(Laws {}, model, node)).has_value() || ...);
+        return law;
+    }
+
     fem::TissueLaw read_law(const Node& node)
     {
         node.object({ "model" },
             { "c10_MPa", "c01_MPa", "mu_MPa", "k1_MPa", "k2", "dispersion", "C_MPa", "bf", "bt", "bfs", "fibres" });
         const std::string model = node["model"].text();
-        if (model == "mooney-rivlin") {
-            node.object({ "model", "c10_MPa", "c01_MPa" });
-            return { fem::MooneyRivlin { .c10 = node["c10_MPa"].number(), .c01 = node["c01_MPa"].number() } };
-        }
-        if (model == "holzapfel-gasser-ogden") {
-            node.object({ "model", "mu_MPa", "k1_MPa", "k2", "dispersion", "fibres" });
-            return with_fibres(fem::HolzapfelGasserOgden { .mu = node["mu_MPa"].number(),
-                                   .k1 = node["k1_MPa"].number(),
-                                   .k2 = node["k2"].number(),
-                                   .dispersion = node["dispersion"].number() },
-                node["fibres"], 2);
-        }
-        if (model == "guccione") {
-            node.object({ "model", "C_MPa", "bf", "bt", "bfs", "fibres" });
-            return with_fibres(fem::Guccione { .C = node["C_MPa"].number(),
-                                   .bf = node["bf"].number(),
-                                   .bt = node["bt"].number(),
-                                   .bfs = node["bfs"].number() },
-                node["fibres"], 1);
-        }
+        if (const std::optional<fem::TissueLaw> law = read_model(fem::Hyperelastic {}, model, node))
+            return *law;
         node["model"].refuse("unknown model \"" + model
             + "\": use mooney-rivlin, holzapfel-gasser-ogden or guccione; without a law tissue is neo-Hookean");
     }
@@ -304,17 +334,28 @@ namespace {
         return directions;
     }
 
+    Json written_as(const fem::NeoHookean&, const fem::TissueLaw&)
+    {
+        throw InputError("a neo-Hookean material is one without a law", "/materials");
+    }
+    Json written_as(const fem::MooneyRivlin& law, const fem::TissueLaw&)
+    {
+        return { { "model", "mooney-rivlin" }, { "c10_MPa", law.c10 }, { "c01_MPa", law.c01 } };
+    }
+    Json written_as(const fem::HolzapfelGasserOgden& law, const fem::TissueLaw& tissue)
+    {
+        return { { "model", "holzapfel-gasser-ogden" }, { "mu_MPa", law.mu }, { "k1_MPa", law.k1 }, { "k2", law.k2 },
+            { "dispersion", law.dispersion }, { "fibres", written_fibres(tissue, 2) } };
+    }
+    Json written_as(const fem::Guccione& law, const fem::TissueLaw& tissue)
+    {
+        return { { "model", "guccione" }, { "C_MPa", law.C }, { "bf", law.bf }, { "bt", law.bt }, { "bfs", law.bfs },
+            { "fibres", written_fibres(tissue, 1) } };
+    }
+
     Json written(const fem::TissueLaw& tissue)
     {
-        if (const auto* law = std::get_if<fem::MooneyRivlin>(&tissue.law))
-            return { { "model", "mooney-rivlin" }, { "c10_MPa", law->c10 }, { "c01_MPa", law->c01 } };
-        if (const auto* law = std::get_if<fem::HolzapfelGasserOgden>(&tissue.law))
-            return { { "model", "holzapfel-gasser-ogden" }, { "mu_MPa", law->mu }, { "k1_MPa", law->k1 },
-                { "k2", law->k2 }, { "dispersion", law->dispersion }, { "fibres", written_fibres(tissue, 2) } };
-        if (const auto* law = std::get_if<fem::Guccione>(&tissue.law))
-            return { { "model", "guccione" }, { "C_MPa", law->C }, { "bf", law->bf }, { "bt", law->bt },
-                { "bfs", law->bfs }, { "fibres", written_fibres(tissue, 1) } };
-        throw InputError("a neo-Hookean material is one without a law", "/materials");
+        return std::visit([&](const auto& law) { return written_as(law, tissue); }, tissue.law);
     }
 
     /// Tissue without "across" is free to narrow.

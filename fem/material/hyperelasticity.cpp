@@ -1,5 +1,6 @@
 #include "fem/material/hyperelasticity.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 
@@ -296,6 +297,7 @@ HyperelasticPoint evaluate_point(
 
 void lift_negative(TangentMatrix& tangent, double projected)
 {
+    RETRACTOR_ASSERT(projected >= 0.0 && projected <= 1.0);
     if (projected == 0.0 || tangent.llt().info() == Eigen::Success)
         return;
     const Eigen::SelfAdjointEigenSolver<TangentMatrix> eigen(tangent);

@@ -173,6 +173,7 @@ Points Contact::Surface::normals(const Points& at) const
 
 double Contact::Surface::area_towards(VertexId point, const Points& at, const Vec3& direction) const
 {
+    RETRACTOR_ASSERT(point >= 0 && static_cast<std::size_t>(point) < around.size());
     double area = 0.0;
     for (const std::int32_t t : around[static_cast<std::size_t>(point)]) {
         const auto& triangle = triangles[static_cast<std::size_t>(t)];
@@ -236,6 +237,7 @@ Contact::Contact(const mesh::TetMesh& mesh, const std::vector<Lame>& lame, Conta
 
 Points Contact::positions(const Eigen::VectorXd& u) const
 {
+    RETRACTOR_ASSERT(u.size() == 3 * body_.rest.rows());
     return body_.rest + Eigen::Map<const Points>(u.data(), body_.rest.rows(), 3);
 }
 
@@ -446,6 +448,7 @@ BlockPattern Contact::pattern(const BlockPattern& body) const
 
 void Contact::add_stiffness(const Eigen::VectorXd& u, double projected, BlockMatrix& matrix) const
 {
+    RETRACTOR_ASSERT(matrix.values.size() == 9 * matrix.pattern.block_count());
     const BlockPattern& pattern = matrix.pattern;
     for (const ContactPair& pair : pairs_) {
         const auto [p, a, b, c] = corners(u, pair);
@@ -492,6 +495,7 @@ Contact::State Contact::state(const Eigen::VectorXd& u) const
 double Contact::free_share(
     const Eigen::VectorXd& u, const Eigen::VectorXd& motion, const std::vector<std::uint8_t>& prescribed) const
 {
+    RETRACTOR_ASSERT(u.size() == motion.size() && prescribed.size() == static_cast<std::size_t>(u.size()));
     constexpr double kAllowed = 0.01; // mm behind a face that are tolerated without a force
     constexpr int kHalvings = 20;
     double free = 1.0;

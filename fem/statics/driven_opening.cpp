@@ -2,6 +2,7 @@
 
 #include "fem/linear_algebra/constrained_solver.h"
 #include "fem/statics/opening.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -258,6 +259,7 @@ namespace {
 HookResponse hook_response(const ElasticProblem& problem, const TissueModel& model, const Points& displacement,
     const std::optional<ContactOptions>& contact)
 {
+    RETRACTOR_ASSERT(displacement.rows() == problem.mesh.vertices.rows());
     ElasticBody body = tissue_body(problem.mesh, problem.material_of_label, model);
     body.set_bed(bed_stiffness(problem.mesh, problem.supports));
     std::vector<HookPatch> still = problem.hooks; // equal displacements, as hooks that share nodes require
@@ -302,6 +304,7 @@ HookResponse hook_response(const ElasticProblem& problem, const TissueModel& mod
 std::optional<ReleasedHooks> release_hooks(const HookResponse& response, const Eigen::VectorXd& at,
     const Eigen::VectorXd& forces, const Eigen::VectorXd& other_forces, const std::vector<HookDrive>& drives)
 {
+    RETRACTOR_ASSERT(at.size() == 3 * static_cast<Eigen::Index>(drives.size()) && forces.size() == at.size());
     constexpr double kMostRatio = 10.0;
     Eigen::VectorXd by_way = forces, other_by_way = other_forces;
     if (response.of_loads.size() != 0) {

@@ -1,5 +1,7 @@
 #include "fem/statics/near_opening.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -206,6 +208,7 @@ namespace {
 NearFrame drag_in_steps(NonlinearRegion& field, std::span<const HookDrive> from, std::span<const HookDrive> to,
     const DragInSteps& how, const Job& job)
 {
+    RETRACTOR_ASSERT(from.size() == to.size());
     constexpr int kRefreshes = 3;
     const int steps
         = std::max(how.least_steps, static_cast<int>(std::ceil(farthest_way(field, from, to) / how.step_mm)));

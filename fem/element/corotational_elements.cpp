@@ -150,7 +150,7 @@ namespace {
                 trace += d * R[k / 3][k % 3];
             }
             // As corotational_linear_volumetric(): the pressure stays below its bound.
-            const Wide largest = kLargestBoundedPressure * mu, free = lambda * trace;
+            const Wide largest = kLargestCorotationalLinearPressure * mu, free = lambda * trace;
             Wide slope = free, volumetric = 0.5 * free * trace;
             for (std::size_t l = 0; l < kPack; ++l)
                 if (free[l] > largest[l]) {

@@ -2,6 +2,7 @@
 
 #include "fem/element/tet_element.h"
 #include "fem/linear_algebra/parallel.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Geometry>
@@ -256,6 +257,7 @@ LockingFree::LockingFree(const mesh::TetMesh& mesh, const AveragingScheme& schem
 std::int32_t LockingFree::add_point(const mesh::TetMesh& mesh, const Elements& elements, const AveragingDomain& domain,
     double scale, const std::vector<FibreDirections>& fibres)
 {
+    RETRACTOR_ASSERT(!domain.tets.empty());
     std::vector<VertexId> nodes;
     double weight = 0.0;
     for (const TetId t : domain.tets) {
@@ -311,6 +313,7 @@ void LockingFree::gather_volumes(std::vector<std::pair<std::array<std::int32_t, 
 
 Mat3 LockingFree::deformation_gradient(const Eigen::VectorXd& u, std::size_t point) const
 {
+    RETRACTOR_ASSERT(point < points_.count());
     Mat3 F = Mat3::Identity();
     for (auto i = points_.start[point]; i < points_.start[point + 1]; ++i)
         F.noalias() += u.segment<3>(3 * static_cast<Eigen::Index>(points_.node[static_cast<std::size_t>(i)]))
@@ -347,6 +350,7 @@ LockingFree::VolumeState LockingFree::volumes(const Eigen::VectorXd& u) const
 
 double LockingFree::add_response(const Eigen::VectorXd& u, Eigen::VectorXd& forces) const
 {
+    RETRACTOR_ASSERT(u.size() == 3 * static_cast<Eigen::Index>(node_count_) && forces.size() == u.size());
     const VolumeState state = volumes(u);
     std::array<double, 2> energy { 0.0, 0.0 };
     std::array<Eigen::VectorXd, 2> half;
@@ -436,6 +440,7 @@ void LockingFree::add_volumes(
 
 void LockingFree::add_stiffness(const Eigen::VectorXd& u, double projected, BlockMatrix& matrix)
 {
+    RETRACTOR_ASSERT(matrix.values.size() == 9 * matrix.pattern.block_count());
     if (point_map_.empty()) {
         point_map_ = group_block_map(points_, matrix.pattern);
         domain_map_ = group_block_map(domains_, matrix.pattern);

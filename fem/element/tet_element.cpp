@@ -1,5 +1,7 @@
 #include "fem/element/tet_element.h"
 
+#include "mesh/base/assert.h"
+
 #include <Eigen/LU>
 
 namespace retractor::fem {
@@ -44,6 +46,7 @@ namespace {
 
 std::span<const QuadraturePoint> quadrature(int nodes_per_tet)
 {
+    RETRACTOR_ASSERT(nodes_per_tet == 4 || nodes_per_tet == 10);
     if (nodes_per_tet == 4)
         return kCentroid;
     return kFourPoints;
@@ -51,6 +54,7 @@ std::span<const QuadraturePoint> quadrature(int nodes_per_tet)
 
 Eigen::VectorXd shape_values(int nodes_per_tet, const std::array<double, 4>& b)
 {
+    RETRACTOR_ASSERT(nodes_per_tet == 4 || nodes_per_tet == 10);
     if (nodes_per_tet == 4)
         return Eigen::Map<const Eigen::Vector4d>(b.data());
     Eigen::VectorXd values(10);
@@ -64,6 +68,7 @@ Eigen::VectorXd shape_values(int nodes_per_tet, const std::array<double, 4>& b)
 
 ShapeGradients shape_gradients(const NodeGradients& nodes, const QuadraturePoint& point)
 {
+    RETRACTOR_ASSERT(nodes.rows() == 4 || nodes.rows() == 10);
     const NodeGradients reference = reference_gradients(nodes.rows(), point.barycentric);
     const Mat3 jacobian = nodes.transpose() * reference; // d position / d reference coordinate
     ShapeGradients shape;

@@ -3,6 +3,7 @@
 #include "fem/error_estimation/averaged_contact.h"
 #include "fem/error_estimation/two_level_preconditioner.h"
 #include "fem/linear_algebra/constrained_solver.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -91,6 +92,7 @@ namespace {
 BodyEstimate estimate_error(ElasticBody& coarse_body, const std::vector<std::uint8_t>& coarse_held,
     ElasticBody& fine_body, const std::vector<std::uint8_t>& fine_held, const Eigen::VectorXd& answer, const Job& job)
 {
+    RETRACTOR_ASSERT(static_cast<std::size_t>(answer.size()) == coarse_held.size());
     job.report("error estimate", 0.0);
     (void)coarse_body.renew_follower_loads(answer);
     if (!std::isfinite(coarse_body.response(answer).energy))

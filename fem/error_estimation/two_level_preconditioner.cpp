@@ -1,5 +1,7 @@
 #include "fem/error_estimation/two_level_preconditioner.h"
 
+#include "mesh/base/assert.h"
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -59,6 +61,7 @@ Nesting::Nesting(const mesh::TetMesh& fine, std::size_t corners)
 
 Eigen::VectorXd Nesting::prolong(const Eigen::VectorXd& coarse) const
 {
+    RETRACTOR_ASSERT(coarse.size() == 3 * corners_);
     Eigen::VectorXd fine(3 * (corners_ + static_cast<Eigen::Index>(ends_.size())));
     fine.head(3 * corners_) = coarse;
     for (std::size_t e = 0; e < ends_.size(); ++e)
@@ -185,6 +188,7 @@ void TwoLevelPreconditioner::solve_edges(Eigen::VectorXd& edges)
 
 Eigen::VectorXd TwoLevelPreconditioner::apply(const Eigen::VectorXd& r)
 {
+    RETRACTOR_ASSERT(static_cast<std::size_t>(r.size()) == held_.size());
     Eigen::VectorXd corners = nesting_.restrict_to_corners(r), edges = r.tail(r.size() - corners.size());
     coarse_.mask(corners);
     for (const auto& share : contact_.shares())

@@ -73,7 +73,7 @@ public:
     /// y = K x. Large matrices use two cores. @pre x.size() == 3 slot_count()
     Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;
     Eigen::MatrixXd multiply(const Eigen::MatrixXd& x) const;
-    /// Nodal forces (N) by vertex id: the tension that the wounds have released, as release_forces() computes it.
+    /// Nodal forces (N) by vertex id: the tension that the wounds have released, as released_tractions() computes it.
     const Eigen::VectorXd& load() const { return load_; }
     bool loaded() const { return !stress_.empty(); } ///< whether the body has tension, cut or uncut
 

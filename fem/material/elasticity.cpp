@@ -1,5 +1,7 @@
 #include "fem/material/elasticity.h"
 
+#include "mesh/base/assert.h"
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
@@ -33,7 +35,7 @@ namespace {
     /// The volumetric energy of the corotational_linear model and its derivatives by the trace of S - I.
     Volumetric corotational_linear_volumetric(const Lame& l, double trace)
     {
-        const double largest = kLargestBoundedPressure * l.mu, pressure = l.lambda * trace;
+        const double largest = kLargestCorotationalLinearPressure * l.mu, pressure = l.lambda * trace;
         if (pressure <= largest)
             return { 0.5 * pressure * trace, pressure, l.lambda };
         return { largest * (trace - 0.5 * largest / l.lambda), largest, 0.0 };
@@ -201,6 +203,7 @@ SignedSvd signed_svd(const Mat3& F)
 
 Tangent tangent(Elasticity model, const Lame& l, const Mat3& F, double projected)
 {
+    RETRACTOR_ASSERT(model != Elasticity::hyperelastic && projected >= 0.0 && projected <= 1.0);
     return model == Elasticity::linear ? linear_tangent(l) : rotating_tangent(model, l, signed_svd(F), projected);
 }
 
@@ -227,6 +230,7 @@ TangentMatrix tangent_matrix(const Tangent& t)
 
 PointResponse evaluate_point(Elasticity model, const Lame& l, const Mat3& F, bool with_tangent)
 {
+    RETRACTOR_ASSERT(model != Elasticity::hyperelastic);
     PointResponse response;
     response.volume_ratio = F.determinant();
     if (model == Elasticity::linear) {

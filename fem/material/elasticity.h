@@ -27,7 +27,7 @@ enum class Elasticity { linear, corotational, hyperelastic, corotational_linear 
 
 /// Bound of the pressure in the corotational_linear model, in shear moduli. With a bound of two, tension alone could
 /// give tissue a negative thickness.
-inline constexpr double kLargestBoundedPressure = 1.8;
+inline constexpr double kLargestCorotationalLinearPressure = 1.8;
 
 struct Lame {
     double mu = 0.0; ///< shear modulus, MPa

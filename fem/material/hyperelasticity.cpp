@@ -1,5 +1,6 @@
 #include "fem/material/hyperelasticity.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 
@@ -12,7 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
-#include <string_view>
+#include <type_traits>
 #include <variant>
 
 namespace retractor::fem {
@@ -264,28 +265,12 @@ void check_hyperelastic(const Hyperelastic& law)
     std::visit([](const auto& l) { check(l); }, law);
 }
 
-std::string_view law_name(const Hyperelastic& law)
-{
-    constexpr std::array<std::string_view, std::variant_size_v<Hyperelastic>> kNames {
-        "neo-Hookean",
-        "Mooney-Rivlin",
-        "Holzapfel-Gasser-Ogden",
-        "Guccione",
-    };
-    return kNames[law.index()];
-}
-
-bool has_fibres(const Hyperelastic& law)
-{
-    return std::holds_alternative<HolzapfelGasserOgden>(law) || std::holds_alternative<Guccione>(law);
-}
-
 Hyperelastic with_bulk(Hyperelastic law, double poissons_ratio)
 {
     const double mu = small_strain_moduli(law).mu;
     std::visit(
         [&](auto& l) {
-            if constexpr (requires { l.bulk; })
+            if constexpr (!std::is_same_v<std::decay_t<decltype(l)>, NeoHookean>)
                 l.bulk = 2.0 * mu * (1.0 + poissons_ratio) / (3.0 * (1.0 - 2.0 * poissons_ratio));
         },
         law);
@@ -312,6 +297,7 @@ HyperelasticPoint evaluate_point(
 
 void lift_negative(TangentMatrix& tangent, double projected)
 {
+    RETRACTOR_ASSERT(projected >= 0.0 && projected <= 1.0);
     if (projected == 0.0 || tangent.llt().info() == Eigen::Success)
         return;
     const Eigen::SelfAdjointEigenSolver<TangentMatrix> eigen(tangent);

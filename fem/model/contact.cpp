@@ -1,5 +1,6 @@
 #include "fem/model/contact.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
 
@@ -172,6 +173,7 @@ Points Contact::Surface::normals(const Points& at) const
 
 double Contact::Surface::area_towards(VertexId point, const Points& at, const Vec3& direction) const
 {
+    RETRACTOR_ASSERT(point >= 0 && static_cast<std::size_t>(point) < around.size());
     double area = 0.0;
     for (const std::int32_t t : around[static_cast<std::size_t>(point)]) {
         const auto& triangle = triangles[static_cast<std::size_t>(t)];
@@ -235,6 +237,7 @@ Contact::Contact(const mesh::TetMesh& mesh, const std::vector<Lame>& lame, Conta
 
 Points Contact::positions(const Eigen::VectorXd& u) const
 {
+    RETRACTOR_ASSERT(u.size() == 3 * body_.rest.rows());
     return body_.rest + Eigen::Map<const Points>(u.data(), body_.rest.rows(), 3);
 }
 
@@ -250,89 +253,108 @@ std::array<Vec3, 4> Contact::corners(const Eigen::VectorXd& u, const ContactPair
     return { place(u, pair.node[0]), place(u, pair.node[1]), place(u, pair.node[2]), place(u, pair.node[3]) };
 }
 
-/// Appends the best face of each point to `pairs`.
-/// @param body_points, body_faces whether points and faces belong to the body; otherwise they belong to the fixed
-/// surfaces.
-void Contact::pair_points(const Surface& points, const Points& at, const Surface& faces, const Points& faces_at,
-    const mesh::TriangleProximity& near, bool body_points, bool body_faces, const std::vector<double>& overlap,
-    Pairing pairing, std::vector<ContactPair>& pairs) const
+double Contact::edge_at(const Side& points, VertexId point, const std::array<VertexId, 3>& triangle) const
 {
-    const auto number = [](std::int32_t v, bool of_body) { return of_body ? v : ~v; };
+    return edge_[static_cast<std::size_t>(points.of_body ? point : triangle[0])];
+}
+
+/// Appends the best face of each point to `pairs`.
+void Contact::pair_points(const Side& points, const Side& faces, const mesh::TriangleProximity& near, Pairing pairing,
+    std::vector<ContactPair>& pairs) const
+{
+    RETRACTOR_ASSERT(points.of_body || faces.of_body);
     std::map<std::int32_t, const ContactPair*> before; // a sliding point keeps its face as long as possible
     for (const ContactPair& pair : pairs_)
-        if ((pair.node[0] >= 0) == body_points && (pair.node[1] >= 0) == body_faces)
+        if ((pair.node[0] >= 0) == points.of_body && (pair.node[1] >= 0) == faces.of_body)
             before[pair.node[0]] = &pair;
-    const Points normals = points.normals(at);
-    const bool self = body_points && body_faces;
-    for (const VertexId v : points.points) {
-        const auto i = static_cast<std::size_t>(v);
-        const auto known = before.find(number(v, body_points));
+    const Points normals = points.surface.normals(points.at);
+    const bool self = points.of_body && faces.of_body;
+    const std::vector<double>& overlap = self ? points.surface.overlap_self : points.surface.overlap_other;
+    for (const VertexId v : points.surface.points) {
+        const auto known = before.find(points.number(v));
         if (pairing == Pairing::new_only && known != before.end()) {
             pairs.push_back(*known->second);
             continue;
         }
-        const Vec3 p = at.row(v).transpose(), normal = normals.row(v).transpose();
-        // Where tissue folds at the rim of a hook's patch, the faces next to a point look towards it.
-        std::vector<VertexId> ring;
-        for (const std::int32_t t : points.around[i])
-            ring.insert(ring.end(), points.triangles[static_cast<std::size_t>(t)].begin(),
-                points.triangles[static_cast<std::size_t>(t)].end());
-        const std::array<VertexId, 3>* best = nullptr;
-        double nearest = 0.0;
-        for (const mesh::TriangleProximity::Nearby& candidate : near.within(p, options_.reach)) {
-            const auto& triangle = faces.triangles[static_cast<std::size_t>(candidate.triangle)];
-            if (self && std::any_of(triangle.begin(), triangle.end(), [&](VertexId w) {
-                    return std::find(ring.begin(), ring.end(), w) != ring.end();
-                }))
-                continue;
-            const std::array<Vec3, 3> face = triangle_corners(faces_at, triangle);
-            const Vec3 n = unit_normal(face);
-            if (!(normal.dot(n) < kOpposed) || !faces_point(p, face))
-                continue;
-            const std::array<Vec3, 3> face_at_rest = triangle_corners(faces.rest, triangle);
-            const Vec3 p_at_rest = points.rest.row(v).transpose();
-            const double edge = body_points ? edge_[i] : edge_[static_cast<std::size_t>(triangle[0])];
-            if (signed_distance(p_at_rest, face_at_rest) < -kThin * edge
-                && mesh::closest_on_triangle(p_at_rest, face_at_rest[0], face_at_rest[1], face_at_rest[2]).distance
-                    < 2.0 * options_.reach)
-                continue;
-            const bool same = known != before.end()
-                && known->second->node
-                    == std::array<std::int32_t, 4> { number(v, body_points), number(triangle[0], body_faces),
-                           number(triangle[1], body_faces), number(triangle[2], body_faces) };
-            // A point that was never near the face and lies deep behind it has been inside all along.
-            if (known == before.end() && signed_distance(p, face) - std::min(overlap[i], 0.0) < -0.5 * options_.reach)
-                continue;
-            constexpr double kAsGood = 1.25;
-            if (best == nullptr || (same && candidate.point.distance <= kAsGood * nearest + 1e-9)) {
-                if (best == nullptr)
-                    nearest = candidate.point.distance;
-                best = &triangle;
-            }
-        }
-        if (best == nullptr)
-            continue;
-        const std::array<Vec3, 3> face = triangle_corners(faces_at, *best);
-        const Vec3 n = unit_normal(face);
-        double area = points.area_towards(v, at, -n), modulus = 0.0;
-        if (body_points) {
-            modulus = modulus_per_edge_[i];
-        } else {
-            double face_area = 0.0;
-            for (const VertexId corner : *best) {
-                modulus += modulus_per_edge_[static_cast<std::size_t>(corner)] / 3.0;
-                face_area += faces.area_towards(corner, faces_at, n) / 3.0;
-            }
-            area = std::min(area, face_area); // the points of a coarse surface have more area than they touch
-        }
-        ContactPair pair { { number(v, body_points), number((*best)[0], body_faces), number((*best)[1], body_faces),
-                               number((*best)[2], body_faces) },
-            0.5 * options_.stiffness * modulus * area, overlap[i] };
-        if (!pairs_.empty())
-            keep_smooth(pair, signed_distance(p, face), known != before.end() ? known->second : nullptr, at, faces_at,
-                body_points ? edge_[i] : edge_[static_cast<std::size_t>((*best)[0])]);
-        pairs.push_back(pair);
+        const Seeker seeker { v, points.at.row(v).transpose(), normals.row(v).transpose(),
+            overlap[static_cast<std::size_t>(v)], known != before.end() ? known->second : nullptr };
+        if (const std::array<VertexId, 3>* best = best_face(points, faces, near, seeker))
+            pairs.push_back(make_pair(points, faces, seeker, *best));
     }
+}
+
+/// The nearest face that the point can meet; the face of its last pair where this face is about as near.
+const std::array<VertexId, 3>* Contact::best_face(
+    const Side& points, const Side& faces, const mesh::TriangleProximity& near, const Seeker& seeker) const
+{
+    constexpr double kAsGood = 1.25;
+    // Where tissue folds at the rim of a hook's patch, the faces next to a point look towards it.
+    std::vector<VertexId> ring;
+    if (points.of_body && faces.of_body)
+        for (const std::int32_t t : points.surface.around[static_cast<std::size_t>(seeker.vertex)])
+            ring.insert(ring.end(), points.surface.triangles[static_cast<std::size_t>(t)].begin(),
+                points.surface.triangles[static_cast<std::size_t>(t)].end());
+    const std::array<VertexId, 3>* best = nullptr;
+    double nearest = 0.0;
+    for (const mesh::TriangleProximity::Nearby& candidate : near.within(seeker.place, options_.reach)) {
+        const auto& triangle = faces.surface.triangles[static_cast<std::size_t>(candidate.triangle)];
+        if (std::find_first_of(triangle.begin(), triangle.end(), ring.begin(), ring.end()) != triangle.end()
+            || !can_meet(points, faces, seeker, triangle))
+            continue;
+        const bool same = seeker.before != nullptr
+            && seeker.before->node
+                == std::array<std::int32_t, 4> { points.number(seeker.vertex), faces.number(triangle[0]),
+                       faces.number(triangle[1]), faces.number(triangle[2]) };
+        if (best == nullptr || (same && candidate.point.distance <= kAsGood * nearest + 1e-9)) {
+            if (best == nullptr)
+                nearest = candidate.point.distance;
+            best = &triangle;
+        }
+    }
+    return best;
+}
+
+/// Whether the point and the face look towards each other, and the point is not behind the face since rest.
+bool Contact::can_meet(
+    const Side& points, const Side& faces, const Seeker& seeker, const std::array<VertexId, 3>& triangle) const
+{
+    const std::array<Vec3, 3> face = triangle_corners(faces.at, triangle);
+    if (!(seeker.normal.dot(unit_normal(face)) < kOpposed) || !faces_point(seeker.place, face))
+        return false;
+    const std::array<Vec3, 3> face_at_rest = triangle_corners(faces.surface.rest, triangle);
+    const Vec3 p_at_rest = points.surface.rest.row(seeker.vertex).transpose();
+    if (signed_distance(p_at_rest, face_at_rest) < -kThin * edge_at(points, seeker.vertex, triangle)
+        && mesh::closest_on_triangle(p_at_rest, face_at_rest[0], face_at_rest[1], face_at_rest[2]).distance
+            < 2.0 * options_.reach)
+        return false;
+    // A point that was never near the face and lies deep behind it has been inside all along.
+    return seeker.before != nullptr
+        || !(signed_distance(seeker.place, face) - std::min(seeker.overlap, 0.0) < -0.5 * options_.reach);
+}
+
+ContactPair Contact::make_pair(
+    const Side& points, const Side& faces, const Seeker& seeker, const std::array<VertexId, 3>& triangle) const
+{
+    const std::array<Vec3, 3> face = triangle_corners(faces.at, triangle);
+    const Vec3 n = unit_normal(face);
+    double area = points.surface.area_towards(seeker.vertex, points.at, -n), modulus = 0.0;
+    if (points.of_body) {
+        modulus = modulus_per_edge_[static_cast<std::size_t>(seeker.vertex)];
+    } else {
+        double face_area = 0.0;
+        for (const VertexId corner : triangle) {
+            modulus += modulus_per_edge_[static_cast<std::size_t>(corner)] / 3.0;
+            face_area += faces.surface.area_towards(corner, faces.at, n) / 3.0;
+        }
+        area = std::min(area, face_area); // the points of a coarse surface have more area than they touch
+    }
+    ContactPair pair { { points.number(seeker.vertex), faces.number(triangle[0]), faces.number(triangle[1]),
+                           faces.number(triangle[2]) },
+        0.5 * options_.stiffness * modulus * area, seeker.overlap };
+    if (!pairs_.empty())
+        keep_smooth(pair, signed_distance(seeker.place, face), seeker.before, points.at, faces.at,
+            edge_at(points, seeker.vertex, triangle));
+    return pair;
 }
 
 bool Contact::find(const Eigen::VectorXd& u, Pairing pairing)
@@ -342,10 +364,11 @@ bool Contact::find(const Eigen::VectorXd& u, Pairing pairing)
         throw InputError("a displacement is not finite", "contact");
     const mesh::TriangleProximity near_body(at, body_.triangles, options_.reach);
     std::vector<ContactPair> found;
-    pair_points(body_, at, body_, at, near_body, true, true, body_.overlap_self, pairing, found);
+    const Side body { body_, at, true }, fixed { fixed_, fixed_.rest, false };
+    pair_points(body, body, near_body, pairing, found);
     if (!fixed_.triangles.empty()) {
-        pair_points(body_, at, fixed_, fixed_.rest, *near_fixed_, true, false, body_.overlap_other, pairing, found);
-        pair_points(fixed_, fixed_.rest, body_, at, near_body, false, true, fixed_.overlap_other, pairing, found);
+        pair_points(body, fixed, *near_fixed_, pairing, found);
+        pair_points(fixed, body, near_body, pairing, found);
     }
     const bool changed = found != pairs_;
     pairs_ = std::move(found);
@@ -425,6 +448,7 @@ BlockPattern Contact::pattern(const BlockPattern& body) const
 
 void Contact::add_stiffness(const Eigen::VectorXd& u, double projected, BlockMatrix& matrix) const
 {
+    RETRACTOR_ASSERT(matrix.values.size() == 9 * matrix.pattern.block_count());
     const BlockPattern& pattern = matrix.pattern;
     for (const ContactPair& pair : pairs_) {
         const auto [p, a, b, c] = corners(u, pair);
@@ -471,6 +495,7 @@ Contact::State Contact::state(const Eigen::VectorXd& u) const
 double Contact::free_share(
     const Eigen::VectorXd& u, const Eigen::VectorXd& motion, const std::vector<std::uint8_t>& prescribed) const
 {
+    RETRACTOR_ASSERT(u.size() == motion.size() && prescribed.size() == static_cast<std::size_t>(u.size()));
     constexpr double kAllowed = 0.01; // mm behind a face that are tolerated without a force
     constexpr int kHalvings = 20;
     double free = 1.0;

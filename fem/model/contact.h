@@ -113,9 +113,29 @@ private:
     };
 
     static Surface surface_of(Points rest, Triangles triangles);
-    void pair_points(const Surface& points, const Points& at, const Surface& faces, const Points& faces_at,
-        const mesh::TriangleProximity& near, bool body_points, bool body_faces, const std::vector<double>& overlap,
-        Pairing pairing, std::vector<ContactPair>& pairs) const;
+    struct Side { ///< a surface at its present place
+        const Surface& surface;
+        const Points& at;
+        bool of_body; ///< false: the fixed surfaces
+
+        std::int32_t number(VertexId v) const { return of_body ? v : ~v; } ///< as in ContactPair::node
+    };
+    struct Seeker { ///< a point without a pair yet
+        VertexId vertex;
+        Vec3 place, normal;
+        double overlap; ///< at rest, mm, <= 0
+        const ContactPair* before; ///< the last pair of the point, or nullptr
+    };
+    void pair_points(const Side& points, const Side& faces, const mesh::TriangleProximity& near, Pairing pairing,
+        std::vector<ContactPair>& pairs) const;
+    const std::array<VertexId, 3>* best_face(
+        const Side& points, const Side& faces, const mesh::TriangleProximity& near, const Seeker& seeker) const;
+    bool can_meet(
+        const Side& points, const Side& faces, const Seeker& seeker, const std::array<VertexId, 3>& triangle) const;
+    ContactPair make_pair(
+        const Side& points, const Side& faces, const Seeker& seeker, const std::array<VertexId, 3>& triangle) const;
+    /// Edge length at a point, or at a face for points of the fixed surfaces, mm.
+    double edge_at(const Side& points, VertexId point, const std::array<VertexId, 3>& triangle) const;
     void note_overlaps();
     Points positions(const Eigen::VectorXd& u) const;
     Vec3 place(const Eigen::VectorXd& u, std::int32_t node) const;

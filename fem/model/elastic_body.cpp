@@ -1,6 +1,7 @@
 #include "fem/model/elastic_body.h"
 
 #include "fem/linear_algebra/parallel.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/LU>
@@ -150,7 +151,7 @@ void ElasticBody::measure_elements()
         }
     }
     if (model_ == Elasticity::corotational_linear && nodes_per_tet_ == 4)
-        bounded_.emplace(mesh_, gradients_, weights_, lame_);
+        corotational_linear_.emplace(mesh_, gradients_, weights_, lame_);
 }
 
 void ElasticBody::set_bed(std::vector<double> stiffness)
@@ -183,6 +184,7 @@ void ElasticBody::set_loads(ExternalLoads loads)
 
 double ElasticBody::renew_follower_loads(const Eigen::VectorXd& u)
 {
+    RETRACTOR_ASSERT(u.size() == 3 * mesh_.vertices.rows());
     if (loads_.pressures.empty())
         return 0.0;
     Eigen::VectorXd rest = Eigen::VectorXd::Zero(u.size());
@@ -218,6 +220,7 @@ void ElasticBody::set_contact(Contact contact)
 
 bool ElasticBody::find_contact(const Eigen::VectorXd& u, Contact::Pairing pairing)
 {
+    RETRACTOR_ASSERT(contact_.has_value());
     if (!contact_->find(u, pairing))
         return false;
     make_pattern();
@@ -241,7 +244,7 @@ void ElasticBody::make_pattern()
 void ElasticBody::avoid_locking(const AveragingScheme& scheme)
 {
     if (model_ == Elasticity::corotational_linear)
-        throw InputError("bounded elasticity has no locking-free elements", "elasticity");
+        throw InputError("corotational_linear elasticity has no locking-free elements", "elasticity");
     std::vector<PointLaw> laws;
     std::vector<std::int32_t> law_of_element = tissue_.law_of_element;
     for (const Hyperelastic& law : tissue_.laws)
@@ -260,6 +263,7 @@ void ElasticBody::avoid_locking(const AveragingScheme& scheme)
 
 const double* ElasticBody::gradients(std::size_t element, std::size_t point) const
 {
+    RETRACTOR_ASSERT(element < mesh_.tet_count() && point < points_per_tet_);
     return gradients_.data() + (element * points_per_tet_ + point) * nodes_per_tet_ * 3;
 }
 
@@ -293,14 +297,15 @@ void ElasticBody::for_each_point(const Eigen::VectorXd& u, std::size_t begin, st
 
 ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
 {
+    RETRACTOR_ASSERT(u.size() == 3 * mesh_.vertices.rows());
     std::array<Response, 2> half;
     if (locking_free_) {
         half[0].forces = half[1].forces = Eigen::VectorXd::Zero(u.size());
         half[0].energy = locking_free_->add_response(u, half[0].forces);
-    } else if (bounded_)
-        parallel_halves(bounded_->packs(), [&](std::size_t which, std::size_t begin, std::size_t end) {
+    } else if (corotational_linear_)
+        parallel_halves(corotational_linear_->packs(), [&](std::size_t which, std::size_t begin, std::size_t end) {
             half[which].forces = Eigen::VectorXd::Zero(u.size());
-            half[which].energy = bounded_->add_response(u, begin, end, half[which].forces);
+            half[which].energy = corotational_linear_->add_response(u, begin, end, half[which].forces);
         });
     else
         parallel_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
@@ -409,6 +414,7 @@ void ElasticBody::add_stiffness(
 
 const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double projected)
 {
+    RETRACTOR_ASSERT(u.size() == 3 * mesh_.vertices.rows() && projected >= 0.0 && projected <= 1.0);
     if (map_.empty())
         make_pattern();
     stiffness_.values.assign(9 * stiffness_.pattern.block_count(), 0.0);
@@ -446,6 +452,7 @@ const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double proje
 
 ElasticBody::Deformation ElasticBody::deformation(const Eigen::VectorXd& u) const
 {
+    RETRACTOR_ASSERT(u.size() == 3 * mesh_.vertices.rows());
     Deformation d;
     for (std::size_t t = 0; t < mesh_.tet_count(); ++t) {
         double strain = 0.0, volume = 0.0, smallest = 0.0, largest = 0.0;
@@ -471,7 +478,7 @@ std::size_t ElasticBody::bytes() const
     return (gradients_.size() + weights_.size() + stiffness_.values.size() + second_half_.size()) * sizeof(double)
         + (map_.size() + stiffness_.pattern.column.size() + stiffness_.pattern.row_start.size()) * sizeof(std::int32_t)
         + lame_.size() * sizeof(Lame) + tissue_.law_of_element.size() * sizeof(std::int32_t)
-        + tissue_.fibres.size() * sizeof(FibreDirections) + (bounded_ ? bounded_->bytes() : 0);
+        + tissue_.fibres.size() * sizeof(FibreDirections) + (corotational_linear_ ? corotational_linear_->bytes() : 0);
 }
 
 } // namespace retractor::fem

@@ -127,7 +127,8 @@ private:
     std::size_t nodes_per_tet_ = 0, points_per_tet_ = 0;
     std::vector<double> gradients_; ///< ordered by element, quadrature point, node, axis; 1/mm
     std::vector<double> weights_; ///< rest volume by element and quadrature point, mm^3
-    std::optional<CorotationalElements> bounded_; ///< set for four-node elements of the corotational_linear model
+    std::optional<CorotationalElements>
+        corotational_linear_; ///< set for four-node elements of the corotational_linear model
     std::optional<LockingFree> locking_free_;
     std::optional<Contact> contact_;
     BlockPattern elements_pattern_; ///< pattern of the elements alone, kept when there is contact

@@ -1,5 +1,6 @@
 #include "fem/model/floating_components.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Eigenvalues>
@@ -117,6 +118,7 @@ namespace {
 std::vector<std::uint8_t> held_components(
     const mesh::TetMesh& mesh, std::span<const int> piece_of_tet, std::span<const VertexId> held_nodes)
 {
+    RETRACTOR_ASSERT(piece_of_tet.size() == mesh.tet_count());
     std::vector<std::uint8_t> held = flags(mesh, held_nodes);
     return hold_pieces(mesh, elements_of_pieces(piece_of_tet), held);
 }

@@ -1,5 +1,6 @@
 #include "fem/model/loads.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Geometry>
@@ -205,6 +206,7 @@ void FollowerPressure::renew_rim(const Eigen::VectorXd& u) { rim_at_ = u; }
 /// Calls f(nodes of the face, shape functions, position, displacement) at every quadrature point.
 template <class F> void FollowerPressure::for_each_point(const Eigen::VectorXd& u, const F& f) const
 {
+    RETRACTOR_ASSERT(u.size() == 3 * rest_.rows());
     const auto rule = face_rule(nodes_per_face_ == 6);
     for (std::size_t begin = 0; begin < nodes_.size(); begin += nodes_per_face_) {
         const std::span<const VertexId> nodes(nodes_.data() + begin, nodes_per_face_);
@@ -229,6 +231,7 @@ template <class F> void FollowerPressure::for_each_point(const Eigen::VectorXd& 
 /// motion along the side) at every quadrature point.
 template <class F> void FollowerPressure::for_each_rim_point(const Eigen::VectorXd& u, const F& f) const
 {
+    RETRACTOR_ASSERT(u.size() == rim_at_.size());
     const auto rule = side_rule(nodes_per_face_ == 6);
     const std::size_t nodes_per_side = nodes_per_face_ == 6 ? 3 : 2;
     for (std::size_t begin = 0; begin < rim_.size(); begin += nodes_per_side) {
@@ -249,6 +252,7 @@ template <class F> void FollowerPressure::for_each_rim_point(const Eigen::Vector
 
 double FollowerPressure::add_response(const Eigen::VectorXd& u, double share, Eigen::VectorXd& gradient) const
 {
+    RETRACTOR_ASSERT(gradient.size() == u.size());
     double volume = 0.0; // increase of volume, by differences that are exact for tiny motions
     for_each_point(u, [&](auto nodes, const FacePoint& point, const SurfacePoint& at, const SurfacePoint& moved) {
         const auto& [x, s, t] = at;
@@ -272,6 +276,7 @@ double FollowerPressure::add_response(const Eigen::VectorXd& u, double share, Ei
 
 void FollowerPressure::add_stiffness(const Eigen::VectorXd& u, double share, BlockMatrix& K) const
 {
+    RETRACTOR_ASSERT(K.values.size() == 9 * K.pattern.block_count());
     for_each_point(u, [&](auto nodes, const FacePoint& p, const SurfacePoint& at, const SurfacePoint&) {
         const double w = share * pressure_ * p.weight / 3.0;
         const RowMat3 X = w * cross_matrix(at.x), S = w * cross_matrix(at.s), T = w * cross_matrix(at.t);

@@ -238,10 +238,4 @@ std::vector<FaceTraction> released_tractions(
     return tractions;
 }
 
-Eigen::VectorXd release_forces(
-    const mesh::TetMesh& mesh, std::span<const mesh::TetFace> lips, std::span<const Mat3> stresses)
-{
-    return traction_loads(mesh, released_tractions(mesh, lips, stresses));
-}
-
 } // namespace retractor::fem

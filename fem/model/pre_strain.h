@@ -54,9 +54,4 @@ std::vector<Vec3> surface_normals(
 std::vector<FaceTraction> released_tractions(
     const mesh::TetMesh& mesh, std::span<const mesh::TetFace> lips, std::span<const Mat3> stress_of_element);
 
-/// The tractions of released_tractions() as nodal loads, N, three per node, for four-node and ten-node elements.
-/// @throws InputError as above.
-Eigen::VectorXd release_forces(
-    const mesh::TetMesh& mesh, std::span<const mesh::TetFace> lips, std::span<const Mat3> stress_of_element);
-
 } // namespace retractor::fem

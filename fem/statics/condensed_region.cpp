@@ -1,6 +1,7 @@
 #include "fem/statics/condensed_region.h"
 
 #include "fem/linear_algebra/dense_algebra.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <string>
@@ -36,6 +37,7 @@ namespace {
 CondensingSystem condensing_system(
     const BlockPattern& blocks, const std::vector<std::uint8_t>& fixed, std::size_t kept, bool dense_kept)
 {
+    RETRACTOR_ASSERT(fixed.size() == blocks.row_count());
     CondensingSystem system;
     system.number.assign(blocks.row_count(), -1);
     for (std::size_t node = 0; node < blocks.row_count(); ++node)
@@ -125,6 +127,7 @@ CondensedRegion::CondensedRegion(ElasticBody& body, const std::vector<std::uint8
 
 Eigen::VectorXd CondensedRegion::field(const Eigen::VectorXd& rim_displacement) const
 {
+    RETRACTOR_ASSERT(rim_displacement.size() == stiffness_.rows());
     Eigen::MatrixXd x(3 * static_cast<Eigen::Index>(free_.size()), 1);
     x.bottomRows(rim_displacement.size()) = rim_displacement;
     factor_.fill_from_trailing(rim_displacement.size(), x);
@@ -133,6 +136,7 @@ Eigen::VectorXd CondensedRegion::field(const Eigen::VectorXd& rim_displacement) 
 
 CondensedRegion::Reduced CondensedRegion::reduce(const Eigen::VectorXd& forces) const
 {
+    RETRACTOR_ASSERT(forces.size() == 3 * static_cast<Eigen::Index>(nodes_));
     const Eigen::Index rim = stiffness_.rows();
     Reduced reduced { {}, Eigen::MatrixXd(3 * static_cast<Eigen::Index>(free_.size()), 1) };
     for (std::size_t i = 0; i < free_.size(); ++i)
@@ -145,6 +149,7 @@ CondensedRegion::Reduced CondensedRegion::reduce(const Eigen::VectorXd& forces) 
 
 Eigen::VectorXd CondensedRegion::field(const Eigen::VectorXd& rim_displacement, const Reduced& forces) const
 {
+    RETRACTOR_ASSERT(rim_displacement.size() == stiffness_.rows());
     Eigen::MatrixXd x = forces.half;
     x.bottomRows(rim_displacement.size()) = rim_displacement;
     factor_.fill_from_trailing_loaded(rim_displacement.size(), x);

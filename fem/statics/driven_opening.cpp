@@ -2,6 +2,7 @@
 
 #include "fem/linear_algebra/constrained_solver.h"
 #include "fem/statics/opening.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -134,11 +135,11 @@ namespace {
                 share = 1.0;
                 halvings = 0;
                 at_ += step;
-                decide_on_far_field();
+                decide_on_condensed_region();
                 next = rest_at(found_.opening.displacement, packed(found_.opening.hook_forces_N));
                 found_.yielded = next.yielded;
                 found_.last_step_mm = farthest(next.displacement - at_);
-                if (next.converged && found_.last_step_mm <= kAtRest * farthest(at_) && is_far_field_good()) {
+                if (next.converged && found_.last_step_mm <= kAtRest * farthest(at_) && is_condensed_region_good()) {
                     progress.done();
                     return finished();
                 }
@@ -184,13 +185,13 @@ namespace {
 
         /// Fixes the choice for the openings that follow: a linear region that was kept stays, with any error, until
         /// the hooks are at rest; a linear region that was given up stays nonlinear.
-        void decide_on_far_field()
+        void decide_on_condensed_region()
         {
-            const std::optional<LinearFarField>& far = found_.opening.far;
+            const std::optional<LinearCondensedRegion>& far = found_.opening.far;
             if (!far)
                 return;
             if (!far->kept)
-                give_far_field_up(*far);
+                give_condensed_region_up(*far);
             else if (!std::isinf(options_.far_tolerance)) {
                 options_.far_tolerance = std::numeric_limits<double>::infinity();
                 make_opening();
@@ -199,16 +200,16 @@ namespace {
 
         /// Compares the error of the linear region at rest with the requested limit.
         /// @return false when the region is given up now
-        bool is_far_field_good()
+        bool is_condensed_region_good()
         {
-            const std::optional<LinearFarField>& far = found_.opening.far;
+            const std::optional<LinearCondensedRegion>& far = found_.opening.far;
             if (!far || !far->kept || far->change <= far_tolerance_)
                 return true;
-            give_far_field_up({ .kept = false, .change = far->change });
+            give_condensed_region_up({ .kept = false, .change = far->change });
             return false;
         }
 
-        void give_far_field_up(LinearFarField far)
+        void give_condensed_region_up(LinearCondensedRegion far)
         {
             given_up_ = std::move(far);
             std::fill(options_.near.begin(), options_.near.end(), std::uint8_t { 1 });
@@ -246,7 +247,7 @@ namespace {
         std::vector<HookDrive> drives_;
         OpeningOptions options_;
         double far_tolerance_; ///< the requested limit
-        std::optional<LinearFarField> given_up_;
+        std::optional<LinearCondensedRegion> given_up_;
         std::optional<Opening> opening_;
         Eigen::VectorXd at_; ///< displacement of the hooks, three per hook
         Eigen::MatrixXd stiffness_;
@@ -258,6 +259,7 @@ namespace {
 HookResponse hook_response(const ElasticProblem& problem, const TissueModel& model, const Points& displacement,
     const std::optional<ContactOptions>& contact)
 {
+    RETRACTOR_ASSERT(displacement.rows() == problem.mesh.vertices.rows());
     ElasticBody body = tissue_body(problem.mesh, problem.material_of_label, model);
     body.set_bed(bed_stiffness(problem.mesh, problem.supports));
     std::vector<HookPatch> still = problem.hooks; // equal displacements, as hooks that share nodes require
@@ -302,6 +304,7 @@ HookResponse hook_response(const ElasticProblem& problem, const TissueModel& mod
 std::optional<ReleasedHooks> release_hooks(const HookResponse& response, const Eigen::VectorXd& at,
     const Eigen::VectorXd& forces, const Eigen::VectorXd& other_forces, const std::vector<HookDrive>& drives)
 {
+    RETRACTOR_ASSERT(at.size() == 3 * static_cast<Eigen::Index>(drives.size()) && forces.size() == at.size());
     constexpr double kMostRatio = 10.0;
     Eigen::VectorXd by_way = forces, other_by_way = other_forces;
     if (response.of_loads.size() != 0) {

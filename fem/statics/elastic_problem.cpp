@@ -1,6 +1,7 @@
 #include "fem/statics/elastic_problem.h"
 
 #include "fem/material/element_fibres.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <cmath>
@@ -181,6 +182,7 @@ void check_problem(const ElasticProblem& problem)
 
 std::vector<Vec3> hook_forces(const Eigen::VectorXd& nodal_forces, const Prescribed& prescribed, std::size_t hooks)
 {
+    RETRACTOR_ASSERT(nodal_forces.size() == 3 * static_cast<Eigen::Index>(prescribed.hook_of_node.size()));
     std::vector<Vec3> forces(hooks, Vec3::Zero());
     for (std::size_t v = 0; v < prescribed.hook_of_node.size(); ++v)
         if (const int hook = prescribed.hook_of_node[v]; hook >= 0)

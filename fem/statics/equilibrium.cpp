@@ -1,6 +1,7 @@
 #include "fem/statics/equilibrium.h"
 
 #include "fem/linear_algebra/norm.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 
@@ -40,6 +41,7 @@ namespace {
 
         void start_from(const Eigen::VectorXd& u)
         {
+            RETRACTOR_ASSERT(u.size() == 3 * body_.mesh().vertices.rows());
             u_ = u;
             reach_ = std::max(reach_, largest_nodal_norm(u_));
             (void)body_.renew_follower_loads(u_); // the body may hold the follower loads of a state that was given up
@@ -54,6 +56,11 @@ namespace {
             body_.set_load_share(1.0);
             largest_load_ = largest_nodal_norm(respond(u).forces - without);
         }
+        ElasticBody& body() const { return body_; }
+        const EquilibriumOptions& options() const { return options_; }
+        const Job& job() const { return job_; }
+        Equilibrium& result() const { return result_; }
+        const std::vector<std::uint8_t>& prescribed() const { return solver_.prescribed(); }
         const Eigen::VectorXd& displacement() const { return u_; }
         double energy() const { return state_.energy; }
         const Eigen::VectorXd& forces() const { return state_.forces; }
@@ -337,7 +344,8 @@ namespace {
 
     double full_load_step(const Eigen::VectorXd& motion, const EquilibriumOptions& options)
     {
-        const double steps = std::ceil(largest_nodal_norm(motion) / options.load_step_mm);
+        constexpr double kLongestMm = 3.0; // motion of a node in one step
+        const double steps = std::ceil(largest_nodal_norm(motion) / kLongestMm);
         return 1.0 / std::max(static_cast<double>(options.load_steps), steps);
     }
 
@@ -390,111 +398,176 @@ namespace {
 
     /// Makes full load steps, and halves a step where Newton's method fails. An intermediate state is only a start for
     /// the next step: it takes a few iterations, and the next step removes its residual.
-    void load_in_steps(ElasticBody& body, Newton& newton, const Eigen::VectorXd& motion,
-        const std::vector<std::uint8_t>& prescribed, const EquilibriumOptions& options, const Job& job,
-        Equilibrium& result)
-    {
-        const double full_step = full_load_step(motion, options);
-        constexpr double kWhole = 1.0 - 1e-12;
-        const double loads_before = body.has_loads() ? options.load_at_start : 0.0;
-        const auto put_loads = [&](double share, const Eigen::VectorXd& u) {
-            body.set_load_share(loads_before + share * (1.0 - loads_before));
-            newton.start_from(u);
+    class LoadSteps {
+    public:
+        /// @param motion of the prescribed unknowns, zero on free unknowns; lives longer than this object
+        LoadSteps(Newton& newton, const Eigen::VectorXd& motion)
+            : newton_(newton)
+            , motion_(motion)
+            , body_(newton.body())
+            , options_(newton.options())
+            , result_(newton.result())
+            , full_step_(full_load_step(motion, options_))
+            , loads_before_(body_.has_loads() ? options_.load_at_start : 0.0)
+            , step_(full_step_)
+        {
+        }
+
+        void make_all()
+        {
+            if (body_.has_loads())
+                newton_.take_loads(newton_.displacement());
+            while (make_step()) { }
+        }
+
+    private:
+        struct Step {
+            Eigen::VectorXd saved; ///< displacement before the step
+            double next = 0.0; ///< share of the whole motion at the end of the step
+            StepLimits limits {};
+            bool blocked = false; ///< the step is cut short where hooks meet
+            double made = 0.0; ///< share of the step that the linearised solve made
         };
+
+        /// @return whether another step follows
+        bool make_step()
+        {
+            Step step = begin_step();
+            move(step);
+            if (step.made == 0.0 && !body_.has_loads())
+                return end(EquilibriumStatus::not_converged);
+            const bool last = step.next == 1.0 || (step.blocked && step.made == 1.0);
+            const auto outcome = step.made == 0.0 ? Newton::Outcome::failed
+                                                  : newton_.settle(last ? options_.tolerance : step.limits.tolerance,
+                                                      last ? step.limits.last_iterations : step.limits.iterations);
+            if (outcome == Newton::Outcome::cancelled)
+                return end(EquilibriumStatus::cancelled);
+            if (outcome == Newton::Outcome::converged
+                || (outcome == Newton::Outcome::out_of_iterations && !last && !step.limits.must_rest))
+                return accept(step, last);
+            return go_back(step, outcome);
+        }
+
+        bool end(EquilibriumStatus status)
+        {
+            result_.status = status;
+            return false;
+        }
+
+        /// Pairs the surfaces in contact and shortens the step to the place where hooks meet.
+        Step begin_step()
+        {
+            constexpr double kWhole = 1.0 - 1e-12;
+            Step step { .saved = newton_.displacement(),
+                .next = result_.load + step_ > kWhole ? 1.0 : result_.load + step_ };
+            (void)newton_.renew_contact();
+            step.limits = step_limits(body_, options_, step.saved);
+            if (body_.contact() == nullptr)
+                return step;
+            const double free
+                = body_.contact()->free_share(step.saved, (step.next - result_.load) * motion_, newton_.prescribed());
+            if (free < 1.0) {
+                step.next = result_.load + free * (step.next - result_.load);
+                step.blocked = true;
+            }
+            return step;
+        }
+
+        void move(Step& step)
+        {
+            if (body_.has_loads())
+                put_loads(step.next, step.saved);
+            step.made = newton_.move((step.next - result_.load) * motion_);
+            RETRACTOR_ASSERT(step.made >= 0.0 && step.made <= 1.0);
+            if (step.made == 0.0 || step.made == 1.0)
+                return;
+            step.next = result_.load + step.made * (step.next - result_.load);
+            if (body_.has_loads())
+                put_loads(step.next, newton_.displacement());
+        }
+
+        bool accept(const Step& step, bool last)
+        {
+            result_.load = step.next;
+            newton_.job().report("opening", step.next);
+            if (last && step.blocked) {
+                result_.status = EquilibriumStatus::not_converged;
+                result_.message = hooks_meet(step.next);
+            }
+            step_ = std::min(full_step_, 2.0 * step.made * step_);
+            return !last;
+        }
+
+        /// Returns to the state before the step, and tries half of the step or gives up.
+        bool go_back(const Step& step, Newton::Outcome outcome)
+        {
+            step_ = 0.5 * (step.next - result_.load);
+            const bool must_rest = step.limits.must_rest;
+            const bool give_up = step_ < step.limits.smallest * full_step_
+                || (outcome == Newton::Outcome::out_of_iterations && !must_rest);
+            if (must_rest)
+                put_loads(result_.load, step.saved);
+            else if (!give_up || !newton_.displacement().allFinite() || !newton_.forces().allFinite())
+                newton_.start_from(step.saved);
+            else
+                result_.load = step.next; // the best state so far: at the requested load, not fully at rest
+            if (!give_up)
+                return true;
+            return must_rest ? explain(step) : end(EquilibriumStatus::not_converged);
+        }
+
+        /// Says whether the loads or the prescribed motion have no equilibrium.
+        bool explain(const Step& step)
+        {
+            const bool moves = largest_nodal_norm(motion_) > 0.0;
+            result_.none_found = true;
+            if (moves) {
+                const auto alone = loads_rest_alone(step);
+                result_.loads_rest_alone = alone == Newton::Outcome::converged;
+                if (alone == Newton::Outcome::cancelled)
+                    return end(EquilibriumStatus::cancelled);
+            }
+            result_.message = no_equilibrium(result_, step.next, loads_before_, moves);
+            return end(EquilibriumStatus::not_converged);
+        }
+
         /// Tests whether the loads alone have an equilibrium, from the state at rest before the step that failed. The
         /// state is kept.
-        const auto loads_rest_alone = [&](double share, const Eigen::VectorXd& u, const StepLimits& limits) {
-            if (loads_before == 1.0)
+        Newton::Outcome loads_rest_alone(const Step& step)
+        {
+            if (loads_before_ == 1.0)
                 return Newton::Outcome::converged; // all loads act already
-            put_loads(share, u);
-            const auto outcome = newton.move(Eigen::VectorXd::Zero(u.size())) == 0.0
+            put_loads(step.next, step.saved);
+            const auto outcome = newton_.move(Eigen::VectorXd::Zero(step.saved.size())) == 0.0
                 ? Newton::Outcome::failed
-                : newton.settle(limits.tolerance, limits.iterations);
-            put_loads(result.load, u);
+                : newton_.settle(step.limits.tolerance, step.limits.iterations);
+            put_loads(result_.load, step.saved);
             return outcome;
-        };
-        const bool moves = largest_nodal_norm(motion) > 0.0;
-        if (body.has_loads())
-            newton.take_loads(newton.displacement());
-        double step = full_step;
-        while (true) {
-            double next = result.load + step > kWhole ? 1.0 : result.load + step;
-            const Eigen::VectorXd saved = newton.displacement();
-            (void)newton.renew_contact();
-            const StepLimits limits = step_limits(body, options, saved);
-            bool blocked = false; // the step is cut short where hooks meet
-            if (body.contact() != nullptr)
-                if (const double free = body.contact()->free_share(saved, (next - result.load) * motion, prescribed);
-                    free < 1.0) {
-                    next = result.load + free * (next - result.load);
-                    blocked = true;
-                }
-            if (body.has_loads())
-                put_loads(next, saved);
-            const double share = newton.move((next - result.load) * motion);
-            if (share == 0.0 && !body.has_loads()) {
-                result.status = EquilibriumStatus::not_converged;
-                return;
-            }
-            if (share < 1.0 && share > 0.0) {
-                next = result.load + share * (next - result.load);
-                if (body.has_loads())
-                    put_loads(next, newton.displacement());
-            }
-            const bool last = next == 1.0 || (blocked && share == 1.0);
-            const auto outcome = share == 0.0 ? Newton::Outcome::failed
-                                              : newton.settle(last ? options.tolerance : limits.tolerance,
-                                                  last ? limits.last_iterations : limits.iterations);
-            if (outcome == Newton::Outcome::cancelled) {
-                result.status = EquilibriumStatus::cancelled;
-                return;
-            }
-            if (outcome == Newton::Outcome::converged
-                || (outcome == Newton::Outcome::out_of_iterations && !last && !limits.must_rest)) {
-                result.load = next;
-                job.report("opening", next);
-                if (last && blocked) {
-                    result.status = EquilibriumStatus::not_converged;
-                    result.message = hooks_meet(next);
-                }
-                if (last)
-                    return;
-                step = std::min(full_step, 2.0 * share * step);
-                continue;
-            }
-            step = 0.5 * (next - result.load);
-            const bool give_up = step < limits.smallest * full_step
-                || (outcome == Newton::Outcome::out_of_iterations && !limits.must_rest);
-            if (limits.must_rest)
-                put_loads(result.load, saved);
-            else if (!give_up || !newton.displacement().allFinite() || !newton.forces().allFinite())
-                newton.start_from(saved);
-            else
-                result.load = next; // the best state so far: at the requested load, not fully at rest
-            if (give_up) {
-                result.status = EquilibriumStatus::not_converged;
-                if (!limits.must_rest)
-                    return;
-                result.none_found = true;
-                if (moves) {
-                    const auto alone = loads_rest_alone(next, saved, limits);
-                    result.loads_rest_alone = alone == Newton::Outcome::converged;
-                    if (alone == Newton::Outcome::cancelled) {
-                        result.status = EquilibriumStatus::cancelled;
-                        return;
-                    }
-                }
-                result.message = no_equilibrium(result, next, loads_before, moves);
-                return;
-            }
         }
-    }
+
+        void put_loads(double share, const Eigen::VectorXd& u)
+        {
+            body_.set_load_share(loads_before_ + share * (1.0 - loads_before_));
+            newton_.start_from(u);
+        }
+
+        Newton& newton_;
+        const Eigen::VectorXd& motion_;
+        ElasticBody& body_;
+        const EquilibriumOptions& options_;
+        Equilibrium& result_;
+        double full_step_; ///< share of the motion
+        double loads_before_; ///< share of the loads that acts on the start state
+        double step_; ///< share of the motion that is tried next
+    };
 
 } // namespace
 
 Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::uint8_t>& prescribed,
     const Eigen::VectorXd& target, const Eigen::VectorXd& start, const EquilibriumOptions& options, const Job& job)
 {
+    RETRACTOR_ASSERT(prescribed.size() == 3 * body.mesh().vertex_count());
+    RETRACTOR_ASSERT(target.size() == start.size() && prescribed.size() == static_cast<std::size_t>(start.size()));
     Equilibrium result;
     const bool other_pairs = body.contact() != nullptr && body.find_contact(start);
     if (!solver_ || solver_->prescribed() != prescribed || other_pairs) {
@@ -522,7 +595,7 @@ Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::u
         if (newton.iterate(options.tolerance, options.max_newton_iterations) != Newton::Outcome::converged)
             result.status = job.cancelled() ? EquilibriumStatus::cancelled : EquilibriumStatus::not_converged;
     } else {
-        load_in_steps(body, newton, motion, prescribed, options, job, result);
+        LoadSteps(newton, motion).make_all();
     }
     result.residual = newton.residual();
     result.displacement = newton.displacement();

@@ -42,8 +42,7 @@
 namespace retractor::fem {
 
 struct EquilibriumOptions {
-    int load_steps = 4; ///< least number of load steps
-    double load_step_mm = 3.0; ///< longest motion of a node in one step
+    int load_steps = 4; ///< least number of load steps; no node moves more than 3 mm in one step
     int max_newton_iterations = 40; ///< at full load; intermediate states take a few iterations
     double tolerance = 1e-5; ///< largest residual force of a free node over the largest force or load of any node
     double load_at_start = 0.0; ///< share of the body's loads that acts on the start state

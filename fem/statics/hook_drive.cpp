@@ -1,6 +1,7 @@
 #include "fem/statics/hook_drive.h"
 
 #include "fem/linear_algebra/dense_algebra.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Cholesky>
@@ -231,6 +232,7 @@ void check_drive(const HookDrive& drive, const std::string& name)
 
 HookRest rest_of_hooks(const Eigen::MatrixXd& R, const Eigen::VectorXd& r, const std::vector<HookDrive>& drives)
 {
+    RETRACTOR_ASSERT(R.rows() == r.size() && R.cols() == r.size());
     std::vector<Eigen::Index> forced, drawn; // rows of hooks with a force, and of hooks with a target
     std::vector<HookDrive> drawing;
     std::vector<std::size_t> hook_of_drawing;
@@ -278,6 +280,7 @@ HookRest rest_of_hooks(const Eigen::MatrixXd& R, const Eigen::VectorXd& r, const
 
 Eigen::MatrixXd definite(const Eigen::MatrixXd& R)
 {
+    RETRACTOR_ASSERT(R.rows() == R.cols());
     const SymmetricModes modes = symmetric_modes(R);
     const double least = kSoftest * modes.values.cwiseAbs().maxCoeff();
     if (modes.values.minCoeff() >= least)
@@ -287,6 +290,7 @@ Eigen::MatrixXd definite(const Eigen::MatrixXd& R)
 
 Eigen::VectorXd resisted(const Eigen::MatrixXd& R, const Eigen::VectorXd& forces)
 {
+    RETRACTOR_ASSERT(R.rows() == R.cols() && R.rows() == forces.size());
     const SymmetricModes modes = symmetric_modes(R);
     const double least = kSoftest * modes.values.cwiseAbs().maxCoeff();
     Eigen::VectorXd in_modes = modes.vectors.transpose() * forces;
@@ -306,6 +310,7 @@ Eigen::VectorXd packed(const std::vector<Vec3>& of_hooks)
 
 std::vector<Vec3> per_hook(const Eigen::VectorXd& unknowns)
 {
+    RETRACTOR_ASSERT(unknowns.size() % 3 == 0);
     std::vector<Vec3> of(static_cast<std::size_t>(unknowns.size() / 3));
     for (std::size_t h = 0; h < of.size(); ++h)
         of[h] = unknowns.segment<3>(3 * static_cast<Eigen::Index>(h));

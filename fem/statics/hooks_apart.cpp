@@ -1,5 +1,6 @@
 #include "fem/statics/hooks_apart.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
 
@@ -202,6 +203,7 @@ void check_hooks_apart(const mesh::TetMesh& mesh, std::span<const HookPatch> hoo
 std::vector<FacingHooks> draw_back(
     std::span<const FacingHooks> facing, std::span<const double> gives_way, std::vector<Vec3>& moved)
 {
+    RETRACTOR_ASSERT(gives_way.size() == moved.size());
     // One round treats the pairs in turn; one pair takes one round, several pairs take some.
     constexpr int kRounds = 200;
     std::vector<char> met(facing.size(), 0);

@@ -1,11 +1,13 @@
 #include "fem/statics/largest_force_left.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/text_format.h"
 
 namespace retractor::fem {
 
 std::string largest_force_left(const Points& points, const Eigen::VectorXd& displacement, const Eigen::VectorXd& forces)
 {
+    RETRACTOR_ASSERT(displacement.size() == 3 * points.rows() && forces.size() == displacement.size());
     if (points.rows() == 0)
         return "no force is left";
     Eigen::Index at = 0;

@@ -1,5 +1,7 @@
 #include "fem/statics/near_opening.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -113,7 +115,7 @@ namespace {
         {
             result_.far.reset();
             result_.status = OpeningStatus::cancelled;
-            result_.message = "cancelled where the linear far field was given up";
+            result_.message = "cancelled where the linear condensed region was given up";
             result_.displacement = points(from_.displacement);
             result_.hook_forces_N = from_.hook_forces_N;
             result_.residual = from_.residual;
@@ -137,7 +139,7 @@ namespace {
 
         void judge(FarChange change)
         {
-            LinearFarField& far = result_.far.emplace();
+            LinearCondensedRegion& far = result_.far.emplace();
             far.change = relative_change(change, settled_);
             far.kept = change.finite && far.change <= options_.far_tolerance;
             if (far.kept) {
@@ -206,6 +208,7 @@ namespace {
 NearFrame drag_in_steps(NonlinearRegion& field, std::span<const HookDrive> from, std::span<const HookDrive> to,
     const DragInSteps& how, const Job& job)
 {
+    RETRACTOR_ASSERT(from.size() == to.size());
     constexpr int kRefreshes = 3;
     const int steps
         = std::max(how.least_steps, static_cast<int>(std::ceil(farthest_way(field, from, to) / how.step_mm)));

@@ -5,6 +5,7 @@
 #include "fem/statics/condensed_region.h"
 #include "fem/statics/elastic_problem.h"
 #include "fem/statics/largest_force_left.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -206,6 +207,7 @@ struct NonlinearRegion::State {
 
     Eigen::VectorXd unbalanced(const Point& p) const
     {
+        RETRACTOR_ASSERT(p.forces.size() == 3 * static_cast<Eigen::Index>(fixed.size()));
         Eigen::VectorXd r = p.forces;
         for (std::size_t v = 0; v < fixed.size(); ++v)
             if (fixed[v] != 0)
@@ -223,6 +225,7 @@ struct NonlinearRegion::State {
     /// Solves for right sides with three rows per node. Rows of nodes that are not free are ignored.
     Eigen::MatrixXd solve(const Eigen::MatrixXd& b)
     {
+        RETRACTOR_ASSERT(factor.factorised() && b.rows() == 3 * static_cast<Eigen::Index>(fixed.size()));
         Eigen::MatrixXd packed(3 * static_cast<Eigen::Index>(system.free.size()), b.cols());
         for (std::size_t i = 0; i < system.free.size(); ++i)
             packed.middleRows<3>(3 * static_cast<Eigen::Index>(i))
@@ -416,6 +419,7 @@ struct NonlinearRegion::State {
     /// @return false when no prediction has a finite energy
     bool move(const std::vector<Vec3>& motion, double share)
     {
+        RETRACTOR_ASSERT(motion.size() == at.size());
         const Eigen::VectorXd step = share * packed(motion);
         struct Way {
             Eigen::VectorXd u, far_force;
@@ -455,6 +459,7 @@ struct NonlinearRegion::State {
     /// Moves the hooks towards `target`, with the quasi-Newton steps of a frame. @return whether the hooks have arrived
     bool draw_to(const std::vector<Vec3>& target)
     {
+        RETRACTOR_ASSERT(target.size() == at.size());
         constexpr int kParts = 4; // most parts of a motion that cannot be made at once; bounds the work of a frame
         constexpr double kSmallest = 1.0 / 16.0;
         for (int part = 0; part < kParts; ++part) {

@@ -31,10 +31,11 @@ namespace {
             throw InputError("the tolerance " + std::to_string(options.tolerance) + " is not between 0 and 1");
         if (!(options.far_tolerance >= 0.0))
             throw InputError(
-                "the tolerance " + std::to_string(options.far_tolerance) + " is not zero or more", "far field");
+                "the tolerance " + std::to_string(options.far_tolerance) + " is not zero or more", "condensed region");
         if (options.elasticity == Elasticity::corotational_linear)
-            throw InputError(
-                "bounded elasticity is for tissue under the hand (near_field.h), not for wounds at rest", "elasticity");
+            throw InputError("an opening is computed with linear, corotational or hyperelastic elasticity, not with "
+                             "corotational_linear",
+                "elasticity");
         if (options.near.empty())
             return;
         if (options.elasticity == Elasticity::linear)

@@ -50,7 +50,7 @@ enum class OpeningStatus {
 };
 
 /// Outcome for the linear elements of OpeningOptions::near.
-struct LinearFarField {
+struct LinearCondensedRegion {
     bool kept = true; ///< false: all elements of the answer are nonlinear
     double change = 0.0; ///< relative error, as OpeningOptions::far_tolerance; infinite: elements turned over
     double share = 1.0; ///< when not kept: share of the hooks' motion that was computed with linear elements
@@ -70,7 +70,8 @@ struct [[nodiscard]] OpeningResult {
     double min_volume_ratio = 1.0; ///< smallest det F
     Contact::State contact; ///< filled when contact was requested
     double contact_overlap_mm = 0.0; ///< deepest overlap of surfaces at rest; the overlap remains
-    std::optional<LinearFarField> far; ///< filled when linear elements were requested and an equilibrium was found
+    std::optional<LinearCondensedRegion>
+        far; ///< filled when linear elements were requested and an equilibrium was found
     double residual = 0.0; ///< as OpeningOptions::tolerance
     int newton_iterations = 0; ///< sum over all load steps
     double assemble_seconds = 0.0, factor_seconds = 0.0, solve_seconds = 0.0;

@@ -320,7 +320,13 @@ namespace {
         std::string_view name;
         std::size_t families = 0;
     };
-    template <class Law> constexpr LawModel kModel {};
+    template <class Law> constexpr LawModel no_model()
+    {
+        static_assert(sizeof(Law) == 0, "a new law needs a kModel of its own");
+        return {};
+    }
+    template <class Law> constexpr LawModel kModel = no_model<Law>();
+    template <> constexpr LawModel kModel<fem::NeoHookean> {}; // a material without a law: no model in the file
     template <> constexpr LawModel kModel<fem::MooneyRivlin> { "mooney-rivlin", 0 };
     template <> constexpr LawModel kModel<fem::HolzapfelGasserOgden> { "holzapfel-gasser-ogden", 2 };
     template <> constexpr LawModel kModel<fem::Guccione> { "guccione", 1 };
@@ -482,25 +488,35 @@ namespace {
         static void read(const Node& node, fem::TissueLaw& tissue)
         {
             const std::string model = node["model"].text();
-            if (!read_law<fem::MooneyRivlin>(node, model, tissue)
-                && !read_law<fem::HolzapfelGasserOgden>(node, model, tissue)
-                && !read_law<fem::Guccione>(node, model, tissue))
+            if (!read_any_law(node, model, tissue, std::type_identity<fem::Hyperelastic> {})) {
                 node["model"].refuse("unknown model \"" + model
                     + "\": use mooney-rivlin, holzapfel-gasser-ogden or guccione; without a law tissue is neo-Hookean");
+            }
+        }
+        /// Reads the law of the variant whose model this is. @returns false when there is none
+        template <class... Laws>
+        static bool read_any_law(
+            const Node& node, std::string_view model, fem::TissueLaw& tissue, std::type_identity<std::variant<Laws...>>)
+        {
+            return (read_law<Laws>(node, model, tissue) || ...);
         }
         template <class Law> static bool read_law(const Node& node, std::string_view model, fem::TissueLaw& tissue)
         {
-            if (model != kModel<Law>.name)
+            if constexpr (kModel<Law>.name.empty()) {
                 return false;
-            Law law {};
-            std::vector<std::string_view> more { "model" };
-            if (kModel<Law>.families > 0)
-                more.emplace_back("fibres");
-            read_section(node, std::move(more), [&](auto& io) { Fields::of(io, law); });
-            tissue.law = law;
-            if (kModel<Law>.families > 0)
-                read_fibres(node["fibres"], kModel<Law>.families, tissue);
-            return true;
+            } else {
+                if (model != kModel<Law>.name)
+                    return false;
+                Law law {};
+                std::vector<std::string_view> more { "model" };
+                if (kModel<Law>.families > 0)
+                    more.emplace_back("fibres");
+                read_section(node, std::move(more), [&](auto& io) { Fields::of(io, law); });
+                tissue.law = law;
+                if (kModel<Law>.families > 0)
+                    read_fibres(node["fibres"], kModel<Law>.families, tissue);
+                return true;
+            }
         }
         static void read_fibres(const Node& node, std::size_t families, fem::TissueLaw& tissue)
         {

@@ -86,8 +86,8 @@ void check_solution(const SolverSettings& choice, bool contact)
         throw InputError("the distance within which the wall is nonlinear must be finite and not negative",
             "/solution/near_mm", { "near_mm" });
     if (choice.elasticity == fem::Elasticity::corotational_linear)
-        throw InputError(
-            "bounded elasticity is for tissue under the hand, not for plans", "/solution/elasticity", { "elasticity" });
+        throw InputError("corotational_linear elasticity is for tissue that a hand drags, not for plans",
+            "/solution/elasticity", { "elasticity" });
     const bool near = choice.near_mm > 0.0;
     if (near && choice.elasticity == fem::Elasticity::linear)
         throw InputError("nothing is nonlinear near the wound when the elasticity is linear: choose corotational or "

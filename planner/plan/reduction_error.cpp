@@ -27,7 +27,7 @@ namespace {
     void compare_with_far_change(const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice,
         CondensedRegionMetrics& metrics)
     {
-        const fem::LinearFarField& far = *field.opening.far;
+        const fem::LinearCondensedRegion& far = *field.opening.far;
         const Points& corners = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
         const Points at = wound.ten_node.size() == 0
             ? corners
@@ -55,7 +55,7 @@ CondensedRegionMetrics estimate_condensed_region_error(
     const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice)
 {
     RETRACTOR_ASSERT(field.opening.far);
-    const fem::LinearFarField& far = *field.opening.far;
+    const fem::LinearCondensedRegion& far = *field.opening.far;
     CondensedRegionMetrics metrics { .linear = far.kept, .linear_share = far.share };
     if (far.kept)
         try {

@@ -6,7 +6,7 @@
 
 namespace retractor::planner {
 
-/// What a linear far field is off, by the law of the tissue there. @pre field.opening.far.
+/// The error of a linear condensed region, by the law of the tissue there. @pre field.opening.far.
 CondensedRegionMetrics estimate_condensed_region_error(
     const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice);
 

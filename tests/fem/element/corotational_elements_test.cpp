@@ -11,7 +11,7 @@
 #include <random>
 
 namespace retractor::fem {
-namespace bounded_elements_test {
+namespace corotational_elements_test {
 
     using namespace test_support;
 
@@ -145,5 +145,5 @@ namespace bounded_elements_test {
         EXPECT_EQ(one.forces, two.forces);
     }
 
-} // namespace bounded_elements_test
+} // namespace corotational_elements_test
 } // namespace retractor::fem

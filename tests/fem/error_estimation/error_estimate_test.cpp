@@ -31,7 +31,7 @@ namespace error_estimate_test {
         return result;
     }
 
-    /// What the estimate claims over what is true; the issue asks for 0.5 to 3.
+    /// What the estimate claims over what is true; the ratio must be 0.5 to 3.
     void expect_effective(double claimed, double truth, const std::string& what)
     {
         constexpr double kLeast = 0.5, kMost = 3.0;
@@ -301,7 +301,7 @@ namespace error_estimate_test {
                 kSame * (answer.hook_forces_N[h] - finer.hook_forces_N[h]).norm());
     }
 
-    TEST(ErrorEstimate, SeesALinearFarFieldAsWell)
+    TEST(ErrorEstimate, SeesALinearCondensedRegionAsWell)
     {
         const ElasticProblem block = test_support::hooked_block(2, 4);
         Points wound(1, 3);

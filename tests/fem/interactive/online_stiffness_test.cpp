@@ -198,7 +198,7 @@ namespace online_stiffness_test {
         std::vector<Mat3> stresses;
         for (const TetId slot : map.tet_slot)
             stresses.push_back(stress_of_origin[static_cast<std::size_t>(session.origin(slot))]);
-        const Eigen::VectorXd loads = release_forces(mesh, faces, stresses);
+        const Eigen::VectorXd loads = traction_loads(mesh, released_tractions(mesh, faces, stresses));
         Eigen::VectorXd by_id = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(map.compact_vertex.size()));
         for (std::size_t v = 0; v < map.vertex_slot.size(); ++v)
             by_id.segment<3>(3 * map.vertex_slot[v]) = loads.segment<3>(3 * static_cast<Eigen::Index>(v));

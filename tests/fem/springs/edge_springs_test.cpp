@@ -336,7 +336,7 @@ namespace edge_springs_test {
         std::vector<mesh::TetFace> faces;
         for (const mesh::LipFace& lip : session.lips())
             faces.push_back({ map.compact_tet[static_cast<std::size_t>(lip.face.tet)], lip.face.corner });
-        const Eigen::VectorXd loads = release_forces(compact, faces, stresses);
+        const Eigen::VectorXd loads = traction_loads(compact, released_tractions(compact, faces, stresses));
         double largest = 0.0;
         for (std::size_t v = 0; v < map.vertex_slot.size(); ++v) {
             const Vec3 load = loads.segment<3>(3 * static_cast<Eigen::Index>(v));

@@ -260,7 +260,7 @@ namespace driven_opening_test {
             kNonlinear * near.opening.hook_forces_N[1].norm());
     }
 
-    TEST(DrivenOpening, AFarFieldThatIsGivenUpStaysSo)
+    TEST(DrivenOpening, ACondensedRegionThatIsGivenUpStaysSo)
     {
         const ElasticProblem problem = test_support::hooked_block(4, 4);
         std::vector<HookDrive> drives = by_position(problem);

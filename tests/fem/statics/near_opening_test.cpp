@@ -75,7 +75,7 @@ namespace near_opening_test {
         }
     }
 
-    TEST(NearOpening, CancelledWhereTheFarFieldIsGivenUpItKeepsTheLastGoodState)
+    TEST(NearOpening, CancelledWhereTheCondensedRegionIsGivenUpItKeepsTheLastGoodState)
     {
         Near near;
         near.pull(2.0);

@@ -17,7 +17,7 @@
 #include <string>
 
 namespace retractor::fem {
-namespace near_field_test {
+namespace nonlinear_region_test {
 
     using namespace test_support;
 
@@ -288,7 +288,7 @@ namespace near_field_test {
         }
     }
 
-    TEST(NonlinearRegion, HasNothingToChangeWithoutAFarField)
+    TEST(NonlinearRegion, HasNothingToChangeWithoutACondensedRegion)
     {
         const ElasticProblem problem = test_support::hooked_block(2, 4);
         NonlinearRegion field = nonlinear_region(problem, all_near(problem.mesh));
@@ -548,5 +548,5 @@ namespace near_field_test {
             "nonlinear region: the answer to start from turns an element over");
     }
 
-} // namespace near_field_test
+} // namespace nonlinear_region_test
 } // namespace retractor::fem

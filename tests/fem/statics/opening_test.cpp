@@ -289,7 +289,7 @@ namespace opening_test {
         }
     }
 
-    TEST(Opening, ALinearFarFieldIsKeptOnlyWhereItIsGood)
+    TEST(Opening, ALinearCondensedRegionIsKeptOnlyWhereItIsGood)
     {
         const Wound wound = slit_box(3, 5.0);
         for (const Elasticity elasticity : { Elasticity::corotational, Elasticity::hyperelastic }) {

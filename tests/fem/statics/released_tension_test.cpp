@@ -107,7 +107,7 @@ namespace released_tension_test {
     }
 
     /// Nothing in the near part is held then.
-    TEST(ReleasedTension, ALinearFarFieldHoldsWhatIsLoadedNearWithoutHooks)
+    TEST(ReleasedTension, ALinearCondensedRegionHoldsWhatIsLoadedNearWithoutHooks)
     {
         ElasticProblem problem = without_hooks(loaded_block(4, 1e-3 * kStress));
         std::vector<std::uint8_t> near; // the upper half

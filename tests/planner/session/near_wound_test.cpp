@@ -77,7 +77,7 @@ namespace near_wound_test {
             return moved;
         }
         /// NonlinearRegion on a copy of the wall, from rest.
-        void expect_near_field()
+        void expect_nonlinear_region()
         {
             settle(live_session);
             const HookReport report = live_session.hooks();
@@ -153,7 +153,7 @@ namespace near_wound_test {
         EXPECT_EQ(live_session.hooks().shown, ShownAnswer::linear) << "it is not made yet";
         EXPECT_EQ(live_session.hooks().shown_text, "linear: nonlinear comes");
         const Points linear = wound.moved();
-        wound.expect_near_field();
+        wound.expect_nonlinear_region();
         EXPECT_GT(difference(wound.moved(), linear), 0.5) << "12 mm are far beyond small strains";
         EXPECT_GT(live_session.hooks().strain.p99, 0.0);
         // Dragged on: frames of the same field, and each hook where the hand is.
@@ -163,7 +163,7 @@ namespace near_wound_test {
             EXPECT_TRUE(live_session.hooks_unsettled());
         }
         const Points dragged = wound.moved();
-        wound.expect_near_field();
+        wound.expect_nonlinear_region();
         EXPECT_LT(difference(dragged, wound.moved()), 0.5) << "what the eye is shown while the hand moves";
         EXPECT_EQ(live_session.hooks().near_swapped, 1) << "dragging makes no new one";
         // Another hook: made anew.
@@ -176,7 +176,7 @@ namespace near_wound_test {
         for (const HookState& hook : live_session.hooks().hooks)
             for (const VertexId v : hook.placement.nodes)
                 EXPECT_LT((placed.row(v).transpose() - hook.drive.displacement).norm(), 1e-9) << hook.name;
-        wound.expect_near_field();
+        wound.expect_nonlinear_region();
     }
 
     TEST(NearWound, SmallPullsDifferFromLinearBySecondOrder)
@@ -222,7 +222,7 @@ namespace near_wound_test {
         SurgerySession& live_session = wound.live_session;
         live_session.pull_all_hooks(12.0);
         const Points linear = wound.moved();
-        wound.expect_near_field();
+        wound.expect_nonlinear_region();
         const Points before = wound.moved();
         const double force = live_session.hooks().hooks[0].force_N.norm();
         ASSERT_TRUE(live_session.begin_stroke(at(live_session, 20.0, 100.0), { .depth_mm = 8.0 }).done);
@@ -239,10 +239,10 @@ namespace near_wound_test {
         EXPECT_TRUE(live_session.moving()) << "it is made when the cut is";
         EXPECT_EQ(live_session.hooks().shown, ShownAnswer::linear_since);
         ASSERT_TRUE(live_session.finish_stroke().done);
-        wound.expect_near_field();
+        wound.expect_nonlinear_region();
         live_session.undo();
         EXPECT_EQ(live_session.hooks().shown, ShownAnswer::linear_since);
-        wound.expect_near_field();
+        wound.expect_nonlinear_region();
         EXPECT_LT(difference(wound.moved(), before), kSame * 12.0);
         EXPECT_NEAR(live_session.hooks().hooks[0].force_N.norm(), force, kSame * force);
     }
@@ -295,7 +295,7 @@ namespace near_wound_test {
         live_session.set_yield(std::numeric_limits<double>::infinity());
         settle(live_session);
         EXPECT_NEAR(live_session.hooks().hooks[0].force_N.norm(), unlimited, kAtLimit * unlimited);
-        wound.expect_near_field();
+        wound.expect_nonlinear_region();
     }
 
     TEST(NearWound, SaysWhereLinearTissueBeyondIsOffByMuch)
@@ -369,7 +369,7 @@ namespace near_wound_test {
         NonlinearWound wound;
         SurgerySession& live_session = wound.live_session;
         live_session.pull_all_hooks(12.0);
-        wound.expect_near_field();
+        wound.expect_nonlinear_region();
         const HookReport before = live_session.hooks();
         const Points shown = wound.moved();
         // No number is left for the square of such a limit.
@@ -398,7 +398,7 @@ namespace near_wound_test {
         live_session.set_yield(std::numeric_limits<double>::infinity());
         EXPECT_EQ(live_session.hooks().refusal, "");
         EXPECT_EQ(live_session.hooks().shown, ShownAnswer::linear) << live_session.hooks().shown_text;
-        wound.expect_near_field();
+        wound.expect_nonlinear_region();
         EXPECT_LT(difference(wound.moved(), shown), kSame * 12.0);
     }
 

@@ -123,7 +123,7 @@ namespace {
             for (int axis = 0; axis < 3; ++axis)
                 hold(held, v, axis, rim_displacement(v, axis));
         fem::ElasticBody body = make_body(mesh, element, law);
-        body.set_loads({ fem::release_forces(mesh, lips, stresses), {} });
+        body.set_loads({ fem::traction_loads(mesh, fem::released_tractions(mesh, lips, stresses)), {} });
         // The forces of such small strains are differences of large forces, so round-off is larger.
         const double tolerance = law.model == fem::Elasticity::linear ? 1e-9 : 1e-7;
         const VerificationSolve solve

@@ -123,12 +123,12 @@ namespace {
         for (const VertexId v : sheet_middle_plane(cut.mesh))
             hold(held, v, 2);
         fem::ElasticBody body = make_body(cut.mesh, VerificationElement::p1, law);
-        body.set_loads({ fem::release_forces(cut.mesh, lips, stresses), {} });
+        body.set_loads({ fem::traction_loads(cut.mesh, fem::released_tractions(cut.mesh, lips, stresses)), {} });
         const VerificationSolve solve = solve_problem(body, held.prescribed, held.target, { .tolerance = 1e-9 }, job);
         VerificationRow row = make_row("error estimate, gaping cut", VerificationElement::p1, law, cut.mesh, solve);
         const mesh::TetMesh fine = with_midpoints(cut.mesh);
         fem::ElasticBody fine_body = make_body(fine, VerificationElement::p2, law);
-        fine_body.set_loads({ fem::release_forces(fine, lips, stresses), {} });
+        fine_body.set_loads({ fem::traction_loads(fine, fem::released_tractions(fine, lips, stresses)), {} });
         const fem::BodyEstimate estimate = fem::estimate_error(body, held.prescribed, fine_body,
             with_midpoints_held(fine, held.prescribed), solve.equilibrium.displacement, job);
         if (estimate.status != fem::EstimateStatus::done)

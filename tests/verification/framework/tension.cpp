@@ -52,7 +52,7 @@ ReleasedWound release_wound(const mesh::TetMesh& mesh, std::span<const mesh::Tet
     if (std::vector<double> bed = fem::bed_stiffness(mesh, supports); !bed.empty())
         body.set_bed(std::move(bed));
     const fem::BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), 0.0);
-    Eigen::VectorXd load = fem::release_forces(mesh, lips, stresses);
+    Eigen::VectorXd load = fem::traction_loads(mesh, fem::released_tractions(mesh, lips, stresses));
     result.assemble_seconds = watch.seconds();
     job.report("release of tension", 0.2);
     watch = {};

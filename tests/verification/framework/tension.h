@@ -20,8 +20,8 @@ struct [[nodiscard]] ReleasedWound {
     double assemble_seconds = 0.0, factor_seconds = 0.0, solve_seconds = 0.0;
 };
 
-/// Solves K u = release_forces(): the linear response of a cut body to the tension that is released at its lips. P1 and
-/// P2.
+/// Computes the linear response of a cut body to the tension that is released at its lips (released_tractions()). P1
+/// and P2.
 /// @param held_displacement displacement of the fixed nodes (n x 3, other rows unused); empty: zero
 /// @throws InputError on bad materials or stresses and on supports that are not in the mesh; SolverError on a piece
 /// without support

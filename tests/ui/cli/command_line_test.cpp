@@ -162,7 +162,8 @@ TEST_F(CommandLine, PalpateWritesForcesOfBothRegions)
     const Json normal = document.at("presses")[0].at("fingers")[0], stiff = document.at("presses")[1].at("fingers")[0];
     EXPECT_EQ(normal.at("site"), "normal");
     EXPECT_GT(stiff.at("force_high_N").get<double>(), 1.2 * normal.at("force_high_N").get<double>());
-    // The source's fig. 7. Of ten-node elements: four-node ones on so coarse a vessel have it the other way round.
+    // The paper's fig. 7 was computed with ten-node elements. With four-node elements, a vessel of this coarseness
+    // shows the opposite order.
     EXPECT_LT(stiff.at("pulse_N").get<double>(), 0.9 * normal.at("pulse_N").get<double>());
     for (const char* file : { "csv", "plot", "view" })
         EXPECT_GT(fs::file_size(document.at(file).get<std::string>()), 1000U) << file;

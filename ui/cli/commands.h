@@ -16,7 +16,5 @@ void add_plan_command(Commands& commands);
 void add_render_command(Commands& commands);
 void add_demo_command(Commands& commands);
 void add_doctor_command(Commands& commands);
-/// The commands `verify` and `bench` have become programs. The old commands only answer with the new program's name.
-void add_moved_commands(Commands& commands);
 
 } // namespace retractor::ui::cli

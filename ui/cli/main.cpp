@@ -24,7 +24,6 @@ void add_commands(retractor::ui::cli::Commands& commands)
     add_relay_command(commands);
     add_train_command(commands);
     add_doctor_command(commands);
-    add_moved_commands(commands);
 }
 
 } // namespace

@@ -1,7 +1,5 @@
 #include "ui/cli/commands.h"
 #include "ui/cli/framework/command.h"
-#include "ui/cli/palpation/palpate_command.h"
-#include "ui/cli/training/train_command.h"
 
 namespace {
 

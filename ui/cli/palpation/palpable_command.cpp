@@ -1,4 +1,4 @@
-#include "ui/cli/palpation/palpate_command.h"
+#include "ui/cli/commands.h"
 
 #include "mesh/base/error.h"
 #include "planner/case/patient.h"

@@ -1,10 +1,10 @@
-#include "ui/cli/training/train_command.h"
-#include "ui/cli/framework/number_text.h"
+#include "ui/cli/commands.h"
 
 #include "datasets/phantoms/aorta_phantom.h"
 #include "haptics/training/trial_store.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
 #include "ui/cli/framework/arguments.h"
 #include "ui/cli/framework/command.h"
 #include "ui/cli/palpation/palpate_run.h"
@@ -52,8 +52,8 @@ namespace {
         Outcome outcome;
         outcome.document = { { "name", options.name }, { "youngs_modulus_MPa", options.modulus_MPa },
             { "poissons_ratio", options.poissons_ratio }, { "expert", options.person }, { "store", options.store } };
-        outcome.text = options.name + ": " + number("%.3g MPa", options.modulus_MPa)
-            + number(", nu %.2f", options.poissons_ratio) + ", kept in " + options.store + "\n";
+        outcome.text = options.name + ": " + formatted("%.3g MPa", options.modulus_MPa)
+            + formatted(", nu %.2f", options.poissons_ratio) + ", kept in " + options.store + "\n";
         return outcome;
     }
 
@@ -65,7 +65,8 @@ namespace {
         for (const haptics::NamedElasticity& e : store.elasticities()) {
             outcome.document["elasticities"].push_back({ { "name", e.name }, { "youngs_modulus_MPa", e.modulus_MPa },
                 { "poissons_ratio", e.poissons_ratio }, { "expert", e.expert }, { "date", e.date } });
-            outcome.text += e.name + ": " + number("%.3g MPa", e.modulus_MPa) + " (" + e.expert + ", " + e.date + ")\n";
+            outcome.text
+                += e.name + ": " + formatted("%.3g MPa", e.modulus_MPa) + " (" + e.expert + ", " + e.date + ")\n";
         }
         if (outcome.text.empty())
             outcome.text = "No elasticity is kept in " + options.store + "\n";
@@ -165,8 +166,8 @@ namespace {
         if (!options.out.empty()) {
             std::string sheet = "offered_as,youngs_modulus_MPa\n";
             for (std::size_t i = 0; i < order.size(); ++i)
-                sheet
-                    += std::to_string(i + 1) + "," + number("%.1f", models[static_cast<std::size_t>(order[i])]) + "\n";
+                sheet += std::to_string(i + 1) + "," + formatted("%.1f", models[static_cast<std::size_t>(order[i])])
+                    + "\n";
             write_file_atomically(options.out, sheet);
             std::cerr << "The order is in " << options.out << ", for whoever sets up the models.\n";
         }
@@ -197,9 +198,9 @@ namespace {
             const auto shown = at - order.begin() + 1;
             outcome.document["choices"].push_back({ { "tissue", to_string(trial.tissue) },
                 { "chosen_MPa", trial.chosen_MPa }, { "right_MPa", trial.right_MPa }, { "right_was_model", shown } });
-            outcome.text += std::string(to_string(trial.tissue)) + ": you chose " + number("%.1f MPa", trial.chosen_MPa)
-                + "; right is " + number("%.1f MPa", trial.right_MPa) + ", model " + std::to_string(shown)
-                + ": feel it again\n";
+            outcome.text += std::string(to_string(trial.tissue)) + ": you chose "
+                + formatted("%.1f MPa", trial.chosen_MPa) + "; right is " + formatted("%.1f MPa", trial.right_MPa)
+                + ", model " + std::to_string(shown) + ": feel it again\n";
         }
         return outcome;
     }

@@ -2,6 +2,7 @@
 
 #include "datasets/phantoms/aorta_phantom.h"
 #include "haptics/training/trial_store.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
@@ -103,6 +104,8 @@ namespace {
                              "are felt here.\n";
                 return;
             }
+            RETRACTOR_ASSERT(place >= 1 && static_cast<std::size_t>(place) <= offered_.size());
+            RETRACTOR_ASSERT(!scene_.sites.empty());
             datasets::ElasticModel& body = scene_.body;
             body.youngs_modulus.assign(body.youngs_modulus.size(), offered_[static_cast<std::size_t>(place - 1)]);
             const planner::TissueChoice choice { .radius_mm = options_.plan.radius_mm };
@@ -161,6 +164,7 @@ namespace {
         if (seed == 0)
             seed = (static_cast<std::uint64_t>(std::random_device {}()) << 32) | std::random_device {}();
         const std::vector<int> order = haptics::trial_order(options.models, seed);
+        RETRACTOR_ASSERT(order.size() == models.size());
         const int session = store.next_session(options.person);
         // The operator's list of models, which the trainee must not see.
         if (!options.out.empty()) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the documents: README.md, docs/, and the README of every folder.
+"""Checks the documents (README.md, docs/, and the README of every folder), and the sources for retired words.
 
   python3 tests/docs/check_documents.py --root . [--binaries build/release/bin]
 
@@ -20,7 +20,8 @@ import generate_references  # noqa: E402  (found by the line above)
 MOST_COLUMNS = 120
 README_LINES, README_COLUMNS = 120, 100
 FOLDERS_WITHOUT_DOCUMENTS = {"build", "demo", "shared"}
-TOP = ("mesh", "fem", "datasets", "haptics", "planner", "ui", "tests", "docs", "cmake")
+SOURCE_FOLDERS = ("mesh", "fem", "datasets", "haptics", "planner", "ui", "tests")
+TOP = (*SOURCE_FOLDERS, "docs", "cmake")
 STYLE, GLOSSARY = "docs/developer/style.md", "docs/developer/glossary.md"
 CASE_PAGE, COMMANDS_PAGE = "docs/user/case-json.md", "docs/user/commands.md"
 RETIRED_MARK = "<!-- retired words:"
@@ -126,6 +127,16 @@ def check_words(name, text, words):
                 yield number, f"the word \"{word}\" is retired (see {STYLE})"
 
 
+def check_sources(root, words):
+    """Retired words in the comments, names and strings of the C++ sources."""
+    pages = (page for folder in SOURCE_FOLDERS for page in sorted((root / folder).rglob("*")))
+    for page in pages:
+        if page.suffix in (".h", ".cpp"):
+            name = page.relative_to(root).as_posix()
+            for number, mistake in check_words(name, page.read_text(), words):
+                yield f"{name}:{number}", mistake
+
+
 def case_keys(root):
     """The keys that the reader of case.json names: string literals of lookups and of lists of keys."""
     readers = sorted(root.glob("planner/**/case_io.cpp"))
@@ -210,6 +221,7 @@ def check_all(root, binaries):
         for check in checks:
             for number, mistake in check:
                 yield f"{name}:{number}" if number else name, mistake
+    yield from check_sources(root, words)
     for _, mistake in check_case_page(root):
         yield CASE_PAGE, mistake
     if binaries:

@@ -127,6 +127,12 @@ class CheckDocuments(unittest.TestCase):
         self.plant("# Title", "# Title with an OldName")
         self.expect('README.md:1: the word "OldName" is retired')
 
+    def test_retired_words_in_sources(self):
+        self.write("ui/old.h", "// A comment that names OldName.\nint size_of_OldName();\nint NotOldName;\n")
+        self.expect('ui/old.h:1: the word "OldName" is retired', 'ui/old.h:2: the word "OldName" is retired')
+        self.plant("| |", "| `ui/old.h` |", "docs/developer/style.md")
+        self.expect()
+
     def test_a_key_that_no_page_names(self):
         self.plant("`sha256`", "`checksum`", "docs/user/case-json.md")
         self.expect("docs/user/case-json.md: does not name the key `sha256`")

@@ -15,8 +15,13 @@ void add_cut_command(Commands& commands);
 void add_plan_command(Commands& commands);
 void add_render_command(Commands& commands);
 void add_demo_command(Commands& commands);
+/// Makes a scene for `palpate` from a patient's case.
+void add_palpable_command(Commands& commands);
+void add_palpate_command(Commands& commands);
+/// Serves a device on another computer to `palpate --device udp:...`.
+void add_relay_command(Commands& commands);
+/// Adds `train`: elasticity trials and their statistics.
+void add_train_command(Commands& commands);
 void add_doctor_command(Commands& commands);
-/// The commands `verify` and `bench` have become programs. The old commands only answer with the new program's name.
-void add_moved_commands(Commands& commands);
 
 } // namespace retractor::ui::cli

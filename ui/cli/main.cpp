@@ -1,7 +1,5 @@
 #include "ui/cli/commands.h"
 #include "ui/cli/framework/command.h"
-#include "ui/cli/palpation/palpate_command.h"
-#include "ui/cli/training/train_command.h"
 
 namespace {
 
@@ -24,7 +22,6 @@ void add_commands(retractor::ui::cli::Commands& commands)
     add_relay_command(commands);
     add_train_command(commands);
     add_doctor_command(commands);
-    add_moved_commands(commands);
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 #include "ui/plan_scene/case_picture.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "ui/plan_scene/label_surfaces.h"
@@ -79,6 +80,7 @@ namespace {
             lines.push_back({ target_name(*target), " ", target_color() });
         std::vector<Scene> scenes = target ? slice_scenes(patient, *target, colors)
                                            : slice_scenes(patient, middle_of(*patient.labels()), colors);
+        RETRACTOR_ASSERT(!scenes.empty() && !scenes.front().slices.empty());
         const std::set<Label> met = labels_on(*patient.labels(), scenes.front().slices.front().point);
         for (const mesh::LabelInfo& info : patient.planned_case().label_table)
             if (met.contains(info.id) && info.name != target_label && level_of(info.name).empty())

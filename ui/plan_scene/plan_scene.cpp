@@ -1,5 +1,6 @@
 #include "ui/plan_scene/plan_scene.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/surface/label_surface.h"
@@ -53,6 +54,7 @@ namespace {
     /// image.
     std::vector<std::uint8_t> outside_body(const mesh::LabelVolume& labels)
     {
+        RETRACTOR_ASSERT(labels.voxels.size() == labels.grid.voxel_count());
         const auto& size = labels.grid.size;
         std::size_t along = 0;
         for (std::size_t axis = 1; axis < 3; ++axis)
@@ -107,6 +109,7 @@ namespace {
         auto mask = std::make_shared<VoxelMask>();
         mask->grid = labels.grid;
         mask->hidden = outside_body(labels);
+        RETRACTOR_ASSERT(mask->hidden.size() == labels.voxels.size());
         for (std::size_t i = 0; i < labels.voxels.size(); ++i)
             if (hide[labels.voxels[i]])
                 mask->hidden[i] = 1;

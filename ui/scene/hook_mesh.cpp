@@ -1,5 +1,7 @@
 #include "ui/scene/hook_mesh.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -62,6 +64,7 @@ TriMesh hook_mesh(const HookItem& hook)
     const Vec3 pull = (hook.pull - outward * outward.dot(hook.pull)).normalized();
     const Vec3 across = outward.cross(pull);
     const std::vector<CrossSection> line = profile(hook);
+    RETRACTOR_ASSERT(line.size() >= 2);
     const auto count = static_cast<VertexId>(line.size());
 
     TriMesh mesh;
@@ -92,6 +95,7 @@ TriMesh hook_mesh(const HookItem& hook)
     quad(3, 2, 1, 0);
     const VertexId last = 4 * (count - 1);
     quad(last, last + 1, last + 2, last + 3);
+    RETRACTOR_ASSERT(mesh.triangles.size() == 8 * line.size() - 4);
     return mesh;
 }
 

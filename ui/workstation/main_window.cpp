@@ -165,18 +165,18 @@ void MainWindow::make_knife_actions(QMenu& menu, QToolBar& bar)
         connect(action, &QAction::triggered, this, run);
         return action;
     };
-    knife_action_ = add("Knife", Qt::Key_K, "Draw cuts on the skin with the left button",
-        [this] { set_knife(knife_action_->isChecked() ? KnifeMode::freehand : KnifeMode::away); });
-    line_action_ = add("Line", Qt::Key_L, "Cut straight between two clicks",
-        [this] { set_knife(line_action_->isChecked() ? KnifeMode::line : KnifeMode::away); });
-    knife_action_->setCheckable(true);
-    line_action_->setCheckable(true);
-    hook_action_ = add("Hooks", Qt::Key_H, "Press on a wound's edge to set a hook, press on a hook and draw it",
-        [this] { set_knife(hook_action_->isChecked() ? KnifeMode::hooks : KnifeMode::away); });
-    hook_action_->setCheckable(true);
-    take_out_action_ = add("Take out", Qt::Key_X, "Press on a piece that was cut free, or on tissue, to take it out",
-        [this] { set_knife(take_out_action_->isChecked() ? KnifeMode::take_out : KnifeMode::away); });
-    take_out_action_->setCheckable(true);
+    const auto add_mode
+        = [&](QAction*& action, const QString& text, const QKeySequence& key, const QString& tip, KnifeMode mode) {
+              action = add(
+                  text, key, tip, [this, mode, &action] { set_knife(action->isChecked() ? mode : KnifeMode::away); });
+              action->setCheckable(true);
+          };
+    add_mode(knife_action_, "Knife", Qt::Key_K, "Draw cuts on the skin with the left button", KnifeMode::freehand);
+    add_mode(line_action_, "Line", Qt::Key_L, "Cut straight between two clicks", KnifeMode::line);
+    add_mode(hook_action_, "Hooks", Qt::Key_H, "Press on a wound's edge to set a hook, press on a hook and draw it",
+        KnifeMode::hooks);
+    add_mode(take_out_action_, "Take out", Qt::Key_X,
+        "Press on a piece that was cut free, or on tissue, to take it out", KnifeMode::take_out);
     undo_ = add(
         "Undo cut", QKeySequence::Undo, "Take the last cut back", [this] { knife_->run(planner::surgery::Undo {}); });
     redo_ = add(
@@ -256,12 +256,7 @@ void MainWindow::make_actions()
 
 void MainWindow::make_status_line()
 {
-    message_ = new QLabel;
-    message_->setTextFormat(Qt::PlainText);
-    message_->setTextInteractionFlags(Qt::TextSelectableByMouse);
-    message_->setContentsMargins(8, 0, 8, 0);
-    message_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
-    statusBar()->addWidget(message_, 1);
+    message_ = add_message(*statusBar());
     progress_ = new QProgressBar;
     progress_->setRange(0, kProgressSteps);
     progress_->setFixedWidth(300);
@@ -269,9 +264,7 @@ void MainWindow::make_status_line()
     connect(cancel_button_, &QPushButton::clicked, this, [this] { cancel(); });
     statusBar()->addPermanentWidget(progress_);
     statusBar()->addPermanentWidget(cancel_button_);
-    auto* notice = new QLabel("Not a medical device");
-    notice->setStyleSheet(QString(kFaint) + " padding: 0 8px;");
-    statusBar()->addPermanentWidget(notice);
+    add_notice(*statusBar());
 }
 
 void MainWindow::open(planner::Case planned_case)

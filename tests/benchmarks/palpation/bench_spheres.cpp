@@ -1,5 +1,5 @@
 #include "tests/benchmarks/palpation/bench_spheres.h"
-#include "ui/cli/framework/number_text.h"
+#include "mesh/base/text_format.h"
 
 #include "haptics/condensed/sneddon.h"
 #include "haptics/hand/obj_surface.h"
@@ -144,11 +144,11 @@ namespace {
         };
         row.deform_ms_median = frames.advance_ms + frames.deform_ms;
         row.fps = 1e3 / *row.deform_ms_median;
-        row.note = std::to_string(motion.law().depth_limit) + " layers, " + ui::cli::number("%.0f", frames.displaced)
-            + " spheres moved, volume " + ui::cli::number("%+.2f", 100.0 * frames.volume_error) + " %, "
-            + ui::cli::number("%.3f N", frames.force);
+        row.note = std::to_string(motion.law().depth_limit) + " layers, " + formatted("%.0f", frames.displaced)
+            + " spheres moved, volume " + formatted("%+.2f", 100.0 * frames.volume_error) + " %, "
+            + formatted("%.3f N", frames.force);
         row.fps_drawn = frames_drawn_per_second(motion, grip, job);
-        row.note += ", drawn " + ui::cli::number("%.0f", *row.fps_drawn) + " frames/s";
+        row.note += ", drawn " + formatted("%.0f", *row.fps_drawn) + " frames/s";
         return row;
     }
 
@@ -205,15 +205,15 @@ namespace {
                 motion.advance(kDisplayFrame, { &tip, 1 }, { &contact, 1 });
             }
             const double right = haptics::sneddon_force(depth, kTip, kModulus, kRatio);
-            forces += ui::cli::number(" %.0f mm", depth) + ui::cli::number(": %.4f", contact.force.z())
-                + ui::cli::number(" N (half-space %.4f)", right);
+            forces += formatted(" %.0f mm", depth) + formatted(": %.4f", contact.force.z())
+                + formatted(" N (half-space %.4f)", right);
             if (depth == 6.0)
                 row.rel_error_vs_reference = contact.force.z() / right - 1.0;
         }
         // A sphere filling aims at the right force, not at the right motion of the surface beside the finger. Only
         // the force is compared.
-        row.note = "calibrated at 4 mm;" + forces
-            + ui::cli::number("; P2 flat punch of 8 mm at 3 mm %.4f N", reference.force);
+        row.note
+            = "calibrated at 4 mm;" + forces + formatted("; P2 flat punch of 8 mm at 3 mm %.4f N", reference.force);
         return row;
     }
 
@@ -235,8 +235,8 @@ namespace {
             for (const bool spheres : { false, true }) {
                 ui::Scene scene = sphere_scene(motion, spheres ? SphereView::spheres : SphereView::textured, tips);
                 scene.title = spheres
-                    ? ui::cli::number("%.0f spheres", static_cast<double>(motion.sphere_count()))
-                    : ui::cli::number("%.0f mm deep", depth) + ui::cli::number(", %.2f N", contacts[0].force.norm());
+                    ? formatted("%.0f spheres", static_cast<double>(motion.sphere_count()))
+                    : formatted("%.0f mm deep", depth) + formatted(", %.2f N", contacts[0].force.norm());
                 picture.viewports.push_back({ .left = spheres ? 0.5 : 0.0,
                     .bottom = (2.0 - row) / 3.0,
                     .right = spheres ? 1.0 : 0.5,

@@ -119,24 +119,6 @@ TEST_F(CommandLine, UsageAndBadInputExitWithTwoAndOneJsonDocument)
         EXPECT_EQ(run(hooks + contradiction).exit_code, 2) << contradiction;
 }
 
-TEST_F(CommandLine, CommandsThatAreProgramsOfTheirOwnNameTheProgram)
-{
-    for (const auto& [arguments, program] : { std::pair { "verify", "retractor-verify" },
-             std::pair { "verify --suite stability --threads 2", "retractor-verify" },
-             std::pair { "verify --help", "retractor-verify" }, std::pair { "bench", "retractor-bench" },
-             std::pair { "bench cut --soak 30", "retractor-bench" } }) {
-        const CommandRun moved
-            = retractor::test_support::run_line(std::string(RETRACTOR_PROGRAM) + " " + arguments + " 2>&1");
-        EXPECT_EQ(moved.exit_code, 2) << arguments;
-        EXPECT_EQ(std::count(moved.out.begin(), moved.out.end(), '\n'), 1) << moved.out;
-        EXPECT_NE(moved.out.find(program), std::string::npos) << moved.out;
-        const CommandRun json = run(std::string(arguments) + " --json");
-        EXPECT_EQ(json.exit_code, 2) << arguments;
-        EXPECT_NE(json.error().find(program), std::string::npos) << json.out;
-    }
-    EXPECT_EQ(run("--help").out.find("bench"), std::string::npos) << "a moved command is not listed";
-}
-
 TEST_F(CommandLine, ListsOfWordsAreWrittenWithCommasOrSpaces)
 {
     for (const char* organs : { "cavity,target", "cavity target" }) {
@@ -162,7 +144,8 @@ TEST_F(CommandLine, PalpateWritesForcesOfBothRegions)
     const Json normal = document.at("presses")[0].at("fingers")[0], stiff = document.at("presses")[1].at("fingers")[0];
     EXPECT_EQ(normal.at("site"), "normal");
     EXPECT_GT(stiff.at("force_high_N").get<double>(), 1.2 * normal.at("force_high_N").get<double>());
-    // The source's fig. 7. Of ten-node elements: four-node ones on so coarse a vessel have it the other way round.
+    // As in fig. 7 of the paper. Ten-node elements show this order; four-node elements on such a coarse vessel show the
+    // opposite one.
     EXPECT_LT(stiff.at("pulse_N").get<double>(), 0.9 * normal.at("pulse_N").get<double>());
     for (const char* file : { "csv", "plot", "view" })
         EXPECT_GT(fs::file_size(document.at(file).get<std::string>()), 1000U) << file;

@@ -205,6 +205,63 @@ namespace {
         return outcome;
     }
 
+    void add_add_command(CLI::App& approach, Commands& commands, const std::shared_ptr<ApproachOptions>& options)
+    {
+        CLI::App* add_command
+            = approach.add_subcommand("add", "Write an approach by template, or by points on the skin");
+        add_command->footer(
+            "Example: retractor approach add case.json --template intercostal:4 --target aneurysm --opening 50\n"
+            "         retractor approach add case.json --name mine --points 40,-110,20 55,-100,10 --target "
+            "20,-10,30,15\n"
+            "         retractor approach add case.json --template intercostal:5 --target aneurysm --opening 50 "
+            "--ablate rib_left_6:-12,0:40,90 --loose removed");
+        add_command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
+        add_command->add_option("--template", options->template_name, "median, intercostal:N, distal, midcab");
+        add_command->add_option(
+            "--points", options->points, "Points x,y,z (mm, LPS) on or near the skin, in cutting order");
+        add_command->add_option("--target", options->target, "A label, or a sphere x,y,z,r")->required();
+        add_command->add_option("--name", options->name, "Name of the approach (default: the template's)");
+        add_command->add_option("--length", options->length_mm, "Length of the incision, mm (default: the template's)")
+            ->check(in_range(0.0, kLongestMm));
+        add_command
+            ->add_option(
+                "--depth", options->depth_mm, "With --points: depth of the cut, mm (default: through the wall)")
+            ->check(in_range(0.0, kLongestMm));
+        add_command
+            ->add_option("--retract", options->retracted,
+                "Organs held aside, NAME,..., besides the template's: they do not block the view")
+            ->delimiter(',');
+        add_command
+            ->add_option("--ablate", options->ablations,
+                "Taken out after the cut, in this order (repeatable): LABEL:FROM,TO[:ALONG_FROM,ALONG_TO], a segment "
+                "of "
+                "one "
+                "label, mm across the incision (positive: left of the cutting direction, looking down on the skin) and "
+                "along it (default: its ends), sawn through there; or ball:X,Y,Z,RADIUS[:LABEL], mm (default: all "
+                "tissue)")
+            ->allow_extra_args(false);
+        add_command
+            ->add_option("--loose", options->loose,
+                "Pieces that cut and ablations leave without support: held (on a soft bed), removed, or rigid (they go "
+                "with "
+                "the tissue beside them)")
+            ->capture_default_str()
+            ->check(CLI::IsMember({ "held", "removed", "rigid" }));
+        add_command->add_flag("--right", options->right, "Intercostal: on the patient's right");
+        add_command->add_option("--hooks", options->hooks, "Hook template: 2, 4, 8 or blade")->capture_default_str();
+        add_command
+            ->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm; 0: no hooks yet")
+            ->check(in_range(0.0, 2.0 * fem::kFarthestHookMm));
+        add_hook_options(*add_command, *options);
+        add_command->add_option(
+            "--edge", options->edge_mm, "Mesh edges in the corridor round the incision, mm (default: the case's)");
+        add_command->add_option("--coarse", options->coarse_mm, "Mesh edges far from it, mm (default: the case's)");
+        add_command->add_option("--region", options->region_mm,
+            "Mesh only this far round the incision, and the bones met to their ends, mm; 0: the whole wall");
+        add_command->callback(
+            [&commands, options] { commands.run = [options](const Job& job) { return add(*options, job); }; });
+    }
+
 } // namespace
 
 void add_approach_commands(Commands& commands)
@@ -212,54 +269,7 @@ void add_approach_commands(Commands& commands)
     CLI::App* approach = commands.app.add_subcommand("approach", "Add, list or remove the approaches of a case");
     approach->require_subcommand(1);
     auto options = std::make_shared<ApproachOptions>();
-
-    CLI::App* add_command = approach->add_subcommand("add", "Write an approach by template, or by points on the skin");
-    add_command->footer(
-        "Example: retractor approach add case.json --template intercostal:4 --target aneurysm --opening 50\n"
-        "         retractor approach add case.json --name mine --points 40,-110,20 55,-100,10 --target 20,-10,30,15\n"
-        "         retractor approach add case.json --template intercostal:5 --target aneurysm --opening 50 "
-        "--ablate rib_left_6:-12,0:40,90 --loose removed");
-    add_command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
-    add_command->add_option("--template", options->template_name, "median, intercostal:N, distal, midcab");
-    add_command->add_option(
-        "--points", options->points, "Points x,y,z (mm, LPS) on or near the skin, in cutting order");
-    add_command->add_option("--target", options->target, "A label, or a sphere x,y,z,r")->required();
-    add_command->add_option("--name", options->name, "Name of the approach (default: the template's)");
-    add_command->add_option("--length", options->length_mm, "Length of the incision, mm (default: the template's)")
-        ->check(in_range(0.0, kLongestMm));
-    add_command
-        ->add_option("--depth", options->depth_mm, "With --points: depth of the cut, mm (default: through the wall)")
-        ->check(in_range(0.0, kLongestMm));
-    add_command
-        ->add_option("--retract", options->retracted,
-            "Organs held aside, NAME,..., besides the template's: they do not block the view")
-        ->delimiter(',');
-    add_command
-        ->add_option("--ablate", options->ablations,
-            "Taken out after the cut, in this order (repeatable): LABEL:FROM,TO[:ALONG_FROM,ALONG_TO], a segment of "
-            "one "
-            "label, mm across the incision (positive: left of the cutting direction, looking down on the skin) and "
-            "along it (default: its ends), sawn through there; or ball:X,Y,Z,RADIUS[:LABEL], mm (default: all tissue)")
-        ->allow_extra_args(false);
-    add_command
-        ->add_option("--loose", options->loose,
-            "Pieces that cut and ablations leave without support: held (on a soft bed), removed, or rigid (they go "
-            "with "
-            "the tissue beside them)")
-        ->capture_default_str()
-        ->check(CLI::IsMember({ "held", "removed", "rigid" }));
-    add_command->add_flag("--right", options->right, "Intercostal: on the patient's right");
-    add_command->add_option("--hooks", options->hooks, "Hook template: 2, 4, 8 or blade")->capture_default_str();
-    add_command->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm; 0: no hooks yet")
-        ->check(in_range(0.0, 2.0 * fem::kFarthestHookMm));
-    add_hook_options(*add_command, *options);
-    add_command->add_option(
-        "--edge", options->edge_mm, "Mesh edges in the corridor round the incision, mm (default: the case's)");
-    add_command->add_option("--coarse", options->coarse_mm, "Mesh edges far from it, mm (default: the case's)");
-    add_command->add_option("--region", options->region_mm,
-        "Mesh only this far round the incision, and the bones met to their ends, mm; 0: the whole wall");
-    add_command->callback(
-        [&commands, options] { commands.run = [options](const Job& job) { return add(*options, job); }; });
+    add_add_command(*approach, commands, options);
 
     CLI::App* list_command = approach->add_subcommand("list", "List the approaches of a case");
     list_command->footer("Example: retractor approach list case.json");

@@ -112,18 +112,20 @@ void add_tension_command(Commands& commands)
         "Example: retractor tension case.json --material skin --along 0.04 --across 0.04\n"
         "Example: retractor tension case.json --material skin --none");
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
-    command->add_option("--material", options->material, "A material of the wall (default: list them)");
+    command->add_option(
+        "--material", options->material, "Material of the wall that gets the tension (default: list the materials)");
     command->add_option("--along", options->along, "Strain along the direction, 0 to 0.5 (skin: 0.02 to 0.06)")
         ->check(in_range(0.0, fem::kLargestPreStrain));
     command
         ->add_option("--across", options->across,
-            "Strain across it in the tissue's plane (default: free to narrow, no stress across)")
+            "Strain across the direction, in the plane of the tissue, 0 to 0.5 (default: the tissue narrows freely)")
         ->check(in_range(0.0, fem::kLargestPreStrain));
     command->add_option("--direction", options->direction,
-        "x,y,z, patient LPS: put into the tissue's plane; not needed where both strains are the same");
-    command->add_option(
-        "--normal", options->normal, "x,y,z across the tissue's plane (default: that of the skin near by)");
-    command->add_flag("--none", options->none, "No tension");
+        "Direction of the strain as x,y,z (patient LPS), projected onto the plane of the tissue; not needed when both "
+        "strains are equal");
+    command->add_option("--normal", options->normal,
+        "Normal of the plane of the tissue as x,y,z (default: the normal of the nearest skin)");
+    command->add_flag("--none", options->none, "Remove the tension of the material");
     command->callback([&commands, options] { commands.run = [options](const Job&) { return change(*options); }; });
 }
 

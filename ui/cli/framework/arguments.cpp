@@ -1,5 +1,6 @@
 #include "ui/cli/framework/arguments.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 
@@ -26,6 +27,7 @@ std::vector<std::string> split(const std::string& text, char separator)
 
 std::vector<double> parse_numbers(const std::string& text, std::size_t count, const std::string& where)
 {
+    RETRACTOR_ASSERT(count > 0);
     std::vector<double> numbers;
     for (const std::string& part : split(text, ',')) {
         double value = 0.0;
@@ -42,6 +44,7 @@ std::vector<double> parse_numbers(const std::string& text, std::size_t count, co
 Vec3 parse_point(const std::string& text, const std::string& where)
 {
     const std::vector<double> n = parse_numbers(text, 3, where);
+    RETRACTOR_ASSERT(n.size() == 3);
     return { n[0], n[1], n[2] };
 }
 
@@ -53,6 +56,7 @@ planner::TargetSpec parse_target(const std::string& text)
         return target;
     }
     const std::vector<double> n = parse_numbers(text, 4, "--target");
+    RETRACTOR_ASSERT(n.size() == 4);
     target.centre = { n[0], n[1], n[2] };
     target.radius_mm = n[3];
     if (!(target.radius_mm > 0.0))
@@ -112,6 +116,7 @@ std::pair<int, int> parse_size(const std::string& text)
 
 CLI::Validator in_range(double low, double high)
 {
+    RETRACTOR_ASSERT(low <= high);
     const std::string words = formatted("%g to %g", low, high);
     return CLI::Validator(
         [low, high, words](std::string& text) {

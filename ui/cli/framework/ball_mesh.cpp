@@ -1,5 +1,7 @@
 #include "ui/cli/framework/ball_mesh.h"
 
+#include "mesh/base/assert.h"
+
 #include <algorithm>
 #include <map>
 #include <numbers>
@@ -52,6 +54,7 @@ namespace {
 
 TriMesh ball_meshes(const Points& centres, double radius, int divisions)
 {
+    RETRACTOR_ASSERT(divisions >= 0);
     TriMesh unit = icosahedron();
     for (int i = 0; i < divisions; ++i)
         unit = divided(unit);

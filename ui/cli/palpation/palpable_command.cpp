@@ -1,4 +1,4 @@
-#include "ui/cli/palpation/palpate_command.h"
+#include "ui/cli/commands.h"
 
 #include "datasets/phantoms/palpation_scene_file.h"
 #include "mesh/base/error.h"
@@ -127,14 +127,14 @@ void add_palpable_command(Commands& commands)
                     "         retractor palpable patient/case.json --structure liver+stomach --out A");
     command->add_option("case", options->case_file, "case.json, or the folder it lies in")->required();
     command->add_option("--structure", options->structure,
-        "Label of the case; NAME+NAME: together (vessels become one, solid organs touch). When it is left out, the "
-        "refusal lists the labels there are");
+        "Label of the structure to palpate. NAME+NAME takes several: vessels become one body, solid organs touch each "
+        "other. Without this option, the error message lists the labels of the case");
     command->add_option("--out", options->out, "Folder to write to")->required();
     command->add_option("--wall", options->request.wall_mm,
-        "Thickness of a hollow structure's wall, mm, inside its outline; 0: solid (default: vessels 2, all others "
-        "solid)");
+        "Thickness of the wall of a hollow structure, in mm, measured inwards from its outline; 0 makes it solid "
+        "(default: 2 for vessels, 0 for others)");
     command->add_option("--edge", options->request.edge_mm,
-        "Length of elements' edges, mm (default: a wall's 5, a solid's a tenth of its size)");
+        "Edge length of the elements, in mm (default: 5 for a wall, a tenth of its size for a solid)");
     command->add_option("--held", options->held,
         "What holds it, NAME,...: a label next to it, border (where the image cuts it off), or a side and mm: head:10, "
         "foot:10, front:, back:, left:, right:, or ends:20, a vessel's two ends (default: a wall "

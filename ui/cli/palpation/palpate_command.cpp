@@ -1,4 +1,4 @@
-#include "ui/cli/palpation/palpate_command.h"
+#include "ui/cli/commands.h"
 
 #include "datasets/phantoms/palpation_scene_file.h"
 #include "haptics/hand/hand_file.h"

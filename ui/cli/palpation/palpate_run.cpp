@@ -2,6 +2,7 @@
 
 #include "haptics/device/udp_bridge.h"
 #include "haptics/servo/servo.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Geometry>
@@ -266,7 +267,9 @@ PressLog run_press(const Press& press, haptics::TissueResponse& tissue, const st
     const PressPlan& plan, const haptics::PulsePressure* pressure, double force_gain, const Job& job)
 {
     HandDevices hands(one_per_finger(device_names, press), press_path(plan));
+    RETRACTOR_ASSERT(hands.devices().size() == press.sites.size());
     Line line = line_of(press, hands, plan, force_gain);
+    RETRACTOR_ASSERT(line.devices.size() == line.options.fingers.size());
     PressLog log;
     log.name = press.name;
     for (const datasets::TouchSite& site : press.sites)

@@ -1,8 +1,8 @@
 #include "haptics/device/tick_thread.h"
 #include "haptics/device/udp_bridge.h"
 #include "mesh/base/error.h"
+#include "ui/cli/commands.h"
 #include "ui/cli/framework/arguments.h"
-#include "ui/cli/palpation/palpate_command.h"
 #include "ui/cli/palpation/palpate_devices.h"
 #include "ui/cli/palpation/palpate_run.h"
 

@@ -1,6 +1,7 @@
 // The command `retractor cut`: cuts the wall of an approach as planned, or as a journal records. A replayed journal can
 // be continued.
 
+#include "mesh/base/assert.h"
 #include "mesh/base/text_format.h"
 #include "ui/cli/commands.h"
 #include "ui/cli/framework/open_case.h"
@@ -172,8 +173,10 @@ namespace {
     {
         std::vector<double> number(wall.tet_count(), 0.0);
         for (const planner::WallPiece& p : pieces)
-            for (const TetId t : p.tets)
+            for (const TetId t : p.tets) {
+                RETRACTOR_ASSERT(t >= 0 && static_cast<std::size_t>(t) < number.size());
                 number[static_cast<std::size_t>(t)] = p.number;
+            }
         return number;
     }
 
@@ -258,6 +261,7 @@ namespace {
             static_cast<void>(session.undo());
         mesh::SlotMap map;
         const mesh::TetMesh wall = session.compact_mesh(&map);
+        RETRACTOR_ASSERT(map.tet_slot.size() == wall.tet_count());
         document["tets"] = wall.tet_count();
         document["vertices"] = wall.vertex_count();
         document["cuts"] = session.cut_count();

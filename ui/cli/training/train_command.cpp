@@ -1,11 +1,12 @@
-#include "ui/cli/training/train_command.h"
-#include "ui/cli/framework/number_text.h"
+#include "ui/cli/commands.h"
 
 #include "datasets/phantoms/aorta_phantom.h"
 #include "datasets/phantoms/palpation_scene_file.h"
 #include "haptics/training/trial_store.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
 #include "ui/cli/framework/arguments.h"
 #include "ui/cli/framework/command.h"
 #include "ui/cli/palpation/palpate_run.h"
@@ -53,8 +54,8 @@ namespace {
         Outcome outcome;
         outcome.document = { { "name", options.name }, { "youngs_modulus_MPa", options.modulus_MPa },
             { "poissons_ratio", options.poissons_ratio }, { "expert", options.person }, { "store", options.store } };
-        outcome.text = options.name + ": " + number("%.3g MPa", options.modulus_MPa)
-            + number(", nu %.2f", options.poissons_ratio) + ", kept in " + options.store + "\n";
+        outcome.text = options.name + ": " + formatted("%.3g MPa", options.modulus_MPa)
+            + formatted(", nu %.2f", options.poissons_ratio) + ", kept in " + options.store + "\n";
         return outcome;
     }
 
@@ -66,7 +67,8 @@ namespace {
         for (const haptics::NamedElasticity& e : store.elasticities()) {
             outcome.document["elasticities"].push_back({ { "name", e.name }, { "youngs_modulus_MPa", e.modulus_MPa },
                 { "poissons_ratio", e.poissons_ratio }, { "expert", e.expert }, { "date", e.date } });
-            outcome.text += e.name + ": " + number("%.3g MPa", e.modulus_MPa) + " (" + e.expert + ", " + e.date + ")\n";
+            outcome.text
+                += e.name + ": " + formatted("%.3g MPa", e.modulus_MPa) + " (" + e.expert + ", " + e.date + ")\n";
         }
         if (outcome.text.empty())
             outcome.text = "No elasticity is kept in " + options.store + "\n";
@@ -103,6 +105,8 @@ namespace {
                              "are felt here.\n";
                 return;
             }
+            RETRACTOR_ASSERT(place >= 1 && static_cast<std::size_t>(place) <= offered_.size());
+            RETRACTOR_ASSERT(!scene_.sites.empty());
             datasets::ElasticModel& body = scene_.body;
             body.youngs_modulus.assign(body.youngs_modulus.size(), offered_[static_cast<std::size_t>(place - 1)]);
             const planner::TissueChoice choice { .radius_mm = options_.plan.radius_mm };
@@ -161,13 +165,14 @@ namespace {
         if (seed == 0)
             seed = (static_cast<std::uint64_t>(std::random_device {}()) << 32) | std::random_device {}();
         const std::vector<int> order = haptics::trial_order(options.models, seed);
+        RETRACTOR_ASSERT(order.size() == models.size());
         const int session = store.next_session(options.person);
         // The operator's list of models, which the trainee must not see.
         if (!options.out.empty()) {
             std::string sheet = "offered_as,youngs_modulus_MPa\n";
             for (std::size_t i = 0; i < order.size(); ++i)
-                sheet
-                    += std::to_string(i + 1) + "," + number("%.1f", models[static_cast<std::size_t>(order[i])]) + "\n";
+                sheet += std::to_string(i + 1) + "," + formatted("%.1f", models[static_cast<std::size_t>(order[i])])
+                    + "\n";
             write_file_atomically(options.out, sheet);
             std::cerr << "The order is in " << options.out << ", for whoever sets up the models.\n";
         }
@@ -198,9 +203,9 @@ namespace {
             const auto shown = at - order.begin() + 1;
             outcome.document["choices"].push_back({ { "tissue", to_string(trial.tissue) },
                 { "chosen_MPa", trial.chosen_MPa }, { "right_MPa", trial.right_MPa }, { "right_was_model", shown } });
-            outcome.text += std::string(to_string(trial.tissue)) + ": you chose " + number("%.1f MPa", trial.chosen_MPa)
-                + "; right is " + number("%.1f MPa", trial.right_MPa) + ", model " + std::to_string(shown)
-                + ": feel it again\n";
+            outcome.text += std::string(to_string(trial.tissue)) + ": you chose "
+                + formatted("%.1f MPa", trial.chosen_MPa) + "; right is " + formatted("%.1f MPa", trial.right_MPa)
+                + ", model " + std::to_string(shown) + ": feel it again\n";
         }
         return outcome;
     }

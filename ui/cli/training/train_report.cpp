@@ -1,10 +1,10 @@
 #include "ui/cli/training/train_report.h"
-#include "ui/cli/framework/number_text.h"
 
 #include "haptics/training/trial_statistics.h"
 #include "haptics/training/trial_store.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
 #include "ui/cli/framework/out_folder.h"
 #include "ui/cli/training/trial_charts.h"
 
@@ -146,9 +146,9 @@ namespace {
 
     std::string line_of(const Json& box)
     {
-        return number("%.2f", box["median"].get<double>()) + " MPa (quartiles "
-            + number("%.2f", box["lower_quartile"].get<double>()) + " to "
-            + number("%.2f", box["upper_quartile"].get<double>()) + ", " + std::to_string(box["count"].get<int>())
+        return formatted("%.2f", box["median"].get<double>()) + " MPa (quartiles "
+            + formatted("%.2f", box["lower_quartile"].get<double>()) + " to "
+            + formatted("%.2f", box["upper_quartile"].get<double>()) + ", " + std::to_string(box["count"].get<int>())
             + " choices)\n";
     }
 
@@ -161,16 +161,17 @@ namespace {
         for (const Json& row : findings.spreads)
             if (row["F_test"].contains("p"))
                 text += "  spreads, " + row["between"][0].get<std::string>() + " and "
-                    + row["between"][1].get<std::string>() + ": F " + number("%.2f", row["F_test"]["F"].get<double>())
-                    + number(", p %.2g\n", row["F_test"]["p"].get<double>());
+                    + row["between"][1].get<std::string>() + ": F "
+                    + formatted("%.2f", row["F_test"]["F"].get<double>())
+                    + formatted(", p %.2g\n", row["F_test"]["p"].get<double>());
         for (const Json& row : findings.sessions)
             text += row["tissue"].get<std::string>() + ", session " + std::to_string(row["session"].get<int>()) + ": "
                 + line_of(row["box_MPa"]);
         for (const Json& row : findings.learning)
             if (const Json& test = row["t_test_of_deviations"]; test.contains("p"))
                 text += "  " + row["tissue"].get<std::string>() + ", deviation in session 1 against session "
-                    + std::to_string(test["sessions"][1].get<int>()) + ": t " + number("%.2f", test["t"].get<double>())
-                    + number(", p %.2g\n", test["p"].get<double>());
+                    + std::to_string(test["sessions"][1].get<int>()) + ": t "
+                    + formatted("%.2f", test["t"].get<double>()) + formatted(", p %.2g\n", test["p"].get<double>());
         return text;
     }
 

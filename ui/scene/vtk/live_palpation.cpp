@@ -1,5 +1,6 @@
 #include "ui/scene/vtk/live_palpation.h"
 
+#include "mesh/base/assert.h"
 #include "ui/scene/vtk/surface_actors.h"
 #include "ui/scene/vtk/surface_shader.h"
 
@@ -116,6 +117,7 @@ void LivePalpation::set_fingertips(std::span<const ShownBall> tips) { state_->fi
 
 void LivePalpation::set_hand(std::size_t hand, const TriMesh& mesh)
 {
+    RETRACTOR_ASSERT(hand < state_->hands.size());
     SurfaceItem item;
     item.name = "hand";
     item.mesh = std::make_shared<TriMesh>(mesh);
@@ -129,6 +131,7 @@ void LivePalpation::set_hand(std::size_t hand, const TriMesh& mesh)
 
 void LivePalpation::place_hand(std::size_t hand, const Mat3& turn, const Vec3& shift)
 {
+    RETRACTOR_ASSERT(hand < state_->hands.size());
     auto matrix = vtkSmartPointer<vtkMatrix4x4>::New();
     for (int i = 0; i < 3; ++i) {
         for (int k = 0; k < 3; ++k)
@@ -143,6 +146,7 @@ void LivePalpation::place_hand(std::size_t hand, const Mat3& turn, const Vec3& s
 
 void LivePalpation::hide_hand(std::size_t hand)
 {
+    RETRACTOR_ASSERT(hand < state_->hands.size());
     for (const auto& actor : state_->hands[hand])
         actor->SetVisibility(0);
 }

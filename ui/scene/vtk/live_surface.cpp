@@ -1,5 +1,6 @@
 #include "ui/scene/vtk/live_surface.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
 #include "ui/scene/vtk/surface_shader.h"
@@ -278,6 +279,7 @@ void LiveSurface::set_steel(const TriMesh& mesh)
         part.triangles.push_back({ first, first + 1, first + 2 });
         cells->InsertNextCell({ first, first + 1, first + 2 });
     }
+    RETRACTOR_ASSERT(part.vertex_of.size() == 3 * mesh.triangles.size());
     const auto points = static_cast<vtkIdType>(part.vertex_of.size());
     part.data->GetPoints()->SetNumberOfPoints(points);
     part.normals->SetNumberOfComponents(3);

@@ -67,16 +67,11 @@ namespace {
         }
         bool is_current() const override { return OSMesaGetCurrentContext() == context_; }
         std::string_view backend() const override { return "osmesa"; }
-        std::string renderer() const override
+
+    protected:
+        GlGetString gl_get_string() const override
         {
-            constexpr unsigned kRenderer = 0x1F01, kVersion = 0x1F02; // GL_RENDERER, GL_VERSION
-            const auto get_string
-                = reinterpret_cast<const unsigned char* (*)(unsigned)>(OSMesaGetProcAddress("glGetString"));
-            const auto text = [&](unsigned name) {
-                const auto* const found = get_string == nullptr ? nullptr : get_string(name);
-                return std::string(found == nullptr ? "unknown" : reinterpret_cast<const char*>(found));
-            };
-            return text(kRenderer) + ", OpenGL " + text(kVersion);
+            return reinterpret_cast<GlGetString>(OSMesaGetProcAddress("glGetString"));
         }
 
     private:

@@ -1,5 +1,6 @@
 #include "ui/scene/vtk/scene_view.h"
 
+#include "mesh/base/assert.h"
 #include "ui/scene/vtk/annotations.h"
 #include "ui/scene/vtk/slice_actor.h"
 #include "ui/scene/vtk/surface_actors.h"
@@ -159,6 +160,7 @@ SceneView& SceneView::operator=(SceneView&&) noexcept = default;
 
 void SceneView::show(const Scene& scene)
 {
+    RETRACTOR_ASSERT(state_ != nullptr);
     check_scene(scene);
     State& s = *state_;
     s.clear();

@@ -1,5 +1,7 @@
 #include "ui/scene/vtk/slice_actor.h"
 
+#include "mesh/base/assert.h"
+
 #include <vtkActor.h>
 #include <vtkImageData.h>
 #include <vtkPlaneSource.h>
@@ -99,6 +101,7 @@ namespace {
     void paint_labels(const SliceItem& slice, SliceImage& image)
     {
         const std::vector<Label> labels = sample_labels(slice, image);
+        RETRACTOR_ASSERT(image.rgb.size() == 3 * labels.size());
         const auto at = [&](int column, int row) {
             return labels[static_cast<std::size_t>(row) * static_cast<std::size_t>(image.columns)
                 + static_cast<std::size_t>(column)];
@@ -127,7 +130,9 @@ namespace {
 
 SliceImage sample_slice(const SliceItem& slice)
 {
+    RETRACTOR_ASSERT(slice.image != nullptr);
     SliceImage image = frame_of(slice);
+    RETRACTOR_ASSERT(image.columns > 0 && image.rows > 0);
     image.rgb.reserve(3 * static_cast<std::size_t>(image.columns) * static_cast<std::size_t>(image.rows));
     for (int row = 0; row < image.rows; ++row)
         for (int column = 0; column < image.columns; ++column) {

@@ -1,5 +1,7 @@
 #include "ui/scene/vtk/volume_actor.h"
 
+#include "mesh/base/assert.h"
+
 #include <vtkColorTransferFunction.h>
 #include <vtkGPUVolumeRayCastMapper.h>
 #include <vtkImageData.h>
@@ -186,6 +188,7 @@ namespace {
     /// One byte per voxel of `grid`; other than 0 means that the mask hides the voxel or one beside it.
     std::vector<std::uint8_t> hidden_in(const mesh::ImageGrid& grid, const VoxelMask& mask)
     {
+        RETRACTOR_ASSERT(mask.hidden.size() == mask.grid.voxel_count());
         const auto [nx, ny, nz] = grid.size;
         std::vector<std::uint8_t> hidden(grid.voxel_count(), 0);
         // A mask index is affine in the image index, so one step per axis replaces a transform per voxel.
@@ -223,6 +226,8 @@ namespace {
 
     IndexBox visible_box(const mesh::Volume& image, const std::vector<std::uint8_t>& hidden, double above)
     {
+        RETRACTOR_ASSERT(image.voxels.size() == image.grid.voxel_count());
+        RETRACTOR_ASSERT(hidden.empty() || hidden.size() == image.voxels.size());
         constexpr int kMargin = 3;
         const auto [nx, ny, nz] = image.grid.size;
         IndexBox box { { nx, ny, nz }, { -1, -1, -1 } };
@@ -250,6 +255,7 @@ namespace {
     /// visible.
     mesh::Volume shown_part(const VolumeItem& item)
     {
+        RETRACTOR_ASSERT(item.image != nullptr);
         const mesh::Volume& image = *item.image;
         const std::vector<std::uint8_t> hidden
             = item.mask != nullptr ? hidden_in(image.grid, *item.mask) : std::vector<std::uint8_t> {};
@@ -276,6 +282,7 @@ namespace {
 
     vtkSmartPointer<vtkImageData> image_of(const mesh::Volume& shown, bool reversed_k)
     {
+        RETRACTOR_ASSERT(shown.voxels.size() == shown.grid.voxel_count());
         const mesh::ImageGrid& grid = shown.grid;
         auto scalars = vtkSmartPointer<vtkShortArray>::New();
         scalars->SetNumberOfValues(static_cast<vtkIdType>(shown.voxels.size()));

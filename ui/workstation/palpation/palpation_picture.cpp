@@ -1,5 +1,6 @@
 #include "ui/workstation/palpation/palpation_picture.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/statistics.h"
 #include "planner/session/touched_surface.h"
 #include "ui/scene/tissue_colors.h"
@@ -97,6 +98,7 @@ Scene palpation_scene(const datasets::PalpationScene& scene, const std::vector<s
 
 std::array<Vec3, haptics::kMaxFingers> shown_fingertips(const planner::PalpationFrame& frame)
 {
+    RETRACTOR_ASSERT(frame.servo.finger_count <= haptics::kMaxFingers);
     std::array<Vec3, haptics::kMaxFingers> shown;
     for (std::size_t f = 0; f < frame.servo.finger_count; ++f) {
         const haptics::FingerContact& contact = frame.servo.contacts[f];
@@ -123,6 +125,8 @@ PalpationPicture::PalpationPicture(const datasets::PalpationScene& scene, const 
 int PalpationPicture::shade_of(
     const TriMesh& surface, std::size_t triangle, const std::vector<haptics::ElasticTemplate>& edits) const
 {
+    RETRACTOR_ASSERT(triangle < surface.triangles.size());
+    RETRACTOR_ASSERT(surface.labels.empty() || surface.labels.size() == surface.triangles.size());
     const Label label = surface.labels.empty() ? Label {} : surface.labels[triangle];
     const auto found = modulus_of_.find(label);
     double modulus = found != modulus_of_.end() ? found->second : usual_modulus_;
@@ -138,6 +142,7 @@ int PalpationPicture::shade_of(
 
 void PalpationPicture::show_surface(const planner::PalpationFrame& frame, const PalpationWishes& wishes)
 {
+    RETRACTOR_ASSERT(frame.surface != nullptr);
     const TriMesh& surface = *frame.surface;
     if (surface_ != frame.surface || hidden_ != wishes.hidden_organs || edits_ != wishes.edits
         || spheres_ != wishes.spheres) {
@@ -171,6 +176,8 @@ void PalpationPicture::show_spheres(const planner::PalpationFrame& frame, const 
     std::vector<ShownBall> balls;
     if (wishes.spheres && frame.spheres != nullptr)
         for (std::size_t i = 0; i < frame.spheres->radius.size(); ++i) {
+            RETRACTOR_ASSERT(i < frame.spheres->organ.size() && i < frame.sphere_layers.size());
+            RETRACTOR_ASSERT(static_cast<Eigen::Index>(i) < frame.sphere_centres.rows());
             const std::size_t organ = frame.spheres->organ[i];
             if (wishes.hidden_organs.contains(static_cast<Label>(organ + 1)))
                 continue;

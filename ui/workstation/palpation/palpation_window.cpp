@@ -94,15 +94,8 @@ void PalpationWindow::make_panes()
     panes->setStretchFactor(0, 1);
     panes->setStretchFactor(1, 0);
     setCentralWidget(panes);
-    message_ = new QLabel;
-    message_->setTextFormat(Qt::PlainText);
-    message_->setTextInteractionFlags(Qt::TextSelectableByMouse);
-    message_->setContentsMargins(8, 0, 8, 0);
-    message_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
-    statusBar()->addWidget(message_, 1);
-    auto* notice = new QLabel("Not a medical device");
-    notice->setStyleSheet(QString(kFaint) + " padding: 0 8px;");
-    statusBar()->addPermanentWidget(notice);
+    message_ = add_message(*statusBar());
+    add_notice(*statusBar());
 }
 
 void PalpationWindow::make_tool()

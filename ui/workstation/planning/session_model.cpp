@@ -131,6 +131,7 @@ void SessionModel::request_plan(std::size_t index)
 
 void SessionModel::cancel()
 {
+    RETRACTOR_ASSERT(!planning_ || *planning_ < states_.size());
     for (const std::size_t index : waiting_)
         states_[index].status = FieldStatus::closed;
     waiting_.clear();
@@ -142,6 +143,7 @@ std::optional<std::size_t> SessionModel::begin_plan()
 {
     if (planning_ || waiting_.empty())
         return std::nullopt;
+    RETRACTOR_ASSERT(waiting_.front() < states_.size());
     planning_ = waiting_.front();
     waiting_.pop_front();
     states_[*planning_].status = FieldStatus::planning;
@@ -202,6 +204,7 @@ ShownSource SessionModel::shown_source() const
 {
     if (!selected_)
         return {};
+    RETRACTOR_ASSERT(*selected_ < states_.size());
     const ApproachState& state = states_[*selected_];
     const bool opened
         = state.field != nullptr && (show_opened_ || view_ == ViewPreset::slices || state.closed == nullptr);

@@ -1,5 +1,6 @@
 #include "ui/workstation/view/picture_view.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/job.h"
 #include "ui/scene/vtk/live_surface.h"
 #include "ui/scene/vtk/scene_view.h"
@@ -174,6 +175,7 @@ void PictureView::set_tool(PictureTool* tool)
 
 planner::Ray PictureView::ray_at(const QPointF& at) const
 {
+    RETRACTOR_ASSERT(is_drawn());
     const Camera camera = this->camera();
     const Vec3 sight = (camera.aim - camera.eye).normalized();
     const Vec3 right = sight.cross(camera.up).normalized(), up = right.cross(sight);

@@ -2,7 +2,9 @@
 
 #include <QApplication>
 #include <QFont>
+#include <QLabel>
 #include <QPalette>
+#include <QStatusBar>
 #include <QStyleFactory>
 
 namespace retractor::ui {
@@ -51,6 +53,24 @@ void apply_theme(QApplication& application)
     font.setPointSizeF(10.0);
     QApplication::setFont(font);
     application.setStyleSheet(kSheet);
+}
+
+QLabel* add_message(QStatusBar& bar)
+{
+    auto* message = new QLabel;
+    message->setTextFormat(Qt::PlainText);
+    message->setTextInteractionFlags(Qt::TextSelectableByMouse);
+    message->setContentsMargins(8, 0, 8, 0);
+    message->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
+    bar.addWidget(message, 1);
+    return message;
+}
+
+void add_notice(QStatusBar& bar)
+{
+    auto* notice = new QLabel("Not a medical device");
+    notice->setStyleSheet(QString(kFaint) + " padding: 0 8px;");
+    bar.addPermanentWidget(notice);
 }
 
 } // namespace retractor::ui

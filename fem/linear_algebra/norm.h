@@ -1,5 +1,5 @@
 #pragma once
-// The norm that compares forces and displacements: the length of the largest vector of any node.
+// The maximum norm that compares forces and displacements: the length of the largest vector of any node.
 
 #include <Eigen/Core>
 
@@ -8,9 +8,10 @@
 
 namespace retractor::fem {
 
+/// The maximum norm over nodes.
 /// @param vector three entries per node, node by node
 /// @return the largest length in the unit of the vector; 0 when the vector is empty
-inline double largest_nodal_norm(const Eigen::VectorXd& vector)
+inline double largest_length(const Eigen::VectorXd& vector)
 {
     double largest = 0.0;
     for (Eigen::Index i = 0; i < vector.size(); i += 3)

@@ -93,7 +93,7 @@ namespace {
     {
         Eigen::VectorXd u = patch.displacement();
         SpringPatch::Response state = patch.response(u);
-        const auto measure = [&] { result.residual = scale > 0.0 ? largest_nodal_norm(state.forces) / scale : 0.0; };
+        const auto measure = [&] { result.residual = scale > 0.0 ? largest_length(state.forces) / scale : 0.0; };
         measure();
         while (result.residual > options.tolerance) {
             if (job.cancelled()) {
@@ -452,7 +452,7 @@ RelaxResult relax(SpringNetwork& network, const RelaxOptions& options, const Job
         return result;
     SpringPatch patch(network, vertices_near_wound(network, released > 0.0 ? options.reach_mm : 0.0));
     result.active = patch.active().size();
-    const double first = largest_nodal_norm(patch.response(patch.displacement()).forces);
+    const double first = largest_length(patch.response(patch.displacement()).forces);
     const double scale = released > 0.0 ? released : first; // after an undone cut: relative to the initial force
     descend(patch, scale, options, result, network, job);
     result.seconds = watch.seconds();

@@ -43,7 +43,7 @@ namespace {
         {
             RETRACTOR_ASSERT(u.size() == 3 * body_.mesh().vertices.rows());
             u_ = u;
-            reach_ = std::max(reach_, largest_nodal_norm(u_));
+            reach_ = std::max(reach_, largest_length(u_));
             (void)body_.renew_follower_loads(u_); // the body may hold the follower loads of a state that was given up
             state_ = respond(u_);
         }
@@ -54,7 +54,7 @@ namespace {
             body_.set_load_share(0.0);
             const Eigen::VectorXd without = respond(u).forces;
             body_.set_load_share(1.0);
-            largest_load_ = largest_nodal_norm(respond(u).forces - without);
+            largest_load_ = largest_length(respond(u).forces - without);
         }
         ElasticBody& body() const { return body_; }
         const EquilibriumOptions& options() const { return options_; }
@@ -151,13 +151,13 @@ namespace {
         /// back to rest, leaves only round-off, the result is at most kNoForce.
         double residual() const
         {
-            const double noise = kNoForce * stiffest_ * std::max(reach_, largest_nodal_norm(u_));
-            const double scale = std::max({ largest_nodal_norm(state_.forces), largest_load_, noise });
+            const double noise = kNoForce * stiffest_ * std::max(reach_, largest_length(u_));
+            const double scale = std::max({ largest_length(state_.forces), largest_load_, noise });
             if (scale == 0.0)
                 return 0.0;
             Eigen::VectorXd r = state_.forces;
             solver_.mask(r);
-            const double largest = largest_nodal_norm(r);
+            const double largest = largest_length(r);
             return largest <= noise ? std::min(kNoForce, largest / scale) : largest / scale;
         }
 
@@ -173,7 +173,7 @@ namespace {
         double energy_noise(const Eigen::VectorXd& u) const
         {
             constexpr double kRoundOff = 1e-10;
-            const double size = largest_nodal_norm(u);
+            const double size = largest_length(u);
             return kRoundOff * (stiffest_ * size * size + std::abs(state_.energy));
         }
 
@@ -345,7 +345,7 @@ namespace {
     double full_load_step(const Eigen::VectorXd& motion, const EquilibriumOptions& options)
     {
         constexpr double kLongestMm = 3.0; // motion of a node in one step
-        const double steps = std::ceil(largest_nodal_norm(motion) / kLongestMm);
+        const double steps = std::ceil(largest_length(motion) / kLongestMm);
         return 1.0 / std::max(static_cast<double>(options.load_steps), steps);
     }
 
@@ -519,7 +519,7 @@ namespace {
         /// Says whether the loads or the prescribed motion have no equilibrium.
         bool explain(const Step& step)
         {
-            const bool moves = largest_nodal_norm(motion_) > 0.0;
+            const bool moves = largest_length(motion_) > 0.0;
             result_.none_found = true;
             if (moves) {
                 const auto alone = loads_rest_alone(step);

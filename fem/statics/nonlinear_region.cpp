@@ -218,8 +218,8 @@ struct NonlinearRegion::State {
     double residual() const
     {
         // Loads reduce the forces on supports. Where only far tissue supports the body, the load alone gives a scale.
-        const double scale = std::max(largest_nodal_norm(now.forces), largest_load);
-        return scale > 0.0 ? largest_nodal_norm(unbalanced(now)) / scale : 0.0;
+        const double scale = std::max(largest_length(now.forces), largest_load);
+        return scale > 0.0 ? largest_length(unbalanced(now)) / scale : 0.0;
     }
 
     /// Solves for right sides with three rows per node. Rows of nodes that are not free are ignored.
@@ -602,7 +602,7 @@ NonlinearRegion::NonlinearRegion(const mesh::TetMesh& mesh, std::span<const Mate
     s.body.emplace(tissue_body(s.near.mesh, material_of_label, { options.elasticity }));
     s.body->set_bed(bed_of(bed, s.near, 0));
     s.body->set_loads(loads_of(options.load, s.near, s.vertices));
-    s.largest_load = largest_nodal_norm(options.load);
+    s.largest_load = largest_length(options.load);
     s.fixed = fixed_nodes(s.near, prescribed);
     s.far = part_of(mesh, near, 0, rim);
     if (!rim.empty()) {

@@ -88,7 +88,7 @@ namespace {
         if (result.inverted_elements == 0)
             return;
         result.message += "; " + std::to_string(result.inverted_elements)
-            + " element(s) inside out: what is said of the tissue near them is wrong";
+            + " element(s) inside out: the results for the tissue near them are wrong";
         if (result.status == OpeningStatus::converged)
             result.status = OpeningStatus::inverted;
     }

@@ -131,8 +131,8 @@ namespace {
             = measures_of(field, wound.rigid, answers.other.displacement, answers.other.hook_forces_N);
         if (!correct_hook_equilibrium(answers.held, answers.other)
             || (answers.plain && !correct_hook_equilibrium(answers.held, *answers.plain))) {
-            bars.message = "the forces of other elements differ by so much that they do not tell where the hooks would "
-                           "rest; ask for a finer mesh";
+            bars.message = "the forces of other elements differ too far to tell where the hooks would rest; "
+                           "ask for a finer mesh";
             return;
         }
         bars.hook_forces_N.assign(hooks, 0.0);

@@ -138,12 +138,14 @@ def check_sources(root, words):
 
 
 def case_keys(root):
-    """The keys that the reader of case.json names: string literals of lookups and of lists of keys."""
+    """The keys that the reader of case.json names: string literals of its fields, of lookups and of lists of keys."""
     readers = sorted(root.glob("planner/**/case_io.cpp"))
     if len(readers) != 1:
         sys.exit(f"there must be one planner/**/case_io.cpp, and there are {len(readers)}")
     text = re.sub(r"//[^\n]*", "", readers[0].read_text())
-    keys = set(re.findall(r"(?:\[|\bhas\(|_number\(|read_direction\()\"(\w+)\"", text))
+    fields = re.search(r"struct Fields \{.*?\n    \};\n", text, re.S)
+    keys = set(re.findall(r"\"(\w+)\"", fields.group())) if fields else set()
+    keys |= set(re.findall(r"(?:\[|\bhas\(|_number\(|read_direction\()\"(\w+)\"", text))
     for call in re.findall(r"\.object\(([^;]*?)\);", text, re.S):
         keys |= set(re.findall(r"\"(\w+)\"", call))
     return keys

@@ -100,7 +100,7 @@ namespace {
     /// consolidation). Seen from the middle, the first bone outside the hull is a rib or, between two ribs, the
     /// scapula. The nearest bone over the height of one intercostal space is therefore a rib, and the hull is extended
     /// to this bone.
-    void carry_out_to_ribs(const CoarseImage& image, const Cage& cage, std::vector<std::vector<Point>>& outlines)
+    void extend_to_ribs(const CoarseImage& image, const Cage& cage, std::vector<std::vector<Point>>& outlines)
     {
         constexpr int kRays = 90, kBoneHu = 200;
         constexpr double kInward = 12.0, kOutward = 32.0, kWindow = 12.0, kPleura = 5.0, kWorth = 4.0,
@@ -290,7 +290,7 @@ Cage make_cage(const CoarseImage& image, const MidlinePath& spine, const Midline
         here.insert(here.end(), above.begin(), above.end());
         here = convex_hull(std::move(here));
     }
-    carry_out_to_ribs(image, cage, outlines);
+    extend_to_ribs(image, cage, outlines);
     Mask hull(image.grid.voxel_count(), 0);
     for (int k = 0; k < image.grid.size[2]; ++k)
         if (!outlines[static_cast<std::size_t>(k)].empty())

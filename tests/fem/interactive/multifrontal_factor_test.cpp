@@ -9,7 +9,7 @@
 #include <cmath>
 
 namespace retractor::fem {
-namespace dissected_body_test {
+namespace multifrontal_factor_test {
 
     using namespace test_support;
 
@@ -150,5 +150,5 @@ namespace dissected_body_test {
         }
     }
 
-} // namespace dissected_body_test
+} // namespace multifrontal_factor_test
 } // namespace retractor::fem

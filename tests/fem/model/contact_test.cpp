@@ -516,7 +516,7 @@ namespace contact_test {
         };
         constexpr double kTo = 30.0 - 4 * kEdge, kBehind = 1.0, kFurther = 0.4;
         EXPECT_EQ(moved(kTo + kBehind).touching, 0U) << "no force all at once";
-        EXPECT_NEAR(contact.overlap_at_rest(), kBehind, 1e-12) << "but it is said";
+        EXPECT_NEAR(contact.overlap_at_rest(), kBehind, 1e-12) << "and the overlap is reported";
         EXPECT_NEAR(moved(kTo + kBehind + kFurther).penetration, kFurther, 1e-12) << "farther in, it is held off";
         EXPECT_EQ(moved(kTo - kBehind).touching, 0U);
         EXPECT_EQ(moved(0.0).touching, 0U);

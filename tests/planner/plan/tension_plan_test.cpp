@@ -31,8 +31,8 @@ namespace tension_plan_test {
         bool contact = false;
     };
 
-    /// One tissue through and through, held where its region ends, planned with hooks that open it by so much, or
-    /// without.
+    /// One tissue through and through, held where its region ends, planned with hooks that open it to a
+    /// width, or without hooks.
     PlannedField plan_under(const fem::PreStrain& tension, std::optional<double> opening_mm, const Block& block = {})
     {
         datasets::BlockParameters parameters;

@@ -330,7 +330,7 @@ VerificationProblem stretched_tube_problem()
 
 VerificationProblem tube_limit_problem()
 {
-    return { "tube beyond its limit", "above p = mu ln(ro / ri) there is no equilibrium, and that is said",
+    return { "tube beyond its limit", "above p = mu ln(ro / ri) there is no equilibrium, and a message reports this",
         [](const VerificationOptions& options, const Job& job) {
             std::vector<VerificationRow> rows;
             for (const VerificationElement element : { VerificationElement::locking_free, VerificationElement::p2 })

@@ -170,7 +170,7 @@ namespace {
         return text.empty() ? text : "\nNot solved, and why:\n" + text;
     }
 
-    ui::cli::Json left_out_document(const std::vector<VerificationProblem>& problems)
+    ui::cli::Json omitted_document(const std::vector<VerificationProblem>& problems)
     {
         ui::cli::Json all = ui::cli::Json::object();
         for (const VerificationProblem& problem : problems)
@@ -199,7 +199,7 @@ namespace {
         ui::cli::Outcome outcome;
         outcome.document
             = { { "suite", options.suite }, { "units", "mm, N, MPa, s" }, { "results", documents(found.rows) },
-                  { "not_solved", left_out_document(asked.problems) }, { "stability", documents(found.cases) },
+                  { "not_solved", omitted_document(asked.problems) }, { "stability", documents(found.cases) },
                   { "failed", failed }, { "skipped", count(found.rows, "skipped") }, { "cancelled", job.cancelled() } };
         if (!found.rows.empty())
             outcome.text += table(found.rows);

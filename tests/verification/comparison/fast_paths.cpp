@@ -382,7 +382,7 @@ VerificationProblem fast_paths_problem()
 {
     return { "fast paths",
         "Cook's membrane, flat punch and pressed tube by OnlineOpening after a cut that is undone, penny-shaped cut by "
-        "NearField: against the closed form, and against the exact path on the same mesh",
+        "NonlinearRegion: against the closed form, and against the exact path on the same mesh",
         [](const VerificationOptions& options, const Job& job) {
             std::vector<VerificationRow> rows;
             for (const FastFamily& family : families())

@@ -315,7 +315,7 @@ StabilityCase bone_beside_fat_case()
 StabilityCase high_pressure_case()
 {
     return { "pressure of 1,000 mmHg",
-        "a vessel without fibres holds 371 mmHg: above it there is no equilibrium, and that is said",
+        "a vessel without fibres holds 371 mmHg: above it there is no equilibrium, and a message reports this",
         [](const Job& job) {
             std::vector<StabilityRow> rows;
             for (const VerificationElement element : kRightElements)

@@ -408,8 +408,8 @@ void KnifePanel::set_opening(int value, bool by_share)
     opening_->setRange(0, by_share ? 100 : kWidestMm);
     opening_->setValue(value);
     opening_->setToolTip(by_share
-            ? "Drives the planned hooks by so much of their plan: their force, or how far they are drawn. A hook that "
-              "the mouse has drawn stays where it is"
+            ? "Opens all planned hooks to this percentage of their planned force or displacement. A hook that the "
+              "mouse has drawn stays where it is"
             : "Draws every hook away from the other lip, mm each side; the mouse drags a single one");
     opening_text_->setText(opening_text(opening_->value()));
 }

@@ -1,4 +1,4 @@
-// The numbering by itself, on drawn ribs: what is done and what is said of it.
+// The numbering of drawn ribs, and its messages.
 #include "datasets/segmentation/bones/bones_steps.h"
 
 #include <gtest/gtest.h>

@@ -14,15 +14,16 @@ struct [[nodiscard]] CutMesh {
     std::string message; ///< remarks for the user; may be empty
     mesh::TetMesh mesh;
     std::vector<mesh::LipFace> lips; ///< ids of `mesh`
+    mesh::CutReport report;
 };
 
 /// @throws InputError and SolverError as CutSession and CutSession::cut()
-inline CutMesh cut(const mesh::TetMesh& mesh, const mesh::Blade& blade)
+inline CutMesh cut(const mesh::TetMesh& mesh, const mesh::Blade& blade, const mesh::CutOptions& options = {})
 {
     mesh::CutSession session(mesh);
-    const mesh::CutResult result = session.cut(blade);
+    const mesh::CutResult result = session.cut(blade, options);
     mesh::SlotMap map;
-    CutMesh out { result.status, result.message, session.compact_mesh(&map), session.lips() };
+    CutMesh out { result.status, result.message, session.compact_mesh(&map), session.lips(), result.report };
     for (mesh::LipFace& lip : out.lips)
         lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
     return out;

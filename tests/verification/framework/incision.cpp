@@ -3,6 +3,7 @@
 #include "fem/error_estimation/error_estimate.h"
 #include "fem/statics/hook.h"
 #include "mesh/base/error.h"
+#include "tests/support/cutting/cut_mesh.h"
 
 #include <array>
 #include <cmath>
@@ -42,7 +43,7 @@ mesh::Blade incision_blade(const IncisedBlock& block)
 
 Incision incise(const mesh::TetMesh& mesh, const mesh::Blade& blade, const mesh::CutOptions& options)
 {
-    mesh::CutMesh cut = retractor::mesh::cut(mesh, blade, options);
+    test_support::CutMesh cut = test_support::cut(mesh, blade, options);
     if (cut.status != mesh::CutStatus::done)
         throw SolverError("the incision was not made: " + cut.message);
     return { std::move(cut.mesh), std::move(cut.lips), cut.report };

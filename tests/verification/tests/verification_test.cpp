@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 #include "mesh/cutting/cut_session.h"
+#include "tests/support/cutting/cut_mesh.h"
 #include "tests/verification/analytic/analytic_problems.h"
 #include "tests/verification/comparison/estimates.h"
 #include "tests/verification/framework/problem.h"
@@ -57,7 +58,7 @@ namespace verification_test {
             SheetProblem sheet { .around = static_cast<int>(std::lround(1.0 / row.size)) };
             if (row.element.find("while cut") != std::string::npos)
                 sheet.radius = 600.0;
-            const mesh::CutMesh cut = retractor::mesh::cut(sheet_mesh(sheet), sheet_blade(sheet));
+            const test_support::CutMesh cut = test_support::cut(sheet_mesh(sheet), sheet_blade(sheet));
             ASSERT_EQ(cut.status, mesh::CutStatus::done) << cut.message;
             EXPECT_EQ(row.tets, cut.mesh.tet_count());
             EXPECT_EQ(row.nodes,

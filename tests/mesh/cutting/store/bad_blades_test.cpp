@@ -3,6 +3,7 @@
 #include "mesh/cutting/cut_session.h"
 #include "mesh/cutting/store/blade.h"
 #include "mesh/tetrahedra/tet_mesh.h"
+#include "tests/support/cutting/cut_mesh.h"
 #include "tests/support/refusals.h"
 
 #include <gtest/gtest.h>

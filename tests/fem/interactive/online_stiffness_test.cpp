@@ -235,6 +235,32 @@ namespace online_stiffness_test {
         EXPECT_GT(online.load().norm(), 0.0);
     }
 
+    /// A tension along a slanted direction is a product of rotations, and rounding makes its pairs differ.
+    TEST(OnlineStiffness, ATensionAlongADirectionIsSymmetricButForRounding)
+    {
+        mesh::CutSession session(layered_box());
+        const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1.0, 2.0, 3.0).normalized()).toRotationMatrix();
+        std::vector<Mat3> exact = tension(), rounded = exact;
+        for (std::size_t t = 0; t < exact.size(); ++t) {
+            const Mat3 turned = turn * exact[t] * turn.transpose();
+            exact[t] = 0.5 * (turned + turned.transpose());
+            rounded[t] = exact[t];
+            rounded[t](0, 1) *= 1.0 + 1e-15;
+        }
+        OnlineStiffness online(session, kTissues, rounded), reference(session, kTissues, exact);
+        std::mt19937 random(5);
+        test_support::random_change(session, random, layered_box().vertices.colwise().maxCoeff().transpose(),
+            [&](const mesh::MeshDelta& delta) {
+                for (OnlineStiffness* each : { &online, &reference }) {
+                    each->apply(delta);
+                    each->set_wound(session.lips());
+                }
+            });
+        ASSERT_GT(reference.load().norm(), 0.0);
+        constexpr double kRoundOff = 1e-15; // N; sums of some dozen loads of about 0.01 N
+        EXPECT_LT((online.load() - reference.load()).lpNorm<Eigen::Infinity>(), kRoundOff);
+    }
+
     template <class Call> void expect_refused(const Call& call, const std::string& what, const std::string& where)
     {
         try {

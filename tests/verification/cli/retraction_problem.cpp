@@ -87,47 +87,34 @@ namespace {
         row.residual = m.residual;
         for (const auto& [stage, seconds] : m.seconds)
             row.seconds += stage == "open" ? seconds : 0.0;
-        row.quantity = "force of the spreader on a side, N; error: factor outside the measured range, less 1";
+        row.quantity = "force of the spreader on a side, N; beside the measured range";
         row.value = m.hook_force_N;
         row.expected = spread.measured.mean;
-        const bool measured = field.status == planner::PlanStatus::done;
-        row.error = measured ? outside(m.hook_force_N, spread.measured) : std::numeric_limits<double>::quiet_NaN();
-        row.bound = kMostOutside;
-        const std::string bars = !m.error ? std::string()
-            : m.error->message.empty() ? "; +- " + std::to_string(std::lround(m.error->hook_force_N)) + " N by the mesh"
-                                       : "; " + m.error->message;
-        row.note = measured ? beside(m.hook_force_N, spread.measured) + bars + "; " + stiffness_text(chest)
-                            : field.message + " " + m.mechanics_status;
+        const bool opened = field.status == planner::PlanStatus::done && m.hook_force_N > 0.0;
+        row.error = opened ? 0.0 : std::numeric_limits<double>::quiet_NaN();
+        const bool has_bar = m.error && m.error->message.empty();
+        const double bar = has_bar ? m.error->hook_force_N : std::numeric_limits<double>::infinity();
+        row.measured = { spread.measured.least, spread.measured.most, bar };
+        row.note = opened ? beside(m.hook_force_N, bar, spread.measured)
+                + (m.error && !has_bar ? "; " + m.error->message : std::string())
+                + "; divided along the skin incision only, two blades held to the lips, elastic force without a time; "
+                + stiffness_text(chest)
+                          : field.message + " " + m.mechanics_status;
         return row;
     }
 
 } // namespace
 
-double outside(double force_N, const MeasuredForces& measured)
+std::string beside(double force_N, double bar_N, const MeasuredForces& measured)
 {
-    if (!(force_N > 0.0))
-        return std::numeric_limits<double>::quiet_NaN();
-    if (force_N < measured.least)
-        return measured.least / force_N - 1.0;
-    return force_N > measured.most ? force_N / measured.most - 1.0 : 0.0;
-}
-
-std::string beside(double force_N, const MeasuredForces& measured)
-{
-    std::array<char, 96> place {};
-    if (force_N < measured.least)
-        (void)std::snprintf(
-            place.data(), place.size(), "BELOW: the smallest measured is %.2f times that", measured.least / force_N);
-    else if (force_N > measured.most)
-        (void)std::snprintf(
-            place.data(), place.size(), "ABOVE: %.2f times the largest measured", force_N / measured.most);
+    std::array<char, 64> bar {};
+    if (std::isfinite(bar_N))
+        (void)std::snprintf(bar.data(), bar.size(), " +- %.0f", bar_N);
     else
-        (void)std::snprintf(place.data(), place.size(), "within what was measured");
+        (void)std::snprintf(bar.data(), bar.size(), " (without a bar)");
     std::array<char, 256> text {};
-    (void)std::snprintf(text.data(), text.size(),
-        "%.0f N, %s; measured %.0f to %.0f N (%s); passes up to a factor of %.0f outside, %.0f to %.0f N", force_N,
-        place.data(), measured.least, measured.most, measured.source, 1.0 + kMostOutside,
-        measured.least / (1.0 + kMostOutside), measured.most * (1.0 + kMostOutside));
+    (void)std::snprintf(text.data(), text.size(), "%.0f%s N; measured %.0f to %.0f N (%s)", force_N, bar.data(),
+        measured.least, measured.most, measured.source);
     return text.data();
 }
 

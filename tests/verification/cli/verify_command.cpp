@@ -105,6 +105,18 @@ namespace {
             std::count_if(rows.begin(), rows.end(), [&](const Row& row) { return verdict(row) == which; }));
     }
 
+    /// Comparisons with measurements, which neither pass nor fail; empty without any.
+    std::string measured_line(const std::vector<VerificationRow>& rows)
+    {
+        const int inside = count(rows, "inside"), outside = count(rows, "outside"),
+                  undecided = count(rows, "undecided");
+        if (inside + outside + undecided == 0)
+            return {};
+        return "compared with measurements on bodies: " + std::to_string(inside) + " inside the measured range, "
+            + std::to_string(outside) + " outside, " + std::to_string(undecided)
+            + " undecided (the bar reaches across an end of the range)\n";
+    }
+
     std::string summary(const Found& found)
     {
         std::string text;
@@ -113,7 +125,7 @@ namespace {
                 + std::to_string(count(found.rows, "series")) + " on coarser meshes of series that these judge, "
                 + std::to_string(count(found.rows, "shown")) + " only shown, each with the reason, "
                 + std::to_string(count(found.rows, "FAILED")) + " failed, "
-                + std::to_string(count(found.rows, "skipped")) + " skipped\n";
+                + std::to_string(count(found.rows, "skipped")) + " skipped\n" + measured_line(found.rows);
         if (!found.cases.empty())
             text += "\n" + std::to_string(count(found.cases, "ok")) + " extreme cases ended as they must, "
                 + std::to_string(count(found.cases, "FAILED")) + " did not\n";

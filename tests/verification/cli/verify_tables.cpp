@@ -70,6 +70,8 @@ std::string verdict(const VerificationRow& row)
         return "skipped";
     if (!row.passed())
         return "FAILED";
+    if (row.measured)
+        return measured_verdict(row.value, *row.measured);
     if (std::isfinite(row.bound) || row.order_verdict != OrderVerdict::not_judged)
         return "ok";
     if (row.in_series)

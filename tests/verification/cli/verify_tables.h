@@ -12,7 +12,8 @@
 namespace retractor::verification {
 
 /// Verdict of a row. "ok"; "series": a coarser mesh, whose series is judged in its finest row; "shown": not judged,
-/// the note gives the reason; "skipped"; or "FAILED", also for a row that is not judged and gives no reason.
+/// the note gives the reason; "inside", "outside" or "undecided": a comparison with measurements; "skipped"; or
+/// "FAILED", also for a row that is not judged and gives no reason.
 std::string verdict(const VerificationRow& row);
 /// Verdict of a row: "ok" or "FAILED".
 std::string verdict(const StabilityRow& row);

@@ -154,6 +154,15 @@ void set_orders(std::vector<VerificationRow>& series, double expected)
     }
 }
 
+std::string measured_verdict(double value, const MeasuredComparison& measured)
+{
+    if (value - measured.bar >= measured.least && value + measured.bar <= measured.most)
+        return "inside";
+    if (value + measured.bar < measured.least || value - measured.bar > measured.most)
+        return "outside";
+    return "undecided"; // also for NaN
+}
+
 std::string order_verdict_name(OrderVerdict verdict)
 {
     switch (verdict) {

@@ -36,6 +36,16 @@ enum class OrderVerdict {
 /// The name of a verdict: "", "reached", "mixed signs", "at the floor", "falling" or "MISSED".
 std::string order_verdict_name(OrderVerdict verdict);
 
+/// A range that was measured on bodies, and the bar of the computed value. The comparison is no test of the program:
+/// bodies differ, and the model is none of them.
+struct MeasuredComparison {
+    double least = 0.0, most = 0.0; ///< ends of the measured range
+    double bar = std::numeric_limits<double>::infinity(); ///< half width of the computed value's interval
+};
+/// "inside" when the whole interval value +- bar lies in the range, "outside" when none of it does, otherwise
+/// "undecided".
+std::string measured_verdict(double value, const MeasuredComparison& measured);
+
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
 /// One solution: a point on a curve of error against run time.
@@ -54,6 +64,7 @@ struct VerificationRow {
     OrderVerdict order_verdict = OrderVerdict::not_judged; ///< verdict on the whole series, in its finest row
     bool in_series = false; ///< a coarser mesh, whose series is judged in its finest row
     bool only_shown = false; ///< the row is not judged; the note says why
+    std::optional<MeasuredComparison> measured {}; ///< the verdict is measured_verdict(); such a row has no bound
     double residual = 0.0; ///< residual of the solver
     double seconds = 0.0; ///< assembly, factorisation and solution
     std::string note;

@@ -10,26 +10,30 @@
 namespace retractor::verification {
 namespace retraction_problem_test {
 
-    TEST(RetractionProblem, ForcesAreJudgedByTheNearerEndOfWhatWasMeasured)
+    TEST(RetractionProblem, TheWholeIntervalDecides)
     {
-        constexpr MeasuredForces range { 100.0, 150.0, 400.0, "" };
-        EXPECT_EQ(outside(100.0, range), 0.0);
-        EXPECT_EQ(outside(399.0, range), 0.0);
-        EXPECT_DOUBLE_EQ(outside(50.0, range), 1.0); // half the lower end
-        EXPECT_DOUBLE_EQ(outside(800.0, range), 1.0); // twice the upper end
-        for (const double none : { 0.0, -200.0, std::numeric_limits<double>::quiet_NaN() })
-            EXPECT_TRUE(std::isnan(outside(none, range))) << none;
+        constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+        constexpr double kNoBar = std::numeric_limits<double>::infinity();
+        const auto verdict = [](double force, double bar) {
+            return measured_verdict(force, { .least = 100.0, .most = 400.0, .bar = bar });
+        };
+        EXPECT_EQ(verdict(200.0, 50.0), "inside");
+        EXPECT_EQ(verdict(120.0, 20.0), "inside") << "the ends belong to the range";
+        EXPECT_EQ(verdict(120.0, 30.0), "undecided");
+        EXPECT_EQ(verdict(560.0, 329.0), "undecided");
+        EXPECT_EQ(verdict(250.0, 500.0), "undecided") << "a bar wider than the range";
+        EXPECT_EQ(verdict(560.0, 100.0), "outside");
+        EXPECT_EQ(verdict(60.0, 20.0), "outside");
+        EXPECT_EQ(verdict(200.0, kNoBar), "undecided");
+        EXPECT_EQ(verdict(kNone, 10.0), "undecided");
     }
 
-    TEST(RetractionProblem, TheNoteSaysWhereAForceLiesAndHowFarItMay)
+    TEST(RetractionProblem, TheNoteGivesTheForceItsBarAndTheRange)
     {
         constexpr MeasuredForces range { 100.0, 150.0, 400.0, "someone" };
-        const std::string above = beside(500.0, range);
-        EXPECT_NE(above.find("ABOVE: 1.25 times the largest measured"), std::string::npos) << above;
-        EXPECT_NE(above.find("a factor of 2 outside, 50 to 800 N"), std::string::npos) << above;
-        EXPECT_NE(beside(80.0, range).find("BELOW: the smallest measured is 1.25 times that"), std::string::npos);
-        EXPECT_NE(beside(200.0, range).find("200 N, within what was measured; measured 100 to 400 N (someone)"),
-            std::string::npos);
+        EXPECT_EQ(beside(500.0, 20.0, range), "500 +- 20 N; measured 100 to 400 N (someone)");
+        EXPECT_EQ(beside(80.0, std::numeric_limits<double>::infinity(), range),
+            "80 (without a bar) N; measured 100 to 400 N (someone)");
     }
 
     TEST(RetractionProblem, StopsWhenCancelled)

@@ -1,11 +1,13 @@
 #include "planner/case/case.h"
 
+#include "fem/material/plausible_modulus.h"
 #include "fem/model/pre_strain.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/image/skeleton.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 namespace retractor::planner {
@@ -74,8 +76,14 @@ namespace {
             if (material.name.empty() || !names.insert(material.name).second)
                 throw InputError(
                     "material names must be present and different: \"" + material.name + "\"", where + "/name");
-            if (!(material.youngs_modulus_MPa > 0.0 && material.youngs_modulus_MPa < 1e9))
+            if (!(material.youngs_modulus_MPa > 0.0 && std::isfinite(material.youngs_modulus_MPa)))
                 throw InputError("must be positive and finite", where + "/youngs_modulus_MPa");
+            const fem::ModulusRange range = fem::plausible_modulus(material.name);
+            if (material.youngs_modulus_MPa < range.least || material.youngs_modulus_MPa > range.most)
+                throw InputError(formatted("%g MPa cannot be the Young's modulus of ", material.youngs_modulus_MPa)
+                        + material.name + formatted(", which is %g to %g MPa", range.least, range.most)
+                        + "; look at the unit (1 kPa = 0.001 MPa, 1 GPa = 1000 MPa)",
+                    where + "/youngs_modulus_MPa");
             if (!(material.poissons_ratio > -1.0 && material.poissons_ratio < 0.5))
                 throw InputError("must be above -1 and below 0.5", where + "/poissons_ratio");
             if (!(material.density_tonne_per_mm3 > 0.0 && material.density_tonne_per_mm3 < 1.0))

@@ -24,6 +24,13 @@ struct SightBlocker {
     bool bone = false;
 };
 
+/// A structure with the role at-risk, beside the blade at rest.
+struct RiskDistance {
+    std::string name;
+    double distance_mm = 0.0; ///< 0: the blade passes through the structure
+    Vec3 at = Vec3::Zero(); ///< the place of the structure that is nearest to the blade, mm
+};
+
 struct HookForce {
     std::string name;
     int side = 0; ///< lip that the hook pulls, +1 or -1
@@ -127,6 +134,7 @@ struct FieldMetrics {
     int eyes = 0, target_samples = 0;
     std::vector<SightBlocker> blockers; ///< largest share first
     std::vector<std::string> bone_in_sight;
+    std::vector<RiskDistance> at_risk; ///< nearest first; structures beyond kFarthestRiskMm are not listed
     std::vector<std::string> retracted; ///< organs that this approach holds aside
 
     double opening_area_mm2 = 0.0;

@@ -266,6 +266,10 @@ namespace {
         for (const SightBlocker& blocker : field.blockers)
             json["blockers"].push_back(
                 { { "name", blocker.name }, { "share", blocker.share }, { "bone", blocker.bone } });
+        json["at_risk"] = Json::array();
+        for (const RiskDistance& risk : field.at_risk)
+            json["at_risk"].push_back({ { "name", risk.name }, { "distance_mm", risk.distance_mm },
+                { "at_mm", { risk.at.x(), risk.at.y(), risk.at.z() } } });
         json["retracted"] = field.retracted;
         put_removed(json, field);
         json["tets"] = field.tets;
@@ -424,6 +428,12 @@ nlohmann::ordered_json metrics_document(const std::vector<FieldMetrics>& fields)
     for (const FieldMetrics& field : fields)
         document["approaches"].push_back(field_document(field));
     return document;
+}
+
+std::string risk_text(const RiskDistance& risk)
+{
+    return risk.distance_mm > 0.0 ? risk.name + " " + in_words(risk.distance_mm, 1) + " mm"
+                                  : risk.name + ": the blade passes through it";
 }
 
 } // namespace retractor::planner

@@ -41,4 +41,7 @@ std::string opinion_text(const SecondOpinion& opinion);
 /// @throws InputError naming the approach and a number that is not finite
 nlohmann::ordered_json metrics_document(const std::vector<FieldMetrics>& fields);
 
+/// "aorta 12.3 mm", or "aorta: the blade passes through it".
+std::string risk_text(const RiskDistance& risk);
+
 } // namespace retractor::planner

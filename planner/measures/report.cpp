@@ -209,6 +209,12 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         if (std::any_of(fields.begin(), fields.end(), has_limited_hooks))
             text_row("Hooks that yielded", yielded_hooks);
         text_row("Bone in the line of sight", [](const FieldMetrics& f) { return listed(f.bone_in_sight); });
+        text_row("Nearest structures at risk, from the blade", [](const FieldMetrics& f) {
+            std::vector<std::string> words;
+            for (const RiskDistance& risk : f.at_risk)
+                words.push_back(risk_text(risk));
+            return listed(words);
+        });
         text_row("Held aside", [](const FieldMetrics& f) { return listed(f.retracted); });
         const auto has = [&](auto&& list) {
             return std::any_of(fields.begin(), fields.end(), [&](const FieldMetrics& f) { return !list(f).empty(); });

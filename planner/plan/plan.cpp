@@ -7,6 +7,7 @@
 #include "mesh/image/skeleton.h"
 #include "mesh/surface/wound_surface.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/risk_distances.h"
 #include "planner/plan/error_bars.h"
 #include "planner/plan/explanation.h"
 #include "planner/plan/gape.h"
@@ -269,6 +270,8 @@ namespace {
         m.name = field.approach.name;
         m.target = field.approach.target.is_sphere() ? "sphere" : field.approach.target.label;
         fill_sight(m, field.exposure, patient.planned_case().label_table);
+        m.at_risk = risk_distances(
+            blade_of(field.approach), *patient.labels(), [&](std::string_view name) { return patient.organ(name); });
         m.retracted = field.approach.retracted;
         m.opening_area_mm2 = field.geometry.area_mm2;
         m.opening_width_mm = field.geometry.width_mm;

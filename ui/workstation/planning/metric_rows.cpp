@@ -72,6 +72,10 @@ namespace {
         MetricSection section { "Opening", {} };
         add_rows(section, field, planner::MetricGroup::opening);
         add_rows(section, field, planner::MetricGroup::distances);
+        for (const planner::RiskDistance& risk : field.at_risk)
+            section.rows.push_back({ "Blade to " + risk.name,
+                risk.distance_mm > 0.0 ? in_words(risk.distance_mm, 1) + " mm" : "passes through it",
+                "Shortest distance from the blade to this structure at risk, at rest." });
         return section;
     }
 

@@ -1,0 +1,26 @@
+#pragma once
+// Distances from the blade to structures that must not be hurt (role at-risk). Units mm; frame patient LPS, at rest.
+
+#include "mesh/base/geometry.h"
+#include "mesh/cutting/store/blade.h"
+#include "mesh/image/volume.h"
+#include "planner/measures/field_metrics.h"
+
+#include <functional>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+namespace retractor::planner {
+
+/// Structures farther away than this are not listed.
+inline constexpr double kFarthestRiskMm = 50.0;
+
+/// The distance of each label with the role at-risk from the blade, from its start on the skin to its full depth. The
+/// nearest structure comes first. A structure that the blade passes through has the distance 0. Distances are taken at
+/// the vertices of the structure's surface; they are too long by less than half an edge of the surface (about a voxel).
+/// @param surface_of the surface of a label, by name; may be empty
+std::vector<RiskDistance> risk_distances(const mesh::Blade& blade, const mesh::LabelVolume& labels,
+    const std::function<std::shared_ptr<const TriMesh>(std::string_view)>& surface_of);
+
+} // namespace retractor::planner

@@ -1,0 +1,95 @@
+#include "planner/measures/risk_distances.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <string>
+
+namespace retractor::planner {
+namespace risk_distances_test {
+
+    /// Down from the skin at y = 0 along +y to 20 mm, along z from 10 to 60 mm, at x = 40 mm.
+    mesh::Blade straight_blade()
+    {
+        return {
+            .line = { { 40.0, 0.0, 10.0 }, { 40.0, 0.0, 60.0 } }, .directions = { Vec3::UnitY() }, .depth_mm = 20.0
+        };
+    }
+
+    /// A cube's surface with its voxels as label `id`.
+    struct Organs {
+        mesh::LabelVolume labels;
+        std::map<std::string, std::shared_ptr<const TriMesh>, std::less<>> surfaces;
+
+        Organs()
+        {
+            labels.grid.size = { 160, 160, 80 };
+            labels.grid.spacing.setOnes();
+            labels.voxels.assign(160 * 160 * 80, 0);
+        }
+
+        void add(const std::string& name, mesh::Role role, const Vec3& low, const Vec3& high)
+        {
+            const auto id = static_cast<Label>(labels.table.size() + 1);
+            labels.table.push_back({ id, name, "organ", role });
+            for (int k = 0; k < 80; ++k)
+                for (int j = 0; j < 160; ++j)
+                    for (int i = 0; i < 160; ++i)
+                        if (const Vec3 p(i, j, k);
+                            (p.array() >= low.array()).all() && (p.array() <= high.array()).all())
+                            labels.voxels[labels.grid.offset(i, j, k)] = id;
+            TriMesh cube;
+            cube.vertices.resize(8, 3);
+            for (int v = 0; v < 8; ++v)
+                cube.vertices.row(v) << ((v & 1) != 0 ? high : low).x(), ((v & 2) != 0 ? high : low).y(),
+                    ((v & 4) != 0 ? high : low).z();
+            surfaces[name] = std::make_shared<const TriMesh>(std::move(cube));
+        }
+
+        std::vector<RiskDistance> distances() const
+        {
+            return risk_distances(
+                straight_blade(), labels, [this](std::string_view name) { return surfaces.find(name)->second; });
+        }
+    };
+
+    constexpr double kRoundOff = 1e-9; // mm
+
+    TEST(RiskDistances, AreTheShortestToTheBladeAndTheNearestComesFirst)
+    {
+        Organs organs;
+        organs.add("beside", mesh::Role::at_risk, { 65.0, 5.0, 20.0 }, { 70.0, 10.0, 30.0 });
+        organs.add("below", mesh::Role::at_risk, { 38.0, 32.0, 20.0 }, { 40.0, 40.0, 30.0 });
+        organs.add("past the end", mesh::Role::at_risk, { 43.0, 24.0, 60.0 }, { 50.0, 30.0, 70.0 }); // 3-4-5
+        organs.add("elsewhere", mesh::Role::at_risk, { 91.0, 5.0, 20.0 }, { 95.0, 10.0, 30.0 });
+        organs.add("no risk", mesh::Role::voxel, { 45.0, 5.0, 20.0 }, { 46.0, 10.0, 30.0 });
+        const std::vector<RiskDistance> found = organs.distances();
+        ASSERT_EQ(found.size(), 3U);
+        EXPECT_EQ(found[0].name, "past the end");
+        EXPECT_NEAR(found[0].distance_mm, 5.0, kRoundOff);
+        EXPECT_LT((found[0].at - Vec3(43.0, 24.0, 60.0)).norm(), kRoundOff);
+        EXPECT_EQ(found[1].name, "below");
+        EXPECT_NEAR(found[1].distance_mm, 12.0, kRoundOff);
+        EXPECT_EQ(found[2].name, "beside");
+        EXPECT_NEAR(found[2].distance_mm, 25.0, kRoundOff);
+    }
+
+    TEST(RiskDistances, ABladeThroughAStructureIsNoDistance)
+    {
+        Organs organs;
+        organs.add("pierced", mesh::Role::at_risk, { 30.0, 15.0, 20.0 }, { 50.0, 60.0, 30.0 });
+        const std::vector<RiskDistance> found = organs.distances();
+        ASSERT_EQ(found.size(), 1U);
+        EXPECT_EQ(found[0].distance_mm, 0.0);
+    }
+
+    TEST(RiskDistances, AStructureWithoutASurfaceIsNotListed)
+    {
+        Organs organs;
+        organs.add("gone", mesh::Role::at_risk, { 65.0, 5.0, 20.0 }, { 70.0, 10.0, 30.0 });
+        organs.surfaces["gone"] = std::make_shared<const TriMesh>();
+        EXPECT_TRUE(organs.distances().empty());
+    }
+
+} // namespace risk_distances_test
+} // namespace retractor::planner

@@ -436,4 +436,12 @@ std::string risk_text(const RiskDistance& risk)
                                   : risk.name + ": the blade passes through it";
 }
 
+std::string risks_text(const FieldMetrics& field)
+{
+    std::vector<std::string> words;
+    for (const RiskDistance& risk : field.at_risk)
+        words.push_back(risk_text(risk));
+    return "from the blade to structures at risk: " + joined(words);
+}
+
 } // namespace retractor::planner

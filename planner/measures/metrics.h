@@ -43,5 +43,7 @@ nlohmann::ordered_json metrics_document(const std::vector<FieldMetrics>& fields)
 
 /// "aorta 12.3 mm", or "aorta: the blade passes through it".
 std::string risk_text(const RiskDistance& risk);
+/// "from the blade to structures at risk: heart 8.1 mm, aorta 12.3 mm".
+std::string risks_text(const FieldMetrics& field);
 
 } // namespace retractor::planner

@@ -3,6 +3,7 @@
 #include "ui/cli/case/phantom_files.h"
 #include "ui/cli/commands.h"
 #include "ui/cli/framework/out_folder.h"
+#include "ui/cli/framework/staged_results.h"
 #include "ui/cli/plan/field_files.h"
 
 #include "planner/approach/approach_templates.h"
@@ -100,18 +101,21 @@ namespace {
         refuse_if_cancelled(job);
         times.emplace_back("plan", watch.seconds());
         watch = {};
-        write_field_meshes(folder, patient, fields);
+        StagedResults staged(folder);
+        write_field_meshes(staged.folder(), patient, fields);
         times.emplace_back("write meshes", watch.seconds());
         watch = {};
         const PictureRequest request { .views = planned_case.views };
-        const std::vector<planner::ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
+        const std::vector<planner::ReportPicture> pictures
+            = render_fields(staged.folder(), patient, fields, request, job);
         refuse_if_cancelled(job);
         times.emplace_back("render", watch.seconds());
         const planner::Provenance computed = provenance_now(patient.planned_case());
-        write_field_report(folder, patient, computed, fields, pictures);
+        write_field_report(staged.folder(), patient, computed, fields, pictures);
 
         Outcome outcome;
-        outcome.document = write_metrics(folder, computed, fields);
+        outcome.document = write_metrics(staged.folder(), computed, fields);
+        staged.publish("metrics.json");
         Json seconds = Json::object();
         for (const auto& [stage, time] : times)
             seconds[stage] = time;

@@ -254,7 +254,8 @@ planner::Provenance provenance_now(const planner::Case& planned_case)
     return planner::computation_of(planned_case, "retractor " RETRACTOR_VERSION, std::chrono::system_clock::now());
 }
 
-std::string keep_earlier_metrics(const std::filesystem::path& folder, const std::vector<planner::PlannedField>& fields)
+std::vector<std::string> keep_earlier_metrics(const std::filesystem::path& folder, const std::filesystem::path& staged,
+    const std::vector<planner::PlannedField>& fields)
 {
     std::ifstream in(folder / "metrics.json", std::ios::binary);
     const std::string content { std::istreambuf_iterator<char>(in), {} };
@@ -265,20 +266,18 @@ std::string keep_earlier_metrics(const std::filesystem::path& folder, const std:
         const bool is_there = approach.is_object() && approach.contains(key) && approach.at(key).is_string();
         return is_there ? approach.at(key).get<std::string>() : std::string();
     };
-    std::string lost;
+    std::vector<std::string> lost;
     for (const Json& approach : earlier.at("approaches")) {
         const std::string name = word(approach, "name");
         const auto now = std::find_if(fields.begin(), fields.end(),
             [&](const planner::PlannedField& field) { return field.approach.name == name; });
         if (now == fields.end()
             || (now->status != planner::PlanStatus::done && word(approach, "mechanics_status") == "converged"))
-            lost += (lost.empty() ? "" : ", ") + name;
+            lost.push_back(name);
     }
-    if (lost.empty())
-        return {};
-    const std::filesystem::path file = folder / "metrics-earlier.json";
-    write_file_atomically(file, content);
-    return file.string() + " keeps the earlier results of " + lost + "\n";
+    if (!lost.empty())
+        write_file_atomically(staged / "metrics-earlier.json", content);
+    return lost;
 }
 
 Json write_metrics(const std::filesystem::path& folder, const planner::Provenance& computed,
@@ -358,6 +357,8 @@ std::string field_table(const std::vector<planner::PlannedField>& fields)
             text += "  " + planner::contact_text(m) + "\n";
         if (m.second_opinion)
             text += "  " + planner::opinion_text(*m.second_opinion) + "\n";
+        if (!m.at_risk.empty())
+            text += "  " + planner::risks_text(m) + "\n";
         if (m.inverted_elements > 0)
             text += formatted(
                 "  caution: %d element(s) are turned over, tissue is stretched to %.1f times its volume: strain and "

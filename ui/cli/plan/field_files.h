@@ -39,10 +39,12 @@ std::vector<planner::ReportPicture> render_case_views(const std::filesystem::pat
 /// The provenance of results that this program computes now.
 planner::Provenance provenance_now(const planner::Case& planned_case);
 
-/// Saves an earlier metrics.json before it is replaced, as metrics-earlier.json. The copy is made when the folder's
-/// file has approaches that are not among these fields, or approaches that were solved there and are not solved now.
-/// @return a line that reports the copy; empty when nothing would be lost
-std::string keep_earlier_metrics(const std::filesystem::path& folder, const std::vector<planner::PlannedField>& fields);
+/// Saves an earlier metrics.json of `folder` before it is replaced, as metrics-earlier.json in `staged`. The copy is
+/// made when the file has approaches that are not among these fields, or approaches that were solved there and are not
+/// solved now.
+/// @return the names of these approaches; empty: no copy was needed
+std::vector<std::string> keep_earlier_metrics(const std::filesystem::path& folder, const std::filesystem::path& staged,
+    const std::vector<planner::PlannedField>& fields);
 
 /// Writes metrics.json and returns the document.
 Json write_metrics(const std::filesystem::path& folder, const planner::Provenance& computed,

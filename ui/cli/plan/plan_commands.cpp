@@ -2,10 +2,12 @@
 #include "ui/cli/commands.h"
 #include "ui/cli/framework/arguments.h"
 #include "ui/cli/framework/out_folder.h"
+#include "ui/cli/framework/staged_results.h"
 #include "ui/cli/plan/field_files.h"
 
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
 #include "mesh/tetrahedra/mesh_io.h"
 #include "planner/case/case_io.h"
 #include "planner/plan/plan.h"
@@ -208,26 +210,35 @@ namespace {
         PlannedCase planned(options, job);
         auto& [patient, request, folder, made, fields] = planned;
         const planner::Provenance computed = provenance_now(patient.planned_case());
-        write_field_meshes(folder, patient, fields);
+        StagedResults staged(folder);
+        write_field_meshes(staged.folder(), patient, fields);
         std::string exported;
         for (const std::string& format : formats)
             for (const planner::PlannedField& field : fields)
                 if (is_measured(field))
-                    exported += export_problem(as_solved(field), format, folder, field.approach.name).string()
+                    exported += staged
+                                    .published(
+                                        export_problem(as_solved(field), format, staged.folder(), field.approach.name))
+                                    .string()
                         + export_remark(format, field) + "\n";
         if (!ccx.empty())
             ask_for_second_opinions(options, ccx, fields, job);
         if (options.render) {
-            const std::vector<planner::ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
+            const std::vector<planner::ReportPicture> pictures
+                = render_fields(staged.folder(), patient, fields, request, job);
             refuse_if_cancelled(job);
-            write_field_report(folder, patient, computed, fields, pictures);
+            write_field_report(staged.folder(), patient, computed, fields, pictures);
         }
         Outcome outcome;
-        const std::string kept = keep_earlier_metrics(folder, fields);
-        outcome.document = write_metrics(folder, computed, fields);
-        outcome.text = field_table(fields) + exported + kept;
-        if (!kept.empty())
-            outcome.document["earlier_results"] = (folder / "metrics-earlier.json").string();
+        const std::vector<std::string> kept = keep_earlier_metrics(folder, staged.folder(), fields);
+        outcome.document = write_metrics(staged.folder(), computed, fields);
+        staged.publish("metrics.json");
+        outcome.text = field_table(fields) + exported;
+        if (!kept.empty()) {
+            const std::string file = (folder / "metrics-earlier.json").string();
+            outcome.text += file + " keeps the earlier results of " + joined(kept) + "\n";
+            outcome.document["earlier_results"] = file;
+        }
         if (const fs::path report = folder / "report.html"; !options.render && fs::exists(report))
             outcome.text += report.string() + " and its pictures are of an earlier plan (--render makes them anew)\n";
         outcome.exit_code = exit_code_of(fields);

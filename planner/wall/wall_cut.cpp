@@ -10,6 +10,7 @@
 #include "planner/wall/field_geometry.h"
 #include "planner/wall/supports.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/SVD>
 
 #include <algorithm>
@@ -121,7 +122,7 @@ namespace {
             if (planned_.status == mesh::CutStatus::cancelled)
                 return;
             if (marked.empty())
-                throw InputError("there is no " + text + " in the meshed wall");
+                throw InputError("there is no " + text + " in the meshed wall" + whereabouts(places, ablation));
             std::map<Label, double> volume;
             for (const TetId t : marked) {
                 const mesh::MeshDelta::Tet tet = session_.tet(t);
@@ -153,6 +154,35 @@ namespace {
             if (ablation.label.empty())
                 return {};
             return { mesh::label_named(table_, ablation.label).id };
+        }
+
+        /// The middle of an element in the coordinates of the blade.
+        mesh::BladeCoordinates coordinates_of(const BesideBlade& places, TetId t) const
+        {
+            Vec3 centroid = Vec3::Zero();
+            for (const VertexId v : session_.tet(t).nodes)
+                centroid += 0.25 * session_.position(v);
+            return places.blade().coordinates(centroid);
+        }
+
+        /// Where a segment's label lies beside the incision; empty for a ball.
+        std::string whereabouts(const BesideBlade& places, const AblationSpec& ablation) const
+        {
+            if (ablation.is_ball())
+                return {};
+            const Label label = labels(ablation).front();
+            Eigen::AlignedBox2d box; // along, across
+            for (TetId t = 0; t < static_cast<TetId>(session_.tet_slots()); ++t) {
+                if (!session_.has_tet(t) || session_.tet(t).label != label)
+                    continue;
+                const mesh::BladeCoordinates c = coordinates_of(places, t);
+                if (c.depth < places.blade().depth() && c.along > 0.0 && c.along < places.blade().length())
+                    box.extend(Eigen::Vector2d(c.along, c.side));
+            }
+            if (box.isEmpty())
+                return ": the blade does not pass beside " + ablation.label;
+            return formatted(": beside the blade %s lies %.0f to %.0f mm across and %.0f to %.0f mm along the incision",
+                ablation.label.c_str(), box.min().y(), box.max().y(), box.min().x(), box.max().x());
         }
 
         void remark_unsawn(const std::string& text, const Error& error)
@@ -192,10 +222,7 @@ namespace {
             for (TetId t = 0; t < static_cast<TetId>(session_.tet_slots()); ++t) {
                 if (!session_.has_tet(t) || session_.tet(t).label != label.front())
                     continue;
-                Vec3 centroid = Vec3::Zero();
-                for (const VertexId v : session_.tet(t).nodes)
-                    centroid += 0.25 * session_.position(v);
-                const mesh::BladeCoordinates c = places.blade().coordinates(centroid);
+                const mesh::BladeCoordinates c = coordinates_of(places, t);
                 if (c.along > from && c.along < to && c.side > ablation.from_mm && c.side < ablation.to_mm
                     && c.depth < places.blade().depth())
                     marked.push_back(t);

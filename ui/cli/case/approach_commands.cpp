@@ -214,7 +214,7 @@ namespace {
             "         retractor approach add case.json --name mine --points 40,-110,20 55,-100,10 --target "
             "20,-10,30,15\n"
             "         retractor approach add case.json --template intercostal:5 --target aneurysm --opening 50 "
-            "--ablate rib_left_6:-12,0:40,90 --loose removed");
+            "--ablate rib_left_6:2,22:40,90 --loose removed");
         add_command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
         add_command->add_option("--template", options->template_name, "median, intercostal:N, distal, midcab");
         add_command->add_option(

@@ -441,7 +441,7 @@ namespace case_io_test {
             { "/labels/table/0/material", [](Json& j) { j["labels"]["table"][0]["material"] = "chalk"; } },
             { "/materials/0/youngs_modulus_MPa", [](Json& j) { j["materials"][0]["youngs_modulus_MPa"] = 0.0; } },
             { "/materials/0/youngs_modulus_MPa",
-                [](Json& j) { j["materials"][0]["youngs_modulus_MPa"] = 1.0; } }, // GPa
+                [](Json& j) { j["materials"][0]["youngs_modulus_MPa"] = 5000.0; } }, // skin as hard as bone
             { "/materials/0/youngs_modulus_MPa", [nan](Json& j) { j["materials"][0]["youngs_modulus_MPa"] = nan; } },
             { "/materials/1/poissons_ratio", [](Json& j) { j["materials"][1]["poissons_ratio"] = 0.5; } },
             { "/materials/1/density_tonne_per_mm3",

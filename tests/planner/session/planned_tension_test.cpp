@@ -13,11 +13,11 @@
 namespace retractor::planner {
 namespace planned_tension_test {
 
-    SurgerySetup wall_under_tension()
+    SurgerySetup wall_under_tension(const Vec3& pull = Vec3::UnitZ())
     {
         SurgerySetup setup = wall_with_planned_hooks({}, 7.0);
         setup.materials[kSkin].pre_strain
-            = { .kind = fem::PreStrainKind::biaxial, .strain = 0.05, .pull = Vec3::UnitZ(), .across = 0.02 };
+            = { .kind = fem::PreStrainKind::biaxial, .strain = 0.05, .pull = pull, .across = 0.02 };
         setup.materials[kFat].pre_strain = { .kind = fem::PreStrainKind::equibiaxial, .strain = 0.02 };
         return setup;
     }
@@ -81,6 +81,17 @@ namespace planned_tension_test {
             EXPECT_GT(relief, 0.1 * plan.hook_forces_N[h]);
             EXPECT_NEAR((knife_without.hook_forces_N[h] - knife.hook_forces_N[h]) / relief, 1.0, 2.0 * kMeshes);
         }
+    }
+
+    /// The stress along a slanted direction is symmetric but for rounding: hooks must not be refused for that.
+    TEST(PlannedTension, HooksBearTheSameUnderATensionAlongASlantedDirection)
+    {
+        const SurgerySetup setup = wall_under_tension(Vec3(1.0, 0.1, 2.3).normalized());
+        const Opened plan = as_planned(setup), knife = under_the_knife(setup, SurgerySession(setup).case_tension());
+        constexpr double kMeshes = 0.05; // as above
+        ASSERT_EQ(knife.hook_forces_N.size(), 2U);
+        for (std::size_t h = 0; h < 2; ++h)
+            EXPECT_NEAR(knife.hook_forces_N[h] / plan.hook_forces_N[h], 1.0, kMeshes);
     }
 
     TEST(PlannedTension, TheCasesTensionIsScaledAsAWhole)

@@ -2,7 +2,6 @@
 
 #include "mesh/base/assert.h"
 
-#include <algorithm>
 #include <string_view>
 #include <utility>
 

@@ -120,7 +120,7 @@ namespace {
     CutResult Ablation::run(std::span<const TetId> marked, const Job& job)
     {
         CutResult result;
-        report_.tets_before = store_.books().tets;
+        report_.tets_before = store_.counts().tets;
         job.report("ablate", 0.0);
         if (!remove(marked, job)) {
             result.status = CutStatus::cancelled;
@@ -131,7 +131,7 @@ namespace {
         part_edges();
         part_vertices();
         job.report("ablate", 1.0);
-        report_.tets_after = store_.books().tets;
+        report_.tets_after = store_.counts().tets;
         result.report = report_;
         return result;
     }
@@ -148,7 +148,7 @@ std::vector<TetId> checked_marks(const CutStore& store, std::span<const TetId> t
     for (const TetId t : marked)
         if (!store.has_tet(t))
             throw InputError("there is no such element", "element " + std::to_string(t));
-    if (marked.size() == store.books().tets)
+    if (marked.size() == store.counts().tets)
         throw InputError("everything is marked: nothing of the body would be left");
     return marked;
 }

@@ -248,7 +248,7 @@ struct CutSession::State {
                 return result;
             } catch (const CutQualityError& broken) {
                 if (part.settings.attempt == kMostAttempts || broken.kind() == CutQualityError::Kind::growth)
-                    throw given_up(broken, part.settings.attempt);
+                    throw final_error(broken, part.settings.attempt);
                 part.settings = settings_of_retry(part.settings, broken.kind());
             }
     }
@@ -437,14 +437,14 @@ MeshDelta CutSession::redo()
     return record.delta;
 }
 
-std::size_t CutSession::tet_count() const { return state_->store.books().tets; }
-std::size_t CutSession::vertex_count() const { return state_->store.books().vertices; }
+std::size_t CutSession::tet_count() const { return state_->store.counts().tets; }
+std::size_t CutSession::vertex_count() const { return state_->store.counts().vertices; }
 std::size_t CutSession::cut_count() const { return state_->done; }
 
 bool CutSession::has_tet(TetId tet) const { return state_->store.has_tet(tet); }
 bool CutSession::has_vertex(VertexId vertex) const { return state_->store.has_vertex(vertex); }
-std::size_t CutSession::tet_slots() const { return state_->store.books().tet_slots; }
-std::size_t CutSession::vertex_slots() const { return state_->store.books().vertex_slots; }
+std::size_t CutSession::tet_slots() const { return state_->store.counts().tet_slots; }
+std::size_t CutSession::vertex_slots() const { return state_->store.counts().vertex_slots; }
 
 MeshDelta::Tet CutSession::tet(TetId tet) const
 {
@@ -482,7 +482,7 @@ SessionBytes CutSession::bytes() const
 std::vector<LipFace> CutSession::lips() const
 {
     std::vector<LipFace> faces;
-    for (TetId t = 0; t < static_cast<TetId>(state_->store.books().tet_slots); ++t) {
+    for (TetId t = 0; t < static_cast<TetId>(state_->store.counts().tet_slots); ++t) {
         const TetSlot& tet = state_->store.tet(t);
         if (!tet.alive)
             continue;
@@ -503,11 +503,11 @@ TetMesh CutSession::compact_mesh(SlotMap* map) const
 {
     const CutStore& store = state_->store;
     SlotMap slots;
-    slots.compact_vertex.assign(store.books().vertex_slots, -1);
-    slots.compact_tet.assign(store.books().tet_slots, -1);
+    slots.compact_vertex.assign(store.counts().vertex_slots, -1);
+    slots.compact_tet.assign(store.counts().tet_slots, -1);
     TetMesh mesh;
     mesh.vertices.resize(static_cast<Eigen::Index>(vertex_count()), 3);
-    for (VertexId v = 0; v < static_cast<VertexId>(store.books().vertex_slots); ++v) {
+    for (VertexId v = 0; v < static_cast<VertexId>(store.counts().vertex_slots); ++v) {
         if (!store.vertex(v).alive)
             continue;
         const auto compact = static_cast<VertexId>(slots.vertex_slot.size());
@@ -515,7 +515,7 @@ TetMesh CutSession::compact_mesh(SlotMap* map) const
         slots.vertex_slot.push_back(v);
         mesh.vertices.row(compact) = store.position(v).transpose();
     }
-    for (TetId t = 0; t < static_cast<TetId>(store.books().tet_slots); ++t) {
+    for (TetId t = 0; t < static_cast<TetId>(store.counts().tet_slots); ++t) {
         const TetSlot& tet = store.tet(t);
         if (!tet.alive)
             continue;

@@ -5,7 +5,6 @@
 #include "mesh/tetrahedra/tet_mesh.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 
 namespace retractor::mesh {

@@ -5,7 +5,6 @@
 #include "mesh/tetrahedra/tet_mesh.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace retractor::mesh {
 

@@ -13,8 +13,6 @@
 // This header comes last because it relies on the includes of the others.
 #include <CGAL/exude_mesh_3.h>
 
-#include <atomic>
-#include <cstdlib>
 #include <unordered_map>
 
 namespace retractor::mesh {

@@ -1,9 +1,10 @@
 #include "mesh/generation/hybrid_model.h"
 
 #include "mesh/base/assert.h"
-#include "mesh/base/corridor.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
 #include "mesh/generation/delaunay_mesher.h"
+#include "mesh/generation/mesh_forecast.h"
 #include "mesh/generation/mesh_polish.h"
 #include "mesh/generation/mesh_statistics.h"
 #include "mesh/generation/size_field.h"
@@ -12,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <set>
 #include <string>
 
@@ -40,7 +40,10 @@ namespace {
                 throw InputError("two entries of the label table have the id " + std::to_string(info.id), info.name);
         check_positive(sizing.corridor_edge_mm, "corridor_edge_mm");
         check_positive(sizing.coarse_edge_mm, "coarse_edge_mm");
+        check_positive(sizing.fine_edge_mm, "fine_edge_mm");
         check_positive(sizing.corridor_radius_mm, "corridor_radius_mm");
+        check_positive(sizing.coarse_path_edge_mm, "coarse_path_edge_mm");
+        check_positive(sizing.coarse_path_radius_mm, "coarse_path_radius_mm");
         if (sizing.coarse_edge_mm < sizing.corridor_edge_mm)
             throw InputError("coarse_edge_mm must not be smaller than corridor_edge_mm", "coarse_edge_mm");
         if (!std::isfinite(sizing.region_mm) || sizing.region_mm < 0.0)
@@ -51,6 +54,9 @@ namespace {
         for (std::size_t i = 0; i < sizing.corridor.size(); ++i)
             if (!sizing.corridor[i].allFinite())
                 throw InputError("corridor point " + std::to_string(i) + " is not finite", "corridor");
+        for (std::size_t i = 0; i < sizing.coarse_path.size(); ++i)
+            if (!sizing.coarse_path[i].allFinite())
+                throw InputError("coarse path point " + std::to_string(i) + " is not finite", "coarse_path");
     }
 
     // Degrees. Exudation leaves one element in a hundred below 12. The fit of interfaces may flatten elements to this
@@ -106,7 +112,7 @@ namespace {
         mesh.tets.resize(to);
         mesh.labels.resize(to);
         message = "dropped " + std::to_string(dropped) + " loose pieces (" + std::to_string(dropped_tets)
-            + " tetrahedra, " + std::to_string(dropped_volume) + " mm3)";
+            + " tetrahedra, " + volume_text(dropped_volume) + ")";
     }
 
     /// The mesh in patient LPS with the labels of the volume, without unused vertices.
@@ -153,16 +159,23 @@ HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizi
     const Stopwatch watch;
     job.report("label field", 0.0);
     const std::vector<Vec3> corridor = local_points(labels.grid, sizing.corridor);
-    const Region region { corridor, sizing.region_mm, sizing.whole_labels };
+    const Region region { local_points(labels.grid, region_line(sizing)), sizing.region_mm, sizing.whole_labels };
     const LabelField field(wall_voxels(labels, region), region);
     if (field.wall().empty())
         return without_mesh(MeshStatus::nothing_to_mesh, "no voxel of a wall label within the region");
-    const SizeField size(field.wall(), labels.table, sizing, corridor);
-    const std::vector<SurfaceSeed> seeds = surface_seeds(field, size);
+    const SizeField size(field.wall(), labels.table, sizing, corridor, local_points(labels.grid, sizing.fine_places),
+        local_points(labels.grid, sizing.coarse_path));
+    const std::vector<SurfaceSeed> seeds = surface_seeds(field, size, sizing.seed);
     if (seeds.empty())
         return without_mesh(MeshStatus::nothing_to_mesh, "the wall labels vanish when smoothed");
     if (job.cancelled())
         return without_mesh(MeshStatus::cancelled, "cancelled");
+    const double expected = expected_tetrahedra(field, size);
+    if (sizing.most_tetrahedra > 0.0 && expected > sizing.most_tetrahedra)
+        throw InputError(formatted("these edge lengths make about %.2g tetrahedra, and %.2g are the most that fit: "
+                                   "choose longer edges, or a smaller region",
+                             expected, sizing.most_tetrahedra),
+            "mesh sizes");
 
     job.report("refine tetrahedra", 0.0);
     LocalMesh local = delaunay_mesh(field, size, seeds, !sizing.deterministic, job);
@@ -172,6 +185,7 @@ HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizi
         return without_mesh(MeshStatus::nothing_to_mesh, "the wall labels are too small for the asked edge lengths");
 
     HybridModel model;
+    model.expected_tetrahedra = expected;
     const Stopwatch polishing;
     open_flat_tets(local, field, kPolishAngle, job);
     fit_interfaces(local, field, kPolishAngle, job);
@@ -183,7 +197,7 @@ HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizi
     model.wall = world_mesh(local, labels, field.wall());
     check_mesh(model.wall);
     job.report("mesh statistics", 0.0);
-    model.statistics = mesh_statistics(model.wall, labels, field, corridor, sizing);
+    model.statistics = mesh_statistics(model.wall, labels, field, { corridor, region.corridor }, sizing);
     model.statistics.refine_seconds = local.refine_seconds;
     model.statistics.optimise_seconds = local.optimise_seconds;
     model.statistics.total_seconds = watch.seconds();

@@ -23,10 +23,12 @@ struct [[nodiscard]] HybridModel {
     std::string message; ///< remarks for the user; may be empty
     TetMesh wall; ///< P1, labels of the LabelVolume
     MeshStatistics statistics;
+    double expected_tetrahedra = 0.0; ///< forecast, made before meshing
 };
 
 /// Meshes the wall of a label image.
-/// @throws InputError on an empty table, a bad grid or sizes that are not positive
+/// @throws InputError on an empty table, a bad grid or sizes that are not positive, and where more
+/// tetrahedra are expected than MeshSizing::most_tetrahedra allows
 HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizing, const Job& job = {});
 
 } // namespace retractor::mesh

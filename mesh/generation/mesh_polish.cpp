@@ -5,8 +5,6 @@
 #include "mesh/tetrahedra/tet_mesh.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
 
 namespace retractor::mesh {

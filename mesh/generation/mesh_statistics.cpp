@@ -46,12 +46,13 @@ namespace {
         return volume_within(polyline, radius, first, splits - 1) + volume_within(polyline, radius, second, splits - 1);
     }
 
-    void add_voxel_volumes(const LabelField& field, const std::vector<Vec3>& corridor, const MeshSizing& sizing,
-        std::vector<LabelFit>& fit)
+    void add_voxel_volumes(
+        const LabelField& field, const LocalLines& lines, const MeshSizing& sizing, std::vector<LabelFit>& fit)
     {
         const WallVoxels& wall = field.wall();
         const double volume = wall.spacing.prod();
-        const CorridorDistance distance(corridor, field.lower(), field.upper());
+        const CorridorDistance corridor(lines.corridor, field.lower(), field.upper());
+        const CorridorDistance region(lines.region, field.lower(), field.upper());
         for (int k = 0; k < wall.size[2]; ++k)
             for (int j = 0; j < wall.size[1]; ++j)
                 for (int i = 0; i < wall.size[0]; ++i) {
@@ -61,11 +62,11 @@ namespace {
                     LabelFit& of = fit[static_cast<std::size_t>(label - 1)];
                     const Vec3 centre = wall.centre(i, j, k);
                     of.voxel_volume_mm3 += sizing.region_mm > 0.0 && !wall.whole[static_cast<std::size_t>(label - 1)]
-                        ? volume * distance.share(sizing.region_mm, centre, wall.spacing, kVoxelSamples)
+                        ? volume * region.share(sizing.region_mm, centre, wall.spacing, kVoxelSamples)
                         : volume;
-                    if (!corridor.empty())
+                    if (!lines.corridor.empty())
                         of.corridor_voxel_volume_mm3
-                            += volume * distance.share(sizing.corridor_radius_mm, centre, wall.spacing, kVoxelSamples);
+                            += volume * corridor.share(sizing.corridor_radius_mm, centre, wall.spacing, kVoxelSamples);
                 }
     }
 
@@ -156,9 +157,10 @@ namespace {
 } // namespace
 
 MeshStatistics mesh_statistics(const TetMesh& mesh, const LabelVolume& labels, const LabelField& field,
-    const std::vector<Vec3>& local_corridor, const MeshSizing& sizing)
+    const LocalLines& lines, const MeshSizing& sizing)
 {
-    RETRACTOR_ASSERT(local_corridor.size() == sizing.corridor.size());
+    RETRACTOR_ASSERT(lines.corridor.size() == sizing.corridor.size());
+    RETRACTOR_ASSERT(lines.region.size() == sizing.corridor.size() + sizing.coarse_path.size());
     MeshStatistics statistics;
     statistics.vertices = mesh.vertex_count();
     statistics.tets = mesh.tet_count();
@@ -179,8 +181,8 @@ MeshStatistics mesh_statistics(const TetMesh& mesh, const LabelVolume& labels, c
         for (std::size_t t = 0; t < local.tet_count(); ++t)
             std::swap(local.nodes[4 * t + 2], local.nodes[4 * t + 3]);
 
-    add_voxel_volumes(field, local_corridor, sizing, statistics.fit);
-    add_mesh_volumes(local, number, local_corridor, sizing, statistics.fit);
+    add_voxel_volumes(field, lines, sizing, statistics.fit);
+    add_mesh_volumes(local, number, lines.corridor, sizing, statistics.fit);
     std::erase_if(
         statistics.fit, [](const LabelFit& fit) { return fit.voxel_volume_mm3 == 0.0 && fit.mesh_volume_mm3 == 0.0; });
     double voxels = 0.0, tets = 0.0;

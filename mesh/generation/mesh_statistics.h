@@ -37,11 +37,16 @@ struct MeshStatistics {
     std::size_t bytes = 0;
 };
 
+/// The polylines of the sizing in the field's frame.
+struct LocalLines {
+    std::vector<Vec3> corridor;
+    std::vector<Vec3> region; ///< region_line()
+};
+
 /// Computes all statistics except the times.
 /// @param mesh labels of `labels`; vertices in patient LPS
 /// @param field label function that the mesh was made from
-/// @param local_corridor the corridor in the field's frame
 MeshStatistics mesh_statistics(const TetMesh& mesh, const LabelVolume& labels, const LabelField& field,
-    const std::vector<Vec3>& local_corridor, const MeshSizing& sizing);
+    const LocalLines& lines, const MeshSizing& sizing);
 
 } // namespace retractor::mesh

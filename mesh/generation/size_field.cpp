@@ -6,7 +6,6 @@
 #include "mesh/image/skeleton.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace retractor::mesh {
@@ -38,14 +37,18 @@ namespace {
 
 } // namespace
 
-SizeField::SizeField(
-    const WallVoxels& wall, const LabelTable& table, const MeshSizing& sizing, std::vector<Vec3> local_corridor)
+SizeField::SizeField(const WallVoxels& wall, const LabelTable& table, const MeshSizing& sizing,
+    std::vector<Vec3> local_corridor, std::vector<Vec3> local_places, std::vector<Vec3> local_path)
     : wall_(wall)
     , sizing_(sizing)
     , corridor_(std::move(local_corridor))
+    , places_(std::move(local_places))
+    , path_(std::move(local_path))
+    , region_line_(corridor_)
     , edges_per_thickness_(wall.labels.size() + 1, 0.0)
     , thickness_(local_thickness(wall))
 {
+    region_line_.insert(region_line_.end(), path_.begin(), path_.end());
     for (std::size_t n = 0; n < wall.labels.size(); ++n)
         edges_per_thickness_[n + 1] = edge_per_thickness(*find_label(table, wall.labels[n]));
 }
@@ -55,6 +58,20 @@ double SizeField::corridor_edge(const Vec3& local) const
     const double beyond = polyline_distance(corridor_, local) - sizing_.corridor_radius_mm;
     return std::clamp(
         sizing_.corridor_edge_mm + kEdgeGrowth * beyond, sizing_.corridor_edge_mm, sizing_.coarse_edge_mm);
+}
+
+double SizeField::path_edge(const Vec3& local) const
+{
+    const double beyond = std::max(0.0, polyline_distance(path_, local) - sizing_.coarse_path_radius_mm);
+    return sizing_.coarse_path_edge_mm + kEdgeGrowth * beyond;
+}
+
+double SizeField::fine_edge(const Vec3& local) const
+{
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Vec3& place : places_)
+        nearest = std::min(nearest, (local - place).norm());
+    return sizing_.fine_edge_mm + kEdgeGrowth * std::max(0.0, nearest - sizing_.fine_radius_mm);
 }
 
 double SizeField::thin_limit(const Vec3& local, int label) const
@@ -78,17 +95,17 @@ double SizeField::thin_limit(const Vec3& local, int label) const
 
 double SizeField::bare_factor(const Vec3& local) const
 {
-    const bool is_bare = sizing_.region_mm > 0.0 && polyline_distance(corridor_, local) > sizing_.region_mm;
+    const bool is_bare = sizing_.region_mm > 0.0 && polyline_distance(region_line_, local) > sizing_.region_mm;
     return is_bare ? kBareFactor : 1.0;
 }
 
 double SizeField::edge(const Vec3& local, int a, int b) const
 {
-    double wanted = corridor_edge(local);
+    double wanted = std::min(corridor_edge(local), path_edge(local));
     for (const int label : { a, b })
         if (label != 0)
             wanted = std::min(wanted, bare_factor(local) * thin_limit(local, label));
-    return std::max(wanted, sizing_.corridor_edge_mm);
+    return std::min(std::max(wanted, sizing_.corridor_edge_mm), fine_edge(local));
 }
 
 double SizeField::facet_distance(const Vec3& local, int a, int b) const { return kDistancePerEdge * edge(local, a, b); }

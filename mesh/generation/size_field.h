@@ -12,8 +12,10 @@ namespace retractor::mesh {
 class SizeField {
 public:
     /// @param table names the materials; a label's material decides the number of elements across the label
-    SizeField(
-        const WallVoxels& wall, const LabelTable& table, const MeshSizing& sizing, std::vector<Vec3> local_corridor);
+    /// @param local_places MeshSizing::fine_places in the local frame
+    /// @param local_path MeshSizing::coarse_path in the local frame
+    SizeField(const WallVoxels& wall, const LabelTable& table, const MeshSizing& sizing,
+        std::vector<Vec3> local_corridor, std::vector<Vec3> local_places = {}, std::vector<Vec3> local_path = {});
 
     /// Wanted edge length (mm) at a local point in label a, or on the interface of labels a and b. A label number 0
     /// means outside or no second label.
@@ -23,12 +25,15 @@ public:
 
 private:
     double corridor_edge(const Vec3& local) const;
+    double path_edge(const Vec3& local) const;
+    double fine_edge(const Vec3& local) const;
     double bare_factor(const Vec3& local) const;
     double thin_limit(const Vec3& local, int label) const;
 
     const WallVoxels& wall_;
     MeshSizing sizing_;
-    std::vector<Vec3> corridor_;
+    std::vector<Vec3> corridor_, places_, path_;
+    std::vector<Vec3> region_line_; ///< region_line() in the local frame
     std::vector<double> edges_per_thickness_; ///< largest edge length over thickness, per label number
     std::vector<float> thickness_;
 };

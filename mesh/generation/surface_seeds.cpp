@@ -7,8 +7,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
+#include <random>
 #include <unordered_map>
 
 namespace retractor::mesh {
@@ -75,9 +75,15 @@ namespace {
         return SurfaceSeed { point, std::min(a, b), std::max(a, b) };
     }
 
+    /// A voxel with a neighbour of another label on one of its six sides.
+    struct Border {
+        int i, j, k;
+        std::size_t side;
+    };
+
 } // namespace
 
-std::vector<SurfaceSeed> surface_seeds(const LabelField& field, const SizeField& size)
+std::vector<SurfaceSeed> surface_seeds(const LabelField& field, const SizeField& size, unsigned order)
 {
     const WallVoxels& wall = field.wall();
     const std::vector<std::uint32_t> component = components(wall);
@@ -85,33 +91,40 @@ std::vector<SurfaceSeed> surface_seeds(const LabelField& field, const SizeField&
     constexpr std::array<std::array<int, 3>, 6> kSides { { { -1, 0, 0 }, { 1, 0, 0 }, { 0, -1, 0 }, { 0, 1, 0 },
         { 0, 0, -1 }, { 0, 0, 1 } } };
 
-    std::vector<SurfaceSeed> seeds;
-    SpatialHash<Vec3> taken(4.0 * wall.spacing.maxCoeff());
+    std::vector<Border> borders;
     for (int k = 1; k + 1 < wall.size[2]; ++k)
         for (int j = 1; j + 1 < wall.size[1]; ++j)
             for (int i = 1; i + 1 < wall.size[0]; ++i) {
                 const std::size_t at = wall.offset(i, j, k);
                 if (wall.voxels[at] == 0)
                     continue;
-                for (const auto& side : kSides) {
-                    const std::size_t beside = wall.offset(i + side[0], j + side[1], k + side[2]);
-                    if (wall.voxels[beside] == wall.voxels[at])
-                        continue;
-                    const Extent& extent = extent_of.at(component[at]);
-                    if (extent.voxels < kSmallestComponent)
-                        continue;
-                    const auto seed = seed_between(field, wall.centre(i, j, k), wall.voxels[at],
-                        wall.centre(i + side[0], j + side[1], k + side[2]), wall.voxels[beside]);
-                    if (!seed)
-                        continue;
-                    const double longest
-                        = ((extent.box.sizes().array() + 1).cast<double>() * wall.spacing.array()).maxCoeff();
-                    const double spacing = std::min(
-                        kSeedSpacing * size.edge(seed->point, seed->a, seed->b), kSpacingPerExtent * longest);
-                    if (add_apart(taken, seed->point, spacing))
-                        seeds.push_back(*seed);
-                }
+                for (std::size_t s = 0; s < kSides.size(); ++s)
+                    if (wall.voxels[wall.offset(i + kSides[s][0], j + kSides[s][1], k + kSides[s][2])]
+                        != wall.voxels[at])
+                        borders.push_back({ i, j, k, s });
             }
+    if (order != 0)
+        std::shuffle(borders.begin(), borders.end(), std::mt19937(order));
+
+    std::vector<SurfaceSeed> seeds;
+    SpatialHash<Vec3> taken(4.0 * wall.spacing.maxCoeff());
+    for (const auto& [i, j, k, s] : borders) {
+        const std::size_t at = wall.offset(i, j, k);
+        const Extent& extent = extent_of.at(component[at]);
+        if (extent.voxels < kSmallestComponent)
+            continue;
+        const std::array<int, 3>& side = kSides[s];
+        const std::size_t beside = wall.offset(i + side[0], j + side[1], k + side[2]);
+        const auto seed = seed_between(field, wall.centre(i, j, k), wall.voxels[at],
+            wall.centre(i + side[0], j + side[1], k + side[2]), wall.voxels[beside]);
+        if (!seed)
+            continue;
+        const double longest = ((extent.box.sizes().array() + 1).cast<double>() * wall.spacing.array()).maxCoeff();
+        const double spacing
+            = std::min(kSeedSpacing * size.edge(seed->point, seed->a, seed->b), kSpacingPerExtent * longest);
+        if (add_apart(taken, seed->point, spacing))
+            seeds.push_back(*seed);
+    }
     return seeds;
 }
 

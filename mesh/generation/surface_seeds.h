@@ -15,6 +15,7 @@ struct SurfaceSeed {
 };
 
 /// A sparse set of points, two edge lengths apart, and closer on smaller components.
-std::vector<SurfaceSeed> surface_seeds(const LabelField& field, const SizeField& size);
+/// @param order 0: the points are chosen in the order of the voxels; another number: in a shuffled order of that number
+std::vector<SurfaceSeed> surface_seeds(const LabelField& field, const SizeField& size, unsigned order = 0);
 
 } // namespace retractor::mesh

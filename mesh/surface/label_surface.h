@@ -6,7 +6,6 @@
 #include "mesh/image/volume.h"
 
 #include <cstdint>
-#include <functional>
 #include <span>
 
 namespace retractor::mesh {

@@ -3,7 +3,6 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
-#include <algorithm>
 #include <string>
 
 namespace retractor::mesh {

@@ -154,7 +154,7 @@ CutStore::CutStore(const TetMesh& mesh)
         for (const auto& [a, b] : edge_keys(slot.nodes))
             first_edge_[static_cast<std::size_t>(t)] += static_cast<float>((position(a) - position(b)).norm() / 6.0);
     }
-    books_ = { vertices_.size(), tets_.size(), vertices_.size(), tets_.size() };
+    counts_ = { vertices_.size(), tets_.size(), vertices_.size(), tets_.size() };
     leave_room(vertices_, stars_, vertex_epoch_, vertex_birth_epoch_, tets_, tet_epoch_, birth_epoch_);
 }
 
@@ -222,7 +222,7 @@ void CutStore::begin()
     freed_vertices_.clear();
     free_vertices_.begin();
     free_tets_.begin();
-    before_ = books_;
+    before_ = counts_;
 }
 
 TetSlot& CutStore::touch_tet(TetId t)
@@ -330,8 +330,8 @@ void CutStore::resize(std::size_t vertex_slots, std::size_t tet_slots)
     tets_.resize(tet_slots);
     tet_epoch_.resize(tet_slots, 0);
     birth_epoch_.resize(tet_slots, 0);
-    books_.vertex_slots = vertex_slots;
-    books_.tet_slots = tet_slots;
+    counts_.vertex_slots = vertex_slots;
+    counts_.tet_slots = tet_slots;
 }
 
 VertexId CutStore::add_vertex(const Vec3& position, VertexId a, VertexId b, double t)
@@ -358,7 +358,7 @@ VertexId CutStore::add_vertex(const MeshDelta::VertexBorn& born)
     RETRACTOR_ASSERT(!has_vertex(id) && unsorted_star(id).empty());
     touch_vertex(id) = { born.position, true };
     vertex_birth_epoch_[static_cast<std::size_t>(id)] = epoch_;
-    ++books_.vertices;
+    ++counts_.vertices;
     born_.push_back(born);
     born_.back().id = id;
     return id;
@@ -380,7 +380,7 @@ void CutStore::remove_vertex(VertexId v)
     gone_.push_back({ v, position(v), v, v, 0.0, MeshDelta::Origin::restored });
     touch_vertex(v).alive = false;
     freed_vertices_.push_back(v);
-    --books_.vertices;
+    --counts_.vertices;
 }
 
 void CutStore::replace_parent(VertexId v, VertexId w)
@@ -414,7 +414,7 @@ void CutStore::drop_added(VertexId v)
     touch_vertex(v) = {};
     vertex_birth_epoch_[static_cast<std::size_t>(v)] = 0;
     free_vertices_.push(v);
-    --books_.vertices;
+    --counts_.vertices;
 }
 
 TetId CutStore::add_tet(const TetSlot& tet)
@@ -431,7 +431,7 @@ TetId CutStore::add_tet(const TetSlot& tet)
     tets_[static_cast<std::size_t>(id)].alive = true;
     birth_epoch_[static_cast<std::size_t>(id)] = epoch_;
     attach(id);
-    ++books_.tets;
+    ++counts_.tets;
     return id;
 }
 
@@ -441,7 +441,7 @@ void CutStore::remove_tet(TetId t)
     detach(t);
     const bool added = birth_epoch_[static_cast<std::size_t>(t)] == epoch_;
     touch_tet(t).alive = false;
-    --books_.tets;
+    --counts_.tets;
     if (added)
         free_tets_.push(t);
     else
@@ -477,7 +477,7 @@ VertexId CutStore::bisect(VertexId a, VertexId b, const Vec3& position, double t
 void CutStore::gather_changes(CutRecord& record) const
 {
     record.before = before_;
-    record.after = books_;
+    record.after = counts_;
     record.free_vertices = free_vertices_.change();
     record.free_tets = free_tets_.change();
     record.tets = touched_tets_;
@@ -492,7 +492,7 @@ void CutStore::gather_changes(CutRecord& record) const
 
 CutRecord CutStore::finish()
 {
-    RETRACTOR_ASSERT(books_.tet_slots == tets_.size() && books_.vertex_slots == vertices_.size());
+    RETRACTOR_ASSERT(counts_.tet_slots == tets_.size() && counts_.vertex_slots == vertices_.size());
     for (const TetId t : freed_tets_)
         free_tets_.push(t);
     for (const VertexId v : freed_vertices_)
@@ -538,8 +538,8 @@ void CutStore::redo(const CutRecord& record) { apply(record, true); }
 void CutStore::apply(const CutRecord& record, bool forward)
 {
     const SlotCounts& target = forward ? record.after : record.before;
-    RETRACTOR_ASSERT(books_.tets == (forward ? record.before : record.after).tets);
-    RETRACTOR_ASSERT(books_.vertices == (forward ? record.before : record.after).vertices);
+    RETRACTOR_ASSERT(counts_.tets == (forward ? record.before : record.after).tets);
+    RETRACTOR_ASSERT(counts_.vertices == (forward ? record.before : record.after).vertices);
     for (const auto& change : record.tets)
         if (static_cast<std::size_t>(change.id) < tets_.size() && tet(change.id).alive)
             detach(change.id);
@@ -556,7 +556,7 @@ void CutStore::apply(const CutRecord& record, bool forward)
             for (const TetId t : unsorted_star(change.id))
                 list(t);
     resize(target.vertex_slots, target.tet_slots);
-    books_ = target;
+    counts_ = target;
     const auto put = [&](FreeList& list, const FreeList::Change& change) {
         list.replace_end(change.kept, forward ? change.after : change.before);
     };

@@ -90,7 +90,7 @@ public:
     const TetSlot& tet(TetId t) const { return tets_[static_cast<std::size_t>(t)]; }
     const VertexSlot& vertex(VertexId v) const { return vertices_[static_cast<std::size_t>(v)]; }
     const Vec3& position(VertexId v) const { return vertex(v).position; }
-    const SlotCounts& books() const { return books_; }
+    const SlotCounts& counts() const { return counts_; }
     /// True for the id of a living element.
     bool has_tet(TetId t) const { return t >= 0 && static_cast<std::size_t>(t) < tets_.size() && tet(t).alive; }
     bool has_vertex(VertexId v) const
@@ -204,7 +204,7 @@ private:
     std::vector<VertexSlot> vertices_;
     std::vector<std::vector<TetId>> stars_; ///< unordered
     std::vector<float> first_edge_; ///< mean edge (mm) of each element of the first mesh
-    SlotCounts books_;
+    SlotCounts counts_;
     FreeList free_vertices_, free_tets_;
     TetGrid grid_; ///< living elements
     Walk tet_walk_, vertex_walk_;

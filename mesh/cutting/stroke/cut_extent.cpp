@@ -166,7 +166,7 @@ double wound_edge(const StrokeState& stroke)
     return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
-void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, const StrokeSettings& settings,
+void check_extent(const StrokeState& stroke, std::span<const UncutElement> left, const StrokeSettings& settings,
     double from, double to, const std::function<void()>& poll)
 {
     const SweptBlade& blade = stroke.blade;
@@ -179,7 +179,7 @@ void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left,
         if (on_border || !bends.empty())
             return look.local_edge(p);
         const auto it = std::find_if(
-            left.begin(), left.end(), [&](const CrossedStill& element) { return is_inside(element.corners, p); });
+            left.begin(), left.end(), [&](const UncutElement& element) { return is_inside(element.corners, p); });
         return it == left.end() ? 0.0 : it->local_edge;
     };
     const double spacing = edge * (bends.empty() ? kFlatSpacing : settings.chord > 0.0 ? kCloseSpacing : kBentSpacing);

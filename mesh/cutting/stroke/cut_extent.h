@@ -12,7 +12,7 @@
 namespace retractor::mesh {
 
 /// An element that the blade crosses although the stroke is done.
-struct CrossedStill {
+struct UncutElement {
     std::array<Vec3, 4> corners;
     double local_edge = 0.0; ///< mm
 };
@@ -31,7 +31,7 @@ double wound_edge(const StrokeState& stroke);
 /// @param settings gives the permitted distance (in local edges) of the nearest wound, and the density of samples
 /// @param poll called before each column of samples; may throw
 /// @throws CutQualityError (extent) with the place
-void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, const StrokeSettings& settings,
+void check_extent(const StrokeState& stroke, std::span<const UncutElement> left, const StrokeSettings& settings,
     double from, double to, const std::function<void()>& poll);
 
 } // namespace retractor::mesh

@@ -4,7 +4,6 @@
 
 #include "mesh/cutting/stroke/cut_marks.h"
 
-#include <cstddef>
 #include <map>
 #include <unordered_map>
 #include <vector>

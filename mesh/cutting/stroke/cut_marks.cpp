@@ -72,7 +72,7 @@ Mark& BladeMarks::add(VertexId v)
     if (count_ == chunks_.size() * kChunk)
         chunks_.push_back(std::make_unique<Chunk>());
     if (static_cast<std::size_t>(v) >= table_.size())
-        table_.resize(store_.books().vertex_slots, 0);
+        table_.resize(store_.counts().vertex_slots, 0);
     RETRACTOR_ASSERT(store_.has_vertex(v) && static_cast<std::size_t>(v) < table_.size());
     table_[static_cast<std::size_t>(v)] = count_;
     Entry& entry = (*chunks_[count_ / kChunk])[count_ % kChunk];

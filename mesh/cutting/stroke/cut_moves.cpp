@@ -259,7 +259,7 @@ std::vector<HeldFace> held_faces(const CutStore& store, const EdgeKey& edge)
 void check_element_limit(const StrokeState& stroke)
 {
     const std::size_t limit = stroke.options.element_limit;
-    if (stroke.store.books().tets > limit)
+    if (stroke.store.counts().tets > limit)
         throw SolverError("the cut would make more than " + std::to_string(limit)
                 + " elements (element_limit); undo cuts that cross in one place, or allow more",
             "element_limit");
@@ -269,7 +269,7 @@ void check_growth(const StrokeState& stroke)
 {
     const CutReport& report = stroke.report;
     const std::size_t most = kMostGrowth * std::max(report.tets_crossed, kLeastCrossed);
-    if (stroke.store.books().tets > report.tets_before + most)
+    if (stroke.store.counts().tets > report.tets_before + most)
         throw CutQualityError(CutQualityError::Kind::growth,
             "the blade twists or bends so much within single elements that each it crosses would become more than "
                 + std::to_string(kMostGrowth) + "; turn it less over a few millimetres, or mesh finer there",

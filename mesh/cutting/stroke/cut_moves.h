@@ -26,7 +26,7 @@ struct BladeFace {
 
 using OpenFace = std::pair<FaceKey, TetFace>;
 /// Result of the last call of faces_on_blade(), which the next call updates.
-struct LookOnBlade {
+struct BladeFaceCache {
     /// CutStore::changes() and BladeMarks::changes() at the last call.
     std::array<std::uint64_t, 2> changes { std::numeric_limits<std::uint64_t>::max(), 0 };
     std::size_t found = 0; ///< size of BladeMarks::found_on_blade() at the last call
@@ -56,7 +56,7 @@ struct StrokeState {
     double former_lips_off = 0.0;
     /// Groups of elements that stay together round each vertex of the faces that will be cut, from the last search.
     std::map<VertexId, Groups> groups {};
-    LookOnBlade look_on_blade {};
+    BladeFaceCache blade_face_cache {};
     CutReport report {};
 };
 

@@ -55,7 +55,7 @@ std::string quality_message(const std::string& would, double most, const std::st
     return text.str();
 }
 
-CutQualityError given_up(const CutQualityError& broken, int attempts)
+CutQualityError final_error(const CutQualityError& broken, int attempts)
 {
     if (broken.kind() == CutQualityError::Kind::growth)
         return broken;

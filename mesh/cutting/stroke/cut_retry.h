@@ -60,6 +60,6 @@ std::string quality_message(const std::string& would, double most, const std::st
 
 /// The error of a stroke that is refused after `attempts` attempts, with a hint for the user. An error of kind growth
 /// is returned unchanged, because it already contains the hint and no further attempt was made.
-CutQualityError given_up(const CutQualityError& broken, int attempts);
+CutQualityError final_error(const CutQualityError& broken, int attempts);
 
 } // namespace retractor::mesh

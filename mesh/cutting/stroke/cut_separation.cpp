@@ -205,18 +205,18 @@ namespace {
     }
 
     /// Finds the faces with elements on different sides.
-    void pair_up(StrokeState& stroke, LookOnBlade& look)
+    void pair_up(StrokeState& stroke, BladeFaceCache& cache)
     {
-        look.faces.clear();
-        for (std::size_t f = 0; f + 1 < look.open.size(); ++f) {
-            const auto& [key, one] = look.open[f];
-            const TetFace& other = look.open[f + 1].second;
-            if (look.open[f + 1].first != key)
+        cache.faces.clear();
+        for (std::size_t f = 0; f + 1 < cache.open.size(); ++f) {
+            const auto& [key, one] = cache.open[f];
+            const TetFace& other = cache.open[f + 1].second;
+            if (cache.open[f + 1].first != key)
                 continue;
             const int here = stroke.marks.side(stroke.store.tet(one.tet)),
                       there = stroke.marks.side(stroke.store.tet(other.tet));
             if (here != there)
-                look.faces.push_back(here < 0 ? BladeFace { key, one, other } : BladeFace { key, other, one });
+                cache.faces.push_back(here < 0 ? BladeFace { key, one, other } : BladeFace { key, other, one });
         }
     }
 
@@ -299,29 +299,29 @@ const std::vector<BladeFace>& faces_on_blade(StrokeState& stroke)
 {
     // A search may find more vertices on the blade. If nothing else has changed, the next search visits only the
     // elements of these vertices.
-    LookOnBlade& look = stroke.look_on_blade;
+    BladeFaceCache& cache = stroke.blade_face_cache;
     const std::array<std::uint64_t, 2> changes { stroke.store.changes(), stroke.marks.changes() };
     const std::vector<VertexId>& found = stroke.marks.found_on_blade();
-    const bool goes_on = look.changes == changes;
-    if (goes_on && look.found == found.size())
-        return look.faces;
-    const std::vector<TetId> tets = goes_on ? stroke.store.tets_round(std::span(found).subspan(look.found))
+    const bool goes_on = cache.changes == changes;
+    if (goes_on && cache.found == found.size())
+        return cache.faces;
+    const std::vector<TetId> tets = goes_on ? stroke.store.tets_round(std::span(found).subspan(cache.found))
                                             : stroke.store.tets_round(stroke.marks.on_blade());
-    look.changes = changes;
-    look.found = found.size();
+    cache.changes = changes;
+    cache.found = found.size();
     if (!goes_on)
-        look.open.clear();
-    const auto known = static_cast<std::ptrdiff_t>(look.open.size());
+        cache.open.clear();
+    const auto known = static_cast<std::ptrdiff_t>(cache.open.size());
     for (const TetId t : tets)
-        open_faces(stroke, t, look.open);
-    std::sort(look.open.begin() + known, look.open.end(), comes_before);
-    std::inplace_merge(look.open.begin(), look.open.begin() + known, look.open.end(), comes_before);
+        open_faces(stroke, t, cache.open);
+    std::sort(cache.open.begin() + known, cache.open.end(), comes_before);
+    std::inplace_merge(cache.open.begin(), cache.open.begin() + known, cache.open.end(), comes_before);
     const auto same = [](const OpenFace& a, const OpenFace& b) { return !comes_before(a, b); }; // list is sorted
-    look.open.erase(std::unique(look.open.begin(), look.open.end(), same), look.open.end());
-    pair_up(stroke, look);
+    cache.open.erase(std::unique(cache.open.begin(), cache.open.end(), same), cache.open.end());
+    pair_up(stroke, cache);
     if (stroke.goes_on)
-        leave_out_parted(stroke, look.faces);
-    return look.faces;
+        leave_out_parted(stroke, cache.faces);
+    return cache.faces;
 }
 
 bool reaches_in(StrokeState& stroke, const BladeFace& face)

@@ -4,7 +4,6 @@
 
 #include "mesh/cutting/stroke/cut_moves.h"
 
-#include <span>
 #include <vector>
 
 namespace retractor::mesh {

@@ -114,7 +114,7 @@ namespace {
         const Job& job_;
         StrokeStep step_;
         double resume_ = 0.0;
-        std::vector<CrossedStill> left_;
+        std::vector<UncutElement> left_;
         std::vector<TetId> near_; ///< elements near the blade; may contain removed elements
         std::size_t near_sorted_ = 0; ///< number of leading entries of near_ that are sorted
         std::vector<TetId> crossed_;
@@ -657,7 +657,7 @@ namespace {
     {
         CutResult result;
         poll(0);
-        state_.report.tets_before = store_.books().tets;
+        state_.report.tets_before = store_.counts().tets;
         job_.report("cut", 0.0);
         find_near_blade();
         restore_cut_marks();
@@ -700,7 +700,7 @@ namespace {
         check_guarantees();
         job_.report("cut", 1.0);
         poll(0);
-        state_.report.tets_after = store_.books().tets;
+        state_.report.tets_after = store_.counts().tets;
         result.report = state_.report;
         return result;
     }

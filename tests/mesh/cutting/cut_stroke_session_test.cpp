@@ -224,12 +224,12 @@ namespace cut_stroke_session_test {
         const SweptBlade blade(drawn(3));
         const CutOptions options;
         StrokeState stroke { .store = store, .blade = blade, .options = options, .marks = BladeMarks(store, blade) };
-        for (TetId t = 0; t < static_cast<TetId>(store.books().tet_slots); t += 7)
+        for (TetId t = 0; t < static_cast<TetId>(store.counts().tet_slots); t += 7)
             stroke.cut_faces.insert(store.tet(t), t % 4);
         const double edge = wound_edge(stroke);
         ASSERT_GT(edge, 0.0);
         store.begin();
-        for (TetId t = 0; t < static_cast<TetId>(store.books().tet_slots); t += 3)
+        for (TetId t = 0; t < static_cast<TetId>(store.counts().tet_slots); t += 3)
             store.remove_tet(t);
         store.rollback();
         EXPECT_EQ(wound_edge(stroke), edge);
@@ -240,15 +240,15 @@ namespace cut_stroke_session_test {
         EXPECT_EQ(
             quality_message("lie", 0.098, "off"), "the wound would lie more than 0.098 local edges off the blade");
         const CutQualityError broken(CutQualityError::Kind::shape, "a face was lost", "vertex 3");
-        EXPECT_STREQ(given_up(broken, 1).what(), "a face was lost; try another blade");
-        const CutQualityError refusal = given_up(broken, kMostAttempts);
+        EXPECT_STREQ(final_error(broken, 1).what(), "a face was lost; try another blade");
+        const CutQualityError refusal = final_error(broken, kMostAttempts);
         EXPECT_STREQ(refusal.what(),
             "a face was lost; 6 attempts were made, with less snapping or more bends followed; try another blade");
         EXPECT_EQ(refusal.where(), "vertex 3");
         EXPECT_EQ(refusal.kind(), CutQualityError::Kind::shape);
         const CutQualityError growth(CutQualityError::Kind::growth, "too many; mesh finer", "3 elements crossed");
-        EXPECT_STREQ(given_up(growth, 3).what(), "too many; mesh finer");
-        EXPECT_EQ(given_up(growth, 3).kind(), CutQualityError::Kind::growth);
+        EXPECT_STREQ(final_error(growth, 3).what(), "too many; mesh finer");
+        EXPECT_EQ(final_error(growth, 3).kind(), CutQualityError::Kind::growth);
     }
 
     TEST(CutSession, CutsThatCrossInOneSpotEndAtTheElementLimit)

@@ -247,6 +247,39 @@ namespace hybrid_model_test {
         EXPECT_NEAR(coarse / coarse_count, 14.0, 0.2 * 14.0);
     }
 
+    TEST(HybridModel, ACoarsePathExtendsTheRegionAndIsALittleFiner)
+    {
+        const LabelVolume block = test_support::sampled_labels(
+            { 70, 50, 50 }, Vec3::Constant(2.0), one_label(), [](const Vec3&) { return Label { 7 }; });
+        MeshSizing sizing = uniform(4.0);
+        sizing.corridor = { Vec3(5, 50, 50), Vec3(20, 50, 50) };
+        sizing.coarse_edge_mm = 14.0;
+        sizing.region_mm = 30.0;
+        const auto farthest = [](const HybridModel& model) { return model.wall.vertices.col(0).maxCoeff(); };
+        // Half an edge of the coarse mesh and half a voxel, by which the mesh's end may lie off the region's border.
+        constexpr double kRough = 8.0;
+        EXPECT_NEAR(farthest(build_hybrid_model(block, sizing)), 50.0, kRough);
+        sizing.coarse_path = { Vec3(20, 50, 50), Vec3(90, 50, 50) };
+        sizing.coarse_path_edge_mm = 7.0;
+        const HybridModel model = build_hybrid_model(block, sizing);
+        EXPECT_NEAR(farthest(model), 120.0, kRough);
+        double sum = 0.0;
+        int count = 0;
+        for (TetId t = 0; t < static_cast<TetId>(model.wall.tet_count()); ++t)
+            for (const auto& e : kTetEdges) {
+                const Vec3 p = model.wall.vertices.row(model.wall.tet(t)[static_cast<std::size_t>(e[0])]);
+                const Vec3 q = model.wall.vertices.row(model.wall.tet(t)[static_cast<std::size_t>(e[1])]);
+                const Vec3 middle = 0.5 * (p + q);
+                if (middle.x() < 55.0 || middle.x() > 90.0
+                    || (middle - Vec3(middle.x(), 50, 50)).norm() > sizing.coarse_path_radius_mm)
+                    continue;
+                sum += (p - q).norm();
+                ++count;
+            }
+        ASSERT_GT(count, 0);
+        EXPECT_NEAR(sum / count, 7.0, 0.2 * 7.0); // Delaunay meshes scatter about the wanted length
+    }
+
     /// The same anatomy on a grid that is shifted, turned and, when asked, mirrored.
     LabelVolume moved(const LabelVolume& labels, bool mirror)
     {
@@ -404,6 +437,10 @@ namespace hybrid_model_test {
         expect_refused([](LabelVolume&, MeshSizing& s) { s.region_mm = 10.0; }, "region_mm needs a corridor");
         expect_refused([](LabelVolume&, MeshSizing& s) { s.corridor = { Vec3(0, std::nan(""), 0) }; },
             "corridor point 0 is not finite");
+        expect_refused([](LabelVolume&, MeshSizing& s) { s.coarse_path = { Vec3(0, std::nan(""), 0) }; },
+            "coarse path point 0 is not finite");
+        expect_refused(
+            [](LabelVolume&, MeshSizing& s) { s.coarse_path_edge_mm = 0.0; }, "coarse_path_edge_mm must be positive");
         expect_refused([](LabelVolume& l, MeshSizing&) { l.grid.spacing[1] = -1.0; }, "spacing");
     }
 

@@ -62,7 +62,7 @@ namespace cut_flips_test {
     std::set<std::set<VertexId>> elements(const CutStore& store)
     {
         std::set<std::set<VertexId>> all;
-        for (TetId t = 0; t < static_cast<TetId>(store.books().tet_slots); ++t)
+        for (TetId t = 0; t < static_cast<TetId>(store.counts().tet_slots); ++t)
             if (store.has_tet(t))
                 all.emplace(store.tet(t).nodes.begin(), store.tet(t).nodes.end());
         return all;
@@ -230,7 +230,7 @@ namespace cut_flips_test {
         static_cast<void>(store.finish());
         const auto tags = [&] {
             std::map<FaceKey, std::pair<int, int>> all;
-            for (TetId t = 0; t < static_cast<TetId>(store.books().tet_slots); ++t)
+            for (TetId t = 0; t < static_cast<TetId>(store.counts().tet_slots); ++t)
                 for (int corner = 0; store.has_tet(t) && corner < 4; ++corner)
                     if (const LipTag tag = store.tet(t).lips[static_cast<std::size_t>(corner)]; tag.cut >= 0)
                         all[face_key(store.tet(t), corner)] = { tag.cut, tag.side };
@@ -240,7 +240,7 @@ namespace cut_flips_test {
         ASSERT_EQ(before.size(), 2u);
         const auto slots = [&] {
             std::vector<std::pair<std::array<VertexId, 4>, TetId>> all;
-            for (TetId t = 0; t < static_cast<TetId>(store.books().tet_slots); ++t)
+            for (TetId t = 0; t < static_cast<TetId>(store.counts().tet_slots); ++t)
                 if (store.has_tet(t))
                     all.emplace_back(store.tet(t).nodes, store.tet(t).origin);
             return all;
@@ -278,14 +278,14 @@ namespace cut_flips_test {
         CutStore store(mesh);
         const auto volumes = [&] {
             std::map<Label, double> sum;
-            for (TetId t = 0; t < static_cast<TetId>(store.books().tet_slots); ++t)
+            for (TetId t = 0; t < static_cast<TetId>(store.counts().tet_slots); ++t)
                 if (store.has_tet(t))
                     sum[store.tet(t).label] += store.volume(t);
             return sum;
         };
         const auto surface_and_interfaces = [&] {
             std::map<FaceKey, std::vector<Label>> faces;
-            for (TetId t = 0; t < static_cast<TetId>(store.books().tet_slots); ++t)
+            for (TetId t = 0; t < static_cast<TetId>(store.counts().tet_slots); ++t)
                 for (int corner = 0; store.has_tet(t) && corner < 4; ++corner)
                     faces[face_key(store.tet(t), corner)].push_back(store.tet(t).label);
             std::map<FaceKey, std::set<Label>> held;
@@ -298,7 +298,7 @@ namespace cut_flips_test {
         };
         const auto worst = [&] {
             double largest = -1.0;
-            for (TetId t = 0; t < static_cast<TetId>(store.books().tet_slots); ++t)
+            for (TetId t = 0; t < static_cast<TetId>(store.counts().tet_slots); ++t)
                 if (store.has_tet(t))
                     largest = std::max(largest, smallest_dihedral_cosine(corners_of(store, t)));
             return largest;
@@ -315,7 +315,7 @@ namespace cut_flips_test {
                 }
         EXPECT_EQ(surface_and_interfaces(), held_before);
         double before = worst();
-        for (TetId t = 0; t < static_cast<TetId>(store.books().tet_slots) && edges < 400; ++t) {
+        for (TetId t = 0; t < static_cast<TetId>(store.counts().tet_slots) && edges < 400; ++t) {
             for (int corner = 0; store.has_tet(t) && corner < 4; ++corner)
                 if (const auto flip = face_flip(store, t, corner);
                     flip && flip->cosine_after < flip->cosine_before - 1e-6) {
@@ -346,7 +346,7 @@ namespace cut_flips_test {
             EXPECT_NEAR(volume, volumes_before.at(label), kMeshRoundOff * volume);
         EXPECT_EQ(surface_and_interfaces(), held_before);
         const auto tets = elements(store);
-        EXPECT_EQ(tets.size(), store.books().tets) << "no element twice";
+        EXPECT_EQ(tets.size(), store.counts().tets) << "no element twice";
     }
 
 } // namespace cut_flips_test

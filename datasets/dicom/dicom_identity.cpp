@@ -120,11 +120,11 @@ void rethrow_without_identity(const fs::path& path)
     try {
         throw;
     } catch (const InputError& error) {
-        throw InputError(clean(error.what()), clean(error.where()));
+        throw InputError(clean(error.what()), clean(error.where()), error.fields());
     } catch (const IoError& error) {
-        throw IoError(clean(error.what()), clean(error.where()));
+        throw IoError(clean(error.what()), clean(error.where()), error.fields());
     } catch (const SolverError& error) {
-        throw SolverError(clean(error.what()), clean(error.where()));
+        throw SolverError(clean(error.what()), clean(error.where()), error.fields());
     }
 }
 

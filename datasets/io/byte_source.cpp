@@ -1,6 +1,5 @@
 #include "datasets/io/byte_source.h"
 
-#include "datasets/io/header_text.h"
 #include "datasets/io/voxel_values.h"
 #include "mesh/base/error.h"
 

@@ -8,7 +8,6 @@
 #include <vtkDICOMConfig.h>
 #include <vtkVersion.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdint>

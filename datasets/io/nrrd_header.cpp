@@ -4,11 +4,9 @@
 #include "mesh/base/error.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <optional>
 
 namespace retractor::datasets {

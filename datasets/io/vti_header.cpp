@@ -5,7 +5,6 @@
 #include "mesh/base/error.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstring>
 #include <fstream>

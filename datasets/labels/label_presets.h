@@ -5,7 +5,6 @@
 
 #include "datasets/io/label_table.h"
 
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>

@@ -2,7 +2,6 @@
 #include "datasets/labels/seg_nrrd.h"
 #include "mesh/base/error.h"
 
-#include <algorithm>
 #include <limits>
 #include <numeric>
 #include <set>

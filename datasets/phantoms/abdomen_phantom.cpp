@@ -2,7 +2,6 @@
 
 #include "datasets/phantoms/phantom_ct.h"
 #include "datasets/phantoms/phantom_shapes.h"
-#include "mesh/base/error.h"
 
 #include <algorithm>
 #include <array>

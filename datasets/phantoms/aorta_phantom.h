@@ -6,8 +6,6 @@
 
 #include "datasets/phantoms/elastic_model.h"
 
-#include <string>
-
 namespace retractor::datasets {
 
 /// The sclerotic part of the wall: a length of the centreline, over the whole circumference or an angle about the site.

@@ -1,6 +1,7 @@
 #include "datasets/segmentation/body.h"
 
 #include "mesh/base/error.h"
+#include "mesh/image/plane_holes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -60,7 +61,7 @@ Body segment_body(const WorkingImage& image, int threads)
     const Mask core = largest_piece(cells, eroded(cells, solid_cells, kOpening));
     Mask trunk = common(dilated(cells, core, kOpening + kRegain), solid_cells);
     trunk = united(trunk, away_from_sides(cells, closed(cells, trunk, kClose), kClose));
-    trunk = holes_filled(cells, holes_filled_in_planes(cells, trunk, 2));
+    trunk = holes_filled(cells, mesh::holes_filled_in_planes(cells.size, trunk, 2));
     if (volume_ml(cells, trunk) < kLeastTrunkMl)
         throw InputError("no body was found: the largest connected piece above " + std::to_string(kSkinHu)
                 + " HU that is thicker than " + std::to_string(static_cast<int>(2.0 * kOpening)) + " mm has "
@@ -74,7 +75,7 @@ Body segment_body(const WorkingImage& image, int threads)
     // The window is wide enough to remove a lead on the skin.
     const int smoothing = std::max(1, static_cast<int>(std::lround(kLead / extent.spacing[0])));
     body.mask = largest_piece(extent, majority(extent, body.mask, smoothing, threads));
-    body.mask = holes_filled(extent, holes_filled_in_planes(extent, body.mask, 2));
+    body.mask = holes_filled(extent, mesh::holes_filled_in_planes(extent.size, body.mask, 2));
     constexpr double kMuch = 0.02;
     constexpr double kCrop = 0.5;
     const double cut_off = cut_off_share(extent, body.mask);

@@ -1,9 +1,7 @@
 #include "datasets/segmentation/given_labels.h"
 
-#include <algorithm>
 #include <limits>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <vector>
 

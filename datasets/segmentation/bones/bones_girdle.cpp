@@ -3,9 +3,6 @@
 
 #include "datasets/segmentation/bones/bones_steps.h"
 
-#include <algorithm>
-#include <cmath>
-
 namespace retractor::datasets::segmentation {
 
 void label_girdle(const WorkingImage& image, const Mask& bone, const Cage& cage, const GirdleIds& ids, Label cartilage,

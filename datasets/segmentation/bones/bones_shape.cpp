@@ -1,6 +1,7 @@
 // Turns the voxels of a bone into a body for the mesher: solid, in one piece, and not touching the next bone.
 
 #include "datasets/segmentation/bones/bones_steps.h"
+#include "mesh/image/plane_holes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -81,7 +82,7 @@ namespace {
             grow(box, 1);
         const Extent extent { box.size, { spacing, spacing, spacing } };
         for (int axis = 0; axis < 3; ++axis)
-            box.mask = holes_filled_in_planes(extent, box.mask, axis);
+            box.mask = mesh::holes_filled_in_planes(extent.size, box.mask, axis);
         for (int n = 0; n < steps; ++n)
             grow(box, 0);
         for (std::size_t v = 0; v < before.size(); ++v)

@@ -6,7 +6,6 @@
 #include <itkBinaryFillholeImageFilter.h>
 #include <itkConnectedComponentImageFilter.h>
 #include <itkImportImageFilter.h>
-#include <itkMedianImageFilter.h>
 #include <itkMultiThreaderBase.h>
 #include <itkRelabelComponentImageFilter.h>
 #include <itkSignedMaurerDistanceMapImageFilter.h>
@@ -15,7 +14,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <string>
 
 namespace retractor::datasets::segmentation {
 
@@ -156,43 +154,6 @@ namespace {
     /// last voxel.
     double with_slack(double radius_mm) { return radius_mm * (1.0 + 1e-5) + 1e-6; }
 
-    /// Fills the areas that are not connected to the border of a plane. The plane has `width` x `height` bytes.
-    void fill_plane(std::vector<std::uint8_t>& plane, int width, int height, std::vector<int>& stack)
-    {
-        constexpr std::uint8_t kOutside = 2;
-        const auto reach = [&](int x, int y) {
-            auto& voxel
-                = plane[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
-            if (voxel != 0)
-                return;
-            voxel = kOutside;
-            stack.push_back(y * width + x);
-        };
-        for (int x = 0; x < width; ++x) {
-            reach(x, 0);
-            reach(x, height - 1);
-        }
-        for (int y = 0; y < height; ++y) {
-            reach(0, y);
-            reach(width - 1, y);
-        }
-        while (!stack.empty()) {
-            const int x = stack.back() % width;
-            const int y = stack.back() / width;
-            stack.pop_back();
-            if (x > 0)
-                reach(x - 1, y);
-            if (x + 1 < width)
-                reach(x + 1, y);
-            if (y > 0)
-                reach(x, y - 1);
-            if (y + 1 < height)
-                reach(x, y + 1);
-        }
-        for (auto& voxel : plane)
-            voxel = voxel == kOutside ? 0 : 1;
-    }
-
 } // namespace
 
 void set_filter_threads(int threads)
@@ -320,33 +281,6 @@ Mask holes_filled(const Extent& extent, const Mask& mask)
     return values_of(*filter->GetOutput());
 }
 
-Mask holes_filled_in_planes(const Extent& extent, const Mask& mask, int axis)
-{
-    RETRACTOR_ASSERT(is_grid(extent, mask.size()));
-    RETRACTOR_ASSERT(axis >= 0 && axis <= 2);
-    const std::array<std::size_t, 3> stride { 1, static_cast<std::size_t>(extent.size[0]),
-        static_cast<std::size_t>(extent.size[0]) * static_cast<std::size_t>(extent.size[1]) };
-    const auto a = static_cast<std::size_t>(axis);
-    const std::size_t u = a == 0 ? 1 : 0;
-    const std::size_t w = a == 2 ? 1 : 2;
-    Mask out = mask;
-    std::vector<std::uint8_t> plane(
-        static_cast<std::size_t>(extent.size[u]) * static_cast<std::size_t>(extent.size[w]));
-    std::vector<int> stack;
-    const auto visit_plane = [&](std::size_t first, const auto& visit) {
-        std::size_t at = 0;
-        for (std::size_t y = 0; y < static_cast<std::size_t>(extent.size[w]); ++y)
-            for (std::size_t x = 0; x < static_cast<std::size_t>(extent.size[u]); ++x, ++at)
-                visit(out[first + y * stride[w] + x * stride[u]], plane[at]);
-    };
-    for (std::size_t n = 0; n < static_cast<std::size_t>(extent.size[a]); ++n) {
-        visit_plane(n * stride[a], [](std::uint8_t voxel, std::uint8_t& copy) { copy = voxel != 0 ? 1 : 0; });
-        fill_plane(plane, extent.size[u], extent.size[w], stack);
-        visit_plane(n * stride[a], [](std::uint8_t& voxel, std::uint8_t copy) { voxel = copy; });
-    }
-    return out;
-}
-
 std::vector<std::int16_t> smoothed(const Extent& extent, std::span<const std::int16_t> values, double sigma_mm)
 {
     RETRACTOR_ASSERT(is_grid(extent, values.size()));
@@ -366,20 +300,6 @@ std::vector<std::int16_t> smoothed(const Extent& extent, std::span<const std::in
     std::transform(first, first + out.size(), out.begin(),
         [](float value) { return static_cast<std::int16_t>(std::lround(std::clamp(value, -32768.0F, 32767.0F))); });
     return out;
-}
-
-std::vector<std::int16_t> median(const Extent& extent, std::span<const std::int16_t> values, int radius_voxels)
-{
-    RETRACTOR_ASSERT(is_grid(extent, values.size()));
-    RETRACTOR_ASSERT(radius_voxels >= 0);
-    const auto image = import_image<std::int16_t>(extent, values);
-    auto filter = make_filter<itk::MedianImageFilter<ValueImage, ValueImage>>();
-    filter->SetInput(image->GetOutput());
-    MaskImage::SizeType radius;
-    radius.Fill(static_cast<itk::SizeValueType>(radius_voxels));
-    filter->SetRadius(radius);
-    filter->Update();
-    return values_of(*filter->GetOutput());
 }
 
 } // namespace retractor::datasets::segmentation

@@ -58,12 +58,8 @@ Mask reached_from(const Extent& extent, const Mask& mask, const Mask& seeds);
 
 /// Sets unset voxels that the mask encloses in three dimensions.
 Mask holes_filled(const Extent& extent, const Mask& mask);
-/// Sets unset voxels that the mask encloses within a plane perpendicular to `axis` (0, 1 or 2), plane by plane.
-Mask holes_filled_in_planes(const Extent& extent, const Mask& mask, int axis);
 
 /// Gaussian filter of standard deviation `sigma_mm`. @throws InputError for fewer than 4 voxels along an axis.
 std::vector<std::int16_t> smoothed(const Extent& extent, std::span<const std::int16_t> values, double sigma_mm);
-/// Median filter over a box of (2 radius_voxels + 1)^3 voxels.
-std::vector<std::int16_t> median(const Extent& extent, std::span<const std::int16_t> values, int radius_voxels);
 
 } // namespace retractor::datasets::segmentation

@@ -1,6 +1,7 @@
 #include "datasets/segmentation/image/working_image.h"
 
 #include "mesh/base/assert.h"
+#include "mesh/image/plane_holes.h"
 
 #include <algorithm>
 #include <atomic>
@@ -333,7 +334,7 @@ Mask small_holes_filled_in_planes(const Extent& extent, const Mask& mask, int ax
 {
     Mask out = mask;
     const auto a = static_cast<std::size_t>(axis);
-    const Mask holes = without(holes_filled_in_planes(extent, mask, axis), mask);
+    const Mask holes = without(mesh::holes_filled_in_planes(extent.size, mask, axis), mask);
     // The pieces are flat: only the two axes in the plane connect voxels.
     const std::array<std::size_t, 3> stride { 1, static_cast<std::size_t>(extent.size[0]),
         static_cast<std::size_t>(extent.size[0]) * static_cast<std::size_t>(extent.size[1]) };

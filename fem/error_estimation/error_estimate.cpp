@@ -5,7 +5,6 @@
 #include "mesh/base/error.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>

@@ -61,7 +61,6 @@ public:
     /// @return 3 x slots rows
     Eigen::MatrixXd field(const Eigen::MatrixXd& kept_displacement, std::size_t slots) const;
 
-    double factor_entries() const { return factor_.factor_entries(); }
     std::size_t bytes() const;
 
 private:

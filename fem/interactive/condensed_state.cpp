@@ -3,7 +3,6 @@
 #include "fem/linear_algebra/dense_algebra.h"
 #include "mesh/base/assert.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace retractor::fem {
@@ -62,21 +61,21 @@ void CondensedState::keep(VertexId v)
 
 CondensedState condensed_state_of(const CondensedBody& body)
 {
-    CondensedState view;
+    CondensedState state;
     for (const VertexId v : body.kept())
-        view.keep(v);
-    view.body = &body;
-    return view;
+        state.keep(v);
+    state.body = &body;
+    return state;
 }
 
-std::vector<std::int32_t> rows_of_vertices(const CondensedState& view, const std::vector<VertexId>& vertices)
+std::vector<std::int32_t> rows_of_vertices(const CondensedState& state, const std::vector<VertexId>& vertices)
 {
     std::vector<std::int32_t> rows;
     rows.reserve(3 * vertices.size());
     for (const VertexId v : vertices) {
-        RETRACTOR_ASSERT(view.place(v) >= 0);
+        RETRACTOR_ASSERT(state.place(v) >= 0);
         for (std::int32_t axis = 0; axis < 3; ++axis)
-            rows.push_back(3 * view.place(v) + axis);
+            rows.push_back(3 * state.place(v) + axis);
     }
     return rows;
 }
@@ -137,54 +136,54 @@ std::size_t CondensedState::step_bytes() const
     return entries * sizeof(double);
 }
 
-void fetch_back(CondensedState& view, const OnlineStiffness& K, const std::vector<VertexId>& vertices)
+void fetch_back(CondensedState& state, const OnlineStiffness& K, const std::vector<VertexId>& vertices)
 {
     if (vertices.empty())
         return;
-    RETRACTOR_ASSERT(view.dropped.empty());
+    RETRACTOR_ASSERT(state.dropped.empty());
     const auto row = [&](VertexId v) -> const OnlineStiffness::Row& {
-        const auto found = view.reference.find(v);
-        return found == view.reference.end() ? K.row(v) : found->second;
+        const auto found = state.reference.find(v);
+        return found == state.reference.end() ? K.row(v) : found->second;
     };
-    EliminatedAdded& eliminated_added = view.eliminated_added;
+    EliminatedAdded& eliminated_added = state.eliminated_added;
     std::vector<std::int32_t> wanted;
     for (const VertexId v : vertices)
         wanted.push_back(eliminated_added.place.at(v));
     const auto size = 3 * static_cast<Eigen::Index>(eliminated_added.vertices.size());
     const Eigen::MatrixXd unit = unit_columns(size, wanted);
     const Eigen::MatrixXd alone = eliminated_added.factor.solve(unit); // K_zz^-1 E_w
-    Eigen::MatrixXd pull = Eigen::MatrixXd::Zero(view.compliance().rows(), alone.cols()); // K_kz K_zz^-1 E_w
+    Eigen::MatrixXd pull = Eigen::MatrixXd::Zero(state.compliance().rows(), alone.cols()); // K_kz K_zz^-1 E_w
     for (std::size_t z = 0; z < eliminated_added.vertices.size(); ++z) {
         const OnlineStiffness::Row& full = row(eliminated_added.vertices[z]);
         for (std::size_t k = 0; k < full.column.size(); ++k)
-            if (const std::int32_t at = view.place(full.column[k]); at >= 0)
+            if (const std::int32_t at = state.place(full.column[k]); at >= 0)
                 pull.middleRows(3 * at, 3) += RowBlock(full.value.data() + 9 * k).transpose()
                     * alone.middleRows(3 * static_cast<Eigen::Index>(z), 3);
     }
-    const Eigen::MatrixXd under = product(view.compliance(), pull);
+    const Eigen::MatrixXd under = product(state.compliance(), pull);
     const Eigen::MatrixXd own = product_transposed(unit, alone) + product_transposed(pull, under);
-    view.own = std::make_shared<const Eigen::MatrixXd>(bordered(view.compliance(), -under.transpose(), own));
-    view.body = nullptr;
+    state.own = std::make_shared<const Eigen::MatrixXd>(bordered(state.compliance(), -under.transpose(), own));
+    state.body = nullptr;
     for (const VertexId v : vertices) {
-        view.keep(v);
-        view.added.insert(v);
+        state.keep(v);
+        state.added.insert(v);
         std::erase(eliminated_added.vertices, v);
     }
     eliminated_added.number_and_factor(row);
 }
 
-void keep_also(CondensedState& view, const AddedVertices& added)
+void keep_also(CondensedState& state, const AddedVertices& added)
 {
-    RETRACTOR_ASSERT(view.dropped.empty());
-    const std::vector<std::int32_t> before = rows_of_vertices(view, added.before);
-    const Eigen::MatrixXd of_before = view.compliance()(before, Eigen::all);
+    RETRACTOR_ASSERT(state.dropped.empty());
+    const std::vector<std::int32_t> before = rows_of_vertices(state, added.before);
+    const Eigen::MatrixXd of_before = state.compliance()(before, Eigen::all);
     const Eigen::MatrixXd cross = product(added.follow, of_before);
     const Eigen::MatrixXd own
         = added.own + product(Eigen::MatrixXd(cross(Eigen::all, before)), Eigen::MatrixXd(added.follow.transpose()));
-    view.own = std::make_shared<const Eigen::MatrixXd>(bordered(view.compliance(), cross, own));
-    view.body = nullptr;
+    state.own = std::make_shared<const Eigen::MatrixXd>(bordered(state.compliance(), cross, own));
+    state.body = nullptr;
     for (const VertexId v : added.vertices)
-        view.keep(v);
+        state.keep(v);
 }
 
 } // namespace retractor::fem

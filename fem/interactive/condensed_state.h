@@ -102,14 +102,14 @@ CondensedState condensed_state_of(const CondensedBody& body);
 /// Retains eliminated vertices again.
 /// @pre no vertex has been dropped
 /// @param K the present stiffness; rows that changed since are in the reference
-void fetch_back(CondensedState& view, const OnlineStiffness& K, const std::vector<VertexId>& vertices);
+void fetch_back(CondensedState& state, const OnlineStiffness& K, const std::vector<VertexId>& vertices);
 
 /// Retains the vertices that the body now retains in addition.
 /// @pre no vertex has been dropped
 /// @param added the result of CondensedBody::keep_also()
-void keep_also(CondensedState& view, const AddedVertices& added);
+void keep_also(CondensedState& state, const AddedVertices& added);
 
 /// The rows of these vertices in the compliance, three per vertex.
-std::vector<std::int32_t> rows_of_vertices(const CondensedState& view, const std::vector<VertexId>& vertices);
+std::vector<std::int32_t> rows_of_vertices(const CondensedState& state, const std::vector<VertexId>& vertices);
 
 } // namespace retractor::fem

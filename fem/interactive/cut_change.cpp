@@ -1,7 +1,6 @@
 #include "fem/interactive/cut_change.h"
 
 #include "fem/interactive/vertex_matrix.h"
-#include "fem/linear_algebra/dense_algebra.h"
 #include "mesh/base/assert.h"
 
 #include <algorithm>
@@ -27,7 +26,7 @@ namespace {
 
     /// Adds the blocks of the change, without the contribution of added vertices. A vertex that is gone, or is fixed
     /// now, is put on a spring of its own: the vertex stays where it is and affects no other vertex.
-    void add_change(const OnlineStiffness& K, const CondensedState& view, const std::vector<std::uint8_t>& active,
+    void add_change(const OnlineStiffness& K, const CondensedState& state, const std::vector<std::uint8_t>& active,
         const Places& place, CutChange& change)
     {
         const auto is_active = [&](VertexId v) { return active[static_cast<std::size_t>(v)] != 0; };
@@ -39,7 +38,7 @@ namespace {
         };
         for (const VertexId v : change.changed) {
             const std::int32_t at = place.at(v);
-            const OnlineStiffness::Row& before = view.reference.at(v);
+            const OnlineStiffness::Row& before = state.reference.at(v);
             if (is_active(v))
                 add(K.row(v), at, 1.0);
             add(before, at, -1.0);
@@ -125,21 +124,21 @@ Eigen::MatrixXd changed_stiffness(const CutChange& change)
     return stiffness;
 }
 
-std::vector<VertexId> changed_vertices(const OnlineStiffness& K, const CondensedState& view)
+std::vector<VertexId> changed_vertices(const OnlineStiffness& K, const CondensedState& state)
 {
     std::vector<VertexId> changed;
-    for (const auto& [v, row] : view.reference)
-        if (view.place(v) >= 0 && !(K.row(v) == row))
+    for (const auto& [v, row] : state.reference)
+        if (state.place(v) >= 0 && !(K.row(v) == row))
             changed.push_back(v);
     return changed;
 }
 
-CutChange make_cut_change(const OnlineStiffness& K, const CondensedState& view, const std::vector<std::uint8_t>& active,
-    const std::set<VertexId>& added, const std::set<VertexId>& held)
+CutChange make_cut_change(const OnlineStiffness& K, const CondensedState& state,
+    const std::vector<std::uint8_t>& active, const std::set<VertexId>& added, const std::set<VertexId>& held)
 {
     CutChange change;
-    change.changed = changed_vertices(K, view);
-    change.kept_rows = rows_of_vertices(view, change.changed);
+    change.changed = changed_vertices(K, state);
+    change.kept_rows = rows_of_vertices(state, change.changed);
     Places place;
     for (std::size_t i = 0; i < change.changed.size(); ++i)
         place.emplace(change.changed[i], static_cast<std::int32_t>(i));
@@ -148,7 +147,7 @@ CutChange make_cut_change(const OnlineStiffness& K, const CondensedState& view, 
             change.added_place.emplace(v, static_cast<std::int32_t>(change.added.size()));
             change.added.push_back(v);
         }
-    add_change(K, view, active, place, change);
+    add_change(K, state, active, place, change);
     eliminate_added(K, place, change);
     return change;
 }

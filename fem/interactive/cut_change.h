@@ -35,7 +35,7 @@ struct CutChange {
 };
 
 /// Retained vertices whose rows differ from the reference.
-std::vector<VertexId> changed_vertices(const OnlineStiffness& K, const CondensedState& view);
+std::vector<VertexId> changed_vertices(const OnlineStiffness& K, const CondensedState& state);
 
 /// The whole change as one dense matrix on the changed unknowns.
 Eigen::MatrixXd changed_stiffness(const CutChange& change);
@@ -46,7 +46,7 @@ Eigen::MatrixXd changed_stiffness(const CutChange& change);
 /// @param held vertices whose displacement is given; added vertices among them are not eliminated
 /// @pre all vertices whose rows changed are retained, added or fixed
 /// @throws SolverError when added vertices are not supported by retained vertices
-CutChange make_cut_change(const OnlineStiffness& K, const CondensedState& view, const std::vector<std::uint8_t>& active,
-    const std::set<VertexId>& added, const std::set<VertexId>& held);
+CutChange make_cut_change(const OnlineStiffness& K, const CondensedState& state,
+    const std::vector<std::uint8_t>& active, const std::set<VertexId>& added, const std::set<VertexId>& held);
 
 } // namespace retractor::fem

@@ -21,11 +21,11 @@ namespace {
                 to(rows[i], c) += factor * from(static_cast<Eigen::Index>(i), c);
     }
 
-    Rows kept_rows(const CondensedState& view, const std::vector<HeldVertex>& held)
+    Rows kept_rows(const CondensedState& state, const std::vector<HeldVertex>& held)
     {
         Rows rows;
         for (const HeldVertex& h : held)
-            if (const std::int32_t place = view.place(h.vertex); place >= 0)
+            if (const std::int32_t place = state.place(h.vertex); place >= 0)
                 for (std::int32_t axis = 0; axis < 3; ++axis)
                     rows.push_back(3 * place + axis);
         return rows;
@@ -35,10 +35,10 @@ namespace {
 
 } // namespace
 
-HookCompliance make_hook_compliance(const CondensedState& view, const std::vector<HeldVertex>& held)
+HookCompliance make_hook_compliance(const CondensedState& state, const std::vector<HeldVertex>& held)
 {
-    HookCompliance hooks { kept_rows(view, held), {}, {} };
-    const Eigen::MatrixXd& C = view.compliance();
+    HookCompliance hooks { kept_rows(state, held), {}, {} };
+    const Eigen::MatrixXd& C = state.compliance();
     hooks.factor = C(hooks.rows, hooks.rows);
     if (!cholesky(hooks.factor))
         throw SolverError("the compliance under the hooks is singular", "hooks");
@@ -61,10 +61,10 @@ double dense_work(std::size_t kept_vertices, std::size_t held_vertices)
     return free * free * free / 3.0;
 }
 
-LocalSystem::LocalSystem(const OnlineStiffness& K, const CondensedState& view, const CutChange& change,
+LocalSystem::LocalSystem(const OnlineStiffness& K, const CondensedState& state, const CutChange& change,
     const HookCompliance& hooks, const std::vector<HeldVertex>& held)
     : K_(&K)
-    , view_(&view)
+    , state_(&state)
     , stiffness_(nullptr)
     , change_(&change)
     , hooks_(&hooks)
@@ -75,14 +75,14 @@ LocalSystem::LocalSystem(const OnlineStiffness& K, const CondensedState& view, c
     prepare_low_rank();
 }
 
-LocalSystem::LocalSystem(const OnlineStiffness& K, const CondensedState& view, const CutChange& change,
+LocalSystem::LocalSystem(const OnlineStiffness& K, const CondensedState& state, const CutChange& change,
     const Eigen::MatrixXd& stiffness, const std::vector<HeldVertex>& held)
     : K_(&K)
-    , view_(&view)
+    , state_(&state)
     , stiffness_(&stiffness)
     , change_(&change)
     , hooks_(nullptr)
-    , hook_rows_(kept_rows(view, held))
+    , hook_rows_(kept_rows(state, held))
     , held_(&held)
     , held_in_factor_(held.size())
 {
@@ -93,7 +93,7 @@ void LocalSystem::prepare_low_rank()
 {
     const Rows& rows = change_->kept_rows;
     RETRACTOR_ASSERT(change_->stiffness.rows() == static_cast<Eigen::Index>(rows.size()));
-    Eigen::MatrixXd C = view_->compliance()(rows, rows);
+    Eigen::MatrixXd C = state_->compliance()(rows, rows);
     const Eigen::MatrixXd held = rows_of(hooks_->columns, rows);
     C -= product(held, Eigen::MatrixXd(held.transpose()));
     Eigen::MatrixXd capacitance = product(C, change_->stiffness);
@@ -161,7 +161,7 @@ void LocalSystem::hold_appended()
     late_.clear();
     for (std::size_t i = held_in_factor_; i < held_->size(); ++i)
         for (std::int32_t axis = 0; axis < 3; ++axis)
-            late_.push_back(number[static_cast<std::size_t>(3 * view_->place((*held_)[i].vertex) + axis)]);
+            late_.push_back(number[static_cast<std::size_t>(3 * state_->place((*held_)[i].vertex) + axis)]);
     RETRACTOR_ASSERT(std::none_of(late_.begin(), late_.end(), [](std::int32_t row) { return row < 0; }));
     late_columns_ = Eigen::MatrixXd::Zero(factor_.rows(), static_cast<Eigen::Index>(late_.size()));
     for (std::size_t i = 0; i < late_.size(); ++i)
@@ -182,7 +182,7 @@ Eigen::MatrixXd LocalSystem::low_rank_kept(const Eigen::MatrixXd& load, const Ei
         through_hooks -= rows_of(elsewhere, hook_rows_);
     forward(hooks_->factor, through_hooks); // L^-1 u_h
     const auto under = [&](const Eigen::MatrixXd& g) { // C g while the hooks do not move
-        const Eigen::MatrixXd x = product(view_->compliance(), g);
+        const Eigen::MatrixXd x = product(state_->compliance(), g);
         return Eigen::MatrixXd(x - product(hooks_->columns, product_transposed(hooks_->columns, g)));
     };
     Eigen::MatrixXd moved = product(hooks_->columns, through_hooks);
@@ -242,19 +242,19 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
 {
     const CutChange& change = *change_;
     const Eigen::Index cases = hook_displacement.cols();
-    RETRACTOR_ASSERT(load_kept.rows() == 3 * static_cast<Eigen::Index>(view_->vertices.size()));
+    RETRACTOR_ASSERT(load_kept.rows() == 3 * static_cast<Eigen::Index>(state_->vertices.size()));
     RETRACTOR_ASSERT(load_added.rows() == 3 * static_cast<Eigen::Index>(change.added.size()));
     RETRACTOR_ASSERT(load_kept.cols() == cases && load_added.cols() == cases);
     Eigen::MatrixXd load = load_kept, added_load = load_added;
     // Held vertices that cuts have added pull directly on their neighbours.
     for (const HeldVertex& h : *held_) {
-        if (view_->place(h.vertex) >= 0)
+        if (state_->place(h.vertex) >= 0)
             continue;
         const OnlineStiffness::Row& row = K_->row(h.vertex);
         for (std::size_t k = 0; k < row.column.size(); ++k) {
             const RowBlock block(row.value.data() + 9 * k);
             const Eigen::MatrixXd pull = block.transpose() * hook_displacement.middleRows(3 * h.hook, 3);
-            if (const std::int32_t place = view_->place(row.column[k]); place >= 0)
+            if (const std::int32_t place = state_->place(row.column[k]); place >= 0)
                 load.middleRows(3 * place, 3) -= pull;
             else if (const auto n = change.added_place.find(row.column[k]); n != change.added_place.end())
                 added_load.middleRows(3 * n->second, 3) -= pull;
@@ -272,7 +272,7 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
     Eigen::MatrixXd given(static_cast<Eigen::Index>(hook_rows_.size() + late_.size()), cases);
     Eigen::Index next = 0;
     for (const HeldVertex& h : *held_)
-        if (view_->place(h.vertex) >= 0) {
+        if (state_->place(h.vertex) >= 0) {
             given.middleRows(next, 3) = hook_displacement.middleRows(3 * h.hook, 3);
             next += 3;
         }
@@ -293,7 +293,7 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
     s.held_forces = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(held_->size()), cases);
     next = 0;
     for (std::size_t i = 0; i < held_->size(); ++i)
-        if (view_->place((*held_)[i].vertex) >= 0) {
+        if (state_->place((*held_)[i].vertex) >= 0) {
             s.held_forces.middleRows(3 * static_cast<Eigen::Index>(i), 3) = forces.middleRows(next, 3);
             next += 3;
         }

@@ -20,7 +20,7 @@ struct HookCompliance {
 };
 /// @param held held vertices; vertices that the state does not retain are ignored
 /// @throws SolverError when the compliance of the held vertices is singular
-HookCompliance make_hook_compliance(const CondensedState& view, const std::vector<HeldVertex>& held);
+HookCompliance make_hook_compliance(const CondensedState& state, const std::vector<HeldVertex>& held);
 
 enum class LocalRoute { low_rank, dense };
 
@@ -32,10 +32,10 @@ class LocalSystem {
 public:
     // All arguments are referred to for the lifetime of this object.
     /// Low-rank route. @pre `change` has its matrix `stiffness`
-    LocalSystem(const OnlineStiffness& K, const CondensedState& view, const CutChange& change,
+    LocalSystem(const OnlineStiffness& K, const CondensedState& state, const CutChange& change,
         const HookCompliance& hooks, const std::vector<HeldVertex>& held);
     /// Dense route. @param stiffness of the retained vertices in the given state
-    LocalSystem(const OnlineStiffness& K, const CondensedState& view, const CutChange& change,
+    LocalSystem(const OnlineStiffness& K, const CondensedState& state, const CutChange& change,
         const Eigen::MatrixXd& stiffness, const std::vector<HeldVertex>& held);
 
     LocalRoute route() const { return stiffness_ == nullptr ? LocalRoute::low_rank : LocalRoute::dense; }
@@ -72,7 +72,7 @@ private:
     void prepare_dense();
 
     const OnlineStiffness* K_;
-    const CondensedState* view_;
+    const CondensedState* state_;
     const Eigen::MatrixXd* stiffness_;
     const CutChange* change_;
     const HookCompliance* hooks_; ///< null with the dense route

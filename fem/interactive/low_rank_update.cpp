@@ -9,22 +9,22 @@
 
 namespace retractor::fem {
 
-UpdateSource update_source(const CondensedState& view, const CutChange& change, const OnlineStiffness& K,
+UpdateSource update_source(const CondensedState& state, const CutChange& change, const OnlineStiffness& K,
     std::set<VertexId> held, bool leaving)
 {
-    UpdateSource source { .compliance = view.shared_compliance(),
-        .vertices = view.vertices,
-        .added = view.added,
-        .eliminated_added = { view.eliminated_added.vertices.begin(), view.eliminated_added.vertices.end() },
+    UpdateSource source { .compliance = state.shared_compliance(),
+        .vertices = state.vertices,
+        .added = state.added,
+        .eliminated_added = { state.eliminated_added.vertices.begin(), state.eliminated_added.vertices.end() },
         .rows = {},
         .held = std::move(held),
-        .origin = !leaving         ? nullptr
-            : view.body != nullptr ? view.shared_compliance()
-                                   : view.origin,
-        .steps = view.steps,
-        .stale = view.stale,
-        .dropped = view.dropped,
-        .of_view = { view.vertices.begin(), view.vertices.end() } };
+        .origin = !leaving          ? nullptr
+            : state.body != nullptr ? state.shared_compliance()
+                                    : state.origin,
+        .steps = state.steps,
+        .stale = state.stale,
+        .dropped = state.dropped,
+        .vertex_set = { state.vertices.begin(), state.vertices.end() } };
     for (const VertexId v : source.added)
         source.rows.emplace(v, K.row(v));
     for (const VertexId v : source.eliminated_added)

@@ -30,11 +30,11 @@ struct UpdateSource {
     std::set<VertexId> stale, dropped;
 
     /// Whether the updated state will have the vertex.
-    bool has(VertexId v) const { return rows.contains(v) || of_view.contains(v); }
-    std::set<VertexId> of_view; ///< `vertices` as a set
+    bool has(VertexId v) const { return rows.contains(v) || vertex_set.contains(v); }
+    std::set<VertexId> vertex_set; ///< `vertices` as a set
 };
 /// @param leaving whether vertices may be dropped; keep_also() and fetch_back() need states without dropped vertices
-UpdateSource update_source(const CondensedState& view, const CutChange& change, const OnlineStiffness& K,
+UpdateSource update_source(const CondensedState& state, const CutChange& change, const OnlineStiffness& K,
     std::set<VertexId> held, bool leaving);
 
 /// Computes the state after `change`. The state retains the vertices that the change added. Vertices added by earlier

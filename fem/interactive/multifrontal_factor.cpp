@@ -6,7 +6,6 @@
 #include "mesh/base/error.h"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
 namespace retractor::fem {
@@ -187,7 +186,7 @@ MultifrontalFactor::MultifrontalFactor(const OnlineStiffness& stiffness, const D
     for (std::size_t v = 0; v < active.size(); ++v)
         active[v] = part_[v] >= 0 ? 1 : 0;
     if (!update(stiffness, active, {}))
-        throw SolverError("the stiffness is not positive definite: something is not held");
+        throw SolverError("a part of the tissue has no support (the stiffness is not positive definite)");
     share_out(); // the cost of each front is known only now
 }
 
@@ -662,15 +661,6 @@ Eigen::MatrixXd MultifrontalFactor::solve(const Eigen::MatrixXd& load) const
     const ScopedThread other([&] { fill(below_[1], condensed, x); });
     fill(below_[0], condensed, x);
     return x;
-}
-
-double MultifrontalFactor::factor_entries() const
-{
-    double entries = 0.0;
-    for (const Front& front : fronts_)
-        entries += static_cast<double>(front.L11.size()) / 2.0 + static_cast<double>(front.L21.size())
-            + (front.closed.empty() ? 0.0 : front.condensing.factor_entries());
-    return entries;
 }
 
 std::size_t MultifrontalFactor::bytes() const

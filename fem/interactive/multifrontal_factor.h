@@ -72,7 +72,6 @@ public:
     /// @pre update() returned true, and no vertex was touched since
     Eigen::MatrixXd solve(const Eigen::MatrixXd& load) const;
 
-    double factor_entries() const;
     std::size_t bytes() const;
 
 private:

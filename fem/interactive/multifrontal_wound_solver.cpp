@@ -29,7 +29,7 @@ void MultifrontalWoundSolver::prepare(const std::vector<VertexId>& needed)
 {
     parts_->open(body_.K, needed);
     if (!parts_->update(body_.K, active_vertices(body_), held_vertices(body_)))
-        throw SolverError("the stiffness of the cut body is not positive definite");
+        throw SolverError("a part of the tissue has no support (the stiffness is not positive definite)");
     ready_ = true;
 }
 

@@ -31,7 +31,6 @@ public:
     Eigen::VectorXd correction(const Eigen::VectorXd& residual) const override;
     std::string route() const override { return "dissected"; }
     std::size_t corridor_vertices() const override { return parts_->open_count(); }
-    double factor_entries() const override { return parts_->factor_entries(); }
     std::size_t bytes() const override { return parts_->bytes(); }
 
 private:

@@ -27,11 +27,11 @@ namespace {
     Factored factored(const OnlineStiffness& K, const std::vector<std::uint8_t>& fixed,
         const std::vector<VertexId>& corridor, const OnlineOptions& options)
     {
-        constexpr double kWorthAsking = 3e9; // multiplications; less work is done within the time of an answer
+        constexpr double kWorthAsking = 3e9; // multiplications; less work is done within the time of a solution
         // A dense system takes about twice the work of its factor, because added vertices are condensed onto it.
         constexpr double kDenseExtra = 2.0;
         // Products of large dense matrices are fast, and hooks cost nothing in them. Measured: with 0.7 of the dense
-        // work (box of 67,000 elements) the divided body answers later, with 0.14 (graded chest wall) three times
+        // work (box of 67,000 elements) the divided body is solved later, with 0.14 (graded chest wall) three times
         // sooner.
         constexpr double kMuchLess = 0.4;
         const double dense = kDenseExtra * dense_work(corridor.size(), 0);
@@ -64,7 +64,7 @@ struct OnlineOpening::State {
     OnlineBody body;
     std::unique_ptr<WoundSolver> solver; ///< solver of `body`
     HookId next_hook = 0;
-    std::optional<HookId> lost_hook; ///< the hook because of which there is no answer
+    std::optional<HookId> lost_hook; ///< the hook because of which there is no solution
     std::optional<std::vector<FacingHooks>> facing; ///< pairs in the present body; none: not computed yet
 
     struct Rebuild {
@@ -139,7 +139,7 @@ struct OnlineOpening::State {
         }
     }
 
-    /// Brings the solver up to date. @return why there is no answer; empty when there is one
+    /// Brings the solver up to date. @return why there is no solution; empty when there is one
     std::string prepare()
     {
         if (solver->ready())
@@ -170,7 +170,7 @@ struct OnlineOpening::State {
             }
         if (solver->reciprocal_condition() == 0.0) {
             solver->drop_answer();
-            throw SolverError("the stiffness of the cut body is not positive definite");
+            throw SolverError("a part of the tissue has no support (the stiffness is not positive definite)");
         }
         return {};
     }
@@ -218,12 +218,13 @@ struct OnlineOpening::State {
         if (!rest.converged) {
             answer.status = OnlineStatus::inaccurate;
             answer.hooks_at_rest = false;
-            answer.message = "the hooks' forces did not come to rest";
+            answer.message = "no equilibrium of the hooks was found";
         }
         constexpr double kFarthest = 1e6; // mm; above, the stiffness at the hook is round-off
         if (!prescribed && !(rest.displacement.lpNorm<Eigen::Infinity>() <= kFarthest)) {
             answer.status = OnlineStatus::unsupported;
-            answer.message = "the hooks' forces did not come to rest: nothing holds the tissue that a force draws";
+            answer.message
+                = "no equilibrium of the hooks was found: tissue that a hook pulls with a force has no support";
             return;
         }
         answer.hook_yielded = rest.yielded;
@@ -360,7 +361,7 @@ void OnlineOpening::complete(OnlineAnswer& answer)
     if (answer.status == OnlineStatus::unsupported)
         return;
     if (!s.solver->ready() || answer.displacement.size() != 3 * static_cast<Eigen::Index>(s.body.K.slot_count()))
-        throw InputError("the answer is of an earlier state: ask for another");
+        throw InputError("the solution belongs to an earlier state: compute a new solution");
     answer.displacement = s.solver->whole_field(answer.displacement).col(0);
     answer.whole = true;
     const double load = right_side(s.body, stacked(answer.hook_displacements).col(0)).norm();
@@ -385,7 +386,7 @@ void OnlineOpening::complete(OnlineAnswer& answer)
     answer.hook_forces_N = hook_forces(s.body, all);
     if (!(answer.residual <= s.options.residual)) {
         std::ostringstream text;
-        text << "the residual stays at " << answer.residual << ", asked for " << s.options.residual;
+        text << "the residual " << answer.residual << " is above the limit " << s.options.residual;
         answer.status = OnlineStatus::inaccurate;
         answer.message = text.str();
     }
@@ -512,7 +513,6 @@ std::size_t OnlineOpening::corridor_vertices() const { return state_->solver->co
 std::string OnlineOpening::route() const { return state_->solver->route(); }
 bool OnlineOpening::is_updated() const { return state_->solver->is_updated(); }
 std::size_t OnlineOpening::dropped_vertices() const { return state_->solver->dropped_vertices(); }
-double OnlineOpening::factor_entries() const { return state_->solver->factor_entries(); }
 
 std::size_t OnlineOpening::bytes() const
 {

@@ -130,7 +130,6 @@ public:
     bool is_updated() const; ///< the last answer was computed against an updated state
     /// Number of corridor vertices behind the knife that the updated state has dropped.
     std::size_t dropped_vertices() const;
-    double factor_entries() const;
     std::size_t bytes() const; ///< memory in use: matrix, factor, dense systems, columns
 
 private:

@@ -13,7 +13,6 @@
 #include <Eigen/Core>
 
 #include <array>
-#include <cstdint>
 #include <span>
 #include <vector>
 

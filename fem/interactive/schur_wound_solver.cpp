@@ -4,7 +4,6 @@
 #include "mesh/base/assert.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 namespace retractor::fem {
@@ -78,13 +77,14 @@ bool SchurWoundSolver::is_update_worthwhile() const
         return false;
     const std::set<VertexId> hooked = hooked_vertices(body_);
     // False when a hook holds a vertex that the state does not have yet.
-    return std::none_of(hooked.begin(), hooked.end(), [&](VertexId v) { return body_.is_active(v) && !view_->has(v); });
+    return std::none_of(
+        hooked.begin(), hooked.end(), [&](VertexId v) { return body_.is_active(v) && !state_->has(v); });
 }
 
 void SchurWoundSolver::start_update()
 {
     auto source = std::make_shared<const UpdateSource>(
-        update_source(*view_, *change_, body_.K, hooked_vertices(body_), leaving_));
+        update_source(*state_, *change_, body_.K, hooked_vertices(body_), leaving_));
     local_.reset(); // local_ refers to the change, whose work space the update uses up
     auto taken = std::make_shared<const CutChange>(std::move(*change_));
     change_.reset();
@@ -156,7 +156,7 @@ bool SchurWoundSolver::take_appended(HookId hook)
 {
     const std::vector<VertexId>& nodes = body_.hooks.at(hook).nodes;
     if (!local_ || local_->route() != LocalRoute::dense
-        || !std::all_of(nodes.begin(), nodes.end(), [&](VertexId v) { return view_->place(v) >= 0; }))
+        || !std::all_of(nodes.begin(), nodes.end(), [&](VertexId v) { return state_->place(v) >= 0; }))
         return false;
     local_->hold_appended(); // the factor stays, because it is the most expensive part
     return true;
@@ -255,7 +255,7 @@ void SchurWoundSolver::prepare(const std::vector<VertexId>& needed)
 
 /// The updated state where it costs less than the other routes, else the body as it was condensed. Drops an updated
 /// state that is no longer valid.
-const CondensedState& SchurWoundSolver::cheapest_view(double work_from_base)
+const CondensedState& SchurWoundSolver::cheapest_state(double work_from_base)
 {
     if (updated_ && !updated_state_holds())
         drop_updated_state();
@@ -268,13 +268,13 @@ const CondensedState& SchurWoundSolver::cheapest_view(double work_from_base)
 
 HookCompliance& SchurWoundSolver::compliance_of_hooks()
 {
-    std::optional<HookCompliance>& compliance = view_ == &base_ ? base_compliance_ : updated_compliance_;
+    std::optional<HookCompliance>& compliance = state_ == &base_ ? base_compliance_ : updated_compliance_;
     std::size_t held_rows = 0;
     for (const HeldVertex& h : body_.held)
-        held_rows += view_->place(h.vertex) >= 0 ? 3 : 0;
-    if (!compliance || compliance->columns.rows() != view_->compliance().rows()
+        held_rows += state_->place(h.vertex) >= 0 ? 3 : 0;
+    if (!compliance || compliance->columns.rows() != state_->compliance().rows()
         || compliance->rows.size() != held_rows) // a hook was attached to the present factor
-        compliance = make_hook_compliance(*view_, body_.held);
+        compliance = make_hook_compliance(*state_, body_.held);
     return *compliance;
 }
 
@@ -285,21 +285,21 @@ void SchurWoundSolver::make_local()
         body_.held.begin(), body_.held.end(), [&](const HeldVertex& h) { return condensed_->place(h.vertex) >= 0; }));
     const double low_rank = low_rank_work(changed_vertices(body_.K, base_).size(), held),
                  dense = dense_work(condensed_->kept().size(), held);
-    view_ = &cheapest_view(std::min(low_rank, dense));
-    const bool by_dense = view_ == &base_ && dense < low_rank;
+    state_ = &cheapest_state(std::min(low_rank, dense));
+    const bool by_dense = state_ == &base_ && dense < low_rank;
     std::set<VertexId> fresh;
     for (const VertexId v : added_)
-        if (!view_->has(v))
+        if (!state_->has(v))
             fresh.insert(v);
-    change_ = make_cut_change(body_.K, *view_, active_vertices(body_), fresh, held_vertices(body_));
-    if (view_ == &base_)
+    change_ = make_cut_change(body_.K, *state_, active_vertices(body_), fresh, held_vertices(body_));
+    if (state_ == &base_)
         drop_updated_state();
     if (by_dense) {
-        local_.emplace(body_.K, *view_, *change_, condensed_->stiffness(), body_.held);
+        local_.emplace(body_.K, *state_, *change_, condensed_->stiffness(), body_.held);
         return;
     }
     change_->stiffness = changed_stiffness(*change_);
-    local_.emplace(body_.K, *view_, *change_, compliance_of_hooks(), body_.held);
+    local_.emplace(body_.K, *state_, *change_, compliance_of_hooks(), body_.held);
 }
 
 std::string SchurWoundSolver::route() const
@@ -384,7 +384,7 @@ NearAnswer SchurWoundSolver::solve_under(const Eigen::VectorXd& load, const Eige
         loads.kept, loads.added, hook_displacement, loads.on_dropped ? loads.on_dropped->response : Eigen::MatrixXd());
     NearAnswer near { Eigen::MatrixXd::Zero(rows_of(body_.K.slot_count()), cases), {} };
     Eigen::MatrixXd& x = near.displacement;
-    put(body_, view_->vertices, solution.kept, x);
+    put(body_, state_->vertices, solution.kept, x);
     put(body_, change_->added, solution.added, x);
     find_dropped(solution.kept_forces, loads, x);
     for (const HeldVertex& h : body_.held)
@@ -398,7 +398,7 @@ NearAnswer SchurWoundSolver::solve_under(const Eigen::VectorXd& load, const Eige
 Eigen::VectorXd SchurWoundSolver::felt_beside_eliminated_added(const Eigen::VectorXd& load) const
 {
     Eigen::VectorXd felt = load;
-    const EliminatedAdded& eliminated_added = view_->eliminated_added;
+    const EliminatedAdded& eliminated_added = state_->eliminated_added;
     if (eliminated_added.vertices.empty())
         return felt;
     const Eigen::MatrixXd alone = eliminated_added.factor.solve(at(eliminated_added.vertices, load));
@@ -411,18 +411,18 @@ Eigen::VectorXd SchurWoundSolver::felt_beside_eliminated_added(const Eigen::Vect
 
 SchurWoundSolver::NearLoads SchurWoundSolver::near_loads(const Eigen::VectorXd& load, Eigen::Index cases) const
 {
-    NearLoads loads { Eigen::MatrixXd::Zero(rows_of(view_->vertices.size()), cases),
+    NearLoads loads { Eigen::MatrixXd::Zero(rows_of(state_->vertices.size()), cases),
         Eigen::MatrixXd::Zero(rows_of(change_->added.size()), cases), {} };
     if (load.size() == 0)
         return loads;
     const Eigen::VectorXd felt = felt_beside_eliminated_added(load);
-    loads.kept.colwise() += at(view_->vertices, felt).col(0);
-    clear_inactive(body_, view_->vertices, loads.kept);
+    loads.kept.colwise() += at(state_->vertices, felt).col(0);
+    clear_inactive(body_, state_->vertices, loads.kept);
     loads.added.colwise() += at(change_->added, felt).col(0);
-    if (!view_->dropped.empty()) {
+    if (!state_->dropped.empty()) {
         Eigen::MatrixXd on_dropped = at(condensed_->kept(), felt);
         clear_inactive(body_, condensed_->kept(), on_dropped);
-        loads.on_dropped = view_->load_on_dropped(*condensed_, Eigen::MatrixXd(on_dropped.replicate(1, cases)));
+        loads.on_dropped = state_->load_on_dropped(*condensed_, Eigen::MatrixXd(on_dropped.replicate(1, cases)));
     }
     return loads;
 }
@@ -431,10 +431,10 @@ SchurWoundSolver::NearLoads SchurWoundSolver::near_loads(const Eigen::VectorXd& 
 void SchurWoundSolver::find_dropped(
     const Eigen::MatrixXd& kept_forces, const NearLoads& loads, Eigen::MatrixXd& x) const
 {
-    if (view_->dropped.empty())
+    if (state_->dropped.empty())
         return;
-    const Eigen::MatrixXd of_body = view_->carried_back(kept_forces, loads.on_dropped ? &*loads.on_dropped : nullptr);
-    for (const VertexId v : view_->dropped)
+    const Eigen::MatrixXd of_body = state_->carried_back(kept_forces, loads.on_dropped ? &*loads.on_dropped : nullptr);
+    for (const VertexId v : state_->dropped)
         x.middleRows(3 * v, 3) = of_body.middleRows(3 * condensed_->place(v), 3);
 }
 
@@ -442,7 +442,7 @@ void SchurWoundSolver::find_dropped(
 /// @param x has the displacements of all other vertices near the wound
 void SchurWoundSolver::find_eliminated_added(const Eigen::VectorXd& load, Eigen::MatrixXd& x) const
 {
-    const EliminatedAdded& eliminated_added = view_->eliminated_added;
+    const EliminatedAdded& eliminated_added = state_->eliminated_added;
     if (eliminated_added.vertices.empty())
         return;
     Eigen::MatrixXd pull = load.size() != 0
@@ -463,7 +463,7 @@ Eigen::MatrixXd SchurWoundSolver::forces_of_hooks(
     for (std::size_t i = 0; i < body_.held.size(); ++i) {
         const HeldVertex& h = body_.held[i];
         auto sum = forces.middleRows(3 * h.hook, 3);
-        if (view_->place(h.vertex) >= 0) {
+        if (state_->place(h.vertex) >= 0) {
             sum += solution.held_forces.middleRows(rows_of(i), 3);
             continue;
         }

@@ -43,10 +43,9 @@ public:
     Eigen::MatrixXd whole_field(const Eigen::MatrixXd& near) const override;
     Eigen::VectorXd correction(const Eigen::VectorXd& residual) const override;
     std::string route() const override;
-    bool is_updated() const override { return local_ && updated_ && view_ == &*updated_; }
+    bool is_updated() const override { return local_ && updated_ && state_ == &*updated_; }
     std::size_t dropped_vertices() const override { return is_updated() ? updated_->dropped.size() : 0; }
     std::size_t corridor_vertices() const override { return condensed_->kept().size(); }
-    double factor_entries() const override { return condensed_->factor_entries(); }
     std::size_t bytes() const override;
 
 private:
@@ -73,7 +72,7 @@ private:
     std::vector<VertexId> missing_of(const std::vector<VertexId>& vertices) const;
     void keep_also_here(const std::vector<VertexId>& missing);
     void make_local();
-    const CondensedState& cheapest_view(double work_from_base);
+    const CondensedState& cheapest_state(double work_from_base);
     HookCompliance& compliance_of_hooks();
 
     bool changed_since(const CondensedState& state, VertexId v) const;
@@ -104,7 +103,7 @@ private:
 
     // Made by prepare(); dropped when their inputs change.
     std::optional<HookCompliance> base_compliance_, updated_compliance_;
-    const CondensedState* view_ = nullptr; ///< state against which change_ and local_ are set up
+    const CondensedState* state_ = nullptr; ///< state against which change_ and local_ are set up
     std::optional<CutChange> change_;
     std::optional<LocalSystem> local_;
 };

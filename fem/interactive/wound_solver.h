@@ -60,7 +60,6 @@ public:
     virtual bool is_updated() const { return false; }
     virtual std::size_t dropped_vertices() const { return 0; }
     virtual std::size_t corridor_vertices() const = 0;
-    virtual double factor_entries() const = 0;
     virtual std::size_t bytes() const = 0;
 };
 

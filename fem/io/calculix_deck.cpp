@@ -123,11 +123,19 @@ namespace {
         if (!problem.supports.fixed.empty())
             deck += "*BOUNDARY\nFIXED,1,3\n";
         for (std::size_t h = 0; h < problem.hooks.size(); ++h) {
+            const HookPatch& hook = problem.hooks[h];
             deck += "*BOUNDARY\n";
-            for (Eigen::Index axis = 0; axis < 3; ++axis) {
-                const std::string dof = std::to_string(axis + 1);
-                deck += hook_set(h) + "," + dof + "," + dof + "," + number(problem.hooks[h].displacement[axis]) + "\n";
-            }
+            const auto prescribe = [&](const std::string& nodes, const Vec3& moved) {
+                for (Eigen::Index axis = 0; axis < 3; ++axis) {
+                    const std::string dof = std::to_string(axis + 1);
+                    deck += nodes + "," + dof + "," + dof + "," + number(moved[axis]) + "\n";
+                }
+            };
+            if (!hook.turns())
+                prescribe(hook_set(h), hook.displacement);
+            else // each node has a displacement of its own
+                for (const VertexId v : hook.nodes)
+                    prescribe(node_number(v), hook.displacement_of(problem.mesh.vertices.row(v).transpose()));
         }
         write_loads(deck, nodal_loads(problem));
         deck += "*NODE PRINT, NSET=NALL\nU\n";

@@ -221,6 +221,9 @@ namespace {
 std::string febio_file(const ElasticProblem& problem)
 {
     check_problem(problem);
+    for (const HookPatch& hook : problem.hooks)
+        if (hook.turns())
+            throw InputError("FEBio files are written without hooks that turn", "hook '" + hook.name + "'");
     if (!problem.pressures.empty())
         throw InputError("FEBio files are written without pressure", "pressure of " + problem.pressures.front().name);
     if (!problem.loads.empty())

@@ -113,13 +113,4 @@ Eigen::VectorXd BlockMatrix::multiply(const Eigen::VectorXd& x) const
     return y;
 }
 
-Eigen::MatrixXd dense(const BlockMatrix& matrix)
-{
-    const auto n = static_cast<Eigen::Index>(3 * matrix.pattern.row_count());
-    Eigen::MatrixXd full(n, n);
-    for (Eigen::Index i = 0; i < n; ++i)
-        full.col(i) = matrix.multiply(Eigen::VectorXd::Unit(n, i));
-    return full;
-}
-
 } // namespace retractor::fem

@@ -56,7 +56,4 @@ struct BlockMatrix {
     Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;
 };
 
-/// The full matrix with both triangles, for small matrices.
-Eigen::MatrixXd dense(const BlockMatrix& matrix);
-
 } // namespace retractor::fem

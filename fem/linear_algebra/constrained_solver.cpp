@@ -108,13 +108,27 @@ Eigen::MatrixXd ConstrainedSolver::finish(const SparseCholesky::HalfSolution& ha
     return unpacked(cholesky_.finish(half));
 }
 
+Eigen::VectorXd ConstrainedSolver::precondition(const Eigen::VectorXd& r)
+{
+    if (!cholesky_.rounded())
+        return solve(r);
+    Eigen::VectorXd packed(static_cast<Eigen::Index>(free_.size()));
+    for (std::size_t i = 0; i < free_.size(); ++i)
+        packed[static_cast<Eigen::Index>(i)] = r[free_[i]];
+    return unpacked(cholesky_.solve_rounded(packed));
+}
+
 ConstrainedSolver::Iterated ConstrainedSolver::iterate(
     const BlockMatrix& K, const Eigen::VectorXd& b, double tolerance, int max_iterations)
 {
+    // From this size on the factor does not fit into the cache, and its reading takes most of the time.
+    constexpr std::size_t kWorthRounding = 100'000;
+    if (free_.size() >= kWorthRounding)
+        cholesky_.round_to_single();
     Iterated result { Eigen::VectorXd::Zero(b.size()), false, false, 0 };
     Eigen::VectorXd r = b;
     mask(r);
-    Eigen::VectorXd z = solve(r), p = z;
+    Eigen::VectorXd z = precondition(r), p = z;
     double rz = r.dot(z);
     const double target = tolerance * tolerance * rz;
     for (; result.iterations < max_iterations && rz > target; ++result.iterations) {
@@ -130,7 +144,7 @@ ConstrainedSolver::Iterated ConstrainedSolver::iterate(
         const double step = rz / curvature;
         result.solution += step * p;
         r -= step * Kp;
-        z = solve(r);
+        z = precondition(r);
         const double rz_next = r.dot(z);
         p = z + (rz_next / rz) * p;
         rz = rz_next;

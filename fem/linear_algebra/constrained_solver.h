@@ -51,13 +51,15 @@ public:
         int iterations = 0;
     };
     /// Preconditioned conjugate gradients with K. Iteration ends when the residual has fallen to `tolerance` times the
-    /// norm of b, both in the norm of the factor, or at a direction of negative curvature (Steihaug 1983).
+    /// norm of b, both in the norm of the factor, or at a direction of negative curvature (Steihaug 1983). A large
+    /// factor is rounded to single precision (SparseCholesky::round_to_single()); solve() then needs a factorise().
     Iterated iterate(const BlockMatrix& K, const Eigen::VectorXd& b, double tolerance, int max_iterations);
 
     /// Sets prescribed entries to zero.
     void mask(Eigen::VectorXd& vector) const;
 
 private:
+    Eigen::VectorXd precondition(const Eigen::VectorXd& r); ///< with the present factor, in either precision
     Eigen::MatrixXd unpacked(const Eigen::MatrixXd& solution) const;
 
     std::vector<std::uint8_t> prescribed_;

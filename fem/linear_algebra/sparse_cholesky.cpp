@@ -6,14 +6,16 @@
 #include "fem/linear_algebra/supernodes.h"
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
+#include "mesh/base/memory.h"
+#include "mesh/base/text_format.h"
 
 #include <cblas.h>
 #include <cholmod.h>
 #include <omp.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstring>
 #include <new>
 #include <utility>
 
@@ -21,60 +23,113 @@ namespace retractor::fem {
 
 namespace {
 
+    template <class Scalar> using Columns = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
+    // The operations of BLAS in both precisions. L is a lower triangle stored by columns.
+
+    void solve_lower(CBLAS_TRANSPOSE transposed, int n, const double* L, int stride, double* x)
+    {
+        cblas_dtrsv(CblasColMajor, CblasLower, transposed, CblasNonUnit, n, L, stride, x, 1);
+    }
+    void solve_lower(CBLAS_TRANSPOSE transposed, int n, const float* L, int stride, float* x)
+    {
+        cblas_strsv(CblasColMajor, CblasLower, transposed, CblasNonUnit, n, L, stride, x, 1);
+    }
+    void solve_lower(CBLAS_TRANSPOSE transposed, int n, int columns, const double* L, int stride, double* x, int rows)
+    {
+        cblas_dtrsm(
+            CblasColMajor, CblasLeft, CblasLower, transposed, CblasNonUnit, n, columns, 1.0, L, stride, x, rows);
+    }
+    void solve_lower(CBLAS_TRANSPOSE transposed, int n, int columns, const float* L, int stride, float* x, int rows)
+    {
+        cblas_strsm(
+            CblasColMajor, CblasLeft, CblasLower, transposed, CblasNonUnit, n, columns, 1.0F, L, stride, x, rows);
+    }
+    /// y = a A x + b y, with the transpose of A where asked
+    void multiply(CBLAS_TRANSPOSE transposed, int m, int n, double a, const double* A, int stride, const double* x,
+        double b, double* y)
+    {
+        cblas_dgemv(CblasColMajor, transposed, m, n, a, A, stride, x, 1, b, y, 1);
+    }
+    void multiply(CBLAS_TRANSPOSE transposed, int m, int n, float a, const float* A, int stride, const float* x,
+        float b, float* y)
+    {
+        cblas_sgemv(CblasColMajor, transposed, m, n, a, A, stride, x, 1, b, y, 1);
+    }
+    /// Y = a A X + b Y, with the transpose of A where asked
+    void multiply(CBLAS_TRANSPOSE transposed, int m, int columns, int n, double a, const double* A, int stride,
+        const double* X, int X_rows, double b, double* Y, int Y_rows)
+    {
+        cblas_dgemm(CblasColMajor, transposed, CblasNoTrans, m, columns, n, a, A, stride, X, X_rows, b, Y, Y_rows);
+    }
+    void multiply(CBLAS_TRANSPOSE transposed, int m, int columns, int n, float a, const float* A, int stride,
+        const float* X, int X_rows, float b, float* Y, int Y_rows)
+    {
+        cblas_sgemm(CblasColMajor, transposed, CblasNoTrans, m, columns, n, a, A, stride, X, X_rows, b, Y, Y_rows);
+    }
+
+    /// A factor with values in double or single precision.
+    template <class Scalar> struct FactorOf {
+        const Supernodes& f;
+        const Scalar* values;
+        const Scalar* block(std::size_t s) const { return values + f.value_start[s]; }
+    };
+
     /// Forward substitution with the first `columns` unknowns of supernode s, which begin at row `first` of y, and
     /// subtraction from the rows below. `row_at` gives the row of an unknown in y.
-    template <class RowAt>
-    void forward(const Supernodes& f, std::size_t s, Eigen::Index columns, Eigen::Index first, const RowAt& row_at,
-        Eigen::MatrixXd& y, Eigen::MatrixXd& beyond)
+    template <class Scalar, class RowAt>
+    void forward(const FactorOf<Scalar>& factor, std::size_t s, Eigen::Index columns, Eigen::Index first,
+        const RowAt& row_at, Columns<Scalar>& y, Columns<Scalar>& beyond)
     {
+        const Supernodes& f = factor.f;
         if ((y.middleRows(first, columns).array() == 0.0).all())
             return; // no load reaches this supernode; with few loads this holds for most of a factor
         const Eigen::Index rows = f.rows(s) - columns;
-        const double* L = f.block(s).data();
+        const Scalar* L = factor.block(s);
         const auto n = static_cast<int>(columns), m = static_cast<int>(rows), k = static_cast<int>(y.cols());
         const auto stride = static_cast<int>(f.rows(s)), all = static_cast<int>(y.rows()),
                    most = static_cast<int>(f.most_rows);
-        double* own = y.data() + first;
+        Scalar* own = y.data() + first;
         if (k == 1)
-            cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasNonUnit, n, L, stride, own, 1);
+            solve_lower(CblasNoTrans, n, L, stride, own);
         else
-            cblas_dtrsm(
-                CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, n, k, 1.0, L, stride, own, all);
+            solve_lower(CblasNoTrans, n, k, L, stride, own, all);
         if (m == 0)
             return;
         if (k == 1)
-            cblas_dgemv(CblasColMajor, CblasNoTrans, m, n, 1.0, L + n, stride, own, 1, 0.0, beyond.data(), 1);
+            multiply(CblasNoTrans, m, n, Scalar(1), L + n, stride, own, Scalar(0), beyond.data());
         else
-            cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, m, k, n, 1.0, L + n, stride, own, all, 0.0,
-                beyond.data(), most);
+            multiply(CblasNoTrans, m, k, n, Scalar(1), L + n, stride, own, all, Scalar(0), beyond.data(), most);
         for (Eigen::Index c = 0; c < y.cols(); ++c)
             for (Eigen::Index i = 0; i < rows; ++i)
                 y(row_at(f.row(s, columns + i)), c) -= beyond(i, c);
     }
 
     /// Back substitution: the unknowns of supernode s before `given`, from the unknowns after them.
-    void backward(const Supernodes& f, std::size_t s, Eigen::Index given, Eigen::MatrixXd& y, Eigen::MatrixXd& beyond)
+    template <class Scalar>
+    void backward(
+        const FactorOf<Scalar>& factor, std::size_t s, Eigen::Index given, Columns<Scalar>& y, Columns<Scalar>& beyond)
     {
+        const Supernodes& f = factor.f;
         const Eigen::Index first = f.first[s], columns = std::min<Eigen::Index>(f.columns(s), given - first);
         const Eigen::Index rows = f.rows(s) - columns;
         for (Eigen::Index c = 0; c < y.cols(); ++c)
             for (Eigen::Index i = 0; i < rows; ++i)
                 beyond(i, c) = y(f.row(s, columns + i), c);
-        const double* L = f.block(s).data();
+        const Scalar* L = factor.block(s);
         const auto n = static_cast<int>(columns), m = static_cast<int>(rows), k = static_cast<int>(y.cols());
         const auto stride = static_cast<int>(f.rows(s)), all = static_cast<int>(y.rows()),
                    most = static_cast<int>(f.most_rows);
-        double* own = y.data() + first;
+        Scalar* own = y.data() + first;
         if (k == 1) {
             if (m > 0)
-                cblas_dgemv(CblasColMajor, CblasTrans, m, n, -1.0, L + n, stride, beyond.data(), 1, 1.0, own, 1);
-            cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, n, L, stride, own, 1);
+                multiply(CblasTrans, m, n, Scalar(-1), L + n, stride, beyond.data(), Scalar(1), own);
+            solve_lower(CblasTrans, n, L, stride, own);
             return;
         }
         if (m > 0)
-            cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, n, k, m, -1.0, L + n, stride, beyond.data(), most, 1.0,
-                own, all);
-        cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasTrans, CblasNonUnit, n, k, 1.0, L, stride, own, all);
+            multiply(CblasTrans, n, k, m, Scalar(-1), L + n, stride, beyond.data(), most, Scalar(1), own, all);
+        solve_lower(CblasTrans, n, k, L, stride, own, all);
     }
 
     /// The row of an unknown in y, when y has all unknowns in the order of elimination.
@@ -83,14 +138,15 @@ namespace {
     /// Number of unknowns from which a second core pays.
     constexpr Eigen::Index kUnknownsWorthAThread = 20000;
 
-    void backward(const Supernodes& f, const TwoParts& parts, Eigen::Index given, Eigen::MatrixXd& y)
+    template <class Scalar>
+    void backward(const FactorOf<Scalar>& factor, const TwoParts& parts, Eigen::Index given, Columns<Scalar>& y)
     {
-        const bool two_cores = f.size >= kUnknownsWorthAThread;
+        const bool two_cores = factor.f.size >= kUnknownsWorthAThread;
         // Memory is taken before the thread starts, so that a failure reaches the caller.
-        Eigen::MatrixXd beyond(f.most_rows, y.cols()), others(two_cores ? f.most_rows : 0, y.cols());
-        const auto all_of = [&](const std::vector<std::size_t>& falling, Eigen::MatrixXd& rows) {
+        Columns<Scalar> beyond(factor.f.most_rows, y.cols()), others(two_cores ? factor.f.most_rows : 0, y.cols());
+        const auto all_of = [&](const std::vector<std::size_t>& falling, Columns<Scalar>& rows) {
             for (const std::size_t s : falling)
-                backward(f, s, given, y, rows);
+                backward(factor, s, given, y, rows);
         };
         all_of(parts.above, beyond);
         if (two_cores) { // the two parts have no common unknowns
@@ -102,16 +158,17 @@ namespace {
         all_of(parts.below[0], beyond);
     }
 
-    void forward(const Supernodes& f, const TwoParts& parts, Eigen::MatrixXd& y)
+    template <class Scalar> void forward(const FactorOf<Scalar>& factor, const TwoParts& parts, Columns<Scalar>& y)
     {
-        Eigen::MatrixXd beyond(f.most_rows, y.cols());
-        const auto all_of = [&](const std::vector<std::size_t>& falling, Eigen::MatrixXd& in, Eigen::MatrixXd& rows) {
+        const Supernodes& f = factor.f;
+        Columns<Scalar> beyond(f.most_rows, y.cols());
+        const auto all_of = [&](const std::vector<std::size_t>& falling, Columns<Scalar>& in, Columns<Scalar>& rows) {
             for (auto s = falling.rbegin(); s != falling.rend(); ++s)
-                forward(f, *s, f.columns(*s), f.first[*s], in_order, in, rows);
+                forward(factor, *s, f.columns(*s), f.first[*s], in_order, in, rows);
         };
         if (f.size >= kUnknownsWorthAThread) {
             // Both parts subtract from the rows of `above`; the second part does so in a vector of its own.
-            Eigen::MatrixXd apart = Eigen::MatrixXd::Zero(y.rows(), y.cols()), others(f.most_rows, y.cols());
+            Columns<Scalar> apart = Columns<Scalar>::Zero(y.rows(), y.cols()), others(f.most_rows, y.cols());
             for (const std::size_t s : parts.below[1]) {
                 apart.middleRows(f.first[s], f.columns(s)) = y.middleRows(f.first[s], f.columns(s));
                 y.middleRows(f.first[s], f.columns(s)).setZero();
@@ -195,6 +252,7 @@ struct SparseCholesky::State {
     SymmetricPattern pattern;
     std::vector<std::int32_t> place; ///< position of each unknown in the order of elimination
     bool factorised = false;
+    float* single = nullptr; ///< values of the factor in single precision, in place of those in double precision
     std::int32_t failed = -1;
     double rcond = 0.0;
 
@@ -216,8 +274,14 @@ struct SparseCholesky::State {
     }
     void release()
     {
+        release_single();
         cholmod_free_factor(&factor, &common);
         factorised = false;
+    }
+    void release_single()
+    {
+        if (single != nullptr)
+            single = static_cast<float*>(cholmod_free(factor->xsize, sizeof(float), single, &common));
     }
     /// The arrays as a CHOLMOD matrix; CHOLMOD does not write into them.
     cholmod_sparse view(const double* values)
@@ -243,6 +307,21 @@ struct SparseCholesky::State {
         place.resize(factor->n);
         for (std::size_t i = 0; i < place.size(); ++i)
             place[static_cast<std::size_t>(order[i])] = static_cast<std::int32_t>(i);
+    }
+    /// Call before the values of the factor are allocated.
+    /// @throws SolverError where the factor needs more memory than is available
+    void refuse_what_does_not_fit() const
+    {
+        constexpr double kWorthALook = 0.1 * kGiB; // smaller factors are not worth the reading of two files
+        const double needed = static_cast<double>(factor->xsize * sizeof(double));
+        if (factor->xtype != CHOLMOD_PATTERN || needed < kWorthALook)
+            return;
+        if (const auto available = available_memory(); available && needed > *available)
+            throw SolverError(
+                formatted("the factorisation needs %.1f GiB of memory, and %.1f GiB are available: choose "
+                          "longer edges or a draft, or close other programs",
+                    needed / kGiB, *available / kGiB),
+                "matrix of " + std::to_string(pattern.size()) + " unknowns");
     }
     /// @throws SolverError naming the first entry that is not finite
     void check(const std::vector<double>& values)
@@ -333,9 +412,11 @@ void SparseCholesky::factorise(const std::vector<double>& values)
     s.factorised = false;
     s.failed = -1;
     s.check(values);
+    s.release_single();
     cholmod_sparse a = s.view(values.data());
     // CHOLMOD would start four threads per block of columns, which on two cores wait for each other longer than they
     // work. The setting belongs to the calling thread and is restored for the caller's OpenMP.
+    s.refuse_what_does_not_fit();
     const int levels = omp_get_max_active_levels();
     omp_set_max_active_levels(0);
     cholmod_factorize(&a, s.factor, &s.common);
@@ -353,20 +434,66 @@ std::int32_t SparseCholesky::failed_unknown() const { return state_->failed; }
 Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& right_sides) const
 {
     const Supernodes f(*state_->factor);
-    RETRACTOR_ASSERT(state_->factorised);
+    RETRACTOR_ASSERT(state_->factorised && !rounded());
     RETRACTOR_ASSERT(right_sides.rows() == f.size);
     Eigen::MatrixXd ordered = in_elimination_order(right_sides, *state_->factor);
     const TwoParts parts = two_parts(f, f.size);
-    forward(f, parts, ordered);
-    backward(f, parts, f.size, ordered);
+    const FactorOf<double> factor { f, f.values };
+    forward(factor, parts, ordered);
+    backward(factor, parts, f.size, ordered);
     return in_matrix_order(ordered, *state_->factor);
+}
+
+void SparseCholesky::round_to_single()
+{
+    State& s = *state_;
+    RETRACTOR_ASSERT(s.factorised);
+    if (rounded())
+        return;
+    cholmod_factor& factor = *s.factor;
+    // Rounds in place: a float ends before the double after it begins.
+    auto* bytes = static_cast<unsigned char*>(factor.x);
+    for (std::size_t i = 0; i < factor.xsize; ++i) {
+        double value = 0.0;
+        std::memcpy(&value, bytes + i * sizeof(double), sizeof(double));
+        const auto single = static_cast<float>(value);
+        std::memcpy(bytes + i * sizeof(float), &single, sizeof(float));
+    }
+    std::size_t floats = 2 * factor.xsize;
+    s.single = static_cast<float*>(cholmod_realloc(factor.xsize, sizeof(float), factor.x, &floats, &s.common));
+    factor.x = nullptr; // CHOLMOD takes the factor for one that is analysed only
+    factor.xtype = CHOLMOD_PATTERN;
+}
+
+bool SparseCholesky::rounded() const { return state_->single != nullptr; }
+
+Eigen::VectorXd SparseCholesky::solve_rounded(const Eigen::VectorXd& right_side) const
+{
+    const Supernodes f(*state_->factor);
+    RETRACTOR_ASSERT(rounded());
+    RETRACTOR_ASSERT(right_side.size() == f.size);
+    const double largest = right_side.lpNorm<Eigen::Infinity>();
+    if (!(largest > 0.0) || !std::isfinite(largest))
+        return largest == 0.0 ? Eigen::VectorXd::Zero(f.size) : Eigen::VectorXd::Constant(f.size, std::nan(""));
+    const auto* order = static_cast<const int*>(state_->factor->Perm);
+    Columns<float> ordered(f.size, 1); // scaled, so that no small right side underflows
+    for (Eigen::Index i = 0; i < f.size; ++i)
+        ordered(i, 0) = static_cast<float>(right_side[order[i]] / largest);
+    const TwoParts parts = two_parts(f, f.size);
+    const FactorOf<float> factor { f, state_->single };
+    forward(factor, parts, ordered);
+    backward(factor, parts, f.size, ordered);
+    Eigen::VectorXd x(f.size);
+    for (Eigen::Index i = 0; i < f.size; ++i)
+        x[order[i]] = largest * static_cast<double>(ordered(i, 0));
+    return x;
 }
 
 SparseCholesky::HalfSolution SparseCholesky::half_solve(std::span<const Load> loads, Eigen::Index columns) const
 {
     const Supernodes f(*state_->factor);
     std::vector<Eigen::Index> loaded; // positions in the order of elimination
-    RETRACTOR_ASSERT(state_->factorised);
+    RETRACTOR_ASSERT(state_->factorised && !rounded());
     for (const Load& load : loads) {
         RETRACTOR_ASSERT(load.unknown >= 0 && load.unknown < f.size);
         RETRACTOR_ASSERT(load.column >= 0 && load.column < columns);
@@ -395,7 +522,7 @@ SparseCholesky::HalfSolution SparseCholesky::half_solve(std::span<const Load> lo
     Eigen::MatrixXd beyond(f.most_rows, columns);
     for (std::size_t i = 0; i < half.supernodes.size(); ++i) {
         const auto s = static_cast<std::size_t>(half.supernodes[i]);
-        forward(f, s, f.columns(s), half.start[i], row_at, half.values, beyond);
+        forward(FactorOf<double> { f, f.values }, s, f.columns(s), half.start[i], row_at, half.values, beyond);
     }
     return half;
 }
@@ -426,13 +553,13 @@ Eigen::MatrixXd SparseCholesky::product(const HalfSolution& a, const HalfSolutio
 Eigen::MatrixXd SparseCholesky::finish(const HalfSolution& half) const
 {
     const Supernodes f(*state_->factor);
-    RETRACTOR_ASSERT(state_->factorised);
+    RETRACTOR_ASSERT(state_->factorised && !rounded());
     RETRACTOR_ASSERT(half.start.size() == half.supernodes.size() + 1);
     Eigen::MatrixXd ordered = Eigen::MatrixXd::Zero(f.size, half.values.cols());
     for (std::size_t i = 0; i < half.supernodes.size(); ++i)
         ordered.middleRows(f.first[half.supernodes[i]], half.start[i + 1] - half.start[i])
             = half.values.middleRows(half.start[i], half.start[i + 1] - half.start[i]);
-    backward(f, two_parts(f, f.size), f.size, ordered);
+    backward(FactorOf<double> { f, f.values }, two_parts(f, f.size), f.size, ordered);
     return in_matrix_order(ordered, *state_->factor);
 }
 
@@ -445,6 +572,7 @@ Eigen::MatrixXd SparseCholesky::condense(const std::vector<double>& values, Eige
     s.factorised = false;
     s.failed = -1;
     s.check(values);
+    s.release_single();
     // Allocates the values; a factor with values is overwritten.
     if (cholmod_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, s.factor, &s.common) == 0)
         s.fail("the factorisation");
@@ -464,7 +592,7 @@ Eigen::MatrixXd SparseCholesky::condense(const std::vector<double>& values, Eige
 Eigen::MatrixXd SparseCholesky::trailing_factor(Eigen::Index count) const
 {
     const Supernodes f(*state_->factor);
-    RETRACTOR_ASSERT(state_->factorised);
+    RETRACTOR_ASSERT(state_->factorised && !rounded());
     RETRACTOR_ASSERT(count >= 0 && count <= f.size);
     const Eigen::Index first = f.size - count;
     Eigen::MatrixXd L = Eigen::MatrixXd::Zero(count, count);
@@ -494,7 +622,8 @@ void SparseCholesky::reduce_to_trailing(Eigen::Index count, Eigen::MatrixXd& x) 
     const Eigen::Index end = f.size - count;
     Eigen::MatrixXd ordered = in_elimination_order(x, *state_->factor), beyond(f.most_rows, x.cols());
     for (std::size_t s = 0; s < f.count && f.first[s] < end; ++s)
-        forward(f, s, std::min<Eigen::Index>(f.columns(s), end - f.first[s]), f.first[s], in_order, ordered, beyond);
+        forward(FactorOf<double> { f, f.values }, s, std::min<Eigen::Index>(f.columns(s), end - f.first[s]), f.first[s],
+            in_order, ordered, beyond);
     x = in_matrix_order(ordered, *state_->factor);
 }
 
@@ -505,7 +634,7 @@ void SparseCholesky::fill_from_trailing_loaded(Eigen::Index count, Eigen::Matrix
     RETRACTOR_ASSERT(count >= 0 && count <= f.size);
     const Eigen::Index given = f.size - count;
     Eigen::MatrixXd ordered = in_elimination_order(x, *state_->factor);
-    backward(f, two_parts(f, given), given, ordered);
+    backward(FactorOf<double> { f, f.values }, two_parts(f, given), given, ordered);
     x = in_matrix_order(ordered, *state_->factor);
 }
 
@@ -519,7 +648,6 @@ void SparseCholesky::keep_factor_only()
 bool SparseCholesky::analysed() const { return state_->factor != nullptr; }
 bool SparseCholesky::factorised() const { return state_->factorised; }
 double SparseCholesky::reciprocal_condition() const { return state_->rcond; }
-double SparseCholesky::factor_entries() const { return state_->common.lnz; }
 std::size_t SparseCholesky::bytes() const
 {
     return state_->common.memory_inuse + state_->place.size() * sizeof(std::int32_t);

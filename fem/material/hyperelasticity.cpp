@@ -2,7 +2,6 @@
 
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text_format.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

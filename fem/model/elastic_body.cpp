@@ -455,18 +455,20 @@ ElasticBody::Deformation ElasticBody::deformation(const Eigen::VectorXd& u) cons
     RETRACTOR_ASSERT(u.size() == 3 * mesh_.vertices.rows());
     Deformation d;
     for (std::size_t t = 0; t < mesh_.tet_count(); ++t) {
-        double strain = 0.0, volume = 0.0, smallest = 0.0, largest = 0.0;
+        double strain = 0.0, volume = 0.0, deformed = 0.0, smallest = 0.0, largest = 0.0;
         for (std::size_t q = 0; q < points_per_tet_; ++q) {
             const Mat3 F = deformation_gradient(u, t, q);
             const double weight = weights_[t * points_per_tet_ + q], ratio = F.determinant();
             const double stretch = signed_svd(F).sigma[0];
             strain += weight * 0.5 * (stretch * stretch - 1.0);
             volume += weight;
+            deformed += weight * ratio;
             smallest = q == 0 ? ratio : std::min(smallest, ratio);
             largest = q == 0 ? ratio : std::max(largest, ratio);
         }
         d.strain.push_back(strain / volume);
         d.volume.push_back(volume);
+        d.volume_ratio.push_back(deformed / volume);
         d.smallest_ratio.push_back(smallest);
         d.largest_ratio.push_back(largest);
     }

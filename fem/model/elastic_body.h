@@ -17,7 +17,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 namespace retractor::fem {
@@ -91,6 +90,7 @@ public:
         std::vector<double> strain;
         std::vector<double> smallest_ratio, largest_ratio; ///< extremes of det F over the quadrature points
         std::vector<double> volume; ///< rest volume, mm^3
+        std::vector<double> volume_ratio; ///< deformed volume over rest volume: the mean of det F over the element
     };
     Deformation deformation(const Eigen::VectorXd& displacement) const;
 

@@ -1,6 +1,5 @@
 #include "fem/model/pre_strain.h"
 
-#include "fem/element/tet_element.h"
 #include "mesh/base/error.h"
 #include "mesh/base/triangle.h"
 
@@ -135,33 +134,6 @@ Mat3 pre_stress(const PreStrain& tension, const Material& material, const Vec3& 
     default:
         return E * e / (1.0 - 2.0 * nu) * Mat3::Identity();
     }
-}
-
-std::vector<Mat3> pre_stress(
-    const mesh::TetMesh& mesh, std::span<const Material> material_of_label, std::span<const PreStrain> tension_of_label)
-{
-    const auto tension_of
-        = [&](Label label) { return label < tension_of_label.size() ? tension_of_label[label] : PreStrain {}; };
-    const bool needs_normals = std::any_of(mesh.labels.begin(), mesh.labels.end(), [&](Label label) {
-        const PreStrain t = tension_of(label);
-        return t.kind != PreStrainKind::none && t.kind != PreStrainKind::isotropic && t.normal.isZero();
-    });
-    const std::vector<Vec3> normals
-        = needs_normals ? surface_normals(mesh) : std::vector<Vec3>(mesh.tet_count(), Vec3::Zero());
-    std::vector<Mat3> stresses;
-    stresses.reserve(mesh.tet_count());
-    for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
-        const Label label = mesh.labels[t];
-        const PreStrain tension = tension_of(label);
-        if (tension.kind == PreStrainKind::none) {
-            stresses.push_back(Mat3::Zero());
-            continue;
-        }
-        if (label >= material_of_label.size())
-            throw InputError("there is no material for tissue under tension", "label " + std::to_string(label));
-        stresses.push_back(pre_stress(tension, material_of_label[label], normals[t]));
-    }
-    return stresses;
 }
 
 std::vector<Vec3> surface_normals(

@@ -34,12 +34,6 @@ void check_pre_strain(const PreStrain& tension);
 /// @throws InputError on NaN, on a strain out of range, and on a direction that is missing or along the normal.
 Mat3 pre_stress(const PreStrain& tension, const Material& material, const Vec3& normal_there = Vec3::Zero());
 
-/// The pre-stress of each element, MPa.
-/// @param material_of_label, tension_of_label by label; labels without an entry in tension_of_label have no tension.
-/// @throws InputError naming the label.
-std::vector<Mat3> pre_stress(const mesh::TetMesh& mesh, std::span<const Material> material_of_label,
-    std::span<const PreStrain> tension_of_label);
-
 /// The outward normal of the free surface nearest to each element of four nodes. Normals spread inwards from the
 /// surface of each label by averages over neighbours of the same label. The normal is zero where the label's piece
 /// has no free surface.

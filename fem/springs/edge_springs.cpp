@@ -125,29 +125,6 @@ ElementSprings element_springs(const std::array<Vec3, 4>& x, double youngs_modul
     return springs;
 }
 
-SpringNetwork::SpringNetwork(
-    const mesh::TetMesh& mesh, std::span<const Material> material_of_label, std::span<const Mat3> stress_of_element)
-    : materials_(material_of_label.begin(), material_of_label.end())
-    , stress_of_origin_(stress_of_element.begin(), stress_of_element.end())
-{
-    mesh::check_mesh(mesh);
-    if (mesh.nodes_per_tet != 4)
-        throw InputError("springs lie on the edges of four-node elements", "nodes_per_tet");
-    if (!stress_of_element.empty() && stress_of_element.size() != mesh.tet_count())
-        throw InputError("there must be one pre-stress per element: " + std::to_string(stress_of_element.size())
-                + " for " + std::to_string(mesh.tet_count()),
-            "pre-stress");
-    check_finite(stress_of_element);
-    make_room(mesh.vertex_count(), mesh.tet_count());
-    rest_ = mesh.vertices;
-    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
-        const auto n = mesh.tet(t);
-        insert(t, { n[0], n[1], n[2], n[3] }, mesh.labels[at(t)], t);
-    }
-    for (VertexId v = 0; v < static_cast<VertexId>(rows_.size()); ++v)
-        sum_row(v);
-}
-
 SpringNetwork::SpringNetwork(const mesh::CutSession& session, std::span<const Material> material_of_label,
     std::span<const Mat3> stress_of_element)
     : materials_(material_of_label.begin(), material_of_label.end())

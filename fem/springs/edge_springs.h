@@ -71,15 +71,11 @@ public:
     /// Share of the rest volume below which an element resists being crushed.
     static constexpr double kCrushed = 0.25;
 
-    /// A network on the mesh that starts a cutting session.
-    /// @param stress_of_element pre-stress, one per element (pre_strain.h), or empty.
-    /// @throws InputError on a mesh that check_mesh() refuses, on ten-node elements, on a label whose material is
-    /// missing or invalid, and on stresses that are not finite or wrong in number.
-    SpringNetwork(const mesh::TetMesh& mesh, std::span<const Material> material_of_label,
-        std::span<const Mat3> stress_of_element = {});
-    /// A network on a session that has cuts already. When an ablation from before is undone, its vertices return
-    /// free: call fix() for them.
-    /// @param stress_of_element one per element of the session's first mesh.
+    /// A network on a session, which may have cuts already. When an ablation from before is undone, its vertices
+    /// return free: call fix() for them.
+    /// @param stress_of_element pre-stress (pre_strain.h), one per element of the session's first mesh, or empty.
+    /// @throws InputError on a label whose material is missing or invalid, and on stresses that are missing or not
+    /// finite.
     SpringNetwork(const mesh::CutSession& session, std::span<const Material> material_of_label,
         std::span<const Mat3> stress_of_element = {});
 

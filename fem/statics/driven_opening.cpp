@@ -51,6 +51,16 @@ namespace {
         }
     }
 
+    /// The hooks at rest: equal displacements, as hooks that share nodes require.
+    std::vector<HookPatch> still(std::vector<HookPatch> hooks)
+    {
+        for (HookPatch& hook : hooks) {
+            hook.displacement.setZero();
+            hook.rotation.setIdentity();
+        }
+        return hooks;
+    }
+
     bool was_opened(const OpeningResult& opening)
     {
         return opening.status == OpeningStatus::converged || opening.status == OpeningStatus::inverted;
@@ -145,9 +155,9 @@ namespace {
                 }
                 if (farthest(next.displacement) > farthest(at_))
                     if (std::string why = beyond_tissue(); !why.empty())
-                        return without_rest(next, why);
+                        return without_equilibrium(next, why);
             }
-            return without_rest(next, "");
+            return without_equilibrium(next, "");
         }
 
     private:
@@ -157,13 +167,13 @@ namespace {
             std::ostringstream text;
             text << std::setprecision(3);
             if (found_.opening.strain_p99 > kTornStrain)
-                text << "tissue is strained by " << 100.0 * found_.opening.strain_p99 << " %, which none follows";
+                text << "tissue is strained by " << 100.0 * found_.opening.strain_p99 << " %: tissue tears before";
             else if (farthest(at_) > kFarthestHookMm)
-                text << "no hook goes farther than " << kFarthestHookMm << " mm";
+                text << "a hook moves at most " << kFarthestHookMm << " mm";
             return text.str();
         }
 
-        DrivenOpening without_rest(const HookRest& next, const std::string& why)
+        DrivenOpening without_equilibrium(const HookRest& next, const std::string& why)
         {
             std::size_t hook = 0; // the hook that moved farthest
             for (std::size_t h = 1; h < found_.hooks.size(); ++h)
@@ -172,9 +182,9 @@ namespace {
             const HookPatch& moved = found_.hooks[hook];
             const Vec3 there = next.displacement.segment<3>(3 * static_cast<Eigen::Index>(hook));
             std::ostringstream text;
-            text << "the hooks found no rest in " << found_.openings << " opening(s): " << std::setprecision(3) << "at "
-                 << found_.opening.hook_forces_N[hook].norm() << " N hook '" << moved.name << "' has moved "
-                 << moved.displacement.norm() << " mm and would go " << (there - moved.displacement).norm()
+            text << "the hooks found no equilibrium in " << found_.openings << " opening(s): " << std::setprecision(3)
+                 << "at " << found_.opening.hook_forces_N[hook].norm() << " N hook '" << moved.name << "' has moved "
+                 << moved.displacement.norm() << " mm and would move " << (there - moved.displacement).norm()
                  << " mm farther" << (why.empty() ? "" : ", but " + why);
             found_.opening.message = text.str();
             found_.opening.status = OpeningStatus::not_converged;
@@ -184,7 +194,7 @@ namespace {
         void make_opening() { opening_.emplace(problem_, options_); }
 
         /// Fixes the choice for the openings that follow: a linear region that was kept stays, with any error, until
-        /// the hooks are at rest; a linear region that was given up stays nonlinear.
+        /// the hooks are in equilibrium; a linear region that was given up stays nonlinear.
         void decide_on_condensed_region()
         {
             const std::optional<LinearCondensedRegion>& far = found_.opening.far;
@@ -198,7 +208,7 @@ namespace {
             }
         }
 
-        /// Compares the error of the linear region at rest with the requested limit.
+        /// Compares the error of the linear region at equilibrium with the requested limit.
         /// @return false when the region is given up now
         bool is_condensed_region_good()
         {
@@ -225,7 +235,7 @@ namespace {
 
         bool nonlinear() const { return options_.elasticity != Elasticity::linear || options_.contact.has_value(); }
 
-        /// Predicts the rest of the hooks from the forces and the tangent at this state.
+        /// Predicts the equilibrium of the hooks from the forces and the tangent at this state.
         HookRest rest_at(const Points& displacement, const Eigen::VectorXd& forces)
         {
             if (stiffness_.size() == 0 || nonlinear())
@@ -259,13 +269,22 @@ namespace {
 HookResponse hook_response(const ElasticProblem& problem, const TissueModel& model, const Points& displacement,
     const std::optional<ContactOptions>& contact)
 {
-    RETRACTOR_ASSERT(displacement.rows() == problem.mesh.vertices.rows());
+    const auto unknowns = 3 * static_cast<Eigen::Index>(problem.mesh.vertex_count());
+    Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(unknowns, 3 * static_cast<Eigen::Index>(problem.hooks.size()));
+    const std::vector<int> hook_of_node = prescribe(problem.mesh, problem.supports, still(problem.hooks)).hook_of_node;
+    for (std::size_t v = 0; v < hook_of_node.size(); ++v)
+        if (const int hook = hook_of_node[v]; hook >= 0)
+            moved.block<3, 3>(3 * static_cast<Eigen::Index>(v), 3 * hook).setIdentity();
+    return motion_response(problem, model, displacement, moved, contact);
+}
+
+HookResponse motion_response(const ElasticProblem& problem, const TissueModel& model, const Points& displacement,
+    const Eigen::MatrixXd& motions, const std::optional<ContactOptions>& contact)
+{
+    RETRACTOR_ASSERT(displacement.rows() == problem.mesh.vertices.rows() && motions.rows() == displacement.size());
     ElasticBody body = tissue_body(problem.mesh, problem.material_of_label, model);
     body.set_bed(bed_stiffness(problem.mesh, problem.supports));
-    std::vector<HookPatch> still = problem.hooks; // equal displacements, as hooks that share nodes require
-    for (HookPatch& hook : still)
-        hook.displacement.setZero();
-    const Prescribed held = prescribe(problem.mesh, problem.supports, still);
+    const Prescribed held = prescribe(problem.mesh, problem.supports, still(problem.hooks));
     const Eigen::VectorXd u = Eigen::Map<const Eigen::VectorXd>(displacement.data(), displacement.size());
     ExternalLoads loads = external_loads(problem);
     const bool at_rest = model.elasticity == Elasticity::linear; // linear tissue receives the pressure at rest
@@ -284,14 +303,11 @@ HookResponse hook_response(const ElasticProblem& problem, const TissueModel& mod
     (void)body.stiffness(u, 0.0);
     ConstrainedSolver solver(body.last_stiffness().pattern, held.flag);
     const BlockMatrix& K = factorise(body, u, solver);
-    const auto columns = 3 * static_cast<Eigen::Index>(problem.hooks.size());
-    Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(u.size(), columns), forces(u.size(), columns);
-    for (std::size_t v = 0; v < held.hook_of_node.size(); ++v)
-        if (const int hook = held.hook_of_node[v]; hook >= 0)
-            moved.block<3, 3>(3 * static_cast<Eigen::Index>(v), 3 * hook).setIdentity();
+    const Eigen::Index columns = motions.cols();
+    Eigen::MatrixXd forces(u.size(), columns);
     for (Eigen::Index c = 0; c < columns; ++c)
-        forces.col(c) = -K.multiply(moved.col(c));
-    Eigen::MatrixXd follow = moved + solver.solve_all(forces);
+        forces.col(c) = -K.multiply(motions.col(c));
+    Eigen::MatrixXd follow = motions + solver.solve_all(forces);
     for (Eigen::Index c = 0; c < columns; ++c)
         forces.col(c) = K.multiply(follow.col(c));
     const Eigen::MatrixXd R = follow.transpose() * forces;

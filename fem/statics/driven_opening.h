@@ -39,15 +39,22 @@ struct HookResponse {
 HookResponse hook_response(const ElasticProblem& problem, const TissueModel& model, const Points& displacement,
     const std::optional<ContactOptions>& contact = {});
 
+/// The same linearisation for other motions of the held nodes, such as the turns of a blade. The columns of
+/// HookResponse are then these motions.
+/// @param motions one motion per column, three entries per node; zero at nodes without a hook
+/// @throws as hook_response()
+HookResponse motion_response(const ElasticProblem& problem, const TissueModel& model, const Points& displacement,
+    const Eigen::MatrixXd& motions, const std::optional<ContactOptions>& contact = {});
+
 /// The displacement and the forces of hooks that are released from a fixed place.
 struct ReleasedHooks {
     Eigen::VectorXd way; ///< displacement from the fixed place, mm, three per hook
     Eigen::VectorXd forces; ///< forces on the hooks at their new place, N, three per hook
 };
 
-/// Predicts the rest of driven hooks under other equations (finer elements, another law outside the nonlinear region).
-/// The other equations were solved with the hooks fixed where they rest under `forces`, and gave `other_forces`. Hooks
-/// that all prescribe their displacement do not move.
+/// Predicts the equilibrium of driven hooks under other equations (finer elements, another law outside the nonlinear
+/// region). The other equations were solved with the hooks fixed at their equilibrium under `forces`, and gave
+/// `other_forces`. Hooks that all prescribe their displacement do not move.
 ///
 /// The stiffness of the other equations is estimated as the given stiffness times a ratio: the other hook forces over
 /// the own hook forces, both without the part that balances loads. This part is excluded, because hooks near the gape
@@ -60,18 +67,18 @@ std::optional<ReleasedHooks> release_hooks(const HookResponse& response, const E
     const Eigen::VectorXd& forces, const Eigen::VectorXd& other_forces, const std::vector<HookDrive>& drives);
 
 struct DrivenOpening {
-    OpeningResult opening; ///< not converged, with a message, when the hooks find no rest
-    std::vector<HookPatch> hooks; ///< the hooks with the displacements at which they rest
+    OpeningResult opening; ///< not converged, with a message, when the hooks find no equilibrium
+    std::vector<HookPatch> hooks; ///< the hooks with their displacements at equilibrium
     std::vector<bool> yielded; ///< per hook: the force limit is reached
-    double last_step_mm = 0.0; ///< length of the next Newton step: the distance of the hooks from rest
+    double last_step_mm = 0.0; ///< length of the next Newton step: the distance of the hooks from equilibrium
     int openings = 0;
 };
 
 /// Opens the wound with driven hooks.
 ///
-/// With OpeningOptions::near, the condensed region stays linear until the hooks are at rest, unless elements turn over.
-/// Where the linear region is given up, by the first opening or at rest, all later openings are nonlinear everywhere:
-/// the region does not change back between openings.
+/// With OpeningOptions::near, the condensed region stays linear until the hooks are in equilibrium, unless elements
+/// turn over. Where the linear region is given up, by the first opening or at equilibrium, all later openings are
+/// nonlinear everywhere: the region does not change back between openings.
 ///
 /// The search stops, with the force that was reached, where tissue cannot follow a hook: tissue stretched more than
 /// threefold (strain_p99), or a hook beyond kFarthestHookMm. All openings are one stage of the job's progress.

@@ -4,6 +4,8 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
+#include <Eigen/LU>
+
 #include <cmath>
 #include <set>
 #include <string>
@@ -34,6 +36,11 @@ namespace {
             throw InputError("the hook's patch has no nodes", where);
         if (!hook.displacement.allFinite())
             throw InputError("the hook's displacement is not finite", where);
+        constexpr double kProper = 1e-9; // round-off of a product of rotations
+        if (!hook.rotation.allFinite() || !hook.pivot.allFinite()
+            || !((hook.rotation.transpose() * hook.rotation - Mat3::Identity()).norm() < kProper)
+            || !(hook.rotation.determinant() > 0.0))
+            throw InputError("the hook's turn is not a rotation about a finite pivot", where);
         for (const VertexId v : hook.nodes)
             check_node(mesh, v, where);
     }
@@ -60,13 +67,14 @@ Prescribed prescribe(const mesh::TetMesh& mesh, const Supports& supports, std::s
         for (const VertexId v : hooks[h].nodes) {
             const auto i = static_cast<std::size_t>(v);
             const int owner = all.hook_of_node[i];
-            if (all.flag[3 * i] != 0 && all.value.segment<3>(3 * static_cast<Eigen::Index>(v)) != hooks[h].displacement)
+            const Vec3 moved = hooks[h].displacement_of(mesh.vertices.row(v).transpose());
+            if (all.flag[3 * i] != 0 && all.value.segment<3>(3 * static_cast<Eigen::Index>(v)) != moved)
                 throw InputError("node " + std::to_string(v) + " is already held by "
                         + (owner < 0 ? std::string("a support")
                                      : "hook '" + hooks[static_cast<std::size_t>(owner)].name + "'")
                         + ", which moves it otherwise",
                     "hook '" + hooks[h].name + "'");
-            hold(v, hooks[h].displacement);
+            hold(v, moved);
             if (owner < 0)
                 all.hook_of_node[i] = static_cast<int>(h);
         }

@@ -82,10 +82,10 @@ namespace {
                 // A body that was not at rest settles too, unless this fails.
                 for (const double settled : { 1.0, 0.0 }) {
                     const Eigen::VectorXd du = settled * rest + share * follow;
-                    const double foretold = state_.forces.dot(du) + 0.5 * du.dot(K.multiply(du));
+                    const double predicted = state_.forces.dot(du) + 0.5 * du.dot(K.multiply(du));
                     Eigen::VectorXd u = u_ + du;
                     ElasticBody::Response there = respond(u);
-                    const double limit = kTrusted * std::max(foretold, 0.0) + energy_noise(u);
+                    const double limit = kTrusted * std::max(predicted, 0.0) + energy_noise(u);
                     const double risen = there.energy - state_.energy - (contact_energy(u) - contact_energy(u_));
                     if (std::isfinite(there.energy) && risen <= limit) {
                         u_ = std::move(u);
@@ -386,14 +386,15 @@ namespace {
         const auto loads = [&](double share) { return loads_before + share * (1.0 - loads_before); };
         if (!result.loads_rest_alone)
             return no_equilibrium("the loads", loads(result.load), loads(missed))
-                + (moves ? ", and none either where what is held stands still meanwhile" : "");
-        return no_equilibrium("the motion of what is held", result.load, missed) + ", while the loads alone find one";
+                + (moves ? ", also none while the hooks and supports stay in place" : "");
+        return no_equilibrium("the motion of the hooks and supports", result.load, missed)
+            + "; the loads alone have an equilibrium";
     }
 
     std::string hooks_meet(double share)
     {
         return formatted(
-            "what is held meets what is held at %.4g %% of its motion, and goes no farther", 100.0 * share);
+            "two hooks or supports collided after %.4g %% of the motion; the opening stops there", 100.0 * share);
     }
 
     /// Makes full load steps, and halves a step where Newton's method fails. An intermediate state is only a start for

@@ -166,8 +166,8 @@ namespace {
         bool go_towards(const Eigen::VectorXd& to, const Eigen::VectorXd& slope)
         {
             const Eigen::VectorXd way = to - rho_;
-            const double foretold = slope.dot(way);
-            if (!(foretold < 0.0))
+            const double predicted = slope.dot(way);
+            if (!(predicted < 0.0))
                 return false;
             constexpr double kArmijo = 1e-4, kShortest = 1e-9;
             Eigen::VectorXd there, force;
@@ -181,7 +181,7 @@ namespace {
                     const Vec3 new_force = force.segment<3>(limited(i).at);
                     change += 0.5 * share * way[i] * (limit * limit - force_of(i).dot(new_force));
                 }
-                if (change <= kArmijo * share * foretold) {
+                if (change <= kArmijo * share * predicted) {
                     rho_ = there;
                     force_ = force;
                     return true;

@@ -23,15 +23,22 @@ namespace {
         double radius = 0.0;
     };
 
+    Vec3 middle_of(const mesh::TetMesh& mesh, const HookPatch& hook)
+    {
+        Vec3 middle = Vec3::Zero();
+        for (const VertexId v : hook.nodes)
+            middle += mesh.vertices.row(v).transpose() / static_cast<double>(hook.nodes.size());
+        return middle;
+    }
+
     std::vector<PatchPlane> patch_planes(const mesh::TetMesh& mesh, std::span<const HookPatch> hooks)
     {
         std::vector<PatchPlane> planes(hooks.size());
         std::vector<int> hook_of_node(mesh.vertex_count(), -1);
         for (std::size_t h = 0; h < hooks.size(); ++h) {
-            for (const VertexId v : hooks[h].nodes) {
+            planes[h].middle = middle_of(mesh, hooks[h]);
+            for (const VertexId v : hooks[h].nodes)
                 hook_of_node[static_cast<std::size_t>(v)] = static_cast<int>(h);
-                planes[h].middle += mesh.vertices.row(v).transpose() / static_cast<double>(hooks[h].nodes.size());
-            }
             for (const VertexId v : hooks[h].nodes)
                 planes[h].radius
                     = std::max(planes[h].radius, (mesh.vertices.row(v).transpose() - planes[h].middle).norm());
@@ -192,7 +199,8 @@ void check_hooks_apart(const mesh::TetMesh& mesh, std::span<const HookPatch> hoo
 {
     for (const FacingHooks& pair : facing_hooks(mesh, hooks)) {
         const HookPatch &a = hooks[pair.a], &b = hooks[pair.b];
-        const double crossing = crossing_mm(pair, a.displacement, b.displacement);
+        const double crossing
+            = crossing_mm(pair, a.displacement_of(middle_of(mesh, a)), b.displacement_of(middle_of(mesh, b)));
         if (crossing > pair.round_off_mm)
             throw InputError("hooks '" + a.name + "' and '" + b.name + "' would pass through each other by "
                     + std::to_string(crossing) + " mm: their lips meet before",

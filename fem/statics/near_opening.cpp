@@ -1,11 +1,11 @@
 #include "fem/statics/near_opening.h"
 
 #include "mesh/base/assert.h"
+#include "mesh/base/error.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -18,8 +18,11 @@ namespace {
     std::vector<HookDrive> targets(std::span<const HookPatch> hooks)
     {
         std::vector<HookDrive> to;
-        for (const HookPatch& hook : hooks)
+        for (const HookPatch& hook : hooks) {
+            if (hook.turns())
+                throw InputError("a hook that turns cannot be combined with a condensed region", "nonlinear region");
             to.push_back({ .displacement = hook.displacement });
+        }
         return to;
     }
 
@@ -27,13 +30,13 @@ namespace {
     double farthest_way(NonlinearRegion& field, std::span<const HookDrive> from, std::span<const HookDrive> to)
     {
         constexpr double kNoFartherMm = 150.0; // stiffness at rest predicts large displacements badly
-        std::vector<Vec3> foretold;
+        std::vector<Vec3> predicted;
         if (std::any_of(to.begin(), to.end(), [](const HookDrive& drive) { return drive.force_N.has_value(); }))
-            foretold = field.foretold(to);
+            predicted = field.predict_hook_displacements(to);
         double farthest = 0.0;
         for (std::size_t h = 0; h < to.size(); ++h)
             farthest = std::max(farthest,
-                to[h].force_N ? std::min(kNoFartherMm, foretold[h].norm())
+                to[h].force_N ? std::min(kNoFartherMm, predicted[h].norm())
                               : (to[h].displacement - from[h].displacement).norm());
         return farthest;
     }

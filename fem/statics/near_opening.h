@@ -36,7 +36,7 @@ NearFrame drag_in_steps(NonlinearRegion& field, std::span<const HookDrive> from,
     const DragInSteps& how, const Job& job);
 
 /// Implements Opening::open() for OpeningOptions::near, without the measures on deformed elements.
-/// @throws as the constructor of NonlinearRegion
+/// @throws InputError on a hook that turns, and as the constructor of NonlinearRegion
 OpeningResult open_near(const mesh::TetMesh& mesh, std::span<const Material> material_of_label,
     const Supports& supports, std::span<const HookPatch> hooks, const OpeningOptions& options, const Job& job);
 

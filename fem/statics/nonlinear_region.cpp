@@ -348,7 +348,7 @@ struct NonlinearRegion::State {
         RestApart apart = hooks_go_where_told() ? rest_of_hooks_apart({}, {}, drives, facing) : rest_with(drives);
         const HookRest& rest = apart.rest;
         if (!rest.converged)
-            throw SolverError("the hooks' forces did not come to rest");
+            throw SolverError("no equilibrium of the hooks was found");
         meeting = std::move(apart.meeting);
         yielded = rest.yielded;
         std::vector<Vec3> where = per_hook(rest.displacement);
@@ -653,13 +653,13 @@ void NonlinearRegion::start_from(const NearFrame& frame)
     State& s = *state_;
     if (frame.displacement.size() != 3 * static_cast<Eigen::Index>(s.vertices)
         || frame.hook_displacements.size() != s.at.size() || !frame.displacement.allFinite())
-        throw InputError("the answer to start from is of another mesh, or not finite", "nonlinear region");
+        throw InputError("the start solution belongs to another mesh, or is not finite", "nonlinear region");
     Eigen::VectorXd u = Eigen::VectorXd::Zero(s.now.u.size());
     for (std::size_t i = 0; i < s.near.vertex.size(); ++i)
         u.segment<3>(3 * static_cast<Eigen::Index>(i)) = segment(frame.displacement, s.near.vertex[i]);
     State::Point there = s.point(std::move(u));
     if (!std::isfinite(there.energy))
-        throw InputError("the answer to start from turns an element over", "nonlinear region");
+        throw InputError("the start solution turns an element over", "nonlinear region");
     s.now = std::move(there);
     s.at = frame.hook_displacements;
     s.drives = prescribed_drives(s.at);
@@ -732,7 +732,7 @@ NearFrame NonlinearRegion::settle(const Job& job)
     return frame;
 }
 
-std::vector<Vec3> NonlinearRegion::foretold(std::span<const HookDrive> drives)
+std::vector<Vec3> NonlinearRegion::predict_hook_displacements(std::span<const HookDrive> drives)
 {
     State& s = *state_;
     s.check_drives(drives);

@@ -114,7 +114,7 @@ public:
     NearFrame settle(const Job& job = {});
     /// First-order prediction of the hooks' displacements at rest, from the present forces and factor.
     /// @throws as drag()
-    std::vector<Vec3> foretold(std::span<const HookDrive> drives);
+    std::vector<Vec3> predict_hook_displacements(std::span<const HookDrive> drives);
     /// Factors the stiffness of the present state. drag() makes no factor except the first, without prepare().
     void refresh();
 

@@ -10,10 +10,7 @@
 #include "mesh/base/statistics.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <iomanip>
-#include <numeric>
 #include <sstream>
 #include <utility>
 
@@ -41,7 +38,7 @@ namespace {
         if (options.elasticity == Elasticity::linear)
             throw InputError("nothing is nonlinear near the wound when the elasticity is linear", "nonlinear region");
         if (options.contact || options.locking_free || !options.pressures.empty())
-            throw InputError(std::string("a condensed region goes without ")
+            throw InputError(std::string("a condensed region cannot be combined with ")
                     + (options.contact             ? "contact"
                             : options.locking_free ? "locking-free elements"
                                                    : "pressure"),
@@ -81,6 +78,7 @@ namespace {
         result.inverted_elements = static_cast<int>(
             std::count_if(d.smallest_ratio.begin(), d.smallest_ratio.end(), [](double r) { return r <= 0.0; }));
         result.strain = std::move(d.strain);
+        result.volume_ratio = std::move(d.volume_ratio);
         if (body.contact() != nullptr) {
             result.contact = body.contact()->state(displacement);
             result.contact_overlap_mm = body.contact()->overlap_at_rest();
@@ -101,6 +99,14 @@ namespace {
         return forces;
     }
 
+    Eigen::VectorXd of_hook_nodes(Eigen::VectorXd forces, const Prescribed& prescribed)
+    {
+        for (std::size_t v = 0; v < prescribed.hook_of_node.size(); ++v)
+            if (prescribed.hook_of_node[v] < 0)
+                forces.segment<3>(3 * static_cast<Eigen::Index>(v)).setZero();
+        return forces;
+    }
+
     void copy_record(const Equilibrium& equilibrium, double tolerance, OpeningResult& result)
     {
         result.residual = equilibrium.residual;
@@ -116,7 +122,7 @@ namespace {
             break;
         case EquilibriumStatus::not_converged:
             result.status = OpeningStatus::not_converged;
-            text << "not converged: residual " << equilibrium.residual << " (asked for " << tolerance << ") at "
+            text << "not converged: residual " << equilibrium.residual << " (limit " << tolerance << ") at "
                  << 100.0 * equilibrium.load << " % of the hooks' displacement, ";
             break;
         case EquilibriumStatus::cancelled:
@@ -142,11 +148,12 @@ namespace {
             text << (hooks_are_why ? "; under p = " : "; no equilibrium at p = ") << pressure.pressure / kKiloPascal
                  << " kPa (" << pressure.name
                  << "), last load step that held: " << held * pressure.pressure / kKiloPascal << " kPa";
-        text << (hooks ? ", the hooks as far on their way" : "");
+        text << (hooks ? "; the hooks had made the same share of their motion" : "");
         if (hooks_are_why)
-            text << "; the next step's pressure is borne where the hooks stay there: the hooks' next step is not";
+            text << "; the tissue bears the pressure of the next step while the hooks stay in place, "
+                    "but not the next step of the hooks";
         else
-            text << "; tissue that soft bears less, or needs a law that stiffens (fibres)";
+            text << "; tissue this soft bears less pressure, or needs a law that stiffens (fibres)";
         return text.str();
     }
 
@@ -203,6 +210,7 @@ OpeningResult Opening::State::open_all(const Prescribed& prescribed, std::size_t
     OpeningResult result;
     copy_record(equilibrium, newton.tolerance, result);
     result.hook_forces_N = hook_forces(equilibrium.forces, prescribed, hooks);
+    result.hook_nodal_forces_N = of_hook_nodes(equilibrium.forces, prescribed);
     result.displacement
         = Eigen::Map<const Points>(equilibrium.displacement.data(), equilibrium.displacement.size() / 3, 3);
     if (const double held = newton.load_at_start + equilibrium.load * (1.0 - newton.load_at_start);
@@ -243,7 +251,20 @@ Opening::Opening(const ElasticProblem& problem, OpeningOptions options)
 }
 
 Opening::~Opening() = default;
-Opening::Opening(Opening&&) noexcept = default;
+
+void Opening::start_from(const Points& displacement)
+{
+    if (displacement.rows() != state_->mesh.vertices.rows() || !displacement.allFinite())
+        throw InputError("a start has three finite entries per node", "start");
+    state_->warm = Eigen::Map<const Eigen::VectorXd>(displacement.data(), displacement.size());
+}
+
+void Opening::set_load_steps(int least)
+{
+    if (least < 1)
+        throw InputError("opening needs at least one load step");
+    state_->options.load_steps = least;
+}
 
 OpeningResult Opening::open(std::span<const HookPatch> hooks, const Job& job)
 {

@@ -38,13 +38,22 @@ public:
     /// @throws InputError as above, and when the options have a load as well
     Opening(const ElasticProblem& problem, OpeningOptions options = {});
     ~Opening();
-    Opening(Opening&&) noexcept;
 
     /// Opens the wound with these hooks.
     /// @throws InputError when a patch is empty, is out of range or holds a node that is not near, or when two patches
     /// prescribe different displacements of a node; SolverError naming size and place of a connected piece of the mesh
     /// without support and hook, and when a factorisation fails
     OpeningResult open(std::span<const HookPatch> hooks, const Job& job = {});
+
+    /// Takes a displacement as the last state: the next open() starts from there. The opening by four-node elements is
+    /// such a start for ten-node elements.
+    /// @param displacement n x 3, mm, all nodes
+    /// @throws InputError on a wrong number of rows, or a displacement that is not finite
+    void start_from(const Points& displacement);
+
+    /// Changes OpeningOptions::load_steps for the openings that follow: a start near the answer needs fewer steps.
+    /// @throws InputError on less than one step
+    void set_load_steps(int least);
 
 private:
     struct State;

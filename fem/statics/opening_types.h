@@ -63,11 +63,15 @@ struct [[nodiscard]] OpeningResult {
     std::string message;
     Points displacement; ///< n x 3, mm, all nodes
     std::vector<Vec3> hook_forces_N; ///< force that the surgeon must apply to each hook
+    /// The parts of these forces at the nodes, N, three per node; zero at nodes without a hook. Empty with
+    /// OpeningOptions::near.
+    Eigen::VectorXd hook_nodal_forces_N {};
     std::vector<double> strain; ///< per element: largest principal Green-Lagrange strain (P2: element mean)
     double strain_p99 = 0.0; ///< 99th percentile by volume, outside elements that touch a hook patch
     int inverted_elements = 0; ///< elements with det F <= 0 at any evaluation point
     double max_volume_ratio = 1.0; ///< largest det F
     double min_volume_ratio = 1.0; ///< smallest det F
+    std::vector<double> volume_ratio; ///< per element: deformed volume over rest volume
     Contact::State contact; ///< filled when contact was requested
     double contact_overlap_mm = 0.0; ///< deepest overlap of surfaces at rest; the overlap remains
     std::optional<LinearCondensedRegion>

@@ -1,6 +1,7 @@
 #include "fem/element/locking_free.h"
 
 #include "mesh/base/error.h"
+#include "tests/support/dense_matrix.h"
 #include "tests/support/reference_problems.h"
 #include "tests/verification/framework/meshes.h"
 #include "tests/verification/framework/nodal_element.h"
@@ -117,7 +118,8 @@ namespace locking_free_test {
         for (const verification::VerificationElement element : kElements)
             for (const verification::VerificationLaw& law : laws()) {
                 ElasticBody body = make_body(mesh, element, law);
-                const Eigen::MatrixXd K = dense(body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), 0.0));
+                const Eigen::MatrixXd K
+                    = test_support::dense(body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), 0.0));
                 const Eigen::VectorXd values
                     = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K, Eigen::EigenvaluesOnly).eigenvalues();
                 EXPECT_GE(values.minCoeff(), -1e-12 * values.maxCoeff()) << law.name;
@@ -155,7 +157,7 @@ namespace locking_free_test {
             for (const verification::VerificationLaw& law : laws()) {
                 ElasticBody body = make_body(mesh, element, law);
                 const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(
-                    dense(body.stiffness(u, 1.0)), Eigen::EigenvaluesOnly)
+                    test_support::dense(body.stiffness(u, 1.0)), Eigen::EigenvaluesOnly)
                                                    .eigenvalues();
                 EXPECT_GE(values.minCoeff(), -1e-11 * values.maxCoeff()) << law.name;
             }

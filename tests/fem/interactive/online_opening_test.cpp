@@ -6,6 +6,7 @@
 #include "mesh/base/error.h"
 #include "tests/support/random_strokes.h"
 #include "tests/support/reference_problems.h"
+#include "tests/verification/framework/element_stress.h"
 #include "tests/verification/framework/tension.h"
 
 #include <gtest/gtest.h>
@@ -855,8 +856,8 @@ namespace online_opening_test {
         for (const PreStrainKind kind : { PreStrainKind::uniaxial_stress, PreStrainKind::equibiaxial }) {
             mesh::CutSession session(sheet);
             OnlineOptions options;
-            options.stress_of_element
-                = pre_stress(sheet, skin, std::vector<PreStrain>(2, { kind, kStrain, Vec3::UnitY(), Vec3::UnitZ() }));
+            options.stress_of_element = verification::stress_of_elements(
+                sheet, skin, std::vector<PreStrain>(2, { kind, kStrain, Vec3::UnitY(), Vec3::UnitZ() }));
             OnlineOpening opening(session, skin, { .fixed = verification::sheet_rim(problem, sheet) }, {}, options);
             const mesh::CutResult cut = session.cut(verification::sheet_blade(problem));
             ASSERT_EQ(cut.status, mesh::CutStatus::done);

@@ -50,6 +50,20 @@ namespace calculix_deck_test {
         }
     }
 
+    TEST(CalculixDeck, AHookThatTurnsMovesEachOfItsNodes)
+    {
+        ElasticProblem problem = test_support::hooked_block(2, 4);
+        const std::string still = calculix_deck(problem);
+        HookPatch& hook = problem.hooks[0];
+        hook.rotation << 0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0; // a quarter turn about z
+        hook.pivot = Vec3(15.0, 20.0, 20.0);
+        const std::string turned = calculix_deck(problem);
+        EXPECT_EQ(count(still, "HOOK1,1,1,"), 1u);
+        EXPECT_EQ(count(turned, "HOOK1,1,1,"), 0u);
+        const std::string node = "\n" + std::to_string(hook.nodes.front() + 1) + ",3,3,"; // the turn leaves z alone
+        EXPECT_EQ(count(turned, node + "0.333"), 1u);
+    }
+
     TEST(CalculixDeck, NumbersFitTheTwentyCharactersThatAreRead)
     {
         ElasticProblem problem = test_support::hooked_block(2, 4);

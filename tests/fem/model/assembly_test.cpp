@@ -2,6 +2,7 @@
 
 #include "fem/linear_algebra/constrained_solver.h"
 #include "mesh/base/error.h"
+#include "tests/support/dense_matrix.h"
 #include "tests/support/reference_problems.h"
 #include "tests/verification/framework/body_force.h"
 
@@ -62,7 +63,8 @@ namespace assembly_test {
     int zero_eigenvalues(const mesh::TetMesh& mesh, Elasticity model)
     {
         ElasticBody body(mesh, model, test_support::uniform(mesh, kTissue));
-        const Eigen::MatrixXd K = dense(body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), true));
+        const Eigen::MatrixXd K
+            = test_support::dense(body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), true));
         const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues();
         EXPECT_GE(values.minCoeff(), -1e-13 * values.maxCoeff());
         return static_cast<int>((values.array() < 1e-12 * values.maxCoeff()).count());

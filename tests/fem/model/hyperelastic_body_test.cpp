@@ -1,6 +1,7 @@
 #include "fem/model/elastic_body.h"
 #include "fem/statics/equilibrium.h"
 #include "mesh/base/error.h"
+#include "tests/support/dense_matrix.h"
 #include "tests/support/reference_problems.h"
 #include "tests/verification/framework/uniform_tissue.h"
 
@@ -98,7 +99,8 @@ namespace hyperelastic_body_test {
         for (const int n : { 4, 10 }) {
             const mesh::TetMesh mesh = p1_or_p2(verification::distorted_box(2, 1.0, 0.2, 2), n);
             ElasticBody body(mesh, mixed(mesh));
-            const Eigen::MatrixXd K = dense(body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), 0.0));
+            const Eigen::MatrixXd K
+                = test_support::dense(body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), 0.0));
             const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues();
             EXPECT_GE(values.minCoeff(), -1e-13 * values.maxCoeff());
             EXPECT_EQ((values.array() < 1e-12 * values.maxCoeff()).count(), 6) << n;
@@ -173,6 +175,22 @@ namespace hyperelastic_body_test {
         EXPECT_EQ(result.status, EquilibriumStatus::converged);
         for (const double ratio : body.deformation(result.displacement).smallest_ratio)
             EXPECT_GT(ratio, 0.0);
+    }
+
+    TEST(HyperelasticBody, EachElementOfAUniformStretchHasItsVolumeRatio)
+    {
+        const mesh::TetMesh mesh = mesh::kuhn_box(2, 2, 2, 1.0);
+        const ElasticBody body(mesh, verification::uniform_tissue(mesh, NeoHookean { kMu, 1.0 }));
+        const Vec3 stretch(1.5, 0.8, 1.1);
+        Eigen::VectorXd displacement(3 * mesh.vertices.rows());
+        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+            displacement.segment<3>(3 * v)
+                = (stretch.array() - 1.0).matrix().cwiseProduct(mesh.vertices.row(v).transpose());
+        const std::vector<double> ratios = body.deformation(displacement).volume_ratio;
+        ASSERT_EQ(ratios.size(), mesh.tet_count());
+        constexpr double kRounding = 1e-12;
+        for (const double ratio : ratios)
+            EXPECT_NEAR(ratio, stretch.prod(), kRounding);
     }
 
     TEST(HyperelasticBodyBadInput, IsNamed)

@@ -213,10 +213,6 @@ namespace pre_strain_test {
         flat.normal.setZero();
         EXPECT_NE(test_support::message_of([&] { pre_stress(flat, m); }).find("the normal"), std::string::npos);
         const mesh::TetMesh mesh = mesh::kuhn_box(1, 1, 1, 1.0, 3);
-        const std::vector<PreStrain> table(4, tension(PreStrainKind::uniaxial_stress));
-        EXPECT_NE(
-            test_support::message_of([&] { pre_stress(mesh, std::vector<Material>(2, m), table); }).find("label 3"),
-            std::string::npos);
         EXPECT_NE(test_support::message_of([&] {
             traction_loads(mesh, released_tractions(mesh, mesh::boundary_faces(mesh), {}));
         }).find("one pre-stress per element"),

@@ -4,6 +4,7 @@
 #include "fem/springs/spring_relaxation.h"
 #include "mesh/base/error.h"
 #include "tests/support/reference_problems.h"
+#include "tests/verification/framework/element_stress.h"
 
 #include <gtest/gtest.h>
 
@@ -116,7 +117,7 @@ namespace edge_springs_test {
         Sample s { verification::distorted_box(n, 3.0, 0.2, 9),
             std::vector<Material>(2, test_support::material(kModulus, 0.3)), {} };
         const PreStrain tension { PreStrainKind::equibiaxial, strain, Vec3::Zero(), Vec3::UnitZ() };
-        s.stresses = pre_stress(s.mesh, s.materials, std::vector<PreStrain>(2, tension));
+        s.stresses = verification::stress_of_elements(s.mesh, s.materials, std::vector<PreStrain>(2, tension));
         return s;
     }
 
@@ -138,7 +139,7 @@ namespace edge_springs_test {
     TEST(SpringNetwork, IsAtRestBeforeAnyCut)
     {
         const Sample s = sample();
-        const SpringNetwork network(s.mesh, s.materials, s.stresses);
+        const SpringNetwork network(mesh::CutSession { s.mesh }, s.materials, s.stresses);
         const SpringPatch patch(network, all_vertices(s.mesh));
         const auto state = patch.response(patch.displacement());
         EXPECT_LT(state.forces.lpNorm<Eigen::Infinity>(), 1e-14);
@@ -148,7 +149,7 @@ namespace edge_springs_test {
     TEST(SpringNetwork, ForcesAndTangentAreDerivativesOfTheEnergy)
     {
         const Sample s = sample(2);
-        const SpringNetwork network(s.mesh, s.materials, s.stresses);
+        const SpringNetwork network(mesh::CutSession { s.mesh }, s.materials, s.stresses);
         SpringPatch patch(network, all_vertices(s.mesh));
         const Eigen::VectorXd u = random_state(patch.displacement().size(), 0.3, 2);
         ASSERT_EQ(patch.response(u).crushed, 0);
@@ -168,7 +169,7 @@ namespace edge_springs_test {
     TEST(SpringNetwork, CrushedElementsPushBackWithTheDerivativeOfTheirEnergy)
     {
         const Sample s = sample(1);
-        const SpringNetwork network(s.mesh, s.materials, s.stresses);
+        const SpringNetwork network(mesh::CutSession { s.mesh }, s.materials, s.stresses);
         const SpringPatch patch(network, all_vertices(s.mesh));
         Eigen::VectorXd u = Eigen::VectorXd::Zero(patch.displacement().size());
         for (VertexId v = 0; v < 8; ++v) // flat, and a little through itself
@@ -187,7 +188,7 @@ namespace edge_springs_test {
     TEST(SpringNetwork, HasSixRigidMotionsAndTheTangentNoNegativeOnes)
     {
         const Sample s = sample(2, 0.0);
-        const SpringNetwork network(s.mesh, s.materials);
+        const SpringNetwork network(mesh::CutSession { s.mesh }, s.materials);
         SpringPatch patch(network, all_vertices(s.mesh));
         const Eigen::Index n = patch.displacement().size();
         const auto spectrum = [&](const Eigen::VectorXd& u) {
@@ -213,7 +214,7 @@ namespace edge_springs_test {
     TEST(SpringNetwork, TurningCostsNothing)
     {
         const Sample s = sample(2, 0.0);
-        const SpringNetwork network(s.mesh, s.materials);
+        const SpringNetwork network(mesh::CutSession { s.mesh }, s.materials);
         const SpringPatch patch(network, all_vertices(s.mesh));
         const Mat3 turn = Eigen::AngleAxisd(1.57, Vec3(1, 2, 3).normalized()).toRotationMatrix();
         const Eigen::VectorXd u = verification::nodal_values(s.mesh, [&](const Vec3& x) { return Vec3(turn * x - x); });
@@ -251,7 +252,7 @@ namespace edge_springs_test {
     {
         const Sample s = sample(5);
         mesh::CutSession session(s.mesh);
-        SpringNetwork network(s.mesh, s.materials, s.stresses);
+        SpringNetwork network(mesh::CutSession { s.mesh }, s.materials, s.stresses);
         const SpringNetwork first = network;
         const auto follow = [&](const mesh::MeshDelta& delta) {
             network.apply(delta);
@@ -282,7 +283,7 @@ namespace edge_springs_test {
     {
         const Sample s = sample(4);
         mesh::CutSession session(s.mesh);
-        SpringNetwork network(s.mesh, s.materials, s.stresses);
+        SpringNetwork network(mesh::CutSession { s.mesh }, s.materials, s.stresses);
         std::vector<VertexId> bottom;
         for (const VertexId v : all_vertices(s.mesh))
             if (s.mesh.vertices(v, 2) == 0.0)
@@ -313,7 +314,7 @@ namespace edge_springs_test {
         SpringNetwork network(session, s.materials, s.stresses);
         network.apply(session.undo());
         network.set_wound(session.lips());
-        expect_same(network, SpringNetwork(s.mesh, s.materials, s.stresses));
+        expect_same(network, SpringNetwork(mesh::CutSession { s.mesh }, s.materials, s.stresses));
         EXPECT_FALSE(network.is_fixed(0));
         network.apply(session.redo());
         network.set_wound(session.lips());
@@ -324,7 +325,7 @@ namespace edge_springs_test {
     {
         const Sample s = sample(5);
         mesh::CutSession session(s.mesh);
-        SpringNetwork network(s.mesh, s.materials, s.stresses);
+        SpringNetwork network(mesh::CutSession { s.mesh }, s.materials, s.stresses);
         const mesh::CutResult cut = session.cut(oblique_blade(15.0));
         network.apply(cut.delta);
         network.set_wound(session.lips());
@@ -350,7 +351,7 @@ namespace edge_springs_test {
     {
         const Sample s = sample(4);
         mesh::CutSession session(s.mesh);
-        SpringNetwork network(s.mesh, s.materials, s.stresses);
+        SpringNetwork network(mesh::CutSession { s.mesh }, s.materials, s.stresses);
         Mat3 gradient = Mat3::Zero();
         gradient(0, 1) = 0.1;
         gradient(2, 2) = 0.2;
@@ -368,21 +369,21 @@ namespace edge_springs_test {
     TEST(SpringNetwork, RefusesBadInput)
     {
         const Sample s = sample(1);
-        const auto with
-            = [&](auto... arguments) { return test_support::message_of([&] { SpringNetwork network(arguments...); }); };
+        const auto with = [&](auto... arguments) {
+            return test_support::message_of([&] { SpringNetwork network(mesh::CutSession { s.mesh }, arguments...); });
+        };
         const std::span<const Material> good(s.materials);
         const std::vector<Material> soft(2, test_support::material(0.0, 0.3)),
             nan(2, test_support::material(std::nan(""), 0.3)), few(1, soft[0]);
-        EXPECT_NE(with(s.mesh, std::span<const Material>(soft)).find("Young's modulus"), std::string::npos);
-        EXPECT_NE(with(s.mesh, std::span<const Material>(nan)).find("Young's modulus"), std::string::npos);
-        EXPECT_NE(with(s.mesh, std::span<const Material>(few)).find("label 1"), std::string::npos);
-        EXPECT_NE(with(mesh::with_midpoints(s.mesh), good).find("four-node"), std::string::npos);
+        EXPECT_NE(with(std::span<const Material>(soft)).find("Young's modulus"), std::string::npos);
+        EXPECT_NE(with(std::span<const Material>(nan)).find("Young's modulus"), std::string::npos);
+        EXPECT_NE(with(std::span<const Material>(few)).find("label 1"), std::string::npos);
         const std::vector<Mat3> one(1, Mat3::Zero());
-        EXPECT_NE(with(s.mesh, good, std::span<const Mat3>(one)).find("one pre-stress per element"), std::string::npos);
+        EXPECT_NE(with(good, std::span<const Mat3>(one)).find("no pre-stress for an element"), std::string::npos);
         std::vector<Mat3> broken = s.stresses;
         broken[3](1, 1) = std::numeric_limits<double>::infinity();
-        EXPECT_NE(with(s.mesh, good, std::span<const Mat3>(broken)).find("element 3"), std::string::npos);
-        SpringNetwork network(s.mesh, s.materials);
+        EXPECT_NE(with(good, std::span<const Mat3>(broken)).find("element 3"), std::string::npos);
+        SpringNetwork network(mesh::CutSession { s.mesh }, s.materials);
         const std::vector<VertexId> beyond { 1000 };
         EXPECT_NE(test_support::message_of([&] { network.fix(beyond); }).find("vertex 1000"), std::string::npos);
         EXPECT_NE(test_support::message_of([&] { network.fix({}, 8); }).find("axes"), std::string::npos);

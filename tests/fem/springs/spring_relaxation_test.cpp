@@ -4,6 +4,7 @@
 #include "mesh/base/error.h"
 #include "mesh/cutting/cut_session.h"
 #include "tests/support/reference_problems.h"
+#include "tests/verification/framework/element_stress.h"
 #include "tests/verification/framework/spring_dynamics.h"
 
 #include <gtest/gtest.h>
@@ -32,8 +33,8 @@ namespace spring_relaxation_test {
         SpringNetwork make()
         {
             const PreStrain tension { PreStrainKind::uniaxial_stress, kStrain, Vec3::UnitY(), Vec3::UnitZ() };
-            stresses = pre_stress(mesh, materials, std::vector<PreStrain>(2, tension));
-            SpringNetwork net(mesh, materials, stresses);
+            stresses = verification::stress_of_elements(mesh, materials, std::vector<PreStrain>(2, tension));
+            SpringNetwork net(session, materials, stresses);
             std::vector<VertexId> held;
             for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
                 if (const auto p = mesh.vertices.row(v);

@@ -124,8 +124,8 @@ namespace bad_parameters_test {
         };
         const auto sprung = [](double youngs_modulus, double density) {
             return [=] {
-                const mesh::TetMesh mesh = mesh::kuhn_box(1, 1, 1, 1.0);
-                const SpringNetwork network(mesh, std::vector<Material>(2, tissue(youngs_modulus)));
+                const mesh::CutSession session(mesh::kuhn_box(1, 1, 1, 1.0));
+                const SpringNetwork network(session, std::vector<Material>(2, tissue(youngs_modulus)));
                 const verification::SpringDynamics dynamics(
                     network, std::vector<Material>(2, tissue(0.04, 0.45, density)), 0.0);
             };

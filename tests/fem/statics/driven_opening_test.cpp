@@ -365,7 +365,7 @@ namespace driven_opening_test {
         EXPECT_LT(reached, kFarMoreN);
         EXPECT_LT(found.hooks[1].displacement.norm(), kFarthestHookMm);
         const std::string& message = found.opening.message;
-        for (const char* said : { "hook 'right' has moved", "mm farther", "which none follows" })
+        for (const char* said : { "hook 'right' has moved", "mm farther", "tissue tears before" })
             EXPECT_NE(message.find(said), std::string::npos) << message;
         drives[1].force_N = Vec3(1.0, 0.0, 0.0);
         EXPECT_EQ(open_driven(problem, drives, options).opening.status, OpeningStatus::converged);
@@ -381,7 +381,7 @@ namespace driven_opening_test {
         const DrivenOpening found = open_driven(problem, drives, { .elasticity = Elasticity::corotational });
         EXPECT_EQ(found.opening.status, OpeningStatus::not_converged);
         EXPECT_GT(std::max(found.hooks[0].displacement.norm(), found.hooks[1].displacement.norm()), kFarthestHookMm);
-        EXPECT_NE(found.opening.message.find("no hook goes farther than 150 mm"), std::string::npos)
+        EXPECT_NE(found.opening.message.find("a hook moves at most 150 mm"), std::string::npos)
             << found.opening.message;
     }
 

@@ -545,7 +545,7 @@ namespace nonlinear_region_test {
         NearFrame turned = field.drag(hooks_at(problem, 0.1));
         turned.displacement *= 1e4;
         EXPECT_EQ(test_support::message_of([&] { field.start_from(turned); }),
-            "nonlinear region: the answer to start from turns an element over");
+            "nonlinear region: the start solution turns an element over");
     }
 
 } // namespace nonlinear_region_test

@@ -369,6 +369,38 @@ namespace opening_test {
         }
     }
 
+    TEST(Opening, AStartFromFourNodeElementsDoesNotChangeTheAnswer)
+    {
+        const Wound coarse = slit_box(3, 8.0), wound = with_ten_nodes(coarse);
+        const OpeningOptions options { .tolerance = 1e-9 };
+        const OpeningResult four = open(coarse, 5.0, options), ten = open(wound, 5.0, options);
+        Points start = Points::Zero(wound.mesh.vertices.rows(), 3);
+        start.topRows(four.displacement.rows()) = four.displacement;
+        for (TetId t = 0; t < static_cast<TetId>(wound.mesh.tet_count()); ++t)
+            for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e) {
+                const auto nodes = wound.mesh.tet(t);
+                const auto end = [&](std::size_t i) { return nodes[static_cast<std::size_t>(mesh::kTetEdges[e][i])]; };
+                start.row(nodes[4 + e]) = 0.5 * (start.row(end(0)) + start.row(end(1)));
+            }
+        Opening opening(wound.mesh, tissue(), wound.supports, options);
+        opening.start_from(start);
+        const OpeningResult started = opening.open(two_hooks(wound, 5.0));
+        ASSERT_EQ(ten.status, OpeningStatus::converged) << ten.message;
+        ASSERT_EQ(started.status, OpeningStatus::converged) << started.message;
+        EXPECT_LE((started.displacement - ten.displacement).cwiseAbs().maxCoeff(), 1e-6);
+        EXPECT_LT(started.newton_iterations, ten.newton_iterations);
+    }
+
+    TEST(Opening, AStartThatIsNoDisplacementIsRefused)
+    {
+        const Wound wound = slit_box(3, 8.0);
+        Opening opening(wound.mesh, tissue(), wound.supports);
+        EXPECT_THROW(opening.start_from(Points::Zero(3, 3)), InputError);
+        Points bad = Points::Zero(wound.mesh.vertices.rows(), 3);
+        bad(0, 0) = std::numeric_limits<double>::quiet_NaN();
+        EXPECT_THROW(opening.start_from(bad), InputError);
+    }
+
     TEST(Opening, TurningThePatientTurnsTheAnswer)
     {
         const Wound wound = slit_box(3, 5.0);
@@ -635,9 +667,9 @@ namespace opening_test {
             std::string::npos);
         EXPECT_NE(refuse(tissue(), {}, { .near = near, .far_tolerance = -1.0 }).find("is not zero or more"),
             std::string::npos);
-        EXPECT_NE(refuse(tissue(), {}, { .locking_free = true, .near = near }).find("without locking-free"),
+        EXPECT_NE(refuse(tissue(), {}, { .locking_free = true, .near = near }).find("with locking-free"),
             std::string::npos);
-        EXPECT_NE(refuse(tissue(), {}, { .near = near, .contact = ContactOptions {} }).find("without contact"),
+        EXPECT_NE(refuse(tissue(), {}, { .near = near, .contact = ContactOptions {} }).find("with contact"),
             std::string::npos);
     }
 

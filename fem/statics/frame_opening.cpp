@@ -1,0 +1,337 @@
+#include "fem/statics/frame_opening.h"
+
+#include "fem/statics/driven_opening.h"
+#include "fem/statics/opening.h"
+#include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
+
+#include <Eigen/QR>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace retractor::fem {
+
+namespace {
+
+    constexpr double kFarthestStepMm = 10.0; // in nonlinear tissue, whose tangent predicts no farther
+    constexpr double kLargestTurn = 0.35; // rad: a step is linear in the rotation
+    constexpr int kMostHalvings = 4;
+    constexpr double kNoForceN = 1e-3; // below, a blade bears nothing, and forces are round-off
+    constexpr double kTornStrain = 4.0; // Green-Lagrange strain at threefold stretch, beyond what any tissue bears
+
+    enum class Stop { free, low, high };
+
+    struct Bounds {
+        double low = 0.0, high = 0.0; ///< of the step of a blade's turn, mm at the lever
+    };
+
+    void check(const ElasticProblem& problem, const BladeFrame& frame, const RackDrive& drive,
+        const OpeningOptions& options, const FrameOptions& how)
+    {
+        if (problem.hooks.size() != frame.size())
+            throw InputError(
+                "a retractor has two blades, and there are " + std::to_string(problem.hooks.size()), "blades");
+        check_frame(frame);
+        if (drive.distance_mm.has_value() == drive.force_N.has_value())
+            throw InputError("a retractor is driven either by its opening or by its force", "retractor");
+        if (drive.distance_mm && !(*drive.distance_mm >= 0.0 && *drive.distance_mm <= 2.0 * kFarthestHookMm))
+            throw InputError("the opening of the retractor is out of range", "retractor");
+        if (drive.force_N && !(*drive.force_N >= 0.0 && std::isfinite(*drive.force_N)))
+            throw InputError("the force of the retractor is negative or not finite", "retractor");
+        if (!options.near.empty())
+            throw InputError("a retractor cannot be combined with a condensed region", "nonlinear region");
+        if (!(how.tolerance > 0.0 && how.tolerance < 1.0) || how.most_openings < 1)
+            throw InputError("the search of a retractor needs a tolerance between 0 and 1 and at least one opening");
+    }
+
+    /// Solves for the unknowns that are not fixed, with the smallest step where nothing resists (a body that floats).
+    FrameVector solve_free(
+        const FrameMatrix& J, const FrameVector& missing, FrameVector step, const std::vector<int>& free)
+    {
+        constexpr double kNoStiffness = 1e-9; // relative to the stiffest motion
+        const FrameVector rest = missing - J * step; // step is zero where it is free
+        const Eigen::MatrixXd of_free = J(free, free);
+        Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+        solver.setThreshold(kNoStiffness);
+        solver.compute(of_free);
+        const Eigen::VectorXd moved = solver.solve(Eigen::VectorXd(rest(free)));
+        for (std::size_t i = 0; i < free.size(); ++i)
+            step[free[i]] = moved[static_cast<Eigen::Index>(i)];
+        return step;
+    }
+
+    class FrameSearch {
+    public:
+        FrameSearch(const ElasticProblem& problem, const BladeFrame& frame, const RackDrive& drive,
+            const OpeningOptions& options, const FrameOptions& how, const Job& job)
+            : problem_(problem)
+            , frame_(frame)
+            , drive_(drive)
+            , options_(options)
+            , how_(how)
+            , job_(job)
+            , balancing_(job)
+            , lever_(frame_lever(problem.mesh, frame, problem.hooks))
+            , opening_(problem, options)
+        {
+            if (job.on_progress)
+                balancing_.on_progress = [this](std::string_view, double fraction) {
+                    job_.report("opening, balance of the retractor", fraction);
+                };
+            found_.state.distance = drive.distance_mm.value_or(0.0);
+            found_.blades = blades_at(frame, found_.state, problem.hooks);
+        }
+        FrameSearch(const FrameSearch&) = delete;
+        FrameSearch& operator=(const FrameSearch&) = delete;
+
+        FrameOpening search(const std::optional<FrameStart>& start)
+        {
+            if (start) {
+                found_.state = start->state;
+                found_.stiffness = start->stiffness;
+                has_stiffness_ = true;
+                continue_from(start->displacement);
+            } else if (drive_.force_N) {
+                linearise(Points::Zero(problem_.mesh.vertices.rows(), 3));
+                found_.state = moved_by(found_.state, next_step(), lever_);
+            }
+            open(found_.state, start ? balancing_ : job_);
+            if (!is_open())
+                return std::move(found_);
+            balance();
+            return std::move(found_);
+        }
+
+    private:
+        bool is_open() const
+        {
+            return found_.opening.status == OpeningStatus::converged
+                || found_.opening.status == OpeningStatus::inverted;
+        }
+        bool is_nonlinear() const { return options_.elasticity != Elasticity::linear || options_.contact.has_value(); }
+
+        void balance()
+        {
+            int halvings = 0;
+            double before = std::numeric_limits<double>::infinity();
+            while (found_.imbalance > how_.tolerance) {
+                if (found_.openings >= how_.most_openings)
+                    return fail("");
+                if (const std::string why = beyond_tissue(); !why.empty())
+                    return fail(why);
+                if (!has_stiffness_ || was_cut_ || found_.imbalance > kGoodStep * before)
+                    linearise(found_.opening.displacement);
+                before = found_.imbalance;
+                const FrameVector step = next_step();
+                const FrameOpening last = found_;
+                const FrameVector forces = forces_;
+                double share = 1.0;
+                for (;;) {
+                    continue_from(last.opening.displacement);
+                    open(moved_by(last.state, share * step, lever_), balancing_);
+                    if (is_open() || found_.opening.status == OpeningStatus::cancelled)
+                        break;
+                    if (++halvings > kMostHalvings || found_.openings >= how_.most_openings)
+                        return;
+                    share *= 0.5;
+                }
+                if (!is_open())
+                    return;
+                was_cut_ = was_cut_ || share < 1.0;
+                update(share * step, forces_ - forces);
+            }
+            found_.opening.message += formatted("; the retractor is in balance after %d opening(s)", found_.openings);
+        }
+
+        void continue_from(const Points& displacement)
+        {
+            opening_.start_from(displacement);
+            opening_.set_load_steps(1); // the frame moves a little; steps of more than 3 mm are still divided
+        }
+
+        void open(const FrameState& state, const Job& job)
+        {
+            found_.state = state;
+            found_.blades = blades_at(frame_, state, std::move(found_.blades));
+            found_.opening = opening_.open(found_.blades, job);
+            ++found_.openings;
+            found_.loads = blade_loads(problem_.mesh, found_.blades, found_.opening.hook_nodal_forces_N);
+            forces_ = generalised_forces(frame_, state, found_.loads, lever_);
+            found_.residual_force_N = forces_.head<3>();
+            found_.residual_moment_Nmm = lever_ * forces_.segment<3>(kFrameRotation);
+            found_.rack_force_N = forces_[kFrameDistance];
+            found_.imbalance = imbalance();
+        }
+
+        double imbalance() const
+        {
+            double scale = std::max({ kNoForceN, found_.loads[0].force_N.norm(), found_.loads[1].force_N.norm() });
+            double largest = std::max(forces_.head<3>().norm(), forces_.segment<3>(kFrameRotation).norm());
+            for (std::size_t k = 0; k < frame_.size(); ++k) {
+                const double moment = forces_[kFrameTurns + static_cast<Eigen::Index>(k)];
+                const Bounds bounds = bounds_of(k);
+                const double at_stop = kNearStop * lever_;
+                const bool held
+                    = (bounds.high <= at_stop && moment <= 0.0) || (bounds.low >= -at_stop && moment >= 0.0);
+                largest = std::max(largest, held ? 0.0 : std::abs(moment));
+            }
+            if (drive_.force_N) {
+                scale = std::max(scale, *drive_.force_N);
+                largest = std::max(largest, std::abs(forces_[kFrameDistance] - *drive_.force_N));
+            }
+            return largest / scale;
+        }
+
+        Bounds bounds_of(std::size_t blade) const
+        {
+            const double play = frame_[blade].play, turn = found_.state.turn[blade];
+            return { lever_ * std::min(0.0, -play - turn), lever_ * std::max(0.0, play - turn) };
+        }
+
+        void linearise(const Points& displacement)
+        {
+            // The blades of the problem name the nodes; the motions are those of the blades as they stand.
+            const HookResponse response = motion_response(problem_, { options_.elasticity, options_.locking_free },
+                displacement, blade_motions(problem_.mesh, found_.blades), options_.contact);
+            found_.stiffness = frame_stiffness(frame_, found_.state, found_.loads, response.stiffness, lever_);
+            has_stiffness_ = true;
+            was_cut_ = false;
+        }
+
+        /// Broyden's update: the stiffness that explains the last step and changes least.
+        void update(const FrameVector& step, const FrameVector& change)
+        {
+            if (const double length = step.squaredNorm(); length > 0.0)
+                found_.stiffness += (change - found_.stiffness * step) * step.transpose() / length;
+        }
+
+        /// The step to the predicted balance, cut to a length that the prediction bears.
+        FrameVector next_step()
+        {
+            FrameVector missing = -forces_;
+            missing[kFrameDistance] += drive_.force_N.value_or(0.0);
+            FrameVector step = step_with_stops(missing);
+            const double turned = std::max({ step.segment<3>(kFrameRotation).norm(), std::abs(step[kFrameTurns]),
+                std::abs(step[kFrameTurns + 1]) });
+            const double moved = step.head<3>().norm() + turned + 0.5 * std::abs(step[kFrameDistance]);
+            double share = turned > kLargestTurn * lever_ ? kLargestTurn * lever_ / turned : 1.0;
+            if (is_nonlinear() && moved > kFarthestStepMm)
+                share = std::min(share, kFarthestStepMm / moved);
+            was_cut_ = was_cut_ || share < 1.0;
+            return share * step;
+        }
+
+        FrameVector step_with_stops(const FrameVector& missing) const
+        {
+            constexpr std::array kStops { Stop::free, Stop::low, Stop::high };
+            for (const Stop first : kStops)
+                for (const Stop second : kStops)
+                    if (const auto step = step_with({ first, second }, missing))
+                        return *step;
+            // Where the stiffness is not definite no combination may fit. Then the blades turn freely to their stops.
+            FrameVector step = solve_free(found_.stiffness, missing, FrameVector::Zero(), free_unknowns({}));
+            for (std::size_t k = 0; k < frame_.size(); ++k) {
+                const Bounds bounds = bounds_of(k);
+                double& turn = step[kFrameTurns + static_cast<Eigen::Index>(k)];
+                turn = std::clamp(turn, bounds.low, bounds.high);
+            }
+            return step;
+        }
+
+        std::vector<int> free_unknowns(const std::array<Stop, 2>& stops) const
+        {
+            std::vector<int> free { 0, 1, 2, 3, 4, 5 };
+            for (std::size_t k = 0; k < stops.size(); ++k)
+                if (stops[k] == Stop::free)
+                    free.push_back(kFrameTurns + static_cast<int>(k));
+            if (drive_.force_N)
+                free.push_back(kFrameDistance);
+            return free;
+        }
+
+        /// The step with these stops; nothing when a free blade would pass a stop, or a stop would have to pull.
+        std::optional<FrameVector> step_with(const std::array<Stop, 2>& stops, const FrameVector& missing) const
+        {
+            FrameVector step = FrameVector::Zero();
+            for (std::size_t k = 0; k < stops.size(); ++k) {
+                const Bounds bounds = bounds_of(k);
+                if (frame_[k].play == 0.0 && stops[k] != Stop::low)
+                    return std::nullopt; // without play both stops are one, which pushes and pulls
+                if (stops[k] != Stop::free)
+                    step[kFrameTurns + static_cast<Eigen::Index>(k)] = stops[k] == Stop::low ? bounds.low : bounds.high;
+            }
+            step = solve_free(found_.stiffness, missing, step, free_unknowns(stops));
+            const FrameVector left = found_.stiffness * step - missing; // forces after the step
+            for (std::size_t k = 0; k < stops.size(); ++k) {
+                const Eigen::Index row = kFrameTurns + static_cast<Eigen::Index>(k);
+                const Bounds bounds = bounds_of(k);
+                const bool fits = stops[k] == Stop::free ? step[row] >= bounds.low && step[row] <= bounds.high
+                    : stops[k] == Stop::low              ? frame_[k].play == 0.0 || left[row] >= 0.0
+                                                         : left[row] <= 0.0;
+                if (!fits)
+                    return std::nullopt;
+            }
+            return step;
+        }
+
+        /// Why the tissue cannot follow the blades; empty: it can.
+        std::string beyond_tissue() const
+        {
+            if (found_.opening.strain_p99 > kTornStrain)
+                return formatted(
+                    ", but tissue is strained by %.0f %%: tissue tears before", 100.0 * found_.opening.strain_p99);
+            for (const HookPatch& blade : found_.blades)
+                if (blade.displacement.norm() > kFarthestHookMm)
+                    return formatted(", but a blade moves at most %.0f mm", kFarthestHookMm);
+            return {};
+        }
+
+        void fail(const std::string& why)
+        {
+            const double force = std::max(found_.loads[0].force_N.norm(), found_.loads[1].force_N.norm());
+            found_.opening.status = OpeningStatus::not_converged;
+            found_.opening.message
+                = formatted("the retractor found no balance in %d opening(s): at %.1f mm between its "
+                            "blades they bear up to %.3g N, and %.3g N of it are not balanced",
+                      found_.openings, found_.state.distance, force,
+                      found_.imbalance * std::max(force, drive_.force_N.value_or(0.0)))
+                + why;
+        }
+
+        static constexpr double kGoodStep = 0.3; ///< a step that leaves more of the imbalance was predicted badly
+        static constexpr double kNearStop = 1e-9; ///< rad, round-off of a turn
+
+        const ElasticProblem& problem_;
+        const BladeFrame& frame_;
+        RackDrive drive_;
+        OpeningOptions options_;
+        FrameOptions how_;
+        const Job& job_;
+        Job balancing_; ///< the job of all openings after the first: its progress begins again under another name
+        double lever_;
+        Opening opening_;
+        FrameOpening found_;
+        FrameVector forces_ = FrameVector::Zero(); ///< generalised forces at the present state
+        bool has_stiffness_ = false;
+        bool was_cut_ = false; ///< the last step ended before the predicted balance
+    };
+
+} // namespace
+
+FrameOpening open_with_frame(const ElasticProblem& problem, const BladeFrame& frame, const RackDrive& drive,
+    const OpeningOptions& options, const FrameOptions& how, const Job& job, const std::optional<FrameStart>& start)
+{
+    check(problem, frame, drive, options, how);
+    for (const HookPatch& blade : problem.hooks)
+        for (const VertexId v : blade.nodes)
+            if (v < 0 || v >= problem.mesh.vertices.rows())
+                throw InputError("node " + std::to_string(v) + " is out of range", "hook '" + blade.name + "'");
+    return FrameSearch(problem, frame, drive, options, how, job).search(start);
+}
+
+} // namespace retractor::fem

@@ -1,0 +1,73 @@
+#pragma once
+// Opens a wound with a retractor that nothing but the tissue holds (blade_frame.h). The rack is driven by distance or
+// by force.
+//
+// The first opening holds the frame where it was placed and moves the blades straight apart. Its forces are seldom in
+// balance: one lip is stiffer, or the bone under a blade is farther to one end. Newton's method then moves the frame
+// and turns the blades until resultant force and moment vanish; each evaluation is an opening that starts from the last
+// one. The first stiffness of the frame comes from the linearised tissue. Broyden's update (Broyden 1965,
+// doi 10.1090/S0025-5718-1965-0198670-6) corrects the stiffness from step to step, and the tissue is linearised again
+// where the updated stiffness predicts badly.
+//
+// A blade turns freely until its play ends. At the end the arm holds the blade with a moment that only pushes it back.
+// In each step the nine combinations of two blades, each free or at one of its two stops, are tried in turn.
+//
+// The answer is a balance, and need not be a stable one: a frame that carries much pressure may tip over.
+//
+// Units mm, N, rad; frame patient LPS.
+
+#include "fem/statics/blade_frame.h"
+#include "fem/statics/boundary_conditions.h"
+#include "fem/statics/elastic_problem.h"
+#include "fem/statics/opening_types.h"
+#include "mesh/base/job.h"
+
+#include <array>
+#include <optional>
+#include <vector>
+
+namespace retractor::fem {
+
+/// How the rack is driven: by the distance it opens, or by the force along the rack at each blade. One of the two.
+struct RackDrive {
+    std::optional<double> distance_mm {}; ///< 0 to 2 kFarthestHookMm
+    std::optional<double> force_N {}; ///< >= 0
+};
+
+struct FrameOptions {
+    /// Largest resultant force, or moment over the lever of the frame, relative to the larger blade force. The
+    /// discretisation error of a blade force is ten times larger.
+    double tolerance = 1e-3;
+    int most_openings = 15; ///< the first one included
+};
+
+/// A state from which a further search begins: the answer of other elements.
+struct FrameStart {
+    FrameState state;
+    Points displacement; ///< n x 3, mm, all nodes
+    FrameMatrix stiffness; ///< FrameOpening::stiffness
+};
+
+struct FrameOpening {
+    OpeningResult opening; ///< not converged, with a message, when the retractor finds no balance
+    std::vector<HookPatch> blades; ///< the two blades at their final places
+    FrameState state;
+    std::array<BladeLoad, 2> loads; ///< that the retractor applies to the tissue
+    Vec3 residual_force_N = Vec3::Zero(); ///< resultant of the blade forces
+    Vec3 residual_moment_Nmm = Vec3::Zero(); ///< resultant moment about the frame's present centre
+    double rack_force_N = 0.0; ///< force along the rack at each blade
+    double imbalance = 0.0; ///< as FrameOptions::tolerance
+    FrameMatrix stiffness = FrameMatrix::Zero(); ///< of the frame in this tissue, N/mm
+    int openings = 0;
+};
+
+/// Opens the wound with a retractor.
+/// @param problem its two hooks are the blades; their displacements are not used
+/// @param start empty: the search begins at rest
+/// @throws InputError on a number of hooks other than two, a bad frame or drive, and with a condensed region; as
+/// Opening does
+FrameOpening open_with_frame(const ElasticProblem& problem, const BladeFrame& frame, const RackDrive& drive,
+    const OpeningOptions& options, const FrameOptions& how = {}, const Job& job = {},
+    const std::optional<FrameStart>& start = {});
+
+} // namespace retractor::fem

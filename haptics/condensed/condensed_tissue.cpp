@@ -604,18 +604,4 @@ CondensedTissue::Pressed CondensedTissue::last_pressed()
         { s.normal.begin(), s.normal.begin() + count }, { s.demand.begin(), s.demand.begin() + count }, s.fingers };
 }
 
-PressedCheck check_pressed(CondensedTissue& tissue)
-{
-    const CondensedTissue::Pressed pressed = tissue.last_pressed();
-    const ContactNodeCompliance& body = tissue.compliance();
-    PressedCheck check { .displacement = body.solve(pressed.pressure, pressed.forces) };
-    for (std::size_t i = 0; i < pressed.forces.size(); ++i) {
-        const std::int32_t s = pressed.forces[i].contact_node;
-        const Vec3 given_way = pressed.pressure * body.pulse_of_contact_node(s) - body.mean(check.displacement, s);
-        check.off_mm = std::max(check.off_mm, std::abs(given_way.dot(pressed.normals[i]) - pressed.demands[i]));
-        check.deepest_mm = std::max(check.deepest_mm, std::abs(pressed.demands[i]));
-    }
-    return check;
-}
-
 } // namespace retractor::haptics

@@ -182,13 +182,4 @@ private:
     long ticks_ = 0, late_ticks_ = 0;
 };
 
-/// Check of the contact: the whole body solved again under the forces of the last tick.
-struct PressedCheck {
-    Eigen::VectorXd displacement; ///< of every node, mm
-    double off_mm = 0.0; ///< largest distance between a pressed contact node and the place where the tick held it
-    double deepest_mm = 0.0; ///< largest displacement of a contact node beyond the pulse
-};
-/// Simulation thread.
-PressedCheck check_pressed(CondensedTissue& tissue);
-
 } // namespace retractor::haptics

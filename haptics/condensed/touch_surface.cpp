@@ -1,6 +1,5 @@
 #include "haptics/condensed/touch_surface.h"
 
-#include "fem/element/tet_element.h"
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 

@@ -137,21 +137,15 @@ public:
             fresh.trouble = DeviceTrouble::over_limit;
         if (fresh.trouble == DeviceTrouble::over_limit)
             trouble = DeviceTrouble::none; // the device recovers by itself, and reports again if it does not
-        if (!session_.options_.frames_overlap) {
-            put_force();
-            hd.hdEndFrame(handle);
-        }
         return fresh;
     }
 
     Vec3 write(const Vec3& wanted) noexcept override
     {
         force = wanted.allFinite() ? Vec3(session_.gain_ * clamped(wanted, own.limits.max_force)) : Vec3(Vec3::Zero());
-        if (session_.options_.frames_overlap) {
-            session_.hd_.hdMakeCurrentDevice(handle);
-            put_force();
-            session_.hd_.hdEndFrame(handle);
-        }
+        session_.hd_.hdMakeCurrentDevice(handle);
+        session_.hd_.hdSetDoublev(hd::kForce, force.data());
+        session_.hd_.hdEndFrame(handle);
         return force;
     }
 
@@ -161,8 +155,6 @@ public:
     Vec3 force = Vec3::Zero();
 
 private:
-    void put_force() noexcept { session_.hd_.hdSetDoublev(hd::kForce, force.data()); }
-
     HdSession& session_;
 };
 
@@ -274,7 +266,7 @@ void HdSession::initialise(const HdDeviceRequest& request)
     number(hd::kContinuousForce, info.limits.continuous_force);
     number(hd::kMaxStiffness, info.limits.max_stiffness);
     number(hd::kMaxDamping, info.limits.max_damping);
-    info.limits.delay_ticks = options_.frames_overlap ? 1 : 2;
+    info.limits.delay_ticks = 1;
     std::array<double, 6> box {};
     hd_.hdGetDoublev(hd::kUsableWorkspace, box.data());
     if (workspace_of(box).low.array().isFinite().all()
@@ -329,7 +321,6 @@ void HdSession::run_tick() noexcept
     drain_errors();
     if (stopping && gain_ == 0.0)
         faded_.store(true, std::memory_order_release);
-    timer_->end();
 }
 
 void HdSession::drain_errors() noexcept

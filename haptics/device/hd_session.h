@@ -4,7 +4,7 @@
 
 #include "haptics/device/device.h"
 #include "haptics/device/hd_library.h"
-#include "haptics/device/tick_statistics.h"
+#include "haptics/device/tick_timer.h"
 
 #include <array>
 #include <atomic>
@@ -41,9 +41,6 @@ struct HdOptions {
     double ramp_up_s = 0.5, ramp_down_s = 0.1;
     std::chrono::milliseconds calibration_limit { 15000 }; ///< time for a person to put the stylus into its inkwell
     TickTimer::Clock clock = tick_clock_s; ///< another clock for tests that run the scheduler by hand
-    /// The frames of all devices stay open while the tissue is asked; off: each frame is closed at once, and forces are
-    /// one tick later.
-    bool frames_overlap = true;
 };
 
 class HdSession : public TickSource {

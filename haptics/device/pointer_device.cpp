@@ -29,7 +29,7 @@ void PointerDevice::publish()
     target_.publish();
 }
 
-void PointerDevice::go_to(const Vec3& place)
+void PointerDevice::point_at(const Vec3& place)
 {
     if (!place.allFinite())
         return;
@@ -43,21 +43,7 @@ void PointerDevice::hop_to(const Vec3& place)
         return;
     pointed_.landing = place;
     ++pointed_.hops;
-    go_to(place);
-}
-
-void PointerDevice::point_at(double x, double y) { go_to({ x, y, pointed_.position.z() }); }
-void PointerDevice::point_at(const Vec3& place) { go_to(place); }
-
-void PointerDevice::turn_wheel(double mm)
-{
-    go_to(pointed_.position - Vec3(0.0, 0.0, mm)); // z is towards the user
-}
-
-void PointerDevice::press(std::uint32_t buttons)
-{
-    pointed_.buttons = buttons;
-    publish();
+    point_at(place);
 }
 
 DeviceReading PointerDevice::read(double, double step_s) noexcept
@@ -70,13 +56,11 @@ DeviceReading PointerDevice::read(double, double step_s) noexcept
             hops_done_ = target.hops;
         } else
             position_ += clamped(way, kHop);
-        return { .position = position_, .velocity = Vec3::Zero(), .buttons = target.buttons };
+        return { .position = position_, .velocity = Vec3::Zero() };
     }
     const Vec3 step = (1.0 - std::exp(-step_s / time_s_)) * (target.position - position_);
     position_ += step;
-    return { .position = position_,
-        .velocity = step_s > 0.0 ? Vec3(step / step_s) : Vec3(Vec3::Zero()),
-        .buttons = target.buttons };
+    return { .position = position_, .velocity = step_s > 0.0 ? Vec3(step / step_s) : Vec3(Vec3::Zero()) };
 }
 
 Vec3 PointerDevice::write(const Vec3&) noexcept { return Vec3::Zero(); }

@@ -1,7 +1,6 @@
 #pragma once
-// The mouse as a device: the pointer's position in a plane and the wheel for the depth, or a place in space that a view
-// computes. The mouse cannot push, so a view shows the force instead. Events arrive about sixty times a second; between
-// events the tip glides. Units mm, s.
+// The mouse as a device: a place in space that a view computes. The mouse cannot push, so a view shows the force
+// instead. Events arrive about sixty times a second; between events the tip glides. Units mm, s.
 
 #include "haptics/device/device.h"
 #include "mesh/base/triple_buffer.h"
@@ -19,17 +18,11 @@ public:
     explicit PointerDevice(const PointerOptions& options = {}, const DeviceInfo& info = { .name = "pointer" });
 
     // The window's thread:
-    /// Sets the pointer's place in the plane, mm, limited to the workspace. Ignores values that are not finite.
-    void point_at(double x, double y);
-    /// Sets a place in space, limited and checked in the same way.
+    /// Sets a place in space, mm, limited to the workspace. Ignores values that are not finite.
     void point_at(const Vec3& place);
     /// Moves the tip as if it were lifted and set down: at rest, by at most kHop mm a tick. The tip glides on from
     /// there to a later point_at(), even when point_at() comes before the hop is finished.
     void hop_to(const Vec3& place);
-    /// Moves the tip away from the viewer (positive) or nearer, mm.
-    void turn_wheel(double mm);
-    /// Sets the pressed buttons; bit 0 is the first button.
-    void press(std::uint32_t buttons);
 
     // Servo thread:
     [[nodiscard]] const DeviceInfo& info() const noexcept override { return info_; }
@@ -42,11 +35,9 @@ public:
 private:
     struct Target {
         Vec3 position = Vec3::Zero();
-        std::uint32_t buttons = 0;
         Vec3 landing = Vec3::Zero(); ///< landing place of the last hop
         std::uint64_t hops = 0; ///< number of requested hops
     };
-    void go_to(const Vec3& place);
     void publish();
 
     double time_s_;

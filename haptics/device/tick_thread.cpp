@@ -21,10 +21,6 @@ namespace {
         return { static_cast<std::time_t>(whole), static_cast<long>(1e9 * (seconds - whole)) };
     }
 
-    struct Nothing : Ticked {
-        void tick(double, double) noexcept override { }
-    };
-
 } // namespace
 
 TickThread::TickThread(const TickThreadOptions& options)
@@ -47,7 +43,6 @@ void TickThread::loop(Ticked& ticked) noexcept
         clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr);
         const double step = timer_->begin();
         ticked.tick(timer_->time_s(), step);
-        timer_->end();
         number = std::max(number + 1.0, std::ceil((tick_clock_s() - first) / options_.period_s));
     }
 }
@@ -79,17 +74,6 @@ void TickThread::stop() noexcept
     stopping_ = true;
     if (thread_.joinable())
         thread_.join();
-}
-
-TickTimes empty_loop(double seconds, const TickThreadOptions& options)
-{
-    Nothing nothing;
-    TickThread thread(options);
-    thread.start(nothing);
-    const timespec pause = to_timespec(seconds);
-    clock_nanosleep(CLOCK_MONOTONIC, 0, &pause, nullptr);
-    thread.stop();
-    return thread.times();
 }
 
 } // namespace retractor::haptics

@@ -2,7 +2,7 @@
 // Our own thread as a tick source, for devices whose vendors provide no scheduler.
 
 #include "haptics/device/device.h"
-#include "haptics/device/tick_statistics.h"
+#include "haptics/device/tick_timer.h"
 
 #include <atomic>
 #include <memory>
@@ -43,8 +43,5 @@ private:
     std::thread thread_;
     std::string realtime_note_;
 };
-
-/// Measures the jitter of the machine with empty ticks. @param seconds length of the measurement
-TickTimes empty_loop(double seconds, const TickThreadOptions& options = {});
 
 } // namespace retractor::haptics

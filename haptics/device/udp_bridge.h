@@ -13,7 +13,6 @@
 
 #include "haptics/device/device.h"
 
-#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>

@@ -3,7 +3,6 @@
 #include "haptics/hand/obj_surface.h"
 #include "mesh/base/error.h"
 
-#include <cmath>
 #include <map>
 #include <string>
 #include <utility>

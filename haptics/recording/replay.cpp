@@ -3,8 +3,6 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
-#include <algorithm>
-
 namespace retractor::haptics {
 
 namespace {

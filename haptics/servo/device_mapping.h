@@ -5,8 +5,6 @@
 #include "haptics/device/device.h"
 #include "haptics/servo/tissue_response.h"
 
-#include <string>
-
 namespace retractor::haptics {
 
 struct MappingOptions {

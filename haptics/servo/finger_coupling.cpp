@@ -3,7 +3,6 @@
 #include "mesh/base/error.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace retractor::haptics {
 

@@ -29,7 +29,6 @@ struct Fault {
     double time_s = 0.0;
     double value = 0.0; ///< mm of a jump; s of lateness or silence
 };
-/// "device 1 jumped by 140 mm in one tick (tick 2041, 2.041 s)"; empty without a fault.
 /// A message such as "device 1 jumped by 140 mm in one tick (tick 2041, 2.041 s)"; empty without a fault.
 std::string describe(const Fault& fault);
 

@@ -459,21 +459,6 @@ VertexId SphereMotion::pinch(std::size_t finger, const Fingertip& tip, double re
 
 void SphereMotion::release(std::size_t finger) noexcept { pinches_[finger] = {}; }
 
-std::vector<SphereMotion::Volume> SphereMotion::volumes() const
-{
-    Points deformed;
-    deform(deformed);
-    std::vector<Volume> volumes(organs_.size());
-    for (std::size_t o = 0; o < organs_.size(); ++o) {
-        std::vector<std::array<VertexId, 3>> triangles;
-        for (std::size_t t = 0; t < surface_.triangles.size(); ++t)
-            if (surface_.labels[t] == o + 1)
-                triangles.push_back(surface_.triangles[t]);
-        volumes[o] = { enclosed_volume(surface_.vertices, triangles), enclosed_volume(deformed, triangles) };
-    }
-    return volumes;
-}
-
 double calibrate_sphere_force(double sphere_radius, const SphereLaw& law, double youngs_modulus_MPa,
     double poissons_ratio, double finger_radius, double depth)
 {

@@ -8,7 +8,7 @@
 // several neighbours are averaged, so that the order does not matter. Demands count from the rest place, so that
 // nothing creeps. Spheres of different organs push each other when their reaches overlap (an outer sphere reaches to
 // the surface), so neighbouring organs need no separate calculation. The number of spheres is constant. The volume is
-// not constrained; volumes() measures it.
+// not constrained.
 //
 // Force. The force on a finger is -stiffness times the sum of the displacements of its spheres. A sphere belongs to the
 // finger that reached it first, or to the lower finger number when two fingers reached it at once.
@@ -80,13 +80,6 @@ public:
     const TriMesh& surface() const { return surface_; }
     /// Writes the deformed surface, mm. Allocates only when `deformed` has another number of rows.
     void deform(Points& deformed) const;
-
-    struct Volume {
-        double rest = 0.0, now = 0.0; ///< volume inside the surface, mm^3
-        double error() const { return now / rest - 1.0; }
-    };
-    /// One volume per organ.
-    std::vector<Volume> volumes() const;
 
     std::size_t sphere_count() const { return static_cast<std::size_t>(rest_.rows()); }
     std::size_t organ_count() const { return organs_.size(); }

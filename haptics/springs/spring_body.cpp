@@ -1,13 +1,11 @@
 #include "haptics/springs/spring_body.h"
 
-#include "fem/springs/edge_springs.h"
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -34,9 +32,7 @@ namespace {
 
     bool is_held(const SheetOptions& options, int column, int row)
     {
-        if (options.edges == SheetEdges::fixed)
-            return column == 0 || row == 0 || column == options.columns - 1 || row == options.rows - 1;
-        return options.edges == SheetEdges::one_side && row == options.rows - 1;
+        return column == 0 || row == 0 || column == options.columns - 1 || row == options.rows - 1;
     }
 
     void add_springs(SpringBody& body, const SheetOptions& options)
@@ -73,64 +69,6 @@ namespace {
             throw InputError("spring body: " + what);
     }
 
-    void check_elements(const mesh::TetMesh& mesh)
-    {
-        mesh::check_mesh(mesh);
-        if (mesh.nodes_per_tet != 4)
-            throw InputError("springs lie on the edges of four-node elements, got ten nodes");
-    }
-
-    SpringBody organ_of(const mesh::TetMesh& mesh, std::span<const double> modulus, std::span<const double> density,
-        std::span<const VertexId> held, double calibration)
-    {
-        if (!(calibration > 0.0) || !std::isfinite(calibration))
-            throw InputError("the springs' calibration must be positive, got " + std::to_string(calibration));
-        RETRACTOR_ASSERT(modulus.size() == mesh.tet_count() && density.size() == mesh.tet_count());
-        SpringBody body;
-        body.surface.vertices = mesh.vertices;
-        body.mass.assign(mesh.vertex_count(), 0.0);
-        body.held.assign(mesh.vertex_count(), 0);
-        for (const VertexId v : held) {
-            require(v >= 0 && static_cast<std::size_t>(v) < mesh.vertex_count(),
-                "held vertex " + std::to_string(v) + " does not exist");
-            body.held[static_cast<std::size_t>(v)] = 1;
-        }
-        // Ordered, so that the springs are the same on any machine.
-        std::map<std::pair<VertexId, VertexId>, double> stiffness;
-        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
-            const auto element = static_cast<std::size_t>(t);
-            const auto nodes = mesh.tet(t);
-            const std::array<Vec3, 4> corners = mesh::tet_corners(mesh, t);
-            const double quarter = 0.25 * mesh::tet_volume(mesh, t) * density[element];
-            for (const VertexId v : nodes)
-                body.mass[static_cast<std::size_t>(v)] += quarter;
-            const double volume = mesh::tet_volume(mesh, t);
-            for (const auto& edge : mesh::kTetEdges) {
-                const auto a = static_cast<std::size_t>(edge[0]), b = static_cast<std::size_t>(edge[1]);
-                stiffness[std::minmax(nodes[a], nodes[b])]
-                    += calibration * modulus[element] * volume / (corners[a] - corners[b]).squaredNorm();
-            }
-        }
-        for (const auto& [ends, k] : stiffness)
-            if (k > 0.0)
-                body.springs.push_back({ ends.first, ends.second,
-                    (mesh.vertices.row(ends.first) - mesh.vertices.row(ends.second)).norm(), k });
-        std::vector<std::uint8_t> outer(mesh.vertex_count(), 0);
-        for (const mesh::TetFace& face : mesh::boundary_faces(mesh)) {
-            body.surface.triangles.push_back(mesh::face_vertices(mesh, face));
-            body.surface.labels.push_back(mesh.labels[static_cast<std::size_t>(face.tet)]);
-            for (const VertexId v : body.surface.triangles.back())
-                outer[static_cast<std::size_t>(v)] = 1;
-        }
-        for (std::size_t v = 0; v < outer.size(); ++v) {
-            if (outer[v] != 0)
-                body.touchable.push_back(static_cast<VertexId>(v));
-            if (body.mass[v] == 0.0) // the particle is in no element, so no spring pulls it
-                require(false, "vertex " + std::to_string(v) + " belongs to no element");
-        }
-        return body;
-    }
-
 } // namespace
 
 SpringBody make_spring_sheet(const SheetOptions& options)
@@ -155,40 +93,12 @@ SpringBody make_spring_sheet(const SheetOptions& options)
     return body;
 }
 
-SpringBody make_spring_element(double length_mm, double stiffness_N_per_mm, double particle_mass_tonne)
-{
-    SpringBody body;
-    body.surface.vertices = Points::Zero(2, 3);
-    body.surface.vertices(1, 0) = length_mm;
-    body.springs = { { 0, 1, length_mm, stiffness_N_per_mm } };
-    body.mass = { particle_mass_tonne, particle_mass_tonne };
-    body.held = { 1, 0 };
-    body.touchable = { 0, 1 };
-    check_spring_body(body);
-    return body;
-}
-
-SpringBody make_spring_organ(const mesh::TetMesh& mesh, std::span<const fem::Material> material_of_label,
-    std::span<const VertexId> held, double calibration)
-{
-    check_elements(mesh);
-    std::vector<double> modulus, density;
-    for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
-        const auto label = static_cast<std::size_t>(mesh.labels[t]);
-        if (label >= material_of_label.size())
-            throw InputError(
-                "element " + std::to_string(t) + " has label " + std::to_string(label) + " without a material");
-        fem::check_material(material_of_label[label]);
-        modulus.push_back(material_of_label[label].youngs_modulus_MPa);
-        density.push_back(material_of_label[label].density_tonne_per_mm3);
-    }
-    return organ_of(mesh, modulus, density, held, calibration);
-}
-
 SpringBody make_spring_organ(const mesh::TetMesh& mesh, std::span<const double> modulus_of_element, double density,
     std::span<const VertexId> held, double calibration)
 {
-    check_elements(mesh);
+    mesh::check_mesh(mesh);
+    if (mesh.nodes_per_tet != 4)
+        throw InputError("springs lie on the edges of four-node elements, got ten nodes");
     if (modulus_of_element.size() != mesh.tet_count())
         throw InputError("one Young's modulus per element is needed");
     for (std::size_t t = 0; t < modulus_of_element.size(); ++t)
@@ -196,7 +106,51 @@ SpringBody make_spring_organ(const mesh::TetMesh& mesh, std::span<const double> 
             throw InputError("Young's modulus of element " + std::to_string(t) + " is not positive");
     if (!(density > 0.0) || !std::isfinite(density))
         throw InputError("the density must be positive, got " + std::to_string(density));
-    return organ_of(mesh, modulus_of_element, std::vector<double>(mesh.tet_count(), density), held, calibration);
+    if (!(calibration > 0.0) || !std::isfinite(calibration))
+        throw InputError("the springs' calibration must be positive, got " + std::to_string(calibration));
+    SpringBody body;
+    body.surface.vertices = mesh.vertices;
+    body.mass.assign(mesh.vertex_count(), 0.0);
+    body.held.assign(mesh.vertex_count(), 0);
+    for (const VertexId v : held) {
+        require(v >= 0 && static_cast<std::size_t>(v) < mesh.vertex_count(),
+            "held vertex " + std::to_string(v) + " does not exist");
+        body.held[static_cast<std::size_t>(v)] = 1;
+    }
+    // Ordered, so that the springs are the same on any machine.
+    std::map<std::pair<VertexId, VertexId>, double> stiffness;
+    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
+        const auto element = static_cast<std::size_t>(t);
+        const auto nodes = mesh.tet(t);
+        const std::array<Vec3, 4> corners = mesh::tet_corners(mesh, t);
+        const double quarter = 0.25 * mesh::tet_volume(mesh, t) * density;
+        for (const VertexId v : nodes)
+            body.mass[static_cast<std::size_t>(v)] += quarter;
+        const double volume = mesh::tet_volume(mesh, t);
+        for (const auto& edge : mesh::kTetEdges) {
+            const auto a = static_cast<std::size_t>(edge[0]), b = static_cast<std::size_t>(edge[1]);
+            stiffness[std::minmax(nodes[a], nodes[b])]
+                += calibration * modulus_of_element[element] * volume / (corners[a] - corners[b]).squaredNorm();
+        }
+    }
+    for (const auto& [ends, k] : stiffness)
+        if (k > 0.0)
+            body.springs.push_back({ ends.first, ends.second,
+                (mesh.vertices.row(ends.first) - mesh.vertices.row(ends.second)).norm(), k });
+    std::vector<std::uint8_t> outer(mesh.vertex_count(), 0);
+    for (const mesh::TetFace& face : mesh::boundary_faces(mesh)) {
+        body.surface.triangles.push_back(mesh::face_vertices(mesh, face));
+        body.surface.labels.push_back(mesh.labels[static_cast<std::size_t>(face.tet)]);
+        for (const VertexId v : body.surface.triangles.back())
+            outer[static_cast<std::size_t>(v)] = 1;
+    }
+    for (std::size_t v = 0; v < outer.size(); ++v) {
+        if (outer[v] != 0)
+            body.touchable.push_back(static_cast<VertexId>(v));
+        if (body.mass[v] == 0.0) // the particle is in no element, so no spring pulls it
+            require(false, "vertex " + std::to_string(v) + " belongs to no element");
+    }
+    return body;
 }
 
 void check_spring_body(const SpringBody& body)

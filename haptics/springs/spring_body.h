@@ -2,7 +2,6 @@
 // Mass-spring tissue as plain data: the 25 x 25 sheet of Tang et al. 2020 (doi 10.1016/j.cmpb.2020.105344), and the
 // edges of any tetrahedral organ. Units mm, N, s, tonne. Frame: the scene's.
 
-#include "fem/material/material.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
 #include <cstdint>
@@ -26,13 +25,6 @@ struct SpringBody {
     std::vector<VertexId> touchable; ///< particles that a finger can meet, in rising order
 };
 
-/// The edges of a sheet that do not move.
-enum class SheetEdges {
-    fixed, ///< all four
-    free, ///< none: the sheet falls under gravity
-    one_side, ///< the side of largest y: the sheet hangs like a curtain
-};
-
 /// The defaults are the sheet of Tang et al. 2020: structural springs of length 1, shear springs of length sqrt 2, bend
 /// springs of length 2. The paper gives a mass of 0.01 without a unit; 0.01 g is the mass of a tissue column of 1 mm x
 /// 1 mm x 10 mm.
@@ -44,26 +36,20 @@ struct SheetOptions {
     /// Strain by which springs are shorter than the distance of their particles, 0 to 1; a slack sheet yields freely
     /// across its plane, a stretched sheet does not.
     double pre_strain = 0.0;
-    SheetEdges edges = SheetEdges::fixed;
 };
 
-/// Makes a sheet in the plane z = 0, centred on the origin, particles row by row; the upper side faces +z.
+/// Makes a sheet in the plane z = 0, centred on the origin, particles row by row; the upper side faces +z. The four
+/// edges are held.
 /// @throws InputError naming the option that is out of range
 SpringBody make_spring_sheet(const SheetOptions& options = {});
 
-/// One spring along x between two particles; the first particle is held. A model of a rheometer's sample.
-SpringBody make_spring_element(double length_mm, double stiffness_N_per_mm, double particle_mass_tonne);
-
-/// Makes springs of the edges of a four-node mesh. Each element adds E V / L^2 times `calibration` to its six edges
-/// (Van Gelder 1998, doi 10.1080/10867651.1998.10487496) and a quarter of its mass to each corner. Central forces fix
-/// Poisson's ratio near 1/4, so the material's ratio is not used. (The edge springs of fem/ also have braces inside
-/// elements, which no pair of particles can carry.)
-/// @throws InputError as check_mesh(), on ten-node elements, a label without a material, a vertex out of range, or a
+/// Makes springs of the edges of a four-node mesh, with a Young's modulus per element (MPa) and one density
+/// (tonne/mm^3). Each element adds E V / L^2 times `calibration` to its six edges (Van Gelder 1998,
+/// doi 10.1080/10867651.1998.10487496) and a quarter of its mass to each corner. Central forces fix Poisson's ratio
+/// near 1/4, so the material's ratio is not used. (The edge springs of fem/ also have braces inside elements, which no
+/// pair of particles can carry.)
+/// @throws InputError as check_mesh(), on ten-node elements, a vertex out of range, or a modulus, density or
 /// calibration that is not positive
-SpringBody make_spring_organ(const mesh::TetMesh& mesh, std::span<const fem::Material> material_of_label,
-    std::span<const VertexId> held, double calibration = 1.0);
-
-/// The same with a Young's modulus per element (MPa) and one density (tonne/mm^3).
 SpringBody make_spring_organ(const mesh::TetMesh& mesh, std::span<const double> modulus_of_element, double density,
     std::span<const VertexId> held, double calibration = 1.0);
 

@@ -175,34 +175,6 @@ void SpringMotion::end_step() noexcept
     std::swap(position_, next_);
 }
 
-double SpringMotion::largest_speed() const noexcept
-{
-    double squared = 0.0;
-    for (std::size_t v = 0; v < body_.mass.size(); ++v)
-        squared = std::max(squared, velocity(static_cast<VertexId>(v)).squaredNorm());
-    return std::sqrt(squared);
-}
-
-void SpringMotion::stop() noexcept { std::fill(velocity_.begin(), velocity_.end(), 0.0); }
-
-double SpringMotion::energy() const noexcept
-{
-    double energy = 0.0;
-    for (std::size_t v = 0; v < body_.mass.size(); ++v) {
-        const auto id = static_cast<VertexId>(v);
-        energy += 0.5 * body_.mass[v] * velocity(id).squaredNorm()
-            - body_.mass[v] * law_.gravity.dot(position(id) - body_.surface.vertices.row(id).transpose());
-    }
-    for (std::size_t s = 0; s < body_.springs.size(); ++s) {
-        const TissueSpring& spring = body_.springs[s];
-        const double stretch = (position(spring.b) - position(spring.a)).norm() - spring.length;
-        energy += 0.5 * spring.stiffness * stretch * stretch;
-        if (law_.arm_ratio > 0.0)
-            energy += 0.5 * arm_force_[s] * arm_force_[s] / (law_.arm_ratio * spring.stiffness);
-    }
-    return energy;
-}
-
 void SpringMotion::check_id(VertexId v) const
 {
     if (v < 0 || static_cast<std::size_t>(v) >= body_.mass.size())
@@ -217,24 +189,6 @@ void SpringMotion::set_load(VertexId v, const Vec3& force)
     std::copy(force.begin(), force.end(), load_.begin() + 3 * static_cast<std::ptrdiff_t>(v));
 }
 
-std::vector<VertexId> SpringMotion::ring(VertexId v) const
-{
-    check_id(v);
-    double shortest = std::numeric_limits<double>::infinity();
-    for (const TissueSpring& spring : body_.springs)
-        if (spring.a == v || spring.b == v)
-            shortest = std::min(shortest, spring.length);
-    // The ring includes springs up to kRing times the shortest length: all eight neighbours in a sheet, and edges of
-    // similar length in an organ.
-    constexpr double kRing = 1.5;
-    std::vector<VertexId> found;
-    for (const TissueSpring& spring : body_.springs)
-        if ((spring.a == v || spring.b == v) && spring.length < kRing * shortest)
-            found.push_back(spring.a == v ? spring.b : spring.a);
-    std::sort(found.begin(), found.end());
-    return found;
-}
-
 void SpringMotion::place(VertexId v, const Vec3& position)
 {
     check_id(v);
@@ -243,13 +197,6 @@ void SpringMotion::place(VertexId v, const Vec3& position)
     const std::ptrdiff_t first = 3 * static_cast<std::ptrdiff_t>(v);
     std::copy(position.begin(), position.end(), position_.begin() + first);
     std::fill_n(velocity_.begin() + first, 3, 0.0);
-}
-
-void SpringMotion::set_held(VertexId v, bool held)
-{
-    check_id(v);
-    body_.held[static_cast<std::size_t>(v)] = held ? 1 : 0;
-    compute_bound();
 }
 
 void SpringMotion::back_to_rest() noexcept

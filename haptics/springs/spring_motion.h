@@ -67,8 +67,7 @@ public:
     void end_step() noexcept;
     /// New position of particle v in this step, mm.
     Eigen::Map<Vec3> next(VertexId v) { return Eigen::Map<Vec3>(&next_[3 * static_cast<std::size_t>(v)]); }
-    /// Moves next(v) to `place`. @returns the force that takes, N; zero when v is held already. Moves next(v) to
-    /// `place`.
+    /// Moves next(v) to `place`.
     /// @return the force that this takes, N; zero when v is held already
     Vec3 hold_next(VertexId v, const Vec3& place) noexcept;
 
@@ -81,27 +80,16 @@ public:
     {
         return Eigen::Map<const Vec3>(&velocity_[3 * static_cast<std::size_t>(v)]);
     }
-    double largest_speed() const noexcept; ///< mm/s
-    /// Sets all velocities to zero. Called when the kinetic energy peaks, this leads to an equilibrium.
-    void stop() noexcept;
-    /// Kinetic energy, energy of springs and arms, and of gravity from the rest positions, N mm.
-    double energy() const noexcept;
-
     /// Sets a steady force on a particle, N, until the next change. @throws InputError on an index out of range or NaN
     void set_load(VertexId v, const Vec3& force);
     /// Moves a particle to a position, at rest; for tests and for loading. @throws InputError as set_load()
     void place(VertexId v, const Vec3& position);
-    /// Holds a particle where it is, or frees it. @throws InputError on an index out of range
-    void set_held(VertexId v, bool held);
     bool is_held(VertexId v) const { return body_.held[static_cast<std::size_t>(v)] != 0; }
     void back_to_rest() noexcept;
     /// Force of the elements at v on v, N: springs, arms and dashpots at the last begin_step().
     Vec3 element_force(VertexId v) const { return Eigen::Map<const Vec3>(&force_[3 * static_cast<std::size_t>(v)]); }
 
-    /// The particles one shortest spring from v, in rising order.
-    std::vector<VertexId> ring(VertexId v) const;
     const SpringBody& body() const { return body_; }
-    const ElementLaw& law() const { return law_; }
 
 private:
     void compute_bound();

@@ -45,7 +45,9 @@ namespace {
     /// large sheet.
     std::vector<std::vector<VertexId>> all_rings(const SpringBody& body)
     {
-        constexpr double kRing = 1.5; // the ratio in SpringMotion::ring()
+        // A ring includes springs up to kRing times the shortest length: all eight neighbours in a sheet, and edges of
+        // similar length in an organ.
+        constexpr double kRing = 1.5;
         std::vector<double> shortest(body.mass.size(), std::numeric_limits<double>::infinity());
         for (const TissueSpring& spring : body.springs)
             for (const VertexId v : { spring.a, spring.b })

@@ -18,7 +18,6 @@
 #include "mesh/base/triple_buffer.h"
 
 #include <atomic>
-#include <memory>
 
 namespace retractor::haptics {
 

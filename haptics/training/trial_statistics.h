@@ -2,7 +2,6 @@
 // Statistics of elasticity trials: numbers of box plots, F-tests of spreads, t-tests of means.
 
 #include <span>
-#include <vector>
 
 namespace retractor::haptics {
 

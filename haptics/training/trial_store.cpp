@@ -149,8 +149,6 @@ TrialStore::TrialStore(const std::filesystem::path& file)
 }
 
 TrialStore::~TrialStore() = default;
-TrialStore::TrialStore(TrialStore&&) noexcept = default;
-TrialStore& TrialStore::operator=(TrialStore&&) noexcept = default;
 
 void TrialStore::keep(const NamedElasticity& e)
 {
@@ -175,18 +173,6 @@ std::vector<NamedElasticity> TrialStore::elasticities() const
         result.push_back(
             { statement.text(0), statement.text(3), statement.text(4), statement.number(1), statement.number(2) });
     return result;
-}
-
-NamedElasticity TrialStore::elasticity(const std::string& name) const
-{
-    std::string known;
-    for (NamedElasticity& e : elasticities()) {
-        if (e.name == name)
-            return e;
-        known += known.empty() ? e.name : ", " + e.name;
-    }
-    throw InputError(
-        "no elasticity is named " + name + "; there are: " + (known.empty() ? "none" : known), state_->file);
 }
 
 void TrialStore::add(const std::vector<ElasticityTrial>& trials)

@@ -23,14 +23,10 @@ public:
     /// version
     explicit TrialStore(const std::filesystem::path& file);
     ~TrialStore();
-    TrialStore(TrialStore&&) noexcept;
-    TrialStore& operator=(TrialStore&&) noexcept;
 
     /// Replaces an elasticity with the same name. @throws InputError on an empty name or values out of range
     void keep(const NamedElasticity& elasticity);
     std::vector<NamedElasticity> elasticities() const; ///< in order of names
-    /// @throws InputError naming the existing elasticities when the name is unknown
-    NamedElasticity elasticity(const std::string& name) const;
 
     /// Adds all trials or none. @throws InputError as check_trial()
     void add(const std::vector<ElasticityTrial>& trials);

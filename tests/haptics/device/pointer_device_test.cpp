@@ -12,23 +12,20 @@ namespace pointer_device_test {
 
     constexpr double kStep = 1e-3;
 
-    TEST(PointerDevice, GlidesToThePointerAndTheWheelsDepth)
+    TEST(PointerDevice, GlidesToThePointer)
     {
         PointerDevice device;
-        device.point_at(30.0, -40.0);
-        device.turn_wheel(5.0);
-        device.press(1);
+        const Vec3 target(30.0, -40.0, -5.0);
+        device.point_at(target);
         DeviceReading reading;
         double fastest = 0.0;
         for (int i = 0; i < 20; ++i) {
             reading = device.read(i * kStep, kStep);
             fastest = std::max(fastest, reading.velocity.norm());
         }
-        const Vec3 target(30.0, -40.0, -5.0);
         // A time constant later it has gone 1 - 1/e of the way.
         EXPECT_NEAR((reading.position - (1.0 - std::exp(-1.0)) * target).norm(), 0.0, 1e-9);
         EXPECT_LE(fastest, target.norm() / 0.02);
-        EXPECT_EQ(reading.buttons, 1u);
         for (int i = 0; i < 1000; ++i)
             reading = device.read(i * kStep, kStep);
         EXPECT_NEAR((reading.position - target).norm(), 0.0, 1e-9);
@@ -61,7 +58,6 @@ namespace pointer_device_test {
         const Vec3 above(190.0, 0.0, 10.0), pressed(190.0, 0.0, -2.0);
         device.hop_to(above); // all in one event, before a tick
         device.point_at(pressed);
-        device.press(1);
         int hops = 0;
         DeviceReading reading;
         do {
@@ -80,9 +76,9 @@ namespace pointer_device_test {
     TEST(PointerDevice, StaysInItsWorkspaceAndHearsNoNonsense)
     {
         PointerDevice device({ .workspace = { Vec3::Constant(-10.0), Vec3::Constant(10.0) } });
-        device.point_at(1e9, 3.0);
-        device.point_at(NAN, 0.0);
-        device.turn_wheel(-INFINITY);
+        device.point_at(Vec3(1e9, 3.0, 0.0));
+        device.point_at(Vec3(NAN, 0.0, 0.0));
+        device.point_at(Vec3(0.0, 0.0, -INFINITY));
         DeviceReading reading;
         for (int i = 0; i < 1000; ++i)
             reading = device.read(i * kStep, kStep);

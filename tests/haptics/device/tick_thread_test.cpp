@@ -36,7 +36,6 @@ namespace tick_thread_test {
             const int ticks = counter.ticks;
             EXPECT_EQ(thread.times().ticks, static_cast<std::uint64_t>(counter.ticks - before))
                 << "run " << round << " counts from zero";
-            EXPECT_EQ(thread.times().compute.count(), thread.times().ticks);
             std::this_thread::yield();
             EXPECT_EQ(counter.ticks, ticks);
         }
@@ -59,13 +58,6 @@ namespace tick_thread_test {
         EXPECT_TRUE(best.is_realtime() || best.realtime_note().find("SCHED_FIFO") != std::string::npos);
         EXPECT_EQ(test_support::message_of([] { TickThread thread({ .period_s = 0.0 }); }),
             "the period must be positive [period_s]");
-    }
-
-    TEST(TickThread, MeasuresTheMachineByDoingNothing)
-    {
-        const TickTimes times = empty_loop(0.05);
-        EXPECT_GT(times.ticks, 1u);
-        EXPECT_EQ(times.periods.count(), times.ticks - 1);
     }
 
 } // namespace tick_thread_test

@@ -15,7 +15,11 @@ using namespace retractor::haptics;
 
 namespace spring_body_test {
 
-fem::Material gel() { return { "gel", 0.02, 0.25, 1.0e-9, "test" }; }
+/// A gel on the edges of a block.
+SpringBody gel(const mesh::TetMesh& block, double modulus_MPa = 0.02)
+{
+    return make_spring_organ(block, std::vector<double>(block.tet_count(), modulus_MPa), 1.0e-9, {});
+}
 
 TEST(SpringSheet, of25By25HasTheSources3502Springs)
 {
@@ -45,22 +49,16 @@ TEST(SpringSheet, countsFollowTheFormulaForAnySize)
     EXPECT_EQ(make_spring_sheet({ .columns = 25, .rows = 25 }).springs.size(), 3502u);
 }
 
-TEST(SpringSheet, edgesAreHeldAsAsked)
+TEST(SpringSheet, edgesAreHeld)
 {
-    const auto held = [](SheetEdges edges) {
-        const SpringBody sheet = make_spring_sheet({ .edges = edges });
-        return std::accumulate(sheet.held.begin(), sheet.held.end(), 0);
-    };
-    EXPECT_EQ(held(SheetEdges::fixed), 96);
-    EXPECT_EQ(held(SheetEdges::free), 0);
-    EXPECT_EQ(held(SheetEdges::one_side), 25);
+    const SpringBody sheet = make_spring_sheet();
+    EXPECT_EQ(std::accumulate(sheet.held.begin(), sheet.held.end(), 0), 96);
 }
 
 TEST(SpringOrgan, weighsWhatItsElementsDo)
 {
     const mesh::TetMesh block = mesh::kuhn_box(4, 3, 2, 5.0);
-    const std::vector<fem::Material> materials(2, gel());
-    const SpringBody organ = make_spring_organ(block, materials, {});
+    const SpringBody organ = gel(block);
     const double mass = std::accumulate(organ.mass.begin(), organ.mass.end(), 0.0);
     EXPECT_NEAR(mass, 1e-9 * 20.0 * 15.0 * 10.0, 1e-18);
     EXPECT_EQ(organ.touchable.size(), 60U - 6U); // all but the 3 x 2 x 1 inner ones
@@ -69,31 +67,15 @@ TEST(SpringOrgan, weighsWhatItsElementsDo)
 TEST(SpringOrgan, stiffnessGrowsWithYoungsModulus)
 {
     const mesh::TetMesh block = mesh::kuhn_box(2, 2, 2, 5.0);
-    std::vector<fem::Material> materials(2, gel());
-    const SpringBody soft = make_spring_organ(block, materials, {});
-    materials[1].youngs_modulus_MPa *= 3.0;
-    const SpringBody stiff = make_spring_organ(block, materials, {});
+    const SpringBody soft = gel(block), stiff = gel(block, 0.06);
     ASSERT_EQ(soft.springs.size(), stiff.springs.size());
     for (std::size_t s = 0; s < soft.springs.size(); ++s)
         EXPECT_NEAR(stiff.springs[s].stiffness, 3.0 * soft.springs[s].stiffness, 1e-12);
 }
 
-TEST(SpringOrgan, byModuliPerElementIsTheSame)
-{
-    const mesh::TetMesh block = mesh::kuhn_box(2, 2, 2, 5.0);
-    const std::vector<fem::Material> materials(2, gel());
-    const SpringBody a = make_spring_organ(block, materials, {});
-    const SpringBody b
-        = make_spring_organ(block, std::vector<double>(block.tet_count(), gel().youngs_modulus_MPa), 1.0e-9, {});
-    ASSERT_EQ(a.springs.size(), b.springs.size());
-    for (std::size_t s = 0; s < a.springs.size(); ++s)
-        EXPECT_EQ(a.springs[s].stiffness, b.springs[s].stiffness);
-    EXPECT_EQ(a.mass, b.mass);
-}
-
 TEST(SpringOrgan, SlowedDownToAStepIsStableThere)
 {
-    SpringBody organ = make_spring_organ(mesh::kuhn_box(2, 2, 2, 5.0), std::vector<fem::Material>(2, gel()), {});
+    SpringBody organ = gel(mesh::kuhn_box(2, 2, 2, 5.0));
     const double stable = SpringMotion(organ, {}).stable_step();
     EXPECT_NEAR(slow_down_to(organ, 10.0 * stable), 100.0, 1e-6);
     EXPECT_GE(SpringMotion(organ, {}).stable_step(), 10.0 * stable);
@@ -117,11 +99,10 @@ TEST(SpringBody, refusesWhatCannotMove)
     body.mass[3] = std::nan("");
     EXPECT_EQ(test_support::message_of([&] { check_spring_body(body); }),
         "spring body: the mass of particle 3 is not positive []");
-    const std::vector<fem::Material> none;
-    EXPECT_EQ(test_support::message_of([&] { make_spring_organ(mesh::kuhn_box(1, 1, 1, 1.0), none, {}); }),
-        "element 0 has label 1 without a material []");
     EXPECT_EQ(test_support::message_of(
-                  [&] { make_spring_organ(mesh::with_midpoints(mesh::kuhn_box(1, 1, 1, 1.0)), none, {}); }),
+                  [] { make_spring_organ(mesh::kuhn_box(1, 1, 1, 1.0), std::vector<double> {}, 1.0e-9, {}); }),
+        "one Young's modulus per element is needed []");
+    EXPECT_EQ(test_support::message_of([] { gel(mesh::with_midpoints(mesh::kuhn_box(1, 1, 1, 1.0))); }),
         "springs lie on the edges of four-node elements, got ten nodes []");
 }
 

@@ -1,11 +1,16 @@
-#include "haptics/device/tick_statistics.h"
+#include "haptics/device/tick_timer.h"
+
+#include "tests/support/haptics/tick_statistics.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 namespace retractor::haptics {
-namespace tick_statistics_test {
+namespace tick_timer_test {
+
+    using test_support::MeasuredTicks;
+    using test_support::TickHistogram;
 
     constexpr double kBin = 1.13; // a twentieth of a decade
 
@@ -45,16 +50,27 @@ namespace tick_statistics_test {
         TickTimer hasty(1e-9), patient(10.0);
         for (TickTimer* timer : { &hasty, &patient }) {
             EXPECT_EQ(timer->begin(), timer == &hasty ? 1e-9 : 10.0);
-            timer->end();
             EXPECT_GT(timer->begin(), 0.0);
-            timer->end();
             EXPECT_EQ(timer->times().ticks, 2u);
-            EXPECT_EQ(timer->times().periods.count(), 1u);
-            EXPECT_EQ(timer->times().compute.count(), 2u);
         }
         EXPECT_GT(hasty.times().missed, 1u);
         EXPECT_EQ(patient.times().missed, 0u);
     }
 
-} // namespace tick_statistics_test
+    TEST(MeasuredTicks, LeavesOutThePeriodBeforeTheFirstTick)
+    {
+        struct Nothing : Ticked {
+            void tick(double, double) noexcept override { }
+        };
+        Nothing nothing;
+        MeasuredTicks measured(nothing);
+        measured.tick(0.0, 1e-3);
+        measured.tick(2e-3, 2e-3);
+        EXPECT_EQ(measured.periods.count(), 1u);
+        EXPECT_DOUBLE_EQ(measured.periods.max_s(), 2e-3);
+        EXPECT_DOUBLE_EQ(measured.jitter.max_s(), 1e-3);
+        EXPECT_EQ(measured.compute.count(), 2u);
+    }
+
+} // namespace tick_timer_test
 } // namespace retractor::haptics

@@ -15,7 +15,7 @@ namespace {
 
     constexpr double kLeastKernelMm = 3.0; ///< below this the staircase of common CT labels shows
     constexpr double kKernelVoxels = 1.8; ///< kernel radius in voxels: enough to cover several layers
-    constexpr double kEvening = 3.5; ///< factor of the wider kernel that averages the skin
+    constexpr double kSkinKernelFactor = 3.5; ///< factor of the wider kernel that averages the skin
     constexpr double kStepMm = 1.0; ///< ray sampling; smaller than the kernel radius, so that nothing is missed
     constexpr int kBisections = 40; ///< 1 mm / 2^40: below round-off of the coordinates
     constexpr double kProjectionReachMm = 60.0;
@@ -109,9 +109,9 @@ double BodyProbe::share_within(const mesh::LabelFlags& mask, const Vec3& point, 
 }
 
 /// The passage from body to outside for the wider kernel, nearest to the passage for the narrow kernel.
-double BodyProbe::evened(const Vec3& from, const Vec3& direction, double distance) const
+double BodyProbe::averaged_skin_distance(const Vec3& from, const Vec3& direction, double distance) const
 {
-    const double radius = kEvening * radius_;
+    const double radius = kSkinKernelFactor * radius_;
     const auto inside = [&](double t) { return share_within(body_, from + t * direction, radius) >= 0.5; };
     const int reach = static_cast<int>(std::ceil(radius / kStepMm));
     for (int off = 0; off <= reach; ++off)
@@ -126,7 +126,7 @@ std::optional<double> BodyProbe::skin_along(const Vec3& from, const Vec3& direct
     const auto inside = [&](double t) { return share(wall_, from + t * direction) >= 0.5; };
     for (int n = static_cast<int>(std::ceil(reach_ / kStepMm)); n >= 0; --n)
         if (inside(n * kStepMm))
-            return evened(from, direction, bisect(n * kStepMm, (n + 1) * kStepMm, inside));
+            return averaged_skin_distance(from, direction, bisect(n * kStepMm, (n + 1) * kStepMm, inside));
     return std::nullopt;
 }
 
@@ -139,7 +139,7 @@ std::optional<double> BodyProbe::first_skin_along(const Vec3& from, const Vec3& 
         if (inside(n * kStepMm))
             last_inside = n * kStepMm;
         else if (last_inside >= 0.0 && n * kStepMm - last_inside > kGapMm)
-            return evened(from, direction, bisect(last_inside, last_inside + kStepMm, inside));
+            return averaged_skin_distance(from, direction, bisect(last_inside, last_inside + kStepMm, inside));
     }
     return skin_along(from, direction);
 }
@@ -198,7 +198,7 @@ Vec3 BodyProbe::project_to_skin(const Vec3& point) const
                 found = bisect(t, t + kStepMm, inside);
         if (found < 0.0)
             return refuse();
-        skin = start + evened(start, normal, found) * normal;
+        skin = start + averaged_skin_distance(start, normal, found) * normal;
     }
     return skin;
 }

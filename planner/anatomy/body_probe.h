@@ -39,7 +39,7 @@ public:
 
 private:
     double share_within(const mesh::LabelFlags& mask, const Vec3& point, double radius) const;
-    double evened(const Vec3& from, const Vec3& direction, double distance) const;
+    double averaged_skin_distance(const Vec3& from, const Vec3& direction, double distance) const;
 
     const mesh::LabelVolume& labels_;
     mesh::LabelFlags wall_;

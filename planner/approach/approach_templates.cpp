@@ -6,6 +6,8 @@
 #include "mesh/base/text_format.h"
 #include "mesh/image/skeleton.h"
 #include "planner/anatomy/body_probe.h"
+#include "planner/approach/intercostal_space.h"
+#include "planner/approach/smooth_line.h"
 
 #include <Eigen/Geometry>
 
@@ -232,47 +234,6 @@ namespace {
         double along = 0.0; ///< mm along the skin from the first node
         bool free = true; ///< no bone lies over the place (the shoulder blade)
     };
-
-    /// Gaussian mean over neighbours. Point reflection at the ends keeps the ends in place.
-    std::vector<Vec3> smoothed(const std::vector<Vec3>& values, double sigma_nodes)
-    {
-        RETRACTOR_ASSERT(!values.empty() && sigma_nodes > 0.0);
-        const auto n = static_cast<int>(values.size());
-        const auto at = [&](int i) -> Vec3 {
-            if (i < 0)
-                return 2.0 * values.front() - values[static_cast<std::size_t>(std::min(-i, n - 1))];
-            if (i >= n)
-                return 2.0 * values.back() - values[static_cast<std::size_t>(std::max(2 * n - 2 - i, 0))];
-            return values[static_cast<std::size_t>(i)];
-        };
-        const int reach = static_cast<int>(std::ceil(3.0 * sigma_nodes));
-        std::vector<Vec3> result(values.size());
-        for (int i = 0; i < n; ++i) {
-            Vec3 sum = Vec3::Zero();
-            double weights = 0.0;
-            for (int d = -reach; d <= reach; ++d) {
-                const double w = std::exp(-0.5 * (d / sigma_nodes) * (d / sigma_nodes));
-                sum += w * at(i + d);
-                weights += w;
-            }
-            result[static_cast<std::size_t>(i)] = sum / weights;
-        }
-        return result;
-    }
-
-    std::vector<Vec3> tangents(const std::vector<Vec3>& line)
-    {
-        RETRACTOR_ASSERT(line.size() >= 2);
-        std::vector<Vec3> result(line.size());
-        for (std::size_t n = 0; n < line.size(); ++n)
-            result[n] = (line[std::min(n + 1, line.size() - 1)] - line[n == 0 ? 0 : n - 1]).normalized();
-        return result;
-    }
-
-    std::string space_name(bool left, int space)
-    {
-        return std::string(left ? "left" : "right") + " intercostal space " + std::to_string(space);
-    }
 
     /// The whole space from back to front, over the length of both ribs.
     std::vector<SpaceNode> space_nodes(const BodyProbe& probe, const Anatomy& anatomy, bool left, int space)
@@ -553,6 +514,7 @@ namespace {
             std::replace_copy(template_name.begin(), template_name.end(), std::back_inserter(approach.name), ':', '_');
         approach.template_name = template_name;
         approach.target = request.target;
+        approach.division.extent = request.division.value_or(DivisionExtent::skin);
         approach.sizing = request.sizing;
         approach.view = request.view;
         return approach;
@@ -593,6 +555,7 @@ Approach approach_from_template(const mesh::LabelVolume& labels, const Anatomy& 
     } else {
         const SpacePlan plan = plan_for(parsed, request);
         place_in_space(probe, anatomy, plan, target_centre(labels, request.target), approach);
+        approach.division.extent = request.division.value_or(DivisionExtent::full);
         approach.retracted = retracted_organs(labels.table, plan.left, !plan.left, parsed.kind == "midcab");
     }
     check_sweep(approach);

@@ -10,6 +10,9 @@
 //   (the 6th by default). The incision lies between the back muscles and the side, where it faces the target.
 // - midcab[:N]: left anterior mini-thoracotomy, 70 mm long, centred over the target. The space is N, or whichever of
 //   the 4th and 5th is nearer to the target.
+//
+// The templates between ribs divide intercostal muscle and pleura beyond the skin incision, as surgeons do to spread
+// ribs (DivisionExtent::full).
 
 #include "planner/anatomy/anatomy.h"
 #include "planner/case/approach.h"
@@ -26,6 +29,7 @@ struct ApproachRequest {
     TargetSpec target;
     bool left = true; ///< side of an intercostal approach; the other templates have a fixed side
     double length_mm = 0.0; ///< length of the incision; 0: the template's own length
+    std::optional<DivisionExtent> division {}; ///< not set: the template's own; points divide the skin's length
     SizingSpec sizing;
     ViewSpec view;
 };

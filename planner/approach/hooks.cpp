@@ -8,7 +8,8 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
+#include <utility>
 
 namespace retractor::planner {
 
@@ -30,7 +31,9 @@ namespace {
     }
 
     /// Fits a hook to the thinnest wall and the mean hold depth under its patch.
-    void fit_depth(const Approach& approach, HookSpec& hook)
+    /// @param largest_depth_mm depth below the skin that the hook reaches at most
+    void fit_depth(
+        const Approach& approach, HookSpec& hook, double largest_depth_mm = std::numeric_limits<double>::infinity())
     {
         double wall = approach.depth_mm;
         double hold = 0.0;
@@ -50,9 +53,13 @@ namespace {
                 + in_words(hook.along_mm) + " mm along the incision: no room for a hook");
         // The blade of a retractor reaches from the skin through the wall. If it held only deep tissue, the skin would
         // hang into the field.
-        hook.patch_height_mm = room;
+        hook.patch_height_mm = std::min(room, largest_depth_mm - kRimMm);
+        if (!(hook.patch_height_mm > kRimMm))
+            throw InputError("a blade of " + in_words(largest_depth_mm, 1) + " mm does not reach into the wound",
+                "retractor", { "blade_depth_mm" });
         const double half = 0.5 * hook.patch_height_mm;
-        hook.depth_mm = std::clamp(hold, kRimMm + half, wall - kRimMm - half);
+        const double deepest = std::min(wall - kRimMm, largest_depth_mm);
+        hook.depth_mm = std::clamp(hold, kRimMm + half, std::max(kRimMm + half, deepest - half));
     }
 
 } // namespace
@@ -106,11 +113,28 @@ std::vector<HookSpec> make_hooks(
     return hooks;
 }
 
+std::vector<HookSpec> make_blades(const Approach& approach, double along_mm, double width_mm, double largest_depth_mm)
+{
+    const Vec3 left = left_at(approach, along_mm, width_mm);
+    std::vector<HookSpec> blades;
+    for (const int side : { 1, -1 }) {
+        HookSpec blade { .name = side > 0 ? "left_blade" : "right_blade",
+            .side = side,
+            .along_mm = along_mm,
+            .patch_width_mm = width_mm,
+            .direction = side * left };
+        fit_depth(approach, blade, largest_depth_mm);
+        blades.push_back(std::move(blade));
+    }
+    return blades;
+}
+
 void set_hooks(Case& planned_case, std::string_view approach_name, std::string_view template_name, double opening_mm,
     const HookPull& pull)
 {
     Approach& approach = find_approach(planned_case, approach_name);
     approach.hooks = make_hooks(approach, template_name, opening_mm, pull);
+    approach.retractor.reset();
 }
 
 } // namespace retractor::planner

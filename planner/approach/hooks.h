@@ -19,7 +19,15 @@ namespace retractor::planner {
 std::vector<HookSpec> make_hooks(
     const Approach& approach, std::string_view template_name, double opening_mm, const HookPull& pull = {});
 
-/// Replaces the hooks of an approach of the case. @throws InputError as make_hooks() and find_approach() do
+/// One rigid patch per lip, side +1 first; the two face each other. They are named left_blade and right_blade, and do
+/// not move yet.
+/// @param along_mm middle of the patches along the incision
+/// @param largest_depth_mm depth below the skin that the patches reach at most
+/// @throws InputError where the wall is too thin for a patch
+std::vector<HookSpec> make_blades(const Approach& approach, double along_mm, double width_mm, double largest_depth_mm);
+
+/// Replaces the hooks or the retractor of an approach of the case. @throws InputError as make_hooks() and
+/// find_approach() do
 void set_hooks(Case& planned_case, std::string_view approach_name, std::string_view template_name, double opening_mm,
     const HookPull& pull = {});
 

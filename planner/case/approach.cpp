@@ -18,6 +18,7 @@ namespace {
     constexpr double kUnitTolerance = 1e-6; ///< directions are stored to the last bit, but typed to a few digits
     /// N or N/mm; a wall resists a hook with some 10 N/mm, so less is a mistaken unit.
     constexpr double kLeastPull = 1e-3;
+    constexpr double kFinePlacesMm = 10.0; ///< spacing of the fine places of the mesh along a patch
     constexpr double kLargestMm = 1e4; ///< larger than any patient; more is a mistaken unit
 
     [[noreturn]] void refuse(const std::string& what, const std::string& where) { throw InputError(what, where); }
@@ -87,8 +88,61 @@ namespace {
         check_number(hook.opening_mm, 0.0, fem::kFarthestHookMm, where + "/opening_mm");
         check_pull(hook.pull, where + "/");
         if (hook.pull.force_N && hook.opening_mm != 0.0)
-            refuse("a hook that pulls with a force goes as far as that takes it: leave one of the two out",
+            refuse("a hook takes either a force or an opening, not both: remove one",
                 where + "/opening_mm, " + where + "/force_N");
+    }
+
+    /// The hooks can open a wound no farther than its lips are long and can be stretched.
+    void check_reach(double opening_mm, const Approach& approach, const std::string& where)
+    {
+        constexpr double kTearingStretch = 1.71; // skin fails at a strain of 54 +- 17 % [arXiv 1302.3022]
+        const double length = incision_length(approach);
+        if (opening_mm > kTearingStretch * length)
+            refuse(
+                formatted("hooks open %.0f mm, but the skin of an incision of %.0f mm tears before %.0f mm: open less, "
+                          "or make the incision longer",
+                    opening_mm, length, kTearingStretch * length),
+                where);
+    }
+
+    void check_openings(const Approach& approach, const std::string& pointer)
+    {
+        double left = 0.0, right = 0.0;
+        for (const HookSpec& hook : approach.hooks)
+            (hook.side > 0 ? left : right) = std::max(hook.side > 0 ? left : right, hook.opening_mm);
+        check_reach(left + right, approach, pointer + "/hooks");
+    }
+
+    void check_retractor(const RetractorSpec& retractor, const Approach& approach, const std::string& where)
+    {
+        if (!approach.hooks.empty())
+            refuse("an approach has either hooks or a retractor, not both: remove one", where);
+        if (retractor.kind.empty())
+            refuse("a retractor needs the name of its kind", where + "/kind");
+        if (retractor.force_N && retractor.opening_mm != 0.0)
+            refuse("a retractor takes either a force or an opening, not both: remove one",
+                where + "/opening_mm, " + where + "/force_N");
+        if (retractor.force_N) {
+            check_positive(*retractor.force_N, where + "/force_N");
+            if (*retractor.force_N < kLeastPull)
+                refuse("must be at least 0.001: a retractor with less holds no tissue", where + "/force_N");
+        }
+        const double length = incision_length(approach);
+        check_number(retractor.along_mm, 0.0, length, where + "/along_mm");
+        check_positive(retractor.blade_width_mm, where + "/blade_width_mm");
+        if (retractor.blade_width_mm > length)
+            refuse(formatted("a blade of %.0f mm does not fit into an incision of %.0f mm: take another retractor, or "
+                             "make the incision longer",
+                       retractor.blade_width_mm, length),
+                where + "/blade_width_mm");
+        check_positive(retractor.blade_depth_mm, where + "/blade_depth_mm");
+        check_number(retractor.play_deg, 0.0, 90.0, where + "/play_deg");
+        check_number(retractor.greatest_opening_mm, 0.0, 2.0 * fem::kFarthestHookMm, where + "/greatest_opening_mm");
+        if (!(retractor.opening_mm >= 0.0 && retractor.opening_mm <= retractor.greatest_opening_mm))
+            refuse(formatted("this retractor opens at most %.0f mm, not %.0f mm", retractor.greatest_opening_mm,
+                       retractor.opening_mm),
+                where + "/opening_mm");
+        check_reach(retractor.opening_mm, approach, where + "/opening_mm");
     }
 
     void check_ablation(const AblationSpec& ablation, double length, const std::string& where)
@@ -116,6 +170,37 @@ namespace {
         { LoosePieces::removed, "removed" },
         { LoosePieces::rigid, "rigid" },
     } };
+
+    /// Edges along the divided space, relative to those at the incision: nobody looks in there, and no hook pulls
+    /// there.
+    constexpr double kDividedEdge = 1.5;
+
+    /// The path along the divided space. The corridor ends half way down the blade at the incision's start: the path
+    /// goes out and back along a stroke that begins there, then along the incision, and out along the other stroke.
+    std::vector<Vec3> divided_path(const Approach& approach)
+    {
+        if (approach.division.strokes.empty())
+            return {};
+        std::vector<Vec3> path;
+        const auto add_stroke = [&](bool at_start) {
+            for (const DivisionStroke& stroke : approach.division.strokes) {
+                RETRACTOR_ASSERT(!stroke.line.empty() && stroke.directions.size() == stroke.line.size());
+                const Vec3& from = stroke.line.front();
+                if (((from - approach.incision.front()).norm() <= (from - approach.incision.back()).norm()) != at_start)
+                    continue;
+                const std::size_t first = path.size();
+                for (std::size_t n = 0; n < stroke.line.size(); ++n)
+                    path.push_back(stroke.line[n] + 0.5 * stroke.depth_mm * stroke.directions[n]);
+                for (std::size_t n = path.size(); at_start && n-- > first + 1;)
+                    path.push_back(Vec3(path[n - 1]));
+            }
+        };
+        add_stroke(true);
+        for (std::size_t n = 0; n < approach.incision.size(); ++n)
+            path.push_back(approach.incision[n] + 0.5 * approach.depth_mm * approach.directions[n]);
+        add_stroke(false);
+        return path;
+    }
 
 } // namespace
 
@@ -162,10 +247,20 @@ mesh::MeshSizing mesh_sizing_of(const Approach& approach, const mesh::LabelTable
         .corridor_radius_mm = approach.sizing.corridor_radius_mm,
         .corridor_edge_mm = approach.sizing.corridor_edge_mm,
         .coarse_edge_mm = approach.sizing.coarse_edge_mm,
+        .coarse_path = divided_path(approach),
+        .coarse_path_edge_mm
+        = std::min(kDividedEdge * approach.sizing.corridor_edge_mm, approach.sizing.coarse_edge_mm),
         .region_mm = approach.sizing.region_mm,
-        .whole_labels = {} };
+        .whole_labels = {},
+        .seed = approach.sizing.mesh_seed };
     for (std::size_t n = approach.incision.size(); n-- > 0;)
         sizing.corridor.push_back(approach.incision[n] + 0.5 * approach.depth_mm * approach.directions[n].normalized());
+    for (const HookSpec& hook : approach.hooks) {
+        const PatchPlace patch = patch_place(approach, hook);
+        const int count = std::max(1, static_cast<int>(std::lround(hook.patch_width_mm / kFinePlacesMm)));
+        for (int n = 0; n < count; ++n)
+            sizing.fine_places.push_back(patch.centre + hook.patch_width_mm * ((n + 0.5) / count - 0.5) * patch.along);
+    }
     const auto& uncut = approach.uncut_labels;
     for (const mesh::LabelInfo& info : table) {
         const bool is_whole_sternum
@@ -196,6 +291,14 @@ IncisionPlace incision_place(const Approach& approach, double along_mm)
     }
 }
 
+PatchPlace patch_place(const Approach& approach, const HookSpec& hook)
+{
+    const IncisionPlace place = incision_place(approach, hook.along_mm);
+    const Vec3 depth = place.of(approach.directions).normalized();
+    const Vec3 step = approach.incision[place.segment + 1] - approach.incision[place.segment];
+    return { place.of(approach.incision) + hook.depth_mm * depth, step / step.norm(), depth };
+}
+
 void check_sizing(const SizingSpec& sizing, const std::string& pointer)
 {
     check_positive(sizing.corridor_radius_mm, pointer + "/corridor_radius_mm");
@@ -214,13 +317,13 @@ void check_pull(const HookPull& pull, const std::string& where)
         if (*number) {
             check_positive(**number, where + key);
             if (**number < kLeastPull)
-                refuse("a hook that pulls with less than a thousandth holds nothing: leave it out", where + key);
+                refuse("must be at least 0.001: a hook with less holds no tissue", where + key);
         }
     if (pull.force_N && pull.force_limit_N)
-        refuse("a hook that pulls with a force does not yield: leave one of the two out",
+        refuse("a hook takes either a force or a force limit, not both: remove one",
             where + "force_N, " + where + "force_limit_N");
     if (pull.force_N && pull.grip_N_per_mm)
-        refuse("a hook that pulls with a force moves the lip by it, however it grips: leave one of the two out",
+        refuse("a hook takes either a force or a soft grip, not both: remove one",
             where + "force_N, " + where + "grip_N_per_mm");
 }
 
@@ -248,6 +351,12 @@ void check_approach(const Approach& approach, const std::string& pointer)
             if (approach.hooks[other].name == approach.hooks[h].name)
                 refuse("two hooks are named \"" + approach.hooks[h].name + "\"", where + "/name");
     }
+    check_openings(approach, pointer);
+    check_division(approach.division, pointer + "/division");
+    if (approach.retractor)
+        check_retractor(*approach.retractor, approach, pointer + "/retractor");
+    if (approach.opening_protocol)
+        check_opening_protocol(*approach.opening_protocol, pointer + "/opening_protocol");
     for (std::size_t n = 0; n < approach.ablations.size(); ++n)
         check_ablation(approach.ablations[n], incision_length(approach), pointer + "/ablations/" + std::to_string(n));
     check_sizing(approach.sizing, pointer + "/sizing");

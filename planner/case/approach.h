@@ -6,6 +6,8 @@
 #include "mesh/cutting/store/blade.h"
 #include "mesh/cutting/store/cut_types.h"
 #include "mesh/generation/mesh_sizing.h"
+#include "planner/case/division.h"
+#include "planner/case/opening_protocol.h"
 
 #include <optional>
 #include <string>
@@ -39,6 +41,23 @@ struct HookSpec {
     Vec3 direction = Vec3::Zero(); ///< unit vector, away from the other lip
     double opening_mm = 0.0; ///< motion of the patch along `direction`; 0 with force_N
     HookPull pull {};
+    /// Places on bones on which the patch bears, mm; set by find_bearing_points(), not a part of case.json.
+    std::vector<Vec3> bearing {};
+    std::vector<std::string> bears_on {}; ///< names of these bones; set with `bearing`
+};
+
+/// A retractor in place of hooks: a rigid frame with two blades, which only the tissue holds
+/// (fem/statics/blade_frame.h). The sizes come from the table of instruments (planner/approach/retractors.h) when the
+/// retractor is placed, and may be changed here.
+struct RetractorSpec {
+    std::string kind; ///< name of the instrument in the table, such as "finochietto"
+    double opening_mm = 0.0; ///< distance by which the rack moves the blades apart; 0 with force_N
+    std::optional<double> force_N {}; ///< force along the rack at each blade; the opening follows from the force
+    double along_mm = 0.0; ///< middle of the blades along the incision
+    double blade_width_mm = 0.0; ///< along the incision
+    double blade_depth_mm = 0.0; ///< from the arm at the skin into the wound; a thinner wall takes a part of the blade
+    double play_deg = 0.0; ///< largest turn of a blade about its arm, to either side
+    double greatest_opening_mm = 0.0;
 };
 
 /// What the surgeon wants to see: a label, or a sphere where no label was drawn.
@@ -50,13 +69,15 @@ struct TargetSpec {
 };
 
 /// Mesh sizes of the wall round this incision; see MeshSizing.
-/// The defaults give 50,000 to 80,000 elements on an adult chest, in a few seconds.
+/// The defaults give 50,000 to 80,000 elements on an adult chest, in a few seconds. A new case has edges of 8 mm for
+/// ten-node elements (write_import()).
 struct SizingSpec {
     double corridor_radius_mm = 12.0;
     double corridor_edge_mm = 4.5;
     double coarse_edge_mm = 15.0;
     /// The mesh holds tissue within this distance of the incision, and its whole bones; 0: all of the wall.
     double region_mm = 50.0;
+    unsigned mesh_seed = 0; ///< MeshSizing::seed; not a part of case.json
 };
 
 /// The eye positions over which the visible fraction is averaged. The eyes lie in a cone about the view axis.
@@ -100,9 +121,14 @@ struct Approach {
     std::vector<double> hook_depth_mm;
     TargetSpec target;
     std::vector<HookSpec> hooks;
+    /// In place of hooks: an approach of a case has either. A plan adds the two blades as hooks (blades_of()).
+    std::optional<RetractorSpec> retractor {};
+    /// Steps in which hooks or a rack are moved to their opening; not set: OpeningProtocol {}.
+    std::optional<OpeningProtocol> opening_protocol {};
     std::vector<std::string> retracted; ///< organs held aside; they do not block the view
     std::vector<std::string> uncut_labels; ///< labels that this blade does not sever (a scalpel does not cut bone)
-    std::vector<AblationSpec> ablations {}; ///< carried out in this order, after the cut
+    Division division {}; ///< of the intercostal space beyond the skin, carried out after the cut
+    std::vector<AblationSpec> ablations {}; ///< carried out in this order, after the cut and the division
     LoosePieces loose_pieces = LoosePieces::held;
     SizingSpec sizing;
     ViewSpec view;
@@ -126,7 +152,8 @@ std::optional<LoosePieces> loose_pieces_from_string(std::string_view text);
 
 /// The sizing of the approach, as the mesher takes it. The corridor follows the incision on the skin and returns half
 /// way down the blade. Bones and cartilages are kept whole. The sternum is kept whole only where the approach divides
-/// it; elsewhere the sternum is the firm end of the cartilages.
+/// it; elsewhere the sternum is the firm end of the cartilages. Where the division's strokes are known, the mesh
+/// reaches along them, with edges one and a half times as long as in the corridor.
 mesh::MeshSizing mesh_sizing_of(const Approach& approach, const mesh::LabelTable& table);
 
 /// Length of the incision, mm.
@@ -146,6 +173,12 @@ struct IncisionPlace {
 /// The place at a distance (mm) along the incision. A distance beyond an end gives the end.
 /// @pre the incision has at least two points
 IncisionPlace incision_place(const Approach& approach, double along_mm);
+
+/// The patch of a hook on the blade: its centre, and unit vectors along the incision and into the body.
+struct PatchPlace {
+    Vec3 centre, along, depth;
+};
+PatchPlace patch_place(const Approach& approach, const HookSpec& hook);
 
 /// @param pointer JSON pointer of the sizing, put before the failing key
 /// @throws InputError on NaN or sizes out of range

@@ -1,6 +1,5 @@
 #include "planner/case/case.h"
 
-#include "fem/material/plausible_modulus.h"
 #include "fem/model/pre_strain.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
@@ -78,12 +77,6 @@ namespace {
                     "material names must be present and different: \"" + material.name + "\"", where + "/name");
             if (!(material.youngs_modulus_MPa > 0.0 && std::isfinite(material.youngs_modulus_MPa)))
                 throw InputError("must be positive and finite", where + "/youngs_modulus_MPa");
-            const fem::ModulusRange range = fem::plausible_modulus(material.name);
-            if (material.youngs_modulus_MPa < range.least || material.youngs_modulus_MPa > range.most)
-                throw InputError(formatted("%g MPa cannot be the Young's modulus of ", material.youngs_modulus_MPa)
-                        + material.name + formatted(", which is %g to %g MPa", range.least, range.most)
-                        + "; look at the unit (1 kPa = 0.001 MPa, 1 GPa = 1000 MPa)",
-                    where + "/youngs_modulus_MPa");
             if (!(material.poissons_ratio > -1.0 && material.poissons_ratio < 0.5))
                 throw InputError("must be above -1 and below 0.5", where + "/poissons_ratio");
             if (!(material.density_tonne_per_mm3 > 0.0 && material.density_tonne_per_mm3 < 1.0))
@@ -191,10 +184,11 @@ void check_pressures(const Case& planned_case)
             throw InputError("there is no label \"" + spec.label + "\"", where + "/label");
         if (info->role == mesh::Role::wall)
             throw InputError("the label \"" + spec.label
-                    + "\" is wall itself: pressure comes from what the wall borders on, a cavity or a vessel's lumen",
+                    + "\" belongs to the wall: pressure acts from a label that borders on the wall, such as a cavity "
+                      "or a lumen",
                 where + "/label");
         if (!labels.insert(spec.label).second)
-            throw InputError("the label \"" + spec.label + "\" comes twice", where + "/label");
+            throw InputError("the label \"" + spec.label + "\" is listed twice", where + "/label");
         if (!(spec.pressure_kPa >= -kMostSuctionKPa && spec.pressure_kPa <= kMostPressureKPa)) // refuses NaN too
             throw InputError("the pressure of \"" + spec.label + "\" must be between " + in_words(-kMostSuctionKPa)
                     + " (suction) and " + in_words(kMostPressureKPa) + " kPa",
@@ -202,8 +196,8 @@ void check_pressures(const Case& planned_case)
     }
     if (under_pressure(planned_case) && planned_case.solution.near_mm > 0.0)
         throw InputError(
-            "pressure acts on all of the wall, and what lies beyond near_mm is condensed without it: leave "
-            "one of the two out",
+            "pressure acts on the whole wall, but the tissue beyond near_mm is condensed without pressure: remove "
+            "the pressures or near_mm",
             "/solution/near_mm, pressures", { "near_mm", "pressures" });
 }
 

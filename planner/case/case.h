@@ -57,6 +57,8 @@ struct Case {
     SizingSpec sizing; ///< sizing of new approaches
     std::vector<Approach> approaches; ///< with unique names
     std::vector<std::string> views { "surgeon", "overview", "slices" }; ///< pictures to make; see kViewNames
+    /// Numbers out of their plausible ranges (plausible_input.h) are planned with and recorded, instead of refused.
+    bool accept_implausible = false;
 
     std::filesystem::path file() const { return folder / file_name; }
     std::filesystem::path labels_path() const { return folder / labels.path; }
@@ -89,7 +91,7 @@ void remove_approach(Case& planned_case, std::string_view name);
 /// Whether any of the pressures is other than 0.
 bool under_pressure(const Case& planned_case);
 
-/// @throws InputError naming the entry ("/pressures/0/...") when a label is missing, is wall or comes twice, when a
+/// @throws InputError naming the entry ("/pressures/0/...") when a label is missing, is wall or is listed twice, when a
 /// pressure is not finite or beyond the limits, or when the tissue far from the lips is linear
 /// (SolverSettings::near_mm)
 void check_pressures(const Case& planned_case);

@@ -4,6 +4,7 @@
 #include "fem/material/element_fibres.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
+#include "planner/case/plausible_input.h"
 
 #include <nlohmann/json.hpp>
 #include <openssl/evp.h>
@@ -13,7 +14,6 @@
 #include <cmath>
 #include <concepts>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <memory>
 #include <sstream>
@@ -275,6 +275,23 @@ namespace {
             io.optional("force_limit_N", hook.pull.force_limit_N);
             io.optional("grip_N_per_mm", hook.pull.grip_N_per_mm);
         }
+        static void of(auto& io, Is<RetractorSpec> auto& retractor)
+        {
+            io.required("kind", retractor.kind);
+            io.optional("force_N", retractor.force_N);
+            if (io.chosen("force_N", retractor.force_N.has_value()))
+                io.optional("opening_mm", retractor.opening_mm, false); // check_approach() refuses both
+            else
+                io.required("opening_mm", retractor.opening_mm);
+            io.required("along_mm", retractor.along_mm, "blade_width_mm", retractor.blade_width_mm, "blade_depth_mm",
+                retractor.blade_depth_mm, "play_deg", retractor.play_deg, "greatest_opening_mm",
+                retractor.greatest_opening_mm);
+        }
+        static void of(auto& io, Is<OpeningProtocol> auto& protocol)
+        {
+            io.required("turn_mm", protocol.turn_mm, "turns_per_step", protocol.turns_per_step, "wait_s",
+                protocol.wait_s, "hold_s", protocol.hold_s);
+        }
         static void of(auto& io, Is<AblationSpec> auto& ablation)
         {
             const bool is_ball
@@ -288,6 +305,12 @@ namespace {
             io.optional("along_from_mm", ablation.along_from_mm);
             io.optional("along_to_mm", ablation.along_to_mm);
         }
+        static void of(auto& io, Is<Division> auto& division)
+        {
+            io.required("extent", division.extent);
+            io.optional("forwards_mm", division.forwards_mm);
+            io.optional("backwards_mm", division.backwards_mm);
+        }
         static void of(auto& io, Is<Approach> auto& approach)
         {
             io.required("name", approach.name, "template", approach.template_name, "incision_mm", approach.incision,
@@ -295,7 +318,11 @@ namespace {
                 approach.wall_thickness_mm, "hook_depth_mm", approach.hook_depth_mm, "target", approach.target, "hooks",
                 approach.hooks, "retracted", approach.retracted, "uncut_labels", approach.uncut_labels, "sizing",
                 approach.sizing, "view", approach.view, "rationale", approach.rationale);
-            // These two were added later. A case without them has no ablations, and its loose pieces are held.
+            // These were added later. A case without them divides no tissue beyond the skin, has no retractor and no
+            // ablations, opens by half a turn of the crank every 10 s, and its loose pieces are held.
+            io.optional("division", approach.division, approach.division.extent != DivisionExtent::skin);
+            io.optional("retractor", approach.retractor);
+            io.optional("opening_protocol", approach.opening_protocol);
             io.optional("ablations", approach.ablations, !approach.ablations.empty());
             io.optional("loose_pieces", approach.loose_pieces, approach.loose_pieces != LoosePieces::held);
         }
@@ -312,6 +339,7 @@ namespace {
             io.optional("pressures", whole.pressures, !whole.pressures.empty());
             io.optional("solution", whole.solution, !(whole.solution == SolverSettings {}));
             io.required("sizing", whole.sizing, "approaches", whole.approaches, "views", whole.views);
+            io.optional("accept_implausible", whole.accept_implausible, whole.accept_implausible);
         }
     };
 
@@ -431,6 +459,11 @@ namespace {
         {
             policy = known(node, loose_pieces_from_string(node.text()),
                 "unknown \"" + node.text() + "\": use held, removed or rigid");
+        }
+        static void read(const Node& node, DivisionExtent& extent)
+        {
+            extent = known(
+                node, division_extent_from_string(node.text()), "unknown \"" + node.text() + "\": use skin or full");
         }
         template <class T> static T known(const Node& node, const std::optional<T>& value, const std::string& refusal)
         {
@@ -724,6 +757,7 @@ Case case_from_json(const std::string& text, const fs::path& folder)
     read.folder = folder;
     FieldReader::read_section(root, { "schema", "frame", "units" }, [&](auto& io) { Fields::of(io, read); });
     check_case(read);
+    check_plausible(read);
     return read;
 }
 
@@ -749,6 +783,7 @@ std::string ablation_to_json(const AblationSpec& ablation) { return FieldWriter:
 std::string case_to_json(const Case& planned_case)
 {
     check_case(planned_case);
+    check_plausible(planned_case);
     Json json;
     json["schema"] = kCaseSchema;
     json["frame"] = "LPS";

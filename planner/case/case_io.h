@@ -28,12 +28,12 @@ struct ReadCaseOptions {
 
 /// @param path a case file, or a folder with a case.json
 /// @throws IoError when the file cannot be read; InputError with the JSON pointer ("/approaches/0/depth_mm") in where()
-/// on bad JSON, unknown or missing keys, wrong types, values out of range, duplicate names, and missing or changed
-/// files
+/// on bad JSON, unknown or missing keys, wrong types, values out of range, implausible values (plausible_input.h),
+/// duplicate names, and missing or changed files
 Case read_case(const std::filesystem::path& path, const ReadCaseOptions& options = {});
 
 /// Writes the case file Case::file() in one step: the file is complete or unchanged. Numbers keep their last bit.
-/// @throws InputError as check_case() does; IoError
+/// @throws InputError as check_case() and check_plausible() do; IoError
 void write_case(const Case& planned_case);
 
 /// The text of case.json, and the case of a text. Neither looks at files.

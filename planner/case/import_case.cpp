@@ -6,10 +6,10 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "planner/case/case_io.h"
+#include "planner/case/plausible_input.h"
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -54,6 +54,21 @@ namespace {
         return joined(names) + (others > 0 ? " and " + std::to_string(others) + " more" : "");
     }
 
+    /// @param what "CT" or "labels"
+    void check_extent(
+        const mesh::ImageGrid& grid, const std::string& what, const ImportRequest& request, ImportedCase& imported)
+    {
+        const std::optional<std::string> implausible = implausible_extent(grid);
+        if (!implausible)
+            return;
+        if (!request.accept_implausible)
+            throw InputError(*implausible
+                    + "; if the image is right, import it as one that is accepted although "
+                      "implausible",
+                what, { "accept_implausible" });
+        imported.warnings.push_back(what + ": " + *implausible);
+    }
+
     // ---- the CT ----------------------------------------------------------------------------------------------------
 
     void read_ct(const ImportRequest& request, ImportedCase& imported, const Job& job)
@@ -69,6 +84,7 @@ namespace {
         if (job.cancelled())
             return;
         imported.notes.insert(imported.notes.end(), read.notes.begin(), read.notes.end());
+        check_extent(read.volume.grid, "CT", request, imported);
         imported.ct = std::make_shared<const mesh::Volume>(std::move(read.volume));
     }
 
@@ -151,6 +167,9 @@ namespace {
             if (job.cancelled())
                 return std::nullopt;
             imported.notes.insert(imported.notes.end(), read.notes.begin(), read.notes.end());
+            // A label map that only corrects or completes others may be a small part of the body.
+            if (request.labels.size() == 1 && !request.autosegment)
+                check_extent(read.labels.grid, "labels", request, imported);
             if (imported.ct != nullptr)
                 check_overlap(*imported.ct, read.labels, path);
             if (request.labels.size() == 1)
@@ -433,6 +452,7 @@ ImportedCase read_import(const ImportRequest& request, const Job& job)
 {
     check_request(request);
     ImportedCase imported;
+    imported.accept_implausible = request.accept_implausible;
     try {
         read_all(request, imported, job);
     } catch (const Error&) {
@@ -467,6 +487,11 @@ Case write_import(const ImportedCase& imported, const fs::path& case_file)
     made.label_table = imported.labels->table;
     made.supports.labels = supporting_labels(made.label_table);
     made.patient = imported.patient;
+    made.accept_implausible = imported.accept_implausible;
+    // Ten-node elements on a coarser mesh: for one wound of a patient, forces of four-node elements are about twice too
+    // large and stay so when the mesh is refined (docs/method/verification.md).
+    made.solution.element = ElementKind::p2;
+    made.sizing.corridor_edge_mm = 8.0;
     make_folder(made.folder);
     const Staging staging(made.folder);
     made.labels = store_labels(*imported.labels, made.folder, staging);

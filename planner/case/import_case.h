@@ -28,6 +28,9 @@ struct ImportRequest {
     bool autosegment = false; ///< segment the CT; given labels count as the correct parts of the segmentation
     double autosegment_spacing_mm = datasets::AutosegmentOptions {}.spacing_mm;
     bool with_identity = false; ///< keep the patient's name and id in the case file
+    /// Warns about an image of an implausible extent instead of refusing it. The case then accepts implausible numbers
+    /// (Case::accept_implausible).
+    bool accept_implausible = false;
 };
 
 /// The result of reading an import, before anything is written. Only `patient` names the patient.
@@ -43,11 +46,13 @@ struct ImportedCase {
     std::vector<datasets::LabelFragments> fragments; ///< labels in several pieces or with holes, after any repair
     std::vector<datasets::LabelFragments> repaired; ///< changes by a repair
     std::optional<datasets::PatientIdentity> patient; ///< filled only on request
+    bool accept_implausible = false; ///< as requested
 };
 
 /// Reads, segments and checks. The job shows the progress; a cancelled job gives `cancelled`.
 /// @throws InputError, IoError as import_volume(), import_labels() and autosegment() do; InputError when the request
-/// has neither labels nor a segmentation, when options contradict each other, or when the labels do not overlap the CT
+/// has neither labels nor a segmentation, when options contradict each other, when an image has an implausible extent
+/// (implausible_extent()), or when the labels do not overlap the CT
 [[nodiscard]] ImportedCase read_import(const ImportRequest& request, const Job& job = {});
 
 /// @throws InputError unless the name ends in .json and is not reserved for label tables

@@ -91,17 +91,16 @@ void check_solution(const SolverSettings& choice, bool contact)
     const bool near = choice.near_mm > 0.0;
     if (near && choice.elasticity == fem::Elasticity::linear)
         throw InputError("nothing is nonlinear near the wound when the elasticity is linear: choose corotational or "
-                         "hyperelastic, or leave near_mm out",
+                         "hyperelastic, or remove near_mm",
             "/solution", { "elasticity", "near_mm" });
     if (near && choice.element == ElementKind::locking_free)
         throw InputError("locking-free elements are averaged across the border between nonlinear and linear tissue: "
-                         "choose p1 or p2, or leave near_mm out",
+                         "choose p1 or p2, or remove near_mm",
             "/solution", { "element", "near_mm" });
     if (near && contact)
         throw InputError(
-            "contact needs the whole wall nonlinear: tissue beyond near_mm is condensed onto its border and "
-            "has no surface of its own that could be held off organs, and surfaces that meet change the "
-            "matrix whose one factor makes near_mm fast; leave one of the two out",
+            "contact needs the whole wall nonlinear, because the condensed tissue beyond near_mm has no surface for "
+            "contact, and contact changes the matrix that near_mm factors once: remove contact or near_mm",
             "/solution/near_mm", { "near_mm", "contact" });
 }
 

@@ -41,8 +41,9 @@ fem::Material as_solved(fem::Material material, ElementKind element);
 /// Text for people: "hyperelastic within 40 mm of the lips, linear beyond; ten-node elements".
 std::string solution_text(const SolverSettings& choice);
 
-/// @param contact whether surfaces hold each other off.
-/// @throws InputError naming the two that do not go together, or a distance that is negative or not finite.
+/// Checks that the settings can be combined.
+/// @param contact whether contact between surfaces is computed
+/// @throws InputError naming two contradictory settings, or a distance that is negative or not finite
 void check_solution(const SolverSettings& choice, bool contact);
 
 } // namespace retractor::planner

@@ -12,7 +12,6 @@
 #include <map>
 #include <numbers>
 #include <optional>
-#include <span>
 
 namespace retractor::planner {
 

@@ -1,11 +1,12 @@
 #pragma once
 // The numbers of one planned surgical field, as plain data for metrics.json, the report and the legends.
-// Units mm, N; fractions 0 to 1. Definitions: README, "What the numbers mean".
+// Units mm, N; fractions 0 to 1. Definitions: docs/user/numbers.md.
 
 #include "fem/material/tissue_tension.h"
 #include "mesh/base/geometry.h"
 #include "planner/case/approach.h"
 #include "planner/case/solver_settings.h"
+#include "planner/wall/divided_tissue.h"
 #include "planner/wall/removed_tissue.h"
 #include "planner/wall/wall_pressure.h"
 
@@ -41,9 +42,47 @@ struct HookForce {
     double asked_mm = 0.0; ///< prescribed motion of the hook; 0 for a hook that pulls with a force
     HookPull pull {};
     bool yielded = false; ///< the force limit holds the hook back
+    std::vector<std::string> bears_on {}; ///< labels of bones that the hook moves with it; empty: soft tissue only
 };
 
-/// The same wound with all of the wall solved as the part near it was: what linearising the rest changed.
+/// One blade of a retractor.
+struct BladeMetrics {
+    std::string name; ///< of the hook in FieldMetrics::hooks
+    Vec3 force_N = Vec3::Zero(); ///< that the blade applies to the tissue; patient LPS
+    Vec3 moment_Nm = Vec3::Zero(); ///< about the place of the blade's arm, N m
+    double turn_deg = 0.0; ///< turn about the arm
+    bool at_stop = false; ///< the play ends here, and the arm bears a moment
+    /// Largest distance of the lip's edge, over the width of the blade, from the straight line of the blade: how far
+    /// the lip does not follow.
+    double lip_deviation_mm = 0.0;
+};
+
+/// The retractor that holds the wound open.
+struct RetractorMetrics {
+    std::string kind;
+    std::optional<double> asked_force_N {}; ///< force along the rack, where the retractor was driven by force
+    double opening_mm = 0.0; ///< distance that the rack has opened
+    double rack_force_N = 0.0; ///< force along the rack at each blade
+    std::vector<BladeMetrics> blades {}; ///< two
+    double residual_force_N = 0.0; ///< resultant of the blade forces; zero in balance
+    double residual_moment_Nm = 0.0; ///< resultant moment; zero in balance
+    double tilt_deg = 0.0; ///< by which the frame has turned as a whole
+};
+
+/// The force on a side at two moments (force_moments.h).
+struct ForceMoments {
+    std::string message {}; ///< reason for missing forces; empty: the forces are there
+    double peak_N = 0.0; ///< at the last turn of the crank
+    double held_N = 0.0; ///< `hold_s` later
+    double held_least_N = 0.0, held_most_N = 0.0; ///< one standard deviation between animals about held_N
+    double opened_in_s = 0.0; ///< from the first turn to the last
+    double hold_s = 0.0;
+    std::string protocol {}; ///< "half a turn of the crank (7 mm) every 10 s"
+    bool is_fast = false; ///< faster than half a turn of the crank in 10 s
+    std::string source {}; ///< of the relaxation
+};
+
+/// The same wound solved with the whole wall nonlinear, to measure the effect of the linear region.
 struct WholeMetrics {
     std::string message {}; ///< reason for missing numbers; empty: the numbers are there
     double opening_width_mm = 0.0, opening_area_mm2 = 0.0, hook_force_N = 0.0;
@@ -73,6 +112,8 @@ struct TensionMetrics {
 /// How the wound was solved.
 struct SolutionMetrics {
     SolverSettings choice {};
+    SizingSpec mesh {}; ///< the sizes that were asked of the mesh, and its seed
+    bool draft = false; ///< a quick plan: coarse mesh, four-node elements, no error bars
     std::size_t nodes = 0; ///< number of nodes of the wall, with midpoints
     std::vector<std::pair<std::string, std::string>> laws {}; ///< material and law of hyperelastic tissue
     std::size_t near_tets = 0; ///< number of nonlinear elements, where the rest is linear
@@ -122,6 +163,47 @@ struct ContactMetrics {
     double overlap_at_rest_mm = 0.0;
 };
 
+/// Soft tissue that does not keep its volume (volume_failures.h).
+struct VolumeFailures {
+    std::size_t elements = 0; ///< soft elements outside 0.9 to 1.1 of their volume at rest
+    double share = 0.0; ///< their share of the soft tissue's volume at rest
+    double smallest_ratio = 1.0, largest_ratio = 1.0; ///< of all soft elements
+    Vec3 at = Vec3::Zero(); ///< middle, at rest, of the element that changes most, mm; zero without failures
+    bool believable = true; ///< false: too much tissue fails, or an element is inside out
+};
+
+/// The load of a joint, or of the junction of a rib with its cartilage.
+struct JointLoad {
+    double force_N = 0.0;
+    double moment_Nm = 0.0; ///< about the middle of the joint
+};
+
+/// Loads of one bone of the wall at its worst section, and what tested bones bore (bone_limits.h).
+struct BoneMetrics {
+    std::string name; ///< label, "rib_left_5"
+    double at_mm = 0.0; ///< place of the section: from the spine's end of a rib, from the upper end of a sternum
+    double length_mm = 0.0; ///< length of the bone, or of the piece that bears most
+    std::string part {}; ///< of a rib: "posterior", "lateral" or "anterior"; empty for other bones
+    Vec3 place = Vec3::Zero(); ///< middle of the section at rest, mm
+    double section_mm2 = 0.0; ///< outer area of the section
+    double bending_Nm = 0.0, torsion_Nm = 0.0;
+    double moment_Nm = 0.0; ///< bending moment with the same largest tension as bending and torsion together
+    std::optional<double> capacity_Nm {}; ///< not set: there is no published number
+    double utilisation = 0.0; ///< moment over capacity; 0 without a capacity
+    /// Opening of the hooks at which the bone reaches its capacity, if it does: an estimate in proportion.
+    std::optional<double> opening_at_limit_mm {};
+    std::optional<JointLoad> spine_joint {}; ///< of a rib that rests on the springs of its joints
+    std::optional<JointLoad> cartilage {}; ///< of a bone that is joined to cartilage
+};
+
+/// Whether the opening can be had.
+enum class Attainable {
+    unknown, ///< the bones' moments were not computed; FieldMetrics::bones_message gives the reason
+    yes,
+    with_injury, ///< a bone is loaded beyond its capacity
+    no, ///< no equilibrium was found
+};
+
 struct FieldMetrics {
     std::string name; ///< name of the approach
     std::string target;
@@ -144,15 +226,28 @@ struct FieldMetrics {
     double cut_depth_mm = 0.0;
 
     std::vector<HookForce> hooks;
+    std::optional<RetractorMetrics> retractor {}; ///< where a retractor opens the wound; its blades are the hooks
     double hook_force_N = 0.0; ///< sum of the larger side
+    std::optional<ForceMoments> force_moments {}; ///< filled where hooks or a retractor open the wound
     double strain_p99 = 0.0;
     std::optional<Vec3> strain_p99_at; ///< middle of the element with this strain, at rest, mm
+
+    std::vector<BoneMetrics> bones; ///< ribs and sternum, the largest utilisation first
+    bool bones_rough = false; ///< by plain four-node elements, which are too stiff
+    std::string bones_message; ///< reason for missing moments; empty: the moments are there
+    Attainable attainable = Attainable::unknown;
+    /// Largest opening of the hooks at which no bone reaches its capacity: the reached opening, or an estimate below.
+    std::optional<double> largest_uninjured_opening_mm;
+
     int inverted_elements = 0;
     double max_volume_ratio = 1.0;
+    std::optional<VolumeFailures> volume_failures; ///< filled where the solver gave the volumes
     double residual = 0.0; ///< relative residual of the mechanical equilibrium
     std::string mechanics_status; ///< "converged", or the reason of a failure
     SolutionMetrics solution;
 
+    /// The division of the intercostal space beyond the incision; empty where only the skin's length is divided.
+    std::optional<DividedTissue> division;
     std::vector<RemovedTissue> removed; ///< tissue removed by ablations and as loose pieces
     double removed_skin_mm2 = 0.0; ///< area of the removed skin at rest; no part of the opening, which the lips bound
     std::vector<std::string> loose_pieces; ///< pieces that the cut left without support, and their treatment
@@ -164,8 +259,10 @@ struct FieldMetrics {
     std::vector<PressureMetrics> pressures; ///< pressures on the wall
     std::optional<TensionMetrics> tension; ///< filled where tissue of the wall is under tension
     std::optional<ErrorBars> error;
-    std::optional<SecondOpinion> second_opinion; ///< when it was asked for
+    std::optional<SecondOpinion> second_opinion; ///< filled on request
 
+    /// Implausible numbers that the case accepts, one sentence each (planner/case/plausible_input.h).
+    std::vector<std::string> implausible;
     std::string explanation; ///< the reasons for what is seen and what is not, in words
 };
 

@@ -24,6 +24,12 @@ HookOpening hook_opening(const FieldMetrics& field)
         ++side.told;
     }
     HookOpening opening;
+    if (field.retractor) { // the rack sets the distance of the blades, wherever the frame has drifted
+        if (!field.retractor->asked_force_N)
+            opening.asked_mm = field.retractor->opening_mm;
+        opening.reached_mm = field.retractor->opening_mm;
+        return opening;
+    }
     for (const Side& side : sides) {
         if (side.told > 0)
             opening.asked_mm = opening.asked_mm.value_or(0.0) + side.asked / side.told;
@@ -35,6 +41,8 @@ HookOpening hook_opening(const FieldMetrics& field)
 
 std::string asked_text(const FieldMetrics& field)
 {
+    if (field.retractor && field.retractor->asked_force_N)
+        return "the retractor opens with " + in_words(*field.retractor->asked_force_N, 1) + " N";
     std::string text;
     if (const auto asked = hook_opening(field).asked_mm)
         text = in_words(*asked, 1) + " mm";

@@ -4,8 +4,10 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
+#include "planner/measures/bone_limits.h"
 #include "planner/measures/hook_opening.h"
 #include "planner/measures/metric_table.h"
+#include "planner/measures/rupture.h"
 #include "planner/wall/wall_tension.h"
 
 #include <nlohmann/json.hpp>
@@ -49,7 +51,7 @@ namespace {
                 put(json, field, "energy_norm_relative", error.energy->energy_error);
                 put(json, field, "algebraic_relative", error.energy->algebraic_error);
             }
-            json["holds_for"] = "discretisation, to first order at the answer";
+            json["holds_for"] = "discretisation, to first order at the solution";
         }
         put(json, field, "seconds", error.seconds);
         return json;
@@ -113,14 +115,37 @@ namespace {
     std::string far_text(const FieldMetrics& field, const CondensedRegionMetrics& far)
     {
         if (!far.message.empty())
-            return "; how far the linear rest is off is not told: " + far.message;
+            return "; the error of the linear region was not estimated: " + far.message;
         if (far.linear)
-            return formatted("; the linear rest is off by %.2g mm of opening and %.2g N (estimated, to first order)",
+            return formatted("; error of the linear region: %.2g mm of opening and %.2g N (estimated, to first order)",
                 far.opening_width_mm, far.hook_force_N);
         return formatted(
-            "; the linear rest was off by too much, seen at %.0f %% of the hooks' way: all %zu nonlinear from "
-            "there on",
+            "; the error of the linear region was too large at %.0f %% of the hooks' motion; from there on all %zu "
+            "elements are nonlinear",
             100.0 * far.linear_share, field.tets);
+    }
+
+    Json volume_document(const FieldMetrics& field, const VolumeFailures& failures)
+    {
+        Json json { { "elements", failures.elements } };
+        put(json, field, "share", failures.share);
+        put(json, field, "smallest_ratio", failures.smallest_ratio);
+        put(json, field, "largest_ratio", failures.largest_ratio);
+        if (failures.elements > 0)
+            json["at_mm"] = { failures.at.x(), failures.at.y(), failures.at.z() };
+        json["believable"] = failures.believable;
+        return json;
+    }
+
+    Json mesh_document(const FieldMetrics& field, const SizingSpec& sizing)
+    {
+        Json json;
+        put(json, field, "corridor_radius_mm", sizing.corridor_radius_mm);
+        put(json, field, "corridor_edge_mm", sizing.corridor_edge_mm);
+        put(json, field, "coarse_edge_mm", sizing.coarse_edge_mm);
+        put(json, field, "region_mm", sizing.region_mm);
+        json["seed"] = sizing.mesh_seed;
+        return json;
     }
 
     Json solution_document(const FieldMetrics& field, const SolutionMetrics& solution)
@@ -129,8 +154,10 @@ namespace {
         Json json;
         json["elasticity"] = to_string(choice.elasticity);
         json["element"] = to_string(choice.element);
+        json["draft"] = solution.draft;
+        json["mesh"] = mesh_document(field, solution.mesh);
         json["nodes"] = solution.nodes;
-        constexpr double kAny = 0.5; // no limit: no element restricts Poisson's ratio
+        constexpr double kAny = 0.5; // at this limit the elements restrict no Poisson's ratio
         if (const double most = largest_poissons_ratio(choice.element); most < kAny)
             put(json, field, "poissons_ratio_at_most", most);
         for (const auto& [material, law] : solution.laws)
@@ -169,6 +196,7 @@ namespace {
         for (const HookForce& hook : field.hooks) {
             Json json { { "name", hook.name }, { "side", hook.side } };
             put(json, field, "force_N", hook.force_N);
+            json["bears_on"] = hook.bears_on;
             if (hook.pushes)
                 json["pushes"] = true;
             put(json, field, "moved_mm", hook.moved_mm);
@@ -187,6 +215,29 @@ namespace {
         return all;
     }
 
+    Json retractor_document(const FieldMetrics& field, const RetractorMetrics& retractor)
+    {
+        const auto vector = [](const Vec3& v) { return Json { v.x(), v.y(), v.z() }; };
+        Json json { { "kind", retractor.kind } };
+        if (retractor.asked_force_N)
+            put(json, field, "asked_force_N", *retractor.asked_force_N);
+        put(json, field, "opening_mm", retractor.opening_mm);
+        put(json, field, "rack_force_N", retractor.rack_force_N);
+        json["blades"] = Json::array();
+        for (const BladeMetrics& blade : retractor.blades) {
+            Json of_blade { { "name", blade.name }, { "force_N", vector(blade.force_N) },
+                { "moment_Nm", vector(blade.moment_Nm) } };
+            put(of_blade, field, "turn_deg", blade.turn_deg);
+            of_blade["at_stop"] = blade.at_stop;
+            put(of_blade, field, "lip_deviation_mm", blade.lip_deviation_mm);
+            json["blades"].push_back(std::move(of_blade));
+        }
+        put(json, field, "residual_force_N", retractor.residual_force_N);
+        put(json, field, "residual_moment_Nm", retractor.residual_moment_Nm);
+        put(json, field, "tilt_deg", retractor.tilt_deg);
+        return json;
+    }
+
     void put_forces(Json& json, const FieldMetrics& field)
     {
         json["hook_forces_N"] = Json::array();
@@ -200,6 +251,26 @@ namespace {
         }
         json["side_forces_N"] = { per_side[0], per_side[1] };
         json["hooks"] = hooks_document(field);
+        if (field.retractor)
+            json["retractor"] = retractor_document(field, *field.retractor);
+    }
+
+    Json moments_document(const FieldMetrics& field, const ForceMoments& moments)
+    {
+        Json json;
+        if (!moments.message.empty()) {
+            json["message"] = "not applicable: " + moments.message;
+            return json;
+        }
+        put(json, field, "peak_N", moments.peak_N);
+        put(json, field, "held_N", moments.held_N);
+        json["held_range_N"] = { moments.held_least_N, moments.held_most_N };
+        put(json, field, "opened_in_s", moments.opened_in_s);
+        put(json, field, "held_for_s", moments.hold_s);
+        json["protocol"] = moments.protocol;
+        json["faster_than_half_a_turn_in_10_s"] = moments.is_fast;
+        json["source"] = moments.source;
+        return json;
     }
 
     void put_surfaces(Json& json, const FieldMetrics& field)
@@ -229,6 +300,68 @@ namespace {
         json["loose_pieces"] = field.loose_pieces;
     }
 
+    Json division_document(const FieldMetrics& field, const DividedTissue& division)
+    {
+        Json json { { "labels", division.labels } };
+        put(json, field, "length_mm", division.length_mm);
+        put(json, field, "forwards_mm", division.forwards_mm);
+        put(json, field, "backwards_mm", division.backwards_mm);
+        put(json, field, "severed_mm2", division.severed_mm2);
+        json["message"] = division.words;
+        return json;
+    }
+
+    Json joint_document(const FieldMetrics& field, const JointLoad& load)
+    {
+        Json json;
+        put(json, field, "force_N", load.force_N);
+        put(json, field, "moment_Nm", load.moment_Nm);
+        return json;
+    }
+
+    Json bone_document(const FieldMetrics& field, const BoneMetrics& bone)
+    {
+        Json json { { "name", bone.name } };
+        put(json, field, "moment_Nm", bone.moment_Nm);
+        put(json, field, "bending_Nm", bone.bending_Nm);
+        put(json, field, "torsion_Nm", bone.torsion_Nm);
+        if (!bone.part.empty())
+            json["part"] = bone.part;
+        put(json, field, "at_mm", bone.at_mm);
+        put(json, field, "length_mm", bone.length_mm);
+        json["place_mm"] = { bone.place.x(), bone.place.y(), bone.place.z() };
+        put(json, field, "section_mm2", bone.section_mm2);
+        if (bone.capacity_Nm) {
+            put(json, field, "capacity_Nm", *bone.capacity_Nm);
+            put(json, field, "utilisation", bone.utilisation);
+        } else {
+            json["capacity"] = "no published number";
+        }
+        if (bone.opening_at_limit_mm)
+            put(json, field, "opening_at_limit_mm", *bone.opening_at_limit_mm);
+        if (bone.spine_joint)
+            json["spine_joint"] = joint_document(field, *bone.spine_joint);
+        if (bone.cartilage)
+            json["cartilage"] = joint_document(field, *bone.cartilage);
+        return json;
+    }
+
+    void put_bones(Json& json, const FieldMetrics& field)
+    {
+        json["attainable"] = to_string(field.attainable);
+        if (field.largest_uninjured_opening_mm) {
+            put(json, field, "largest_uninjured_opening_mm", *field.largest_uninjured_opening_mm);
+            json["largest_uninjured_opening_is_estimate"] = field.attainable == Attainable::with_injury;
+        }
+        json["bones"] = Json::array();
+        for (const BoneMetrics& bone : field.bones)
+            json["bones"].push_back(bone_document(field, bone));
+        if (!field.bones.empty())
+            json["bones_rough"] = field.bones_rough;
+        if (!field.bones_message.empty())
+            json["bones_message"] = field.bones_message;
+    }
+
     Json field_document(const FieldMetrics& field)
     {
         Json json;
@@ -245,12 +378,18 @@ namespace {
         put(json, field, MetricGroup::distances);
         put(json, field, MetricGroup::force);
         put_forces(json, field);
+        if (field.force_moments)
+            json["force_moments"] = moments_document(field, *field.force_moments);
         put(json, field, MetricGroup::strain);
         if (field.strain_p99_at) {
             const Vec3& at = *field.strain_p99_at;
             json["strain_p99_at_mm"] = { at.x(), at.y(), at.z() };
         }
+        json["may_rupture"] = may_rupture(field);
+        put_bones(json, field);
         json["inverted_elements"] = field.inverted_elements;
+        if (field.volume_failures)
+            json["volume_failures"] = volume_document(field, *field.volume_failures);
         put(json, field, MetricGroup::soundness);
         json["mechanics_status"] = field.mechanics_status;
         json["solution"] = solution_document(field, field.solution);
@@ -271,8 +410,12 @@ namespace {
             json["at_risk"].push_back({ { "name", risk.name }, { "distance_mm", risk.distance_mm },
                 { "at_mm", { risk.at.x(), risk.at.y(), risk.at.z() } } });
         json["retracted"] = field.retracted;
+        if (field.division)
+            json["division"] = division_document(field, *field.division);
         put_removed(json, field);
         json["tets"] = field.tets;
+        if (!field.implausible.empty())
+            json["implausible"] = field.implausible;
         json["explanation"] = field.explanation;
         json["seconds"] = Json::object();
         for (const auto& [stage, time] : field.seconds)
@@ -315,6 +458,23 @@ std::string removed_text(const std::vector<RemovedTissue>& removed)
     return text;
 }
 
+std::string division_text(const FieldMetrics& field)
+{
+    if (!field.division)
+        return {};
+    const DividedTissue& division = *field.division;
+    return (division.words.empty() ? "divided beyond the skin: " + division_cell(field) : division.words)
+        + formatted("; the division is %.0f mm long with the incision, and severs %.1f cm2 beyond it",
+            division.length_mm, 1e-2 * division.severed_mm2);
+}
+
+std::string division_cell(const FieldMetrics& field)
+{
+    if (!field.division)
+        return "skin only";
+    return formatted("%.0f mm backwards, %.0f mm forwards", field.division->backwards_mm, field.division->forwards_mm);
+}
+
 std::string skin_hole_text(const FieldMetrics& field)
 {
     if (!(field.removed_skin_mm2 > 0.0))
@@ -333,7 +493,7 @@ std::string error_text(const FieldMetrics& field)
     return formatted("opening %.1f mm +- %.1f", field.opening_width_mm, error.opening_width_mm)
         + (forces_are_known(field) ? formatted(" under a known force of %.1f N", field.hook_force_N)
                                    : formatted(", force %.1f N +- %.1f", field.hook_force_N, error.hook_force_N))
-        + formatted(": what finer elements would change (%.1f s)", error.seconds);
+        + formatted(" (discretisation error, estimated in %.1f s)", error.seconds);
 }
 
 bool forces_are_known(const FieldMetrics& field)
@@ -351,10 +511,10 @@ std::string tension_text(const FieldMetrics& field)
     for (std::size_t i = 0; i < tension.tissues.size(); ++i)
         text += (i == 0 ? "" : "; ") + tension.tissues[i].first + " " + pre_strain_text(tension.tissues[i].second);
     if (!tension.message.empty())
-        return text + "; how far the wound gapes without hooks is not told: " + tension.message;
+        return text + "; the gape without hooks was not computed: " + tension.message;
     return text
-        + (field.pressures.empty() ? "; by it alone the wound gapes "
-                                   : "; by it and the pressure, without hooks, the wound gapes ")
+        + (field.pressures.empty() ? "; by this tension alone the wound gapes "
+                                   : "; by tension and pressure, without hooks, the wound gapes ")
         + in_words(tension.gape_mm, 1) + " mm (" + in_words(tension.gape_area_mm2 / 100.0, 1) + " cm2)";
 }
 
@@ -364,10 +524,11 @@ std::string contact_text(const FieldMetrics& field)
     const ContactMetrics& contact = *field.contact;
     std::string text = "contact: nothing touches";
     if (contact.touching != 0)
-        text = formatted("contact: %zu points hold each other off with %.1f N in all, at most %.2f mm into each other",
+        text = formatted("contact: %zu points touch, with %.1f N in total and a penetration of at most %.2f mm",
             contact.touching, contact.force_N, contact.largest_penetration_mm);
     if (contact.overlap_at_rest_mm > 0.0)
-        text += formatted("; surfaces that overlap by up to %.2f mm at rest are left so", contact.overlap_at_rest_mm);
+        text += formatted(
+            "; surfaces that overlap by up to %.2f mm at rest keep this overlap", contact.overlap_at_rest_mm);
     return text;
 }
 
@@ -379,7 +540,7 @@ std::string hooks_text(const FieldMetrics& field)
         if (hook.pull.prescribes() && !hook.pushes)
             continue;
         text += (text.empty() ? "hook " : "; ") + hook.name
-            + (hook.pushes ? " holds its lip back, which would go farther without it:" : "");
+            + (hook.pushes ? " holds back its lip, which would move farther without the hook:" : "");
         if (hook.pull.prescribes())
             text += formatted(" %.1f N", hook.force_N);
         else if (hook.pull.force_N)
@@ -392,10 +553,32 @@ std::string hooks_text(const FieldMetrics& field)
     return text;
 }
 
+std::string blade_text(const BladeMetrics& blade)
+{
+    return formatted(
+               "%.1f N and %.2f N m, turned %.1f degrees", blade.force_N.norm(), blade.moment_Nm.norm(), blade.turn_deg)
+        + (blade.at_stop ? " (the end of its play)" : "")
+        + formatted(", the lip follows within %.1f mm", blade.lip_deviation_mm);
+}
+
+std::string retractor_text(const FieldMetrics& field)
+{
+    if (!field.retractor)
+        return {};
+    const RetractorMetrics& retractor = *field.retractor;
+    std::string text = formatted("retractor %s opens %.1f mm with %.1f N along its rack", retractor.kind.c_str(),
+        retractor.opening_mm, retractor.rack_force_N);
+    for (const BladeMetrics& blade : retractor.blades)
+        text += "; " + readable(blade.name) + ": " + blade_text(blade);
+    return text
+        + formatted("; the frame has tilted by %.1f degrees, and %.2g N of its blade forces are not balanced",
+            retractor.tilt_deg, retractor.residual_force_N);
+}
+
 std::string solution_text(const FieldMetrics& field)
 {
     const SolutionMetrics& solution = field.solution;
-    std::string text = "solved as " + solution_text(solution.choice), others;
+    std::string text = (solution.draft ? "a draft, solved as " : "solved as ") + solution_text(solution.choice), others;
     for (const auto& [material, law] : solution.laws)
         if (law != fem::law_name(fem::NeoHookean {}))
             others += (others.empty() ? "" : ", ") + material + ": " + law;
@@ -405,7 +588,7 @@ std::string solution_text(const FieldMetrics& field)
         text += formatted("; %zu of %zu elements nonlinear", solution.near_tets, field.tets);
     if (solution.far)
         text += far_text(field, *solution.far);
-    return solution.whole ? text + "; all of them nonlinear: " + whole_text(*solution.whole) : text;
+    return solution.whole ? text + "; the whole wall nonlinear: " + whole_text(*solution.whole) : text;
 }
 
 std::string opinion_text(const SecondOpinion& opinion)
@@ -428,6 +611,14 @@ nlohmann::ordered_json metrics_document(const std::vector<FieldMetrics>& fields)
     for (const FieldMetrics& field : fields)
         document["approaches"].push_back(field_document(field));
     return document;
+}
+
+std::string bearing_text(const HookForce& hook)
+{
+    std::vector<std::string> names;
+    for (const std::string& name : hook.bears_on)
+        names.push_back(readable(name));
+    return names.empty() ? "soft tissue only" : joined(names);
 }
 
 std::string risk_text(const RiskDistance& risk)

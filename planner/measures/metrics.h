@@ -14,6 +14,11 @@ namespace retractor::planner {
 /// One line for people: the tissue that each ablation removed, by label. Empty when nothing was removed.
 std::string removed_text(const std::vector<RemovedTissue>& removed);
 
+/// One line for people: how far the intercostal space is divided beyond the skin. Empty without a division.
+std::string division_text(const FieldMetrics& field);
+/// The same for a cell of a table: "47 mm backwards, 62 mm forwards", or "skin only".
+std::string division_cell(const FieldMetrics& field);
+
 /// One line for people: the hole left by removed skin is not part of the opening. Empty without such a hole.
 std::string skin_hole_text(const FieldMetrics& field);
 
@@ -25,13 +30,18 @@ bool forces_are_known(const FieldMetrics& field);
 /// One line for people about hooks that pull with a force, yield or grip softly. Empty without such hooks.
 std::string hooks_text(const FieldMetrics& field);
 
+/// Text for people: force, moment and turn of a blade, and how far its lip follows.
+std::string blade_text(const BladeMetrics& blade);
+/// One line for people about the retractor and its blades. Empty without a retractor.
+std::string retractor_text(const FieldMetrics& field);
+
 /// One line for people: the solver settings, and the measured effect of linear tissue far from the lips.
 std::string solution_text(const FieldMetrics& field);
 
-/// One line for people: the tissues' pre-strain, and how far the wound gapes by it. @pre field.tension.
+/// One line for people: the tissues' pre-strain, and the gape of the wound by this tension. @pre field.tension
 std::string tension_text(const FieldMetrics& field);
 
-/// One line for people: the places where surfaces hold each other off. @pre field.contact
+/// One line for people: number, force and penetration of the points in contact. @pre field.contact
 std::string contact_text(const FieldMetrics& field);
 
 /// One line for people: whether another program agrees, the difference, and the time.
@@ -40,6 +50,9 @@ std::string opinion_text(const SecondOpinion& opinion);
 /// {"approaches": [...], "frame": "LPS", "units": ...}
 /// @throws InputError naming the approach and a number that is not finite
 nlohmann::ordered_json metrics_document(const std::vector<FieldMetrics>& fields);
+
+/// "rib left 4", "soft tissue only".
+std::string bearing_text(const HookForce& hook);
 
 /// "aorta 12.3 mm", or "aorta: the blade passes through it".
 std::string risk_text(const RiskDistance& risk);

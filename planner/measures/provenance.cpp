@@ -70,7 +70,7 @@ namespace {
 
 } // namespace
 
-Provenance computation_of(const Case& planned_case, std::string program, std::chrono::system_clock::time_point when)
+Provenance provenance_of(const Case& planned_case, std::string program, std::chrono::system_clock::time_point when)
 {
     Provenance made;
     made.date = utc_text(when);
@@ -91,7 +91,7 @@ Provenance computation_of(const Case& planned_case, std::string program, std::ch
     return made;
 }
 
-std::vector<std::pair<std::string, std::string>> computation_rows(const Provenance& provenance)
+std::vector<std::pair<std::string, std::string>> provenance_rows(const Provenance& provenance)
 {
     return {
         { "Computed", provenance.date + ", by " + provenance.program },
@@ -102,7 +102,7 @@ std::vector<std::pair<std::string, std::string>> computation_rows(const Provenan
         { "Labels", file_text(provenance.labels) },
         { "CT", provenance.ct ? file_text(*provenance.ct) : "none" },
         { "Solved as", solution_text(provenance.solution) },
-        { "Contact of lips and organs", provenance.contact ? "they hold each other off" : "none: they pass through" },
+        { "Contact of lips and organs", provenance.contact ? "computed" : "none: surfaces pass through each other" },
         { "Pressure on the wall", pressures_text(provenance.pressures) },
         { "Held at", supports_text(provenance.supports) },
     };
@@ -115,7 +115,7 @@ std::string law_text(const Provenance& provenance, const fem::Material& material
         : std::string(to_string(provenance.solution.elasticity));
 }
 
-nlohmann::ordered_json computation_document(const Provenance& provenance)
+nlohmann::ordered_json provenance_document(const Provenance& provenance)
 {
     Json json;
     json["date"] = provenance.date;

@@ -30,14 +30,14 @@ struct Provenance {
 };
 
 /// @param program name and version
-Provenance computation_of(const Case& planned_case, std::string program, std::chrono::system_clock::time_point when);
+Provenance provenance_of(const Case& planned_case, std::string program, std::chrono::system_clock::time_point when);
 
 /// Rows for people: a caption and its text, in the order to show them; without the materials.
-std::vector<std::pair<std::string, std::string>> computation_rows(const Provenance& provenance);
+std::vector<std::pair<std::string, std::string>> provenance_rows(const Provenance& provenance);
 
 /// The law of a material, in words.
 std::string law_text(const Provenance& provenance, const fem::Material& material);
 
-nlohmann::ordered_json computation_document(const Provenance& provenance);
+nlohmann::ordered_json provenance_document(const Provenance& provenance);
 
 } // namespace retractor::planner

@@ -3,9 +3,13 @@
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
+#include "planner/measures/bone_limits.h"
+#include "planner/measures/force_moments.h"
 #include "planner/measures/hook_opening.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/rupture.h"
+#include "planner/measures/volume_failures.h"
 #include "planner/wall/wall_tension.h"
 
 #include <algorithm>
@@ -26,7 +30,7 @@ h1 { font-size: 26px; margin: 8px 0; } h2 { font-size: 21px; margin: 36px 0 8px;
 .notice { background: #fff4d6; border-left: 5px solid #d99a00; padding: 8px 14px; }
 table { border-collapse: collapse; background: #fff; width: 100%; }
 th, td { border: 1px solid #d3dce4; padding: 6px 10px; text-align: right; } th:first-child, td:first-child { text-align: left; }
-thead th { background: #e6ecf1; } .best { font-weight: 700; color: #0a6b3d; } .bad { color: #a61b1b; font-weight: 700; }
+thead th { background: #e6ecf1; } .best { font-weight: 700; color: #0a6b3d; } .bad { color: #a61b1b; font-weight: 700; } .caution { color: #8a5a00; }
 .words td, .materials td:last-child { text-align: left; } .words td:first-child { width: 16em; } .materials { margin-top: 10px; font-size: 14px; }
 figure { margin: 0; background: #fff; border: 1px solid #d3dce4; } figure img { width: 100%; display: block; }
 figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
@@ -90,7 +94,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         return words.empty() ? "none" : escaped(joined(words));
     }
 
-    bool is_solved(const FieldMetrics& field) { return field.mechanics_status == "converged"; }
+    bool is_solved(const FieldMetrics& field) { return field.mechanics_status == "converged" && is_believable(field); }
 
     bool has_bars(const FieldMetrics& field) { return field.error && field.error->message.empty(); }
 
@@ -149,16 +153,15 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
     /// Explains the marks, and that the visible share is less certain than it looks.
     void write_reading(std::ostream& out, const std::vector<FieldMetrics>& fields)
     {
-        out << "<p class=\"reading\">Green: better than every other approach by more than both error bars together; "
-               "without a mark the lead is within the error, or the error is not known. The share seen has no error "
-               "bar "
-               "of its own: it is as uncertain as the opening at least, whose bar is ";
+        out << "<p class=\"reading\">Green: better than every other approach by more than both error bars together. "
+               "Without a mark the lead is within the error, or the error is unknown. The visible share of the target "
+               "has no error bar of its own: this share is at least as uncertain as the opening, whose bar is ";
         for (std::size_t i = 0; i < fields.size(); ++i) {
             const std::optional<double> relative = relative_opening_bar(fields[i]);
             out << (i == 0 ? "" : ", ") << (relative ? percent(*relative) : std::string("not estimated"))
                 << (fields.size() > 1 ? " (" + escaped(fields[i].name) + ")" : std::string());
         }
-        out << " of its width, and its leads are judged by that.</p>";
+        out << " of its width. The leads of the visible share are compared with this bar.</p>";
     }
 
     /// The hooks that yielded, with their force and the reached part of the prescribed motion.
@@ -175,6 +178,31 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 + in_words(hook.asked_mm, 1) + " mm";
         }
         return text.empty() ? "none" : text;
+    }
+
+    /// Rows that say whether each opening can be had, and what it may injure.
+    template <class TextRow> void write_injuries(const std::vector<FieldMetrics>& fields, const TextRow& text_row)
+    {
+        text_row("Attainable", [](const FieldMetrics& f) {
+            const char* const mark = f.attainable == Attainable::no ? "bad"
+                : f.attainable == Attainable::with_injury           ? "caution"
+                                                                    : "";
+            return "<span class=\"" + std::string(mark) + "\">" + escaped(attainable_text(f)) + "</span>";
+        });
+        if (std::ranges::any_of(fields, [](const FieldMetrics& f) { return f.attainable == Attainable::with_injury; }))
+            text_row("Largest opening without a fracture (estimate)", [](const FieldMetrics& f) {
+                return f.largest_uninjured_opening_mm ? in_words(*f.largest_uninjured_opening_mm, 0) + " mm"
+                                                      : std::string("not known");
+            });
+        if (std::ranges::any_of(fields, may_rupture))
+            text_row("Caution", [](const FieldMetrics& f) {
+                return may_rupture(f) ? "<span class=\"caution\">" + escaped(rupture_text(f)) + "</span>"
+                                      : std::string();
+            });
+        if (std::ranges::any_of(fields, [](const FieldMetrics& f) { return !fast_opening_text(f).empty(); }))
+            text_row("Caution, speed of opening", [](const FieldMetrics& f) {
+                return "<span class=\"caution\">" + escaped(fast_opening_text(f)) + "</span>";
+            });
     }
 
     void write_comparison(std::ostream& out, const std::vector<FieldMetrics>& fields)
@@ -203,9 +231,20 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             out << "</tr>";
         };
         text_row(
-            "Opening asked for, between opposite hooks", [](const FieldMetrics& f) { return escaped(asked_text(f)); });
+            "Prescribed opening between opposite hooks", [](const FieldMetrics& f) { return escaped(asked_text(f)); });
         text_row("... reached by the tissue under them",
             [](const FieldMetrics& f) { return in_words(hook_opening(f).reached_mm, 1) + " mm"; });
+        if (std::ranges::any_of(fields, [](const FieldMetrics& f) { return f.force_moments.has_value(); }))
+            text_row(
+                "Force on a side and its moment", [](const FieldMetrics& f) { return escaped(force_moments_text(f)); });
+        if (std::any_of(fields.begin(), fields.end(), [](const FieldMetrics& f) { return f.retractor.has_value(); }))
+            text_row("Retractor, force and moment per blade", [](const FieldMetrics& f) {
+                std::vector<std::string> words;
+                if (f.retractor)
+                    for (const BladeMetrics& blade : f.retractor->blades)
+                        words.push_back(f.retractor->kind + ", " + readable(blade.name) + ": " + blade_text(blade));
+                return listed(words);
+            });
         if (std::any_of(fields.begin(), fields.end(), has_limited_hooks))
             text_row("Hooks that yielded", yielded_hooks);
         text_row("Bone in the line of sight", [](const FieldMetrics& f) { return listed(f.bone_in_sight); });
@@ -215,6 +254,16 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 words.push_back(risk_text(risk));
             return listed(words);
         });
+        text_row("Hooks bear on", [](const FieldMetrics& f) {
+            std::vector<std::string> words;
+            for (const HookForce& hook : f.hooks)
+                words.push_back(hook.name + ": " + bearing_text(hook));
+            return listed(words);
+        });
+        write_injuries(fields, text_row);
+        if (std::ranges::any_of(fields, [](const FieldMetrics& f) { return f.division.has_value(); }))
+            text_row("Intercostal space divided beyond the skin",
+                [](const FieldMetrics& f) { return escaped(division_cell(f)); });
         text_row("Held aside", [](const FieldMetrics& f) { return listed(f.retracted); });
         const auto has = [&](auto&& list) {
             return std::any_of(fields.begin(), fields.end(), [&](const FieldMetrics& f) { return !list(f).empty(); });
@@ -229,7 +278,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         if (has([](const FieldMetrics& f) { return f.loose_pieces; }))
             text_row("Loose pieces", [](const FieldMetrics& f) { return listed(f.loose_pieces); });
         text_row("Mechanics", [](const FieldMetrics& f) {
-            const bool good = f.mechanics_status == "converged" && f.inverted_elements == 0;
+            const bool good = is_solved(f) && f.inverted_elements == 0;
             return std::string(good ? "<span>" : "<span class=\"bad\">") + escaped(f.mechanics_status) + "; inverted "
                 + std::to_string(f.inverted_elements) + ", largest volume ratio " + in_words(f.max_volume_ratio, 2)
                 + "</span>";
@@ -239,10 +288,10 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << "</tbody></table>";
     }
 
-    void write_computation(std::ostream& out, const Provenance& computed)
+    void write_provenance(std::ostream& out, const Provenance& computed)
     {
         out << "<h2>What was computed</h2><table class=\"words\"><tbody>";
-        for (const auto& [what, value] : computation_rows(computed))
+        for (const auto& [what, value] : provenance_rows(computed))
             out << "<tr><td>" << escaped(what) << "</td><td>" << escaped(value) << "</td></tr>";
         out << "</tbody></table><table class=\"materials\"><thead><tr><th>Material of the wall</th><th>Young's modulus"
                "</th><th>Poisson's ratio</th><th>Law</th><th>Tension before the "
@@ -300,7 +349,11 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
 
     void write_field(std::ostream& out, const Report& report, const FieldMetrics& field)
     {
-        out << "<h2>" << escaped(field.name) << "</h2><p>" << escaped(field.explanation) << "</p>";
+        out << "<h2>" << escaped(field.name) << "</h2>";
+        if (const std::string failed = volume_failure_text(field); !failed.empty())
+            out << "<p class=\"notice" << (is_believable(field) ? "" : " bad") << "\">" << escaped(field.name) << " "
+                << escaped(failed) << ".</p>";
+        out << "<p>" << escaped(field.explanation) << "</p>";
         write_pictures(out, report, field.name);
         out << "<p>Hooks: ";
         for (std::size_t i = 0; i < field.hooks.size(); ++i) {
@@ -312,9 +365,19 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << ". Seen from " << field.eyes << " eyes within " << in_words(field.cone_half_angle_deg, 0) << " degrees, "
             << in_words(field.eye_distance_mm, 0) << " mm from the target; " << field.target_samples
             << " samples on the target.</p>";
+        if (const std::string retractor = retractor_text(field); !retractor.empty())
+            out << "<p>" << escaped(retractor) << ".</p>";
+        if (const std::string division = division_text(field); !division.empty())
+            out << "<p>" << escaped(division) << ".</p>";
         if (const std::string hooks = hooks_text(field); !hooks.empty())
             out << "<p>" << escaped(hooks) << ".</p>";
-        out << "<p>" << escaped(error_text(field)) << ". Not in it: materials, supports and the model itself.</p>";
+        if (const std::string bones = bones_text(field); !bones.empty())
+            out << (field.attainable == Attainable::with_injury ? "<p class=\"notice\">" : "<p>") << escaped(bones)
+                << "</p>";
+        if (const std::string joints = joints_text(field); !joints.empty())
+            out << "<p>" << escaped(joints) << "</p>";
+        out << "<p>" << escaped(error_text(field))
+            << ". Errors of the materials, the supports and the model are not included.</p>";
         out << "<p>" << escaped(solution_text(field)) << "; relative residual " << formatted("%.1e", field.residual)
             << ".</p>";
         for (const PressureMetrics& pressure : field.pressures)
@@ -323,6 +386,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             out << "<p>" << escaped(tension_text(field)) << ".</p>";
         if (field.contact)
             out << "<p>" << escaped(contact_text(field)) << ".</p>";
+        for (const std::string& implausible : field.implausible)
+            out << "<p class=\"notice\">Accepted although implausible: " << escaped(implausible) << "</p>";
         if (field.second_opinion)
             out << "<p" << (field.second_opinion->status == "agrees" ? ">" : " class=\"notice\">")
                 << escaped(opinion_text(*field.second_opinion)) << ".</p>";
@@ -345,7 +410,7 @@ void write_report(const std::filesystem::path& path, const Report& report)
     for (const std::string& refusal : report.refused)
         out << "<p class=\"notice\">" << escaped(refusal) << "</p>";
     if (report.computed)
-        write_computation(out, *report.computed);
+        write_provenance(out, *report.computed);
     out << "<h2>Comparison</h2>";
     write_comparison(out, report.fields);
     write_reading(out, report.fields);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <string>
 #include <utility>
 
 namespace retractor::planner {
@@ -65,6 +66,15 @@ std::vector<RiskDistance> risk_distances(const mesh::Blade& blade, const mesh::L
     std::stable_sort(distances.begin(), distances.end(),
         [](const RiskDistance& a, const RiskDistance& b) { return a.distance_mm < b.distance_mm; });
     return distances;
+}
+
+std::vector<RiskDistance> nearest_risks(std::vector<RiskDistance> of_all_blades)
+{
+    std::stable_sort(of_all_blades.begin(), of_all_blades.end(),
+        [](const RiskDistance& a, const RiskDistance& b) { return a.distance_mm < b.distance_mm; });
+    std::set<std::string> named;
+    std::erase_if(of_all_blades, [&](const RiskDistance& risk) { return !named.insert(risk.name).second; });
+    return of_all_blades;
 }
 
 } // namespace retractor::planner

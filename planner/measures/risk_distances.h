@@ -23,4 +23,7 @@ inline constexpr double kFarthestRiskMm = 50.0;
 std::vector<RiskDistance> risk_distances(const mesh::Blade& blade, const mesh::LabelVolume& labels,
     const std::function<std::shared_ptr<const TriMesh>(std::string_view)>& surface_of);
 
+/// The distances from several blades of one approach: each structure once, with its smallest distance, nearest first.
+std::vector<RiskDistance> nearest_risks(std::vector<RiskDistance> of_all_blades);
+
 } // namespace retractor::planner

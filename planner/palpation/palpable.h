@@ -24,7 +24,6 @@ struct Palpable {
 /// requested ones. NAME-opposite is the place of a second finger that pinches the tissue.
 /// @throws InputError naming a label that is missing or has no voxel, with the existing ones; on values out of range;
 /// when nothing holds the structure; SolverError when the structure cannot be meshed or the job is cancelled
-/// that nothing holds the structure; SolverError when it cannot be meshed or the job is cancelled.
 Palpable make_palpable(const mesh::LabelVolume& labels, const fem::MaterialTable& materials,
     const PalpableRequest& request, const Job& job = {});
 

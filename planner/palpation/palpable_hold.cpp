@@ -1,7 +1,6 @@
 #include "planner/palpation/palpable_hold.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text_format.h"
 #include "mesh/surface/surface_normals.h"
 
 #include <algorithm>

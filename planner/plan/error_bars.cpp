@@ -17,93 +17,96 @@ namespace retractor::planner {
 
 namespace {
 
-    /// Answers by other elements, which the error of the field's is told by.
-    struct OtherAnswers {
-        std::string message {}; ///< why there are none; empty: there are
-        HeldHooks held {}; ///< in one of them or in the field's own
-        WoundAnswer other {};
-        double factor = 1.0; ///< the error, over the difference from that
-        /// Where ten-node elements are the other: plain four-node ones, and what ten-node ones lack over the
-        /// difference from these.
-        std::optional<WoundAnswer> plain {};
-        double lacking = 0.0;
+    /// Solutions by other elements, from which the error of the field's solution is estimated.
+    struct ComparisonSolutions {
+        std::string message {}; ///< reason for missing solutions; empty: the solutions are there
+        HeldHooks held {}; ///< fixed hooks of one of these solutions or of the field's own
+        WoundSolution other {};
+        double factor = 1.0; ///< ratio of the error to the difference between field and `other`
+        /// Solution by plain four-node elements, when `other` is by ten-node elements and the field's elements are
+        /// locking-free.
+        std::optional<WoundSolution> plain {};
+        double lacking = 0.0; ///< ratio of the error of `other` to the difference between `plain` and `other`
         std::optional<EnergyBars> energy {};
     };
 
-    /// Why a share of ten_node_share() tells no error; empty: it does.
+    /// Why a result of ten_node_share() gives no estimate; empty: the result does.
     std::string without_share(double share)
     {
-        return share <= fem::kMostShare ? "" // not of what is no number either
-                                        : "these elements are too large or too flat to tell how far ten-node "
-                                          "ones are off; ask for a finer mesh";
+        return share <= fem::kMostShare ? "" // the comparison also refuses NaN
+                                        : "the elements are too large or too flat for an error estimate of ten-node "
+                                          "elements; use a finer mesh";
     }
 
-    /// What ten-node elements would say, to first order.
-    OtherAnswers finer_answer(
+    /// The first-order solution by ten-node elements.
+    ComparisonSolutions finer_solution(
         const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
     {
         const Points& solved = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
         fem::ErrorEstimate finer = fem::estimate_error(field.problem, choice.elasticity, solved, job, wound.contact);
-        OtherAnswers answers { .message = finer.message };
+        ComparisonSolutions solutions { .message = finer.message };
         if (finer.status != fem::EstimateStatus::done) {
             if (has_condensed_region(field) && field.opening.inverted_elements > 0)
-                answers.message += ", perhaps by the linear far field: nonlinear farther out they would not be";
-            return answers;
+                solutions.message += "; a larger nonlinear region (near_mm) may prevent the inverted elements";
+            return solutions;
         }
         const bool locking_free = choice.element == ElementKind::locking_free;
-        answers.held = held_hooks(field.approach, field.problem, { choice.elasticity, locking_free }, solved,
+        solutions.held = held_hooks(field.approach, field.problem, { choice.elasticity, locking_free }, solved,
             field.opening.hook_forces_N, wound.contact);
-        answers.other = { std::move(finer.displacement), std::move(finer.hook_forces_N) };
+        solutions.other = { std::move(finer.displacement), std::move(finer.hook_forces_N) };
         if (locking_free) {
-            answers.lacking
+            solutions.lacking
                 = fem::ten_node_share(with_midpoints(field.problem), choice.elasticity, finer.ten_node, finer.plain);
-            answers.message = without_share(answers.lacking);
-            answers.plain = WoundAnswer { std::move(finer.plain), std::move(finer.plain_forces_N) };
-            return answers;
+            solutions.message = without_share(solutions.lacking);
+            solutions.plain = WoundSolution { std::move(finer.plain), std::move(finer.plain_forces_N) };
+            return solutions;
         }
-        answers.factor = 1.0 / fem::kErrorShare;
-        // Of the equations that were solved: not with a linear far field or a penalty.
+        solutions.factor = 1.0 / fem::kErrorShare;
+        // A linear condensed region and contact change the equations, so that the energy error is unknown.
         if (!has_condensed_region(field) && !wound.contact)
-            answers.energy = EnergyBars { finer.energy_error / std::sqrt(fem::kErrorShare), finer.algebraic_error };
-        return answers;
+            solutions.energy = EnergyBars { finer.energy_error / std::sqrt(fem::kErrorShare), finer.algebraic_error };
+        return solutions;
     }
 
-    /// What plain elements say on the corners of ten-node ones: finer ones than these would take too long.
-    OtherAnswers coarser_answer(
+    /// The solution by plain four-node elements on the corners of ten-node elements. Elements finer than ten-node
+    /// elements would take too long.
+    ComparisonSolutions coarser_solution(
         const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
     {
         const fem::ElasticProblem coarse = fem::without_midpoints(field.problem);
-        fem::OpeningOptions options { .elasticity = choice.elasticity };
-        options.contact = wound.contact;
-        if (has_condensed_region(field))
-            options.near = near_elements(field, choice.near_mm);
-        options.far_tolerance = std::numeric_limits<double>::infinity(); // it is linear there, as in the answer
-        fem::Opening opening(coarse, options);
-        fem::OpeningResult result = opening.open(coarse.hooks, as_stage(job, "opening, four-node elements"));
+        const auto open_coarse = [&] {
+            fem::OpeningOptions options { .elasticity = choice.elasticity };
+            options.contact = wound.contact;
+            if (has_condensed_region(field))
+                options.near = near_elements(field, choice.near_mm);
+            options.far_tolerance = std::numeric_limits<double>::infinity(); // the region stays linear, as in the field
+            return fem::Opening(coarse, options).open(coarse.hooks, as_stage(job, "opening, four-node elements"));
+        };
+        fem::OpeningResult result = wound.coarse ? *wound.coarse : open_coarse();
         if (!is_usable(result))
-            return { .message = "the four-node answer to compare with: " + result.message };
-        OtherAnswers answers;
-        answers.factor = fem::ten_node_share(field.problem, choice.elasticity, wound.ten_node, result.displacement);
-        answers.message = without_share(answers.factor);
-        answers.held = held_hooks(
+            return { .message = "the solution by four-node elements failed: " + result.message };
+        ComparisonSolutions solutions;
+        solutions.factor = fem::ten_node_share(field.problem, choice.elasticity, wound.ten_node, result.displacement);
+        solutions.message = without_share(solutions.factor);
+        solutions.held = held_hooks(
             field.approach, coarse, { choice.elasticity }, result.displacement, result.hook_forces_N, wound.contact);
-        answers.other = { std::move(result.displacement), std::move(result.hook_forces_N) };
-        return answers;
+        solutions.other = { std::move(result.displacement), std::move(result.hook_forces_N) };
+        return solutions;
     }
 
-    double moved_mm(const PlannedField& field, const WoundAnswer& answer, std::size_t hook)
+    double moved_mm(const PlannedField& field, const WoundSolution& solution, std::size_t hook)
     {
-        return (answer.hooks_mm.empty() ? field.hooks[hook].displacement : answer.hooks_mm[hook]).norm();
+        return (solution.hooks_mm.empty() ? field.hooks[hook].displacement : solution.hooks_mm[hook]).norm();
     }
 
-    void fill_bars(ErrorBars& bars, const PlannedField& field, const OpenedWound& wound, OtherAnswers answers)
+    void fill_bars(ErrorBars& bars, const PlannedField& field, const OpenedWound& wound, ComparisonSolutions solutions)
     {
         const std::size_t hooks = field.hooks.size();
-        // The opening changes one way with the hooks held, and the other way once they have moved: where the two
-        // cancel, what each is not known to is left.
+        // Fixed hooks change the opening in one direction, and the motion of the hooks changes the opening in the
+        // other. Where both changes cancel, the uncertainty of each change remains.
         const auto of_parts
             = [](double in_all, double held) { return std::max(in_all, (1.0 - fem::kErrorShare) * held); };
-        const auto add = [&](WoundAnswer& a, WoundAnswer& b, const WoundMeasures& b_held, double factor) {
+        const auto add = [&](WoundSolution& a, WoundSolution& b, const WoundMeasures& b_held, double factor) {
             const double of_opening = std::max(factor, fem::kLeastOpeningShare);
             const WoundMeasures of_a = measures_of(field, wound.rigid, a.displacement, a.hook_forces_N),
                                 of_b = measures_of(field, wound.rigid, b.displacement, b.hook_forces_N);
@@ -114,37 +117,37 @@ namespace {
             const std::vector<bool> pushing_in_a = pushing_hooks(field.approach, a.hook_forces_N),
                                     pushing_in_b = pushing_hooks(field.approach, b.hook_forces_N);
             for (std::size_t i = 0; i < hooks; ++i) {
-                // The size of a force that is asked for, or is the limit, is known, its direction may not be. Of others
-                // the size may agree where along and across they are off: errors of different signs cancel in it.
+                // The magnitude of a prescribed force or of a force at its limit is known; the direction may change.
+                // For other hooks the vectors are compared: errors of different signs may cancel in the magnitude.
                 const Vec3 &f = a.hook_forces_N[i], &g = b.hook_forces_N[i];
                 const bool size_known
                     = field.approach.hooks[i].pull.force_N || (i < field.yielded.size() && field.yielded[i]);
                 const double off = factor * (size_known ? std::abs(f.norm() - g.norm()) : (f - g).norm());
                 bars.hook_forces_N[i] += off;
                 bars.hook_moved_mm[i] += of_opening * std::abs(moved_mm(field, a, i) - moved_mm(field, b, i));
-                if (!pushing_in_a[i] || !pushing_in_b[i]) // those that pull make up their side's force
+                if (!pushing_in_a[i] || !pushing_in_b[i]) // only hooks that pull count in their side's sum
                     bars.side_forces_N[field.hooks[i].side > 0 ? 0 : 1] += off;
             }
         };
-        WoundAnswer own { field.opening.displacement, field.opening.hook_forces_N };
+        WoundSolution own { field.opening.displacement, field.opening.hook_forces_N };
         const WoundMeasures held
-            = measures_of(field, wound.rigid, answers.other.displacement, answers.other.hook_forces_N);
-        if (!correct_hook_equilibrium(answers.held, answers.other)
-            || (answers.plain && !correct_hook_equilibrium(answers.held, *answers.plain))) {
-            bars.message = "the forces of other elements differ too far to tell where the hooks would rest; "
-                           "ask for a finer mesh";
+            = measures_of(field, wound.rigid, solutions.other.displacement, solutions.other.hook_forces_N);
+        if (!correct_hook_equilibrium(solutions.held, solutions.other)
+            || (solutions.plain && !correct_hook_equilibrium(solutions.held, *solutions.plain))) {
+            bars.message = "the hook forces by other elements differ too much to predict the equilibrium of the hooks; "
+                           "use a finer mesh";
             return;
         }
         bars.hook_forces_N.assign(hooks, 0.0);
-        RETRACTOR_ASSERT(answers.other.hook_forces_N.size() == hooks && own.hook_forces_N.size() == hooks);
+        RETRACTOR_ASSERT(solutions.other.hook_forces_N.size() == hooks && own.hook_forces_N.size() == hooks);
         bars.hook_moved_mm.assign(hooks, 0.0);
-        add(own, answers.other, held, answers.factor);
-        if (answers.plain)
-            add(*answers.plain, answers.other,
-                measures_of(field, wound.rigid, answers.other.displacement, answers.other.hook_forces_N),
-                answers.lacking);
+        add(own, solutions.other, held, solutions.factor);
+        if (solutions.plain)
+            add(*solutions.plain, solutions.other,
+                measures_of(field, wound.rigid, solutions.other.displacement, solutions.other.hook_forces_N),
+                solutions.lacking);
         bars.hook_force_N = std::max(bars.side_forces_N[0], bars.side_forces_N[1]);
-        bars.energy = answers.energy;
+        bars.energy = solutions.energy;
     }
 
 } // namespace
@@ -156,16 +159,16 @@ ErrorBars estimate_errors(
     if (!is_usable(field.opening)) {
         bars.message = field.opening.status == fem::OpeningStatus::inverted
             ? "elements of the opened wound are inside out"
-            : "the wound was not opened as asked";
+            : "the wound did not open as requested";
         return bars;
     }
     const Stopwatch watch;
     try {
-        OtherAnswers answers = choice.element == ElementKind::p2 ? coarser_answer(field, wound, choice, job)
-                                                                 : finer_answer(field, wound, choice, job);
-        bars.message = answers.message;
+        ComparisonSolutions solutions = choice.element == ElementKind::p2 ? coarser_solution(field, wound, choice, job)
+                                                                          : finer_solution(field, wound, choice, job);
+        bars.message = solutions.message;
         if (bars.message.empty())
-            fill_bars(bars, field, wound, std::move(answers));
+            fill_bars(bars, field, wound, std::move(solutions));
     } catch (const Error& error) {
         bars.message = error.what();
     }

@@ -1,12 +1,14 @@
 #pragma once
-// How far the numbers of a plan may be off: what finer elements would change in opening and forces. Where hooks are
-// driven it is what they would change once the hooks have moved to where they rest in them. Units mm, N.
+// Estimates the discretisation error of a plan: the change of opening and forces by finer elements. Driven hooks are
+// first moved to their equilibrium in the finer elements (hook_equilibrium_correction.h). Units mm, N.
 
 #include "planner/plan/opened_wound.h"
 
 namespace retractor::planner {
 
-/// The error bars, or the reason why there are none. An estimate that fails leaves the plan as it is.
+/// Computes the error bars, or the reason why there are none (ErrorBars::message). A failed estimate does not change
+/// the plan and throws no Error.
+/// @param field the opened and measured field; @param wound the result of open_wound() for this field
 ErrorBars estimate_errors(
     const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job);
 

@@ -10,12 +10,12 @@ namespace retractor::planner {
 
 namespace {
 
-    /// The reason why an opening gives no numbers. An inverted opening that came to rest only reports its inverted
+    /// The reason why an opening gives no numbers. An inverted opening in equilibrium reports only its inverted
     /// elements.
     std::string why_unusable(const fem::OpeningResult& opening)
     {
         return opening.status == fem::OpeningStatus::inverted
-            ? std::to_string(opening.inverted_elements) + " elements turned inside out"
+            ? std::to_string(opening.inverted_elements) + " elements are inside out"
             : opening.message;
     }
 
@@ -25,6 +25,7 @@ namespace {
         PlannedField bare;
         bare.approach = field.approach;
         bare.approach.hooks.clear();
+        bare.approach.retractor.reset();
         bare.wall = field.wall;
         bare.lips = field.lips;
         bare.problem = field.problem;

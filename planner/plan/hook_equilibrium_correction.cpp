@@ -21,20 +21,20 @@ HeldHooks held_hooks(const Approach& approach, const fem::ElasticProblem& proble
     return held;
 }
 
-bool correct_hook_equilibrium(const HeldHooks& held, WoundAnswer& answer)
+bool correct_hook_equilibrium(const HeldHooks& held, WoundSolution& solution)
 {
     if (held.drives.empty())
         return true;
-    RETRACTOR_ASSERT(answer.hook_forces_N.size() == held.drives.size());
-    const std::optional<fem::ReleasedHooks> rest
-        = fem::release_hooks(held.response, held.at, held.forces, fem::packed(answer.hook_forces_N), held.drives);
-    if (!rest)
+    RETRACTOR_ASSERT(solution.hook_forces_N.size() == held.drives.size());
+    const std::optional<fem::ReleasedHooks> released
+        = fem::release_hooks(held.response, held.at, held.forces, fem::packed(solution.hook_forces_N), held.drives);
+    if (!released)
         return false;
-    const Eigen::VectorXd moved = held.response.displacement * rest->way;
+    const Eigen::VectorXd moved = held.response.displacement * released->way;
     const Points of_nodes = Eigen::Map<const Points>(moved.data(), moved.size() / 3, 3);
-    answer.displacement += of_nodes.topRows(answer.displacement.rows()); // midpoints come last
-    answer.hook_forces_N = fem::per_hook(rest->forces);
-    answer.hooks_mm = fem::per_hook(held.at + rest->way);
+    solution.displacement += of_nodes.topRows(solution.displacement.rows()); // midpoints come last
+    solution.hook_forces_N = fem::per_hook(released->forces);
+    solution.hooks_mm = fem::per_hook(held.at + released->way);
     return true;
 }
 

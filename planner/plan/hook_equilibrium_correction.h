@@ -1,7 +1,8 @@
 #pragma once
-// Driven hooks of a plan in answers by other equations (finer elements, another law far off). Those answers are found
-// with the hooks held where the plan has them; there a hook that pulls with a force, yields or grips softly would rest
-// somewhere else, and the opening with it. Units mm, N.
+// Corrects solutions that the plan's solution is compared with (finer elements, another law in the condensed region).
+// Such a solution is computed with the hooks fixed at their places in the plan. A hook that pulls with a force, yields
+// or grips softly has its equilibrium elsewhere in the other solution, and the opening changes with the hook. Units mm,
+// N.
 
 #include "fem/statics/driven_opening.h"
 #include "planner/case/approach.h"
@@ -12,20 +13,26 @@
 
 namespace retractor::planner {
 
-/// The plan's hooks where they are held, and what the tissue shows them there.
+/// The plan's hooks at their fixed places, and the response of the tissue at these places.
 struct HeldHooks {
-    std::vector<fem::HookDrive> drives; ///< empty: all simply go where they are told, and there is nothing to let go
+    std::vector<fem::HookDrive> drives; ///< empty: all hooks prescribe their displacement; no correction is needed
     fem::HookResponse response;
-    Eigen::VectorXd at, forces; ///< three per hook; forces of the answer whose response it is
+    Eigen::VectorXd at; ///< displacement of the fixed hooks, mm, three per hook
+    Eigen::VectorXd forces; ///< forces on the hooks in the solution that was linearised, N, three per hook
 };
 
-/// @param problem that was solved, its hooks where they are held; @param displacement at its nodes; @param forces_N
-/// there, one per hook. @throws as hook_response().
+/// Linearises a solution for the correction.
+/// @param problem the solved problem, with the hooks at their fixed places
+/// @param displacement of the problem's nodes, n x 3, mm
+/// @param forces_N forces on the hooks in this solution, one per hook
+/// @param contact as in the solution; empty: without contact
+/// @throws as fem::hook_response()
 HeldHooks held_hooks(const Approach& approach, const fem::ElasticProblem& problem, const fem::TissueModel& model,
     const Points& displacement, const std::vector<Vec3>& forces_N, const std::optional<fem::ContactOptions>& contact);
 
-/// Moves an answer found with the hooks held to where they would rest in it.
-/// @return false, and nothing done, where that cannot be told: let_go().
-bool correct_hook_equilibrium(const HeldHooks& held, WoundAnswer& answer);
+/// Moves the hooks of a solution from their fixed places to their equilibrium, and changes displacement and forces to
+/// first order.
+/// @return false, without a change, when the equilibrium cannot be predicted (fem::release_hooks())
+bool correct_hook_equilibrium(const HeldHooks& held, WoundSolution& solution);
 
 } // namespace retractor::planner

@@ -2,11 +2,12 @@
 
 #include "fem/error_estimation/error_estimate.h"
 #include "fem/material/material.h"
-#include "fem/statics/hook.h"
+#include "fem/statics/frame_opening.h"
 #include "fem/statics/nonlinear_region.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/assert.h"
 #include "planner/approach/hook_patches.h"
+#include "planner/approach/retractors.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/wall_pressure.h"
 
@@ -20,37 +21,7 @@ namespace retractor::planner {
 
 namespace {
 
-    /// A costovertebral joint gives by 1.1 to 1.6 mm under 28 N, 18 to 26 N/mm (Lebschy 2024, J Biomech 163:111923):
-    /// this modulus over a rib's section of about 90 mm^2 and kJointReachMm less the fixed gap, about 9 mm.
-    constexpr double kJointModulusMPa = 2.2;
-
-    /// The wall's materials as the solver takes them: by label, and one more "label" for the joints.
-    struct ElasticWall {
-        mesh::TetMesh mesh;
-        std::vector<fem::Material> materials;
-    };
-
-    ElasticWall elastic_wall(const mesh::TetMesh& wall, const mesh::LabelVolume& labels, const Case& planned_case,
-        std::span<const Label> fixed_labels)
-    {
-        ElasticWall elastic { wall, materials_as_solved(planned_case) };
-        if (fixed_labels.empty())
-            return elastic;
-        const auto joint_label = static_cast<Label>(elastic.materials.size());
-        elastic.materials.push_back({ .name = "costovertebral joint",
-            .youngs_modulus_MPa = kJointModulusMPa,
-            .poissons_ratio = 0.40,
-            .density_tonne_per_mm3 = 1.1e-9,
-            .source = "Lebschy 2024, J Biomech 163:111923" });
-        const std::vector<bool> is_joint = joint_elements(wall, labels, fixed_labels);
-        RETRACTOR_ASSERT(is_joint.size() == elastic.mesh.labels.size());
-        for (std::size_t t = 0; t < is_joint.size(); ++t)
-            if (is_joint[t])
-                elastic.mesh.labels[t] = joint_label;
-        return elastic;
-    }
-
-    /// With the organs that stay where they are.
+    /// Contact with the organs that stay in place.
     fem::ContactOptions contact_of(const PlannedField& field, Patient& patient)
     {
         fem::ContactOptions contact;
@@ -69,7 +40,7 @@ namespace {
         return field.wall.vertices(std::vector<VertexId>(vertices.begin(), vertices.end()), Eigen::all);
     }
 
-    /// Of the wall's materials under the laws that hyperelastic tissue has them by.
+    /// Material name and hyperelastic law of each material of the wall, each pair once.
     std::vector<std::pair<std::string, std::string>> laws_of(const fem::ElasticProblem& problem)
     {
         std::vector<std::pair<std::string, std::string>> laws;
@@ -84,7 +55,9 @@ namespace {
 
     SolutionMetrics solution_metrics(const PlannedField& field, const SolverSettings& choice)
     {
-        SolutionMetrics solution { .choice = choice, .nodes = field.problem.mesh.vertex_count() };
+        SolutionMetrics solution {
+            .choice = choice, .mesh = field.approach.sizing, .nodes = field.problem.mesh.vertex_count()
+        };
         if (choice.elasticity == fem::Elasticity::hyperelastic)
             solution.laws = laws_of(field.problem);
         return solution;
@@ -94,8 +67,8 @@ namespace {
 
 bool is_usable(const fem::OpeningResult& opening)
 {
-    // Slivers turned over at the rims of hooks do not move a wound of many thousand elements: they are counted, said
-    // and left. More of them than this share, and the wound is no state that tissue can be in.
+    // Slivers inverted at the rims of hooks do not change a wound of many thousand elements; they are counted and
+    // reported. With a larger share of inverted elements the numbers are wrong.
     constexpr double kMostInverted = 0.002;
     return opening.status == fem::OpeningStatus::converged
         || (opening.status == fem::OpeningStatus::inverted
@@ -149,6 +122,100 @@ fem::OpeningOptions opening_options(const SolverSettings& choice)
     return options;
 }
 
+namespace {
+
+    /// A displacement at the corners of ten-node elements, and its means at their midpoints.
+    Points at_midpoints(const mesh::TetMesh& mesh, const Points& corners)
+    {
+        RETRACTOR_ASSERT(mesh.nodes_per_tet == 10);
+        Points all(mesh.vertices.rows(), 3);
+        all.topRows(corners.rows()) = corners;
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+            for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e) {
+                const auto& [a, b] = mesh::kTetEdges[e];
+                all.row(mesh.tet(t)[4 + e]) = 0.5
+                    * (corners.row(mesh.tet(t)[static_cast<std::size_t>(a)])
+                        + corners.row(mesh.tet(t)[static_cast<std::size_t>(b)]));
+            }
+        return all;
+    }
+
+    /// Opens a wall of ten-node elements from the solution of four-node elements at their corners. Most Newton steps
+    /// are then made with a matrix of an eighth of the size.
+    void open_from_corners(
+        OpenedWall& opened, const fem::ElasticProblem& problem, fem::OpeningOptions options, const Job& job)
+    {
+        // This residual leaves 0.1 % of the hook forces (fem::OpeningOptions::tolerance), which is little beside the
+        // discretisation error of several percent, and takes half of the Newton steps of the default.
+        constexpr double kTenNodeTolerance = 1e-3;
+        options.tolerance = std::max(options.tolerance, kTenNodeTolerance);
+        const fem::ElasticProblem corners = fem::without_midpoints(problem);
+        fem::OpeningResult coarse
+            = fem::Opening(corners, options).open(corners.hooks, as_stage(job, "opening, four-node elements"));
+        if (coarse.status == fem::OpeningStatus::cancelled) {
+            opened.opening = std::move(coarse);
+            return;
+        }
+        if (!is_usable(coarse)) {
+            opened.opening = fem::Opening(problem, options).open(problem.hooks, job);
+            return;
+        }
+        fem::Opening opening(problem, options);
+        opening.start_from(at_midpoints(problem.mesh, coarse.displacement));
+        opened.opening = opening.open(problem.hooks, job);
+        // From a start with elements turned over Newton's method may end in a state that loading does not reach.
+        if (!is_usable(opened.opening) && opened.opening.status != fem::OpeningStatus::cancelled)
+            opened.opening = fem::Opening(problem, options).open(problem.hooks, job);
+        opened.coarse = std::move(coarse);
+    }
+
+    void take_retractor(OpenedWall& opened, const fem::BladeFrame& frame, fem::FrameOpening found)
+    {
+        opened.retractor = PlacedRetractor { .frame = frame,
+            .state = found.state,
+            .loads = found.loads,
+            .residual_force_N = found.residual_force_N.norm(),
+            .residual_moment_Nmm = found.residual_moment_Nmm.norm(),
+            .rack_force_N = found.rack_force_N,
+            .openings = found.openings };
+        opened.opening = std::move(found.opening);
+        opened.hooks = std::move(found.blades);
+    }
+
+    /// Opens a wall with a retractor. Ten-node elements begin where the retractor is in balance in four-node elements.
+    void open_with_retractor(OpenedWall& opened, const PlannedField& field, fem::OpeningOptions options, const Job& job)
+    {
+        constexpr double kTenNodeTolerance = 1e-3; // as in open_from_corners()
+        constexpr double kTenNodeBalance = 2e-3; // above the error that this residual leaves in the forces
+        const fem::BladeFrame frame = blade_frame_of(field.approach);
+        const RetractorSpec& retractor = *field.approach.retractor;
+        fem::RackDrive drive { .force_N = retractor.force_N };
+        if (!retractor.force_N)
+            drive.distance_mm = retractor.opening_mm;
+        const fem::ElasticProblem& problem = field.problem;
+        if (problem.mesh.nodes_per_tet != 10 || options.elasticity == fem::Elasticity::linear)
+            return take_retractor(opened, frame, fem::open_with_frame(problem, frame, drive, options, {}, job));
+        options.tolerance = std::max(options.tolerance, kTenNodeTolerance);
+        const fem::FrameOptions how { .tolerance = kTenNodeBalance };
+        fem::FrameOpening coarse = fem::open_with_frame(
+            fem::without_midpoints(problem), frame, drive, options, how, as_stage(job, "opening, four-node elements"));
+        if (coarse.opening.status == fem::OpeningStatus::cancelled)
+            return take_retractor(opened, frame, std::move(coarse));
+        std::optional<fem::FrameStart> start;
+        if (is_usable(coarse.opening))
+            start = fem::FrameStart { coarse.state, at_midpoints(problem.mesh, coarse.opening.displacement),
+                coarse.stiffness };
+        fem::FrameOpening fine = fem::open_with_frame(problem, frame, drive, options, how, job, start);
+        // As in open_from_corners(): from a start with elements turned over the search may go astray.
+        if (start && !is_usable(fine.opening) && fine.opening.status != fem::OpeningStatus::cancelled)
+            fine = fem::open_with_frame(problem, frame, drive, options, how, job);
+        take_retractor(opened, frame, std::move(fine));
+        if (start)
+            opened.coarse = std::move(coarse.opening);
+    }
+
+} // namespace
+
 OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const fem::HookDrive> drives,
     fem::OpeningOptions options, const Job& job)
 {
@@ -160,7 +227,12 @@ OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const 
     }
     const fem::ElasticProblem& problem = field.problem;
     opened.hooks = problem.hooks;
-    if (drives.empty()) {
+    const bool linear = options.elasticity == fem::Elasticity::linear; // one solve, with any start
+    if (field.approach.retractor && !problem.hooks.empty()) {
+        open_with_retractor(opened, field, options, job);
+    } else if (drives.empty() && problem.mesh.nodes_per_tet == 10 && near_mm == 0.0 && !linear) {
+        open_from_corners(opened, problem, options, job);
+    } else if (drives.empty()) {
         fem::Opening opening(problem, options);
         opened.opening = opening.open(problem.hooks, job);
     } else {
@@ -180,17 +252,16 @@ OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const 
     return opened;
 }
 
-OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelVolume& labels,
-    std::span<const Label> fixed_labels, CutWall cut, const Job& job)
+OpenedWound open_wound(
+    PlannedField& field, Patient& patient, const mesh::LabelVolume& labels, CutWall cut, const Job& job)
 {
     const Case& planned_case = patient.planned_case();
     const SolverSettings& choice = planned_case.solution;
     fem::OpeningOptions options = opening_options(choice);
     if (planned_case.contact)
         options.contact = contact_of(field, patient);
-    ElasticWall elastic = elastic_wall(field.wall, labels, planned_case, fixed_labels);
-    field.problem = { .mesh = std::move(elastic.mesh),
-        .material_of_label = std::move(elastic.materials),
+    field.problem = { .mesh = field.wall,
+        .material_of_label = materials_as_solved(planned_case),
         .supports = std::move(cut.supports),
         .hooks = field.hooks,
         .loads = std::move(cut.released),
@@ -205,10 +276,14 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelV
     field.metrics.solution = solution_metrics(field, choice);
     OpenedWall opened = open_wall(field, choice.near_mm, drives_of(field.approach), options, job);
     RETRACTOR_ASSERT(opened.hooks.size() == field.hooks.size());
-    // From here on the hooks are held where they came to rest: exports are of that, and so are the answers that
-    // estimates begin with.
+    // From here on the hooks are fixed at their equilibrium: exports and estimates start from this state.
     for (std::size_t h = 0; h < field.hooks.size(); ++h)
-        field.hooks[h].displacement = field.problem.hooks[h].displacement = opened.hooks[h].displacement;
+        for (fem::HookPatch* hook : { &field.hooks[h], &field.problem.hooks[h] }) {
+            hook->displacement = opened.hooks[h].displacement;
+            hook->rotation = opened.hooks[h].rotation;
+            hook->pivot = opened.hooks[h].pivot;
+        }
+    field.retractor = std::move(opened.retractor);
     field.yielded = std::move(opened.yielded);
     field.opening = std::move(opened.opening);
     field.metrics.solution.near_tets = opened.near_tets;
@@ -222,7 +297,7 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelV
             = field.opening.status == fem::OpeningStatus::inverted ? PlanStatus::inverted : PlanStatus::not_converged;
     }
     OpenedWound wound { { .vertices = std::move(cut.rigid), .solved = {} }, std::move(options.contact),
-        std::move(opened.ten_node) };
+        std::move(opened.ten_node), std::move(opened.coarse) };
     if (field.opening.status == fem::OpeningStatus::cancelled || wound.rigid.vertices.empty())
         return wound;
     wound.rigid.solved = field.opening.displacement;
@@ -232,7 +307,7 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelV
 
 std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3>& forces_N)
 {
-    constexpr double kNothing = 1e-3; // of the largest: what nonlinear rest leaves of no force
+    constexpr double kNothing = 1e-3; // share of the largest force: residual of a nonlinear equilibrium
     double largest = 0.0;
     for (const Vec3& force : forces_N)
         largest = std::max(largest, force.norm());

@@ -1,5 +1,5 @@
 #pragma once
-// The cut wall of a planned field, opened by its hooks, and what a plan's numbers are then taken from. Units mm, N;
+// Opens the cut wall of a planned field with its hooks, and measures opening and forces of a solution. Units mm, N;
 // frame patient LPS.
 
 #include "fem/statics/driven_opening.h"
@@ -17,83 +17,100 @@
 
 namespace retractor::planner {
 
-/// The wall of a field, opened once.
+/// The result of one opening of a field's wall.
 struct OpenedWall {
-    Eigen::VectorXd ten_node {}; ///< as solved, at all nodes; of four-node elements: empty
-    std::vector<fem::HookPatch> hooks; ///< where they are
-    std::vector<bool> yielded; ///< per hook, where some do not simply go where they are told
-    std::size_t near_tets = 0; ///< nonlinear ones, where the rest was to be linear
+    /// Displacement of all nodes of ten-node elements, mm, three per node; empty with four-node elements.
+    Eigen::VectorXd ten_node {};
+    /// The solution by four-node elements from which ten-node elements began; none: they began at rest.
+    std::optional<fem::OpeningResult> coarse {};
+    std::vector<fem::HookPatch> hooks; ///< the hooks at their final places
+    std::vector<bool> yielded; ///< per hook: the force limit is reached; empty when all hooks prescribe displacements
+    std::size_t near_tets = 0; ///< number of nonlinear elements of an opening with a linear region; else 0
     fem::OpeningResult opening; ///< displacements of the wall's vertices, without midpoints
+    std::optional<PlacedRetractor> retractor {}; ///< with a retractor; its blades are the hooks
 };
 
-/// What move_rigid_pieces() adds after the wound is solved: the pieces, and the answer without it.
+/// The loose pieces that move_rigid_pieces() moves as rigid bodies after the wound is solved.
 struct RigidPieces {
-    std::vector<std::vector<VertexId>> vertices;
-    Points solved; ///< the displacement in which they are held; empty when there are none
+    std::vector<std::vector<VertexId>> vertices; ///< vertices of each piece
+    /// Displacement of the wall's vertices before the pieces were moved, n x 3, mm; empty without pieces.
+    Points solved;
 };
 
-/// How the opening of a field was found, for those that judge it.
+/// Data of a field's opening that the error estimates need.
 struct OpenedWound {
     RigidPieces rigid;
-    std::optional<fem::ContactOptions> contact; ///< it was solved with
-    Eigen::VectorXd ten_node {}; ///< the answer of ten-node elements at all their nodes; of four-node ones: empty
+    std::optional<fem::ContactOptions> contact; ///< contact of the solution; empty: without contact
+    Eigen::VectorXd ten_node {}; ///< as OpenedWall::ten_node
+    std::optional<fem::OpeningResult> coarse {}; ///< as OpenedWall::coarse
 };
 
-/// What a plan's numbers are taken from.
-struct WoundAnswer {
-    Points displacement {}; ///< of the wall's vertices
-    std::vector<Vec3> hook_forces_N {};
-    std::vector<Vec3> hooks_mm {}; ///< how far the hooks moved; empty: as far as the field says
+/// A solution of the wound from which opening and forces are measured.
+struct WoundSolution {
+    Points displacement {}; ///< displacement of the wall's vertices, n x 3, mm
+    std::vector<Vec3> hook_forces_N {}; ///< one per hook
+    std::vector<Vec3> hooks_mm {}; ///< displacement of each hook; empty: as in the field
 };
 
-/// Opening and forces of an answer.
+/// Opening and forces of a solution.
 struct WoundMeasures {
     double width_mm = 0.0, area_mm2 = 0.0;
-    std::array<double, 2> side_N {}; ///< sums over the hooks of sides +1 and -1
+    std::array<double, 2> side_N {}; ///< sums of the force magnitudes over the hooks of sides +1 and -1
 
     double larger_side_N() const { return std::max(side_N[0], side_N[1]); }
 };
 
-/// Whether the wound is a state that tissue can be in: at rest, and with no more than a few slivers turned over.
+/// Whether the opening is in equilibrium and at most two elements in 1,000 are inverted.
 bool is_usable(const fem::OpeningResult& opening);
 
+/// Whether the field was solved with a linear condensed region.
 bool has_condensed_region(const PlannedField& field);
 
-/// Near the lips, and whatever a hook holds: per element of field.problem.
+/// Marks the elements of the nonlinear region: elements within near_mm of the lips, at a hook, or under a load.
+/// @return 1 or 0 per element of field.problem
 std::vector<std::uint8_t> near_elements(const PlannedField& field, double near_mm);
 
-/// Of the approach's hooks; empty where all of them simply go where they are told.
+/// The drives of the approach's hooks; empty when all hooks prescribe their displacement, and with a retractor.
 std::vector<fem::HookDrive> drives_of(const Approach& approach);
 
-/// The job for one more opening of a wound: what it reports comes under that name, so that the stage of the plan's own
-/// opening does not begin again. @pre `job` outlives it.
+/// A job that reports its progress under the name `stage`. A further opening of the wound uses such a job, so that the
+/// progress of the plan's own opening does not start again.
+/// @pre `job` outlives the result
 Job as_stage(const Job& job, std::string stage);
 
+/// The options of an opening with these settings, without contact and without a condensed region.
 fem::OpeningOptions opening_options(const SolverSettings& choice);
 
-/// @param near_mm nonlinear within this distance of the lips and linear beyond; 0: the same everywhere.
-/// @param drives empty: the hooks go where field.problem says. @throws as fem::Opening does.
+/// Opens the wall of field.problem once, with the approach's retractor where it has one and the problem has hooks.
+/// @param near_mm tissue within this distance of the lips is nonlinear, and linear beyond; 0: the same law everywhere
+/// @param drives empty: the hooks have the displacements of field.problem
+/// @throws as fem::Opening
 OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const fem::HookDrive> drives,
     fem::OpeningOptions options, const Job& job);
 
-/// Opens the cut wall as the case's solution says, and fills in what of the field comes of it: problem, opening, where
-/// the hooks came to rest, status (opening.message says why). @throws as open_wall().
-OpenedWound open_wound(PlannedField& field, Patient& patient, const mesh::LabelVolume& labels,
-    std::span<const Label> fixed_labels, CutWall cut, const Job& job);
+/// Opens the cut wall with the case's solver settings. Fills in the field's problem, opening, final hook places,
+/// yielded hooks, status (opening.message gives the reason) and the metrics of pressure, solution and contact.
+/// @throws as open_wall()
+OpenedWound open_wound(
+    PlannedField& field, Patient& patient, const mesh::LabelVolume& labels, CutWall cut, const Job& job);
 
-/// Per hook, whether it pushes, to hold a lip that would go farther without it: its force is mostly against its
-/// direction, and more than nothing beside the largest hook's. @pre one force per hook.
+/// Per hook, whether the hook pushes: the hook holds back a lip that would move farther without it. The force of such a
+/// hook points mostly against the hook's direction and exceeds 0.1 % of the largest hook force.
+/// @pre one force per hook
 std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3>& forces_N);
 
-/// Sums of the sizes of forces, one per hook of the field, over sides +1 and -1. Hooks that push in the field's opening
-/// pull nothing, in other answers of it neither: one that is near to that would change sides as a whole.
+/// Sums of the force magnitudes over the hooks of sides +1 and -1, N. Hooks that push in the field's own opening are
+/// left out, also in other solutions: otherwise a hook that only just pushes would enter or leave the sum as a whole.
+/// @param forces_N one per hook of the field
 std::array<double, 2> side_forces(const PlannedField& field, const std::vector<Vec3>& forces_N);
 
-/// @param displacement of the wall's vertices; rigid pieces are moved to where it takes them.
+/// Measures a solution of the field.
+/// @param displacement of the wall's vertices, n x 3, mm; the function moves the rigid pieces in it
+/// @param hook_forces_N one per hook of the field
 WoundMeasures measures_of(
     const PlannedField& field, const RigidPieces& rigid, Points& displacement, const std::vector<Vec3>& hook_forces_N);
 
-/// Of the field as it was measured.
+/// The measures of the field's own solution.
 WoundMeasures measures_of(const PlannedField& field);
 
 } // namespace retractor::planner

@@ -6,13 +6,21 @@
 #include "mesh/generation/hybrid_model.h"
 #include "mesh/image/skeleton.h"
 #include "mesh/surface/wound_surface.h"
+#include "planner/approach/bearing_points.h"
+#include "planner/approach/retractors.h"
+#include "planner/approach/space_division.h"
+#include "planner/case/plausible_input.h"
+#include "planner/measures/force_moments.h"
 #include "planner/measures/metrics.h"
 #include "planner/measures/risk_distances.h"
+#include "planner/measures/volume_failures.h"
+#include "planner/plan/bone_loads.h"
 #include "planner/plan/error_bars.h"
 #include "planner/plan/explanation.h"
 #include "planner/plan/gape.h"
 #include "planner/plan/opened_wound.h"
 #include "planner/plan/reduction_error.h"
+#include "planner/plan/retractor_measures.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/unmeshed_wall.h"
 #include "planner/wall/wall_pressure.h"
@@ -22,9 +30,12 @@
 #include <array>
 #include <atomic>
 #include <exception>
+#include <optional>
 #include <span>
+#include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 namespace retractor::planner {
 
@@ -60,6 +71,9 @@ namespace {
             field.message = cut.message;
             return false;
         }
+        field.metrics.division = std::move(cut.divided);
+        if (!field.metrics.division) // asked for, and not found
+            remark(field.message, field.approach.division.words);
         remark(field.message, cut.message);
         field.wall = std::move(cut.wall);
         field.lips = std::move(cut.lips);
@@ -89,13 +103,13 @@ namespace {
         ReleasedTension released = released_tension(field.wall, cut.origin, cut.wound, tension);
         if (tension.without_skin)
             remark(field.message,
-                "no label has the material \"skin\": tissue under tension that has no normal of its own is taken to "
-                "lie in the plane across the blade");
+                "no label has the material \"skin\": tissue under tension without its own normal is assumed to lie in "
+                "the plane across the blade");
         if (released.without_direction > 0)
             remark(field.message,
                 "at " + std::to_string(released.without_direction)
-                    + " faces of the wound the direction of the tissue's pre-strain points through it: there the mean "
-                      "acts both ways");
+                    + " faces of the wound the direction of the pre-strain points through the tissue: the mean "
+                      "pre-stress acts in both directions of the tissue's plane there");
         cut.released = std::move(released.tractions);
     }
 
@@ -111,10 +125,10 @@ namespace {
                         continue;
                     throw InputError(std::string(error.what())
                             + (took_lip[side].empty()
-                                    ? "; an ablation may have taken it (" + removed_text(field.metrics.removed)
+                                    ? "; an ablation may have removed this lip (" + removed_text(field.metrics.removed)
                                         + "): ablate less there, or choose another incision"
-                                    : ": the loose piece that was removed took it along (" + took_lip[side]
-                                        + "); let loose pieces be held or rigid (\"loose_pieces\" of the approach), or "
+                                    : ": this lip was part of a removed loose piece (" + took_lip[side]
+                                        + "); keep loose pieces held or rigid (\"loose_pieces\" of the approach), or "
                                           "choose another incision"),
                         error.where());
                 }
@@ -193,7 +207,8 @@ namespace {
         view.exposure = measure_exposure(*target, occluders(patient, field), cone, kTargetSamples, job);
         view.working_distance_mm = working_distance_mm(view.geometry, *target, aim, cone.axis).value_or(to_aim);
         if (const mesh::LabelInfo* organ = organ_of_sphere(patient, field.approach.target))
-            view.message = "the sphere lies in the " + organ->name + ", which is not counted as blocking its view";
+            view.message = "the target sphere lies in the " + organ->name
+                + "; this organ does not count as blocking the view of the target";
         return view;
     }
 
@@ -211,7 +226,7 @@ namespace {
         return field.opening.message; // begins with the event
     }
 
-    /// The middle, at rest, of the element with the percentile's strain; nothing when no element is strained.
+    /// The middle, at rest, of the element whose strain is strain_p99; nothing when no element is strained.
     std::optional<Vec3> place_of_strain(const PlannedField& field)
     {
         const auto& strain = field.opening.strain;
@@ -256,12 +271,37 @@ namespace {
                 .side = field.hooks[i].side,
                 .force_N = field.opening.hook_forces_N[i].norm(),
                 .pushes = pushing[i],
-                .moved_mm = field.hooks[i].displacement.norm(),
+                // A retractor drifts as a whole; only the motion outwards opens the wound.
+                .moved_mm = field.retractor ? field.hooks[i].displacement.dot(spec.direction)
+                                            : field.hooks[i].displacement.norm(),
                 .asked_mm = spec.opening_mm,
                 .pull = spec.pull,
-                .yielded = !field.yielded.empty() && field.yielded[i] });
+                .yielded = !field.yielded.empty() && field.yielded[i],
+                .bears_on = spec.bears_on });
         }
         return forces;
+    }
+
+    /// The soft tissue that does not keep its volume; nothing when the solver gave no volumes.
+    std::optional<VolumeFailures> volume_failures(const PlannedField& field, const Case& planned_case)
+    {
+        const std::vector<double>& ratios = field.opening.volume_ratio;
+        if (ratios.size() != field.wall.tet_count())
+            return std::nullopt;
+        const bool patches = planned_case.solution.element == ElementKind::locking_free;
+        return find_volume_failures(field.wall, patches ? averaged_volume_ratios(field.wall, ratios) : ratios,
+            planned_case.label_table, field.opening.inverted_elements);
+    }
+
+    /// Distances from the skin cut and from the strokes of the division.
+    std::vector<RiskDistance> risks_of(const Approach& approach, Patient& patient)
+    {
+        const auto surface_of = [&](std::string_view name) { return patient.organ(name); };
+        std::vector<RiskDistance> risks = risk_distances(blade_of(approach), *patient.labels(), surface_of);
+        for (const DivisionStroke& stroke : approach.division.strokes)
+            for (RiskDistance& risk : risk_distances(blade_of(stroke), *patient.labels(), surface_of))
+                risks.push_back(std::move(risk));
+        return nearest_risks(std::move(risks));
     }
 
     void fill_metrics(PlannedField& field, Patient& patient)
@@ -270,19 +310,22 @@ namespace {
         m.name = field.approach.name;
         m.target = field.approach.target.is_sphere() ? "sphere" : field.approach.target.label;
         fill_sight(m, field.exposure, patient.planned_case().label_table);
-        m.at_risk = risk_distances(
-            blade_of(field.approach), *patient.labels(), [&](std::string_view name) { return patient.organ(name); });
+        m.at_risk = risks_of(field.approach, patient);
         m.retracted = field.approach.retracted;
         m.opening_area_mm2 = field.geometry.area_mm2;
         m.opening_width_mm = field.geometry.width_mm;
         m.incision_length_mm = field.geometry.incision_length_mm;
         m.cut_depth_mm = field.approach.depth_mm;
         m.hooks = hook_forces(field);
+        m.retractor = retractor_metrics(field);
         m.hook_force_N = measures_of(field).larger_side_N();
+        m.force_moments = compute_force_moments(m, field.approach.opening_protocol);
         m.strain_p99 = field.opening.strain_p99;
         m.strain_p99_at = place_of_strain(field);
         m.inverted_elements = field.opening.inverted_elements;
         m.max_volume_ratio = field.opening.max_volume_ratio;
+        m.volume_failures = volume_failures(field, patient.planned_case());
+        remark(field.message, volume_failure_text(m));
         m.residual = field.opening.residual;
         m.mechanics_status = status_text(field);
         m.tets = field.wall.tet_count();
@@ -308,11 +351,12 @@ namespace {
         const mesh::MeshSizing& sizing, const Job& job)
     {
         const StageTimer timer(field.metrics, "cut");
+        insert_bearing_points(field.wall, planned_case.label_table, field.approach);
         fem::Supports supports = supports_of(field.wall, labels, planned_case, sizing);
-        if (supports.fixed.empty())
+        if (supports.fixed.empty() && supports.bedded.empty())
             remark(field.message,
-                "nothing but the hooks holds this wall: name what does in case.json, \"supports\" (the spine, or the "
-                "border of the region)");
+                "only the hooks hold this wall: name supports in case.json, \"supports\" (the spine, or the border of "
+                "the region)");
         const WallTension tension = tension_of(field.wall, labels, planned_case, field.approach, supports);
         cut = cut_wall(std::move(field.wall), field.approach, planned_case.label_table, std::move(supports), job);
         if (!take_cut(field, cut))
@@ -323,10 +367,10 @@ namespace {
     }
 
     bool open_cut_wall(PlannedField& field, OpenedWound& wound, CutWall cut, Patient& patient,
-        const mesh::LabelVolume& labels, std::span<const Label> fixed_labels, const Job& job)
+        const mesh::LabelVolume& labels, const Job& job)
     {
         const StageTimer timer(field.metrics, "open");
-        wound = open_wound(field, patient, labels, fixed_labels, std::move(cut), job);
+        wound = open_wound(field, patient, labels, std::move(cut), job);
         if (field.status != PlanStatus::done && field.status != PlanStatus::cancelled)
             remark(field.message, field.opening.message);
         return field.status != PlanStatus::cancelled;
@@ -348,10 +392,11 @@ namespace {
         return field.status != PlanStatus::cancelled;
     }
 
-    /// Solves the wound in other ways and compares.
-    bool estimate(
-        PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, bool check_far, const Job& job)
+    /// Estimates gape and errors of the field from further solutions of the wound.
+    bool estimate(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const PlanChecks& checks,
+        const Job& job)
     {
+        field.metrics.solution.draft = checks.draft;
         const auto goes_on = [&] {
             if (job.cancelled())
                 field.status = PlanStatus::cancelled;
@@ -363,25 +408,47 @@ namespace {
             if (!goes_on())
                 return false;
         }
-        {
+        if (checks.error_bars) {
             const StageTimer timer(field.metrics, "estimate error");
             field.metrics.error = estimate_errors(field, wound, choice, job);
             if (!goes_on())
                 return false;
         }
         if (field.opening.far) {
-            const StageTimer timer(field.metrics, "judge far field");
+            const StageTimer timer(field.metrics, "estimate condensed region");
             field.metrics.solution.far = estimate_condensed_region_error(field, wound, choice);
         }
-        if (check_far) {
-            const StageTimer timer(field.metrics, "compare with the whole");
+        if (checks.linear_region) {
+            const StageTimer timer(field.metrics, "compare with nonlinear wall");
             field.metrics.solution.whole = compare_with_whole(field, wound.rigid, choice, job);
             return goes_on();
         }
         return true;
     }
 
-    /// The same error, with the approach in its place.
+    /// The implausible numbers that the case accepts, one sentence each.
+    std::vector<std::string> implausible_texts(
+        const Case& planned_case, const Approach& approach, const mesh::ImageGrid& labels)
+    {
+        std::vector<std::string> texts;
+        for (const ImplausibleValue& value : find_implausible(planned_case))
+            texts.push_back(value.text);
+        for (const ImplausibleValue& value : find_implausible(approach))
+            texts.push_back(value.text);
+        if (const std::optional<std::string> extent = implausible_extent(labels))
+            texts.push_back(*extent);
+        return texts;
+    }
+
+    void check_retractor_settings(const SolverSettings& choice)
+    {
+        if (choice.near_mm > 0.0)
+            throw InputError("a retractor needs the whole wall with the same law, since the balance of its blades "
+                             "depends on tissue far away: leave near_mm out",
+                "solution", { "near_mm" });
+    }
+
+    /// The same error, with the name of the approach added to its place.
     template <class Kind> std::exception_ptr at_approach(const Approach& approach, const Kind& error)
     {
         return std::make_exception_ptr(Kind(error.what(),
@@ -390,35 +457,47 @@ namespace {
 
 } // namespace
 
-void check_plan(const Case& planned_case, bool check_far)
+void check_plan(const Case& planned_case, const PlanChecks& checks)
 {
     check_solution(planned_case.solution, planned_case.contact);
     check_pressures(planned_case);
-    if (check_far && planned_case.solution.near_mm == 0.0)
-        throw InputError("there is nothing to check: the whole wall is solved alike", "check", { "check" });
+    check_plausible(planned_case);
+    if (checks.linear_region && planned_case.solution.near_mm == 0.0)
+        throw InputError(
+            "there is nothing to check: near_mm is 0, so the whole wall follows the same law", "check", { "check" });
 }
 
-PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job, bool check_far)
+PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job, const PlanChecks& checks)
 {
     const Case& planned_case = patient.planned_case();
     check_approach(approach);
-    check_plan(planned_case, check_far);
+    check_plan(planned_case, checks);
+    check_plausible(planned_case, approach);
     PlannedField field;
     field.approach = approach;
     const auto labels = patient.labels();
-    const mesh::MeshSizing sizing = mesh_sizing_of(approach, planned_case.label_table);
-    const std::vector<Label> fixed_labels = mesh::label_ids(planned_case.label_table, planned_case.supports.labels);
+    field.metrics.implausible = implausible_texts(planned_case, approach, labels->grid);
+    if (approach.retractor) {
+        check_retractor_settings(planned_case.solution);
+        field.approach.hooks = blades_of(approach);
+    }
+    find_bearing_points(field.approach, *labels);
+    find_space_division(field.approach, patient);
+    const mesh::MeshSizing sizing = mesh_sizing_of(field.approach, planned_case.label_table);
     CutWall cut;
     OpenedWound wound;
     if (mesh_wall(field, *labels, sizing, job) && cut_meshed_wall(field, cut, *labels, planned_case, sizing, job)
-        && open_cut_wall(field, wound, std::move(cut), patient, *labels, fixed_labels, job)
+        && open_cut_wall(field, wound, std::move(cut), patient, *labels, job)
         && expose_target(field, patient, *labels, sizing, job)
-        && estimate(field, wound, planned_case.solution, check_far, job))
+        && estimate(field, wound, planned_case.solution, checks, job)) {
         fill_metrics(field, patient);
+        const StageTimer timer(field.metrics, "bones");
+        measure_bones(field, wound, planned_case.solution, planned_case.label_table, patient.frame());
+    }
     return field;
 }
 
-std::vector<PlannedField> plan_all(Patient& patient, const Job& job, bool check_far)
+std::vector<PlannedField> plan_all(Patient& patient, const Job& job, const PlanChecks& checks)
 {
     const std::vector<Approach>& approaches = patient.planned_case().approaches;
     std::vector<PlannedField> fields(approaches.size());
@@ -427,7 +506,7 @@ std::vector<PlannedField> plan_all(Patient& patient, const Job& job, bool check_
     const auto work = [&] {
         for (std::size_t i = next.fetch_add(1); i < approaches.size(); i = next.fetch_add(1)) {
             try {
-                fields[i] = plan_approach(patient, approaches[i], job, check_far);
+                fields[i] = plan_approach(patient, approaches[i], job, checks);
             } catch (const InputError& error) {
                 failures[i] = at_approach(approaches[i], error);
             } catch (const SolverError& error) {

@@ -12,18 +12,27 @@
 
 namespace retractor::planner {
 
-/// @param check_far as plan_approach() takes it. @throws InputError naming what does not go together, before anything
-/// long: check_solution(), check_pressures(), a check where no far field is linear.
-void check_plan(const Case& planned_case, bool check_far);
+/// What a plan computes besides the opened wound.
+struct PlanChecks {
+    /// Also solves the whole wall nonlinearly, and reports the difference from the solution with a linear region.
+    bool linear_region = false;
+    bool error_bars = true; ///< Estimates the discretisation error. A draft does without.
+    bool draft = false; ///< Records that the caller asked for a quick plan (SolutionMetrics::draft); changes nothing.
+};
 
-/// Solved as the case's `solution` and `contact` say.
-/// @param check_far where the case's solution is linear far from the lips: also solves all of the wall nonlinearly and
-/// states the difference.
-/// @throws InputError on a malformed approach and on choices that do not go together (check_plan()); SolverError on a
-/// body that cannot be solved.
-PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job = {}, bool check_far = false);
+/// Checks the case's settings before any long computation.
+/// @throws InputError as check_solution(), check_pressures() and check_plausible(), and on a check of the linear region
+/// without one
+void check_plan(const Case& planned_case, const PlanChecks& checks);
 
-/// All approaches of the case, two at a time where the machine has the cores; results in the case's order.
-std::vector<PlannedField> plan_all(Patient& patient, const Job& job = {}, bool check_far = false);
+/// Plans one approach with the case's solver settings (`solution`, `contact`).
+/// @throws InputError on a malformed or implausible approach and on contradictory settings (check_plan()); SolverError
+/// on a body that cannot be solved
+PlannedField plan_approach(
+    Patient& patient, const Approach& approach, const Job& job = {}, const PlanChecks& checks = {});
+
+/// Plans all approaches of the case, two at a time on several cores. The results have the case's order.
+/// @throws as plan_approach(), naming the approach
+std::vector<PlannedField> plan_all(Patient& patient, const Job& job = {}, const PlanChecks& checks = {});
 
 } // namespace retractor::planner

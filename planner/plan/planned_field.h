@@ -2,6 +2,7 @@
 // The planned field: the result of plan_approach() (plan.h) for one approach, and the data that the steps of a plan
 // pass on. Plain data. Units mm, N; frame patient LPS.
 
+#include "fem/statics/blade_frame.h"
 #include "fem/statics/boundary_conditions.h"
 #include "fem/statics/elastic_problem.h"
 #include "fem/statics/opening_types.h"
@@ -13,6 +14,8 @@
 #include "planner/wall/field_geometry.h"
 #include "planner/wall/wall_cut.h"
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,9 +26,20 @@ enum class PlanStatus {
     nothing_to_mesh, ///< no wall tissue near the incision
     cut_missed, ///< the blade does not meet the wall
     not_converged, ///< the wound did not open as far as requested; the numbers describe what was reached
-    /// The wound opened as requested, but more than two elements in 1,000 are inside out: measured, and wrong.
+    /// The wound opened as requested, but more than two elements in 1,000 are inverted; the numbers are wrong.
     inverted,
     cancelled,
+};
+
+/// The retractor that opened the field, in balance.
+struct PlacedRetractor {
+    fem::BladeFrame frame;
+    fem::FrameState state;
+    std::array<fem::BladeLoad, 2> loads; ///< that the retractor applies to the tissue, in the order of the hooks
+    double residual_force_N = 0.0; ///< magnitude of the resultant of the blade forces
+    double residual_moment_Nmm = 0.0; ///< magnitude of the resultant moment about the frame's centre
+    double rack_force_N = 0.0; ///< along the rack at each blade
+    int openings = 0; ///< number of openings that the search took
 };
 
 /// The planned field. With the status done, not_converged or inverted, `message` holds remarks, such as parts left out
@@ -45,6 +59,7 @@ struct [[nodiscard]] PlannedField {
     fem::ElasticProblem problem;
     /// Whether each hook is held back by its force limit; empty where all hooks reach their places.
     std::vector<bool> yielded;
+    std::optional<PlacedRetractor> retractor {}; ///< where approach.retractor is set; its blades are the hooks
     fem::OpeningResult opening; ///< with displacements of the vertices of `wall`
     OpeningGeometry geometry; ///< shape of the opened wound
     Exposure exposure;

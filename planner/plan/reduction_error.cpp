@@ -7,13 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <utility>
 
 namespace retractor::planner {
 
 namespace {
 
-    /// Of the largest displacement.
+    /// Largest distance between the two solutions at the lips, divided by the largest displacement of the whole wall.
     double difference_at_lips(const PlannedField& field, const Points& whole)
     {
         double worst = 0.0;
@@ -24,6 +23,7 @@ namespace {
         return largest > 0.0 ? worst / largest : 0.0;
     }
 
+    /// Fills in the first-order change when the condensed region follows its own law.
     void compare_with_far_change(const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice,
         CondensedRegionMetrics& metrics)
     {
@@ -32,14 +32,15 @@ namespace {
         const Points at = wound.ten_node.size() == 0
             ? corners
             : Points(Eigen::Map<const Points>(wound.ten_node.data(), wound.ten_node.size() / 3, 3));
-        // A far field goes neither with locking-free elements nor with contact: check_solution().
+        // check_solution() refuses a condensed region with locking-free elements or with contact.
         const HeldHooks held
             = held_hooks(field.approach, field.problem, { choice.elasticity }, at, field.opening.hook_forces_N, {});
-        WoundAnswer changed { .displacement = field.opening.displacement + far.displacement_change };
+        WoundSolution changed { .displacement = field.opening.displacement + far.displacement_change };
         for (std::size_t i = 0; i < field.hooks.size(); ++i)
             changed.hook_forces_N.push_back(field.opening.hook_forces_N[i] + far.hook_force_changes_N[i]);
         if (!correct_hook_equilibrium(held, changed)) {
-            metrics.message = "by its own law the tissue there does not tell where the hooks would rest";
+            metrics.message
+                = "the equilibrium of the hooks cannot be predicted for the nonlinear law of the condensed region";
             return;
         }
         const WoundMeasures here = measures_of(field),

@@ -1,16 +1,19 @@
 #pragma once
-// What a linear far field changes in a plan: the tissue far from the lips solved as linear. Driven hooks are let go:
-// they rest where they would in what is compared with. Units mm, N.
+// Estimates the error of a linear condensed region: the tissue far from the lips is solved as linear. Driven hooks are
+// compared at their equilibrium in each solution. Units mm, N.
 
 #include "planner/plan/opened_wound.h"
 
 namespace retractor::planner {
 
-/// The error of a linear condensed region, by the law of the tissue there. @pre field.opening.far.
+/// Estimates, to first order, the change of opening and forces when the condensed region follows its nonlinear law. A
+/// failed estimate leaves its reason in the message and throws no Error.
+/// @pre field.opening.far
 CondensedRegionMetrics estimate_condensed_region_error(
     const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice);
 
-/// With all of the wall solved as it is near the lips.
+/// Solves the whole wall with the nonlinear law of the region near the lips, and compares the lips. A failure leaves
+/// its reason in the message and throws no Error.
 WholeMetrics compare_with_whole(
     const PlannedField& field, const RigidPieces& rigid, const SolverSettings& choice, const Job& job);
 

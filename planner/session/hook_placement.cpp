@@ -8,7 +8,6 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <limits>
 #include <queue>
 #include <set>
 #include <utility>
@@ -117,7 +116,7 @@ HookPlacement find_hook_placement(const WallSurface& surface, std::span<const Li
         return placement;
     };
     if (lips.empty())
-        return refuse("there is no wound to open yet: cut first");
+        return refuse("there is no wound to open: cut first");
     const auto rims = wound_rims(surface);
     std::set<VertexId> edge;
     for (const auto& rim : rims)

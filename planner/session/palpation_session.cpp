@@ -169,11 +169,13 @@ PalpationSession::~PalpationSession() { stop(); }
 
 void PalpationSession::make_tissue(const PalpationSetup& setup, const Job& job)
 {
-    const TissueWish wish { setup.model, fingers_of(setup.model), fingertip_radius(scene_),
-        std::max(setup.press_mm, kLeastPress) };
+    const TissueChoice wish { .model = setup.model,
+        .fingers = fingers_of(setup.model),
+        .radius_mm = fingertip_radius(scene_),
+        .depth_mm = std::max(setup.press_mm, kLeastPress) };
     if (wish.fingers > pointers_.size())
         throw InputError("there are too few pointers for so many fingers", setup.model);
-    MadeTissue made = backend_.make(scene_, wish, job);
+    ChosenTissue made = backend_.make(scene_, wish, job);
     if (job.cancelled())
         throw InputError("cancelled", scene_.name);
     stop();

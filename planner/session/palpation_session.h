@@ -12,33 +12,21 @@
 #include "haptics/recording/motion_recording.h"
 #include "haptics/servo/servo.h"
 #include "mesh/base/job.h"
+#include "planner/session/tissue_choice.h"
 
 #include <array>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 namespace retractor::planner {
 
-struct TissueWish {
-    std::string model = "fem";
-    std::size_t fingers = 2;
-    double radius_mm = 4.0; ///< radius of a fingertip
-    double depth_mm = 1.5; ///< intended depth of a press; springs are calibrated against elements at this depth
-};
-
-struct MadeTissue {
-    std::unique_ptr<haptics::TissueResponse> response;
-    std::vector<std::string> notes; ///< remarks about the tissue for the user
-};
-
 /// The source of tissue.
 struct PalpationBackend {
-    std::vector<std::string> models;
+    std::vector<std::string> models = tissue_models();
     /// @throws InputError naming the reason when a model cannot serve the scene
-    std::function<MadeTissue(const datasets::PalpationScene&, const TissueWish&, const Job&)> make;
+    std::function<ChosenTissue(const datasets::PalpationScene&, const TissueChoice&, const Job&)> make = make_tissue;
 };
 
 /// Number of fingers of a model, at most kMostFingers.

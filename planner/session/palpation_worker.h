@@ -15,8 +15,6 @@
 
 #include <chrono>
 #include <cstddef>
-#include <filesystem>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>

@@ -3,7 +3,6 @@
 
 #include "planner/session/surgery_session.h"
 
-#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>

@@ -128,7 +128,6 @@ SurgerySession::SurgerySession(
 
 SurgerySession::~SurgerySession() = default;
 SurgerySession::SurgerySession(SurgerySession&&) noexcept = default;
-SurgerySession& SurgerySession::operator=(SurgerySession&&) noexcept = default;
 
 bool SurgerySession::is_skeleton_label(Label label) const
 {
@@ -146,12 +145,12 @@ KnifeAnswer SurgerySession::begin_stroke(const Touch& at, const KnifeSettings& s
     if (at.on_lip)
         return { false, "the knife is in a wound: begin on the skin" };
     if (!settings.cuts_bone && is_skeleton_label(at.label))
-        return { false, label_name(labels_, at.label) + " lies bare here: the knife does not cut it" };
+        return { false, label_name(labels_, at.label) + " is exposed here: the knife does not cut it" };
     double depth = settings.depth_mm;
     if (settings.through_wall) {
         const auto thickness = thickness_near(*picture()->surface, at);
         if (!thickness)
-            return { false, "the wall has no far side here: give a depth" };
+            return { false, "the wall has no inner side here: set a depth" };
         depth = *thickness + kBeyondWallMm;
     }
     stroke_ = std::make_shared<Stroke>();
@@ -175,10 +174,10 @@ KnifeAnswer SurgerySession::draw_to(const Touch& at)
         return { true, {} };
     Stroke& stroke = *stroke_;
     if (!region_.can_cut(at.rest)) {
-        stroke.off = "it left the outline of the wall that can be cut";
+        stroke.off = "the line left the region that can be cut";
         if (std::exchange(stroke.off_said, true))
             return { false, {} };
-        return { false, "here the line is not cut: " + stroke.off };
+        return { false, "the line is not cut here: " + stroke.off };
     }
     if ((at.rest - stroke.tip).norm() > kLongestGapMm) {
         stroke.omitted = "the line jumps: draw on the skin";
@@ -206,7 +205,7 @@ void SurgerySession::leave_wall()
 {
     if (!stroke_open())
         throw InputError("there is no stroke to draw on");
-    stroke_->off = "it left the wall";
+    stroke_->off = "the line left the wall";
 }
 
 KnifeAnswer SurgerySession::cut_to(std::vector<Vec3> points, std::vector<Vec3> directions)
@@ -256,7 +255,7 @@ KnifeAnswer SurgerySession::finish_stroke()
     try {
         result = session_.finish_stroke();
     } catch (const SolverError& error) { // finishing would be refused again, and an open stroke blocks everything else
-        const std::string reason = std::string("the stroke cannot be finished and is taken back: ") + error.what();
+        const std::string reason = std::string("the stroke cannot be finished and was undone: ") + error.what();
         abandon_stroke();
         return { false, reason };
     }
@@ -276,7 +275,7 @@ KnifeAnswer SurgerySession::finish_stroke()
         return { true, {} };
     return { true,
         "cut over " + std::to_string(std::lround(entry.length_mm))
-            + " mm; a part of the line was left out: " + entry.omitted };
+            + " mm; a part of the line was not cut: " + entry.omitted };
 }
 
 void SurgerySession::abandon_stroke()
@@ -302,13 +301,13 @@ std::optional<mesh::Piece> SurgerySession::free_piece_at(const Touch& at, std::s
     const auto touched = std::find_if(
         faces.begin(), faces.end(), [&](const mesh::SurfaceFace& face) { return face.vertices == at.triangle; });
     if (touched == faces.end())
-        return refuse("the tissue has changed since: point again");
+        return refuse("the tissue has changed since the click: click again");
     std::vector<mesh::Piece> pieces = mesh::find_pieces(session_);
     const auto piece = std::find_if(pieces.begin(), pieces.end(), [&](const mesh::Piece& candidate) {
         return std::binary_search(candidate.tets.begin(), candidate.tets.end(), touched->face.tet);
     });
     if (piece == pieces.begin())
-        return refuse("this hangs together with the wall: cut it free first, or take a ball of tissue out");
+        return refuse("this tissue is connected to the wall: cut it free first, or take out a ball of tissue");
     std::vector<TetId> free = piece->tets;
     if (const std::string why = leave_out_what_stays(free); !why.empty()) {
         why_not = "this piece cannot be taken out: " + why;
@@ -335,9 +334,9 @@ std::string SurgerySession::leave_out_what_stays(std::vector<TetId>& marked) con
         held = held || fast;
         return outside || fast;
     });
-    std::string why = beyond ? "it reaches beyond the outline" : "";
+    std::string why = beyond ? "tissue lies outside the region that can be cut" : "";
     if (held)
-        why += (why.empty() ? "" : "; ") + std::string("it is held where the wall is");
+        why += (why.empty() ? "" : "; ") + std::string("tissue is held by a support of the wall");
     return why;
 }
 
@@ -355,7 +354,7 @@ KnifeAnswer SurgerySession::take_out(const Touch& at, double radius_mm)
     if (radius_mm > 0.0) {
         marked = mesh::mark_ball(session_, at.rest, radius_mm, std::array { at.label });
         if (marked.empty())
-            return { false, "the ball is smaller than the elements here: take a larger one" };
+            return { false, "the ball is smaller than the elements here: set a larger radius" };
         entry.omitted = leave_out_what_stays(marked);
         if (marked.empty())
             return { false, "nothing can be taken out here: " + entry.omitted };
@@ -369,7 +368,7 @@ KnifeAnswer SurgerySession::take_out(const Touch& at, double radius_mm)
         entry.several_tissues = piece->labels.size() > 1;
     }
     if (marked.size() == session_.tet_count())
-        return { false, "nothing of the wall would be left" };
+        return { false, "this would remove the whole wall" };
     const Stopwatch watch;
     const mesh::CutResult result = session_.ablate(marked, job_);
     if (result.status != mesh::CutStatus::done)
@@ -379,7 +378,7 @@ KnifeAnswer SurgerySession::take_out(const Touch& at, double radius_mm)
     entry.taken_out = label_name(labels_, kind);
     entry.report = result.report;
     history_.add(entry);
-    return { true, entry.omitted.empty() ? std::string {} : "a part of the ball was left out: " + entry.omitted };
+    return { true, entry.omitted.empty() ? std::string {} : "a part of the ball was not taken out: " + entry.omitted };
 }
 
 void SurgerySession::undo()
@@ -497,7 +496,7 @@ void SurgerySession::renew_springs(const std::string& why)
         springs_ = make_springs(tension_);
         lie_as(was);
         start_moving();
-        remark_ = "the springs were made anew, because they could not follow the knife: " + why;
+        remark_ = "the springs could not follow the knife and were replaced: " + why;
     } catch (const std::exception& error) {
         drop_tension(error.what());
     }
@@ -509,7 +508,7 @@ void SurgerySession::drop_tension(const std::string& why)
     picture_.reset();
     tension_ = 0.0;
     moving_ = false;
-    remark_ = "the tension is switched off: " + why;
+    remark_ = "the tension was switched off: " + why;
 }
 
 /// Continues from this displacement. The two fields may have different row counts, because ids of undone cuts may have
@@ -670,7 +669,7 @@ template <class Call> void SurgerySession::with_hooks(const Call& call)
 void SurgerySession::drop_hooks(const std::string& why)
 {
     hooks_taken_off();
-    remark_ = "all hooks are taken off: " + why;
+    remark_ = "all hooks were removed: " + why;
 }
 
 /// Returns the wound to the state without hooks: springs, when there is tension.
@@ -777,7 +776,7 @@ namespace {
             percent << 100.0 * strain << " % tension";
             return strain == 0.0 ? std::string("no tension") : percent.str();
         };
-        return "under " + text(here) + " here, " + text(planned) + " in the plan: they open differently";
+        return "under " + text(here) + " here, " + text(planned) + " in the plan: the wound opens differently";
     }
 
 } // namespace
@@ -790,13 +789,13 @@ KnifeAnswer SurgerySession::take_planned_hooks()
         return { false, "the approach has no hooks" };
     const std::vector<mesh::LipFace> lips = session_.lips();
     if (lips.empty())
-        return { false, "there is no wound to open yet: cut first" };
+        return { false, "there is no wound to open: cut first" };
     PlannedPlacements planned = planned_placements(session_, approach_, labels_, held_);
     if (planned.placements.empty())
         return { false, planned.omitted };
     leave_out_those_there(planned, hooks().hooks);
     if (planned.placements.empty())
-        return { false, "the planned hooks hold the wound already: take them off to begin anew" };
+        return { false, "the planned hooks already hold the wound: remove them to start again" };
     KnifeAnswer answer
         = attach(std::move(planned.placements), planned.names, planned.drives, true, std::move(planned.omitted));
     if (answer.done && tension_ != case_tension())

@@ -46,7 +46,7 @@ struct SurgerySetup {
     Approach approach {}; ///< its hooks are the planned hooks
     mesh::LabelTable labels;
     /// Materials by label; labels outside the wall may be missing. Hooks need materials that four-node elements can
-    /// solve (as_solved() of planner/plan/opened_wound.h), because nearly incompressible tissue locks.
+    /// solve (as_solved() of planner/case/solver_settings.h), because nearly incompressible tissue locks.
     std::vector<fem::Material> materials;
     Vec3 outward = -Vec3::UnitY(); ///< direction out of the body, for tissue without skin above
     WallRegion region {}; ///< region of the wall that can be cut
@@ -82,7 +82,6 @@ public:
         SurgerySetup setup, mesh::CutSession session, const std::vector<mesh::MeshDelta>& cuts, const Job& job = {});
     ~SurgerySession();
     SurgerySession(SurgerySession&&) noexcept;
-    SurgerySession& operator=(SurgerySession&&) noexcept;
 
     /// Sets the knife on the skin. Refused outside the region that can be cut (WallRegion), in a wound, on bare bone
     /// that the knife does not cut, and when the wall has no far side to cut through to.

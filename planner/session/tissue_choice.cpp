@@ -2,8 +2,6 @@
 
 #include "mesh/base/error.h"
 
-#include <algorithm>
-
 namespace retractor::planner {
 
 const std::vector<std::string>& tissue_models()

@@ -29,9 +29,9 @@ namespace {
     std::string far_in_words(double change)
     {
         if (!std::isfinite(change))
-            return "; beyond, linear, tissue is turned over: a plan solves all of it";
-        return "; beyond, linear, it is off by about " + std::to_string(std::lround(100.0 * change))
-            + " %: a plan solves all of it";
+            return "; the linear tissue beyond has inverted elements: a plan can solve the whole wall nonlinearly";
+        return "; the linear tissue beyond has an error of about " + std::to_string(std::lround(100.0 * change))
+            + " %: a plan can solve the whole wall nonlinearly";
     }
 
     fem::OnlineOptions options_of(std::vector<Mat3> stress_of_element)
@@ -217,7 +217,7 @@ void WoundHooks::pull_all(double mm)
 void WoundHooks::pull_share(double share)
 {
     if (!std::isfinite(share))
-        throw InputError("the share of their plan that hooks are driven by must be finite", "hooks");
+        throw InputError("the share of the planned opening must be finite", "hooks");
     std::map<fem::HookId, fem::HookDrive> driven;
     for (const HookState& hook : report_.hooks)
         if (hook.planned)
@@ -292,7 +292,7 @@ void WoundHooks::take_off_lost()
 
 void WoundHooks::lost(const std::string& name)
 {
-    remark_ += (remark_.empty() ? "" : "; ") + name + " has lost its hold and is taken off";
+    remark_ += (remark_.empty() ? "" : "; ") + name + " has lost its tissue and was removed";
 }
 
 /// Computes the exact linear solution. @return false, with a message, when there is none to show
@@ -506,18 +506,18 @@ std::string WoundHooks::shown_in_words() const
         std::string within = "nonlinear within " + std::to_string(std::lround(near_.within_mm())) + " mm";
         if (near_.far_change() && *near_.far_change() > kFarTolerance)
             within += far_in_words(*near_.far_change());
-        return near_.frame().status == fem::NearStatus::not_settled ? within + ", not at rest" : within;
+        return near_.frame().status == fem::NearStatus::not_settled ? within + ", not in equilibrium" : within;
     }
-    const std::string shown = as_before_       ? "as before"
+    const std::string shown = as_before_       ? "last solution"
         : report_.shown == ShownAnswer::linear ? "linear"
-                                               : "nonlinear, and linear since";
+                                               : "nonlinear plus linear change";
     if (!nonlinear_)
         return shown;
     if (!near_.refusal().empty())
         return shown + ": " + near_.refusal();
     if (near_pending())
-        return shown + ": nonlinear comes";
-    return near_usable() ? shown + ": nonlinear finds no rest" : shown;
+        return shown + ": the nonlinear solution is computed";
+    return near_usable() ? shown + ": no nonlinear equilibrium was found" : shown;
 }
 
 } // namespace retractor::planner

@@ -10,7 +10,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <queue>
 #include <set>
 #include <string>
@@ -19,7 +18,6 @@ namespace retractor::planner {
 
 namespace {
 
-    constexpr double kDegree = std::numbers::pi / 180.0;
     /// Step (mm) along a face's normal to find the change of the depth below the blade's line.
     constexpr double kDepthStep = 0.01;
     /// A face belongs to the surface through which the blade entered when its normal points at least this much against
@@ -272,11 +270,7 @@ namespace {
         std::vector<double> gaps;
         for (std::size_t i = 0; i < ladder.size(); ++i) {
             gaps.push_back(std::max(0.0, gap(ladder, i, opening.normal, opening.along)));
-            if (gaps.back() > opening.width_mm || i == 0) {
-                opening.width_mm = gaps.back();
-                opening.widest_left = ladder[i].left;
-                opening.widest_right = ladder[i].right;
-            }
+            opening.width_mm = std::max(opening.width_mm, gaps.back());
         }
         const bool closed = opening.area_mm2 <= kClosedArea * opening.length_mm * opening.length_mm;
         Vec3 sum = Vec3::Zero();
@@ -304,14 +298,6 @@ namespace {
             line.points.push_back(p);
         }
         return line;
-    }
-
-    double angle_deg(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree; }
-
-    double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c)
-    {
-        const double la = a.norm(), lb = b.norm(), lc = c.norm();
-        return 2.0 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
     }
 
 } // namespace
@@ -351,8 +337,8 @@ OpeningGeometry opening_geometry(const LipLine& left, const LipLine& right, cons
     if (!outward.allFinite() || !(outward.norm() > 0.0))
         throw InputError("the outward direction of an opening must be finite and not zero");
     OpeningGeometry opening;
-    opening.loop = right.points;
-    opening.loop.insert(opening.loop.end(), left.points.rbegin(), left.points.rend());
+    std::vector<Vec3> loop = right.points;
+    loop.insert(loop.end(), left.points.rbegin(), left.points.rend());
     opening.incision_length_mm = 0.5 * (polyline_length(left.points) + polyline_length(right.points));
 
     const std::vector<Rung> ladder = rungs(left, right);
@@ -363,7 +349,7 @@ OpeningGeometry opening_geometry(const LipLine& left, const LipLine& right, cons
     if (!(opening.length_mm > 0.0))
         throw InputError("an opening's two ends must not coincide");
 
-    const Vec3 area = loop_area_vector(opening.loop);
+    const Vec3 area = loop_area_vector(loop);
     const bool closed = area.norm() <= kClosedArea * opening.length_mm * opening.length_mm;
     const double sign = area.dot(outward) < 0.0 ? -1.0 : 1.0;
     opening.normal = closed ? Vec3(outward.normalized()) : Vec3(sign * area.normalized());
@@ -401,21 +387,6 @@ std::optional<double> working_distance_mm(
         if (const auto hit = line_hit(aim, out, triangle_corners(target.vertices, t)))
             surface = std::max(surface, hit->distance);
     return skin - (std::isfinite(surface) ? surface : 0.0);
-}
-
-ApproachAngles approach_angles(const OpeningGeometry& opening, const Vec3& target_point)
-{
-    ApproachAngles angles;
-    const Vec3 to_centre = opening.centre - target_point;
-    for (std::size_t i = 0; i < opening.loop.size(); ++i)
-        angles.solid_angle_sr += solid_angle(
-            to_centre, opening.loop[i] - target_point, opening.loop[(i + 1) % opening.loop.size()] - target_point);
-    angles.solid_angle_sr = std::abs(angles.solid_angle_sr);
-    angles.along_deg = angle_deg(opening.start - target_point, opening.end - target_point);
-    angles.across_deg = angle_deg(opening.widest_left - target_point, opening.widest_right - target_point);
-    angles.tilt_deg = angle_deg(to_centre, opening.normal);
-    angles.offset_mm = (to_centre - opening.normal * opening.normal.dot(to_centre)).norm();
-    return angles;
 }
 
 Vec3 surface_centre(const TriMesh& surface)

@@ -54,8 +54,6 @@ struct OpeningGeometry {
     Vec3 normal = Vec3::UnitZ(); ///< outward unit normal of the skin plane
     Vec3 along = Vec3::UnitX(); ///< unit vector in the plane, from start to end of the cut
     Vec3 start = Vec3::Zero(), end = Vec3::Zero(); ///< ends of the opening, half way between the lips
-    Vec3 widest_left = Vec3::Zero(), widest_right = Vec3::Zero(); ///< points of the lips where the field is widest
-    std::vector<Vec3> loop; ///< right lip forward, left lip back; counter-clockwise seen from outside
 };
 
 /// @param outward roughly out of the body; tells gaping from overlapping, and is the normal of a closed slit
@@ -72,16 +70,6 @@ OpeningGeometry opening_geometry(const WoundEdges& edges, const mesh::TetMesh& m
 /// @returns nothing when the axis lies within 3 degrees of the skin plane
 std::optional<double> working_distance_mm(
     const OpeningGeometry& opening, const TriMesh& target, const Vec3& aim, const Vec3& axis);
-
-/// The opening as a point of the target sees it.
-struct ApproachAngles {
-    double solid_angle_sr = 0.0; ///< solid angle of the opening [van Oosterom and Strackee 1983]
-    double along_deg = 0.0; ///< angle of attack, between the rays to the two ends of the opening
-    double across_deg = 0.0; ///< angle between the rays to the two lips where the field is widest
-    double tilt_deg = 0.0; ///< angle between the ray to the opening's centre and the normal of the skin plane
-    double offset_mm = 0.0; ///< distance of the point from the normal through the opening's centre
-};
-ApproachAngles approach_angles(const OpeningGeometry& opening, const Vec3& target_point);
 
 /// Area-weighted centre of a surface. @throws InputError on zero area.
 Vec3 surface_centre(const TriMesh& surface);

@@ -2,6 +2,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/triangle.h"
 #include "mesh/image/skeleton.h"
+#include "planner/wall/rib_joints.h"
 
 #include <Eigen/Geometry>
 
@@ -49,14 +50,15 @@ namespace {
         mesh::LabelFlags is_cut_bone = is_bone;
         for (const Label label : whole_labels)
             is_cut_bone[label] = 0;
-        std::vector<bool> touches_bone(mesh.vertex_count(), false), touches_whole_bone(mesh.vertex_count(), false);
+        std::vector<bool> touches_bone(mesh.vertex_count(), false), touches_whole_bone(mesh.vertex_count(), false),
+            touches_cut_bone(mesh.vertex_count(), false);
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
             const Label label = mesh.labels[static_cast<std::size_t>(t)];
             if (is_bone[label] != 0)
                 for (const VertexId v : mesh.tet(t)) {
                     touches_bone[static_cast<std::size_t>(v)] = true;
-                    if (is_cut_bone[label] == 0)
-                        touches_whole_bone[static_cast<std::size_t>(v)] = true;
+                    (is_cut_bone[label] != 0 ? touches_cut_bone : touches_whole_bone)[static_cast<std::size_t>(v)]
+                        = true;
                 }
         }
         const double probe_mm = kProbeVoxels * labels.grid.spacing.maxCoeff();
@@ -67,8 +69,13 @@ namespace {
                 continue; // interior
             const Vec3 probe = (mesh.vertices.row(v) + probe_mm / length * normals.row(v)).transpose();
             const Vec3 near_probe = (mesh.vertices.row(v) + 0.5 * probe_mm / length * normals.row(v)).transpose();
+            // The end of a cartilage on a sternum that is not meshed may have a few vertices only, whose normals point
+            // anywhere. So all vertices of a whole bone near the other bone are held.
+            const bool ends_on_bone = touches_whole_bone[static_cast<std::size_t>(v)]
+                && !touches_cut_bone[static_cast<std::size_t>(v)]
+                && distance_to_labels(labels, is_cut_bone, mesh.vertices.row(v).transpose(), probe_mm) <= probe_mm;
             const bool is_held = touches_bone[static_cast<std::size_t>(v)]
-                ? is_cut_bone[mesh::label_at(labels, near_probe)] != 0
+                ? ends_on_bone || is_cut_bone[mesh::label_at(labels, near_probe)] != 0
                 : hold_soft_tissue && is_wall[mesh::label_at(labels, probe)] != 0;
             // A bone that leaves the image hangs on its joint, or, as the shoulder girdle, in its muscles.
             const bool ends_with_image = (hold_soft_tissue || !touches_whole_bone[static_cast<std::size_t>(v)])
@@ -83,39 +90,31 @@ namespace {
         return name.starts_with("rib_") || name == "sternum" || name == "costal_cartilages";
     }
 
-    /// Whether a voxel with one of the labels has its centre within `radius` of a point.
-    bool is_near(const mesh::LabelVolume& labels, const mesh::LabelFlags& wanted, const Vec3& point, double radius)
-    {
-        const Vec3 centre = labels.grid.index(point);
-        std::array<int, 3> low {};
-        std::array<int, 3> high {};
-        for (int axis = 0; axis < 3; ++axis) {
-            const auto a = static_cast<std::size_t>(axis);
-            const double reach = radius / labels.grid.spacing[axis];
-            low[a] = std::max(0, static_cast<int>(std::ceil(centre[axis] - reach)));
-            high[a] = std::min(labels.grid.size[a] - 1, static_cast<int>(std::floor(centre[axis] + reach)));
-        }
-        for (int k = low[2]; k <= high[2]; ++k)
-            for (int j = low[1]; j <= high[1]; ++j)
-                for (int i = low[0]; i <= high[0]; ++i)
-                    if (wanted[labels.voxels[labels.grid.offset(i, j, k)]] != 0
-                        && (labels.grid.spacing.cwiseProduct(Vec3(i, j, k) - centre)).norm() <= radius)
-                        return true;
-        return false;
-    }
-
-    void hold_spine_side(const mesh::TetMesh& mesh, const mesh::LabelVolume& labels, const Points& normals,
+    /// Holds the vertices at the spine, without the heads of ribs, which have joints (rib_joints.h).
+    /// @returns whether the spine holds anything, a rib head at least
+    bool hold_spine_side(const mesh::TetMesh& mesh, const mesh::LabelVolume& labels, const Points& normals,
         std::span<const Label> fixed_labels, std::vector<bool>& fixed)
     {
         const mesh::LabelFlags wanted = mesh::flagged_labels(fixed_labels);
-        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            if (wanted[mesh.labels[static_cast<std::size_t>(t)]] != 0)
-                for (const VertexId v : mesh.tet(t))
-                    fixed[static_cast<std::size_t>(v)] = true;
+        const mesh::LabelFlags is_bone = mesh::flagged_labels(labels.table, mesh::is_skeleton);
+        std::vector<bool> on_bone(mesh.vertex_count(), false);
+        bool holds = false;
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
+            const Label label = mesh.labels[static_cast<std::size_t>(t)];
+            for (const VertexId v : mesh.tet(t)) {
+                if (wanted[label] != 0)
+                    fixed[static_cast<std::size_t>(v)] = holds = true;
+                else if (is_bone[label] != 0)
+                    on_bone[static_cast<std::size_t>(v)] = true;
+            }
+        }
         for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
             if (!fixed[static_cast<std::size_t>(v)] && !normals.row(v).isZero(0.0)
-                && is_near(labels, wanted, mesh.vertices.row(v).transpose(), kJointGapMm))
-                fixed[static_cast<std::size_t>(v)] = true;
+                && distance_to_labels(labels, wanted, mesh.vertices.row(v).transpose(), kJointGapMm) <= kJointGapMm) {
+                fixed[static_cast<std::size_t>(v)] = !on_bone[static_cast<std::size_t>(v)];
+                holds = true;
+            }
+        return holds;
     }
 
 } // namespace
@@ -126,9 +125,7 @@ std::vector<VertexId> wall_supports(const mesh::TetMesh& mesh, const mesh::Label
     std::vector<bool> fixed(mesh.vertex_count(), false);
     RETRACTOR_ASSERT(mesh.labels.size() == mesh.tet_count());
     const Points normals = outward_normals(mesh);
-    if (!fixed_labels.empty())
-        hold_spine_side(mesh, labels, normals, fixed_labels, fixed);
-    const bool has_spine_side = std::find(fixed.begin(), fixed.end(), true) != fixed.end();
+    const bool has_spine_side = !fixed_labels.empty() && hold_spine_side(mesh, labels, normals, fixed_labels, fixed);
     if (region_border)
         hold_border(mesh, labels, normals, whole_labels, !has_spine_side, fixed);
     std::vector<VertexId> supports;
@@ -188,29 +185,6 @@ std::vector<fem::BeddedVertex> girdle_beds(
             beds.push_back({ static_cast<VertexId>(v), kBedModulus * kShare * length });
     }
     return beds;
-}
-
-std::vector<bool> joint_elements(
-    const mesh::TetMesh& mesh, const mesh::LabelVolume& labels, std::span<const Label> fixed_labels)
-{
-    const mesh::LabelFlags wanted = mesh::flagged_labels(fixed_labels);
-    std::vector<std::int8_t> near_spine(mesh.vertex_count(), -1); // -1: not yet computed
-    std::vector<bool> joint(mesh.tet_count(), false);
-    RETRACTOR_ASSERT(mesh.labels.size() == mesh.tet_count());
-    for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
-        const mesh::LabelInfo* info = mesh::find_label(labels.table, mesh.labels[t]);
-        const bool is_bone = info != nullptr && is_skeleton(*info);
-        if (!is_bone || wanted[mesh.labels[t]] != 0)
-            continue;
-        for (const VertexId v : mesh.tet(static_cast<TetId>(t))) {
-            std::int8_t& flag = near_spine[static_cast<std::size_t>(v)];
-            if (flag < 0)
-                flag = is_near(labels, wanted, mesh.vertices.row(v).transpose(), kJointReachMm) ? 1 : 0;
-            if (flag == 1)
-                joint[t] = true;
-        }
-    }
-    return joint;
 }
 
 } // namespace retractor::planner

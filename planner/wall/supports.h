@@ -12,13 +12,10 @@
 
 namespace retractor::planner {
 
-/// Largest distance over a costovertebral joint: the width of the joint, and the half voxels between the mesh's surface
-/// and the labels.
-inline constexpr double kJointGapMm = 5.0;
-
 /// Vertices that do not move:
-/// - The spine side: all vertices of elements with a label in `fixed_labels`, and boundary vertices within kJointGapMm
-///   of voxels with such a label (rib heads stand off the spine by the joint's gap).
+/// - The spine side: all vertices of elements with a label in `fixed_labels`, and boundary vertices of soft tissue
+///   within kJointGapMm of voxels with such a label. The heads of ribs rest on the springs of their joints instead
+///   (rib_joints.h).
 /// - The cut-off border of the model: where the image ends, and where bone was cut off from other bone. With a spine
 ///   side, bones kept whole are not held where the image ends, because ribs have their joints and the shoulder girdle
 ///   hangs in muscle.
@@ -48,14 +45,5 @@ std::vector<fem::BeddedVertex> girdle_beds(
 
 /// Stiffness of a bed (N/mm per mm^2): muscle (0.04 MPa) that gives way over 150 mm, half the width of a chest.
 inline constexpr double kBedModulus = 0.04 / 150.0;
-
-/// Elements of bone or cartilage that stand for the joints between ribs and spine. Such an element has a corner within
-/// kJointReachMm of a voxel with a label in `fixed_labels`. A rib turns on its joint; a clamped rib would have to bend.
-/// @returns one flag per element
-std::vector<bool> joint_elements(
-    const mesh::TetMesh& mesh, const mesh::LabelVolume& labels, std::span<const Label> fixed_labels);
-
-/// Length of a joint along a rib from the spine: head and neck, at least one element.
-inline constexpr double kJointReachMm = 14.0;
 
 } // namespace retractor::planner

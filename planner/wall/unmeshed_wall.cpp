@@ -266,15 +266,16 @@ TriMesh unmeshed_wall_region(const TriMesh& body, const mesh::LabelVolume& label
     if (sizing.region_mm <= 0.0 || body.triangles.empty())
         return {};
     const Stopwatch watch;
-    const CorridorDistance corridor(sizing.corridor, body.vertices.colwise().minCoeff().transpose(),
-        body.vertices.colwise().maxCoeff().transpose());
+    const std::vector<Vec3> line = mesh::region_line(sizing);
+    const CorridorDistance corridor(
+        line, body.vertices.colwise().minCoeff().transpose(), body.vertices.colwise().maxCoeff().transpose());
     TriMesh rest = part_beyond(body, corridor, sizing.region_mm - kOverlapMm);
     if (rest.triangles.empty() || job.cancelled())
         return {};
     label_triangles(rest, labels);
 
     const MovedPoints moved
-        = moved_points(wall, displacement, sizing.corridor, sizing.region_mm - kRimBandMm, sizing.whole_labels);
+        = moved_points(wall, displacement, line, sizing.region_mm - kRimBandMm, sizing.whole_labels);
     const FadingField field(moved, corridor, sizing.region_mm + kFadeMm);
     const Points normals = mesh::vertex_normals(rest);
     for (Eigen::Index row = 0; row < rest.vertices.rows(); ++row) {

@@ -7,7 +7,9 @@
 #include "mesh/base/triangle.h"
 #include "mesh/cutting/pieces.h"
 #include "planner/approach/hook_patches.h"
+#include "planner/wall/division_cut.h"
 #include "planner/wall/field_geometry.h"
+#include "planner/wall/rib_joints.h"
 #include "planner/wall/supports.h"
 
 #include <Eigen/Geometry>
@@ -15,6 +17,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -465,6 +468,12 @@ PlannedCut cut_as_planned(mesh::CutSession& session, const Approach& approach, c
     if (cut.status != mesh::CutStatus::done)
         return planned;
     planned.deltas.push_back(std::move(cut.delta));
+    DivisionCut division = divide_space(session, approach, table, job);
+    planned.status = division.status;
+    planned.divided = std::move(division.divided);
+    std::move(division.deltas.begin(), division.deltas.end(), std::back_inserter(planned.deltas));
+    if (planned.status == mesh::CutStatus::cancelled)
+        planned.message = "the cut was cancelled";
     Knife knife(session, table, job, planned);
     for (std::size_t n = 0; n < approach.ablations.size() && planned.status == mesh::CutStatus::done; ++n)
         try {
@@ -476,6 +485,7 @@ PlannedCut cut_as_planned(mesh::CutSession& session, const Approach& approach, c
         while (session.cut_count() > cuts_before)
             static_cast<void>(session.undo());
         planned.deltas.clear();
+        planned.divided.reset();
         planned.removed.clear();
         planned.removed_skin_mm2 = 0.0;
     }
@@ -486,9 +496,16 @@ fem::Supports supports_of(const mesh::TetMesh& wall, const mesh::LabelVolume& la
     const mesh::MeshSizing& sizing)
 {
     const std::vector<Label> fixed_labels = mesh::label_ids(planned_case.label_table, planned_case.supports.labels);
-    return { .fixed
+    fem::Supports supports { .fixed
         = wall_supports(wall, labels, fixed_labels, sizing.whole_labels, planned_case.supports.region_border),
         .bedded = girdle_beds(wall, labels, sizing.whole_labels) };
+    std::set<VertexId> held(supports.fixed.begin(), supports.fixed.end());
+    for (const fem::BeddedVertex& bed : supports.bedded)
+        held.insert(bed.vertex);
+    for (const fem::BeddedVertex& joint : rib_joints(wall, labels, fixed_labels))
+        if (!held.contains(joint.vertex))
+            supports.bedded.push_back(joint);
+    return supports;
 }
 
 fem::Supports carried_supports(
@@ -578,6 +595,7 @@ CutWall cut_wall(mesh::TetMesh uncut, const Approach& approach, const mesh::Labe
     PlannedCut planned = cut_as_planned(session, approach, table, cut_options_of(approach, table), job);
     cut.status = planned.status;
     cut.message = std::move(planned.message);
+    cut.divided = std::move(planned.divided);
     cut.removed = std::move(planned.removed);
     cut.removed_skin_mm2 = planned.removed_skin_mm2;
     if (cut.status != mesh::CutStatus::done)

@@ -1,6 +1,6 @@
 #pragma once
-// Cuts the wall of an approach: makes the incision, removes the ablated tissue, and finds the resulting pieces. Units
-// mm; frame patient LPS (rest configuration).
+// Cuts the wall of an approach: makes the incision, divides the intercostal space beyond it, removes the ablated
+// tissue, and finds the resulting pieces. Units mm; frame patient LPS (rest configuration).
 
 #include "fem/model/loads.h"
 #include "fem/statics/boundary_conditions.h"
@@ -9,9 +9,11 @@
 #include "mesh/image/volume.h"
 #include "planner/case/approach.h"
 #include "planner/case/case.h"
+#include "planner/wall/divided_tissue.h"
 #include "planner/wall/removed_tissue.h"
 
 #include <array>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -19,20 +21,22 @@
 
 namespace retractor::planner {
 
-/// The approach's incision and ablations, carried out in a session.
+/// The approach's incision, division and ablations, carried out in a session.
 struct [[nodiscard]] PlannedCut {
     /// When not done, the session is unchanged except for the operations that can be redone.
     mesh::CutStatus status = mesh::CutStatus::done;
     std::string message; ///< reason of a failure, or remarks
     mesh::CutReport report; ///< report of the incision
     std::vector<mesh::MeshDelta> deltas; ///< one per operation, in order
+    std::optional<DividedTissue> divided; ///< beyond the incision's ends; empty without strokes of a division
     std::vector<RemovedTissue> removed; ///< tissue removed by the ablations
     /// Area, at rest, that the ablations took from the surface through which the blade enters.
     double removed_skin_mm2 = 0.0;
 };
 /// @param options usually cut_options_of(approach, table)
 /// @throws InputError on a malformed blade; with where() "ablations/0" when an ablation finds nothing to remove; also
-/// the errors of the session's witness (IoError of a journal). Cuts made before a failing ablation stay.
+/// the errors of the session's witness (IoError of a journal); SolverError as divide_space() does. Cuts made before a
+/// failing stroke or ablation stay.
 PlannedCut cut_as_planned(mesh::CutSession& session, const Approach& approach, const mesh::LabelTable& table,
     const mesh::CutOptions& options, const Job& job = {});
 
@@ -81,12 +85,13 @@ struct [[nodiscard]] CutWall {
     std::vector<fem::HookPatch> hooks;
     std::vector<WallPiece> pieces; ///< pieces of `wall`, with their supports before loose pieces were treated
     std::vector<std::vector<VertexId>> rigid; ///< vertices of each rigid piece: see move_rigid_pieces()
+    std::optional<DividedTissue> divided;
     std::vector<RemovedTissue> removed;
     double removed_skin_mm2 = 0.0; ///< removed area, at rest, of the surface through which the blade enters
     std::vector<std::string> loose; ///< each loose piece and its treatment; crumbs together
     std::array<std::string, 2> took_lip; ///< removed loose pieces that bore faces of the lips of sides +1 and -1
 };
-/// @throws InputError as cut_as_planned() and hook_patches() do
+/// @throws InputError as cut_as_planned() and hook_patches() do; SolverError as divide_space() does
 CutWall cut_wall(mesh::TetMesh uncut, const Approach& approach, const mesh::LabelTable& table, fem::Supports supports,
     const Job& job);
 

@@ -56,8 +56,8 @@ std::vector<WallPressure> wall_pressures(const mesh::TetMesh& wall, const mesh::
 
 PressureMetrics pressure_metrics(const mesh::TetMesh& wall, const WallPressure& pressure, bool follows);
 
-/// Text for people: "pressure of cavity: 1.60 kPa on 52.1 cm2, which it follows; 8.1 N in sum at rest, along (0.0,
-/// -1.0, 0.0)".
+/// Text for people: "pressure of cavity: 1.60 kPa on 52.1 cm2, following the moving surface; total force 8.10 N at
+/// rest, along (0.00, -1.00, 0.00)".
 std::string pressure_text(const PressureMetrics& pressure);
 
 } // namespace retractor::planner

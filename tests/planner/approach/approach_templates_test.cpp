@@ -128,6 +128,18 @@ namespace approach_templates_test {
         }
     }
 
+    TEST(ApproachTemplates, BetweenRibsTheSpaceIsDividedBeyondTheSkin)
+    {
+        for (const std::string& name : kTemplates) {
+            ApproachRequest r = request(name);
+            EXPECT_EQ(approach_from_template(patients()[0].labels, r).division.extent,
+                name == "median" ? DivisionExtent::skin : DivisionExtent::full)
+                << name;
+            r.division = DivisionExtent::skin;
+            EXPECT_EQ(approach_from_template(patients()[0].labels, r).division.extent, DivisionExtent::skin) << name;
+        }
+    }
+
     TEST(ApproachTemplates, SkinOfTheRoundChestIsAtItsRadius)
     {
         for (const std::string& name : kTemplates)

@@ -62,6 +62,21 @@ namespace hooks_test {
         EXPECT_EQ(make_hooks(straight(), "8", 1.0).size(), 8u);
     }
 
+    TEST(Hooks, CannotOpenAWoundFartherThanItsSkinStretches)
+    {
+        Approach approach = straight(); // 100 mm
+        approach.hooks = make_hooks(approach, "2", 170.0);
+        EXPECT_NO_THROW(check_approach(approach));
+        approach.hooks = make_hooks(approach, "2", 172.0);
+        try {
+            check_approach(approach);
+            ADD_FAILURE() << "an opening of 172 mm was accepted";
+        } catch (const InputError& error) {
+            EXPECT_EQ(error.where(), "/hooks");
+            EXPECT_NE(std::string(error.what()).find("hooks open 172 mm"), std::string::npos) << error.what();
+        }
+    }
+
     /// Two hooks on lips +1 and -1, opened with these forces.
     PlannedField opened_with(const std::vector<Vec3>& forces_N)
     {
@@ -116,7 +131,7 @@ namespace hooks_test {
             .asked_mm = 2.0,
             .pull = { .force_limit_N = 1.0 },
             .yielded = true } };
-        const std::string back = "hook left holds its lip back, which would go farther without it:";
+        const std::string back = "hook left holds back its lip, which would move farther without the hook:";
         EXPECT_EQ(hooks_text(field), back + " yields at 1.0 N: 5.1 of 2.0 mm");
         field.hooks[0].pull = {};
         EXPECT_EQ(hooks_text(field), back + " 1.0 N");

@@ -52,6 +52,9 @@ namespace case_io_test {
             a.ablations = { { .label = "rib", .from_mm = -10.0 / 3.0, .to_mm = 0.1 },
                 { .label = "rib", .from_mm = 1.0, .to_mm = 2.0, .along_from_mm = 7.0 / 3.0, .along_to_mm = 50.1 },
                 { .centre = Vec3(0.1, -1e-17, 3.3), .radius_mm = 4.0 / 3.0 } };
+            a.division = { .extent = DivisionExtent::full, .forwards_mm = 100.0 / 3.0 };
+            a.opening_protocol
+                = OpeningProtocol { .turn_mm = 40.0 / 3.0, .turns_per_step = 1.0, .wait_s = 20.1, .hold_s = 600.0 };
             a.loose_pieces = LoosePieces::rigid;
             a.sizing.region_mm = 80.1;
             a.view.half_angle_deg = 17.3;
@@ -111,6 +114,10 @@ namespace case_io_test {
         EXPECT_EQ(a.retracted, b.retracted);
         EXPECT_EQ(a.uncut_labels, b.uncut_labels);
         EXPECT_EQ(a.loose_pieces, b.loose_pieces);
+        EXPECT_EQ(a.division.extent, b.division.extent);
+        EXPECT_EQ(a.division.forwards_mm, b.division.forwards_mm);
+        EXPECT_EQ(a.division.backwards_mm, b.division.backwards_mm);
+        EXPECT_EQ(a.opening_protocol, b.opening_protocol);
         ASSERT_EQ(a.ablations.size(), b.ablations.size());
         for (std::size_t n = 0; n < a.ablations.size(); ++n) {
             EXPECT_EQ(a.ablations[n].label, b.ablations[n].label);
@@ -153,6 +160,20 @@ namespace case_io_test {
             j["solution"] = { { "elasticity", "linear" }, { "near_mm", 10.0 } };
         }),
             "/solution");
+    }
+
+    TEST_F(CaseFile, RefusesAnOpeningProtocolThatIsIncompleteOrOutOfRange)
+    {
+        const auto protocol_refused_at = [&](const std::string& key, const Json& value) {
+            return refused_at([&](Json& j) { j["approaches"][0]["opening_protocol"][key] = value; });
+        };
+        const std::string at = "/approaches/0/opening_protocol";
+        EXPECT_EQ(protocol_refused_at("turn_mm", 0.0), at + "/turn_mm");
+        EXPECT_EQ(protocol_refused_at("turns_per_step", -0.5), at + "/turns_per_step");
+        EXPECT_EQ(protocol_refused_at("wait_s", "slow"), at + "/wait_s");
+        EXPECT_EQ(protocol_refused_at("hold_s", nullptr), at + "/hold_s"); // how NaN is written
+        EXPECT_EQ(protocol_refused_at("speed", 1.0), at + "/speed");
+        EXPECT_EQ(refused_at([](Json& j) { j["approaches"][0]["opening_protocol"].erase("wait_s"); }), at + "/wait_s");
     }
 
     TEST_F(CaseFile, TheRemovedSubmodelIsRefusedWithWhatReplacesIt)
@@ -389,6 +410,8 @@ namespace case_io_test {
         ASSERT_EQ(read.approaches.size(), 1U);
         EXPECT_TRUE(read.approaches[0].ablations.empty());
         EXPECT_EQ(read.approaches[0].loose_pieces, LoosePieces::held);
+        EXPECT_EQ(read.approaches[0].division.extent, DivisionExtent::skin);
+        EXPECT_FALSE(read.approaches[0].opening_protocol);
         EXPECT_TRUE(read.approaches[0].hooks.at(0).pull.prescribes());
         for (const fem::Material& material : read.materials) {
             EXPECT_FALSE(material.law) << material.name;
@@ -483,6 +506,19 @@ namespace case_io_test {
             { "/approaches/0/uncut_labels/0", [](Json& j) { j["approaches"][0]["uncut_labels"][0] = "spleen"; } },
             { "/approaches/0/loose_pieces", [](Json& j) { j["approaches"][0]["loose_pieces"] = "floating"; } },
             { "/approaches/0/loose_pieces", [](Json& j) { j["approaches"][0]["loose_pieces"] = 1; } },
+            { "/approaches/0/division", [](Json& j) { j["approaches"][0]["division"] = "full"; } },
+            { "/approaches/0/division/extent",
+                [](Json& j) {
+                    j["approaches"][0]["division"] = { { "forwards_mm", 10.0 } };
+                } },
+            { "/approaches/0/division/extent", [](Json& j) { j["approaches"][0]["division"]["extent"] = "half"; } },
+            { "/approaches/0/division/forwards_mm",
+                [](Json& j) { j["approaches"][0]["division"]["forwards_mm"] = -1.0; } },
+            { "/approaches/0/division/backwards_mm",
+                [](Json& j) {
+                    j["approaches"][0]["division"] = { { "extent", "skin" }, { "backwards_mm", 10.0 } };
+                } },
+            { "/approaches/0/division/depth_mm", [](Json& j) { j["approaches"][0]["division"]["depth_mm"] = 10.0; } },
             { "/approaches/0/ablations", [](Json& j) { j["approaches"][0]["ablations"] = "rib"; } },
             { "/approaches/0/ablations/0/label",
                 [](Json& j) { j["approaches"][0]["ablations"][0]["label"] = "spleen"; } },

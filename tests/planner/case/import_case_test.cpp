@@ -110,6 +110,32 @@ namespace import_case_test {
         EXPECT_NO_THROW(read_case(case_file()));
     }
 
+    TEST_F(ImportCase, ImagesInMetresAreRefusedUnlessTheyAreAccepted)
+    {
+        phantom.ct.grid.spacing *= 1e-3;
+        phantom.labels.grid.spacing *= 1e-3;
+        phantom.ct.grid.origin *= 1e-3;
+        phantom.labels.grid.origin *= 1e-3;
+        datasets::write_volume(folder / "in.nrrd", phantom.ct);
+        datasets::write_label_volume(folder / "in_labels.nrrd", phantom.labels);
+        try {
+            (void)read_import(request);
+            FAIL() << "an image of 0.06 mm was accepted";
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find("is it in m ("), std::string::npos) << error.what();
+            EXPECT_EQ(error.where(), "CT");
+            EXPECT_EQ(error.fields(), std::vector<std::string> { "accept_implausible" });
+        }
+        request.accept_implausible = true;
+        const ImportedCase imported = read_import(request);
+        EXPECT_EQ(std::count_if(imported.warnings.begin(), imported.warnings.end(),
+                      [](const std::string& text) { return text.find("is it in m (") != std::string::npos; }),
+            2)
+            << "the CT and the labels";
+        EXPECT_TRUE(write_import(imported, case_file()).accept_implausible);
+        EXPECT_TRUE(read_case(case_file()).accept_implausible);
+    }
+
     TEST_F(ImportCase, CancelledItLeavesNothing)
     {
         std::atomic<bool> cancel { false };

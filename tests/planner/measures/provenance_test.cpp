@@ -32,7 +32,7 @@ namespace computation_test {
                 material.youngs_modulus_MPa = 0.123;
                 material.poissons_ratio = 0.49;
             }
-        const auto json = computation_document(computation_of(c, "retractor 9.9", kWhen));
+        const auto json = provenance_document(provenance_of(c, "retractor 9.9", kWhen));
         EXPECT_EQ(json.at("date"), "2023-11-14T22:13:20Z"); // 1.7e9 s after the epoch
         EXPECT_EQ(json.at("program"), "retractor 9.9");
         EXPECT_EQ(json.at("labels").at("sha256"), std::string(64, 'a'));
@@ -41,15 +41,15 @@ namespace computation_test {
         EXPECT_EQ(json.at("materials").at(0).at("youngs_modulus_MPa"), 0.123);
         EXPECT_EQ(json.at("materials").at(0).at("poissons_ratio"), 0.45) << "as four-node elements take it";
         c.solution.element = ElementKind::p2;
-        EXPECT_EQ(computation_of(c, "", kWhen).materials.at(0).poissons_ratio, 0.49);
+        EXPECT_EQ(provenance_of(c, "", kWhen).materials.at(0).poissons_ratio, 0.49);
     }
 
     TEST(Provenance, RepeatsNoNameAndNoPathOfAPerson)
     {
-        const Provenance made = computation_of(named_case(), "retractor", kWhen);
+        const Provenance made = provenance_of(named_case(), "retractor", kWhen);
         EXPECT_EQ(made.case_file, "[withheld]-study/case.json");
-        std::string said = computation_document(made).dump();
-        for (const auto& [what, value] : computation_rows(made))
+        std::string said = provenance_document(made).dump();
+        for (const auto& [what, value] : provenance_rows(made))
             said += value;
         for (const char* secret : { "Doe", "Jane", "4711", "private" })
             EXPECT_EQ(said.find(secret), std::string::npos) << secret;

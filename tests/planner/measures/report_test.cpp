@@ -94,13 +94,58 @@ namespace report_test {
         driven.hooks.back().yielded = true;
         EXPECT_TRUE(forces_are_known(driven));
         EXPECT_NE(opinion_text(*field.second_opinion).find("agrees"), std::string::npos);
-        field.error->message = "the wound was not opened as asked";
+        field.error->message = "the wound did not open as requested";
         field.second_opinion->status = "failed";
         field.second_opinion->message = "ccx died";
         const auto none = metrics_document({ field }).at("approaches").at(0);
         EXPECT_FALSE(none.at("error_estimate").contains("opening_width_mm"));
         EXPECT_FALSE(none.at("second_opinion").contains("displacement_difference"));
         EXPECT_EQ(none.at("second_opinion").at("message"), "ccx died");
+    }
+
+    TEST(Metrics, TheDivisionIsThereWhereTheSpaceIsDividedBeyondTheSkin)
+    {
+        FieldMetrics field = sample_field("intercostal_4");
+        EXPECT_FALSE(metrics_document({ field }).at("approaches").at(0).contains("division"));
+        EXPECT_EQ(division_text(field), "");
+        EXPECT_EQ(division_cell(field), "skin only");
+        field.division = { .labels = { "intercostal" },
+            .length_mm = 279.0,
+            .forwards_mm = 62.0,
+            .backwards_mm = 47.0,
+            .severed_mm2 = 1090.0,
+            .words = "in the left intercostal space 4" };
+        const auto document = metrics_document({ field });
+        const auto& division = document.at("approaches").at(0).at("division");
+        EXPECT_EQ(division.at("labels").at(0), "intercostal");
+        EXPECT_DOUBLE_EQ(division.at("length_mm").get<double>(), 279.0);
+        EXPECT_DOUBLE_EQ(division.at("forwards_mm").get<double>(), 62.0);
+        EXPECT_DOUBLE_EQ(division.at("backwards_mm").get<double>(), 47.0);
+        EXPECT_DOUBLE_EQ(division.at("severed_mm2").get<double>(), 1090.0);
+        EXPECT_EQ(division_cell(field), "47 mm backwards, 62 mm forwards");
+        EXPECT_EQ(division_text(field),
+            "in the left intercostal space 4; the division is 279 mm long with the incision, and severs 10.9 cm2 "
+            "beyond "
+            "it");
+    }
+
+    TEST(Report, SetsSkinLengthAndFullDivisionSideBySide)
+    {
+        FieldMetrics skin = sample_field("intercostal_4_skin"), full = sample_field("intercostal_4");
+        full.division = { .length_mm = 279.0, .forwards_mm = 62.0, .backwards_mm = 47.0 };
+        const fs::path path = fs::path(testing::TempDir()) / "division.html";
+        Report report;
+        report.title = "Comparison";
+        report.fields = { skin, full };
+        write_report(path, report);
+        const std::string both = content_of(path);
+        EXPECT_NE(
+            both.find("Intercostal space divided beyond the skin</td><td>skin only</td><td>47 mm backwards, 62 mm "
+                      "forwards</td>"),
+            std::string::npos);
+        report.fields = { skin };
+        write_report(path, report);
+        EXPECT_EQ(content_of(path).find("divided beyond the skin"), std::string::npos);
     }
 
     TEST(Metrics, ContactIsSaid)
@@ -110,8 +155,8 @@ namespace report_test {
         EXPECT_EQ(contact_text(field), "contact: nothing touches");
         contact = { .touching = 23, .largest_penetration_mm = 0.25, .force_N = 94.0, .overlap_at_rest_mm = 2.35 };
         EXPECT_EQ(contact_text(field),
-            "contact: 23 points hold each other off with 94.0 N in all, at most 0.25 mm into each other; surfaces that "
-            "overlap by up to 2.35 mm at rest are left so");
+            "contact: 23 points touch, with 94.0 N in total and a penetration of at most 0.25 mm; surfaces that "
+            "overlap by up to 2.35 mm at rest keep this overlap");
     }
 
     TEST(Metrics, HowAFieldWasSolvedIsSaid)
@@ -142,7 +187,7 @@ namespace report_test {
         const std::string said = solution_text(other);
         for (const char* part :
             { "hyperelastic within 40 mm of the lips, linear beyond", "ten-node", "neo-Hookean but muscle: Guccione",
-                "4000 of 9000 elements nonlinear", "all of them nonlinear: opening 0.0 mm, force 20.1 N" })
+                "4000 of 9000 elements nonlinear", "the whole wall nonlinear: opening 0.0 mm, force 20.1 N" })
             EXPECT_NE(said.find(part), std::string::npos) << said;
     }
 
@@ -189,6 +234,25 @@ namespace report_test {
         return content_of(file);
     }
 
+    TEST(Report, NamesTheMomentOfTheForce)
+    {
+        FieldMetrics slow = sample_field("slow"), fast = sample_field("fast");
+        EXPECT_EQ(html_of({ slow, fast }).find("its moment"), std::string::npos);
+        slow.force_moments = ForceMoments { .peak_N = 260.0,
+            .held_N = 49.4,
+            .held_least_N = 25.8,
+            .held_most_N = 73.0,
+            .opened_in_s = 80.0,
+            .hold_s = 300.0,
+            .protocol = "half a turn of the crank (7 mm) every 10 s" };
+        fast.force_moments = slow.force_moments;
+        EXPECT_NE(html_of({ slow, fast }).find("260 N at the last turn, about 49 N after 5 minutes (26 to 73 N"),
+            std::string::npos);
+        EXPECT_EQ(html_of({ slow, fast }).find("Caution, speed of opening"), std::string::npos);
+        fast.force_moments->is_fast = true;
+        EXPECT_NE(html_of({ slow, fast }).find("Caution, speed of opening"), std::string::npos);
+    }
+
     TEST(Report, MarksOnlyALeadBeyondBothErrorBars)
     {
         FieldMetrics a = sample_field("a"), b = sample_field("b");
@@ -208,6 +272,30 @@ namespace report_test {
         html = html_of({ a, b });
         EXPECT_EQ(html.find("class=\"best\">20.0 N"), std::string::npos) << "an unknown error is no lead";
         EXPECT_NE(html.find("5.0 % (a), not estimated (b)"), std::string::npos);
+    }
+
+    TEST(Report, AFailedPlanIsNamedAndIsNoLead)
+    {
+        FieldMetrics a = sample_field("a"), b = sample_field("b"), c = sample_field("c");
+        for (FieldMetrics* field : { &a, &b, &c })
+            add_bars(*field, 2.0, 1.0);
+        a.hook_force_N = 10.0;
+        EXPECT_NE(html_of({ a, b, c }).find("class=\"best\">10.0 N"), std::string::npos);
+        a.volume_failures = VolumeFailures { .elements = 3, .share = 0.02, .smallest_ratio = 0.5, .believable = false };
+        const std::string html = html_of({ a, b, c });
+        EXPECT_EQ(html.find("class=\"best\">10.0 N"), std::string::npos);
+        EXPECT_NE(
+            html.find("a failed: these numbers are not to be believed: 2 % of the soft tissue"), std::string::npos);
+        EXPECT_EQ(html.find("b failed"), std::string::npos);
+    }
+
+    TEST(Report, ImplausibleNumbersThatTheCaseAcceptsAreNamed)
+    {
+        FieldMetrics field = sample_field("a");
+        EXPECT_EQ(html_of({ field }).find("Accepted although implausible"), std::string::npos);
+        field.implausible = { "the depth of the cut is 0.04 mm" };
+        EXPECT_NE(html_of({ field }).find("Accepted although implausible: the depth of the cut is 0.04 mm"),
+            std::string::npos);
     }
 
     TEST(Report, DrawsWhiskersAndNamesTheHooksThatYielded)
@@ -251,6 +339,62 @@ namespace report_test {
         for (const char* part : { "2026-01-02T03:04:05Z, by retractor 9.9", "C/case.json", "<td>0.123 MPa</td>",
                  "opposite hooks</td><td>60.0 mm</td>", "tissue under them</td><td>38.0 mm</td>" })
             EXPECT_NE(html.find(part), std::string::npos) << part;
+    }
+
+    FieldMetrics with_broken_rib()
+    {
+        FieldMetrics field = sample_field("a");
+        field.attainable = Attainable::with_injury;
+        field.largest_uninjured_opening_mm = 27.4;
+        field.bones = { { .name = "rib_left_5",
+            .at_mm = 96.0,
+            .length_mm = 240.0,
+            .part = "lateral",
+            .place = { 1.0, 2.0, 3.0 },
+            .section_mm2 = 75.0,
+            .bending_Nm = 3.4,
+            .torsion_Nm = 0.5,
+            .moment_Nm = 3.42,
+            .capacity_Nm = 2.9,
+            .utilisation = 1.18,
+            .opening_at_limit_mm = 27.4,
+            .spine_joint = JointLoad { 30.0, 0.2 } } };
+        return field;
+    }
+
+    TEST(Metrics, BonesHaveTheirMomentsAndThePlanItsVerdict)
+    {
+        FieldMetrics sternum = sample_field("b");
+        sternum.attainable = Attainable::yes;
+        sternum.largest_uninjured_opening_mm = 40.0;
+        sternum.bones = { { .name = "sternum", .moment_Nm = 2.0 } };
+        const auto document = metrics_document({ with_broken_rib(), sternum, sample_field("c") }).at("approaches");
+        const auto& broken = document.at(0);
+        EXPECT_EQ(broken.at("attainable"), "with_injury");
+        EXPECT_DOUBLE_EQ(broken.at("largest_uninjured_opening_mm").get<double>(), 27.4);
+        EXPECT_TRUE(broken.at("largest_uninjured_opening_is_estimate").get<bool>());
+        const auto& rib = broken.at("bones").at(0);
+        EXPECT_EQ(rib.at("part"), "lateral");
+        EXPECT_DOUBLE_EQ(rib.at("capacity_Nm").get<double>(), 2.9);
+        EXPECT_DOUBLE_EQ(rib.at("opening_at_limit_mm").get<double>(), 27.4);
+        EXPECT_DOUBLE_EQ(rib.at("spine_joint").at("force_N").get<double>(), 30.0);
+        EXPECT_FALSE(rib.contains("cartilage"));
+        EXPECT_EQ(document.at(1).at("bones").at(0).at("capacity"), "no published number");
+        EXPECT_FALSE(document.at(1).at("largest_uninjured_opening_is_estimate").get<bool>());
+        EXPECT_EQ(document.at(2).at("attainable"), "unknown");
+        EXPECT_FALSE(document.at(2).contains("largest_uninjured_opening_mm"));
+    }
+
+    TEST(Report, ForetellsAFractureWithTheLargestOpeningWithoutOne)
+    {
+        const std::string html = html_of({ with_broken_rib(), sample_field("b") });
+        for (const char* part :
+            { "<span class=\"caution\">with injury: rib 5 on the left</span>", "<td>27 mm</td><td>not known</td>",
+                "Rib 5 on the left would break in its lateral part, 96 mm from the spine, from an opening of about 27 "
+                "mm on",
+                "no published number for what joint and cartilage bear" })
+            EXPECT_NE(html.find(part), std::string::npos) << part;
+        EXPECT_EQ(html_of({ sample_field("b") }).find("without a fracture"), std::string::npos);
     }
 
     TEST(Report, AMissingPictureLeavesTheOldReportAlone)

@@ -83,6 +83,18 @@ namespace risk_distances_test {
         EXPECT_EQ(found[0].distance_mm, 0.0);
     }
 
+    TEST(RiskDistances, OfSeveralBladesTheNearestCounts)
+    {
+        const auto found
+            = nearest_risks({ { .name = "heart", .distance_mm = 8.0 }, { .name = "aorta", .distance_mm = 12.0 },
+                { .name = "artery", .distance_mm = 6.0 }, { .name = "heart", .distance_mm = 3.0 } });
+        ASSERT_EQ(found.size(), 3U);
+        EXPECT_EQ(found[0].name, "heart");
+        EXPECT_EQ(found[0].distance_mm, 3.0);
+        EXPECT_EQ(found[1].name, "artery");
+        EXPECT_EQ(found[2].name, "aorta");
+    }
+
     TEST(RiskDistances, AStructureWithoutASurfaceIsNotListed)
     {
         Organs organs;

@@ -43,6 +43,7 @@ namespace tension_plan_test {
             = test_support::block_case("tension_" + std::to_string(++count), datasets::make_block_phantom(parameters));
         planned_case.solution = block.solution;
         planned_case.contact = block.contact;
+        planned_case.accept_implausible = true; // every tissue gets the same modulus, also bone
         for (fem::Material& material : planned_case.materials) {
             material.youngs_modulus_MPa = 0.1;
             material.poissons_ratio = kRatio;
@@ -106,7 +107,9 @@ namespace tension_plan_test {
                            slack = plan_under({}, kOpening);
         ASSERT_EQ(hooked.status, PlanStatus::done) << hooked.message;
         EXPECT_FALSE(slack.metrics.tension.has_value());
-        EXPECT_NEAR(hooked.metrics.tension->gape_mm, bare.metrics.opening_width_mm, 1e-6);
+        constexpr double kMeshes = 0.05; // the mesh is finer round the patches of hooks
+        EXPECT_NEAR(hooked.metrics.tension->gape_mm, bare.metrics.opening_width_mm,
+            kMeshes * bare.metrics.opening_width_mm);
         EXPECT_LT(hooked.metrics.hook_force_N, 0.9 * slack.metrics.hook_force_N);
         EXPECT_GT(hooked.metrics.opening_width_mm, slack.metrics.opening_width_mm);
         EXPECT_EQ(hooked.metrics.error->message, "");
@@ -126,7 +129,7 @@ namespace tension_plan_test {
             EXPECT_TRUE(hook.pushes) << hook.name;
             EXPECT_GT(hook.force_N, 0.0) << hook.name;
         }
-        EXPECT_NE(hooks_text(field.metrics).find("holds its lip back"), std::string::npos);
+        EXPECT_NE(hooks_text(field.metrics).find("holds back its lip"), std::string::npos);
     }
 
     TEST(PlanUnderTension, AStrainOfZeroIsNone)
@@ -162,14 +165,14 @@ namespace tension_plan_test {
         through.pull = Vec3::UnitY();
         const PlannedField field = plan_under(through, std::nullopt);
         ASSERT_EQ(field.status, PlanStatus::done) << field.message;
-        EXPECT_NE(field.message.find("points through it"), std::string::npos) << field.message;
+        EXPECT_NE(field.message.find("points through the tissue"), std::string::npos) << field.message;
         const PlannedField mean = plan_under(biaxial(0.5 * (kStrain + kLess), 0.5 * (kStrain + kLess)), std::nullopt);
         EXPECT_NEAR(field.metrics.opening_width_mm, mean.metrics.opening_width_mm, 1e-6);
         // Through the plane it has been given, which is not the skin's: nothing of it acts across the skin.
         through.pull = Vec3(0.02, 0.0, 1.0), through.normal = Vec3::UnitZ();
         const PlannedField own = plan_under(through, std::nullopt);
         ASSERT_EQ(own.status, PlanStatus::done) << own.message;
-        EXPECT_NE(own.message.find("points through it"), std::string::npos) << own.message;
+        EXPECT_NE(own.message.find("points through the tissue"), std::string::npos) << own.message;
         constexpr double kBent = 1e-3; // the cut is not quite straight, and x alone lies in both planes
         EXPECT_NEAR(own.metrics.opening_width_mm / mean.metrics.opening_width_mm, 1.0, kBent);
     }

@@ -294,8 +294,8 @@ namespace surgery_session_test {
         const std::size_t before = beyond();
         const KnifeAnswer over = live_session.take_out(at(live_session, 90.0, 60.0), 20.0);
         EXPECT_TRUE(over.done);
-        EXPECT_EQ(over.reason, "a part of the ball was left out: it reaches beyond the outline");
-        EXPECT_EQ(live_session.cuts().back().omitted, "it reaches beyond the outline");
+        EXPECT_EQ(over.reason, "a part of the ball was not taken out: tissue lies outside the region that can be cut");
+        EXPECT_EQ(live_session.cuts().back().omitted, "tissue lies outside the region that can be cut");
         EXPECT_EQ(beyond(), before);
         EXPECT_FALSE(live_session.cuts().back().several_tissues);
         const KnifeAnswer outside = live_session.take_out(at(live_session, 96.0, 20.0), 20.0);
@@ -306,12 +306,12 @@ namespace surgery_session_test {
         SurgerySession held(whole);
         const KnifeAnswer side = held.take_out(at(held, 10.0, 60.0), 15.0);
         EXPECT_TRUE(side.done);
-        EXPECT_EQ(side.reason, "a part of the ball was left out: it is held where the wall is");
+        EXPECT_EQ(side.reason, "a part of the ball was not taken out: tissue is held by a support of the wall");
         for (const VertexId v : whole.held)
             EXPECT_TRUE(held.session().has_vertex(v));
         const KnifeAnswer nothing = held.take_out(at(held, 1.0, 30.0), 4.0);
         EXPECT_FALSE(nothing.done);
-        EXPECT_EQ(nothing.reason, "nothing can be taken out here: it is held where the wall is");
+        EXPECT_EQ(nothing.reason, "nothing can be taken out here: tissue is held by a support of the wall");
         EXPECT_EQ(held.session().cut_count(), 1U);
     }
 
@@ -323,12 +323,12 @@ namespace surgery_session_test {
         SurgerySession live_session(std::move(setup));
         const KnifeAnswer everything = live_session.take_out(at(live_session, 60.0, 60.0), 1000.0);
         EXPECT_FALSE(everything.done);
-        EXPECT_EQ(everything.reason, "nothing of the wall would be left");
+        EXPECT_EQ(everything.reason, "this would remove the whole wall");
         const Touch former = at(live_session, 61.0, 63.0);
         ASSERT_TRUE(draw(live_session, { 50.0, 0.0, 63.0 }, { 70.0, 0.0, 63.0 }, {}).done);
         const KnifeAnswer changed = live_session.take_out(former, 0.0);
         EXPECT_FALSE(changed.done);
-        EXPECT_EQ(changed.reason, "the tissue has changed since: point again");
+        EXPECT_EQ(changed.reason, "the tissue has changed since the click: click again");
         EXPECT_EQ(live_session.session().cut_count(), 1U);
     }
 
@@ -525,14 +525,14 @@ namespace surgery_session_test {
         for (double x = 62.0; x < 118.0; x += 2.0)
             if (const KnifeAnswer answer = live_session.draw_to(at(live_session, x, 62.0)); !answer.reason.empty())
                 said += answer.reason + "\n";
-        EXPECT_EQ(said, "here the line is not cut: it left the outline of the wall that can be cut\n") << "once";
+        EXPECT_EQ(said, "the line is not cut here: the line left the region that can be cut\n") << "once";
         const KnifeAnswer end = live_session.finish_stroke();
         EXPECT_TRUE(end.done);
-        EXPECT_EQ(end.reason,
-            "cut over 34 mm; a part of the line was left out: it left the outline of the wall that can be cut");
+        EXPECT_EQ(
+            end.reason, "cut over 34 mm; a part of the line was not cut: the line left the region that can be cut");
         ASSERT_EQ(live_session.cuts().size(), 1U);
         EXPECT_NEAR(live_session.cuts().front().length_mm, 34.0, kRoundingMm);
-        EXPECT_EQ(live_session.cuts().front().omitted, "it left the outline of the wall that can be cut");
+        EXPECT_EQ(live_session.cuts().front().omitted, "the line left the region that can be cut");
 
         ASSERT_TRUE(live_session.begin_stroke(at(live_session, 60.0, 30.0), {}).done);
         ASSERT_TRUE(live_session.draw_to(at(live_session, 80.0, 30.0)).done);
@@ -631,7 +631,7 @@ namespace surgery_session_test {
         EXPECT_EQ(step.reason, "try it with another point");
         const KnifeAnswer answer = live_session.finish_stroke();
         ASSERT_TRUE(answer.done) << answer.reason;
-        EXPECT_EQ(answer.reason, "cut over 55 mm; a part of the line was left out: try it with another point");
+        EXPECT_EQ(answer.reason, "cut over 55 mm; a part of the line was not cut: try it with another point");
         ASSERT_EQ(live_session.cuts().size(), 1U);
         EXPECT_NEAR(live_session.cuts().front().length_mm, 55.0, kRoundingMm);
         EXPECT_TRUE(live_session.can_undo());
@@ -648,7 +648,7 @@ namespace surgery_session_test {
         };
         const KnifeAnswer answer = live_session.finish_stroke();
         EXPECT_FALSE(answer.done);
-        EXPECT_EQ(answer.reason, "the stroke cannot be finished and is taken back: the lips hang together");
+        EXPECT_EQ(answer.reason, "the stroke cannot be finished and was undone: the lips hang together");
         EXPECT_FALSE(live_session.stroke_open());
         EXPECT_TRUE(live_session.cuts().empty());
         EXPECT_TRUE(same_mesh(live_session.session().compact_mesh(), before));

@@ -37,7 +37,7 @@ namespace {
     };
 
     std::unique_ptr<haptics::TissueResponse> elements(
-        const datasets::PalpationScene& scene, const TissueWish& wish, bool pulse, const Job& job)
+        const datasets::PalpationScene& scene, const TissueChoice& wish, bool pulse, const Job& job)
     {
         haptics::CondensedOptions options;
         options.element = haptics::TouchElement::p1; // quick to make; how stiff it is matters to no test here
@@ -49,7 +49,7 @@ namespace {
             options, job);
     }
 
-    std::unique_ptr<haptics::TissueResponse> spheres(const datasets::PalpationScene& scene, const TissueWish& wish)
+    std::unique_ptr<haptics::TissueResponse> spheres(const datasets::PalpationScene& scene, const TissueChoice& wish)
     {
         TriMesh surface { scene.body.mesh.vertices, {}, {} };
         for (const mesh::TetFace& face : mesh::boundary_faces(scene.body.mesh))
@@ -77,7 +77,7 @@ datasets::PalpationScene tube_scene()
 PalpationBackend tube_backend(std::shared_ptr<TubeControl> control)
 {
     return { { "fem", "springs", "spheres" },
-        [control](const datasets::PalpationScene& scene, const TissueWish& wish, const Job& job) -> MadeTissue {
+        [control](const datasets::PalpationScene& scene, const TissueChoice& wish, const Job& job) -> ChosenTissue {
             if (wish.model == "spheres")
                 return { spheres(scene, wish), { "a tube of spheres" } };
             if (wish.model != "fem")

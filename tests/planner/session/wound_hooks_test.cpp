@@ -19,8 +19,8 @@ namespace retractor::planner {
 namespace wound_hooks_test {
 
     constexpr double kResidual = 1e-8; // what an answer promises
-    // Two solvers on one mesh, relative to the largest displacement and force: the promise is 1e-6.
-    constexpr double kSameAnswer = 1e-7;
+    // Two solvers on one mesh, relative to the largest displacement and force: what both promise.
+    constexpr double kSameAnswer = 1e-6;
     // Positions of some 100 mm, a few operations each; also where a factor made on another thread, which comes sooner
     // or later, gives the same answer with other roundings.
     constexpr double kRoundingMm = 1e-10;
@@ -191,7 +191,7 @@ namespace wound_hooks_test {
         live_session.undo();
         EXPECT_TRUE(live_session.hooks().hooks.empty());
         const std::string remark = live_session.take_remark();
-        EXPECT_NE(remark.find("hook 1 has lost its hold and is taken off"), std::string::npos) << remark;
+        EXPECT_NE(remark.find("hook 1 has lost its tissue and was removed"), std::string::npos) << remark;
         EXPECT_NE(remark.find("hook 2"), std::string::npos) << remark;
         for (VertexId v = 0; v < static_cast<VertexId>(live_session.session().vertex_slots()); ++v)
             if (live_session.session().has_vertex(v)) {
@@ -372,7 +372,7 @@ namespace wound_hooks_test {
 
         const KnifeAnswer again = live_session.take_planned_hooks();
         EXPECT_FALSE(again.done);
-        EXPECT_NE(again.reason.find("hold the wound already"), std::string::npos) << again.reason;
+        EXPECT_NE(again.reason.find("already hold the wound"), std::string::npos) << again.reason;
         live_session.take_off_hook(report.hooks[0].id);
         EXPECT_TRUE(live_session.take_planned_hooks().done) << "the one that was taken off";
         EXPECT_EQ(live_session.hooks().hooks.size(), 2U);
@@ -650,7 +650,7 @@ namespace wound_hooks_test {
         worker.run(surgery::Undo {});
         wait();
         EXPECT_TRUE(worker.snapshot()->hooks.hooks.empty());
-        EXPECT_NE(worker.snapshot()->answer.find("lost its hold"), std::string::npos) << worker.snapshot()->answer;
+        EXPECT_NE(worker.snapshot()->answer.find("lost its tissue"), std::string::npos) << worker.snapshot()->answer;
         EXPECT_TRUE(worker.snapshot()->refused);
     }
 

@@ -372,13 +372,12 @@ namespace wall_cut_test {
             FAIL() << "a wound without a lip was accepted";
         } catch (const InputError& error) {
             const std::string text = error.what();
-            EXPECT_EQ(text.find("the wound has no edge on the skin: the loose piece that was removed took it along "
-                                "(piece 2: "),
+            EXPECT_EQ(
+                text.find("the wound has no edge on the skin: this lip was part of a removed loose piece (piece 2: "),
                 0u)
                 << text;
-            EXPECT_NE(
-                text.find("let loose pieces be held or rigid (\"loose_pieces\" of the approach), or choose another "
-                          "incision"),
+            EXPECT_NE(text.find("keep loose pieces held or rigid (\"loose_pieces\" of the approach), or choose another "
+                                "incision"),
                 std::string::npos)
                 << text;
             EXPECT_EQ(error.where(), "right lip"); // of a line that turns to the right

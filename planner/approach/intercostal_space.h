@@ -1,0 +1,54 @@
+#pragma once
+// The space between two neighbouring ribs, from the spine to the front: its middle, and the levels between which
+// intercostal muscle and pleura lie. Units mm; frame patient LPS.
+
+#include "planner/anatomy/anatomy.h"
+#include "planner/anatomy/body_probe.h"
+#include "planner/case/approach.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace retractor::planner {
+
+/// A place in an intercostal space.
+struct SpacePlace {
+    double angle_deg = 0.0; ///< angle round the chest, see RibLine
+    Vec3 middle = Vec3::Zero(); ///< middle of the gap between the surfaces of the two ribs
+    Vec3 outward = Vec3::Zero(); ///< unit vector at right angles to the space and to the line between the ribs
+    double gap_mm = 0.0; ///< distance between the two ribs' surfaces
+    double inner_mm = 0.0; ///< from the middle inwards to the inner side of the wall
+    double outer_mm = 0.0; ///< from the middle outwards to the level of the ribs' outer side
+    bool open = true; ///< false: the ribs or their cartilages join, or no cavity lies behind the wall
+    double along_mm = 0.0; ///< along the middle, from the first place
+};
+
+struct IntercostalSpace {
+    bool left = true;
+    int number = 0; ///< between rib `number` and rib `number` + 1
+    std::vector<SpacePlace> places; ///< from the back to the front; at least two
+};
+
+/// Side and number of a space.
+struct SpaceNumber {
+    bool left = true;
+    int number = 0;
+};
+
+/// "left intercostal space 4".
+std::string space_name(bool left, int number);
+
+/// Finds the space between two ribs, over the length that both have; cartilages count where they are labelled.
+/// @throws InputError when a rib has no label, or when the ribs hardly overlap
+IntercostalSpace find_intercostal_space(const BodyProbe& probe, const Anatomy& anatomy, bool left, int number);
+
+/// The space that the approach's blade follows: the one whose middle lies nearest to the blade.
+/// @returns nothing when the blade passes every space at more than about half the distance of two ribs
+std::optional<SpaceNumber> space_under_incision(const Anatomy& anatomy, const Approach& approach);
+
+/// The place at a distance along the space, interpolated. A distance beyond an end gives the end. A place between an
+/// open and a closed one is closed.
+SpacePlace place_along(const IntercostalSpace& space, double along_mm);
+
+} // namespace retractor::planner

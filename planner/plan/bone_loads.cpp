@@ -1,0 +1,99 @@
+#include "planner/plan/bone_loads.h"
+
+#include "fem/statics/elastic_problem.h"
+#include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
+#include "planner/measures/bone_forces.h"
+#include "planner/measures/bone_limits.h"
+#include "planner/measures/joint_loads.h"
+#include "planner/measures/section_moments.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace retractor::planner {
+
+namespace {
+
+    /// The solution at all nodes of field.problem, before loose pieces were moved, three per node.
+    Eigen::VectorXd solved_displacement(const PlannedField& field, const OpenedWound& wound)
+    {
+        if (wound.ten_node.size() != 0)
+            return wound.ten_node;
+        const Points& solved = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
+        return Eigen::Map<const Eigen::VectorXd>(solved.data(), solved.size());
+    }
+
+    /// Per node, whether an element of cartilage has this node.
+    std::vector<std::uint8_t> cartilage_nodes(const mesh::TetMesh& wall, const mesh::LabelTable& table)
+    {
+        std::vector<std::uint8_t> flags(wall.vertex_count(), 0);
+        const mesh::LabelFlags cartilage
+            = mesh::flagged_labels(table, [](const mesh::LabelInfo& info) { return info.material == "cartilage"; });
+        for (TetId t = 0; t < static_cast<TetId>(wall.tet_count()); ++t)
+            if (cartilage[wall.labels[static_cast<std::size_t>(t)]] != 0)
+                for (const VertexId v : wall.tet(t))
+                    flags[static_cast<std::size_t>(v)] = 1;
+        return flags;
+    }
+
+    void measure_moments(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice,
+        const mesh::LabelTable& table, const AnatomicalFrame& frame)
+    {
+        const fem::ElasticProblem& problem = field.problem;
+        const Eigen::VectorXd displacement = solved_displacement(field, wound);
+        const std::vector<std::uint8_t> cartilage = cartilage_nodes(problem.mesh, table);
+        const fem::TissueModel model { choice.elasticity, choice.element == ElementKind::locking_free };
+        for (const Label label : fem::labels_met(problem.mesh)) {
+            const mesh::LabelInfo* info = mesh::find_label(table, label);
+            if (info == nullptr || !is_long_bone(info->name))
+                continue;
+            const std::vector<BoneForces> pieces
+                = bone_forces(problem.mesh, problem.material_of_label, model, displacement, label);
+            std::vector<BoneBar> bars;
+            for (const BoneForces& piece : pieces)
+                bars.push_back(section_moments(piece));
+            if (std::ranges::all_of(bars, [](const BoneBar& bar) { return bar.sections.empty(); }))
+                continue; // only a stump lies in the wall
+            BoneMetrics bone = bone_limit(info->name, bars, frame);
+            for (const BoneForces& piece : pieces) {
+                if (!bone.spine_joint && is_rib(info->name))
+                    bone.spine_joint = spring_load(piece, problem.supports.bedded, displacement);
+                if (!bone.cartilage)
+                    bone.cartilage = cartilage_load(piece, cartilage);
+            }
+            field.metrics.bones.push_back(std::move(bone));
+        }
+    }
+
+} // namespace
+
+void measure_bones(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice,
+    const mesh::LabelTable& table, const AnatomicalFrame& frame)
+{
+    FieldMetrics& m = field.metrics;
+    const bool in_equilibrium = is_usable(field.opening);
+    m.bones_rough = choice.element == ElementKind::p1;
+    if (!in_equilibrium) {
+        m.bones_message = "the computation found no equilibrium";
+    } else if (has_condensed_region(field)) {
+        m.bones_message
+            = "the tissue far from the lips was computed as linear, without the bones' turning; plan without "
+              "a linear region";
+    } else {
+        try {
+            measure_moments(field, wound, choice, table, frame);
+        } catch (const SolverError& error) {
+            m.bones.clear();
+            m.bones_message = error.what();
+        }
+    }
+    set_attainable(m, in_equilibrium);
+    if (m.attainable == Attainable::with_injury)
+        remark(field.message, "attainable " + attainable_text(m));
+}
+
+} // namespace retractor::planner

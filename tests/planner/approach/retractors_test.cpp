@@ -1,0 +1,159 @@
+#include "planner/approach/retractors.h"
+
+#include "mesh/base/error.h"
+#include "planner/case/case_io.h"
+#include "tests/support/block_case.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace retractor::planner {
+namespace retractors_test {
+
+    constexpr double kRoundOff = 1e-12;
+
+    /// 100 mm along y on the plane z = 0, straight down, through a wall of 30 mm.
+    Approach straight()
+    {
+        Approach approach;
+        approach.name = "straight";
+        approach.incision = { Vec3(0.0, 0.0, 0.0), Vec3(0.0, 100.0, 0.0) };
+        approach.directions = { Vec3(0.0, 0.0, -1.0), Vec3(0.0, 0.0, -1.0) };
+        approach.wall_thickness_mm = { 30.0, 30.0 };
+        approach.hook_depth_mm = { 18.0, 18.0 };
+        approach.depth_mm = 35.0;
+        approach.target.radius_mm = 10.0;
+        return approach;
+    }
+
+    Approach with_retractor(const std::string& kind, const RetractorDrive& drive)
+    {
+        Approach approach = straight();
+        approach.retractor = make_retractor(approach, find_retractor(built_in_retractors(), kind), drive);
+        return approach;
+    }
+
+    std::string refusal(const Approach& approach)
+    {
+        try {
+            check_approach(approach);
+        } catch (const InputError& error) {
+            return std::string(error.where()) + ": " + error.what();
+        }
+        return "taken";
+    }
+
+    std::filesystem::path written(const std::string& name, const std::string& text)
+    {
+        std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / name;
+        std::ofstream(file) << text;
+        return file;
+    }
+
+    TEST(Retractors, EveryKindOfTheTableFitsItsOwnLimits)
+    {
+        for (const RetractorKind& kind : built_in_retractors()) {
+            Approach approach = straight();
+            approach.retractor = make_retractor(approach, kind, { .opening_mm = 50.0 });
+            EXPECT_NO_THROW(check_approach(approach)) << kind.kind;
+            EXPECT_FALSE(kind.source.empty()) << kind.kind;
+            EXPECT_FALSE(kind.meaning.empty()) << kind.kind;
+        }
+    }
+
+    TEST(Retractors, BladesFaceEachOtherInTheMiddleAndHangFromTheirArms)
+    {
+        Approach approach = with_retractor("finochietto", { .opening_mm = 60.0 });
+        approach.hooks = blades_of(approach);
+        ASSERT_EQ(approach.hooks.size(), 2U);
+        for (const HookSpec& blade : approach.hooks) {
+            EXPECT_NEAR(blade.along_mm, 50.0, kRoundOff);
+            EXPECT_EQ(blade.opening_mm, 30.0);
+            EXPECT_EQ(blade.patch_width_mm, approach.retractor->blade_width_mm);
+            EXPECT_NEAR(blade.patch_height_mm, 26.0, kRoundOff); // the wall of 30 mm, without 2 mm at either side
+            EXPECT_LT((blade.direction - Vec3(-blade.side, 0.0, 0.0)).norm(), kRoundOff);
+        }
+        const fem::BladeFrame frame = blade_frame_of(approach);
+        EXPECT_NO_THROW(fem::check_frame(frame));
+        for (const fem::FrameBlade& blade : frame) {
+            EXPECT_LT((blade.pivot - Vec3(0.0, 50.0, 0.0)).norm(), kRoundOff); // on the skin
+            EXPECT_LT((blade.arm - Vec3::UnitY()).norm(), kRoundOff);
+            EXPECT_NEAR(blade.play, approach.retractor->play_deg * std::numbers::pi / 180.0, kRoundOff);
+        }
+    }
+
+    TEST(Retractors, AShortBladeHoldsTheTissueBelowTheSkin)
+    {
+        Approach approach = with_retractor("midcab", { .opening_mm = 20.0 });
+        approach.retractor->blade_depth_mm = 12.0;
+        for (const HookSpec& blade : blades_of(approach)) {
+            EXPECT_NEAR(blade.patch_height_mm, 10.0, kRoundOff);
+            EXPECT_NEAR(blade.depth_mm + 0.5 * blade.patch_height_mm, 12.0, kRoundOff);
+        }
+    }
+
+    TEST(Retractors, BadOnesAreRefusedWithTheirPlace)
+    {
+        Approach both = with_retractor("sternal", { .opening_mm = 60.0 });
+        both.hooks = blades_of(both);
+        EXPECT_NE(refusal(both).find("either hooks or a retractor"), std::string::npos);
+        EXPECT_NE(
+            refusal(with_retractor("midcab", { .opening_mm = 95.0 })).find("opens at most 90 mm"), std::string::npos);
+        EXPECT_NE(
+            refusal(with_retractor("finochietto", { .opening_mm = 180.0 })).find("tears before"), std::string::npos);
+        EXPECT_NE(refusal(with_retractor("sternal", { .opening_mm = 10.0, .force_N = 10.0 })).find("not both"),
+            std::string::npos);
+        EXPECT_NE(
+            refusal(with_retractor("sternal", { .force_N = -1.0 })).find("/retractor/force_N"), std::string::npos);
+        Approach wide = with_retractor("sternal", { .opening_mm = 10.0 });
+        wide.retractor->blade_width_mm = 120.0;
+        EXPECT_NE(refusal(wide).find("does not fit"), std::string::npos);
+        Approach loose = with_retractor("sternal", { .opening_mm = 10.0 });
+        loose.retractor->play_deg = NAN;
+        EXPECT_NE(refusal(loose).find("/retractor/play_deg"), std::string::npos);
+        EXPECT_THROW((void)find_retractor(built_in_retractors(), "spoon"), InputError);
+    }
+
+    TEST(Retractors, ATableOfOnesOwnIsRead)
+    {
+        const std::string row = R"({"kind": "mine", "meaning": "a spreader", "blade_width_mm": 40, "blade_depth_mm": 30,
+            "play_deg": 5, "greatest_opening_mm": 120, "source": "measured"})";
+        const std::vector<RetractorKind> table
+            = read_retractors(written("retractors.json", R"({"retractors": [)" + row + "]}"));
+        ASSERT_EQ(table.size(), 1U);
+        EXPECT_EQ(table[0].kind, "mine");
+        EXPECT_EQ(table[0].play_deg, 5.0);
+        EXPECT_THROW(
+            (void)read_retractors(written("twice.json", R"({"retractors": [)" + row + "," + row + "]}")), InputError);
+        EXPECT_THROW((void)read_retractors(written("none.json", R"({"retractors": []})")), InputError);
+        EXPECT_THROW((void)read_retractors(written("short.json", R"({"retractors": [{"kind": "mine"}]})")), InputError);
+        EXPECT_THROW((void)read_retractors("/nowhere/retractors.json"), IoError);
+    }
+
+    TEST(Retractors, ACaseKeepsItsRetractor)
+    {
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        Case planned_case = test_support::block_case("retractor_io", phantom);
+        Approach approach = straight();
+        add_approach(planned_case, approach);
+        set_retractor(
+            planned_case, approach.name, find_retractor(built_in_retractors(), "midcab"), { .force_N = 12.0 });
+        write_case(planned_case);
+        const Case read = read_case(planned_case.file());
+        const Approach& again = find_approach(read, approach.name);
+        ASSERT_TRUE(again.retractor.has_value());
+        EXPECT_TRUE(again.hooks.empty());
+        EXPECT_EQ(again.retractor->kind, "midcab");
+        EXPECT_EQ(again.retractor->force_N, 12.0);
+        EXPECT_EQ(again.retractor->opening_mm, 0.0);
+        EXPECT_EQ(again.retractor->blade_width_mm, 30.0);
+    }
+
+} // namespace retractors_test
+} // namespace retractor::planner

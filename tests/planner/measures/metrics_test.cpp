@@ -1,0 +1,46 @@
+#include "planner/measures/metrics.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <string>
+
+namespace retractor::planner {
+namespace metrics_test {
+
+    nlohmann::ordered_json document_of(const FieldMetrics& field)
+    {
+        return metrics_document({ field }).at("approaches").at(0);
+    }
+
+    TEST(Metrics, TheSolutionNamesItsMeshAndWhetherItIsADraft)
+    {
+        FieldMetrics field;
+        field.name = "straight";
+        field.solution.mesh = { .corridor_radius_mm = 12.0,
+            .corridor_edge_mm = 8.0,
+            .coarse_edge_mm = 15.0,
+            .region_mm = 50.0,
+            .mesh_seed = 7 };
+        const nlohmann::ordered_json solution = document_of(field).at("solution");
+        EXPECT_EQ(solution.at("draft"), false);
+        const nlohmann::ordered_json expected { { "corridor_radius_mm", 12.0 }, { "corridor_edge_mm", 8.0 },
+            { "coarse_edge_mm", 15.0 }, { "region_mm", 50.0 }, { "seed", 7U } };
+        EXPECT_EQ(solution.at("mesh"), expected);
+        EXPECT_TRUE(solution_text(field).starts_with("solved as ")) << solution_text(field);
+        field.solution.draft = true;
+        EXPECT_EQ(document_of(field).at("solution").at("draft"), true);
+        EXPECT_TRUE(solution_text(field).starts_with("a draft, solved as ")) << solution_text(field);
+    }
+
+    TEST(Metrics, AcceptedImplausibleNumbersAreRecorded)
+    {
+        FieldMetrics field;
+        field.name = "straight";
+        EXPECT_FALSE(document_of(field).contains("implausible"));
+        field.implausible = { "the depth of the cut is 0.04 mm" };
+        EXPECT_EQ(document_of(field).at("implausible").at(0), "the depth of the cut is 0.04 mm");
+    }
+
+} // namespace metrics_test
+} // namespace retractor::planner

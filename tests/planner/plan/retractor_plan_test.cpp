@@ -1,0 +1,71 @@
+#include "planner/plan/plan.h"
+
+#include "mesh/base/error.h"
+#include "planner/approach/retractors.h"
+#include "planner/measures/metrics.h"
+#include "tests/support/block_case.h"
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <string>
+
+namespace retractor::planner {
+namespace retractor_plan_test {
+
+    constexpr double kOpeningMm = 10.0;
+
+    PlannedField plan_with(const RetractorDrive& drive, const SolverSettings& choice)
+    {
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        Case planned_case = test_support::block_case("retractor", phantom);
+        planned_case.solution = choice;
+        Patient patient(planned_case, {});
+        Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 0.0);
+        approach.hooks.clear();
+        RetractorKind kind = find_retractor(built_in_retractors(), "midcab");
+        kind.blade_width_mm = 20.0;
+        approach.retractor = make_retractor(approach, kind, drive);
+        return plan_approach(patient, approach, {});
+    }
+
+    TEST(RetractorPlan, TheBladesAreInBalanceAndReported)
+    {
+        for (const ElementKind element : { ElementKind::p1, ElementKind::p2 }) {
+            const PlannedField field = plan_with({ .opening_mm = kOpeningMm }, { .element = element });
+            ASSERT_EQ(field.status, PlanStatus::done) << field.message;
+            ASSERT_TRUE(field.metrics.retractor.has_value());
+            const RetractorMetrics& retractor = *field.metrics.retractor;
+            EXPECT_EQ(retractor.kind, "midcab");
+            EXPECT_NEAR(retractor.opening_mm, kOpeningMm, 1e-9);
+            ASSERT_EQ(retractor.blades.size(), 2U);
+            const double force = retractor.blades[0].force_N.norm();
+            EXPECT_GT(force, 0.0);
+            constexpr double kBalance = 2e-3; // as ten-node plans ask for; four-node plans ask for half
+            EXPECT_LE(retractor.residual_force_N, kBalance * force * 1.01);
+            EXPECT_NEAR(retractor.blades[1].force_N.norm(), force, 2.0 * kBalance * force);
+            EXPECT_LT(retractor.blades[0].force_N.dot(retractor.blades[1].force_N), 0.0);
+            for (const BladeMetrics& blade : retractor.blades) {
+                EXPECT_LE(std::abs(blade.turn_deg), 10.0 + 1e-9);
+                EXPECT_LT(blade.lip_deviation_mm, kOpeningMm);
+            }
+            const auto document = metrics_document({ field.metrics });
+            const auto& json = document["approaches"][0]["retractor"];
+            EXPECT_EQ(json["kind"], "midcab");
+            EXPECT_EQ(json["blades"][0]["force_N"].size(), 3U);
+            EXPECT_NE(retractor_text(field.metrics).find("left blade"), std::string::npos)
+                << retractor_text(field.metrics);
+        }
+    }
+
+    TEST(RetractorPlan, ACondensedRegionIsRefused)
+    {
+        EXPECT_THROW((void)plan_with({ .opening_mm = kOpeningMm },
+                         { .elasticity = fem::Elasticity::hyperelastic, .near_mm = 20.0 }),
+            InputError);
+    }
+
+} // namespace retractor_plan_test
+} // namespace retractor::planner

@@ -134,10 +134,10 @@ void add_demo_command(Commands& commands)
 {
     auto out = std::make_shared<std::string>("demo");
     CLI::App* command = commands.app.add_subcommand(
-        "demo", "The main job on a phantom patient: three approaches, opened, measured and drawn");
+        "demo", "Plan three approaches on a phantom patient: cut, open, measure and draw them");
     command->footer("Example: retractor demo --out demo    (then open demo/report.html)");
     command->add_option("--out", *out, "Folder to write to")->capture_default_str();
-    command->callback([&commands, out] { commands.run = [out](const Job& job) { return demo(*out, job); }; });
+    commands.on(command, [out](const Job& job) { return demo(*out, job); });
 }
 
 } // namespace retractor::ui::cli

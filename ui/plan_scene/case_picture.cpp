@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
 namespace retractor::ui {
@@ -124,7 +125,10 @@ namespace {
         // sees.
         const planner::AnatomicalFrame frame = patient.frame();
         const Vec3 sight = -(frame.anterior + 0.45 * frame.left + 0.30 * frame.superior);
-        scene.camera = camera_for_box(*scene_bounds(scene), sight, frame.superior);
+        const std::optional<Box> bounds = scene_bounds(scene);
+        if (!bounds)
+            throw InputError("no label has a surface to draw", "overview");
+        scene.camera = camera_for_box(*bounds, sight, frame.superior);
         Picture picture { .width = width, .height = height, .viewports = {} };
         picture.viewports.push_back({ .scene = std::move(scene) });
         return picture;

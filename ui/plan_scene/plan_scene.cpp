@@ -3,9 +3,10 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
-#include "mesh/surface/label_surface.h"
+#include "mesh/image/plane_holes.h"
 #include "mesh/surface/wound_surface.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/volume_failures.h"
 #include "planner/wall/unmeshed_wall.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/simplify_surface.h"
@@ -61,39 +62,12 @@ namespace {
             if (std::abs(labels.grid.direction(2, static_cast<Eigen::Index>(axis)))
                 > std::abs(labels.grid.direction(2, static_cast<Eigen::Index>(along))))
                 along = axis;
-        const std::array<std::size_t, 3> stride { 1, static_cast<std::size_t>(size[0]),
-            static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) };
-        const std::size_t u = along == 0 ? 1 : 0, v = along == 2 ? 1 : 2;
-        const auto nu = static_cast<std::size_t>(size[u]), nv = static_cast<std::size_t>(size[v]);
-        std::vector<std::uint8_t> outside(labels.voxels.size(), 0);
-        std::vector<std::pair<std::size_t, std::size_t>> front;
-        for (std::size_t slice = 0; slice < static_cast<std::size_t>(size[along]); ++slice) {
-            const auto reach = [&](std::size_t a, std::size_t b) {
-                const std::size_t at = slice * stride[along] + a * stride[u] + b * stride[v];
-                if (labels.voxels[at] != 0 || outside[at] != 0)
-                    return;
-                outside[at] = 1;
-                front.emplace_back(a, b);
-            };
-            for (std::size_t a = 0; a < nu; ++a)
-                for (const std::size_t b : { std::size_t { 0 }, nv - 1 })
-                    reach(a, b);
-            for (std::size_t b = 0; b < nv; ++b)
-                for (const std::size_t a : { std::size_t { 0 }, nu - 1 })
-                    reach(a, b);
-            while (!front.empty()) {
-                const auto [a, b] = front.back();
-                front.pop_back();
-                if (a > 0)
-                    reach(a - 1, b);
-                if (a + 1 < nu)
-                    reach(a + 1, b);
-                if (b > 0)
-                    reach(a, b - 1);
-                if (b + 1 < nv)
-                    reach(a, b + 1);
-            }
-        }
+        std::vector<std::uint8_t> outside(labels.voxels.size());
+        std::transform(labels.voxels.begin(), labels.voxels.end(), outside.begin(),
+            [](Label voxel) { return static_cast<std::uint8_t>(voxel != 0); });
+        outside = mesh::holes_filled_in_planes(size, outside, static_cast<int>(along));
+        for (std::uint8_t& voxel : outside)
+            voxel = voxel == 0 ? 1 : 0;
         return outside;
     }
 
@@ -220,10 +194,12 @@ namespace {
         const bool turned_over = m.inverted_elements > 0 && m.mechanics_status.starts_with("inverted");
         if (m.mechanics_status != "converged" && !turned_over)
             lines.push_back({ "caution", "not in equilibrium", std::nullopt });
+        else if (!planner::is_believable(m))
+            lines.push_back({ "caution", "failed: not to be believed", std::nullopt });
         else if (m.inverted_elements > 0)
             lines.push_back({ "caution",
                 std::to_string(m.inverted_elements) + (m.inverted_elements == 1 ? " element" : " elements")
-                    + " turned over",
+                    + " inside out",
                 std::nullopt });
         return lines;
     }
@@ -414,7 +390,6 @@ Scene knife_surroundings(planner::Patient& patient, const planner::Approach& app
     SurfaceItem glow = scene.surfaces.back();
     glow.name += " behind the wall";
     glow.target = false;
-    glow.occluder = false;
     glow.opacity = kGlow;
     glow.on_top = true;
     scene.surfaces.push_back(std::move(glow));

@@ -7,7 +7,6 @@
 #include "ui/scene/scene.h"
 
 #include <map>
-#include <string>
 #include <string_view>
 #include <vector>
 

@@ -54,12 +54,7 @@ namespace {
             check_color(look.color, where);
             check_share(look.texture, "texture", where);
         }
-        refuse(!item.vertex_colors.empty()
-                && item.vertex_colors.size() != static_cast<std::size_t>(item.mesh->vertices.rows()),
-            "there must be one colour per vertex", where);
-        for (const Color& c : item.vertex_colors)
-            check_color(c, where);
-        if (item.look_of_label.empty() || !item.vertex_colors.empty())
+        if (item.look_of_label.empty())
             return;
         refuse(
             item.mesh->labels.empty() && !item.mesh->triangles.empty(), "looks by label need triangle labels", where);
@@ -79,10 +74,6 @@ namespace {
             mesh::check_grid(item.mask->grid);
             refuse(item.mask->hidden.size() != item.mask->grid.voxel_count(),
                 "the mask's voxel count does not match its size", where);
-        }
-        if (item.crop) {
-            refuse(!item.crop->low.allFinite() || !item.crop->high.allFinite(), "the crop box is not finite", where);
-            refuse((item.crop->high - item.crop->low).minCoeff() <= 0.0, "the crop box is empty", where);
         }
     }
 
@@ -215,14 +206,9 @@ std::optional<Box> scene_bounds(const Scene& scene)
         if (item.mesh != nullptr)
             for (Eigen::Index v = 0; v < item.mesh->vertices.rows(); ++v)
                 bounds.add(Vec3(item.mesh->vertices.row(v)));
-    for (const VolumeItem& item : scene.volumes) {
-        if (item.crop) {
-            bounds.add(item.crop->low);
-            bounds.add(item.crop->high);
-        } else if (item.image != nullptr) {
+    for (const VolumeItem& item : scene.volumes)
+        if (item.image != nullptr)
             bounds.add(item.image->grid);
-        }
-    }
     for (const LineItem& item : scene.lines)
         for (const Vec3& p : item.points)
             bounds.add(p);

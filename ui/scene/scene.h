@@ -37,20 +37,17 @@ struct Look {
     double texture = 0.0;
 };
 
-/// A triangle surface. Colours, in order of precedence: `vertex_colors`, `look_of_label`, `look`.
+/// A triangle surface.
 struct SurfaceItem {
     std::string name {};
     std::shared_ptr<const TriMesh> mesh {};
     Look look {};
     /// Used when not empty: the look of each triangle by mesh->labels. Every label of the mesh must have an entry.
     std::map<Label, Look> look_of_label {};
-    /// Used when not empty, e.g. a strain map: one colour per vertex.
-    std::vector<Color> vertex_colors {};
     double opacity = 1.0;
     bool smooth = true; ///< shading normals averaged, except across edges sharper than 40 degrees
     bool show_edges = false; ///< draw the mesh's edges
-    bool target = false; ///< highlighted (saturated, rim-lit); counted by target_pixels()
-    bool occluder = true; ///< blocks the view in target_pixels()
+    bool target = false; ///< highlighted (saturated, rim-lit)
     bool on_top = false; ///< the front is drawn over everything, also over nearer surfaces
 };
 
@@ -65,14 +62,6 @@ struct Box {
     Vec3 low = Vec3::Zero(), high = Vec3::Zero();
 };
 
-/// CT transfer functions.
-enum class VolumePreset {
-    thorax, ///< lungs as a haze, soft organs, contrast-filled heart and vessels, bone
-    soft_tissue, ///< heart, vessels and liver opaque, no lung
-    bone, ///< skeleton only
-    skin, ///< the body's outside
-};
-
 /// A volume rendering. An image and a mask that several pictures share are uploaded once.
 struct VolumeItem {
     std::string name {};
@@ -80,9 +69,7 @@ struct VolumeItem {
     /// Hides the voxels that tetrahedra replace or an approach removes. Half-filled voxels at the mask's border are
     /// hidden too.
     std::shared_ptr<const VoxelMask> mask = nullptr;
-    std::optional<Box> crop = std::nullopt; ///< only the inside of the box is drawn
-    VolumePreset preset = VolumePreset::thorax;
-    double opacity = 1.0; ///< scales the preset's opacities
+    double opacity = 1.0; ///< scales the opacities of all tissues
 };
 
 /// A polyline: an incision, a line of sight.

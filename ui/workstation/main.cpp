@@ -7,7 +7,6 @@
 #include "planner/case/patient.h"
 #include "planner/palpation/palpable.h"
 #include "ui/workstation/main_window.h"
-#include "ui/workstation/palpation/palpation_backend.h"
 #include "ui/workstation/palpation/palpation_window.h"
 #include "ui/workstation/view/picture_view.h"
 #include "ui/workstation/view/theme.h"
@@ -51,36 +50,38 @@ std::optional<int> parse(int argc, char** argv, Options& options)
         "retractor-workstation" };
     app.set_version_flag("--version", std::string("retractor-workstation ") + RETRACTOR_VERSION);
     app.add_option("case", options.case_file,
-           "case.json, or the folder it lies in; or a palpation scene (retractor phantom aorta, liver, sheet, abdomen)")
+           "case.json, the folder of a case.json, or a palpation scene (made by retractor phantom or retractor "
+           "palpable)")
         ->type_name("CASE.json|SCENE.json");
     auto* approach = app.add_option("--approach", options.approach, "Select this approach")->type_name("NAME");
-    auto* view = app.add_option("--view", options.view, "What is shown first")
+    auto* view = app.add_option("--view", options.view, "View that the window shows first")
                      ->check(CLI::IsMember({ "surgeon", "overview", "slices" }))
                      ->capture_default_str();
     auto* plan = app.add_flag("--plan", options.plan, "Plan the selected approach at once");
     app.add_option("--screenshot", options.screenshot,
-           "Plan the selected approach (a scene: make its tissue), save the window as PNG and quit")
+           "Plan the selected approach, or prepare the tissue of a palpation scene; then save the window as PNG and "
+           "quit")
         ->type_name("FILE.png");
-    auto* model = app.add_option("--model", options.model, "Of a palpation scene: what answers the fingers")
-                      ->check(CLI::IsMember(palpation_backend().models))
+    auto* model = app.add_option("--model", options.model, "Tissue model for palpation")
+                      ->check(CLI::IsMember(planner::tissue_models()))
                       ->capture_default_str();
     auto* hand = app.add_option("--hand", options.hand,
-                        "Of a palpation scene: the hand shown, an OBJ file (see docs/user/palpation.md)")
+                        "OBJ file of the hand that is shown during palpation (see docs/user/palpation.md)")
                      ->type_name("FILE.obj");
-    app.add_option("--palpate", options.structure, "Of a case: this structure (label) is palpated, e.g. aorta")
+    app.add_option("--palpate", options.structure, "Palpate this structure (label) of the case, e.g. aorta")
         ->type_name("LABEL");
-    auto* before
-        = app.add_flag("--before", options.before, "With --screenshot: the patient before opening, without planning");
-    app.footer(
-        "Example: retractor-workstation patient/case.json --approach median --view overview\n"
-        "Keys: 1 surgeon's eye, 2 overview, 3 slices, O opened or before, P plan, Shift+P plan all, Esc cancel.\n"
-        "By hand: K knife (draw on the skin with the left button), L straight line between two clicks, Ctrl+Z and\n"
-        "Ctrl+Shift+Z undo and redo cuts, H hooks (press on a wound's edge to set one, press on one and draw it), Esc "
-        "take the stroke back; the right button, or shift, turns the camera.\n"
-        "Palpation: retractor-workstation aorta/aorta.json. The left button presses a fingertip in, dragging slides "
-        "it, "
-        "the wheel\npresses deeper while the button is held; 1, 2 ... take another finger and leave this one pressing, "
-        "Esc lifts all.");
+    auto* before = app.add_flag(
+        "--before", options.before, "With --screenshot: show the patient before opening, without planning");
+    app.footer("Example: retractor-workstation patient/case.json --approach median --view overview\n"
+               "Keys: 1 surgeon's eye, 2 overview, 3 slices, O opened field or patient before, P plan, Shift+P plan\n"
+               "all, Esc cancel.\n"
+               "Cutting: K knife (draw on the skin with the left button), L straight cut between two clicks, H hooks\n"
+               "(press on the edge of a wound to set a hook, drag a hook to pull it), X take out, Ctrl+Z undo,\n"
+               "Ctrl+Shift+Z redo, Esc discard the stroke. The right button, or Shift and the left button, turns the\n"
+               "camera.\n"
+               "Palpation: retractor-workstation aorta/aorta.json. The left button presses a fingertip in. Drag to\n"
+               "slide the fingertip; turn the wheel while the button is held to press deeper. 1, 2 ... select another\n"
+               "finger and leave this finger pressed; Esc lifts all fingers.");
     try {
         app.parse(argc, argv);
         if (options.case_file.empty() && !(options.approach.empty() && options.screenshot.empty() && !options.plan))
@@ -88,15 +89,15 @@ std::optional<int> parse(int argc, char** argv, Options& options)
         options.palpate = datasets::is_palpation_scene(options.case_file) || !options.structure.empty();
         if (!options.structure.empty()
             && (options.case_file.empty() || datasets::is_palpation_scene(options.case_file)))
-            throw CLI::ValidationError("--palpate", "is for cases");
+            throw CLI::ValidationError("--palpate", "needs a case, not a palpation scene");
         for (const CLI::Option* option : { approach, view, plan, before })
             if (options.palpate && option->count() > 0)
                 throw CLI::ValidationError(option->get_name(),
-                    options.structure.empty() ? "is for cases, and this is a palpation scene"
-                                              : "does not go with --palpate");
+                    options.structure.empty() ? "needs a case, but the file is a palpation scene"
+                                              : "cannot be combined with --palpate");
         for (const CLI::Option* option : { model, hand })
             if (!options.palpate && option->count() > 0)
-                throw CLI::ValidationError(option->get_name(), "is for palpation scenes");
+                throw CLI::ValidationError(option->get_name(), "needs a palpation scene or --palpate");
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : 2;
     }
@@ -172,7 +173,7 @@ void take_screenshot(PalpationWindow& window, QTimer& timer, const std::string& 
 /// A new window for palpation, which is deleted when it is closed.
 PalpationWindow& new_palpation()
 {
-    auto* window = new PalpationWindow(palpation_backend());
+    auto* window = new PalpationWindow(planner::PalpationBackend {});
     window->setAttribute(Qt::WA_DeleteOnClose);
     window->show();
     return *window;
@@ -180,7 +181,7 @@ PalpationWindow& new_palpation()
 
 int run_palpation(planner::Palpable palpable, const std::optional<ShownHands>& hands, const Options& options)
 {
-    PalpationWindow window(palpation_backend());
+    PalpationWindow window(planner::PalpationBackend {});
     if (hands)
         window.show_hands(*hands);
     window.show();

@@ -25,7 +25,6 @@
 #include <QToolBar>
 #include <QVBoxLayout>
 
-#include <new>
 #include <utility>
 
 namespace retractor::ui {
@@ -173,14 +172,14 @@ void MainWindow::make_knife_actions(QMenu& menu, QToolBar& bar)
           };
     add_mode(knife_action_, "Knife", Qt::Key_K, "Draw cuts on the skin with the left button", KnifeMode::freehand);
     add_mode(line_action_, "Line", Qt::Key_L, "Cut straight between two clicks", KnifeMode::line);
-    add_mode(hook_action_, "Hooks", Qt::Key_H, "Press on a wound's edge to set a hook, press on a hook and draw it",
+    add_mode(hook_action_, "Hooks", Qt::Key_H, "Press on the edge of a wound to set a hook; drag a hook to pull it",
         KnifeMode::hooks);
-    add_mode(take_out_action_, "Take out", Qt::Key_X,
-        "Press on a piece that was cut free, or on tissue, to take it out", KnifeMode::take_out);
-    undo_ = add(
-        "Undo cut", QKeySequence::Undo, "Take the last cut back", [this] { knife_->run(planner::surgery::Undo {}); });
+    add_mode(take_out_action_, "Take out", Qt::Key_X, "Press on a loose piece or on tissue to remove it",
+        KnifeMode::take_out);
+    undo_
+        = add("Undo cut", QKeySequence::Undo, "Undo the last cut", [this] { knife_->run(planner::surgery::Undo {}); });
     redo_ = add(
-        "Redo cut", QKeySequence("Ctrl+Shift+Z"), "Make it again", [this] { knife_->run(planner::surgery::Redo {}); });
+        "Redo cut", QKeySequence("Ctrl+Shift+Z"), "Redo the cut", [this] { knife_->run(planner::surgery::Redo {}); });
     undo_->setIconText("Undo"); // all tools fit into 1280 px
     redo_->setIconText("Redo");
     bar.addActions({ knife_action_, line_action_, hook_action_, take_out_action_, undo_, redo_ });
@@ -207,15 +206,16 @@ void MainWindow::make_actions()
     QAction* open = add(file, "Open case…", QKeySequence::Open, "Open a case.json", [this] { ask_for_case(); });
     save_
         = add(file, "Save picture…", QKeySequence::Save, "Save the picture as PNG", [this] { ask_for_picture_file(); });
-    palpate_ = add(file, "Palpate a structure…", {}, "Feel a vessel or an organ of this case, in a window of its own",
+    palpate_ = add(file, "Palpate a structure…", {}, "Palpate a vessel or an organ of this case in a new window",
         [this] { ask_for_structure(); });
     file->addSeparator();
     add(file, "Quit", QKeySequence::Quit, "Close the window", [this] { close(); });
 
-    surgeon_ = add(view, "Surgeon's eye", Qt::Key_1, "Through the incision", [this] { set_view(ViewPreset::surgeon); });
-    overview_
-        = add(view, "Overview", Qt::Key_2, "The patient from outside", [this] { set_view(ViewPreset::overview); });
-    slices_ = add(view, "Slices", Qt::Key_3, "Three planes of the CT and the overview; after planning",
+    surgeon_
+        = add(view, "Surgeon's eye", Qt::Key_1, "View through the incision", [this] { set_view(ViewPreset::surgeon); });
+    overview_ = add(
+        view, "Overview", Qt::Key_2, "View of the patient from outside", [this] { set_view(ViewPreset::overview); });
+    slices_ = add(view, "Slices", Qt::Key_3, "Three planes of the CT and the overview (available after planning)",
         [this] { set_view(ViewPreset::slices); });
     auto* presets = new QActionGroup(this);
     for (QAction* action : { surgeon_, overview_, slices_ }) {
@@ -223,7 +223,7 @@ void MainWindow::make_actions()
         presets->addAction(action);
     }
     view->addSeparator();
-    opened_ = add(view, "Opened", Qt::Key_O, "The opened field, or the patient before", [this] {
+    opened_ = add(view, "Opened", Qt::Key_O, "Switch between the opened field and the patient before the cut", [this] {
         model_->set_show_opened(opened_->isChecked());
         show_picture();
     });
@@ -232,9 +232,8 @@ void MainWindow::make_actions()
     plan_ = add(plan, "Plan", Qt::Key_P, "Cut, open and measure this approach", [this] { plan_selected(); });
     plan_all_ = add(
         plan, "Plan all", QKeySequence("Shift+P"), "Cut, open and measure all approaches", [this] { plan_all(); });
-    cancel_
-        = add(plan, "Cancel", Qt::Key_Escape, "Take back the stroke under way, or stop planning", [this] { cancel(); });
-    add(help, "About Retractor", {}, "What this is", [this] { show_about(); });
+    cancel_ = add(plan, "Cancel", Qt::Key_Escape, "Discard the open stroke, or stop planning", [this] { cancel(); });
+    add(help, "About Retractor", {}, "Show the version and the licence", [this] { show_about(); });
 
     open->setIconText("Open…");
     save_->setIconText("Save…");
@@ -323,7 +322,7 @@ void MainWindow::palpate(const std::string& structure)
 {
     ++reading_;
     clear_error();
-    show_message(QString("Making %1 palpable …").arg(QString::fromStdString(structure)));
+    show_message(QString("Preparing %1 for palpation …").arg(QString::fromStdString(structure)));
     reading_executor_.post([this, structure, patient_case = model_->planned_case()](const Job&) {
         try {
             planner::Patient patient(patient_case);
@@ -614,8 +613,8 @@ void MainWindow::ask_for_structure()
         names += QString::fromStdString(info.name);
     }
     bool chosen = false;
-    const QString name = QInputDialog::getItem(
-        this, "Palpate", "Structure (vessels get a wall of 2 mm with blood in it):", names, vessel, false, &chosen);
+    const QString name = QInputDialog::getItem(this, "Palpate",
+        "Structure to palpate (a vessel gets a wall of 2 mm, filled with blood):", names, vessel, false, &chosen);
     if (chosen)
         palpate(name.toStdString());
 }

@@ -13,7 +13,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 
 class QAction;
@@ -58,7 +57,7 @@ public:
 
     /// Makes a label of the open case palpable in the background, then calls on_palpable. @pre a case is open
     void palpate(const std::string& structure);
-    /// Called with what palpate() made, and what is to be said of it.
+    /// Called with the scene that palpate() made and with its notes.
     std::function<void(planner::Palpable)> on_palpable;
 
     /// Called when an opened file is a palpation scene instead of a case.

@@ -115,7 +115,8 @@ TEST_F(CommandLine, UsageAndBadInputExitWithTwoAndOneJsonDocument)
     EXPECT_EQ(run("hooks " + case_file() + " --approach straight --opening -5").exit_code, 2);
     const std::string hooks = "hooks " + case_file() + " --approach straight --template 2 ";
     for (const char* contradiction : { "", "--hook-force 20 --opening 10", "--hook-limit 5",
-             "--hook-grip 0 --opening 10", "--hook-force 20 --hook-limit 5" })
+             "--hook-grip 0 --opening 10", "--hook-force 20 --hook-limit 5", "--hook-force 20 --turn-every 20",
+             "--opening 10 --turn-every -1", "--opening 10 --turn-every nan" })
         EXPECT_EQ(run(hooks + contradiction).exit_code, 2) << contradiction;
 }
 
@@ -331,6 +332,36 @@ TEST_F(CommandLine, PressureIsPlannedWithAndRefusedByName)
     EXPECT_EQ(metrics(), before) << "what is refused changes nothing";
 }
 
+TEST_F(CommandLine, ImplausibleNumbersAreRefusedWithTheUnitThatExplainsThem)
+{
+    std::ifstream in(case_file());
+    Json changed = Json::parse(in);
+    const std::string slipped = (folder / "c" / "slipped.json").string();
+    const auto write = [&] { std::ofstream(slipped) << changed.dump(); };
+    for (Json& material : changed.at("materials"))
+        if (material.at("name") == "skin")
+            material.at("youngs_modulus_MPa") = 200.0; // kPa
+    write();
+    const CommandRun refused = run("--json plan " + slipped + " --out " + out("slipped"));
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_NE(refused.error().find("is it in kPa (0.2 MPa)?"), std::string::npos) << refused.out;
+    EXPECT_NE(refused.json().at("where").get<std::string>().find("youngs_modulus_MPa"), std::string::npos)
+        << refused.out;
+    EXPECT_FALSE(fs::exists(out("slipped")));
+    changed["accept_implausible"] = true;
+    write();
+    const Json planned = run("--json plan " + slipped + " --draft --elasticity linear --out " + out("slipped")).json();
+    const Json& field = planned.at("approaches").at(0);
+    EXPECT_NE(field.at("implausible").at(0).get<std::string>().find("skin is 200 MPa"), std::string::npos) << field;
+    EXPECT_EQ(field.at("solution").at("draft"), true);
+    EXPECT_GE(field.at("solution").at("mesh").at("corridor_edge_mm").get<double>(), 8.0);
+    // A depth in metres is refused where it is written.
+    const std::string in_metres = "--json approach add " + case_file()
+        + " --name metres --points 1.3,0,-25 1.3,0,25 --depth 0.03 --target target";
+    EXPECT_EQ(run(in_metres).exit_code, 2);
+    EXPECT_NE(run(in_metres).error().find("is it in m (30 mm)?"), std::string::npos) << run(in_metres).out;
+}
+
 TEST_F(CommandLine, RenderDrawsTheViewsAndLoadsTheVolumeOnce)
 {
     const CommandRun render
@@ -373,6 +404,46 @@ TEST_F(CommandLine, ApproachesAreListedAndRemoved)
     EXPECT_EQ(run("approach add " + case_file() + " --template median --target target").exit_code, 2); // no sternum
 }
 
+TEST_F(CommandLine, TheStepsOfTheCrankAreChosenAndListed)
+{
+    const std::string add = "--json approach add " + case_file()
+        + " --points 1,0,-20 1,0,20 --target target --name turned --hooks 2 --opening 10";
+    const Json added = run(add).json();
+    EXPECT_FALSE(added.contains("opening_protocol")); // the default
+    const Json slower
+        = run("--json hooks " + case_file() + " --approach turned --template 2 --opening 10 --turn-every 30").json();
+    EXPECT_EQ(slower.at("opening_protocol"), "half a turn of the crank (7 mm) every 30 s");
+    // Other hooks keep the steps.
+    ASSERT_EQ(run("hooks " + case_file() + " --approach turned --template 2 --opening 12").exit_code, 0);
+    EXPECT_NE(run("approach list " + case_file()).out.find("opened by half a turn of the crank (7 mm) every 30 s"),
+        std::string::npos);
+    EXPECT_EQ(run("approach remove " + case_file() + " --name turned").exit_code, 0);
+}
+
+TEST_F(CommandLine, TheDivisionOfAnApproachIsChosenAndListed)
+{
+    const std::string add = "approach add " + case_file() + " --points 1,0,-20 1,0,20 --target target --name divided ";
+    EXPECT_EQ(run(add + "--division half").exit_code, 2);
+    EXPECT_EQ(run(add + "--forwards 20").exit_code, 2); // a distance goes with full division
+    ASSERT_EQ(run(add).exit_code, 0);
+    const auto division = [] {
+        const Json listed = run("--json approach list " + case_file()).json();
+        return listed.at("approaches").back().at("division");
+    };
+    EXPECT_EQ(division().at("extent"), "skin"); // as points have it
+    const std::string divide = "approach divide " + case_file() + " --name divided ";
+    EXPECT_EQ(run(divide).exit_code, 2); // the extent is missing
+    ASSERT_EQ(run(divide + "--division full --forwards 20").exit_code, 0);
+    EXPECT_EQ(division().at("extent"), "full");
+    EXPECT_DOUBLE_EQ(division().at("forwards_mm").get<double>(), 20.0);
+    EXPECT_NE(
+        run("approach list " + case_file()).out.find("forwards 20 mm, backwards as far as is safe"), std::string::npos);
+    ASSERT_EQ(run(divide + "--division skin").exit_code, 0);
+    EXPECT_FALSE(division().contains("forwards_mm"));
+    EXPECT_EQ(run("approach divide " + case_file() + " --name nobody --division skin").exit_code, 2);
+    EXPECT_EQ(run("approach remove " + case_file() + " --name divided").exit_code, 0);
+}
+
 TEST_F(CommandLine, AblationsAreAddedListedAndCut)
 {
     const std::string add = "--json approach add " + case_file()
@@ -386,8 +457,8 @@ TEST_F(CommandLine, AblationsAreAddedListedAndCut)
         Json::parse(R"({"label": "fat", "from_mm": -6.0, "to_mm": 5.0, "along_from_mm": 10.0, "along_to_mm": 40.0})"));
     EXPECT_EQ(ablations[1], Json::parse(R"({"centre_mm": [1.0, 2.0, 0.0], "radius_mm": 9.0})"));
     const std::string listed = run("approach list " + case_file()).out;
-    for (const char* line : { "takes out fat from -6.0 to 5.0 mm across and 10.0 to 40.0 mm along the incision",
-             "takes out tissue in a ball of 9.0 mm at (1, 2, 0)", "loose pieces are removed" })
+    for (const char* line : { "removes fat from -6.0 to 5.0 mm across and 10.0 to 40.0 mm along the incision",
+             "removes tissue in a ball of 9.0 mm at (1, 2, 0)", "loose pieces are removed" })
         EXPECT_NE(listed.find(line), std::string::npos) << listed;
 
     const std::string rest = case_file() + " --approach taken --out " + out("taken");
@@ -421,10 +492,11 @@ TEST_F(CommandLine, AblationsAreAddedListedAndCut)
     const std::map<std::string, std::string> refused {
         { "spleen:-5,5", "there is no label \"spleen\"; the wall has: skin, fat, muscle" },
         { "cavity:-5,5",
-            "only tissue of the wall can be removed, and \"cavity\" is none; the wall has: skin, fat, muscle" },
+            "only tissue of the wall can be removed, and \"cavity\" is not part of the wall; the wall has: skin, fat, "
+            "muscle" },
         { "fat:5,5", "across the incision, FROM must be less than TO" },
         { "fat:-5,5:30,20", "along the incision, FROM must be less than TO" },
-        { "fat:-5,5:0,90", "along the incision there is 0 to " },
+        { "fat:-5,5:0,90", "positions along the incision are 0 to " },
         { "fat:nan,5", "\"nan\" in \"nan,5\" is not a number" },
         { "fat:1,2,3", "\"1,2,3\" must be 2 numbers" },
         { "fat", "give LABEL:FROM,TO" },
@@ -466,7 +538,8 @@ TEST_F(CommandLine, RefusalsNameTheOptionsOfTheirOwnCommand)
     const CommandRun both
         = run("--json plan " + case_file() + " --near 30 --contact --approach straight --out " + out("both"));
     EXPECT_EQ(both.exit_code, 2);
-    EXPECT_NE(both.error().find("leave one of the two out (options --near, --contact)"), std::string::npos) << both.out;
+    EXPECT_NE(both.error().find("remove contact or near_mm (options --near, --contact)"), std::string::npos)
+        << both.out;
 }
 
 TEST_F(CommandLine, MisspeltWordsAreNamedWithTheNearestKnown)

@@ -3,7 +3,7 @@
 #include "mesh/base/error.h"
 #include "planner/plan/plan.h"
 #include "tests/support/block_case.h"
-#include "ui/scene/vtk/render.h"
+#include "tests/ui/scene/target_pixels.h"
 
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ namespace plan_scene_test {
         Scene scene = surgeon_scene(*patient, *field);
         scene.hooks.clear(); // rays do not meet the hooks
         OffscreenRenderer renderer(make_offscreen_context());
-        const TargetPixels pixels = renderer.target_pixels(scene, 960, 960);
+        const samples::TargetPixels pixels = samples::target_pixels(renderer, scene, 960, 960);
         ASSERT_GT(pixels.unobstructed, 5000U);
         const double rays = field->exposure.eyes.front().picture_share;
         EXPECT_GT(rays, 0.05); // partly hidden, or the comparison says nothing

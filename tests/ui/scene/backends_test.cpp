@@ -1,6 +1,6 @@
 // The two executables scene_picture_osmesa and scene_picture_egl must draw the same picture.
 
-#include "ui/scene/vtk/render.h"
+#include "tests/ui/scene/png_files.h"
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ namespace backends_test {
         if (status == kNotHere)
             GTEST_SKIP() << "this machine has no surfaceless EGL context";
         ASSERT_EQ(status, 0);
-        EXPECT_GE(psnr_db(read_png(osmesa), read_png(egl)), kSamePicture);
+        EXPECT_GE(samples::psnr_db(samples::read_png(osmesa), samples::read_png(egl)), kSamePicture);
         std::filesystem::remove(osmesa);
         std::filesystem::remove(egl);
     }

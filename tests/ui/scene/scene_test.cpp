@@ -6,7 +6,6 @@
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/annotations.h"
 #include "ui/scene/vtk/slice_actor.h"
-#include "ui/scene/vtk/volume_actor.h"
 
 #include <gtest/gtest.h>
 
@@ -90,33 +89,6 @@ namespace scene_test {
                 nearest = std::min(nearest, std::abs(mesh.vertices(v, 0) - hook.position.x()));
             }
         EXPECT_NEAR(nearest, 0.0, kRoundOff);
-    }
-
-    TEST(HideVoxels, TurnsHiddenVoxelsAndTheirNeighboursToAir)
-    {
-        mesh::Volume image { .grid = { .size = { 7, 7, 7 } }, .voxels = std::vector<std::int16_t>(343, 50) };
-        VoxelMask mask { .grid = image.grid, .hidden = std::vector<std::uint8_t>(343, 0) };
-        mask.hidden[mask.grid.offset(3, 3, 3)] = 1;
-        const auto shown = hide_voxels(image, mask);
-        EXPECT_EQ(std::count(shown.begin(), shown.end(), -1000), 27);
-        EXPECT_EQ(shown[image.grid.offset(2, 2, 2)], -1000);
-        EXPECT_EQ(shown[image.grid.offset(1, 3, 3)], 50);
-    }
-
-    TEST(HideVoxels, FollowsAMaskOnAnotherGrid)
-    {
-        mesh::Volume image { .grid = { .size = { 20, 20, 20 } }, .voxels = std::vector<std::int16_t>(8000, 50) };
-        // One voxel of 4 mm whose axes are turned and mirrored, centred at (9.5, 9.5, 9.5).
-        VoxelMask mask { .grid = { .size = { 3, 3, 3 }, .spacing = { 4, 4, 4 }, .origin = { 13.5, 5.5, 5.5 } },
-            .hidden = std::vector<std::uint8_t>(27, 0) };
-        mask.grid.direction << 0, -1, 0, 1, 0, 0, 0, 0, 1;
-        mask.hidden[mask.grid.offset(1, 1, 1)] = 1;
-        const auto shown = hide_voxels(image, mask);
-        // 4 x 4 x 4 voxel centres lie inside, and a layer round them goes too.
-        EXPECT_EQ(std::count(shown.begin(), shown.end(), -1000), 6 * 6 * 6);
-        EXPECT_EQ(shown[image.grid.offset(7, 7, 7)], -1000);
-        EXPECT_EQ(shown[image.grid.offset(12, 12, 12)], -1000);
-        EXPECT_EQ(shown[image.grid.offset(13, 10, 10)], 50);
     }
 
     TEST(SampleSlice, ReadsALinearImageExactlyOnMirroredAxes)
@@ -217,7 +189,6 @@ namespace scene_test {
             Refusal { "one label per triangle", [](Scene& s) { own_mesh(s).labels.pop_back(); } },
             Refusal { "label 9 has no look", [](Scene& s) { own_mesh(s).labels[4] = 9; } },
             Refusal { "has no mesh", [](Scene& s) { s.surfaces[0].mesh = nullptr; } },
-            Refusal { "one colour per vertex", [](Scene& s) { s.surfaces[0].vertex_colors.resize(1); } },
             Refusal { "opacity must be within", [](Scene& s) { s.surfaces[0].opacity = kNaN; } },
             Refusal { "colour must be within", [](Scene& s) { s.surfaces[0].look.color.g = 200.0; } },
             Refusal { "eye is at its aim", [](Scene& s) { s.camera.aim = s.camera.eye; } },
@@ -234,11 +205,6 @@ namespace scene_test {
                     auto ct = std::make_shared<mesh::Volume>(*samples::little_ct());
                     ct->voxels.pop_back();
                     s.volumes.emplace_back().image = ct;
-                } },
-            Refusal { "crop box is empty",
-                [](Scene& s) {
-                    s.volumes.emplace_back().image = samples::little_ct();
-                    s.volumes.back().crop = Box {};
                 } },
             Refusal { "window must be positive",
                 [](Scene& s) { s.slices.push_back({ .image = samples::little_ct(), .window_hu = 0.0 }); } }));

@@ -6,7 +6,9 @@
 #include "mesh/base/error.h"
 #include "planner/approach/approach_templates.h"
 #include "planner/approach/hooks.h"
+#include "planner/approach/retractors.h"
 #include "planner/case/case_io.h"
+#include "planner/case/opening_protocol.h"
 #include "planner/case/patient.h"
 #include "ui/cli/framework/open_case.h"
 
@@ -19,26 +21,51 @@ namespace retractor::ui::cli {
 
 namespace {
 
+    constexpr double kLongestSpaceMm = 500.0; // of a division; as in check_division()
+    constexpr double kLongestWaitS = 3600.0; // between two turns; as in check_opening_protocol()
     constexpr double kLongestMm = 2000.0; // length of an incision or a depth; longer than any patient
 
     struct ApproachOptions {
-        std::string case_file, name, template_name, target, hooks = "4", loose = "held";
+        std::string case_file, name, template_name, target, hooks = "4", loose = "held", division, retractor,
+                                                            retractor_table;
         std::vector<std::string> points, retracted, ablations;
         double length_mm = 0.0, depth_mm = 0.0, opening_mm = 0.0;
-        std::optional<double> edge_mm, coarse_mm, region_mm;
+        std::optional<double> edge_mm, coarse_mm, region_mm, forwards_mm, backwards_mm, rack_force_N, turn_every_s;
         planner::HookPull pull {};
         bool right = false, opening_given = false;
     };
+
+    Json division_document(const planner::Division& division)
+    {
+        Json json { { "extent", to_string(division.extent) } };
+        if (division.forwards_mm)
+            json["forwards_mm"] = *division.forwards_mm;
+        if (division.backwards_mm)
+            json["backwards_mm"] = *division.backwards_mm;
+        return json;
+    }
+
+    /// "as far as is safe", or "20 mm".
+    std::string distance_text(const std::optional<double>& distance_mm)
+    {
+        return distance_mm ? in_words(*distance_mm) + " mm" : "as far as is safe";
+    }
 
     Json approach_document(const planner::Approach& approach)
     {
         Json ablations = Json::array();
         for (const planner::AblationSpec& ablation : approach.ablations)
             ablations.push_back(Json::parse(planner::ablation_to_json(ablation)));
-        return { { "name", approach.name }, { "template", approach.template_name },
+        Json document { { "name", approach.name }, { "template", approach.template_name },
             { "incision_length_mm", planner::incision_length(approach) }, { "depth_mm", approach.depth_mm },
             { "hooks", approach.hooks.size() }, { "retracted", approach.retracted }, { "ablations", ablations },
-            { "loose_pieces", to_string(approach.loose_pieces) }, { "rationale", approach.rationale } };
+            { "loose_pieces", to_string(approach.loose_pieces) }, { "division", division_document(approach.division) },
+            { "rationale", approach.rationale } };
+        if (approach.retractor)
+            document["retractor"] = planner::retractor_text(*approach.retractor);
+        if (approach.opening_protocol)
+            document["opening_protocol"] = planner::opening_protocol_text(*approach.opening_protocol);
+        return document;
     }
 
     std::string approach_line(const planner::Approach& approach)
@@ -47,10 +74,17 @@ namespace {
             = formatted("%-18s %-16s incision %4.0f mm, depth %3.0f mm, %zu hooks, target %s\n", approach.name.c_str(),
                 approach.template_name.c_str(), planner::incision_length(approach), approach.depth_mm,
                 approach.hooks.size(), approach.target.is_sphere() ? "sphere" : approach.target.label.c_str());
+        if (const planner::Division& division = approach.division; division.extent == planner::DivisionExtent::full)
+            text += "  divides intercostal muscle and pleura beyond the skin: forwards "
+                + distance_text(division.forwards_mm) + ", backwards " + distance_text(division.backwards_mm) + "\n";
         for (const planner::AblationSpec& ablation : approach.ablations)
-            text += "  takes out " + planner::ablation_text(ablation, planner::incision_length(approach)) + "\n";
+            text += "  removes " + planner::ablation_text(ablation, planner::incision_length(approach)) + "\n";
         if (!approach.ablations.empty() || approach.loose_pieces != planner::LoosePieces::held)
             text += "  loose pieces are " + std::string(to_string(approach.loose_pieces)) + "\n";
+        if (approach.retractor)
+            text += "  opened by a retractor: " + planner::retractor_text(*approach.retractor) + "\n";
+        if (approach.opening_protocol)
+            text += "  opened by " + planner::opening_protocol_text(*approach.opening_protocol) + "\n";
         return text;
     }
 
@@ -63,8 +97,9 @@ namespace {
         for (const mesh::LabelInfo& other : table)
             if (other.role == mesh::Role::wall)
                 known += (known.empty() ? "" : ", ") + other.name;
-        throw InputError((info != nullptr ? "only tissue of the wall can be removed, and \"" + label + "\" is none"
-                                          : "there is no label \"" + label + "\"")
+        throw InputError(
+            (info != nullptr ? "only tissue of the wall can be removed, and \"" + label + "\" is not part of the wall"
+                             : "there is no label \"" + label + "\"")
                 + "; the wall has: " + (known.empty() ? "none" : known),
             where);
     }
@@ -88,7 +123,7 @@ namespace {
             if (ablation.along_from_mm.value_or(0.0) >= 0.0 && ablation.along_to_mm.value_or(length) <= length)
                 continue;
             throw InputError(
-                formatted("along the incision there is 0 to %.1f mm", length), "--ablate " + options.ablations[n]);
+                formatted("positions along the incision are 0 to %.1f mm", length), "--ablate " + options.ablations[n]);
         }
     }
 
@@ -116,29 +151,129 @@ namespace {
         double furthest = 0.0;
         for (const double moved : by_points.moved_mm)
             furthest = std::max(furthest, moved);
-        remark = formatted("points were moved onto the skin by at most %.1f mm\n", furthest);
+        remark = formatted("the points were moved onto the skin, by at most %.1f mm\n", furthest);
         return by_points.approach;
+    }
+
+    /// The division that the options give; nothing where --division is not given.
+    std::optional<planner::Division> division_from_options(const ApproachOptions& options)
+    {
+        const auto extent = planner::division_extent_from_string(options.division);
+        const bool has_distance = options.forwards_mm.has_value() || options.backwards_mm.has_value();
+        if (has_distance && extent != planner::DivisionExtent::full)
+            throw InputError(
+                "a distance beyond the skin needs --division full", options.forwards_mm ? "--forwards" : "--backwards");
+        if (!extent)
+            return std::nullopt;
+        return planner::Division {
+            .extent = *extent, .forwards_mm = options.forwards_mm, .backwards_mm = options.backwards_mm
+        };
+    }
+
+    CLI::Option* add_division_options(CLI::App& command, ApproachOptions& options)
+    {
+        CLI::Option* division
+            = command
+                  .add_option("--division", options.division,
+                      "Extent of the division between the ribs: skin (every layer as far as the skin) or full "
+                      "(intercostal muscle and pleura also beyond both ends of the incision). Default: full for "
+                      "templates between ribs, else skin")
+                  ->check(CLI::IsMember({ "skin", "full" }));
+        command
+            .add_option("--forwards", options.forwards_mm,
+                "With --division full: distance beyond the incision towards the sternum, mm (default: as far as is "
+                "safe)")
+            ->check(in_range(0.0, kLongestSpaceMm));
+        command
+            .add_option("--backwards", options.backwards_mm,
+                "With --division full: distance beyond the incision towards the spine, mm (default: as far as is safe)")
+            ->check(in_range(0.0, kLongestSpaceMm));
+        return division;
     }
 
     void check_hook_options(const ApproachOptions& options)
     {
         planner::check_pull(options.pull, "hooks: ");
+        if (options.turn_every_s && !(options.opening_mm > 0.0))
+            throw InputError("only an opening is made in turns of the crank: add --opening", "--turn-every");
         if (options.pull.force_N && options.opening_mm > 0.0)
-            throw InputError("a hook that pulls with a force goes as far as that takes it: leave one of the two out",
-                "--opening, --hook-force");
+            throw InputError(
+                "a hook takes either a force or an opening, not both: remove one", "--opening, --hook-force");
         if (!options.pull.force_N && !options.pull.prescribes() && !(options.opening_mm > 0.0))
-            throw InputError("hooks that yield or grip softly are drawn somewhere: give --opening as well",
+            throw InputError("hooks with a force limit or a soft grip need an opening: add --opening",
                 options.pull.force_limit_N ? "--hook-limit" : "--hook-grip");
+    }
+
+    void check_retractor_options(const ApproachOptions& options)
+    {
+        if (options.retractor.empty()) {
+            if (options.rack_force_N)
+                throw InputError("only a retractor has a rack: add --retractor, or give --hook-force", "--rack-force");
+            if (!options.retractor_table.empty())
+                throw InputError("a table of retractors needs --retractor KIND", "--retractors");
+            return;
+        }
+        if (!options.pull.prescribes())
+            throw InputError("an approach has either hooks or a retractor, not both: leave out the options of hooks "
+                             "(a retractor takes --opening or --rack-force)",
+                "--retractor");
+        if (options.rack_force_N.has_value() == (options.opening_mm > 0.0))
+            throw InputError(
+                "a retractor takes either an opening or a force: give one of the two", "--opening, --rack-force");
+    }
+
+    /// Hooks or the rack of an approach are opened by half a turn of the crank at a time, as often as the option says.
+    void set_opening_protocol(
+        planner::Case& planned_case, const std::string& approach, const std::optional<double>& turn_every_s)
+    {
+        if (turn_every_s)
+            planner::find_approach(planned_case, approach).opening_protocol
+                = planner::OpeningProtocol { .wait_s = *turn_every_s };
+    }
+
+    void set_retractor(planner::Case& planned_case, const std::string& approach, const ApproachOptions& options)
+    {
+        const planner::RetractorDrive drive { options.opening_mm, options.rack_force_N };
+        if (options.retractor_table.empty())
+            return planner::set_retractor(planned_case, approach,
+                planner::find_retractor(planner::built_in_retractors(), options.retractor), drive);
+        const std::vector<planner::RetractorKind> table = planner::read_retractors(options.retractor_table);
+        planner::set_retractor(planned_case, approach, planner::find_retractor(table, options.retractor), drive);
+    }
+
+    /// @param hook_template option that places hooks instead
+    void add_retractor_options(CLI::App& command, ApproachOptions& options, CLI::Option* hook_template)
+    {
+        std::string kinds;
+        for (const planner::RetractorKind& kind : planner::built_in_retractors())
+            kinds += (kinds.empty() ? "" : ", ") + kind.kind;
+        command
+            .add_option("--retractor", options.retractor,
+                "Open with a retractor instead of hooks: a rigid frame with two blades that only the tissue holds. "
+                "Kinds: "
+                    + kinds)
+            ->excludes(hook_template);
+        command.add_option("--retractors", options.retractor_table,
+            "JSON file with a table of retractors of your own, for --retractor");
+        command.add_option("--rack-force", options.rack_force_N,
+            "With --retractor: force along the rack at each blade, N; the opening follows from the force (instead of "
+            "--opening)");
     }
 
     void add_hook_options(CLI::App& command, ApproachOptions& options)
     {
+        command
+            .add_option("--turn-every", options.turn_every_s,
+                "With --opening: seconds from one half turn of the crank (7 mm) to the next; a slower opening takes "
+                "less "
+                "force (default: 10; nearly all faster openings ruptured tissue)")
+            ->check(in_range(0.0, kLongestWaitS));
         command.add_option("--hook-force", options.pull.force_N,
-            "Each hook pulls with this force (N) along its direction, however far that goes (instead of --opening)");
+            "Force of each hook along its direction, N; the opening follows from the force (instead of --opening)");
         command.add_option("--hook-limit", options.pull.force_limit_N,
-            "Each hook yields where it would have to pull with more than this force (N)");
+            "Largest force of each hook, N; a hook yields (slips) above this force");
         command.add_option("--hook-grip", options.pull.grip_N_per_mm,
-            "Each hook draws its lip through a grip of this stiffness (N/mm) (default: the lip follows completely)");
+            "Stiffness of the grip between each hook and its lip, N/mm (default: the lip follows the hook completely)");
     }
 
     Outcome add(const ApproachOptions& options, const Job& job)
@@ -146,11 +281,15 @@ namespace {
         if (options.points.empty() == options.template_name.empty())
             throw InputError("give either --template or --points", "command line");
         planner::Case planned_case = open_case(options.case_file);
+        check_retractor_options(options);
         check_hook_options(options);
+        const std::optional<planner::Division> division = division_from_options(options);
         std::vector<planner::AblationSpec> ablations = parse_ablations(options, planned_case.label_table);
         planner::Patient patient(planned_case, job);
         Outcome outcome;
         planner::Approach approach = approach_from_options(options, patient, outcome.text);
+        if (division)
+            approach.division = *division;
         approach.ablations = std::move(ablations);
         approach.loose_pieces = planner::loose_pieces_from_string(options.loose).value();
         check_ablations_along(options, approach);
@@ -159,8 +298,11 @@ namespace {
             if (std::find(approach.retracted.begin(), approach.retracted.end(), organ) == approach.retracted.end())
                 approach.retracted.push_back(organ);
         planner::add_approach(planned_case, std::move(approach));
-        if (options.opening_mm > 0.0 || !options.pull.prescribes())
+        if (!options.retractor.empty())
+            set_retractor(planned_case, name, options);
+        else if (options.opening_mm > 0.0 || !options.pull.prescribes())
             planner::set_hooks(planned_case, name, options.hooks, options.opening_mm, options.pull);
+        set_opening_protocol(planned_case, name, options.turn_every_s);
         planner::write_case(planned_case);
         outcome.document = approach_document(planner::find_approach(planned_case, name));
         outcome.text += approach_line(planner::find_approach(planned_case, name));
@@ -177,7 +319,7 @@ namespace {
             outcome.text += approach_line(approach);
         }
         if (planned_case.approaches.empty())
-            outcome.text = "no approaches yet; see retractor approach add --help\n";
+            outcome.text = "The case has no approaches yet; see retractor approach add --help\n";
         return outcome;
     }
 
@@ -191,13 +333,30 @@ namespace {
         return outcome;
     }
 
+    Outcome divide(const ApproachOptions& options)
+    {
+        planner::Case planned_case = open_case(options.case_file);
+        planner::find_approach(planned_case, options.name).division = division_from_options(options).value();
+        planner::write_case(planned_case);
+        Outcome outcome;
+        outcome.document = approach_document(planner::find_approach(planned_case, options.name));
+        outcome.text = approach_line(planner::find_approach(planned_case, options.name));
+        return outcome;
+    }
+
     Outcome change_hooks(const ApproachOptions& options)
     {
         planner::Case planned_case = open_case(options.case_file);
+        check_retractor_options(options);
         check_hook_options(options);
-        if (!options.pull.force_N && !options.opening_given)
-            throw InputError("give --opening or --hook-force", "command line");
-        planner::set_hooks(planned_case, options.name, options.hooks, options.opening_mm, options.pull);
+        if (!options.retractor.empty()) {
+            set_retractor(planned_case, options.name, options);
+        } else {
+            if (!options.pull.force_N && !options.opening_given)
+                throw InputError("give --opening or --hook-force", "command line");
+            planner::set_hooks(planned_case, options.name, options.hooks, options.opening_mm, options.pull);
+        }
+        set_opening_protocol(planned_case, options.name, options.turn_every_s);
         planner::write_case(planned_case);
         Outcome outcome;
         outcome.document = approach_document(planner::find_approach(planned_case, options.name));
@@ -208,18 +367,23 @@ namespace {
     void add_add_command(CLI::App& approach, Commands& commands, const std::shared_ptr<ApproachOptions>& options)
     {
         CLI::App* add_command
-            = approach.add_subcommand("add", "Write an approach by template, or by points on the skin");
+            = approach.add_subcommand("add", "Add an approach from a template, or from points on the skin");
         add_command->footer(
             "Example: retractor approach add case.json --template intercostal:4 --target aneurysm --opening 50\n"
             "         retractor approach add case.json --name mine --points 40,-110,20 55,-100,10 --target "
             "20,-10,30,15\n"
             "         retractor approach add case.json --template intercostal:5 --target aneurysm --opening 50 "
-            "--ablate rib_left_6:2,22:40,90 --loose removed");
+            "--ablate rib_left_6:2,22:40,90 --loose removed\n"
+            "         retractor approach add case.json --template intercostal:4 --target aneurysm --opening 50 "
+            "--division skin --name intercostal_4_skin");
         add_command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
-        add_command->add_option("--template", options->template_name, "median, intercostal:N, distal, midcab");
         add_command->add_option(
-            "--points", options->points, "Points x,y,z (mm, LPS) on or near the skin, in cutting order");
-        add_command->add_option("--target", options->target, "A label, or a sphere x,y,z,r")->required();
+            "--template", options->template_name, "Template of the approach: median, intercostal:N, distal or midcab");
+        add_command->add_option("--points", options->points,
+            "Points of the incision, x,y,z (mm, patient LPS) on or near the skin, in cutting order");
+        add_command
+            ->add_option("--target", options->target, "Target to see: a label, or a sphere x,y,z,r (mm, patient LPS)")
+            ->required();
         add_command->add_option("--name", options->name, "Name of the approach (default: the template's)");
         add_command->add_option("--length", options->length_mm, "Length of the incision, mm (default: the template's)")
             ->check(in_range(0.0, kLongestMm));
@@ -229,75 +393,90 @@ namespace {
             ->check(in_range(0.0, kLongestMm));
         add_command
             ->add_option("--retract", options->retracted,
-                "Organs held aside, NAME,..., besides the template's: they do not block the view")
+                "Organs to hold aside, NAME,..., in addition to those of the template. They do not block the view")
             ->delimiter(',');
         add_command
             ->add_option("--ablate", options->ablations,
-                "Taken out after the cut, in this order (repeatable): LABEL:FROM,TO[:ALONG_FROM,ALONG_TO], a segment "
-                "of "
-                "one "
-                "label, mm across the incision (positive: left of the cutting direction, looking down on the skin) and "
-                "along it (default: its ends), sawn through there; or ball:X,Y,Z,RADIUS[:LABEL], mm (default: all "
-                "tissue)")
+                "Tissue to remove after the cut (repeatable, in this order). LABEL:FROM,TO[:ALONG_FROM,ALONG_TO] saws "
+                "a segment out of one label: FROM and TO are mm across the incision (positive: left of the cutting "
+                "direction, looking down on the skin), ALONG_FROM and ALONG_TO are mm along the incision (default: its "
+                "ends). ball:X,Y,Z,RADIUS[:LABEL] removes a ball, mm (default: all tissue)")
             ->allow_extra_args(false);
         add_command
             ->add_option("--loose", options->loose,
-                "Pieces that cut and ablations leave without support: held (on a soft bed), removed, or rigid (they go "
-                "with "
+                "Treatment of pieces that lose their support: held (on a soft bed), removed, or rigid (they move with "
                 "the tissue beside them)")
             ->capture_default_str()
             ->check(CLI::IsMember({ "held", "removed", "rigid" }));
+        add_division_options(*add_command, *options);
         add_command->add_flag("--right", options->right, "Intercostal: on the patient's right");
-        add_command->add_option("--hooks", options->hooks, "Hook template: 2, 4, 8 or blade")->capture_default_str();
+        CLI::Option* hooks = add_command->add_option("--hooks", options->hooks, "Hook template: 2, 4, 8 or blade")
+                                 ->capture_default_str();
         add_command
-            ->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm; 0: no hooks yet")
+            ->add_option("--opening", options->opening_mm,
+                "Distance that opposite hooks or the blades of a retractor open, mm; 0: no hooks yet")
             ->check(in_range(0.0, 2.0 * fem::kFarthestHookMm));
         add_hook_options(*add_command, *options);
-        add_command->add_option(
-            "--edge", options->edge_mm, "Mesh edges in the corridor round the incision, mm (default: the case's)");
-        add_command->add_option("--coarse", options->coarse_mm, "Mesh edges far from it, mm (default: the case's)");
+        add_retractor_options(*add_command, *options, hooks);
+        add_command->add_option("--edge", options->edge_mm,
+            "Edge length of the mesh near the incision, mm (default: the value of the case)");
+        add_command->add_option("--coarse", options->coarse_mm,
+            "Edge length of the mesh far from the incision, mm (default: the value of the case)");
         add_command->add_option("--region", options->region_mm,
-            "Mesh only this far round the incision, and the bones met to their ends, mm; 0: the whole wall");
-        add_command->callback(
-            [&commands, options] { commands.run = [options](const Job& job) { return add(*options, job); }; });
+            "Mesh only the wall within this distance of the incision, mm, and the bones there up to their ends; 0: the "
+            "whole wall");
+        commands.on(add_command, [options](const Job& job) { return add(*options, job); });
     }
 
 } // namespace
 
 void add_approach_commands(Commands& commands)
 {
-    CLI::App* approach = commands.app.add_subcommand("approach", "Add, list or remove the approaches of a case");
+    CLI::App* approach
+        = commands.app.add_subcommand("approach", "Add, divide, list or remove the approaches of a case");
     approach->require_subcommand(1);
     auto options = std::make_shared<ApproachOptions>();
     add_add_command(*approach, commands, options);
 
+    CLI::App* divide_command
+        = approach->add_subcommand("divide", "Choose how far an approach divides the space between two ribs");
+    divide_command->footer("Example: retractor approach divide case.json --name intercostal_4 --division full\n"
+                           "         retractor approach divide case.json --name intercostal_4 --division full "
+                           "--backwards 30");
+    divide_command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
+    divide_command->add_option("--name", options->name, "Name of the approach")->required();
+    add_division_options(*divide_command, *options)->required();
+    commands.on(divide_command, [options](const Job&) { return divide(*options); });
+
     CLI::App* list_command = approach->add_subcommand("list", "List the approaches of a case");
     list_command->footer("Example: retractor approach list case.json");
     list_command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
-    list_command->callback(
-        [&commands, options] { commands.run = [options](const Job&) { return list(options->case_file); }; });
+    commands.on(list_command, [options](const Job&) { return list(options->case_file); });
 
     CLI::App* remove_command = approach->add_subcommand("remove", "Remove an approach");
     remove_command->footer("Example: retractor approach remove case.json --name median");
     remove_command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     remove_command->add_option("--name", options->name, "Name of the approach")->required();
-    remove_command->callback([&commands, options] {
-        commands.run = [options](const Job&) { return remove(options->case_file, options->name); };
-    });
+    commands.on(remove_command, [options](const Job&) { return remove(options->case_file, options->name); });
 }
 
 void add_hooks_command(Commands& commands)
 {
     auto options = std::make_shared<ApproachOptions>();
-    CLI::App* command = commands.app.add_subcommand("hooks", "Place hooks on both lips of an approach");
+    CLI::App* command = commands.app.add_subcommand("hooks", "Place hooks on both lips of an approach, or a retractor");
     command->footer("Example: retractor hooks case.json --approach median --template 4 --opening 60\n"
-                    "Example: retractor hooks case.json --approach median --opening 60 --hook-limit 150");
+                    "Example: retractor hooks case.json --approach median --opening 60 --hook-limit 150\n"
+                    "Example: retractor hooks case.json --approach median --retractor sternal --opening 60 "
+                    "--turn-every 30");
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option("--approach", options->name, "Name of the approach")->required();
-    command->add_option("--template", options->hooks, "2, 4, 8 or blade")->capture_default_str();
-    CLI::Option* opening = command->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm")
+    CLI::Option* hooks = command->add_option("--template", options->hooks, "2, 4, 8 or blade")->capture_default_str();
+    CLI::Option* opening = command
+                               ->add_option("--opening", options->opening_mm,
+                                   "Distance that opposite hooks or the blades of a retractor open, mm")
                                ->check(in_range(0.0, 2.0 * fem::kFarthestHookMm));
     add_hook_options(*command, *options);
+    add_retractor_options(*command, *options, hooks);
     command->callback([&commands, options, opening] {
         options->opening_given = opening->count() > 0;
         commands.run = [options](const Job&) { return change_hooks(*options); };

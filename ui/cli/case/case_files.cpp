@@ -171,7 +171,8 @@ std::string import_text(const planner::ImportedCase& imported)
     }
     text += "labels: " + grid_text(imported.labels->grid) + "\n" + label_table_text(imported);
     for (const datasets::LabelFragments& f : imported.fragments)
-        text += formatted("in pieces: %s: %zu pieces, %zu of %zu voxels outside the largest, %zu voxels in holes\n",
+        text += formatted(
+            "in pieces: %s: %zu pieces, %zu of %zu voxels outside the largest piece, %zu voxels in holes\n",
             f.name.c_str(), f.pieces, f.stray_voxels, f.voxels, f.hole_voxels);
     for (const datasets::LabelFragments& f : imported.repaired)
         text += formatted("repaired: %s: %zu stray voxels removed of %zu pieces, %zu voxels of holes filled\n",

@@ -24,7 +24,7 @@ namespace {
         std::vector<std::string> labels;
         double spacing_mm = datasets::AutosegmentOptions {}.spacing_mm;
         bool autosegment = false, repair_labels = false, keep_tilt = false, with_identity = false;
-        bool list_series = false, contact_sheet = true, replace = false;
+        bool list_series = false, contact_sheet = true, replace = false, accept_implausible = false;
     };
 
     planner::ImportRequest request_of(const ImportOptions& options)
@@ -39,6 +39,7 @@ namespace {
         request.autosegment = options.autosegment;
         request.autosegment_spacing_mm = options.spacing_mm;
         request.with_identity = options.with_identity;
+        request.accept_implausible = options.accept_implausible;
         return request;
     }
 
@@ -56,7 +57,7 @@ namespace {
             if (f.stray_voxels > f.voxels / 50 || f.hole_voxels > f.voxels / 50)
                 sheet.notes.push_back(f.name + ": " + std::to_string(f.pieces) + " pieces, "
                     + std::to_string(f.stray_voxels) + " of " + std::to_string(f.voxels)
-                    + " voxels outside the largest, " + std::to_string(f.hole_voxels) + " in holes");
+                    + " voxels outside the largest piece, " + std::to_string(f.hole_voxels) + " in holes");
         for (const datasets::LabelFragments& f : imported.repaired)
             sheet.notes.push_back("repaired: " + f.name + ": " + std::to_string(f.stray_voxels)
                 + " stray voxels removed, " + std::to_string(f.hole_voxels) + " voxels of holes filled");
@@ -85,11 +86,11 @@ namespace {
             if (case_file.filename() == planner::kCaseFileName)
                 return; // an unreadable file is reported when it is replaced
             throw InputError(
-                "the file that is there is no case: name another one, or give --replace", case_file.string());
+                "this file exists and is not a case: name another file, or add --replace", case_file.string());
         }
         if (approaches > 0)
-            throw InputError("the case that is there has " + std::to_string(approaches)
-                    + " planned approach(es), which would be lost: write to another folder, or give --replace",
+            throw InputError("the existing case has " + std::to_string(approaches)
+                    + " planned approach(es), which would be lost: write to another folder, or add --replace",
                 case_file.string());
     }
 
@@ -101,20 +102,19 @@ namespace {
             return std::nullopt;
         try {
             const planner::Case old = planner::read_case(case_file, { .verify_checksums = false });
-            return "replaced the case that was there, with its " + std::to_string(old.approaches.size())
-                + " approach(es); its images are still there where they differ";
+            return "replaced the existing case with its " + std::to_string(old.approaches.size())
+                + " approach(es); old images that differ are kept beside the new images";
         } catch (const Error&) {
-            return "replaced the " + case_file.filename().string() + " that was there, which could not be read";
+            return "replaced the " + case_file.filename().string() + ", which could not be read";
         }
     }
 
     Outcome list_series(const ImportOptions& options)
     {
         if (!options.labels.empty() || options.autosegment || !options.out.empty())
-            throw InputError(
-                "lists what a folder holds and imports nothing: leave out the other options", "--list-series");
+            throw InputError("only lists the series of a folder: omit the other options", "--list-series");
         if (!fs::is_directory(options.input))
-            throw InputError("is no folder of DICOM files", options.input);
+            throw InputError("is not a folder of DICOM files", options.input);
         std::vector<datasets::DicomSeries> series;
         try {
             series = datasets::list_dicom_series(options.input);
@@ -133,13 +133,13 @@ namespace {
     void check_out(const ImportOptions& options)
     {
         if (options.out.empty())
-            throw InputError("is missing: the case file to write, e.g. patient/case.json", "--out");
+            throw InputError("is missing: name the case file to write, e.g. patient/case.json", "--out");
         planner::check_case_file_name(options.out);
         // A plan or a cut writes these files into the case's folder, and would overwrite a case file of this name.
         for (const char* written : { "metrics.json", "report.json" })
             if (fs::path(options.out).filename() == written)
                 throw InputError("the case file must not be named " + std::string(written)
-                        + ", as plan and cut name what they write",
+                        + ", because plan or cut writes a file of this name",
                     options.out);
     }
 
@@ -193,7 +193,8 @@ void add_import_command(Commands& commands)
 {
     auto options = std::make_shared<ImportOptions>();
     CLI::App* command = commands.app.add_subcommand("import",
-        "Make a case from a CT (DICOM folder, NIfTI, NRRD, MetaImage, VTI) and its labels, or find the labels in it");
+        "Make a case from a CT (DICOM folder, NIfTI, NRRD, MetaImage, VTI) and its labels, or find the labels in the "
+        "CT");
     command->footer("Example: retractor import patient/ct --labels patient/labels.nrrd --out patient/case.json\n"
                     "         retractor import patient/ct --autosegment --out patient/case.json");
     command->add_option("input", options->input, "DICOM folder, or an image file")
@@ -201,36 +202,39 @@ void add_import_command(Commands& commands)
         ->check(CLI::ExistingPath);
     command
         ->add_option("--labels", options->labels,
-            "Label map with its table <stem>.labels.json beside it, .seg.nrrd, or a folder of masks; repeat it: later "
-            "ones correct earlier ones")
+            "Label map (with its table <stem>.labels.json beside it), .seg.nrrd, or a folder of masks. Repeat the "
+            "option to correct earlier labels with later labels")
         ->check(CLI::ExistingPath)
         ->allow_extra_args(false);
     command->add_option("--preset", options->preset, preset_help())
         ->check(CLI::IsMember(datasets::label_preset_names()));
     command->add_flag("--autosegment", options->autosegment,
-        "Find bones, lungs, heart, vessels and the layers of the wall in a chest CT; --labels are then taken as right");
-    command->add_option("--spacing", options->spacing_mm, "Of the labels that --autosegment finds, mm")
+        "Find bones, lungs, heart, vessels and the layers of the wall in a chest CT; labels from --labels take "
+        "precedence");
+    command->add_option("--spacing", options->spacing_mm, "Voxel spacing of the labels that --autosegment finds, mm")
         ->capture_default_str()
         ->check(in_range(0.5, 4.0))
         ->needs("--autosegment");
     command->add_flag("--repair-labels", options->repair_labels,
-        "Keep the largest piece of each given label and fill its holes; without it they are only reported");
+        "Keep the largest piece of each given label and fill its holes; without this option, pieces and holes are only "
+        "reported");
     command->add_option("--series", options->series,
         "Series of the folder: its UID, its number, or #2 for the second in --list-series");
     command->add_flag("--list-series", options->list_series, "List the series of a DICOM folder and do nothing else");
     command->add_flag("--no-rectify-tilt", options->keep_tilt, "Refuse a tilted gantry instead of straightening it");
     command->add_flag("--with-identity", options->with_identity,
-        "Keep the patient's name and id from the DICOM files in case.json (by default they go nowhere)");
+        "Keep the patient's name and id from the DICOM files in case.json (by default, they are not stored)");
+    command->add_flag("--accept-implausible", options->accept_implausible,
+        "Import an image whose size is no patient's, and let the case hold numbers that no tissue and no operation "
+        "has; each is recorded in metrics.json. Without this option, such input is refused as a slip of units");
     command->add_flag(
-        "!--no-contact-sheet", options->contact_sheet, "Draw no picture of the images beside the case file");
-    command->add_option(
-        "--out", options->out, "The case file to write, e.g. patient/case.json; its images are written beside it");
+        "!--no-contact-sheet", options->contact_sheet, "Do not draw the picture of the images beside the case file");
+    command->add_option("--out", options->out,
+        "Case file to write, e.g. patient/case.json; the images are written beside the case file");
     command->add_flag("--replace", options->replace,
-        "Replace a case that has planned approaches, or a file of another name that is no case; without it these are "
-        "left "
-        "alone (exit code 2)");
-    command->callback(
-        [&commands, options] { commands.run = [options](const Job& job) { return import_images(*options, job); }; });
+        "Replace a case that has planned approaches, or a file of another name that is not a case; without this "
+        "option, such files are kept (exit code 2)");
+    commands.on(command, [options](const Job& job) { return import_images(*options, job); });
 }
 
 } // namespace retractor::ui::cli

@@ -52,7 +52,7 @@ namespace {
     void refuse_voxel_options(const PhantomOptions& options)
     {
         if (options.shift != "0,0,0" || options.turn != "0,0,0" || !options.spacing.empty() || options.nrrd)
-            throw InputError("a body to be touched has no CT: --shift, --turn, --spacing and --nrrd are for thorax, "
+            throw InputError("tissue to palpate has no CT: use --shift, --turn, --spacing and --nrrd only with thorax, "
                              "abdomen and block",
                 "phantom " + options.kind);
     }
@@ -120,7 +120,8 @@ namespace {
     Outcome make_phantom(PhantomOptions options, const Job& job)
     {
         if (options.touchable && options.kind != "abdomen")
-            throw InputError("is for the abdomen; aorta, liver and sheet always are", "--touchable");
+            throw InputError(
+                "works only with abdomen; aorta, liver and sheet are always tissue to palpate", "--touchable");
         if (options.kind == "liver" || options.kind == "sheet" || options.touchable)
             return make_touchable(options, job);
         if (options.kind == "aorta")
@@ -163,25 +164,30 @@ void add_phantom_command(Commands& commands)
 {
     auto options = std::make_shared<PhantomOptions>();
     CLI::App* command = commands.app.add_subcommand(
-        "phantom", "Make a synthetic patient: a DICOM CT series (or NRRD) and its labels; or a vessel to be palpated");
+        "phantom", "Make a synthetic patient (a CT as a DICOM series or NRRD, with labels), or tissue to palpate");
     command->footer("Example: retractor phantom thorax --out patient --width 360 --seed 7");
     command
-        ->add_option("kind", options->kind, "thorax, block or abdomen; aorta, liver or sheet: tetrahedra to be touched")
+        ->add_option("kind", options->kind,
+            "thorax, block or abdomen: a CT with labels; aorta, liver or sheet: tissue to palpate")
         ->required()
         ->check(CLI::IsMember({ "thorax", "block", "abdomen", "aorta", "liver", "sheet" }));
     command->add_option("--out", options->out, "Folder to write to")->required();
-    command->add_option("--edge", options->edge_mm, "Tetrahedra's edges, mm (default: liver 12, abdomen 16)");
-    command->add_flag("--touchable", options->touchable, "Abdomen: tetrahedra to be touched instead of a CT");
+    command->add_option(
+        "--edge", options->edge_mm, "Edge length of the tetrahedra, mm (default: liver 12, abdomen 16)");
+    command->add_flag("--touchable", options->touchable, "Abdomen: make tissue to palpate instead of a CT");
     command->add_flag("--nrrd", options->nrrd, "Write the CT as NRRD instead of a DICOM series");
-    command->add_option("--width", options->thorax.width_mm, "Thorax: left to right, mm")->capture_default_str();
-    command->add_option("--depth", options->thorax.depth_mm, "Thorax: front to back, mm")->capture_default_str();
+    command->add_option("--width", options->thorax.width_mm, "Thorax: width from left to right, mm")
+        ->capture_default_str();
+    command->add_option("--depth", options->thorax.depth_mm, "Thorax: depth from front to back, mm")
+        ->capture_default_str();
     command->add_option("--height", options->thorax.height_mm, "Thorax: imaged length, mm")->capture_default_str();
-    command->add_option("--fat", options->thorax.fat_mm, "Thorax: subcutaneous fat, mm")->capture_default_str();
+    command->add_option("--fat", options->thorax.fat_mm, "Thorax: thickness of the subcutaneous fat, mm")
+        ->capture_default_str();
     command->add_option("--aneurysm", options->thorax.aneurysm_diameter_mm, "Thorax: diameter of the aneurysm, mm")
         ->capture_default_str();
     command->add_option("--spacing", options->spacing, "Voxel spacing x,y,z in mm");
     command->add_option("--fov", options->thorax.field_of_view_mm,
-        "Thorax: square field of view, mm, as a scanner's (default: the body and 8 mm)");
+        "Thorax: edge of the square field of view, mm (default: the body and 8 mm)");
     command->add_option("--noise", options->thorax.noise_hu, "CT noise, HU")->capture_default_str();
     command->add_option("--seed", options->thorax.seed, "Seed of the noise")->capture_default_str();
     command->add_option("--turn", options->turn, "Rotate the patient in the scanner: degrees about x,y,z")
@@ -191,17 +197,22 @@ void add_phantom_command(Commands& commands)
     command->add_option("--shape", options->shape, "Aorta: arch, or tube (straight, 100 mm)")
         ->check(CLI::IsMember({ "arch", "tube" }))
         ->capture_default_str();
-    command->add_option("--region", options->region, "Aorta: the sclerotic region, mm along x degrees round, or none")
+    command
+        ->add_option(
+            "--region", options->region, "Aorta: sclerotic region, its length in mm x its angle in degrees, or none")
         ->capture_default_str();
-    command->add_option("--normal", options->aorta.normal_MPa, "Aorta: Young's modulus, MPa")->capture_default_str();
-    command->add_option("--sclerotic", options->aorta.sclerotic_MPa, "Aorta: Young's modulus of the region, MPa")
+    command
+        ->add_option("--normal", options->aorta.normal_MPa, "Aorta: Young's modulus outside the sclerotic region, MPa")
+        ->capture_default_str();
+    command
+        ->add_option("--sclerotic", options->aorta.sclerotic_MPa, "Aorta: Young's modulus of the sclerotic region, MPa")
         ->capture_default_str();
     command->add_option("--poisson", options->aorta.poissons_ratio, "Aorta: Poisson's ratio")->capture_default_str();
     command->add_option("--around", options->aorta.around, "Aorta: elements round the vessel")->capture_default_str();
-    command->add_option("--through", options->aorta.through, "Aorta: elements through its wall")->capture_default_str();
-    command->add_option("--along", options->aorta.along, "Aorta: elements along it")->capture_default_str();
-    command->callback(
-        [&commands, options] { commands.run = [options](const Job& job) { return make_phantom(*options, job); }; });
+    command->add_option("--through", options->aorta.through, "Aorta: elements through the wall of the vessel")
+        ->capture_default_str();
+    command->add_option("--along", options->aorta.along, "Aorta: elements along the vessel")->capture_default_str();
+    commands.on(command, [options](const Job& job) { return make_phantom(*options, job); });
 }
 
 } // namespace retractor::ui::cli

@@ -51,7 +51,7 @@ namespace {
                 return material;
             known += (known.empty() ? "" : ", ") + material.name;
         }
-        throw InputError("no tissue of the wall is made of it; the wall has: " + (known.empty() ? "none" : known),
+        throw InputError("no tissue of the wall has this material; the wall has: " + (known.empty() ? "none" : known),
             "--material " + name);
     }
 
@@ -61,7 +61,7 @@ namespace {
         if (options.none) {
             if (options.along || options.across || !options.direction.empty() || !options.normal.empty())
                 throw InputError(
-                    "tissue without tension has no strain and no direction: leave the others out", "--none");
+                    "tissue without tension has no strain and no direction: omit the other options", "--none");
             return {};
         }
         if (!options.along)
@@ -91,7 +91,7 @@ namespace {
         if (options.material.empty()) {
             if (options.none || options.along || options.across || !options.direction.empty()
                 || !options.normal.empty())
-                throw InputError("say of which material", "--material");
+                throw InputError("name the material", "--material");
             return list(planned_case);
         }
         material_of_wall(planned_case, options.material).pre_strain = asked_for(options);
@@ -104,8 +104,8 @@ namespace {
 void add_tension_command(Commands& commands)
 {
     auto options = std::make_shared<TensionOptions>();
-    CLI::App* command = commands.app.add_subcommand(
-        "tension", "Show or set the strain that tissue is under before it is cut: cuts set it free, and wounds gape");
+    CLI::App* command = commands.app.add_subcommand("tension",
+        "Show or set the strain of the tissue before the cut. A cut releases the strain, and the wound gapes");
     command->footer(
         "Example: retractor tension case.json\n"
         "Example: retractor tension case.json --material skin --along 0.04 --across 0.02 --direction 0,0,1\n"
@@ -126,7 +126,7 @@ void add_tension_command(Commands& commands)
     command->add_option("--normal", options->normal,
         "Normal of the plane of the tissue as x,y,z (default: the normal of the nearest skin)");
     command->add_flag("--none", options->none, "Remove the tension of the material");
-    command->callback([&commands, options] { commands.run = [options](const Job&) { return change(*options); }; });
+    commands.on(command, [options](const Job&) { return change(*options); });
 }
 
 } // namespace retractor::ui::cli

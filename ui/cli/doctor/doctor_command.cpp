@@ -57,14 +57,12 @@ void add_doctor_command(Commands& commands)
 {
     auto own_drawing = std::make_shared<bool>(false);
     CLI::App* command
-        = commands.app.add_subcommand("doctor", "Say what this machine can do, and what to do about what it cannot");
+        = commands.app.add_subcommand("doctor", "Check this machine, and advise how to add what is missing");
     command->footer("Example: retractor doctor");
     // An option for the other program, which draws with the other kind of context.
     command->add_flag("--own-drawing", *own_drawing)->group("");
-    command->callback([&commands, own_drawing] {
-        commands.run = [own_drawing](const Job& job) {
-            return report(*own_drawing ? std::vector { check_own_drawing() } : all_findings(job));
-        };
+    commands.on(command, [own_drawing](const Job& job) {
+        return report(*own_drawing ? std::vector { check_own_drawing() } : all_findings(job));
     });
 }
 

@@ -3,6 +3,7 @@
 #include "datasets/io/format_check.h"
 #include "haptics/device/hd_diagnosis.h"
 #include "mesh/base/error.h"
+#include "mesh/base/memory.h"
 #include "mesh/base/text_format.h"
 #include "ui/cli/doctor/solver_check.h"
 
@@ -10,7 +11,6 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
-#include <limits>
 #include <optional>
 #include <thread>
 
@@ -22,30 +22,9 @@ namespace {
 
     namespace fs = std::filesystem;
 
-    constexpr double kGiB = 1024.0 * 1024.0 * 1024.0;
-
     std::string rounded(double value, const char* unit, int digits = 1)
     {
         return formatted("%.*f %s", digits, value, unit);
-    }
-
-    /// The number after a key of /proc/meminfo.
-    std::optional<double> meminfo(const std::string& key)
-    {
-        std::ifstream in("/proc/meminfo");
-        double value = 0.0;
-        for (std::string word; in >> word;)
-            if (word == key)
-                return in >> value ? std::optional(1024.0 * value) : std::nullopt;
-        return std::nullopt;
-    }
-
-    /// The first number of a file of limits; nothing when the file contains "max".
-    std::optional<double> limit_in(const fs::path& file)
-    {
-        std::ifstream in(file);
-        double value = 0.0;
-        return in >> value ? std::optional(value) : std::nullopt;
     }
 
     Finding check_cores()
@@ -79,14 +58,12 @@ namespace {
         constexpr double kEnoughGiB = 4.0; // a whole chest of 256 x 256 x 124 voxels, two approaches at a time
         constexpr double kLeastGiB = 1.0; // a small phantom
         Finding finding { .topic = "machine", .name = "memory", .essential = true };
-        const double total = meminfo("MemTotal:").value_or(0.0);
-        double available = meminfo("MemAvailable:").value_or(0.0);
-        finding.found = rounded(available / kGiB, "GiB") + " of " + rounded(total / kGiB, "GiB") + " available";
-        const auto limit = limit_in("/sys/fs/cgroup/memory.max");
-        if (limit) {
-            available = std::min(available, *limit - limit_in("/sys/fs/cgroup/memory.current").value_or(0.0));
-            finding.found += ", " + rounded(available / kGiB, "GiB") + " within this container's limit";
-        }
+        const Memory memory = memory_of_machine();
+        finding.found = rounded(memory.available.value_or(0.0) / kGiB, "GiB") + " of "
+            + rounded(memory.total.value_or(0.0) / kGiB, "GiB") + " available";
+        if (memory.left_in_container)
+            finding.found += ", " + rounded(*memory.left_in_container / kGiB, "GiB") + " within this container's limit";
+        const double available = available_memory().value_or(0.0);
         if (available < kEnoughGiB * kGiB) {
             finding.health = available < kLeastGiB * kGiB ? Health::missing : Health::warning;
             finding.advice = "a whole chest wants 4 GiB: close other programs, or import a coarser CT";

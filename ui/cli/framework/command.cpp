@@ -15,7 +15,6 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
-#include <memory>
 #include <new>
 #include <string_view>
 #include <thread>

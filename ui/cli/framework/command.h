@@ -36,6 +36,12 @@ struct Commands {
     GlobalOptions& options;
     char** argv;
     std::function<Outcome(const Job&)> run; ///< action of the chosen subcommand
+
+    /// Makes this the action when the user chooses `command`.
+    void on(CLI::App* command, const std::function<Outcome(const Job&)>& action)
+    {
+        command->callback([this, action] { run = action; });
+    }
 };
 
 /// One program of the command line.

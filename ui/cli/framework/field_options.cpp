@@ -15,6 +15,7 @@ namespace {
 
     /// Fields and options. A field with different options in two commands comes twice.
     constexpr FieldOption kFieldOptions[] = {
+        { "accept_implausible", "--accept-implausible" },
         { "autosegment", "--autosegment" },
         { "check", "--check" },
         { "contact", "--contact" },
@@ -36,6 +37,7 @@ namespace {
         { "pressures", "--pressure" },
         { "radius_mm", "--radius" },
         { "repair_labels", "--repair-labels" },
+        { "retractor", "--retractor" },
         { "sites", "--site" },
         { "stiff", "--stiff" },
         { "structure", "--structure" },

@@ -42,7 +42,7 @@ OutFolder::~OutFolder()
 void refuse_if_cancelled(const Job& job)
 {
     if (job.cancelled())
-        throw SolverError("cancelled; earlier results were left as they are");
+        throw SolverError("cancelled; the earlier results are unchanged");
 }
 
 } // namespace retractor::ui::cli

@@ -5,13 +5,13 @@
 
 #include <cerrno>
 #include <charconv>
+#include <csignal>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
-#include <csignal>
 #include <unistd.h>
 
 namespace retractor::ui::cli {

@@ -83,8 +83,8 @@ namespace {
         job.report("read case", 0.0);
         planner::Patient patient(open_case(options.case_file), job);
         if (request.structure.empty())
-            throw InputError(
-                "names what to palpate; there are " + planner::names_of(patient.planned_case().label_table),
+            throw InputError("is missing: name the structure to palpate; there are "
+                    + planner::names_of(patient.planned_case().label_table),
                 "--structure");
         const std::filesystem::path case_file = patient.planned_case().file();
         make_folder(options.out);
@@ -93,7 +93,7 @@ namespace {
         set_pulse(made.scene, pressures, options);
         const std::filesystem::path file = std::filesystem::path(options.out) / (file_stem(made.scene.name) + ".json");
         if (std::error_code none; std::filesystem::equivalent(file, case_file, none))
-            throw InputError("the scene would take the place of the case file: give another folder", "--out");
+            throw InputError("the scene would overwrite the case file: name another folder", "--out");
         datasets::write_palpation_scene(file, made.scene);
         const bool hollow = datasets::has_inner_wall(made.scene.body);
         Outcome outcome;
@@ -118,8 +118,8 @@ namespace {
 void add_palpable_command(Commands& commands)
 {
     auto options = std::make_shared<PalpableOptions>();
-    CLI::App* command = commands.app.add_subcommand("palpable",
-        "Make a structure of a case ready to be palpated: a vessel with blood pressing in it, or a solid organ");
+    CLI::App* command = commands.app.add_subcommand(
+        "palpable", "Prepare a structure of a case for palpation: a vessel under blood pressure, or a solid organ");
     command->footer("Example: retractor palpable patient/case.json --structure aorta --out A && retractor palpate "
                     "A/aorta.json --press front --out forces.csv\n"
                     "         retractor palpable patient/case.json --structure aorta --stiff 20,-30,110,12=3 --held "
@@ -136,23 +136,24 @@ void add_palpable_command(Commands& commands)
     command->add_option("--edge", options->request.edge_mm,
         "Edge length of the elements, in mm (default: 5 for a wall, a tenth of its size for a solid)");
     command->add_option("--held", options->held,
-        "What holds it, NAME,...: a label next to it, border (where the image cuts it off), or a side and mm: head:10, "
-        "foot:10, front:, back:, left:, right:, or ends:20, a vessel's two ends (default: a wall "
-        "border,heart,spine,ends:20; a solid border,back:12)");
+        "Where the structure is held, NAME,...: a label beside the structure, border (where the image cuts the "
+        "structure off), a side and a depth in mm (head:10, foot:10, front:, back:, left:, right:), or ends:20 (the "
+        "two ends of a vessel) (default: border,heart,spine,ends:20 for a wall; border,back:12 for a solid)");
+    command->add_option("--young", options->request.youngs_modulus_MPa,
+        "Young's modulus, MPa (default: from the material in the case)");
     command->add_option(
-        "--young", options->request.youngs_modulus_MPa, "Young's modulus, MPa (default: the case's material)");
-    command->add_option("--poisson", options->request.poissons_ratio, "Poisson's ratio (default: the case's material)");
+        "--poisson", options->request.poissons_ratio, "Poisson's ratio (default: from the material in the case)");
     command->add_option("--stiff", options->stiff,
-        "A stiffer place, LABEL=MPA or x,y,z,r=MPA (mm, patient LPS), pressed as stiff-1, ...; repeatable");
-    command->add_option(
-        "--site", options->sites, "Another place to press, NAME=x,y,z: nearest on the surface; repeatable");
-    command->add_option("--pressure", options->pressure, "Vessels: diastolic,systolic, mmHg")->capture_default_str();
-    command->add_option("--heart-rate", options->heart_rate, "Vessels: beats per minute")
+        "Region with another stiffness, LABEL=MPA or x,y,z,r=MPA (mm, patient LPS); its site to press is stiff-1, ...; "
+        "repeatable");
+    command->add_option("--site", options->sites,
+        "Additional site to press, NAME=x,y,z; the site is the nearest point of the surface; repeatable");
+    command->add_option("--pressure", options->pressure, "Blood pressure in vessels, DIASTOLIC,SYSTOLIC, mmHg")
+        ->capture_default_str();
+    command->add_option("--heart-rate", options->heart_rate, "Heart rate for vessels, beats per minute")
         ->check(in_range(20.0, 300.0))
         ->capture_default_str();
-    command->callback([&commands, options] {
-        commands.run = [options](const Job& job) { return make_palpable_scene(*options, job); };
-    });
+    commands.on(command, [options](const Job& job) { return make_palpable_scene(*options, job); });
 }
 
 } // namespace retractor::ui::cli

@@ -46,6 +46,8 @@ namespace {
                 list.push_back({ names, {} });
                 for (const std::string& name : split(names, '+'))
                     list.back().sites.push_back(scene.site(name));
+                if (list.back().sites.empty())
+                    throw InputError("a press names no site", "--press");
             }
         else
             for (const datasets::TouchSite& site : scene.sites)
@@ -55,7 +57,7 @@ namespace {
             throw InputError("has no site to press", scene.name);
         for (const Press& press : list)
             if (press.sites.size() != list.front().sites.size())
-                throw InputError("presses that follow each other take as many fingers each", "--press");
+                throw InputError("all presses must use the same number of fingers", "--press");
         return list;
     }
 
@@ -105,7 +107,7 @@ namespace {
             text += "a device reported: " + problem + "\n";
         if (!log.fault.empty()) {
             document["fault"] = log.fault;
-            text += "the servo let go: " + log.fault + "\n";
+            text += "the forces were switched off: " + log.fault + "\n";
         }
         return document;
     }
@@ -194,14 +196,14 @@ namespace {
     {
         if (datasets::is_palpation_scene(options.scene)) {
             if (!options.structure.empty())
-                throw InputError("is for cases, and this is a palpation scene", "--structure");
+                throw InputError("needs a case, but this is a palpation scene", "--structure");
             return datasets::read_palpation_scene(options.scene);
         }
         if (options.structure.empty() && !is_case(options.scene))
             return datasets::read_palpation_scene(options.scene); // fails with the error in the file
         planner::Patient patient(open_case(options.scene), job);
         if (options.structure.empty())
-            throw InputError("is a case: name what to palpate by --structure; there are "
+            throw InputError("is a case: name the structure to palpate with --structure; there are "
                     + planner::names_of(patient.planned_case().label_table),
                 options.scene);
         planner::PalpableRequest request;
@@ -234,7 +236,7 @@ namespace {
         static_cast<void>(HandDevices(here, press_path(options.plan)));
         for (const fs::path& file : { fs::path(options.out), fs::path(options.plot), fs::path(options.record) })
             if (file.has_parent_path() && !fs::is_directory(file.parent_path()))
-                throw IoError("its folder is not there", file.string());
+                throw IoError("the folder of this file does not exist", file.string());
     }
 
     Outcome palpate(PalpateOptions options, const Job& job)
@@ -246,7 +248,7 @@ namespace {
         const datasets::PalpationScene scene = scene_of(options, notes, job);
         const std::vector<Press> list = presses(scene, options);
         if (!options.record.empty() && list.size() > 1)
-            throw InputError("one press is recorded at a time: name it by --press", "--record");
+            throw InputError("only one press can be recorded: name the press with --press", "--record");
         options.tissue.fingers = list.front().sites.size();
         // Checks the devices before the tissue is made.
         static_cast<void>(one_per_finger(options.devices, list.front()));
@@ -286,49 +288,55 @@ namespace {
         planner::TissueChoice& tissue = options.tissue;
         command
             ->add_option("--model", tissue.model,
-                "Which tissue answers: fem (condensed finite elements), springs (the body's edges) or spheres (solid "
-                "organs)")
+                "Tissue model: fem (condensed finite elements), springs (along the edges of the mesh) or spheres "
+                "(solid organs)")
             ->check(CLI::IsMember(planner::tissue_models()))
             ->capture_default_str();
         command
-            ->add_option("--element", tissue.element, "fem: p1 (four nodes, too stiff), locking-free or p2 (ten nodes)")
+            ->add_option("--element", tissue.element,
+                "Finite element of fem: p1 (four nodes, too stiff), locking-free or p2 (ten nodes)")
             ->check(CLI::IsMember({ "p1", "locking-free", "p2" }))
             ->capture_default_str();
         command
             ->add_option("--fingertip", tissue.fingertip,
-                "fem: pad (soft, pushes), sphere (rigid, pushes) or held (as Nakao et al. 2006: its rim may pull)")
+                "Fingertip on fem: pad (soft, only pushes), sphere (rigid, only pushes) or held (its rim may pull, as "
+                "in Nakao et al. 2006)")
             ->check(CLI::IsMember({ "pad", "sphere", "held" }))
             ->capture_default_str();
         command
             ->add_option("--calibration", tissue.calibration,
-                "springs: factor of their stiffness (default: measured against ten-node elements)")
+                "Factor of the stiffness of springs (default: measured against ten-node elements)")
             ->check(in_range(1e-3, 1e3));
-        command->add_option("--spheres", tissue.spheres, "spheres: how many fill the (first) organ")
+        command->add_option("--spheres", tissue.spheres, "Number of spheres that fill the (first) organ")
             ->check(CLI::Range(10, 100000))
             ->capture_default_str();
-        command->add_option("--gain", tissue.force_gain, "Multiplies every force; said in the plot")
+        command->add_option("--gain", tissue.force_gain, "Factor of every force; the plot states the factor")
             ->check(in_range(0.01, 100.0))
             ->capture_default_str();
-        command->add_option("--pressure", tissue.pressure_csv, "One beat as CSV: time_s,pressure_mmHg");
-        command->add_option("--heart-rate", tissue.heart_rate_per_min, "Beats per minute (default: the scene's)")
+        command->add_option(
+            "--pressure", tissue.pressure_csv, "CSV file with the blood pressure of one beat: time_s,pressure_mmHg");
+        command
+            ->add_option("--heart-rate", tissue.heart_rate_per_min,
+                "Heart rate, beats per minute (default: the rate of the scene)")
             ->check(in_range(20.0, 300.0));
     }
 
     void add_motion_options(CLI::App* command, PalpateOptions& options)
     {
         command
-            ->add_option("--device", options.devices, std::string(kDeviceHelp) + "; once for all fingers, or one each")
+            ->add_option("--device", options.devices,
+                std::string(kDeviceHelp) + "; give one device for all fingers, or one device per finger")
             ->capture_default_str();
-        command->add_option("--depth", options.plan.depth_mm, "How far the fingertip presses in, mm")
+        command->add_option("--depth", options.plan.depth_mm, "Depth to which the fingertip presses, mm")
             ->check(in_range(0.01, 40.0))
             ->capture_default_str();
-        command->add_option("--radius", options.plan.radius_mm, "Of a fingertip, mm")
+        command->add_option("--radius", options.plan.radius_mm, "Radius of a fingertip, mm")
             ->check(in_range(1.0, 20.0))
             ->capture_default_str();
-        command->add_option("--seconds", options.plan.seconds, "How long it stays down")
+        command->add_option("--seconds", options.plan.seconds, "Time that the fingertip stays down, s")
             ->check(in_range(0.1, 3600.0))
             ->capture_default_str();
-        command->add_option("--times", options.plan.times, "How often it comes down")
+        command->add_option("--times", options.plan.times, "Number of times that the fingertip comes down")
             ->check(CLI::Range(1, 100))
             ->capture_default_str();
     }
@@ -338,8 +346,8 @@ namespace {
 void add_palpate_command(Commands& commands)
 {
     auto options = std::make_shared<PalpateOptions>();
-    CLI::App* command = commands.app.add_subcommand(
-        "palpate", "Press on tissue with simulated, recorded or real hands: forces over time (CSV), a plot, a view");
+    CLI::App* command = commands.app.add_subcommand("palpate",
+        "Press on tissue with simulated, recorded or real hands; write the forces over time (CSV), a plot and a view");
     command->footer(
         "Example: retractor palpate aorta/aorta.json --press normal,sclerotic --out forces.csv\n"
         "         retractor palpate aorta/aorta.json --pinch normal --device simulated --out pinch.csv\n"
@@ -351,27 +359,30 @@ void add_palpate_command(Commands& commands)
             "Scene file (retractor phantom aorta, retractor palpable), or a case with --structure")
         ->required();
     command->add_option("--structure", options->structure,
-        "Of a case: the label to palpate, or NAME+NAME (more choice: retractor palpable)");
+        "Label of the case to palpate, or NAME+NAME (retractor palpable has more options)");
     CLI::Option* press = command->add_option("--press", options->press,
-        "Sites to press, one after the other: NAME,NAME; together: NAME+NAME (default: all but -opposite ones)");
-    command->add_option("--pinch", options->pinch, "Sites to pinch with two fingers, the second at NAME-opposite")
+        "Sites to press: NAME,NAME one after the other, NAME+NAME together (default: all sites except those that end "
+        "in -opposite)");
+    command
+        ->add_option(
+            "--pinch", options->pinch, "Sites to pinch with two fingers; the second finger presses at NAME-opposite")
         ->excludes(press);
     add_motion_options(command, *options);
     add_tissue_options(command, *options);
-    command->add_option("--out", options->out, "Forces, CSV")->capture_default_str();
-    command->add_option("--plot", options->plot, "Plot, PNG (default: beside the CSV)");
+    command->add_option("--out", options->out, "CSV file for the forces")->capture_default_str();
+    command->add_option("--plot", options->plot, "PNG file for the plot (default: beside the CSV file)");
     command->add_option("--record", options->record,
-        "The devices' motion, for replay:FILE later (binary, or CSV when it ends in .csv)");
+        "File for the motion of the devices, which --device replay:FILE can play (binary, or CSV when the name ends in "
+        ".csv)");
     command->add_option("--hand", options->hand,
-        "A hand on the fingertips in the picture: built-in, or an OBJ file (see docs/user/palpation.md)");
+        "Hand at the fingertips in the picture: built-in, or an OBJ file (see docs/user/palpation.md)");
     command
         ->add_option("--replay-at", options->plan.replay_at,
-            "Where replay:FILE is played: recorded (where it was made) or site (the site pressed); default: a mouse's "
-            "where it was made, others at the site")
+            "Place where replay:FILE is played: recorded (where the recording was made) or site (at the pressed site); "
+            "default: recorded for a mouse, site for other devices")
         ->transform(CLI::Transformer(
             std::map<std::string, ReplayAt> { { "recorded", ReplayAt::recorded }, { "site", ReplayAt::site } }));
-    command->callback(
-        [&commands, options] { commands.run = [options](const Job& job) { return palpate(*options, job); }; });
+    commands.on(command, [options](const Job& job) { return palpate(*options, job); });
 }
 
 } // namespace retractor::ui::cli

@@ -59,8 +59,8 @@ private:
 
 /// The device names for --help.
 inline constexpr const char* kDeviceHelp
-    = "fixed (keeps its path whatever pushes back), simulated (a relaxed hand on a Touch), simulated:firm, "
-      "replay:FILE, touch, touch:NAME, touch:#SERIAL, udp:PORT or udp:ADDRESS:PORT (another computer: see retractor "
-      "relay); mirrored:DEVICE turns its x round";
+    = "fixed (follows its path against any force), simulated (a relaxed hand on a Touch), simulated:firm, replay:FILE, "
+      "touch, touch:NAME, touch:#SERIAL, udp:PORT or udp:ADDRESS:PORT (another computer: see retractor relay); "
+      "mirrored:DEVICE mirrors the x axis of that device";
 
 } // namespace retractor::ui::cli

@@ -113,7 +113,7 @@ namespace {
         for (std::uint64_t tick = 0; tick < count && !job.cancelled(); ++tick) {
             haptics::run_ticks(ticks, 1, kPalpateStep, tick);
             if (ticks.fault_kind() != haptics::FaultKind::none)
-                throw SolverError("the servo let go: " + haptics::describe(ticks.fault()), name);
+                throw SolverError("the forces were switched off: " + haptics::describe(ticks.fault()), name);
             if (tick % kFollowEvery != 0)
                 continue;
             follower.follow(ticks.depth(), ticks.time());
@@ -160,8 +160,8 @@ namespace {
         for (const haptics::Device* device : hands.devices())
             if (const auto* far = dynamic_cast<const haptics::UdpDevice*>(device);
                 far != nullptr && far->received() == 0)
-                throw IoError("nothing was heard from the other computer: does retractor relay run there, with this "
-                              "one's address?",
+                throw IoError("the other computer sent nothing: check that retractor relay runs there with the address "
+                              "of this computer",
                     "udp port " + std::to_string(far->port()));
     }
 
@@ -199,7 +199,7 @@ namespace {
             return {};
         const std::optional<haptics::SceneFrame> frame = hands.recorded_frame(f);
         if (at == ReplayAt::recorded && !frame)
-            throw InputError("its recording does not tell where it was made: only --replay-at site can place it",
+            throw InputError("the recording does not say where it was made: add --replay-at site",
                 "finger " + std::to_string(f + 1));
         const bool scene = frame && frame->linear.isIdentity(0.0) && frame->offset.isZero(0.0);
         return at == ReplayAt::recorded || scene ? frame : std::nullopt;

@@ -17,8 +17,7 @@ namespace retractor::ui::cli {
 namespace {
 
     constexpr const char* kRelayedHelp = "touch, touch:NAME, touch:#SERIAL, replay:FILE, simulated (a relaxed hand on "
-                                         "a Touch), simulated:firm or fixed "
-                                         "(keeps its path whatever pushes back)";
+                                         "a Touch), simulated:firm or fixed (follows its path against any force)";
 
     struct RelayOptions {
         std::vector<std::string> devices, to;
@@ -67,7 +66,8 @@ namespace {
                 "--to");
         for (const std::string& name : options.devices)
             if (name.starts_with("mirrored:"))
-                throw InputError("a hand is mirrored where it is felt: give mirrored:udp:PORT to retractor palpate",
+                throw InputError(
+                    "a hand is mirrored on the computer that receives it: give mirrored:udp:PORT to retractor palpate",
                     "--device " + name);
         // A simulated hand has no tissue here, so it moves to and fro about the middle of its workspace.
         constexpr int kTimes = 100;
@@ -98,7 +98,7 @@ namespace {
             outcome.document["devices"].push_back({ { "device", options.devices[i] }, { "to", options.to[i] },
                 { "forces_coming_at_the_end", answered } });
             outcome.text += options.devices[i] + " to " + options.to[i]
-                + (answered ? ": forces came to the end\n" : ": no forces came at the end\n");
+                + (answered ? ": forces arrived until the end\n" : ": no forces arrived at the end\n");
         }
         if (const std::vector<std::string> problems = hands.take_problems(); !problems.empty()) {
             outcome.document["device_problems"] = problems;
@@ -114,16 +114,15 @@ void add_relay_command(Commands& commands)
 {
     auto options = std::make_shared<RelayOptions>();
     CLI::App* command = commands.app.add_subcommand(
-        "relay", "Pass a haptic device on to another computer, where retractor palpate --device udp:PORT waits for it");
+        "relay", "Pass a haptic device on to another computer, where retractor palpate --device udp:PORT receives it");
     command->footer("Example: retractor relay --device touch --to 192.168.0.7:4000\n"
                     "         (and there: retractor palpate aorta.json --press normal --device udp:4000)\n"
-                    "Poses and forces are not encrypted: for a local network of one laboratory.");
+                    "Poses and forces are not encrypted. Use the relay only in the local network of one laboratory.");
     command->add_option("--device", options->devices, std::string(kRelayedHelp) + "; repeatable")->required();
     command->add_option("--to", options->to, "ADDRESS:PORT of the other computer, one per device")->required();
-    command->add_option("--seconds", options->seconds, "How long (default: until it is interrupted)")
+    command->add_option("--seconds", options->seconds, "Duration, s (default: until the command is interrupted)")
         ->check(in_range(0.1, 1e6));
-    command->callback(
-        [&commands, options] { commands.run = [options](const Job& job) { return relay(*options, job); }; });
+    commands.on(command, [options](const Job& job) { return relay(*options, job); });
 }
 
 } // namespace retractor::ui::cli

@@ -12,6 +12,7 @@
 #include "mesh/cutting/cut_journal.h"
 #include "mesh/generation/hybrid_model.h"
 #include "mesh/tetrahedra/mesh_io.h"
+#include "planner/approach/space_division.h"
 #include "planner/case/patient.h"
 #include "planner/measures/metrics.h"
 #include "planner/wall/wall_cut.h"
@@ -61,14 +62,14 @@ namespace {
     {
         for (const auto& [given, name] : { std::pair { options.finish, "--finish" }, { options.abandon, "--abandon" } })
             if (given && options.replay.empty())
-                throw InputError("is for a journal that is replayed: name it with --replay", name);
+                throw InputError("needs a journal to replay: name the journal with --replay", name);
         if (options.undo < 0)
             throw InputError("must be 0 or more, got " + std::to_string(options.undo), "--undo");
         std::error_code none; // a file that does not exist yet differs from any other
         if (!options.journal.empty() && !options.replay.empty()
             && !fs::equivalent(options.journal, options.replay, none))
-            throw InputError("a replay goes on in its own journal: name the same file as --replay " + options.replay
-                    + ", or leave --journal out",
+            throw InputError("a replay can continue only its own journal: name the same file as --replay "
+                    + options.replay + ", or omit --journal",
                 "--journal " + options.journal);
     }
 
@@ -115,12 +116,13 @@ namespace {
             if (result.status != mesh::CutStatus::done) // the stroke is over, and nothing is left to take back
                 throw SolverError(result.message, "--finish");
             document["report"] = report_document(result.report);
-            say("it is now finished");
+            say("the stroke is now finished");
         } else if (options.abandon) {
             static_cast<void>(session.abandon_stroke());
-            say("it is now taken back");
+            say("the stroke is now taken back");
         } else {
-            say("it is written as far as it goes; --finish cuts up to its end, --abandon takes it back");
+            say("the mesh contains the stroke as far as it is cut; --finish cuts up to the end of the stroke, "
+                "--abandon takes the stroke back");
         }
     }
 
@@ -154,8 +156,14 @@ namespace {
         for (const planner::RemovedTissue& tissue : planned.removed)
             document["removed"].push_back(
                 { { "what", tissue.what }, { "label", tissue.label }, { "volume_mm3", tissue.volume_mm3 } });
-        if (!planned.message.empty())
-            document["message"] = planned.message;
+        if (planned.divided)
+            document["division"] = { { "labels", planned.divided->labels }, { "length_mm", planned.divided->length_mm },
+                { "forwards_mm", planned.divided->forwards_mm }, { "backwards_mm", planned.divided->backwards_mm },
+                { "severed_mm2", planned.divided->severed_mm2 } };
+        std::string message = approach.division.words;
+        remark(message, planned.message);
+        if (!message.empty())
+            document["message"] = message;
         return planned.removed;
     }
 
@@ -225,9 +233,10 @@ namespace {
     {
         check_journal(options);
         const planner::Case planned_case = open_case(options.case_file);
-        const planner::Approach approach = planner::find_approach(planned_case, options.approach);
+        planner::Approach approach = planner::find_approach(planned_case, options.approach);
         const mesh::LabelTable& table = planned_case.label_table;
         planner::Patient patient(planned_case, job);
+        planner::find_space_division(approach, patient);
         const mesh::MeshSizing sizing = planner::mesh_sizing_of(approach, table);
         const mesh::HybridModel model = mesh::build_hybrid_model(*patient.labels(), sizing, job);
         refuse_if_cancelled(job);
@@ -291,23 +300,23 @@ namespace {
 void add_cut_command(Commands& commands)
 {
     auto options = std::make_shared<KnifeOptions>();
-    CLI::App* command = commands.app.add_subcommand(
-        "cut", "Cut the wall of an approach as planned, or replay a journal of cuts; write it and its pieces");
+    CLI::App* command = commands.app.add_subcommand("cut",
+        "Cut the wall of an approach as planned, or replay a journal of cuts; write the cut wall and its pieces");
     command->footer("Example: retractor cut case.json --approach median --out cut --journal cut/median.jsonl");
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
-    command->add_option("--approach", options->approach, "The approach whose wall is cut")->required();
+    command->add_option("--approach", options->approach, "Approach whose wall is cut")->required();
     command->add_option("--out", options->out, "Folder for <approach>-cut.vtu and report.json")->required();
     command->add_option("--journal", options->journal,
-        "Write every operation to this file as it is done (a new file; or the one that --replay names, to go on in "
-        "it)");
-    command->add_option("--replay", options->replay, "Do what this journal says instead of the planned cut")
+        "Write every operation to this file at once (a new file, or the file of --replay to continue that journal)");
+    command->add_option("--replay", options->replay, "Repeat the cuts of this journal instead of the planned cut")
         ->check(CLI::ExistingFile);
-    command->add_option("--undo", options->undo, "Take this many of the last cuts back");
+    command->add_option("--undo", options->undo, "Number of the last cuts to undo");
     CLI::Option* finish = command->add_flag(
         "--finish", options->finish, "Finish the freehand stroke that the replayed journal leaves open");
-    command->add_flag("--abandon", options->abandon, "Take it back instead")->excludes(finish);
-    command->callback(
-        [&commands, options] { commands.run = [options](const Job& job) { return knife(*options, job); }; });
+    command
+        ->add_flag("--abandon", options->abandon, "Take back the freehand stroke that the replayed journal leaves open")
+        ->excludes(finish);
+    commands.on(command, [options](const Job& job) { return knife(*options, job); });
 }
 
 } // namespace retractor::ui::cli

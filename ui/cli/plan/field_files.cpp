@@ -6,14 +6,17 @@
 #include "mesh/base/text_format.h"
 #include "mesh/surface/wound_surface.h"
 #include "mesh/tetrahedra/mesh_io.h"
+#include "planner/measures/bone_limits.h"
+#include "planner/measures/force_moments.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/rupture.h"
+#include "planner/measures/volume_failures.h"
 #include "ui/plan_scene/case_picture.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/scene/vtk/render.h"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstddef>
@@ -77,21 +80,23 @@ namespace {
     {
         std::vector<std::string> limits {
             std::move(stiffness),
-            has_spine
-                ? "Beyond the meshed region only bones and cartilages go on, to their joints at the spine; the soft "
-                  "tissue there does not resist, and the pictures show it at rest: a gap at the region's rim is no "
-                  "wound."
-                : "The border of the meshed region is held: hook forces are upper estimates.",
+            has_spine ? "Beyond the meshed region, the model contains only bones and cartilages, up to their joints at "
+                        "the spine. Soft tissue there does not resist the hooks, and the pictures show it at rest. A "
+                        "gap at the border of the region is not a wound."
+                      : "The border of the meshed region is held, so the hook forces are upper estimates.",
             std::string(planned_case.contact
                     ? "Lips, ribs, shoulder blades and organs push against each other without friction"
                     : "Lips, ribs, shoulder blades and organs do not slide or push against each other")
-                + "; organs do not move. What an approach lists as held aside is taken out of the view.",
-            "Hooks are rigid blades that bear on bone close behind them and slip only where they have a force limit or "
-            "a soft grip. Tissue does not tear. Inverted elements, where they are counted, are errors of the solution.",
+                + "; organs do not move. Organs that an approach holds aside are removed from the view.",
+            "Fractures are foretold for ribs only, from the mean moments at which 52 tested pieces of ribs broke; "
+            "single ribs differ from the mean. Age, thin bone and earlier fractures are not considered. The sternum, "
+            "the joints, the cartilages and the neck of a rib at the spine are not judged.",
+            "Hooks are rigid blades that bear on bone close behind them. A hook slips only where it has a force limit "
+            "or a soft grip. Tissue does not tear. Inverted elements are errors of the computation.",
         };
         if (planner::under_pressure(planned_case))
-            limits.emplace_back("Pressure acts on the wall as the images show it, taken as free of stress: what the "
-                                "patient was under in the scanner must not be in it.");
+            limits.emplace_back(
+                "The scanned shape is taken as free of stress. Enter only the change of pressure since the scan.");
         return limits;
     }
 
@@ -103,11 +108,13 @@ namespace {
     /// The limits of each way of solving among the fields.
     std::string stiffness_limit(const std::vector<planner::PlannedField>& fields)
     {
-        std::string text = "Tissue has published mean stiffness, not this patient's, the same everywhere in a "
-                           "material; forces follow the stiffness in proportion.";
+        std::string text = "Each tissue has a published mean stiffness, not the stiffness of this patient. The "
+                           "stiffness is the same everywhere in a material. Forces are proportional to the stiffness.";
         for (const planner::PlannedField& field : fields)
             if (field.metrics.solution.choice.element == planner::ElementKind::p1)
-                return text + " Poisson's ratios are taken as at most 0.45: the elements used here lock above it.";
+                return text
+                    + " Poisson's ratios are limited to 0.45, because the elements used here are too stiff above this "
+                      "value.";
         return text;
     }
 
@@ -233,7 +240,7 @@ std::vector<planner::ReportPicture> render_case_views(const std::filesystem::pat
         write_png(file, renderer.render(case_picture(patient, target, view, request.width, request.height)));
         pictures.push_back({ .approach = "",
             .caption = view == "slices" ? "Slices through the target, labels outlined."
-                                        : "What is labelled, in space; the target in green.",
+                                        : "All labelled structures in space, with the target in green.",
             .file = file });
     }
     return pictures;
@@ -245,13 +252,13 @@ Json refused_document(const std::vector<planner::PlannedField>& fields)
     for (const planner::PlannedField& field : fields)
         if (!is_measured(field))
             refused.push_back({ { "name", field.approach.name }, { "status", status_word(field.status) },
-                { "message", field.message } });
+                { "attainable", planner::to_string(planner::Attainable::no) }, { "message", field.message } });
     return refused;
 }
 
 planner::Provenance provenance_now(const planner::Case& planned_case)
 {
-    return planner::computation_of(planned_case, "retractor " RETRACTOR_VERSION, std::chrono::system_clock::now());
+    return planner::provenance_of(planned_case, "retractor " RETRACTOR_VERSION, std::chrono::system_clock::now());
 }
 
 std::vector<std::string> keep_earlier_metrics(const std::filesystem::path& folder, const std::filesystem::path& staged,
@@ -288,7 +295,7 @@ Json write_metrics(const std::filesystem::path& folder, const planner::Provenanc
         if (is_measured(field))
             metrics.push_back(field.metrics);
     Json document;
-    document["computed"] = planner::computation_document(computed);
+    document["computed"] = planner::provenance_document(computed);
     document.update(planner::metrics_document(metrics));
     const Json refused = refused_document(fields);
     if (!refused.empty())
@@ -339,14 +346,20 @@ std::string field_table(const std::vector<planner::PlannedField>& fields)
             text += cell(column, m);
         text += right_aligned(std::to_string(m.tets), kTetsWidth) + "\n";
         if (field.status != planner::PlanStatus::done)
-            text += "  " + m.mechanics_status + "\n";
+            text += "  " + m.mechanics_status + "\n"
+                + (planner::is_believable(m) ? "" : "  " + planner::volume_failure_text(m) + "\n");
         else if (!field.message.empty())
             text += "  " + field.message + "\n";
-        for (const std::string& remark : { planner::removed_text(m.removed), planner::skin_hole_text(m) })
+        for (const std::string& remark :
+            { planner::division_text(m), planner::removed_text(m.removed), planner::skin_hole_text(m) })
             if (!remark.empty())
                 text += "  " + remark + "\n";
+        if (const std::string retractor = planner::retractor_text(m); !retractor.empty())
+            text += "  " + retractor + "\n";
         if (const std::string hooks = planner::hooks_text(m); !hooks.empty())
             text += "  " + hooks + "\n";
+        if (const std::string moments = planner::force_moments_text(m); !moments.empty())
+            text += "  " + moments + "\n";
         text += "  " + planner::solution_text(m) + residual_text(m) + "\n";
         for (const planner::PressureMetrics& pressure : m.pressures)
             text += "  " + planner::pressure_text(pressure) + "\n";
@@ -359,10 +372,25 @@ std::string field_table(const std::vector<planner::PlannedField>& fields)
             text += "  " + planner::opinion_text(*m.second_opinion) + "\n";
         if (!m.at_risk.empty())
             text += "  " + planner::risks_text(m) + "\n";
+        if (!m.hooks.empty()) {
+            text += "  hooks bear on:";
+            for (const planner::HookForce& hook : m.hooks)
+                text += (&hook == &m.hooks.front() ? " " : "; ") + hook.name + " on " + planner::bearing_text(hook);
+            text += "\n";
+        }
+        for (const std::string& implausible : m.implausible)
+            text += "  caution: accepted although implausible: " + implausible + "\n";
+        if (const std::string bones = planner::bones_text(m); !bones.empty())
+            text += (m.attainable == planner::Attainable::with_injury ? "  caution: " : "  ") + bones + "\n";
+        if (const std::string joints = planner::joints_text(m); !joints.empty())
+            text += "  " + joints + "\n";
+        if (planner::may_rupture(m))
+            text += "  caution: " + planner::rupture_text(m) + "\n";
+        if (const std::string fast = planner::fast_opening_text(m); !fast.empty())
+            text += "  caution: " + fast + "\n";
         if (m.inverted_elements > 0)
-            text += formatted(
-                "  caution: %d element(s) are turned over, tissue is stretched to %.1f times its volume: strain and "
-                "force are rough\n",
+            text += formatted("  caution: %d element(s) are turned inside out, and tissue is stretched to %.1f times "
+                              "its volume: strain and force are inaccurate\n",
                 m.inverted_elements, m.max_volume_ratio);
     }
     return text;

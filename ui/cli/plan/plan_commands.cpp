@@ -9,7 +9,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/tetrahedra/mesh_io.h"
-#include "planner/case/case_io.h"
+#include "planner/approach/space_division.h"
 #include "planner/plan/plan.h"
 #include "planner/wall/wall_pressure.h"
 #include "planner/wall/wall_tension.h"
@@ -36,6 +36,8 @@ namespace {
 
     constexpr double kFarthestMm = 1e4; // from the lips: no patient reaches beyond
 
+    constexpr double kDraftEdgeMm = 8.0; ///< edges of a draft's mesh round the incision
+
     struct PlanOptions {
         std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity, element;
         std::string reference;
@@ -43,7 +45,10 @@ namespace {
         std::optional<std::string> export_formats;
         double reference_limit_s = 600.0;
         std::optional<double> near_mm; ///< where it was given, also 0
-        bool check_far = false; ///< as plan_approach() takes it
+        std::optional<double> edge_mm;
+        unsigned mesh_seed = 0;
+        bool check_far = false; ///< PlanChecks::linear_region
+        bool draft = false;
         bool render = false, contact = false;
         bool parallel = false;
     };
@@ -51,8 +56,8 @@ namespace {
     void refuse_without_wall(const planner::Case& planned_case, const std::string& case_file)
     {
         if (!planner::has_soft_wall(planned_case.label_table))
-            throw InputError("no label has the role wall (bones alone are none): there is nothing to cut; the case can "
-                             "be looked at with retractor render --views slices,overview",
+            throw InputError("no label has the role wall, and bones alone are not a wall: there is nothing to cut. To "
+                             "look at the case, use retractor render --views slices,overview",
                 case_file + "#/labels/table");
     }
 
@@ -78,22 +83,21 @@ namespace {
         if (std::find(formats.begin(), formats.end(), "feb") == formats.end())
             return;
         if (planner::under_pressure(planned_case))
-            throw InputError("FEBio files are written without pressure, and the wall is under some: leave feb out, or "
-                             "the pressure (--pressure LABEL=0)",
+            throw InputError("FEBio files cannot contain the pressure on the wall: omit feb, or remove the pressure "
+                             "(--pressure LABEL=0)",
                 "--export");
         for (const mesh::LabelInfo& info : planned_case.label_table) {
             if (info.role != mesh::Role::wall)
                 continue;
             const fem::Material& material = fem::find_material(planned_case.materials, info.material);
             if (planner::under_tension(material))
-                throw InputError("FEBio files are written for tissue without tension, and the material \""
-                        + material.name
-                        + "\" is under some: leave feb out, or take the tension off (retractor tension)",
+                throw InputError("FEBio files cannot contain the tension of the material \"" + material.name
+                        + "\": omit feb, or remove the tension (retractor tension)",
                     "--export");
             if (material.law && planned_case.solution.elasticity == fem::Elasticity::hyperelastic)
-                throw InputError("FEBio files are written for neo-Hookean tissue, and the material \"" + material.name
+                throw InputError("FEBio files contain only neo-Hookean tissue, but the material \"" + material.name
                         + "\" has the law " + std::string(fem::law_name(material.law->law))
-                        + ": leave feb out, or plan with another elasticity",
+                        + ": omit feb, or plan with another elasticity",
                     "--export");
         }
     }
@@ -109,10 +113,15 @@ namespace {
             given.push_back(planner::pressure_from_text(text));
             const std::string& label = given.back().label;
             if (std::count_if(given.begin(), given.end(), of(label)) > 1)
-                throw InputError("the label \"" + label + "\" comes twice", "--pressure");
+                throw InputError("the label \"" + label + "\" is given twice", "--pressure");
             std::erase_if(planned_case.pressures, of(label));
         }
         planned_case.pressures.insert(planned_case.pressures.end(), given.begin(), given.end());
+    }
+
+    planner::PlanChecks checks_of(const PlanOptions& options)
+    {
+        return { .linear_region = options.check_far, .error_bars = !options.draft, .draft = options.draft };
     }
 
     /// The case with only the chosen approach, or with all. Options that contradict each other are refused before the
@@ -130,12 +139,21 @@ namespace {
         if (!options.element.empty())
             solution.element = planner::element_from_string(options.element).value();
         solution.near_mm = options.near_mm.value_or(solution.near_mm);
+        if (options.draft)
+            solution.element = planner::ElementKind::p1;
         set_pressures(planned_case, options.pressures);
-        planner::check_plan(planned_case, options.check_far);
+        for (planner::Approach& approach : planned_case.approaches) {
+            planner::SizingSpec& sizing = approach.sizing;
+            sizing.corridor_edge_mm = options.edge_mm.value_or(
+                options.draft ? std::max(sizing.corridor_edge_mm, kDraftEdgeMm) : sizing.corridor_edge_mm);
+            sizing.coarse_edge_mm = std::max(sizing.coarse_edge_mm, sizing.corridor_edge_mm);
+            sizing.mesh_seed = options.mesh_seed;
+        }
+        planner::check_plan(planned_case, checks_of(options));
         refuse_unwritable_tissue(planned_case, options);
         if (planned_case.approaches.empty())
-            throw InputError(
-                "the case has no approach yet: see retractor approach add --help", options.case_file + "#/approaches");
+            throw InputError("the case has no approach yet: add one with retractor approach add",
+                options.case_file + "#/approaches");
         return planned_case;
     }
 
@@ -160,7 +178,7 @@ namespace {
             , folder(options.out)
             , made(folder)
         {
-            fields = plan_all(patient, job, options.check_far);
+            fields = plan_all(patient, job, checks_of(options));
             refuse_if_cancelled(job);
         }
         planner::Patient patient;
@@ -240,7 +258,7 @@ namespace {
             outcome.document["earlier_results"] = file;
         }
         if (const fs::path report = folder / "report.html"; !options.render && fs::exists(report))
-            outcome.text += report.string() + " and its pictures are of an earlier plan (--render makes them anew)\n";
+            outcome.text += report.string() + " and its pictures show an earlier plan (add --render to renew them)\n";
         outcome.exit_code = exit_code_of(fields);
         return outcome;
     }
@@ -295,8 +313,8 @@ namespace {
         for (const std::string& view : request.views)
             if (view == "surgeon") {
                 refuse_without_wall(planned_case, options.case_file);
-                throw InputError("the surgeon's view needs an approach, and the case has none yet: see retractor "
-                                 "approach add --help",
+                throw InputError("the surgeon's view needs an approach, and the case has none yet: add one with "
+                                 "retractor approach add",
                     options.case_file + "#/approaches");
             }
         planner::Patient patient(std::move(planned_case), job);
@@ -350,17 +368,18 @@ namespace {
     {
         planner::Case planned_case = open_case(options.case_file);
         refuse_without_wall(planned_case, options.case_file);
+        planner::Patient patient(planned_case, job);
         mesh::MeshSizing sizing;
         std::string name = "wall";
         if (!options.approach.empty()) {
-            sizing = planner::mesh_sizing_of(
-                planner::find_approach(planned_case, options.approach), planned_case.label_table);
+            planner::Approach approach = planner::find_approach(planned_case, options.approach);
+            planner::find_space_division(approach, patient);
+            sizing = planner::mesh_sizing_of(approach, planned_case.label_table);
             name = options.approach + "-uncut";
         } else {
             sizing.coarse_edge_mm = planned_case.sizing.coarse_edge_mm;
         }
         sizing.deterministic = !options.parallel;
-        planner::Patient patient(std::move(planned_case), job);
         const mesh::HybridModel model = mesh::build_hybrid_model(*patient.labels(), sizing, job);
         Outcome outcome;
         if (model.status != mesh::MeshStatus::done) {
@@ -386,27 +405,41 @@ namespace {
     {
         command
             .add_option("--elasticity", options.elasticity,
-                "linear (a quick look that swells where hooks pull far), corotational or hyperelastic: neo-Hookean, or "
-                "by the law that case.json gives a material (default: the case's solution, else corotational)")
+                "Elasticity of the tissue: linear is quick, but tissue swells where hooks pull far; corotational "
+                "allows large rotations; hyperelastic uses the law of each material in case.json, or neo-Hookean "
+                "tissue where there is none (default: the case's solution, else corotational)")
             ->check(CLI::IsMember({ "linear", "corotational", "hyperelastic" }));
         command
             .add_option("--element", options.element,
-                "p1 (four nodes, Poisson's ratios at most 0.45), locking-free (four nodes, any ratio), or p2 (ten "
-                "nodes, any ratio; slow) (default: the case's solution, else p1)")
+                "Finite element: p1 (four nodes, limits Poisson's ratios to 0.45), locking-free (four nodes, any "
+                "ratio) or p2 (ten nodes, any ratio) (default: the case's solution; a new case has p2)")
             ->check(CLI::IsMember({ "p1", "locking-free", "p2" }));
         command
             .add_option("--near", options.near_mm,
-                "Nonlinear within this distance (mm) of the lips, linear beyond; 0: everywhere alike (these three also "
-                "as \"solution\" in case.json)")
+                "Distance from the lips, mm, within which the tissue is computed nonlinearly; tissue beyond is "
+                "computed linearly. 0: the whole wall is computed alike (--elasticity, --element and --near are also "
+                "\"solution\" in case.json)")
             ->check(in_range(0.0, kFarthestMm));
+        command.add_flag("--draft", options.draft,
+            "A quick look: four-node elements on a coarse mesh, without error bars. Forces may be twice too large");
+        command
+            .add_option(
+                "--edge", options.edge_mm, "Edge length (mm) of the mesh round the incision (default: the approach's)")
+            ->check(in_range(0.5, 50.0));
+        command
+            .add_option("--mesh-seed", options.mesh_seed,
+                "Another mesh of the same edge lengths for each number; what differs between two meshes is chance")
+            ->check(in_range(0.0, 1e6))
+            ->capture_default_str();
         command
             .add_option("--pressure", options.pressures,
-                "LABEL=kPa: what this label, which is no wall, presses on the wall with where it borders on it (gas in "
-                "a cavity, blood in a vessel; negative: suction), following the surface as it deforms; several times "
-                "for several (also \"pressures\" in case.json)")
+                "LABEL=kPa: pressure of this structure on the wall where the two meet (gas in a cavity, blood in a "
+                "vessel; negative: suction). The label must not belong to the wall. The pressure follows the surface "
+                "as the wall deforms. Repeat the option for several labels (also \"pressures\" in case.json)")
             ->allow_extra_args(false);
         command.add_flag("--contact", options.contact,
-            "Lips do not pass through each other, nor through organs (also \"contact\": true in case.json)");
+            "Compute contact, so that lips do not pass through each other or through organs (also \"contact\": true in "
+            "case.json)");
     }
 
     /// Starts the executable beside this one for the other kind of context. A process draws with one kind only.
@@ -427,15 +460,14 @@ void add_mesh_command(Commands& commands)
 {
     auto options = std::make_shared<PlanOptions>();
     CLI::App* command = commands.app.add_subcommand(
-        "mesh", "Make the tetrahedral wall of a case and say how well it fits the labels");
+        "mesh", "Mesh the wall of a case with tetrahedra and report how well the mesh fits the labels");
     command->footer("Example: retractor mesh case.json --approach median --out mesh");
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option(
         "--approach", options->approach, "Refine round this approach's incision (default: coarse everywhere)");
     command->add_option("--out", options->out, "Folder for the VTU and the statistics");
     command->add_flag("--parallel", options->parallel, "Use all cores; the mesh then differs a little from run to run");
-    command->callback(
-        [&commands, options] { commands.run = [options](const Job& job) { return mesh(*options, job); }; });
+    commands.on(command, [options](const Job& job) { return mesh(*options, job); });
 }
 
 void add_plan_command(Commands& commands)
@@ -453,10 +485,10 @@ void add_plan_command(Commands& commands)
     command->add_flag("--render", options->render, "Also draw the views and write report.html");
     command
         ->add_option("--reference", options->reference,
-            "Solve the opened wound once more with another program and report the difference: ccx (CalculiX; the same "
-            "mesh, supports and hooks, linear)")
+            "Solve the opened wound again with another program and report the difference: ccx (CalculiX, linear, with "
+            "the same mesh, supports and hooks)")
         ->check(CLI::IsMember({ "ccx" }));
-    command->add_option("--reference-limit", options->reference_limit_s, "Seconds that program may take")
+    command->add_option("--reference-limit", options->reference_limit_s, "Time limit for the other program, s")
         ->capture_default_str()
         ->check(in_range(0.001, 1e6));
     command->add_option("--export", options->export_formats,
@@ -464,33 +496,29 @@ void add_plan_command(Commands& commands)
         "comma");
     command->add_flag(
         "--check", options->check_far, "With --near: also solve all of the wall nonlinearly and state the difference");
-    command->callback(
-        [&commands, options] { commands.run = [options](const Job& job) { return plan(*options, job); }; });
+    commands.on(command, [options](const Job& job) { return plan(*options, job); });
 }
 
 void add_render_command(Commands& commands)
 {
     auto options = std::make_shared<PlanOptions>();
-    CLI::App* command = commands.app.add_subcommand("render",
-        "Draw the planned fields of a case off-screen, with no X server; without an approach, the "
-        "case itself");
+    CLI::App* command = commands.app.add_subcommand(
+        "render", "Draw the planned fields of a case without a display; draw the case itself when it has no approach");
     command->footer("Example: retractor render case.json --out pictures --views surgeon,slices --size 1920x1080");
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option("--approach", options->approach, "Only this approach (default: all)");
     command->add_option("--target", options->target,
-        "Show the case without an approach, at this label or sphere x,y,z,r (default without one: the first label of "
-        "role target or at-risk)");
+        "Show the case without its approaches, and look at this label or sphere x,y,z,r (default when the case has no "
+        "approach: the first label of role target or at-risk)");
     command->add_option("--out", options->out, "Folder for the PNG files")->required();
     command->add_option(
         "--views", options->views, "surgeon, overview, slices, separated by commas (default: the case's)");
     command->add_option("--size", options->size, "Width x height in pixels")->capture_default_str();
     add_solution_options(*command, *options);
     command->add_option("--backend", options->backend, "osmesa or egl")->check(CLI::IsMember({ "osmesa", "egl" }));
-    command->callback([&commands, options] {
-        commands.run = [&commands, options](const Job& job) {
-            switch_backend(options->backend, commands.argv);
-            return render(*options, job);
-        };
+    commands.on(command, [&commands, options](const Job& job) {
+        switch_backend(options->backend, commands.argv);
+        return render(*options, job);
     });
 }
 

@@ -55,7 +55,7 @@ namespace {
         outcome.document = { { "name", options.name }, { "youngs_modulus_MPa", options.modulus_MPa },
             { "poissons_ratio", options.poissons_ratio }, { "expert", options.person }, { "store", options.store } };
         outcome.text = options.name + ": " + formatted("%.3g MPa", options.modulus_MPa)
-            + formatted(", nu %.2f", options.poissons_ratio) + ", kept in " + options.store + "\n";
+            + formatted(", nu %.2f", options.poissons_ratio) + ", saved in " + options.store + "\n";
         return outcome;
     }
 
@@ -71,7 +71,7 @@ namespace {
                 += e.name + ": " + formatted("%.3g MPa", e.modulus_MPa) + " (" + e.expert + ", " + e.date + ")\n";
         }
         if (outcome.text.empty())
-            outcome.text = "No elasticity is kept in " + options.store + "\n";
+            outcome.text = "No elasticity is saved in " + options.store + "\n";
         return outcome;
     }
 
@@ -101,8 +101,8 @@ namespace {
         void feel(int place)
         {
             if (options_.device.empty()) {
-                std::cerr << "These models are set up by the operator. With --device (simulated, touch, udp:PORT) they "
-                             "are felt here.\n";
+                std::cerr << "The operator sets up these models. To feel the models here, add --device (simulated, "
+                             "touch, udp:PORT).\n";
                 return;
             }
             RETRACTOR_ASSERT(place >= 1 && static_cast<std::size_t>(place) <= offered_.size());
@@ -111,10 +111,11 @@ namespace {
             body.youngs_modulus.assign(body.youngs_modulus.size(), offered_[static_cast<std::size_t>(place - 1)]);
             const planner::TissueChoice choice { .radius_mm = options_.plan.radius_mm };
             const planner::ChosenTissue tissue = make_tissue(scene_, choice, job_);
-            std::cerr << "Model " << place << " lies under the finger.\n";
+            std::cerr << "Model " << place << " is now under the finger.\n";
             const PressLog log = run_press({ "model " + std::to_string(place), { scene_.sites[0] } }, *tissue.response,
                 { options_.device }, options_.plan, nullptr, 1.0, job_);
-            std::cerr << (log.fault.empty() ? std::string("It is gone again.") : "The device let go: " + log.fault)
+            std::cerr << (log.fault.empty() ? std::string("The model is removed again.")
+                                            : "The forces were switched off: " + log.fault)
                       << '\n';
             touched_.push_back(place);
         }
@@ -135,7 +136,7 @@ namespace {
             std::cerr << question << " (1 to " << count << ", or feel 1 to feel " << count << "): " << std::flush;
             std::string line;
             if (!std::getline(std::cin, line))
-                throw InputError("the test ended before both tissues were chosen; nothing is kept");
+                throw InputError("the test ended before both tissues were chosen; no choice is saved");
             const bool feels = line.starts_with("feel ");
             const std::string word = feels ? line.substr(5) : line;
             char* end = nullptr;
@@ -156,11 +157,12 @@ namespace {
     {
         haptics::TrialStore store(options.store);
         if (options.person.empty())
-            throw InputError("who is tested?", "--trainee");
+            throw InputError("name the trainee", "--trainee");
         const haptics::Instruction instruction = haptics::instruction_of(options.instruction);
         const std::vector<double> models = haptics::trial_models(options.models);
         if (models.back() < haptics::kScleroticMPa - 1e-9)
-            std::cerr << "These models end at " << models.back() << " MPa: only normal tissue is asked for.\n";
+            std::cerr << "The stiffest of these models has " << models.back()
+                      << " MPa, so the test asks only for normal tissue.\n";
         std::uint64_t seed = options.seed;
         if (seed == 0)
             seed = (static_cast<std::uint64_t>(std::random_device {}()) << 32) | std::random_device {}();
@@ -174,7 +176,7 @@ namespace {
                 sheet += std::to_string(i + 1) + "," + formatted("%.1f", models[static_cast<std::size_t>(order[i])])
                     + "\n";
             write_file_atomically(options.out, sheet);
-            std::cerr << "The order is in " << options.out << ", for whoever sets up the models.\n";
+            std::cerr << "The order is in " << options.out << ", for the operator who sets up the models.\n";
         }
         std::cerr << "Session " << session << " of " << options.person << ": feel models 1 to " << options.models
                   << " as often as you like.\n";
@@ -204,8 +206,9 @@ namespace {
             outcome.document["choices"].push_back({ { "tissue", to_string(trial.tissue) },
                 { "chosen_MPa", trial.chosen_MPa }, { "right_MPa", trial.right_MPa }, { "right_was_model", shown } });
             outcome.text += std::string(to_string(trial.tissue)) + ": you chose "
-                + formatted("%.1f MPa", trial.chosen_MPa) + "; right is " + formatted("%.1f MPa", trial.right_MPa)
-                + ", model " + std::to_string(shown) + ": feel it again\n";
+                + formatted("%.1f MPa", trial.chosen_MPa) + "; the correct answer is "
+                + formatted("%.1f MPa", trial.right_MPa) + ", model " + std::to_string(shown)
+                + ". Feel this model again\n";
         }
         return outcome;
     }
@@ -238,7 +241,7 @@ namespace {
             return true;
         if (word == "no" || word == "0")
             return false;
-        throw InputError("an answer is yes or no, got " + word, where);
+        throw InputError("an answer must be yes or no, got " + word, where);
     }
 
     Outcome questionnaire(const TrainOptions& options, const Job&)
@@ -249,7 +252,7 @@ namespace {
             const std::vector<std::string> words
                 = colon == std::string::npos ? std::vector<std::string>() : split(text.substr(colon + 1), ',');
             if (words.size() != 3)
-                throw InputError("answers are PERSON:AUTHENTIC,EASY,STABLE, got " + text, "--answer");
+                throw InputError("write answers as PERSON:AUTHENTIC,EASY,STABLE, got " + text, "--answer");
             store.answer({ text.substr(0, colon), yes(words[0], text), yes(words[1], text), yes(words[2], text) });
         }
         const haptics::QualityVerdict verdict = haptics::judge(store.answers());
@@ -258,7 +261,7 @@ namespace {
             { "ease", verdict.ease }, { "stability", verdict.stability }, { "passes", verdict.passes() } };
         outcome.text = std::to_string(verdict.persons) + " persons: authentic " + std::to_string(verdict.authenticity)
             + ", easy " + std::to_string(verdict.ease) + ", stable " + std::to_string(verdict.stability)
-            + (verdict.passes() ? ": passes\n" : ": does not pass (8 of 10 positive answers to each are needed)\n");
+            + (verdict.passes() ? ": passes\n" : ": does not pass (each question needs 8 of 10 positive answers)\n");
         return outcome;
     }
 
@@ -267,7 +270,7 @@ namespace {
 void add_train_command(Commands& commands)
 {
     CLI::App* train = commands.app.add_subcommand(
-        "train", "Teach elasticity by touch: named models, blind tests, their statistics");
+        "train", "Teach elasticity by touch with named models and blind tests, and report the statistics");
     train->require_subcommand(1);
     train->footer("Example: retractor train simulate --study 3 --store t.sqlite && retractor train report --store "
                   "t.sqlite --out D");
@@ -275,58 +278,63 @@ void add_train_command(Commands& commands)
     const auto add = [&](const char* name, const char* help, const char* example, auto run) {
         CLI::App* command = train->add_subcommand(name, help);
         command->footer(std::string("Example: retractor train ") + example);
-        command->add_option("--store", options->store, "SQLite file of all sessions; made when it is not there")
+        command->add_option("--store", options->store, "SQLite file of all sessions; a missing file is made")
             ->capture_default_str();
-        command->callback([&commands, options, run] {
-            commands.run = [options, run](const Job& job) { return run(*options, job); };
-        });
+        commands.on(command, [options, run](const Job& job) { return run(*options, job); });
         return command;
     };
-    CLI::App* expert = add("expert", "Keep an elasticity that feels right under a name",
+    CLI::App* expert = add("expert", "Save an elasticity that feels right to an expert",
         "expert --name \"normal aorta\" --modulus 1.0 --expert \"Dr A\"", keep);
-    expert->add_option("--name", options->name, "Its name")->required();
+    expert->add_option("--name", options->name, "Name of the elasticity")->required();
     expert->add_option("--modulus", options->modulus_MPa, "Young's modulus, MPa")->required();
     expert->add_option("--ratio", options->poissons_ratio, "Poisson's ratio")->capture_default_str();
-    expert->add_option("--expert", options->person, "Who says so");
+    expert->add_option("--expert", options->person, "Name of the expert");
     expert->add_option("--date", options->date, "YYYY-MM-DD (default: today)");
-    add("list", "The elasticities that were kept", "list", list);
+    add("list", "List the saved elasticities", "list", list);
     CLI::App* trial = add("test",
-        "A blind test, and what was right: reads from standard input which model to feel (feel 3) and which is chosen "
-        "(3)",
+        "Test a trainee with hidden models, then show the correct answers. Standard input takes the model to feel "
+        "(feel 3) and the choice (3)",
         "test --trainee \"student 7\" --instruction haptic --order order.csv", test);
-    trial->add_option("--trainee", options->person, "Who is tested")->required();
-    trial->add_option("--instruction", options->instruction, "What the trainee was told before: none, verbal or haptic")
+    trial->add_option("--trainee", options->person, "Name of the trainee")->required();
+    trial
+        ->add_option(
+            "--instruction", options->instruction, "Instruction of the trainee before the test: none, verbal or haptic")
         ->check(CLI::IsMember({ "none", "verbal", "haptic" }))
         ->capture_default_str();
-    trial->add_option("--models", options->models, "How many, 0.2 MPa apart")
+    trial->add_option("--models", options->models, "Number of models, 0.2 MPa apart")
         ->check(CLI::Range(2, 200))
         ->capture_default_str();
-    trial->add_option("--order", options->out, "CSV of which model is offered as which number, for the operator");
-    trial->add_option("--device", options->device,
-        std::string("Models are felt by it, when the trainee asks to feel one: ") + kDeviceHelp);
-    trial->add_option("--scene", options->scene, "What is felt at the models' elasticities (default: a vessel's tube)");
-    trial->add_option("--seconds", options->plan.seconds, "How long a model is felt each time")
+    trial->add_option(
+        "--order", options->out, "CSV file for the operator that lists the model behind each offered number");
+    trial->add_option(
+        "--device", options->device, std::string("Device with which the trainee feels the models: ") + kDeviceHelp);
+    trial->add_option("--scene", options->scene,
+        "Palpation scene that takes the elasticity of each model (default: a straight vessel)");
+    trial->add_option("--seconds", options->plan.seconds, "Time for which the trainee feels a model, s")
         ->check(in_range(0.1, 3600.0))
         ->capture_default_str();
-    trial->add_option("--depth", options->plan.depth_mm, "How deep a simulated hand presses, mm")
+    trial->add_option("--depth", options->plan.depth_mm, "Depth to which a simulated hand presses, mm")
         ->check(in_range(0.01, 10.0))
         ->capture_default_str();
-    trial->add_option("--seed", options->seed, "Of the order (default: random)");
+    trial->add_option("--seed", options->seed, "Seed of the order (default: random)");
     trial->add_option("--date", options->date, "YYYY-MM-DD (default: today)");
     CLI::App* people = add("simulate",
         "Add one of three published studies (Nakao et al. 2006) with simulated people of known sensitivity",
         "simulate --study 2 --store t.sqlite", simulate);
     people
         ->add_option("--study", options->study,
-            "1: eight surgeons model; 2: 18 students by instruction; 3: ten students, seven sessions")
+            "1: eight surgeons set elasticities; 2: 18 students after three kinds of instruction; 3: ten students in "
+            "seven sessions")
         ->check(CLI::Range(1, 3))
         ->capture_default_str();
-    people->add_option("--seed", options->seed, "Of the people");
-    CLI::App* results = add("report", "Box plots, learning curves, F-tests of spreads, t-tests of deviations, CSV",
+    people->add_option("--seed", options->seed, "Seed of the simulated people");
+    CLI::App* results = add("report",
+        "Report box plots, learning curves, F-tests of spreads and t-tests of deviations, with CSV files",
         "report --store t.sqlite --out D",
         [](const TrainOptions& given, const Job& job) { return train_report(given.store, given.out, job); });
     results->add_option("--out", options->out, "Folder for trials.csv, trials.json and the charts");
-    CLI::App* quality = add("questionnaire", "Ten persons on haptic quality: each aspect passes at 8 of 10",
+    CLI::App* quality = add("questionnaire",
+        "Record the answers of ten persons on haptic quality; an aspect passes with 8 positive answers",
         "questionnaire --answer \"person 1:yes,yes,no\"", questionnaire);
     quality->add_option("--answer", options->answers, "PERSON:AUTHENTIC,EASY,STABLE, each yes or no (repeatable)");
 }

@@ -182,7 +182,7 @@ namespace {
         return "questionnaire, " + std::to_string(verdict.persons) + " persons: authentic "
             + std::to_string(verdict.authenticity) + ", easy " + std::to_string(verdict.ease) + ", stable "
             + std::to_string(verdict.stability)
-            + (verdict.passes() ? ": passes\n" : ": does not pass (8 of 10 are needed)\n");
+            + (verdict.passes() ? ": passes\n" : ": does not pass (each question needs 8 of 10 positive answers)\n");
     }
 
     Json document_of(const haptics::QualityVerdict& verdict)

@@ -2,8 +2,6 @@
 
 #include "ui/scene/vtk/render.h"
 
-#include <algorithm>
-
 namespace retractor::ui::cli {
 
 namespace {

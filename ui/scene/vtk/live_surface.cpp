@@ -17,7 +17,6 @@
 #include <vtkProperty.h>
 #include <vtkSmartPointer.h>
 
-#include <cmath>
 #include <string>
 
 namespace retractor::ui {
@@ -148,8 +147,6 @@ LiveSurface::LiveSurface()
 }
 LiveProps::~LiveProps() = default;
 LiveSurface::~LiveSurface() = default;
-LiveSurface::LiveSurface(LiveSurface&&) noexcept = default;
-LiveSurface& LiveSurface::operator=(LiveSurface&&) noexcept = default;
 
 void LiveSurface::set_topology(const LiveTopology& topology)
 {

@@ -37,8 +37,6 @@ class LiveSurface : public LiveProps {
 public:
     LiveSurface();
     ~LiveSurface() override;
-    LiveSurface(LiveSurface&&) noexcept;
-    LiveSurface& operator=(LiveSurface&&) noexcept;
 
     /// Positions are those at rest until set_positions(). @throws InputError on indices out of range
     void set_topology(const LiveTopology& topology);

@@ -11,7 +11,6 @@
 #include <GL/osmesa.h>
 
 #include <array>
-#include <string>
 
 extern "C" {
 using GlFunction = void (*)();

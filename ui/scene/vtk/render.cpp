@@ -1,14 +1,11 @@
 #include "ui/scene/vtk/render.h"
 
 #include "mesh/base/error.h"
-#include "ui/scene/hook_mesh.h"
 #include "ui/scene/vtk/scene_view.h"
-#include "ui/scene/vtk/surface_actors.h"
 #include "ui/scene/vtk/vtk_errors.h"
 
 #include <vtk_glew.h>
 
-#include <vtkActor.h>
 #include <vtkCamera.h>
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkObjectFactory.h>
@@ -73,14 +70,6 @@ namespace {
         return image;
     }
 
-    std::size_t count_lit(const Image& image)
-    {
-        std::size_t count = 0;
-        for (std::size_t i = 0; i < image.rgb.size(); i += 3)
-            count += image.rgb[i] > 127 ? 1 : 0;
-        return count;
-    }
-
 } // namespace
 
 struct OffscreenRenderer::State {
@@ -129,8 +118,6 @@ OffscreenRenderer::OffscreenRenderer(std::unique_ptr<OffscreenContext> context, 
     record_part(job, "renderer", watch, 1280UL * 960UL * 8UL);
 }
 OffscreenRenderer::~OffscreenRenderer() = default;
-OffscreenRenderer::OffscreenRenderer(OffscreenRenderer&&) noexcept = default;
-OffscreenRenderer& OffscreenRenderer::operator=(OffscreenRenderer&&) noexcept = default;
 
 Image OffscreenRenderer::render(const Picture& picture)
 {
@@ -161,48 +148,6 @@ Image OffscreenRenderer::render(const ChartPicture& picture)
     Image image = read_pixels(*state_->window);
     trap.throw_if_error("drawing charts");
     return image;
-}
-
-TargetPixels OffscreenRenderer::target_pixels(const Scene& scene, int width, int height)
-{
-    Picture whole { .width = width, .height = height, .viewports = {} };
-    whole.viewports.push_back({ .scene = scene });
-    check_picture(whole);
-
-    // Counts in two passes through the same view: with everything that blocks the target, then without.
-    const VtkErrorTrap trap;
-    state_->resize(width, height);
-    std::vector<vtkSmartPointer<vtkActor>> occluders;
-    Scene bare;
-    bare.camera = scene.camera;
-    bare.orientation_marker = bare.scale_bar = false;
-    bare.background_low = bare.background_high = { 0.0, 0.0, 0.0 };
-    SceneView view(*state_->window, {}, *state_->volumes);
-    view.show(bare);
-    vtkRenderer& renderer = view.renderer();
-    renderer.SetUseFXAA(false);
-    for (const SurfaceItem& item : scene.surfaces) {
-        if (item.mesh->triangles.empty() || !(item.target || item.occluder))
-            continue;
-        const auto actor = flat_actor(*item.mesh, item.target ? Color { 1.0, 1.0, 1.0 } : Color { 0.0, 0.0, 0.0 });
-        renderer.AddActor(actor);
-        if (!item.target)
-            occluders.push_back(actor);
-    }
-    for (const HookItem& item : scene.hooks) {
-        occluders.push_back(flat_actor(hook_mesh(item), { 0.0, 0.0, 0.0 }));
-        renderer.AddActor(occluders.back());
-    }
-    renderer.ResetCameraClippingRange();
-    TargetPixels pixels;
-    state_->window->Render();
-    pixels.visible = count_lit(read_pixels(*state_->window));
-    for (const auto& actor : occluders)
-        actor->SetVisibility(0);
-    state_->window->Render();
-    pixels.unobstructed = count_lit(read_pixels(*state_->window));
-    trap.throw_if_error("counting target pixels");
-    return pixels;
 }
 
 } // namespace retractor::ui

@@ -156,7 +156,6 @@ SceneView::~SceneView()
         state_->window->RemoveRenderer(renderer);
 }
 SceneView::SceneView(SceneView&&) noexcept = default;
-SceneView& SceneView::operator=(SceneView&&) noexcept = default;
 
 void SceneView::show(const Scene& scene)
 {

@@ -19,7 +19,6 @@ public:
     SceneView(vtkRenderWindow& window, const Viewport& viewport, VolumeCache& volumes);
     ~SceneView();
     SceneView(SceneView&&) noexcept;
-    SceneView& operator=(SceneView&&) noexcept;
 
     /// Replaces the scene and the camera. Call again after a change of the window's size.
     /// @throws InputError as check_scene() does

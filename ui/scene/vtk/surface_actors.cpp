@@ -16,7 +16,6 @@
 #include <vtkPolyData.h>
 #include <vtkPolyDataNormals.h>
 #include <vtkProperty.h>
-#include <vtkUnsignedCharArray.h>
 
 #include <algorithm>
 #include <cmath>
@@ -30,21 +29,6 @@ namespace {
     /// Edges sharper than this angle stay sharp: a lip against the skin, the cut end of a bone.
     constexpr double kFeatureAngleDeg = 40.0;
     constexpr const char* kPartArray = "part";
-
-    unsigned char byte_of(double x) { return static_cast<unsigned char>(std::lround(255.0 * x)); }
-
-    void add_vertex_colors(vtkPolyData& data, const std::vector<Color>& colors)
-    {
-        auto array = vtkSmartPointer<vtkUnsignedCharArray>::New();
-        array->SetName("color");
-        array->SetNumberOfComponents(3);
-        array->SetNumberOfTuples(static_cast<vtkIdType>(colors.size()));
-        for (std::size_t i = 0; i < colors.size(); ++i) {
-            const std::array<unsigned char, 3> rgb { byte_of(colors[i].r), byte_of(colors[i].g), byte_of(colors[i].b) };
-            array->SetTypedTuple(static_cast<vtkIdType>(i), rgb.data());
-        }
-        data.GetPointData()->SetScalars(array);
-    }
 
     vtkSmartPointer<vtkPolyData> with_normals(vtkPolyData* data)
     {
@@ -117,7 +101,7 @@ namespace {
         parts->SetNumberOfTuples(static_cast<vtkIdType>(item.mesh->triangles.size()));
         std::vector<Look> looks;
         std::map<LookKey, int> number_of;
-        const bool by_label = !item.look_of_label.empty() && item.vertex_colors.empty();
+        const bool by_label = !item.look_of_label.empty();
         for (std::size_t t = 0; t < item.mesh->triangles.size(); ++t) {
             const Look& look = by_label ? item.look_of_label.at(item.mesh->labels[t]) : item.look;
             const auto [entry, is_new] = number_of.try_emplace(key_of(look), static_cast<int>(looks.size()));
@@ -137,8 +121,6 @@ std::vector<vtkSmartPointer<vtkActor>> surface_actors(const SurfaceItem& item)
     if (item.mesh->triangles.empty() || item.opacity <= 0.0)
         return actors;
     vtkSmartPointer<vtkPolyData> whole = poly_data(*item.mesh, PointType::single_precision);
-    if (!item.vertex_colors.empty())
-        add_vertex_colors(*whole, item.vertex_colors);
     const std::vector<Look> looks = mark_parts(*whole, item);
     if (item.smooth)
         whole = with_normals(whole);
@@ -146,7 +128,7 @@ std::vector<vtkSmartPointer<vtkActor>> surface_actors(const SurfaceItem& item)
     for (std::size_t i = 0; i < looks.size(); ++i) {
         const vtkSmartPointer<vtkPolyData> part = looks.size() == 1 ? whole : part_of(*whole, static_cast<int>(i));
         vtkSmartPointer<vtkActor> actor = actor_of(part);
-        actor->GetMapper()->SetScalarVisibility(item.vertex_colors.empty() ? 0 : 1);
+        actor->GetMapper()->SetScalarVisibility(0);
         apply_look(*actor, looks[i], item.target);
         vtkProperty& property = *actor->GetProperty();
         property.SetOpacity(item.opacity);
@@ -157,13 +139,6 @@ std::vector<vtkSmartPointer<vtkActor>> surface_actors(const SurfaceItem& item)
         actors.push_back(std::move(actor));
     }
     return actors;
-}
-
-vtkSmartPointer<vtkActor> flat_actor(const TriMesh& mesh, const Color& color)
-{
-    vtkSmartPointer<vtkActor> actor = actor_of(poly_data(mesh, PointType::single_precision));
-    apply_look(*actor, { .color = color, .finish = Finish::unlit }, false);
-    return actor;
 }
 
 vtkSmartPointer<vtkActor> line_actor(const LineItem& item, double picture_height_px)

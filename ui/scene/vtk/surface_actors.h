@@ -13,8 +13,6 @@ namespace retractor::ui {
 
 /// One actor per look of the surface.
 std::vector<vtkSmartPointer<vtkActor>> surface_actors(const SurfaceItem& item);
-/// The whole surface in one unlit colour; every pixel has the same colour.
-vtkSmartPointer<vtkActor> flat_actor(const TriMesh& mesh, const Color& color);
 vtkSmartPointer<vtkActor> line_actor(const LineItem& item, double picture_height_px);
 vtkSmartPointer<vtkActor> hook_actor(const HookItem& item);
 

@@ -8,8 +8,6 @@
 #include <vtkMatrix4x4.h>
 #include <vtkOpenGLGPUVolumeRayCastMapper.h>
 #include <vtkPiecewiseFunction.h>
-#include <vtkPlane.h>
-#include <vtkPlaneCollection.h>
 #include <vtkPointData.h>
 #include <vtkShortArray.h>
 #include <vtkVolume.h>
@@ -33,67 +31,31 @@ namespace {
         double opacity; ///< per mm
     };
 
+    // The look of a chest CT: lungs as a haze, soft organs, contrast-filled heart and vessels, bone.
     // Hounsfield units: lung below -500, fat near -100, organs 0 to 90, contrast-filled blood 130 to 350, bone above.
-    const std::vector<Knot>& knots(VolumePreset preset)
-    {
-        static const std::vector<Knot> thorax {
-            { -1024, { 0.0, 0.0, 0.0 }, 0.0 },
-            { -930, { 0.80, 0.55, 0.55 }, 0.0 },
-            { -850, { 0.90, 0.66, 0.64 }, 0.008 },
-            { -650, { 0.90, 0.64, 0.62 }, 0.014 },
-            { -450, { 0.80, 0.50, 0.48 }, 0.0 },
-            { -150, { 0.92, 0.76, 0.40 }, 0.0 },
-            { -60, { 0.92, 0.76, 0.40 }, 0.010 },
-            { 0, { 0.72, 0.32, 0.26 }, 0.020 },
-            { 40, { 0.66, 0.22, 0.19 }, 0.10 },
-            { 110, { 0.64, 0.18, 0.16 }, 0.16 },
-            { 180, { 0.76, 0.12, 0.10 }, 0.35 },
-            { 300, { 0.82, 0.20, 0.14 }, 0.40 },
-            { 400, { 0.92, 0.82, 0.66 }, 0.55 },
-            { 1000, { 0.97, 0.94, 0.86 }, 0.80 },
-            { 3000, { 1.0, 1.0, 1.0 }, 0.90 },
-        };
-        static const std::vector<Knot> soft_tissue {
-            { -1024, { 0.0, 0.0, 0.0 }, 0.0 },
-            { -20, { 0.80, 0.50, 0.35 }, 0.0 },
-            { 30, { 0.66, 0.22, 0.19 }, 0.25 },
-            { 110, { 0.64, 0.18, 0.16 }, 0.30 },
-            { 180, { 0.76, 0.12, 0.10 }, 0.50 },
-            { 300, { 0.82, 0.20, 0.14 }, 0.50 },
-            { 400, { 0.92, 0.82, 0.66 }, 0.60 },
-            { 3000, { 1.0, 1.0, 1.0 }, 0.90 },
-        };
-        static const std::vector<Knot> bone {
-            { -1024, { 0.0, 0.0, 0.0 }, 0.0 },
-            { 180, { 0.80, 0.60, 0.45 }, 0.0 },
-            { 300, { 0.92, 0.82, 0.66 }, 0.25 },
-            { 1000, { 0.97, 0.94, 0.86 }, 0.80 },
-            { 3000, { 1.0, 1.0, 1.0 }, 0.90 },
-        };
-        static const std::vector<Knot> skin {
-            { -1024, { 0.0, 0.0, 0.0 }, 0.0 },
-            { -400, { 0.86, 0.65, 0.53 }, 0.0 },
-            { -250, { 0.86, 0.65, 0.53 }, 0.6 },
-            { 3000, { 0.86, 0.65, 0.53 }, 0.9 },
-        };
-        switch (preset) {
-        case VolumePreset::soft_tissue:
-            return soft_tissue;
-        case VolumePreset::bone:
-            return bone;
-        case VolumePreset::skin:
-            return skin;
-        case VolumePreset::thorax:
-            break;
-        }
-        return thorax;
-    }
+    constexpr std::array kKnots {
+        Knot { -1024, { 0.0, 0.0, 0.0 }, 0.0 },
+        Knot { -930, { 0.80, 0.55, 0.55 }, 0.0 },
+        Knot { -850, { 0.90, 0.66, 0.64 }, 0.008 },
+        Knot { -650, { 0.90, 0.64, 0.62 }, 0.014 },
+        Knot { -450, { 0.80, 0.50, 0.48 }, 0.0 },
+        Knot { -150, { 0.92, 0.76, 0.40 }, 0.0 },
+        Knot { -60, { 0.92, 0.76, 0.40 }, 0.010 },
+        Knot { 0, { 0.72, 0.32, 0.26 }, 0.020 },
+        Knot { 40, { 0.66, 0.22, 0.19 }, 0.10 },
+        Knot { 110, { 0.64, 0.18, 0.16 }, 0.16 },
+        Knot { 180, { 0.76, 0.12, 0.10 }, 0.35 },
+        Knot { 300, { 0.82, 0.20, 0.14 }, 0.40 },
+        Knot { 400, { 0.92, 0.82, 0.66 }, 0.55 },
+        Knot { 1000, { 0.97, 0.94, 0.86 }, 0.80 },
+        Knot { 3000, { 1.0, 1.0, 1.0 }, 0.90 },
+    };
 
-    vtkSmartPointer<vtkVolumeProperty> property_of(VolumePreset preset, double opacity)
+    vtkSmartPointer<vtkVolumeProperty> property_of(double opacity)
     {
         auto color = vtkSmartPointer<vtkColorTransferFunction>::New();
         auto alpha = vtkSmartPointer<vtkPiecewiseFunction>::New();
-        for (const Knot& k : knots(preset)) {
+        for (const Knot& k : kKnots) {
             color->AddRGBPoint(k.hu, k.color.r, k.color.g, k.color.b);
             alpha->AddPoint(k.hu, k.opacity * opacity);
         }
@@ -138,7 +100,7 @@ namespace {
     }
 
     /// Smooths by one pass of (1 2 1) / 4 along each axis, because shading by gradients turns CT noise into grain. The
-    /// smoothing reaches one voxel, like hide_voxels() beyond the mask.
+    /// smoothing reaches one voxel, like hidden_in() beyond the mask.
     void smooth_noise(std::vector<std::int16_t>& voxels, const mesh::ImageGrid& grid)
     {
         std::size_t stride = 1;
@@ -211,12 +173,12 @@ namespace {
         return hidden;
     }
 
-    /// The value below which a preset shows nothing.
-    double clear_below(VolumePreset preset)
+    /// The value below which nothing shows.
+    double clear_below()
     {
-        const std::vector<Knot>& all = knots(preset);
-        const auto first = std::find_if(all.begin(), all.end(), [](const Knot& knot) { return knot.opacity > 0.0; });
-        return first == all.begin() ? first->hu : std::prev(first)->hu;
+        const auto* const first
+            = std::find_if(kKnots.begin(), kKnots.end(), [](const Knot& knot) { return knot.opacity > 0.0; });
+        return std::prev(first)->hu;
     }
 
     /// The box of voxels that can be visible, with a margin for smoothing and interpolation; all voxels when none can.
@@ -259,7 +221,7 @@ namespace {
         const mesh::Volume& image = *item.image;
         const std::vector<std::uint8_t> hidden
             = item.mask != nullptr ? hidden_in(image.grid, *item.mask) : std::vector<std::uint8_t> {};
-        const IndexBox box = visible_box(image, hidden, clear_below(item.preset));
+        const IndexBox box = visible_box(image, hidden, clear_below());
         mesh::Volume part { image.grid, {} };
         part.grid.origin = image.grid.world(Vec3(box.low[0], box.low[1], box.low[2]));
         for (std::size_t a = 0; a < 3; ++a)
@@ -306,31 +268,7 @@ namespace {
             && a->grid.direction == b->grid.direction && a->hidden == b->hidden;
     }
 
-    void crop(vtkVolumeMapper& mapper, const Box& box)
-    {
-        auto planes = vtkSmartPointer<vtkPlaneCollection>::New();
-        for (int axis = 0; axis < 3; ++axis)
-            for (const bool low : { true, false }) {
-                auto plane = vtkSmartPointer<vtkPlane>::New();
-                const Vec3 normal = Vec3::Unit(axis) * (low ? 1.0 : -1.0);
-                plane->SetOrigin((low ? box.low : box.high).data());
-                plane->SetNormal(normal.data());
-                planes->AddItem(plane);
-            }
-        mapper.SetClippingPlanes(planes);
-    }
-
 } // namespace
-
-std::vector<std::int16_t> hide_voxels(const mesh::Volume& image, const VoxelMask& mask)
-{
-    const std::vector<std::uint8_t> hidden = hidden_in(image.grid, mask);
-    std::vector<std::int16_t> shown = image.voxels;
-    for (std::size_t v = 0; v < shown.size(); ++v)
-        if (hidden[v] != 0)
-            shown[v] = kAir;
-    return shown;
-}
 
 struct VolumeCache::State {
     struct Entry {
@@ -345,10 +283,7 @@ struct VolumeCache::State {
 
     static bool same(const VolumeItem& a, const VolumeItem& b)
     {
-        const auto same_box = [](const Box& p, const Box& q) { return p.low == q.low && p.high == q.high; };
-        return a.image == b.image && same_mask(a.mask.get(), b.mask.get()) && a.preset == b.preset
-            && a.opacity == b.opacity && a.crop.has_value() == b.crop.has_value()
-            && (!a.crop || same_box(*a.crop, *b.crop));
+        return a.image == b.image && same_mask(a.mask.get(), b.mask.get()) && a.opacity == b.opacity;
     }
 
     void set_quality(const Entry& entry) const
@@ -365,8 +300,6 @@ VolumeCache::VolumeCache(const Job& job)
     state_->job = job;
 }
 VolumeCache::~VolumeCache() = default;
-VolumeCache::VolumeCache(VolumeCache&&) noexcept = default;
-VolumeCache& VolumeCache::operator=(VolumeCache&&) noexcept = default;
 
 vtkSmartPointer<vtkVolume> VolumeCache::volume(const VolumeItem& item)
 {
@@ -384,11 +317,9 @@ vtkSmartPointer<vtkVolume> VolumeCache::volume(const VolumeItem& item)
     mapper->SetAutoAdjustSampleDistances(0);
     mapper->SetLockSampleDistanceToInputSpacing(0);
     mapper->SetUseJittering(1); // breaks up the rings of equal depth
-    if (item.crop)
-        crop(*mapper, *item.crop);
     auto volume = vtkSmartPointer<vtkVolume>::New();
     volume->SetMapper(mapper);
-    volume->SetProperty(property_of(item.preset, item.opacity));
+    volume->SetProperty(property_of(item.opacity));
     volume->SetUserMatrix(pose_of(placed.grid));
     state_->entries.push_back({ item, volume, item.image->grid.spacing.minCoeff() / kSamplesPerVoxel, true });
     state_->set_quality(state_->entries.back());

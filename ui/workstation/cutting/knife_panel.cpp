@@ -1,5 +1,6 @@
 #include "ui/workstation/cutting/knife_panel.h"
 
+#include "ui/workstation/view/controls.h"
 #include "ui/workstation/view/theme.h"
 
 #include <QCheckBox>
@@ -37,11 +38,12 @@ namespace {
     /// Radius of the tissue that Remove deletes, mm; 0: the loose piece.
     constexpr std::array kRemovalRadiiMm { 0, 5, 10, 20, 40 };
 
-    QString reduction_error_text(const planner::CutEntry& cut)
+    QString omitted_text(const planner::CutEntry& cut)
     {
         if (cut.omitted.empty())
             return {};
-        return QString(cut.taken_out.empty() ? "\nnot all of the line: " : "\nnot all of the ball: ")
+        return QString(cut.taken_out.empty() ? "\na part of the line was not cut: "
+                                             : "\na part of the ball was not removed: ")
             + QString::fromStdString(cut.omitted);
     }
 
@@ -50,15 +52,14 @@ namespace {
     {
         if (report.worst_dihedral_deg >= kFlatDeg)
             return {};
-        const QString below = QString("\n⚠ flatter than %1°: ").arg(kFlatDeg, 0, 'f', 0);
+        const QString below = QString("\n⚠ The mesh has elements flatter than %1°: ").arg(kFlatDeg, 0, 'f', 0);
         if (report.tets_below_half_parent > 0)
             return below
-                + QString("the blade grazes the mesh's faces or vertices at %1 of its elements, and geometry forbids "
-                          "better")
+                + QString(
+                    "the cut passes close to faces or corners of %1 elements, and no better shape is possible there")
                       .arg(report.tets_below_half_parent);
         return below
-            + QString("the elements that were cut were flat already (%1°)")
-                  .arg(report.worst_dihedral_before_deg, 0, 'f', 0);
+            + QString("the elements were flat before the cut (%1°)").arg(report.worst_dihedral_before_deg, 0, 'f', 0);
     }
 
     /// A remark when the force exceeds that of any retractor; otherwise empty.
@@ -66,8 +67,8 @@ namespace {
     {
         if (std::max(report.side_N[0], report.side_N[1]) <= kStrongestN)
             return {};
-        return QString("⚠ more than %1 N on a side: no retractor pulls so hard. Is there bone left whole under the "
-                       "hooks?")
+        return QString("⚠ One side pulls with more than %1 N, and no retractor pulls this hard. Check whether the bone "
+                       "under the hooks is still uncut.")
             .arg(kStrongestN, 0, 'f', 0);
     }
 
@@ -76,7 +77,8 @@ namespace {
     {
         if (report.hooks.empty() || !report.settled || report.strain.p99 <= kTearingStrain)
             return {};
-        return QString("⚠ strain above %1 %: more than tissue bears; the hooks pull too far for this cut")
+        return QString(
+            "⚠ The strain is above %1 %, and no tissue bears this strain. Open the hooks less, or make the cut longer.")
             .arg(100.0 * kTearingStrain, 0, 'f', 0);
     }
 
@@ -85,7 +87,8 @@ namespace {
     {
         if (report.meeting.empty())
             return {};
-        return QString("⚠ %1 meet: lips do not pass through each other").arg(QString::fromStdString(report.meeting));
+        return QString("⚠ %1 meet. The hooks stop there, because lips do not pass through each other.")
+            .arg(QString::fromStdString(report.meeting));
     }
 
     /// A remark when surfaces overlap in the picture, which contact would prevent; otherwise empty.
@@ -94,8 +97,8 @@ namespace {
         constexpr double kSaidMm = 0.5; // smaller overlaps are not visible
         if (report.hooks.empty() || report.lip_overlap_mm < kSaidMm)
             return {};
-        return QString(
-            "⚠ lips overlap by up to %1 mm: there is no contact between them here (a plan with contact computes it)")
+        return QString("⚠ The lips overlap by up to %1 mm. This view computes no contact between the lips; a plan with "
+                       "contact does.")
             .arg(report.lip_overlap_mm, 0, 'f', 1);
     }
 
@@ -122,11 +125,11 @@ namespace {
         if (drive.force_N)
             why += QString("pulls with %1 N").arg(drive.force_N->norm(), 0, 'g', 4);
         if (std::isfinite(drive.grip_N_per_mm))
-            why += QString("grips with %1 N/mm").arg(drive.grip_N_per_mm, 0, 'g', 4);
+            why += QString("grip of %1 N/mm").arg(drive.grip_N_per_mm, 0, 'g', 4);
         if (hook.yielded) // the hook holds at its own limit, or at the limit of all hooks
             why += "yields";
         else if (std::isfinite(drive.force_limit_N))
-            why += QString("holds to %1 N").arg(drive.force_limit_N, 0, 'g', 4);
+            why += QString("holds up to %1 N").arg(drive.force_limit_N, 0, 'g', 4);
         return why.isEmpty() ? text : text + ": " + why.join(", ");
     }
 
@@ -149,12 +152,13 @@ namespace {
                                         : QString());
         if (!cut.taken_out.empty())
             return QString("Taken out %1   ").arg(cut.number) + taken_out_text(cut)
-                + QString("\n%1 elements, %2 cm² bared, %3 ms")
+                + QString("\n%1 elements removed, %2 cm² of new surface, %3 ms")
                       .arg(r.tets_removed)
                       .arg(r.lip_area_mm2 / 100.0, 0, 'f', 1)
                       .arg(1e3 * r.seconds, 0, 'f', 1)
-                + reduction_error_text(cut);
-        const QString text = QString("Cut %1   %2 mm long, %3 mm deep\n%4 elements, +%5 each, worst angle %6°, %7 ms")
+                + omitted_text(cut);
+        const QString text = QString("Cut %1   %2 mm long, %3 mm deep\n"
+                                     "%4 elements cut, %5 more for each, smallest angle %6°, %7 ms")
                                  .arg(cut.number)
                                  .arg(cut.length_mm, 0, 'f', 0)
                                  .arg(cut.depth_mm, 0, 'f', 0)
@@ -162,15 +166,13 @@ namespace {
                                  .arg(r.mean_increase(), 0, 'f', 1)
                                  .arg(r.worst_dihedral_deg, 0, 'f', r.worst_dihedral_deg < kFlatDeg ? 1 : 0)
                                  .arg(1e3 * r.seconds, 0, 'f', 1);
-        return text + reduction_error_text(cut) + angle_remark(r);
+        return text + omitted_text(cut) + angle_remark(r);
     }
 
     QPushButton* add_button(
         QWidget& owner, QHBoxLayout& row, const QString& text, const QString& tip, const std::function<void()>& run)
     {
-        auto* button = new QPushButton(text);
-        button->setToolTip(tip);
-        button->setFocusPolicy(Qt::NoFocus);
+        auto* button = unfocused(new QPushButton(text), tip);
         QObject::connect(button, &QPushButton::clicked, &owner, run);
         row.addWidget(button);
         return button;
@@ -183,6 +185,19 @@ KnifePanel::KnifePanel(QWidget* parent)
 {
     auto* column = new QVBoxLayout(this);
     column->addWidget(make_question());
+    column->addLayout(make_settings());
+    column->addLayout(make_buttons());
+    column->addWidget(make_cut_list(), 1);
+    column->addWidget(make_hooks());
+    state_ = plain_label(kFaint);
+    column->addWidget(state_);
+    for (QDoubleSpinBox* box : { depth_, yield_ })
+        box->installEventFilter(this);
+    show_snapshot(nullptr, 0.0);
+}
+
+QFormLayout* KnifePanel::make_settings()
+{
     auto* form = new QFormLayout;
     depth_ = new QDoubleSpinBox;
     depth_->setRange(1.0, kDeepestMm);
@@ -190,63 +205,57 @@ KnifePanel::KnifePanel(QWidget* parent)
     depth_->setSingleStep(5.0);
     depth_->setValue(planner::KnifeSettings {}.depth_mm);
     depth_->setSuffix(" mm");
-    depth_->setToolTip("How far below the skin the blade reaches");
+    depth_->setToolTip("Depth of the cut below the skin");
     form->addRow("Depth", depth_);
     through_ = new QCheckBox("Through the wall");
-    through_->setToolTip("As deep as the wall is thick where the stroke begins");
+    through_->setToolTip("The depth of the cut is the thickness of the wall where the stroke begins");
     connect(through_, &QCheckBox::toggled, depth_, [this](bool on) { depth_->setEnabled(!on); });
     form->addRow("", through_);
     bone_ = new QCheckBox("Bone too (saw)");
-    bone_->setToolTip("A scalpel leaves bone and cartilage whole");
+    bone_->setToolTip("The blade cuts bone and cartilage too. Without this option, bone and cartilage stay whole");
     form->addRow("", bone_);
-    tension_ = new QComboBox;
+    tension_ = unfocused(
+        new QComboBox, "Stretch of the soft tissue before the cut. A wound gapes more when the stretch is larger");
     for (const int percent : kTensionsPercent)
         tension_->addItem(percent == 0 ? QString("none") : QString("%1 %").arg(percent), percent / 100.0);
     tension_->setCurrentIndex(tension_->findData(kUsualTension / 100.0));
-    tension_->setToolTip("How much the soft tissue is stretched before it is cut: how far wounds gape");
-    tension_->setFocusPolicy(Qt::NoFocus);
     connect(tension_, qOverload<int>(&QComboBox::activated), this, [this] { tension_by_hand_ = true; });
     connect(tension_, qOverload<int>(&QComboBox::currentIndexChanged), this,
         [this] { give(planner::surgery::SetTension { tension() }); });
     form->addRow("Tension", tension_);
-    removal_ = new QComboBox;
+    removal_ = unfocused(new QComboBox,
+        "What the Take out tool (X) removes where you press: a loose piece, or one tissue within this radius");
     for (const int radius : kRemovalRadiiMm)
         removal_->addItem(
-            radius == 0 ? QString("a piece cut free") : QString("one tissue within %1 mm").arg(radius), radius);
-    removal_->setToolTip("What X takes out where you press: a piece that hangs on nothing, or the tissue that you "
-                         "press on, round there");
-    removal_->setFocusPolicy(Qt::NoFocus);
+            radius == 0 ? QString("a loose piece") : QString("one tissue within %1 mm").arg(radius), radius);
     form->addRow("Take out", removal_);
-    column->addLayout(form);
+    return form;
+}
 
+QHBoxLayout* KnifePanel::make_buttons()
+{
     auto* buttons = new QHBoxLayout;
     const auto add = [&](const QString& text, const QString& tip, const std::function<void()>& run) {
         return add_button(*this, *buttons, text, tip, run);
     };
-    undo_ = add("Undo", "Take the last cut back (Ctrl+Z)", [this] { give(planner::surgery::Undo {}); });
-    redo_ = add("Redo", "Make it again (Ctrl+Shift+Z)", [this] { give(planner::surgery::Redo {}); });
+    undo_ = add("Undo", "Undo the last cut (Ctrl+Z)", [this] { give(planner::surgery::Undo {}); });
+    redo_ = add("Redo", "Redo the cut (Ctrl+Shift+Z)", [this] { give(planner::surgery::Redo {}); });
     export_ = add("Export…", "Save the cut wall as VTU", [this] {
         if (on_export)
             on_export();
     });
-    column->addLayout(buttons);
+    return buttons;
+}
 
+QListWidget* KnifePanel::make_cut_list()
+{
     cuts_ = new QListWidget;
     cuts_->setWordWrap(true);
-    cuts_->setToolTip("Double-click: go back (or forward) to just after this cut");
+    cuts_->setToolTip("Double-click a cut to go back (or forward) to the state just after the cut");
     connect(cuts_, &QListWidget::itemActivated, this, [this](QListWidgetItem* item) {
         give(planner::surgery::GoTo { static_cast<std::size_t>(cuts_->row(item)) + 1 });
     });
-    column->addWidget(cuts_, 1);
-    column->addWidget(make_hooks());
-    state_ = new QLabel;
-    state_->setTextFormat(Qt::PlainText);
-    state_->setWordWrap(true);
-    state_->setStyleSheet(kFaint);
-    column->addWidget(state_);
-    for (QDoubleSpinBox* box : { depth_, yield_ })
-        box->installEventFilter(this);
-    show_snapshot(nullptr, 0.0);
+    return cuts_;
 }
 
 /// Keeps Ctrl+Z and letters from number fields, wherever the focus is: undo and redo belong to the cuts, and a letter
@@ -278,9 +287,9 @@ QWidget* KnifePanel::make_question()
     rows->addWidget(question_text_);
     auto* buttons = new QHBoxLayout;
     restore_ = new QPushButton("Restore");
-    restore_->setToolTip("Lay the wall out with these cuts");
+    restore_->setToolTip("Prepare the wall and repeat these cuts");
     discard_ = new QPushButton("Discard");
-    discard_->setToolTip("Begin with a whole wall; the cuts' file is kept under another name");
+    discard_->setToolTip("Begin with an uncut wall. The file of the cuts is kept under another name");
     for (QPushButton* button : { restore_, discard_ }) {
         buttons->addWidget(button);
         connect(button, &QPushButton::clicked, this, [this, button] {
@@ -299,9 +308,8 @@ QWidget* KnifePanel::make_hooks()
     auto* column = new QVBoxLayout(box);
     column->setContentsMargins(0, 0, 0, 0);
     auto* form = new QFormLayout;
-    opening_ = new QSlider(Qt::Horizontal);
+    opening_ = unfocused(new QSlider(Qt::Horizontal));
     opening_->setRange(0, kWidestMm);
-    opening_->setFocusPolicy(Qt::NoFocus);
     opening_text_ = new QLabel;
     auto* open = new QHBoxLayout;
     open->addWidget(opening_);
@@ -320,15 +328,14 @@ QWidget* KnifePanel::make_hooks()
     yield_->setDecimals(1);
     yield_->setSpecialValueText("never");
     yield_->setSuffix(" N");
-    yield_->setToolTip("A hook slips rather than pull harder than this");
+    yield_->setToolTip("Largest force of a hook. A hook yields (slips) above this force");
     connect(yield_, qOverload<double>(&QDoubleSpinBox::valueChanged), this,
         [this] { give(planner::surgery::SetYield { yield_N() }); });
     form->addRow("Yield at", yield_);
-    nonlinear_ = new QCheckBox("Nonlinear near the wound");
+    nonlinear_ = unfocused(new QCheckBox("Nonlinear near the wound"),
+        "The tissue near the wound is computed with large rotations and strains when the mouse first rests. Without "
+        "this option, wide openings swell");
     nonlinear_->setChecked(true);
-    nonlinear_->setToolTip("Tissue near the wound turns and stretches as far as it does; without, wide openings swell. "
-                           "It follows when the hand first rests");
-    nonlinear_->setFocusPolicy(Qt::NoFocus);
     connect(nonlinear_, &QCheckBox::toggled, this, [this] { give(planner::surgery::SetNonlinear { nonlinear() }); });
     form->addRow("", nonlinear_);
     column->addLayout(form);
@@ -336,25 +343,21 @@ QWidget* KnifePanel::make_hooks()
     const auto add = [&](const QString& text, const QString& tip, const std::function<void()>& run) {
         return add_button(*this, *buttons, text, tip, run);
     };
-    planned_ = add("As planned", "The approach's hooks, opened as it says",
+    planned_ = add("As planned", "Set the hooks of the approach and open them as planned",
         [this] { give(planner::surgery::TakePlannedHooks {}); });
-    hook_off_ = add("Take off", "The hook that is chosen in the list", [this] { take_off_chosen_hook(); });
-    hooks_off_ = add("All off", "The wound closes, or gapes by its own tension",
+    hook_off_ = add("Take off", "Remove the hook that is selected in the list", [this] { take_off_chosen_hook(); });
+    hooks_off_ = add("All off", "Remove all hooks. The wound closes, or gapes from the tension of the tissue",
         [this] { give(planner::surgery::TakeOffHooks {}); });
     column->addLayout(buttons);
     hooks_ = new QListWidget;
     hooks_->setMaximumHeight(kHookListPx);
-    hooks_->setToolTip("H takes hooks: press on a wound's edge to set one, press on one and draw it");
+    hooks_->setToolTip(
+        "Select the hook tool with H. Press on the edge of a wound to set a hook; drag a hook to pull it");
     column->addWidget(hooks_);
-    numbers_ = new QLabel;
-    refusal_ = new QLabel;
-    for (QLabel* label : { refusal_, numbers_ }) {
-        label->setTextFormat(Qt::PlainText);
-        label->setWordWrap(true);
-        column->addWidget(label);
-    }
-    numbers_->setStyleSheet(kFaint);
-    refusal_->setStyleSheet("color: #ff8a80;");
+    numbers_ = plain_label(kFaint);
+    refusal_ = plain_label("color: #ff8a80;");
+    column->addWidget(refusal_);
+    column->addWidget(numbers_);
     return box;
 }
 
@@ -407,10 +410,10 @@ void KnifePanel::set_opening(int value, bool by_share)
     by_share_ = by_share;
     opening_->setRange(0, by_share ? 100 : kWidestMm);
     opening_->setValue(value);
-    opening_->setToolTip(by_share
-            ? "Opens all planned hooks to this percentage of their planned force or displacement. A hook that the "
-              "mouse has drawn stays where it is"
-            : "Draws every hook away from the other lip, mm each side; the mouse drags a single one");
+    opening_->setToolTip(by_share ? "Opens all planned hooks to this percentage of their planned force or "
+                                    "displacement. A hook that you dragged with the mouse stays where it is"
+                                  : "Pulls every hook away from the opposite lip by this distance, in mm on each side. "
+                                    "Drag a single hook with the mouse");
     opening_text_->setText(opening_text(opening_->value()));
 }
 
@@ -434,8 +437,9 @@ void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
         && std::any_of(
             snapshot->cuts.begin(), snapshot->cuts.end(), [](const planner::CutEntry& cut) { return cut.in_force; });
     planned_->setEnabled(wound && !snapshot->stroke_open && snapshot->planned_hooks > 0);
-    planned_->setToolTip(!ready || snapshot->planned_hooks > 0 ? "The approach's hooks, opened as it says"
-                                                               : "The approach has no hooks");
+    planned_->setToolTip(!ready || snapshot->planned_hooks > 0
+            ? "Set the hooks of the approach and open them as planned"
+            : "The approach has no hooks");
     opening_->setEnabled(count > 0);
     hook_off_->setEnabled(count > 0);
     hooks_off_->setEnabled(count > 0);
@@ -450,15 +454,18 @@ void KnifePanel::show_hooks(const planner::SurgerySnapshot* snapshot)
     if (count == 0)
         return;
     const Vec3& at = report.strain.where;
-    numbers_->setText(QString("%1 on one side, %2 on the other\n%3\n%6\n%4frame %5 ms")
+    numbers_->setText(QString("%1 on one side, %2 on the other\n"
+                              "%3\n"
+                              "%6\n"
+                              "%4computed in %5 ms")
                           .arg(newtons(report.side_N[0]))
                           .arg(newtons(report.side_N[1]))
-                          .arg(report.settled ? QString("strain %1 % (p99) at (%2, %3, %4) mm")
+                          .arg(report.settled ? QString("strain %1 % (99th percentile) at (%2, %3, %4) mm")
                                                     .arg(100.0 * report.strain.p99, 0, 'f', 0)
                                                     .arg(at.x(), 0, 'f', 0)
                                                     .arg(at.y(), 0, 'f', 0)
                                                     .arg(at.z(), 0, 'f', 0)
-                                              : QString("strain when the hand rests"))
+                                              : QString("The strain follows when the mouse rests"))
                           .arg(report.shown == planner::ShownAnswer::linear_since
                                   ? QString() // the sum of two solutions
                                   : QString("residual %1, ").arg(report.residual, 0, 'e', 0))
@@ -497,7 +504,7 @@ void KnifePanel::offer_case_tension(double strain)
     case_tension_item_ = tension_->count();
     tension_->addItem(QString("%1 %, as planned").arg(100.0 * strain), strain);
     tension_->setItemData(case_tension_item_,
-        "The largest strain that the case states; with the others all its tissues are stretched in proportion",
+        "The largest strain in the case. The other choices scale the strains of all tissues in proportion",
         Qt::ToolTipRole);
     if (!tension_by_hand_)
         tension_->setCurrentIndex(case_tension_item_);
@@ -510,8 +517,8 @@ void KnifePanel::show_snapshot(const planner::SurgerySnapshot* snapshot, double 
     question_->setVisible(asking);
     if (asking)
         question_text_->setText(snapshot->saved_cuts == 0
-                ? QString("Cuts that were taken back are kept from the last time.")
-                : QString("Restore last cuts (%1)?").arg(snapshot->saved_cuts));
+                ? QString("The last session saved cuts that were undone. Restore them?")
+                : QString("Restore the cuts of the last session (%1)?").arg(snapshot->saved_cuts));
     show_hooks(snapshot);
     undo_->setEnabled(ready && snapshot->can_undo);
     redo_->setEnabled(ready && snapshot->can_redo);
@@ -524,17 +531,18 @@ void KnifePanel::show_snapshot(const planner::SurgerySnapshot* snapshot, double 
         if (cuts_->count() <= i)
             cuts_->addItem(QString());
         QListWidgetItem* item = cuts_->item(i);
-        const QString text = entry_text(cut) + (cut.in_force ? "" : "\ntaken back");
+        const QString text = entry_text(cut) + (cut.in_force ? "" : "\nundone");
         if (item->text() != text)
             item->setText(text);
         item->setForeground(cut.in_force ? QColor(0xe4, 0xe8, 0xeb) : QColor(0x6d, 0x75, 0x7d));
     }
     if (!ready)
-        state_->setText("K takes the knife: draw on the skin with the left button. The right button turns the camera.");
+        state_->setText("Select the knife with K. Draw on the skin with the left button, and turn the camera with the "
+                        "right button.");
     else
         state_->setText(QString("Widest wound %1 mm%2\nstep %3 ms, surface %4 ms, opening %5 ms, picture %6 ms")
                             .arg(snapshot->gape_mm, 0, 'f', 1)
-                            .arg(snapshot->moving ? ", opening" : "")
+                            .arg(snapshot->moving ? ", still opening" : "")
                             .arg(snapshot->step_ms, 0, 'f', 1)
                             .arg(snapshot->picture_ms, 0, 'f', 1)
                             .arg(snapshot->relax_ms, 0, 'f', 0)

@@ -13,6 +13,8 @@
 class QCheckBox;
 class QComboBox;
 class QDoubleSpinBox;
+class QFormLayout;
+class QHBoxLayout;
 class QLabel;
 class QListWidget;
 class QPushButton;
@@ -60,6 +62,9 @@ protected:
 
 private:
     QWidget* make_question();
+    QFormLayout* make_settings();
+    QHBoxLayout* make_buttons();
+    QListWidget* make_cut_list();
     QWidget* make_hooks();
     void give(planner::surgery::Command command);
     void take_off_chosen_hook();

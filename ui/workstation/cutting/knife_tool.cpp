@@ -1,6 +1,5 @@
 #include "ui/workstation/cutting/knife_tool.h"
 
-#include "mesh/base/error.h"
 #include "ui/scene/hook_mesh.h"
 #include "ui/scene/tissue_colors.h"
 
@@ -241,10 +240,10 @@ QString KnifeTool::waiting_for() const
 {
     const planner::SurgerySnapshot* now = snapshot();
     if (now != nullptr && now->phase == planner::SurgerySnapshot::Phase::asking)
-        return QString("Restore last cuts (%1)? Answer on the right.").arg(now->saved_cuts);
+        return QString("Restore the cuts of the last session (%1)? Answer on the right.").arg(now->saved_cuts);
     if (now == nullptr || now->phase != planner::SurgerySnapshot::Phase::preparing)
         return {};
-    return "Laying the wall out for the knife"
+    return "Preparing the wall for cutting"
         + (now->stage.empty() ? QString(" …")
                               : QString(": %1 %2 %")
                                     .arg(QString::fromStdString(now->stage))
@@ -360,7 +359,7 @@ std::optional<planner::Touch> KnifeTool::feel(const QPointF& at, std::string& wh
     };
     const bool taking_out = mode_ == KnifeMode::take_out;
     if (!wall_is_shown())
-        return refuse("the wall is not laid out yet");
+        return refuse("the wall is not ready yet");
     const planner::Ray ray = view_.ray_at(at);
     const std::optional<planner::Touch> found = touch(*snapshot()->picture, ray);
     const auto before = [&](const TriMesh& mesh) {
@@ -372,7 +371,7 @@ std::optional<planner::Touch> KnifeTool::feel(const QPointF& at, std::string& wh
             planner::outside_the_outline(taking_out ? "nothing can be taken out here" : "the knife cannot cut here"));
     for (const SurfaceItem& item : shown()->surroundings->surfaces)
         if (item.target && before(*item.mesh))
-            return refuse("that is the target, not the wall");
+            return refuse("this is the target: press on the wall");
     if (!found)
         return refuse(taking_out ? "there is no tissue here: press on the wall"
                                  : "the knife is beside the body: begin on the skin");
@@ -411,7 +410,7 @@ void KnifeTool::take_out(const QPointF& at)
 void KnifeTool::take_hook(const QPointF& at)
 {
     if (!wall_is_shown())
-        return say("the wall is not laid out yet", true);
+        return say("the wall is not ready yet", true);
     const std::optional<planner::Touch> touched = feel_wall(at);
     const planner::Ray ray = view_.ray_at(at);
     say({}, false);

@@ -1,4 +1,5 @@
 #include "ui/workstation/palpation/palpation_panel.h"
+#include "ui/workstation/view/controls.h"
 #include "ui/workstation/view/theme.h"
 
 #include "ui/workstation/palpation/strip_chart.h"
@@ -14,7 +15,6 @@
 #include <QVBoxLayout>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace retractor::ui {
@@ -49,14 +49,6 @@ namespace {
         return box;
     }
 
-    QLabel* words()
-    {
-        auto* label = new QLabel;
-        label->setTextFormat(Qt::PlainText);
-        label->setWordWrap(true);
-        return label;
-    }
-
 } // namespace
 
 PalpationPanel::PalpationPanel(std::vector<std::string> models, QWidget* parent)
@@ -67,15 +59,15 @@ PalpationPanel::PalpationPanel(std::vector<std::string> models, QWidget* parent)
     column->addWidget(section("Fingers", make_fingers()));
     column->addWidget(section("Servo", make_servo()));
     column->addWidget(section("Tissue", make_tissue(models)));
-    template_ = section("Elasticity, by a template", make_template());
+    template_ = section("Change elasticity with a template", make_template());
     column->addWidget(template_);
     column->addWidget(section("Show", make_view()));
     auto* last = new QHBoxLayout;
-    record_ = button("Record", "Write down at 1 kHz what every finger does and feels, five minutes at most (R)",
+    record_ = button("Record", "Record the motion and the force of every finger at 1 kHz, for five minutes at most (R)",
         &PalpationPanel::on_record);
     last->addWidget(record_);
-    last->addWidget(
-        button("Reset", "The tissue as it was read: elasticity, heart rate, fingers", &PalpationPanel::on_reset));
+    last->addWidget(button(
+        "Reset", "Restore the elasticity, the heart rate and the fingers of the scene", &PalpationPanel::on_reset));
     column->addLayout(last);
     column->addStretch(1);
 }
@@ -99,9 +91,7 @@ QPushButton* PalpationPanel::button(const QString& text, const QString& tip, std
 
 QPushButton* PalpationPanel::button(const QString& text, const QString& tip, const std::function<void()>& run)
 {
-    auto* made = new QPushButton(text);
-    made->setToolTip(tip);
-    made->setFocusPolicy(Qt::NoFocus);
+    auto* made = unfocused(new QPushButton(text), tip);
     connect(made, &QPushButton::clicked, this, run);
     return made;
 }
@@ -141,8 +131,8 @@ QWidget* PalpationPanel::make_fingers()
         row.device->setInsertPolicy(QComboBox::NoInsert);
         row.device->addItems({ "mouse", "simulated", "simulated:firm", "touch" });
         row.device->setToolTip(
-            "What moves it: the mouse, a simulated hand, a Touch (touch, touch:NAME, touch:#SERIAL), "
-            "another computer's (udp:PORT), a recording (replay:FILE)");
+            "Device that moves this finger: the mouse, a simulated hand, a Touch (touch, touch:NAME, touch:#SERIAL), a "
+            "device on another computer (udp:PORT) or a recording (replay:FILE)");
         row.device->setFixedWidth(kDevicePx);
         connect(row.device, qOverload<int>(&QComboBox::activated), this, [this] { call(on_setup); });
         connect(row.device->lineEdit(), &QLineEdit::returnPressed, this, [this] { call(on_setup); });
@@ -154,7 +144,8 @@ QWidget* PalpationPanel::make_fingers()
     }
     auto* form = new QFormLayout;
     depth_ = number(0.0, 30.0, 2, 0.25, " mm");
-    depth_->setToolTip("How far the left button presses a fingertip in; the wheel changes it while the button is held");
+    depth_->setToolTip(
+        "Depth to which the left button presses a fingertip. The wheel changes the depth while the button is held");
     connect(depth_, qOverload<double>(&QDoubleSpinBox::valueChanged), this, [this](double mm) {
         if (!quiet_ && on_depth)
             on_depth(mm);
@@ -162,9 +153,8 @@ QWidget* PalpationPanel::make_fingers()
     form->addRow("Press", depth_);
     column->addLayout(form);
     auto* buttons = new QHBoxLayout;
-    grip_ = new QCheckBox("Grip");
-    grip_->setToolTip("The finger in hand takes hold of the tissue under it, and pulls it along (G)");
-    grip_->setFocusPolicy(Qt::NoFocus);
+    grip_ = unfocused(
+        new QCheckBox("Grip"), "The selected finger grips the tissue under it and pulls the tissue along (G)");
     connect(grip_, &QCheckBox::toggled, this, [this](bool held) {
         if (!quiet_ && on_grip)
             on_grip(held);
@@ -181,15 +171,13 @@ QWidget* PalpationPanel::make_servo()
     auto* box = new QWidget;
     auto* column = new QVBoxLayout(box);
     column->setSpacing(4);
-    servo_ = words();
-    servo_->setStyleSheet(kFaint);
+    servo_ = plain_label(kFaint);
     servo_->setMinimumHeight(2 * fontMetrics().lineSpacing() + 2);
     column->addWidget(servo_);
-    fault_ = words();
-    fault_->setStyleSheet("background: #6e2323; color: #ffd8d4; padding: 6px; border-radius: 4px;");
+    fault_ = plain_label("background: #6e2323; color: #ffd8d4; padding: 6px; border-radius: 4px;");
     column->addWidget(fault_);
-    rearm_ = button(
-        "Arm again", "The force comes back within half a second", [this] { give(planner::palpation::Rearm {}); });
+    rearm_ = button("Arm again", "Switch the forces on again; they return within half a second",
+        [this] { give(planner::palpation::Rearm {}); });
     column->addWidget(rearm_);
     fault_->hide();
     rearm_->hide();
@@ -200,10 +188,9 @@ QWidget* PalpationPanel::make_tissue(const std::vector<std::string>& models)
 {
     auto* box = new QWidget;
     auto* form = new QFormLayout(box);
-    model_ = new QComboBox;
+    model_ = unfocused(new QComboBox);
     for (const std::string& model : models)
         model_->addItem(model_name(model), QString::fromStdString(model));
-    model_->setFocusPolicy(Qt::NoFocus);
     connect(model_, qOverload<int>(&QComboBox::activated), this, [this] { call(on_setup); });
     form->addRow("Model", model_);
     heart_rate_ = number(20.0, 300.0, 0, 5.0, " per minute");
@@ -213,14 +200,14 @@ QWidget* PalpationPanel::make_tissue(const std::vector<std::string>& models)
     });
     form->addRow("Heart rate", heart_rate_);
     gain_ = number(0.1, 20.0, 1, 0.5, " times");
-    gain_->setToolTip("Hands feel all forces so many times; the numbers shown are the tissue's own");
+    gain_->setToolTip(
+        "Factor for the forces that the hands feel. The numbers show the forces of the tissue without this factor");
     connect(gain_, qOverload<double>(&QDoubleSpinBox::valueChanged), this, [this] {
         gain_->setStyleSheet(gain_->value() == 1.0 ? "" : "background: #6a5518;");
         call(on_setup);
     });
     form->addRow("Force gain", gain_);
-    notes_ = words();
-    notes_->setStyleSheet(kFaint);
+    notes_ = plain_label(kFaint);
     form->addRow(notes_);
     return box;
 }
@@ -229,9 +216,8 @@ QWidget* PalpationPanel::make_template()
 {
     auto* box = new QWidget;
     auto* form = new QFormLayout(box);
-    shape_ = new QComboBox;
+    shape_ = unfocused(new QComboBox);
     shape_->addItems({ "Sphere", "Box" });
-    shape_->setFocusPolicy(Qt::NoFocus);
     connect(shape_, qOverload<int>(&QComboBox::currentIndexChanged), this, [this](int index) {
         size_[1]->setVisible(index == 1);
         size_[2]->setVisible(index == 1);
@@ -242,7 +228,7 @@ QWidget* PalpationPanel::make_template()
     for (QDoubleSpinBox*& size : size_) {
         size = number(0.5, 200.0, 1, 1.0, "");
         size->setValue(10.0);
-        size->setToolTip("Millimetres from its middle: a sphere's radius, or half a box's edges along x, y, z");
+        size->setToolTip("Radius of the sphere, or half of each edge of the box (along x, y, z), in mm");
         connect(size, qOverload<double>(&QDoubleSpinBox::valueChanged), this, [this] { call(on_template); });
         sizes->addWidget(size);
     }
@@ -252,7 +238,7 @@ QWidget* PalpationPanel::make_template()
     const auto value = [&](QCheckBox*& check, QDoubleSpinBox*& spin, const char* name, bool on) {
         check = new QCheckBox(name);
         check->setChecked(on);
-        check->setToolTip("What is not ticked stays as it is");
+        check->setToolTip("A value that is not ticked stays unchanged");
         spin->setEnabled(on);
         connect(check, &QCheckBox::toggled, spin, &QWidget::setEnabled);
         form->addRow(check, spin);
@@ -263,20 +249,19 @@ QWidget* PalpationPanel::make_template()
     ratio_->setValue(0.48);
     value(changes_modulus_, modulus_, "Young's modulus", true);
     value(changes_ratio_, ratio_, "Poisson's ratio", false);
-    role_ = new QComboBox;
-    role_->addItems({ "as it is", "held", "free" });
-    role_->setToolTip("Whether what lies inside may move");
-    role_->setFocusPolicy(Qt::NoFocus);
-    form->addRow("What is inside", role_);
+    role_ = unfocused(new QComboBox, "Whether the tissue inside the template is held or free to move");
+    role_->addItems({ "unchanged", "held", "free" });
+    form->addRow("Tissue inside", role_);
     auto* buttons = new QHBoxLayout;
-    place_
-        = button("Place", "Then click on the tissue: the template's middle goes there (T)", &PalpationPanel::on_place);
-    apply_ = button("Apply", "What is inside takes these values; felt within moments", &PalpationPanel::on_apply);
+    place_ = button(
+        "Place", "Then click on the tissue to place the centre of the template (T)", &PalpationPanel::on_place);
+    apply_ = button("Apply",
+        "Give these values to the tissue inside the template. The fingers feel the change within moments",
+        &PalpationPanel::on_apply);
     buttons->addWidget(place_);
     buttons->addWidget(apply_);
     form->addRow(buttons);
-    edit_state_ = words();
-    edit_state_->setStyleSheet(kFaint);
+    edit_state_ = plain_label(kFaint);
     form->addRow(edit_state_);
     return box;
 }
@@ -287,16 +272,14 @@ QWidget* PalpationPanel::make_view()
     auto* column = new QVBoxLayout(box);
     column->setSpacing(2);
     const auto check = [&](const QString& text, const QString& tip) {
-        auto* made = new QCheckBox(text);
-        made->setToolTip(tip);
-        made->setFocusPolicy(Qt::NoFocus);
+        auto* made = unfocused(new QCheckBox(text), tip);
         connect(made, &QCheckBox::toggled, this, [this] { call(on_view); });
         column->addWidget(made);
         return made;
     };
-    hands_ = check("Hand", "A hand on the fingertips (H)");
-    spheres_
-        = check("Spheres inside", "The spheres that the organs are filled with; what a finger moves is bright (S)");
+    hands_ = check("Hand", "Show a hand on the fingertips (H)");
+    spheres_ = check(
+        "Spheres inside", "Show the spheres that fill the organs. The spheres that a finger moves are bright (S)");
     organs_ = new QWidget;
     organ_rows_ = new QVBoxLayout(organs_);
     organ_rows_->setContentsMargins(0, 0, 0, 0);
@@ -314,9 +297,8 @@ void PalpationPanel::show_organs(const std::vector<std::string>& organs)
         delete box;
     organ_boxes_.clear();
     for (const std::string& organ : organs) {
-        auto* box = new QCheckBox(QString::fromStdString(organ));
+        auto* box = unfocused(new QCheckBox(QString::fromStdString(organ)));
         box->setChecked(true);
-        box->setFocusPolicy(Qt::NoFocus);
         connect(box, &QCheckBox::toggled, this, [this] { call(on_view); });
         organ_rows_->addWidget(box);
         organ_boxes_.push_back(box);
@@ -441,7 +423,7 @@ void PalpationPanel::show_frame(const planner::PalpationFrame& frame, std::size_
         const haptics::FingerContact& contact = state.contacts[f];
         const double force = contact.force.allFinite() ? contact.force.norm() : 0.0;
         rows_[f].name->setText(QString("%1%2").arg(f + 1).arg(f == finger_in_hand ? " \u25c2" : ""));
-        rows_[f].name->setToolTip(f == finger_in_hand ? "In hand" : "");
+        rows_[f].name->setToolTip(f == finger_in_hand ? "Selected finger" : "");
         rows_[f].force->setText(QString("%1 N").arg(force, 0, 'f', 3));
         rows_[f].depth->setText(contact.touching ? QString("%1 mm").arg(contact.depth, 0, 'f', 2)
                 : out[f]                         ? QString("above")
@@ -465,8 +447,8 @@ void PalpationPanel::show_frame(const planner::PalpationFrame& frame, std::size_
     fault_->setVisible(fault);
     rearm_->setVisible(fault);
     if (fault)
-        fault_->setText("The servo has let go: " + QString::fromStdString(haptics::describe(state.fault)));
-    edit_state_->setText(frame.stiffness_pending ? QString("The new stiffness is being worked out …")
+        fault_->setText("The forces were switched off: " + QString::fromStdString(haptics::describe(state.fault)));
+    edit_state_->setText(frame.stiffness_pending ? QString("Computing the new stiffness …")
             : edits_ > 0 ? QString(edits_ == 1 ? "%1 edit in force" : "%1 edits in force").arg(edits_)
                          : QString());
     record_->setText(frame.recorded_s >= 0.0 ? QString("Stop (%1 s)").arg(frame.recorded_s, 0, 'f', 0)
@@ -476,7 +458,6 @@ void PalpationPanel::show_frame(const planner::PalpationFrame& frame, std::size_
 }
 
 QString PalpationPanel::force_text(std::size_t finger) const { return rows_[finger].force->text(); }
-QString PalpationPanel::servo_text() const { return servo_->text(); }
 QString PalpationPanel::fault_text() const { return fault_->isHidden() ? QString() : fault_->text(); }
 
 } // namespace retractor::ui

@@ -7,7 +7,6 @@
 
 #include <array>
 #include <functional>
-#include <optional>
 #include <set>
 #include <vector>
 
@@ -62,7 +61,6 @@ public:
     QCheckBox& hands_box() { return *hands_; }
     QCheckBox& grip_box() { return *grip_; }
     [[nodiscard]] QString force_text(std::size_t finger) const;
-    [[nodiscard]] QString servo_text() const;
     [[nodiscard]] QString fault_text() const; ///< text of the fault; empty: the servo is armed
 
 private:

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 namespace retractor::ui {
 
@@ -140,16 +139,16 @@ int PalpationPicture::shade_of(
     return std::clamp(shade, 0, kShades - 1);
 }
 
-void PalpationPicture::show_surface(const planner::PalpationFrame& frame, const PalpationWishes& wishes)
+void PalpationPicture::show_surface(const planner::PalpationFrame& frame, const PalpationViewOptions& options)
 {
     RETRACTOR_ASSERT(frame.surface != nullptr);
     const TriMesh& surface = *frame.surface;
-    if (surface_ != frame.surface || hidden_ != wishes.hidden_organs || edits_ != wishes.edits
-        || spheres_ != wishes.spheres) {
+    if (surface_ != frame.surface || hidden_ != options.hidden_organs || edits_ != options.edits
+        || spheres_ != options.spheres) {
         surface_ = frame.surface;
-        hidden_ = wishes.hidden_organs;
-        edits_ = wishes.edits;
-        spheres_ = wishes.spheres;
+        hidden_ = options.hidden_organs;
+        edits_ = options.edits;
+        spheres_ = options.spheres;
         LiveTopology topology;
         topology.rest = surface.vertices;
         if (organs_.empty())
@@ -157,13 +156,13 @@ void PalpationPicture::show_surface(const planner::PalpationFrame& frame, const 
                 topology.looks.push_back(shaded(look_of(name_), shade));
         for (const std::string& organ : organs_)
             topology.looks.push_back(look_of(organ));
-        for (std::size_t t = 0; t < surface.triangles.size() && !wishes.spheres; ++t) {
+        for (std::size_t t = 0; t < surface.triangles.size() && !options.spheres; ++t) {
             const Label label = surface.labels.empty() ? Label { 1 } : surface.labels[t];
             if (!organs_.empty() && hidden_.contains(label))
                 continue;
             topology.triangles.push_back(surface.triangles[t]);
             topology.look_of.push_back(organs_.empty()
-                    ? shade_of(surface, t, wishes.edits)
+                    ? shade_of(surface, t, options.edits)
                     : std::clamp(static_cast<int>(label) - 1, 0, static_cast<int>(organs_.size()) - 1));
         }
         live_.surface().set_topology(topology);
@@ -171,15 +170,15 @@ void PalpationPicture::show_surface(const planner::PalpationFrame& frame, const 
     live_.surface().set_positions(frame.shown);
 }
 
-void PalpationPicture::show_spheres(const planner::PalpationFrame& frame, const PalpationWishes& wishes)
+void PalpationPicture::show_spheres(const planner::PalpationFrame& frame, const PalpationViewOptions& options)
 {
     std::vector<ShownBall> balls;
-    if (wishes.spheres && frame.spheres != nullptr)
+    if (options.spheres && frame.spheres != nullptr)
         for (std::size_t i = 0; i < frame.spheres->radius.size(); ++i) {
             RETRACTOR_ASSERT(i < frame.spheres->organ.size() && i < frame.sphere_layers.size());
             RETRACTOR_ASSERT(static_cast<Eigen::Index>(i) < frame.sphere_centres.rows());
             const std::size_t organ = frame.spheres->organ[i];
-            if (wishes.hidden_organs.contains(static_cast<Label>(organ + 1)))
+            if (options.hidden_organs.contains(static_cast<Label>(organ + 1)))
                 continue;
             balls.push_back({ frame.sphere_centres.row(static_cast<Eigen::Index>(i)).transpose(),
                 frame.spheres->radius[i],
@@ -195,9 +194,9 @@ void PalpationPicture::set_hands(const ShownHands& hands)
         live_.set_hand(h, hands_[h].surface);
 }
 
-void PalpationPicture::show_hands(const PalpationWishes& wishes, const std::vector<haptics::ShownFinger>& fingers)
+void PalpationPicture::show_hands(const PalpationViewOptions& options, const std::vector<haptics::ShownFinger>& fingers)
 {
-    if (!wishes.hands) {
+    if (!options.hands) {
         for (std::size_t h = 0; h < hands_.size(); ++h)
             live_.hide_hand(h);
         return;
@@ -207,7 +206,7 @@ void PalpationPicture::show_hands(const PalpationWishes& wishes, const std::vect
             hands_[h] = haptics::make_hand(h == 1);
             live_.set_hand(h, hands_[h].surface);
         }
-    const auto places = haptics::place_hands(hands_, fingers, wishes.sight, wishes.up);
+    const auto places = haptics::place_hands(hands_, fingers, options.sight, options.up);
     for (std::size_t h = 0; h < hands_.size(); ++h)
         if (places[h])
             live_.place_hand(h, places[h]->turn, places[h]->shift);
@@ -215,24 +214,24 @@ void PalpationPicture::show_hands(const PalpationWishes& wishes, const std::vect
             live_.hide_hand(h);
 }
 
-void PalpationPicture::show(const planner::PalpationFrame& frame, const PalpationWishes& wishes)
+void PalpationPicture::show(const planner::PalpationFrame& frame, const PalpationViewOptions& options)
 {
-    show_surface(frame, wishes);
-    show_spheres(frame, wishes);
+    show_surface(frame, options);
+    show_spheres(frame, options);
     const std::array<Vec3, haptics::kMaxFingers> at = shown_fingertips(frame);
     std::vector<ShownBall> tips;
     std::vector<haptics::ShownFinger> fingers;
     for (std::size_t f = 0; f < std::min(frame.servo.finger_count, planner::kMostFingers); ++f) {
-        if (!wishes.fingers[f])
+        if (!options.fingers[f])
             continue;
         tips.push_back({ at[f], frame.servo.fingers[f].radius, color_of(f) });
         const haptics::FingerContact& contact = frame.servo.contacts[f];
         fingers.push_back(
-            { at[f], frame.servo.fingers[f].radius, contact.touching ? contact.normal : Vec3(-wishes.sight) });
+            { at[f], frame.servo.fingers[f].radius, contact.touching ? contact.normal : Vec3(-options.sight) });
     }
     live_.set_fingertips(tips);
-    show_hands(wishes, fingers);
-    live_.set_marks(wishes.mark ? planner::outline_of(*wishes.mark) : std::vector<std::array<Vec3, 2>> {}, kMarkColor);
+    show_hands(options, fingers);
+    live_.set_marks(options.mark ? planner::outline_of(*options.mark) : std::vector<std::array<Vec3, 2>> {}, kMarkColor);
 }
 
 } // namespace retractor::ui

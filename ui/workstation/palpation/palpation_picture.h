@@ -13,7 +13,7 @@
 
 namespace retractor::ui {
 
-struct PalpationWishes {
+struct PalpationViewOptions {
     bool spheres = false; ///< show the spheres inside instead of the surface
     bool hands = false;
     std::set<Label> hidden_organs {};
@@ -37,15 +37,15 @@ public:
     /// @param organs names of the organs by label, from 1; empty: the scene is one body
     PalpationPicture(const datasets::PalpationScene& scene, const std::vector<std::string>& organs);
 
-    void show(const planner::PalpationFrame& frame, const PalpationWishes& wishes);
+    void show(const planner::PalpationFrame& frame, const PalpationViewOptions& options);
     /// Replaces the built-in hands.
     void set_hands(const ShownHands& hands);
     [[nodiscard]] const LiveProps& props() const { return live_; }
 
 private:
-    void show_surface(const planner::PalpationFrame& frame, const PalpationWishes& wishes);
-    void show_spheres(const planner::PalpationFrame& frame, const PalpationWishes& wishes);
-    void show_hands(const PalpationWishes& wishes, const std::vector<haptics::ShownFinger>& fingers);
+    void show_surface(const planner::PalpationFrame& frame, const PalpationViewOptions& options);
+    void show_spheres(const planner::PalpationFrame& frame, const PalpationViewOptions& options);
+    void show_hands(const PalpationViewOptions& options, const std::vector<haptics::ShownFinger>& fingers);
     int shade_of(
         const TriMesh& surface, std::size_t triangle, const std::vector<haptics::ElasticTemplate>& edits) const;
 

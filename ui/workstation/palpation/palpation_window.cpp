@@ -17,7 +17,6 @@
 #include <QStatusBar>
 #include <QVBoxLayout>
 
-#include <exception>
 #include <utility>
 
 namespace retractor::ui {
@@ -27,9 +26,9 @@ namespace {
     constexpr int kPollMs = 30; ///< without a graphics card a picture takes a large part of this time
     constexpr double kPressShare = 0.375; ///< initial depth of a press, as a share of the fingertip's radius
     constexpr const char* kHint
-        = "Left button: press the fingertip in   \u00b7   drag: slide along   \u00b7   wheel while pressing: deeper, "
-          "less   \u00b7   keys 1, 2, \u2026: take another finger, this one stays   \u00b7   Esc: lift all   \u00b7   "
-          "right button: turn";
+        = "Left button: press the fingertip in   \u00b7   drag: slide along   \u00b7   wheel while pressing: press "
+          "deeper or less   \u00b7   keys 1, 2, \u2026: select another finger, this finger stays   \u00b7   Esc: lift "
+          "all   \u00b7   right button: turn the camera";
 
 } // namespace
 
@@ -131,7 +130,7 @@ void PalpationWindow::make_panel_calls()
         }
         if (setup.model != snapshot_->setup.model) {
             lift_all();
-            view_->show_note("Making the tissue anew …");
+            view_->show_note("Preparing the tissue again …");
         }
         worker_->run(planner::palpation::ChangeSetup { setup });
     });
@@ -140,7 +139,7 @@ void PalpationWindow::make_panel_calls()
         lift_all();
         mark_.reset();
         panel_->set_edit_place(false);
-        view_->show_note("Making the tissue anew …");
+        view_->show_note("Preparing the tissue again …");
         worker_->run(planner::palpation::Reset {});
         worker_->run(planner::palpation::Rearm {});
     });
@@ -175,7 +174,7 @@ void PalpationWindow::make_actions()
     file->addSeparator();
     add(file, "Quit", QKeySequence::Quit, [this] { close(); });
     for (std::size_t f = 0; f < planner::kMostFingers; ++f)
-        add(fingers, QString("Take finger %1").arg(f + 1), QKeySequence(Qt::Key_1 + static_cast<int>(f)),
+        add(fingers, QString("Select finger %1").arg(f + 1), QKeySequence(Qt::Key_1 + static_cast<int>(f)),
             [this, f] { take_finger(f); });
     add(fingers, "Grip", Qt::Key_G, [this] { panel_->grip_box().click(); });
     add(fingers, "Lift all", Qt::Key_Escape, [this] { lift_all(); });
@@ -183,7 +182,7 @@ void PalpationWindow::make_actions()
     add(show, "Hand", Qt::Key_H, [this] { panel_->hands_box().click(); });
     add(show, "Spheres inside", Qt::Key_S, [this] { panel_->spheres_box().click(); });
     add(show, "Place the template", Qt::Key_T, [this] { ask_for_place(); });
-    add(show, "The whole again", Qt::Key_0, [this] { show_scene(); });
+    add(show, "Show the whole scene", Qt::Key_0, [this] { show_scene(); });
 }
 
 void PalpationWindow::open(
@@ -207,7 +206,7 @@ void PalpationWindow::open(
     setWindowTitle("Retractor - palpation of " + QString::fromStdString(scene_.name));
     worker_ = std::make_unique<planner::PalpationWorker>(scene_, setup, backend_);
     show_scene();
-    view_->show_note("Making the tissue …");
+    view_->show_note("Preparing the tissue …");
     poll_timer_.start();
 }
 
@@ -263,7 +262,7 @@ void PalpationWindow::take_snapshot()
     panel_->show_snapshot(*snapshot_, scene_notes_);
     switch (snapshot_->phase) {
     case planner::PalpationSnapshot::Phase::preparing:
-        view_->show_note("Making the tissue"
+        view_->show_note("Preparing the tissue"
             + (snapshot_->stage.empty() ? QString(" …")
                                         : QString(": %1 %2 %")
                                               .arg(QString::fromStdString(snapshot_->stage))
@@ -312,24 +311,24 @@ void PalpationWindow::ask_for_hand()
     }
 }
 
-PalpationWishes PalpationWindow::wishes() const
+PalpationViewOptions PalpationWindow::view_options() const
 {
-    PalpationWishes wishes;
-    wishes.spheres = panel_->wants_spheres();
-    wishes.hands = panel_->wants_hands();
-    wishes.hidden_organs = panel_->hidden_organs();
-    wishes.edits = snapshot_->edits;
-    wishes.mark = mark_;
+    PalpationViewOptions options;
+    options.spheres = panel_->wants_spheres();
+    options.hands = panel_->wants_hands();
+    options.hidden_organs = panel_->hidden_organs();
+    options.edits = snapshot_->edits;
+    options.mark = mark_;
     for (std::size_t f = 0; f < planner::kMostFingers; ++f) {
         const bool mouse = f >= snapshot_->setup.devices.size() || snapshot_->setup.devices[f] == "mouse";
-        wishes.fingers[f] = !mouse || tool_->is_out(f);
+        options.fingers[f] = !mouse || tool_->is_out(f);
     }
     if (view_->is_drawn()) {
         const Camera camera = view_->camera();
-        wishes.sight = (camera.aim - camera.eye).normalized();
-        wishes.up = camera.up;
+        options.sight = (camera.aim - camera.eye).normalized();
+        options.up = camera.up;
     }
-    return wishes;
+    return options;
 }
 
 void PalpationWindow::draw()
@@ -340,7 +339,7 @@ void PalpationWindow::draw()
         surface_ = frame_->surface;
         tool_->set_surface(surface_);
     }
-    const PalpationWishes shown = wishes();
+    const PalpationViewOptions shown = view_options();
     try {
         const bool first = !view_->has_live();
         picture_->show(*frame_, shown);
@@ -371,7 +370,7 @@ void PalpationWindow::ask_for_place()
 {
     if (worker_ == nullptr || !snapshot_->abilities.edits)
         return;
-    say("Click on the tissue where the template's middle is to be", false);
+    say("Click on the tissue to place the centre of the template", false);
     tool_->ask_for_place([this](const planner::SurfacePlace& place) { place_template(place.point); });
 }
 

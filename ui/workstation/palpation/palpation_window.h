@@ -69,7 +69,7 @@ private:
     void take_snapshot();
     void draw();
     void show_scene();
-    PalpationWishes wishes() const;
+    PalpationViewOptions view_options() const;
     void ask_for_scene();
     void ask_for_hand();
     void record_or_stop();

@@ -120,8 +120,9 @@ void StripChart::paintEvent(QPaintEvent*)
         }
     }
     std::reverse(forces.begin(), forces.end()); // draws the first finger on top
-    const QString gain
-        = force_gain_ == 1.0 ? QString() : QString("  (hands feel %1 times this)").arg(force_gain_, 0, 'g', 3);
+    const QString gain = force_gain_ == 1.0
+        ? QString()
+        : QString("  (the hands feel this force times %1)").arg(force_gain_, 0, 'g', 3);
     draw_plot(painter, { kMarginLeft, top, across, height_each }, "Force on each finger, N" + gain, 0.0, round_up(most),
         forces);
     painter.setPen(QColor(0xa4, 0xad, 0xb5));

@@ -1,8 +1,14 @@
 #include "ui/workstation/planning/metric_rows.h"
 
 #include "mesh/base/text_format.h"
+#include "planner/approach/retractors.h"
+#include "planner/case/opening_protocol.h"
+#include "planner/measures/bone_limits.h"
+#include "planner/measures/force_moments.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/rupture.h"
+#include "planner/measures/volume_failures.h"
 
 #include <algorithm>
 
@@ -28,7 +34,7 @@ namespace {
         return out.empty() ? "none" : out;
     }
 
-    constexpr const char* kBar = " ±: what finer elements would change.";
+    constexpr const char* kBar = " ±: estimated change of the number with a finer mesh.";
 
     /// The row of a number: "58.0 ± 1.2 mm" with an estimate, otherwise "58.0 mm".
     MetricRow metric_row(const planner::FieldMetrics& field, const planner::MetricField& metric)
@@ -55,15 +61,15 @@ namespace {
 
     MetricSection sight_section(const planner::FieldMetrics& field)
     {
-        MetricSection section { "Sight", { { "Target", field.target, "What the surgeon wants to see." } } };
+        MetricSection section { "Sight", { { "Target", field.target, "Structure that the surgeon wants to see." } } };
         add_rows(section, field, planner::MetricGroup::sight);
-        section.rows.push_back({ "Bone in sight", joined(field.bone_in_sight),
-            "Bones that are first to block lines of sight to the target." });
         section.rows.push_back(
-            { "Held aside", joined(field.retracted), "Organs that this approach takes as retracted." });
+            { "Bone in sight", joined(field.bone_in_sight), "Bones that block the view of the target." });
+        section.rows.push_back(
+            { "Held aside", joined(field.retracted), "Organs that are held aside in this approach." });
         for (std::size_t i = 0; i < std::min<std::size_t>(3, field.blockers.size()); ++i)
             section.rows.push_back({ "Blocked by " + field.blockers[i].name, percent(field.blockers[i].share),
-                "Share of the sight lines that this structure is the first to block." });
+                "Share of the lines of sight that this structure blocks first." });
         return section;
     }
 
@@ -75,28 +81,74 @@ namespace {
         for (const planner::RiskDistance& risk : field.at_risk)
             section.rows.push_back({ "Blade to " + risk.name,
                 risk.distance_mm > 0.0 ? in_words(risk.distance_mm, 1) + " mm" : "passes through it",
-                "Shortest distance from the blade to this structure at risk, at rest." });
+                "Shortest distance from the blade to this structure at risk, before opening." });
         return section;
+    }
+
+    /// Whether the opening can be had, and what the ribs bear.
+    void add_bones(MetricSection& section, const planner::FieldMetrics& field)
+    {
+        const bool warning
+            = field.attainable == planner::Attainable::with_injury || field.attainable == planner::Attainable::no;
+        section.rows.push_back({ "Attainable", planner::attainable_text(field), planner::bones_text(field), warning });
+        if (field.attainable == planner::Attainable::with_injury)
+            section.rows.push_back(
+                { "Without a fracture", "about " + number(*field.largest_uninjured_opening_mm, 0, "mm"),
+                    "Largest opening of the hooks at which no rib breaks: an estimate in proportion to the opening." });
+        if (!field.bones.empty() && field.bones.front().capacity_Nm)
+            section.rows.push_back({ "Most loaded rib", percent(field.bones.front().utilisation),
+                "Moment in " + planner::bone_in_words(field.bones.front().name)
+                    + " over the moment at which tested ribs broke.",
+                field.bones.front().utilisation >= 1.0 });
+    }
+
+    /// The force on a side at the last turn of the crank and minutes later, or why there is none.
+    void add_moments(MetricSection& section, const planner::FieldMetrics& field)
+    {
+        if (!field.force_moments)
+            return;
+        const planner::ForceMoments& moments = *field.force_moments;
+        if (!moments.message.empty()) {
+            section.rows.push_back({ "... after minutes", "not applicable", planner::force_moments_text(field) + "." });
+            return;
+        }
+        section.rows.push_back({ "... at the last turn", number(moments.peak_N, 0, "N"),
+            planner::force_moments_text(field) + ".", moments.is_fast });
+        section.rows.push_back(
+            { "... after " + planner::time_text(moments.hold_s), "about " + number(moments.held_N, 0, "N"),
+                "Held at this opening: " + number(moments.held_least_N, 0, "") + " to "
+                    + number(moments.held_most_N, 0, "N") + " between animals; " + moments.source + "." });
     }
 
     MetricSection force_section(const planner::FieldMetrics& field)
     {
         MetricSection section { "Force and strain", {} };
         add_rows(section, field, planner::MetricGroup::force);
+        add_moments(section, field);
         add_rows(section, field, planner::MetricGroup::strain);
         if (field.strain_p99_at) {
             const Vec3& at = *field.strain_p99_at;
             section.rows.push_back(
                 { "... at", number(at.x(), 0, "") + ", " + number(at.y(), 0, "") + ", " + number(at.z(), 0, "mm"),
-                    "Left, back, head (patient LPS), before the wound was opened." });
+                    "Place of the strain: left, back, head (patient LPS), before opening." });
         }
+        add_bones(section, field);
+        if (planner::may_rupture(field))
+            section.rows.push_back({ "Rupture", "possible", planner::rupture_text(field) + ".", true });
+        if (const std::string fast = planner::fast_opening_text(field); !fast.empty())
+            section.rows.push_back({ "Speed of opening", "fast", fast + ".", true });
+        if (field.retractor)
+            for (const planner::BladeMetrics& blade : field.retractor->blades)
+                section.rows.push_back({ "Retractor, " + readable(blade.name),
+                    number(blade.force_N.norm(), 1, "N") + ", " + number(blade.moment_Nm.norm(), 2, "N m"),
+                    planner::blade_text(blade) + "." });
         for (std::size_t i = 0; i < field.hooks.size(); ++i) {
             const bool known = field.error && field.error->message.empty() && i < field.error->hook_forces_N.size();
             const double force = field.hooks[i].force_N;
             section.rows.push_back({ "Hook " + field.hooks[i].name,
                 known ? number(force, 1, "") + " ± " + number(field.error->hook_forces_N[i], 1, "N")
                       : number(force, 1, "N"),
-                {} });
+                "Bears on " + planner::bearing_text(field.hooks[i]) + "." });
         }
         return section;
     }
@@ -110,23 +162,33 @@ namespace {
         volume_ratio.warning = field.max_volume_ratio > kDoubtfulVolumeRatio;
         MetricSection section { "Model",
             {
-                { "Equilibrium", field.mechanics_status, "Whether the mechanical solution converged.",
+                { "Equilibrium", field.mechanics_status, "Whether the computation found the equilibrium.",
                     field.mechanics_status != "converged" },
-                { "Solved as", planner::solution_text(field.solution.choice),
-                    "Fields solved differently do not compare." },
+                { "Computed as", planner::solution_text(field.solution.choice),
+                    "Fields that were computed differently cannot be compared." },
                 { "Tetrahedra", std::to_string(field.tets), {} },
                 { "Inverted", std::to_string(field.inverted_elements),
-                    "Elements turned inside out: the numbers are then wrong near them.", field.inverted_elements > 0 },
+                    "Elements that turned inside out. The numbers near them are wrong.", field.inverted_elements > 0 },
                 volume_ratio,
-                { "Time to plan", number(seconds, 1, "s"), {} },
+                { "Planning time", number(seconds, 1, "s"), {} },
             } };
+        if (field.volume_failures)
+            section.rows.push_back({ "Soft tissue off its volume", number(100.0 * field.volume_failures->share, 2, "%"),
+                planner::is_believable(field)
+                    ? "Share of the soft tissue that shrinks or grows by more than a tenth. Soft tissue keeps its "
+                      "volume, so the numbers near such tissue are wrong."
+                    : "The plan " + planner::volume_failure_text(field) + ".",
+                !planner::is_believable(field) });
         if (field.tension)
-            section.rows.push_back({ field.pressures.empty() ? "Gapes by itself" : "Gapes under pressure, no hooks",
-                field.tension->message.empty() ? number(field.tension->gape_mm, 1, "mm") : "not told",
-                planner::tension_text(field) + "." });
+            section.rows.push_back(
+                { field.pressures.empty() ? "Gape without hooks" : "Gape under pressure, without hooks",
+                    field.tension->message.empty() ? number(field.tension->gape_mm, 1, "mm") : "unknown",
+                    planner::tension_text(field) + "." });
         for (const planner::PressureMetrics& pressure : field.pressures)
             section.rows.push_back(
                 { "Pressure", number(pressure.pressure_kPa, 2, "kPa"), planner::pressure_text(pressure) + "." });
+        for (const std::string& implausible : field.implausible)
+            section.rows.push_back({ "Implausible", "accepted", implausible, true });
         return section;
     }
 
@@ -143,17 +205,18 @@ namespace {
         const planner::HookPull& pull = hook.pull;
         if (pull.force_N)
             return { "Hook " + hook.name, number(*pull.force_N, 1, "N"),
-                "The force it pulls its lip with, however far that goes." };
-        MetricRow row { "Hook " + hook.name, number(hook.opening_mm, 0, "mm"), "How far it moves its lip." };
+                "The hook pulls its lip with this force. The opening follows from the force." };
+        MetricRow row { "Hook " + hook.name, number(hook.opening_mm, 0, "mm"),
+            "The hook moves its lip by this distance." };
         if (!pull.prescribes())
-            row.meaning = "How far it is drawn; its lip may go less far.";
+            row.meaning = "The hook moves by this distance. Its lip may move less.";
         if (pull.force_limit_N) {
             row.value += ", at most " + number(*pull.force_limit_N, 1, "N");
-            row.meaning += " It yields where the force would be more.";
+            row.meaning += " The hook yields above the force limit.";
         }
         if (pull.grip_N_per_mm) {
             row.value += ", grip " + number(*pull.grip_N_per_mm, 1, "N/mm");
-            row.meaning += " The lip follows it through its grip.";
+            row.meaning += " The lip follows the hook through a soft grip.";
         }
         return row;
     }
@@ -176,11 +239,17 @@ std::vector<MetricSection> approach_rows(const planner::Approach& approach)
                 {} },
             asked_row("incision_length_mm", planner::incision_length(approach)),
             asked_row("cut_depth_mm", approach.depth_mm),
-            { "Held aside", joined(approach.retracted), "Organs that this approach takes as retracted." },
+            { "Held aside", joined(approach.retracted), "Organs that are held aside in this approach." },
         } } };
     MetricSection hooks { "Hooks", {} };
     for (const planner::HookSpec& hook : approach.hooks)
         hooks.rows.push_back(hook_row(hook));
+    if (approach.retractor)
+        hooks.rows.push_back({ "Retractor", planner::retractor_text(*approach.retractor),
+            "Kind of the instrument, and its opening or force." });
+    if (approach.opening_protocol && !hooks.rows.empty())
+        hooks.rows.push_back({ "Opened by", planner::opening_protocol_text(*approach.opening_protocol),
+            "Steps of the crank. Slower steps take less force." });
     if (!hooks.rows.empty())
         sections.push_back(std::move(hooks));
     return sections;
@@ -197,7 +266,9 @@ std::string field_summary(const planner::FieldMetrics& field)
 std::string approach_summary(const planner::Approach& approach)
 {
     return approach.template_name + ", " + number(planner::incision_length(approach), 0, "mm") + ", "
-        + std::to_string(approach.hooks.size()) + (approach.hooks.size() == 1 ? " hook" : " hooks");
+        + (approach.retractor
+                ? "retractor " + planner::retractor_text(*approach.retractor)
+                : std::to_string(approach.hooks.size()) + (approach.hooks.size() == 1 ? " hook" : " hooks"));
 }
 
 } // namespace retractor::ui

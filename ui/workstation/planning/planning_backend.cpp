@@ -4,6 +4,7 @@
 #include "mesh/base/text_format.h"
 #include "mesh/generation/hybrid_model.h"
 #include "mesh/tetrahedra/mesh_io.h"
+#include "planner/approach/bearing_points.h"
 #include "planner/case/case.h"
 #include "planner/case/patient.h"
 #include "planner/plan/plan.h"
@@ -42,7 +43,13 @@ namespace {
     {
         std::string text;
         if (planner::under_pressure(planned_case))
-            remark(text, "the pressure on the wall acts in plans, not under the knife");
+            remark(text, "plans include the pressure on the wall, cutting by hand does not");
+        if (planned_case.solution.element == planner::ElementKind::p2) {
+            remark(text,
+                "hook forces in cutting by hand may be twice those of plans of this case, which are solved more "
+                "finely and with less compressible tissue");
+            return text;
+        }
         const std::vector<fem::Material> here = planner::materials_as_solved(planned_case, planner::ElementKind::p1),
                                          planned = planner::materials_as_solved(planned_case);
         const auto stiffer = std::find_if(planned.begin(), planned.end(), [&](const fem::Material& material) {
@@ -50,15 +57,15 @@ namespace {
         });
         if (stiffer != planned.end())
             remark(text,
-                "hooks under the knife take Poisson's ratios as at most "
+                "tissue is more compressible in cutting by hand (Poisson's ratio at most "
                     + in_words(planner::largest_poissons_ratio(planner::ElementKind::p1), 2)
-                    + ", plans of this case as they are (" + stiffer->name + " " + in_words(stiffer->poissons_ratio, 2)
+                    + ") than in plans of this case (" + stiffer->name + " " + in_words(stiffer->poissons_ratio, 2)
                     + ")");
         return text;
     }
 
     /// The setup of a surgery session. The wall is meshed as in plan_approach(), so the session cuts the elements of
-    /// the plan.
+    /// the plan; it is not meshed along a division beyond the incision, which only plans make.
     SurgeryInput make_surgery_input(planner::Patient& patient, const planner::Approach& approach, const Job& job)
     {
         planner::check_approach(approach);
@@ -71,15 +78,22 @@ namespace {
                 model.message.empty() ? "there is no wall to cut" : model.message, "approach " + approach.name);
         SurgeryInput input;
         planner::SurgerySetup& setup = input.setup;
+        setup.approach = approach;
+        planner::find_bearing_points(setup.approach, *labels);
+        planner::insert_bearing_points(model.wall, planned_case.label_table, setup.approach);
         fem::Supports supports = planner::supports_of(model.wall, *labels, planned_case, sizing);
         setup.held = std::move(supports.fixed);
         setup.cut_off = planner::cut_off_vertices(model.wall, *labels);
         setup.bedded = std::move(supports.bedded);
-        setup.approach = approach;
         setup.labels = planned_case.label_table;
         setup.journal = planner::cuts_journal(planned_case.file(), approach.name);
         setup.materials = planner::materials_as_solved(planned_case, planner::ElementKind::p1);
         setup.caution = not_as_planned(planned_case);
+        if (approach.division.extent == planner::DivisionExtent::full)
+            remark(setup.caution,
+                "plans divide intercostal muscle and pleura beyond the incision, cutting by hand divides them where "
+                "you "
+                "cut");
         setup.write_wall
             = [](const std::filesystem::path& file, const mesh::TetMesh& wall) { mesh::write_vtu(file, wall); };
         Vec3 inward = Vec3::Zero();
@@ -88,7 +102,7 @@ namespace {
         setup.outward = -inward.normalized();
         input.surroundings = knife_surroundings(patient, approach);
         setup.beyond = std::make_shared<const TriMesh>(body_beyond(patient, approach, model.wall, job));
-        setup.region = { .corridor = sizing.corridor, .meshed_mm = sizing.region_mm };
+        setup.region = { .corridor = mesh::region_line(sizing), .meshed_mm = sizing.region_mm };
         setup.wall = std::move(model.wall);
         return input;
     }

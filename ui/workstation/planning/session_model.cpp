@@ -15,8 +15,6 @@ namespace retractor::ui {
 
 namespace {
 
-    constexpr std::array kViews { ViewPreset::surgeon, ViewPreset::overview, ViewPreset::slices };
-
     /// A field of a request (see Error::fields()) and the control for it.
     struct FieldControl {
         std::string_view field, control;
@@ -57,24 +55,13 @@ namespace {
 
 } // namespace
 
-std::string_view to_string(ViewPreset view)
-{
-    switch (view) {
-    case ViewPreset::surgeon:
-        return "surgeon";
-    case ViewPreset::overview:
-        return "overview";
-    case ViewPreset::slices:
-        return "slices";
-    }
-    return "";
-}
-
 std::optional<ViewPreset> view_from_string(std::string_view text)
 {
-    const auto* const found
-        = std::find_if(kViews.begin(), kViews.end(), [&](ViewPreset view) { return to_string(view) == text; });
-    return found == kViews.end() ? std::nullopt : std::optional(*found);
+    if (text == "surgeon")
+        return ViewPreset::surgeon;
+    if (text == "overview")
+        return ViewPreset::overview;
+    return text == "slices" ? std::optional(ViewPreset::slices) : std::nullopt;
 }
 
 Failure with_controls(Failure failure)

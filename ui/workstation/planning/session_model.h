@@ -21,7 +21,6 @@ namespace retractor::ui {
 
 enum class ViewPreset { surgeon, overview, slices };
 
-std::string_view to_string(ViewPreset view);
 /// Reads "surgeon", "overview" or "slices".
 std::optional<ViewPreset> view_from_string(std::string_view text);
 

@@ -194,6 +194,13 @@ TEST_F(Palpate, AHandIsShownWhereItIsAsked)
     EXPECT_FALSE(fs::exists(folder / "refused.csv"));
 }
 
+TEST_F(Palpate, APressThatNamesNoSiteIsRefused)
+{
+    const CommandRun refused = run("palpate " + sheet() + " --press ," + out("none.csv"));
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_NE(refused.error().find("a press names no site"), std::string::npos) << refused.error();
+}
+
 /// A patient of labels alone: a vessel of 22 mm through the whole image, and a liver.
 std::string vessel_case(const fs::path& folder)
 {
@@ -241,17 +248,18 @@ TEST_F(Palpate, WhatCannotBePalpatedIsNamed)
         EXPECT_EQ(no.exit_code, 2) << arguments;
         EXPECT_NE(no.error().find(text), std::string::npos) << no.error();
     };
-    refused("palpate " + patient, "name what to palpate by --structure; there are aorta, liver");
+    refused("palpate " + patient, "name the structure to palpate with --structure; there are aorta, liver");
     refused("palpate " + patient + " --structure spleen", "there is no structure \"spleen\"; there are aorta, liver");
     refused("palpate " + sheet() + " --structure aorta", "this is a palpation scene");
     refused(
         "palpable " + patient + " --structure aorta --pressure 120,80 --out " + folder.string(), "DIASTOLIC,SYSTOLIC");
     refused("palpable " + patient + " --structure aorta --stiff 1,2,3 --out " + folder.string(), "x,y,z,r=MPA");
-    refused("palpable " + patient + " --out " + folder.string(), "names what to palpate; there are aorta, liver");
+    refused(
+        "palpable " + patient + " --out " + folder.string(), "name the structure to palpate; there are aorta, liver");
     const fs::path same_name = folder / "case" / "aorta.json"; // a case file may be named like the scene
     fs::copy_file(patient, same_name);
     refused("palpable " + same_name.string() + " --structure aorta --edge 6 --out " + (folder / "case").string(),
-        "would take the place of the case file");
+        "would overwrite the case file");
     EXPECT_EQ(run("approach list " + same_name.string()).exit_code, 0) << "it is still the case";
     // Said before the structure is looked at, let alone meshed.
     refused(
@@ -333,11 +341,11 @@ TEST_F(Palpate, SilenceFromAnotherComputerIsToldNotWaitedFor)
     const CommandRun felt
         = run("palpate " + sheet() + " --device udp:127.0.0.1:" + free_port() + kShort + out("x.csv"));
     EXPECT_EQ(felt.exit_code, 1);
-    EXPECT_NE(felt.error().find("nothing was heard from the other computer"), std::string::npos);
+    EXPECT_NE(felt.error().find("the other computer sent nothing"), std::string::npos);
     EXPECT_EQ(run("relay --device simulated --to nowhere").exit_code, 2);
     const CommandRun mirrored = run("relay --device mirrored:simulated --to 127.0.0.1:4000 --seconds 0.1");
     EXPECT_EQ(mirrored.exit_code, 2);
-    EXPECT_NE(mirrored.error().find("mirrored where it is felt"), std::string::npos) << mirrored.out;
+    EXPECT_NE(mirrored.error().find("mirrored on the computer that receives it"), std::string::npos) << mirrored.out;
     EXPECT_EQ(run("relay --device simulated --device simulated --to 127.0.0.1:4000").exit_code, 2);
 }
 

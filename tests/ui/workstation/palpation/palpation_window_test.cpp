@@ -221,14 +221,14 @@ namespace palpation_window_test {
         open();
         EXPECT_EQ(window_->panel().fault_text(), "");
         control_->sick = true;
-        ASSERT_TRUE(until([&] { return window_->panel().fault_text().contains("let go"); }));
+        ASSERT_TRUE(until([&] { return window_->panel().fault_text().contains("switched off"); }));
         window_->save_screenshot(picture_folder() / "palpation_fault.png");
         EXPECT_FALSE(window_->panel().rearm_button().isHidden());
         control_->sick = false;
         const std::uint64_t ticks = window_->frame().servo.ticks;
         constexpr std::uint64_t kWhile = 200; // ticks without a fault
         ASSERT_TRUE(until([&] { return window_->frame().servo.ticks > ticks + kWhile; }));
-        EXPECT_TRUE(window_->panel().fault_text().contains("let go")) << "until somebody arms it";
+        EXPECT_TRUE(window_->panel().fault_text().contains("switched off")) << "until somebody arms it";
         window_->panel().rearm_button().click();
         EXPECT_TRUE(until([&] { return window_->panel().fault_text().isEmpty(); }));
     }

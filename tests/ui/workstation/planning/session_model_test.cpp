@@ -270,10 +270,11 @@ namespace session_model_test {
         }
     }
 
-    TEST(ViewPreset, NamesGoBothWays)
+    TEST(ViewPreset, IsReadByItsName)
     {
-        for (const ViewPreset view : { ViewPreset::surgeon, ViewPreset::overview, ViewPreset::slices })
-            EXPECT_EQ(view_from_string(to_string(view)), view);
+        EXPECT_EQ(view_from_string("surgeon"), ViewPreset::surgeon);
+        EXPECT_EQ(view_from_string("overview"), ViewPreset::overview);
+        EXPECT_EQ(view_from_string("slices"), ViewPreset::slices);
         EXPECT_FALSE(view_from_string("Surgeon"));
     }
 
@@ -315,19 +316,43 @@ namespace session_model_test {
         EXPECT_EQ(row_of(field_rows(field), "Opening width").value, "57.9 mm");
     }
 
+    TEST(MetricRows, NameTheMomentOfTheForce)
+    {
+        planner::FieldMetrics field;
+        field.hook_force_N = 260.0;
+        EXPECT_THROW((void)row_of(field_rows(field), "... at the last turn"), std::out_of_range);
+        field.force_moments = planner::ForceMoments { .peak_N = 260.0,
+            .held_N = 49.4,
+            .held_least_N = 25.8,
+            .held_most_N = 73.0,
+            .opened_in_s = 80.0,
+            .hold_s = 300.0,
+            .protocol = "half a turn of the crank (7 mm) every 10 s",
+            .source = "a paper" };
+        const auto sections = field_rows(field);
+        EXPECT_EQ(row_of(sections, "... at the last turn").value, "260 N");
+        EXPECT_FALSE(row_of(sections, "... at the last turn").warning);
+        EXPECT_EQ(row_of(sections, "... after 5 minutes").value, "about 49 N");
+        EXPECT_NE(row_of(sections, "... after 5 minutes").meaning.find("26 to 73 N"), std::string::npos);
+        field.force_moments->is_fast = true;
+        EXPECT_TRUE(row_of(field_rows(field), "Speed of opening").warning);
+        field.force_moments->message = "hook left pulls with a given force";
+        EXPECT_EQ(row_of(field_rows(field), "... after minutes").value, "not applicable");
+    }
+
     TEST(MetricRows, SayWhatTheWoundGapesByAndWhatPresses)
     {
         planner::FieldMetrics field;
         field.tension.emplace().gape_mm = 8.04;
-        EXPECT_EQ(row_of(field_rows(field), "Gapes by itself").value, "8.0 mm");
+        EXPECT_EQ(row_of(field_rows(field), "Gape without hooks").value, "8.0 mm");
         field.pressures = { { .label = "lung_left", .pressure_kPa = 1.333 } };
         const auto pressed = field_rows(field);
-        EXPECT_EQ(row_of(pressed, "Gapes under pressure, no hooks").value, "8.0 mm");
-        EXPECT_THROW((void)row_of(pressed, "Gapes by itself"), std::out_of_range);
+        EXPECT_EQ(row_of(pressed, "Gape under pressure, without hooks").value, "8.0 mm");
+        EXPECT_THROW((void)row_of(pressed, "Gape without hooks"), std::out_of_range);
         EXPECT_EQ(row_of(pressed, "Pressure").value, "1.33 kPa");
         EXPECT_NE(row_of(pressed, "Pressure").meaning.find("lung_left"), std::string::npos);
         field.tension->message = "the wall was not solved";
-        EXPECT_EQ(row_of(field_rows(field), "Gapes under pressure, no hooks").value, "not told");
+        EXPECT_EQ(row_of(field_rows(field), "Gape under pressure, without hooks").value, "unknown");
     }
 
     TEST(MetricRows, WarnWhenTheModelIsInDoubt)
@@ -342,6 +367,34 @@ namespace session_model_test {
         EXPECT_TRUE(row_of(field_rows(field), "Equilibrium").warning);
         EXPECT_TRUE(row_of(field_rows(field), "Inverted").warning);
         EXPECT_TRUE(row_of(field_rows(field), "Largest volume ratio").warning);
+        field.volume_failures = planner::VolumeFailures {};
+        EXPECT_FALSE(row_of(field_rows(field), "Soft tissue off its volume").warning);
+        field.volume_failures->believable = false;
+        EXPECT_TRUE(row_of(field_rows(field), "Soft tissue off its volume").warning);
+        field.implausible = { "the depth of the cut is 0.04 mm" };
+        EXPECT_TRUE(row_of(field_rows(field), "Implausible").warning);
+    }
+
+    TEST(MetricRows, WarnOfAFractureAndOfferTheOpeningWithoutOne)
+    {
+        planner::FieldMetrics field;
+        field.attainable = planner::Attainable::yes;
+        EXPECT_FALSE(row_of(field_rows(field), "Attainable").warning);
+        EXPECT_THROW((void)row_of(field_rows(field), "Without a fracture"), std::out_of_range);
+        field.attainable = planner::Attainable::with_injury;
+        field.largest_uninjured_opening_mm = 27.4;
+        field.bones = { { .name = "rib_left_5",
+            .part = "lateral",
+            .moment_Nm = 3.4,
+            .capacity_Nm = 2.9,
+            .utilisation = 1.172,
+            .opening_at_limit_mm = 27.4 } };
+        const auto sections = field_rows(field);
+        EXPECT_EQ(row_of(sections, "Attainable").value, "with injury: rib 5 on the left");
+        EXPECT_TRUE(row_of(sections, "Attainable").warning);
+        EXPECT_NE(row_of(sections, "Attainable").meaning.find("would break"), std::string::npos);
+        EXPECT_EQ(row_of(sections, "Without a fracture").value, "about 27 mm");
+        EXPECT_EQ(row_of(sections, "Most loaded rib").value, "117.2 %");
     }
 
     TEST(MetricRows, AnUnplannedApproachSaysWhatWasAskedFor)
@@ -351,6 +404,8 @@ namespace session_model_test {
         EXPECT_EQ(row_of(approach_rows(approach), "Incision length").value, "60 mm");
         EXPECT_EQ(row_of(approach_rows(approach), "Hook left 1").value, "30 mm");
         EXPECT_EQ(approach_summary(approach), "points, 60 mm, 1 hook");
+        approach.opening_protocol = planner::OpeningProtocol { .wait_s = 30.0 };
+        EXPECT_EQ(row_of(approach_rows(approach), "Opened by").value, "half a turn of the crank (7 mm) every 30 s");
     }
 
     TEST(MetricRows, AHookIsShownByWhatDrivesIt)

@@ -8,6 +8,7 @@
 #include "mesh/cutting/cut_session.h"
 #include "tests/benchmarks/framework/bench_numbers.h"
 #include "tests/benchmarks/opening/gape_pictures.h"
+#include "tests/verification/framework/element_stress.h"
 #include "tests/verification/framework/tension.h"
 #include "ui/cli/framework/out_folder.h"
 
@@ -46,7 +47,7 @@ namespace {
         double strain = 0.0;
         std::vector<fem::Material> materials = std::vector<fem::Material>(2, skin());
         mesh::TetMesh uncut = verification::sheet_mesh(problem);
-        std::vector<Mat3> stresses = fem::pre_stress(uncut, materials,
+        std::vector<Mat3> stresses = verification::stress_of_elements(uncut, materials,
             std::vector<fem::PreStrain>(
                 2, { fem::PreStrainKind::uniaxial_stress, strain, Vec3::UnitY(), Vec3::UnitZ() }));
         mesh::CutSession session { uncut };
@@ -78,7 +79,7 @@ namespace {
             std::vector<fem::Material> scaled = materials;
             for (fem::Material& material : scaled)
                 material.youngs_modulus_MPa *= calibration;
-            fem::SpringNetwork springs(uncut, scaled, stresses);
+            fem::SpringNetwork springs(mesh::CutSession { uncut }, scaled, stresses);
             springs.set_displacement(rim_displacement(uncut));
             springs.fix(verification::sheet_rim(problem, uncut));
             springs.fix(verification::sheet_middle_plane(uncut), 4);

@@ -342,7 +342,6 @@ namespace {
             row["baseline_factor_share"] = 1e-3 * rebuilt.at("baseline_factor_ms_least").get<double>()
                 * rebuilt.at("baseline_gemm_gflops").get<double>() / kFactorGflop96k;
         row["refinements"] = refinements;
-        row["factor_entries"] = opening.factor_entries();
         measure_hooks(opening, scene, opened.ids, options.repeats, row);
         row["rss_mb"] = status_mb("VmRSS");
         return row;

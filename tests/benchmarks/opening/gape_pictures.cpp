@@ -13,6 +13,7 @@
 #include "planner/approach/approach_templates.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/unmeshed_wall.h"
+#include "tests/verification/framework/element_stress.h"
 #include "ui/cli/plan/field_files.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/render.h"
@@ -112,7 +113,7 @@ namespace {
             if (info.role == mesh::Role::wall && !mesh::is_skeleton(info))
                 of_label[info.id] = { fem::PreStrainKind::uniaxial_stress, strain, chest.across,
                     info.material == "skin" ? Vec3(Vec3::Zero()) : Vec3(-chest.inward) };
-        return fem::pre_stress(chest.wall, chest.materials, of_label);
+        return verification::stress_of_elements(chest.wall, chest.materials, of_label);
     }
 
     bool in_skin(const CutChest& chest, const fem::SpringNetwork& springs, VertexId v)
@@ -184,7 +185,7 @@ namespace {
     ui::Scene opened_scene(
         const CutChest& chest, const TriMesh& body, GapePicture& picture, Points& start, double scale, const Job& job)
     {
-        fem::SpringNetwork springs(chest.wall, chest.materials, tension(chest, picture.strain));
+        fem::SpringNetwork springs(mesh::CutSession { chest.wall }, chest.materials, tension(chest, picture.strain));
         springs.fix(chest.held);
         springs.apply(chest.cut.delta);
         springs.set_wound(chest.session->lips());

@@ -11,6 +11,8 @@
 #include "tests/benchmarks/framework/bench_numbers.h"
 #include "tests/benchmarks/palpation/palpation_error.h"
 #include "tests/support/half_space.h"
+#include "tests/support/haptics/pressed_check.h"
+#include "tests/support/haptics/tick_statistics.h"
 #include "ui/scene/vtk/render.h"
 
 #include <Eigen/Geometry>
@@ -197,7 +199,7 @@ namespace {
     /// forces, at contact nodes and at the surface, relative to the largest displacement.
     double difference_on_same_mesh(haptics::CondensedTissue& tissue)
     {
-        const haptics::PressedCheck check = haptics::check_pressed(tissue);
+        const test_support::PressedCheck check = test_support::check_pressed(tissue);
         const Eigen::VectorXd& u = check.displacement;
         double worst = check.off_mm;
         Points deformed;
@@ -379,7 +381,8 @@ namespace {
         }
         haptics::Servo servo(devices, tissue);
         haptics::TickThread thread;
-        thread.start(servo);
+        test_support::MeasuredTicks measured(servo);
+        thread.start(measured);
         const Stopwatch watch;
         Points deformed;
         int frames = 0;
@@ -403,7 +406,7 @@ namespace {
         thread.stop();
         row["ticks"] = thread.times().ticks;
         row["missed"] = thread.times().missed;
-        row["servo_tick_us_p999"] = thread.times().compute.percentile_s(0.999) * 1e6;
+        row["servo_tick_us_p999"] = measured.compute.percentile_s(0.999) * 1e6;
         row["realtime"] = thread.is_realtime();
         row["edit_swapped_in"] = !tissue.edit_pending();
         if (const haptics::Fault fault = servo.latest().fault; fault.kind != haptics::FaultKind::none)

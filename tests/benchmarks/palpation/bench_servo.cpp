@@ -9,6 +9,7 @@
 #include "mesh/base/atomic_file.h"
 #include "tests/benchmarks/framework/process_status.h"
 #include "tests/benchmarks/palpation/servo_load.h"
+#include "tests/support/haptics/tick_statistics.h"
 #include "ui/scene/vtk/render.h"
 
 #include <Eigen/Geometry>
@@ -55,7 +56,7 @@ namespace {
         const TriMesh& surface() const noexcept override { return inner_.surface(); }
         void follow(Points& deformed) override { inner_.follow(deformed); }
 
-        haptics::TickHistogram times;
+        test_support::TickHistogram times;
         std::uint64_t touches = 0;
 
     private:
@@ -128,9 +129,20 @@ namespace {
         return bench;
     }
 
+    /// The measurements of a tick source.
+    struct MeasuredTimes {
+        test_support::TickHistogram periods, jitter, compute;
+        std::uint64_t ticks = 0, missed = 0;
+    };
+
+    MeasuredTimes times_of(const haptics::TickThread& thread, const test_support::MeasuredTicks& measured)
+    {
+        return { measured.periods, measured.jitter, measured.compute, thread.times().ticks, thread.times().missed };
+    }
+
     struct ServoRun {
-        haptics::TickTimes times;
-        haptics::TickHistogram tissue;
+        MeasuredTimes times;
+        test_support::TickHistogram tissue;
         std::uint64_t touches = 0, late_faults = 0;
         long edits = 0;
         std::string fault, realtime_note; ///< a fault other than lateness
@@ -155,7 +167,8 @@ namespace {
         run.vertices = static_cast<std::size_t>(tissue.surface().vertices.rows());
         Points deformed = tissue.surface().vertices;
         const Stopwatch watch;
-        thread.start(servo);
+        test_support::MeasuredTicks measured(servo);
+        thread.start(measured);
         run.realtime_note = thread.realtime_note();
         bool rearmed = false;
         double next_edit = kEditEvery;
@@ -184,7 +197,7 @@ namespace {
         servo.let_go();
         std::this_thread::sleep_for(std::chrono::milliseconds(150));
         thread.stop();
-        run.times = thread.times();
+        run.times = times_of(thread, measured);
         run.tissue = tissue.times;
         run.touches = tissue.touches;
         for (std::size_t h = 0; h < kHands; ++h)
@@ -192,20 +205,27 @@ namespace {
         return run;
     }
 
-    haptics::TickTimes run_nothing(double seconds, const Job& job)
+    struct Nothing : haptics::Ticked {
+        void tick(double, double) noexcept override { }
+    };
+
+    /// Measures the jitter of the machine with empty ticks.
+    MeasuredTimes run_nothing(double seconds, const Job& job)
     {
-        haptics::TickTimes times;
-        std::thread background([&] { times = haptics::empty_loop(seconds); });
+        Nothing nothing;
+        test_support::MeasuredTicks measured(nothing);
+        haptics::TickThread thread;
+        thread.start(measured);
         const Stopwatch watch;
         while (watch.seconds() < seconds) {
             std::this_thread::sleep_for(std::chrono::milliseconds(100));
             job.report("empty loop", std::min(1.0, watch.seconds() / seconds));
         }
-        background.join();
-        return times;
+        thread.stop();
+        return times_of(thread, measured);
     }
 
-    void put(ui::cli::Json& row, const std::string& name, const haptics::TickHistogram& h)
+    void put(ui::cli::Json& row, const std::string& name, const test_support::TickHistogram& h)
     {
         row[name + "_us_mean"] = 1e6 * h.mean_s();
         row[name + "_us_median"] = 1e6 * h.percentile_s(0.5);
@@ -229,7 +249,7 @@ namespace {
         return row;
     }
 
-    ui::cli::Json row_of(const haptics::TickTimes& times, bool load)
+    ui::cli::Json row_of(const MeasuredTimes& times, bool load)
     {
         ui::cli::Json row { { "model", "empty loop" }, { "fingers", 0 }, { "load", load }, { "ticks", times.ticks },
             { "missed", times.missed } };
@@ -239,17 +259,17 @@ namespace {
         return row;
     }
 
-    ui::ChartSeries series_of(const std::string& name, const haptics::TickHistogram& histogram)
+    ui::ChartSeries series_of(const std::string& name, const test_support::TickHistogram& histogram)
     {
         ui::ChartSeries series { .name = name, .x = {}, .y = {} };
-        for (const haptics::TickHistogram::Bin& bin : histogram.bins()) {
+        for (const test_support::TickHistogram::Bin& bin : histogram.bins()) {
             series.x.push_back(1e6 * 0.5 * (bin.low_s + bin.high_s));
             series.y.push_back(static_cast<double>(bin.count));
         }
         return series;
     }
 
-    ui::ChartPicture chart_of(const ServoRun& run, const std::optional<haptics::TickTimes>& empty)
+    ui::ChartPicture chart_of(const ServoRun& run, const std::optional<MeasuredTimes>& empty)
     {
         ui::ChartPicture picture { .x_title = "microseconds", .y_title = "ticks", .panels = {}, .columns = 2 };
         picture.panels.push_back({ .title = "period's distance from 1 ms",
@@ -289,7 +309,7 @@ ui::cli::Outcome bench_servo(const ServoBenchOptions& options, const Job& job)
     std::optional<ServoLoad> work;
     if (load)
         work.emplace(options.model != "fem"); // the aorta is edited by the benchmark itself
-    std::optional<haptics::TickTimes> empty;
+    std::optional<MeasuredTimes> empty;
     if (!soaks)
         empty = run_nothing(seconds, job);
     const double before_mb = status_mb("VmRSS");

@@ -10,6 +10,7 @@
 #include "tests/benchmarks/palpation/palpation_bench.h"
 #include "tests/benchmarks/palpation/punch_reference.h"
 #include "tests/benchmarks/palpation/sphere_scenes.h"
+#include "tests/support/haptics/organ_volumes.h"
 #include "ui/cli/framework/out_folder.h"
 #include "ui/cli/plan/field_files.h"
 #include "ui/scene/tissue_colors.h"
@@ -90,7 +91,7 @@ namespace {
                 result.displaced += static_cast<double>(contact.spheres) / kFrames;
             result.force = std::max(result.force, contacts[0].force.norm());
             if (i % 5 == 0)
-                for (const auto& volume : motion.volumes())
+                for (const auto& volume : test_support::organ_volumes(motion))
                     if (std::abs(volume.error()) > std::abs(result.volume_error))
                         result.volume_error = volume.error();
             if (csv != nullptr)

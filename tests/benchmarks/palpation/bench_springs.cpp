@@ -114,17 +114,18 @@ namespace {
     /// Force of the springs on a patch that is pressed in and held until the remainder has settled.
     double settled_press(const PunchProblem& problem, double calibration)
     {
-        const std::vector<fem::Material> materials(2, problem.material);
+        const std::vector<double> moduli(problem.mesh.tet_count(), problem.material.youngs_modulus_MPa);
         // The drag is near the critical drag of the slowest motion, sqrt(E / density) times pi / 2 over the height of
         // the block.
         constexpr double kDrag = 300.0, kSettled = 0.15; // per second, s
-        haptics::SpringMotion motion(haptics::make_spring_organ(problem.mesh, materials, problem.fixed, calibration),
-            { .voigt_time = 0.0, .drag = kDrag });
         const std::vector<VertexId> patch = punch_patch(problem);
-        for (const VertexId v : patch) {
-            motion.set_held(v, true);
+        std::vector<VertexId> held = problem.fixed;
+        held.insert(held.end(), patch.begin(), patch.end());
+        haptics::SpringMotion motion(
+            haptics::make_spring_organ(problem.mesh, moduli, problem.material.density_tonne_per_mm3, held, calibration),
+            { .voigt_time = 0.0, .drag = kDrag });
+        for (const VertexId v : patch)
             motion.place(v, problem.mesh.vertices.row(v).transpose() + problem.press);
-        }
         const double dt = 0.5 * motion.stable_step();
         for (double time = 0.0; time < kSettled; time += dt)
             motion.step(dt);

@@ -57,9 +57,12 @@ namespace {
         item.name = motion.organ(organ).name + ", spheres";
         auto mesh
             = std::make_shared<TriMesh>(ui::cli::ball_meshes(centres, motion.organ(organ).filling.radius, divisions));
-        const auto vertices_each = static_cast<std::size_t>(mesh->vertices.rows()) / own.size();
-        for (const std::size_t i : own)
-            item.vertex_colors.insert(item.vertex_colors.end(), vertices_each, layer_color(motion, i));
+        const std::size_t triangles_each = mesh->triangles.size() / own.size();
+        for (const std::size_t i : own) {
+            const auto label = static_cast<Label>(motion.layer(i) + 1);
+            mesh->labels.insert(mesh->labels.end(), triangles_each, label);
+            item.look_of_label[label] = { .color = layer_color(motion, i) };
+        }
         item.mesh = std::move(mesh);
         return item;
     }

@@ -2,7 +2,8 @@
 
 #include "haptics/springs/spring_tissue.h"
 #include "mesh/base/atomic_file.h"
-#include "tests/support/ring_load.h"
+#include "tests/support/haptics/ring_load.h"
+#include "tests/support/haptics/spring_bodies.h"
 #include "ui/cli/framework/ball_mesh.h"
 #include "ui/scene/vtk/render.h"
 
@@ -32,8 +33,8 @@ namespace {
         haptics::FingerContact contact {};
         double time = 0.0;
 
-        explicit Press(const haptics::ElementLaw& law, haptics::SheetEdges edges = haptics::SheetEdges::fixed)
-            : tissue(haptics::make_spring_sheet({ .edges = edges }), law)
+        explicit Press(const haptics::ElementLaw& law)
+            : tissue(haptics::make_spring_sheet(), law)
         {
         }
         void move_to(double z, double seconds)
@@ -213,10 +214,10 @@ namespace {
         press.tissue.grip(0, false);
         press.move_to(kRadius + 8.0, 0.5);
         scenes.push_back(state_of(press.tissue.motion(), "let go: half a second later", tip(press)));
-        const auto settled = [&](haptics::SheetEdges edges, const Vec3& gravity, int load, const char* title) {
+        const auto settled = [&](const haptics::SpringBody& sheet, const Vec3& gravity, int load, const char* title) {
             haptics::ElementLaw heavy = law;
             heavy.gravity = gravity;
-            haptics::SpringMotion motion(haptics::make_spring_sheet({ .edges = edges }), heavy);
+            haptics::SpringMotion motion(sheet, heavy);
             if (load == 1)
                 motion.set_load(312, Vec3(0.0, 0.0, 0.4));
             else if (load == 2)
@@ -225,10 +226,10 @@ namespace {
                 motion.step(1e-4);
             scenes.push_back(state_of(motion, title, {}));
         };
-        settled(haptics::SheetEdges::fixed, Vec3(0.0, 0.0, -20.0 * haptics::kGravity), 0, "20 g, edges fixed");
-        settled(haptics::SheetEdges::one_side, Vec3(0.0, 0.0, -haptics::kGravity), 0, "1 g, held at one side");
-        settled(haptics::SheetEdges::fixed, Vec3::Zero(), 1, "0.4 N on the point alone");
-        settled(haptics::SheetEdges::fixed, Vec3::Zero(), 2, "0.4 N on the point and its ring");
+        settled(haptics::make_spring_sheet(), Vec3(0.0, 0.0, -20.0 * haptics::kGravity), 0, "20 g, edges fixed");
+        settled(test_support::hanging_sheet(), Vec3(0.0, 0.0, -haptics::kGravity), 0, "1 g, held at one side");
+        settled(haptics::make_spring_sheet(), Vec3::Zero(), 1, "0.4 N on the point alone");
+        settled(haptics::make_spring_sheet(), Vec3::Zero(), 2, "0.4 N on the point and its ring");
         return scenes;
     }
 

@@ -8,6 +8,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/job.h"
 #include "mesh/cutting/cut_session.h"
+#include "tests/verification/framework/element_stress.h"
 #include "tests/verification/framework/meshes.h"
 #include "tests/verification/framework/tension.h"
 
@@ -66,7 +67,7 @@ namespace {
         std::vector<fem::Material> materials = std::vector<fem::Material>(2, tension.skin());
         mesh::TetMesh uncut = sheet_mesh(problem);
         std::vector<Mat3> stresses
-            = fem::pre_stress(uncut, materials, std::vector<fem::PreStrain>(2, tension.pre_strain()));
+            = stress_of_elements(uncut, materials, std::vector<fem::PreStrain>(2, tension.pre_strain()));
         mesh::CutSession session { uncut };
 
         mesh::CutResult cut()

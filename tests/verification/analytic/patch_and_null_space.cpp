@@ -6,6 +6,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/job.h"
 #include "mesh/cutting/cut_session.h"
+#include "tests/support/dense_matrix.h"
 #include "tests/verification/framework/condition.h"
 #include "tests/verification/framework/meshes.h"
 
@@ -181,7 +182,8 @@ namespace {
         const Stopwatch watch;
         const mesh::TetMesh mesh = side_by_side(for_element(distorted_box(2, 1.0, 0.2, 2), element), pieces);
         fem::ElasticBody body = make_body(mesh, element, law);
-        const Eigen::MatrixXd K = fem::dense(body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), 0.0));
+        const Eigen::MatrixXd K
+            = test_support::dense(body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), 0.0));
         const Eigen::VectorXd values = fem::symmetric_modes(K).values;
         constexpr double kZero = 1e-11; // relative to the largest eigenvalue
         const auto count = (values.array() < kZero * values.maxCoeff()).count();

@@ -5,6 +5,8 @@
 #include "planner/approach/approach_templates.h"
 #include "planner/approach/hooks.h"
 #include "planner/case/case_io.h"
+#include "planner/measures/metrics.h"
+#include "planner/measures/volume_failures.h"
 #include "planner/plan/plan.h"
 #include "tests/support/temporary_folder.h"
 
@@ -25,12 +27,19 @@ namespace {
     struct Spread {
         const char* problem;
         const char* approach; ///< name of the approach's template
+        const char* name; ///< name of the approach
+        planner::DivisionExtent division;
         double opening_mm;
         MeasuredForces measured;
     };
-    constexpr Spread kSpreads[]
-        = { { "measured forces, sternotomy spread to 100 mm", "median", 100.0, kSternotomyForces },
-              { "measured forces, thoracotomy spread to 50 mm", "intercostal:5", 50.0, kThoracotomyForces } };
+    constexpr Spread kSpreads[] = {
+        { "measured forces, sternotomy spread to 100 mm", "median", "median", planner::DivisionExtent::skin, 100.0,
+            kSternotomyForces },
+        { "measured forces, thoracotomy spread to 50 mm", "intercostal:5", "skin", planner::DivisionExtent::skin, 50.0,
+            kThoracotomyForces },
+        { "measured forces, thoracotomy spread to 50 mm, divided beyond the skin", "intercostal:5", "full",
+            planner::DivisionExtent::full, 50.0, kThoracotomyForces },
+    };
 
     planner::Case chest(const fs::path& folder, bool fine, const Job& job)
     {
@@ -40,12 +49,15 @@ namespace {
         const datasets::Phantom phantom = datasets::make_thorax_phantom(thorax, job);
         planner::Case chest;
         chest.folder = folder;
+        chest.solution.element = planner::ElementKind::p2; // as new cases have it
         datasets::write_label_volume(folder / "labels.nrrd", phantom.labels);
         chest.labels = planner::make_reference(folder, folder / "labels.nrrd");
         chest.label_table = phantom.labels.table;
         for (const Spread& spread : kSpreads) {
             planner::ApproachRequest request;
             request.template_name = spread.approach;
+            request.name = spread.name;
+            request.division = spread.division;
             request.target.label = "aneurysm";
             request.sizing.corridor_edge_mm = fine ? 5.5 : 8.0;
             request.sizing.coarse_edge_mm = fine ? 18.0 : 22.0;
@@ -80,7 +92,7 @@ namespace {
         const planner::FieldMetrics& m = field.metrics;
         VerificationRow row;
         row.problem = spread.problem;
-        row.element = element_name(VerificationElement::p1);
+        row.element = element_name(VerificationElement::p2);
         row.law = planner::to_string(chest.solution.elasticity);
         row.nodes = field.wall.vertex_count();
         row.tets = field.wall.tet_count();
@@ -95,10 +107,13 @@ namespace {
         const bool has_bar = m.error && m.error->message.empty();
         const double bar = has_bar ? m.error->hook_force_N : std::numeric_limits<double>::infinity();
         row.measured = { spread.measured.least, spread.measured.most, bar };
+        const std::string failed = planner::volume_failure_text(m);
         row.note = opened ? beside(m.hook_force_N, bar, spread.measured)
                 + (m.error && !has_bar ? "; " + m.error->message : std::string())
-                + "; divided along the skin incision only, two blades held to the lips, elastic force without a time; "
-                + stiffness_text(chest)
+                + (m.division ? "; divided beyond the skin incision, " + planner::division_cell(m)
+                              : std::string("; divided along the skin incision only"))
+                + ", two blades held to the lips, elastic force without a time; " + stiffness_text(chest)
+                + (failed.empty() ? "" : "; " + failed)
                           : field.message + " " + m.mechanics_status;
         return row;
     }

@@ -7,6 +7,7 @@
 #include "haptics/servo/servo.h"
 #include "haptics/spheres/sphere_tissue.h"
 #include "haptics/springs/spring_tissue.h"
+#include "tests/support/haptics/pressed_check.h"
 #include "tests/verification/cli/touch_cases.h"
 #include "ui/cli/framework/ball_mesh.h"
 
@@ -283,7 +284,7 @@ namespace {
         auto* condensed = dynamic_cast<haptics::CondensedTissue*>(&tissue);
         if (condensed == nullptr)
             return 0.0;
-        const haptics::PressedCheck check = haptics::check_pressed(*condensed);
+        const test_support::PressedCheck check = test_support::check_pressed(*condensed);
         return check.deepest_mm > 0.0 ? check.off_mm / check.deepest_mm : kNan;
     }
 

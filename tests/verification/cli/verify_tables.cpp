@@ -81,12 +81,19 @@ std::string verdict(const VerificationRow& row)
 
 ui::cli::Json row_document(const VerificationRow& row)
 {
-    return { { "problem", row.problem }, { "element", row.element }, { "law", row.law }, { "quantity", row.quantity },
-        { "nodes", row.nodes }, { "tets", row.tets }, { "size", row.size }, { "value", number(row.value) },
-        { "expected", number(row.expected) }, { "error", number(row.error) }, { "bound", number(row.bound) },
-        { "order", number(row.order) }, { "expected_order", number(row.expected_order) },
-        { "order_verdict", order_verdict_name(row.order_verdict) }, { "residual", number(row.residual) },
-        { "seconds", row.seconds }, { "outcome", verdict(row) }, { "note", row.note } };
+    ui::cli::Json document { { "problem", row.problem }, { "element", row.element }, { "law", row.law },
+        { "quantity", row.quantity }, { "nodes", row.nodes }, { "tets", row.tets }, { "size", row.size },
+        { "value", number(row.value) }, { "expected", number(row.expected) }, { "error", number(row.error) },
+        { "bound", number(row.bound) }, { "order", number(row.order) },
+        { "expected_order", number(row.expected_order) }, { "order_verdict", order_verdict_name(row.order_verdict) },
+        { "residual", number(row.residual) }, { "seconds", row.seconds }, { "outcome", verdict(row) },
+        { "note", row.note } };
+    if (row.measured) {
+        document["measured_least"] = number(row.measured->least);
+        document["measured_most"] = number(row.measured->most);
+        document["bar"] = number(row.measured->bar);
+    }
+    return document;
 }
 
 std::string csv(const std::vector<VerificationRow>& rows)

@@ -1,6 +1,7 @@
 #include "tests/verification/cli/viscous_problem.h"
 
 #include "haptics/springs/spring_motion.h"
+#include "tests/support/haptics/spring_bodies.h"
 
 #include <algorithm>
 #include <array>
@@ -65,10 +66,10 @@ namespace {
 
     VerificationRow run(const Test& test, double dt)
     {
-        haptics::SpringMotion motion(haptics::make_spring_element(kBarLength, kStiffness, kMass), test.element);
+        haptics::SpringMotion motion(
+            test_support::spring_element(kBarLength, kStiffness, kMass, test.stretched), test.element);
         if (test.stretched) {
             motion.place(1, Vec3(kBarLength + kStretch, 0.0, 0.0));
-            motion.set_held(1, true);
         } else {
             motion.set_load(1, Vec3(kForce, 0.0, 0.0));
         }

@@ -9,6 +9,7 @@
 #include "mesh/base/text_format.h"
 #include "mesh/cutting/cut_session.h"
 #include "tests/support/cutting/cut_mesh.h"
+#include "tests/verification/framework/element_stress.h"
 #include "tests/verification/framework/meshes.h"
 #include "tests/verification/framework/tension.h"
 #include "tests/verification/framework/vessel.h"
@@ -107,7 +108,7 @@ namespace {
         const test_support::CutMesh cut = test_support::cut(sheet_mesh(sheet), sheet_blade(sheet));
         if (cut.status != mesh::CutStatus::done)
             throw SolverError("the sheet was not cut: " + cut.message);
-        const std::vector<Mat3> stresses = fem::pre_stress(cut.mesh, materials,
+        const std::vector<Mat3> stresses = stress_of_elements(cut.mesh, materials,
             std::vector<fem::PreStrain>(
                 2, { fem::PreStrainKind::uniaxial_stress, strain, Vec3::UnitY(), Vec3::UnitZ() }));
         std::vector<mesh::TetFace> lips;

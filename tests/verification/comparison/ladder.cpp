@@ -121,7 +121,7 @@ namespace {
             for (const fem::HookPatch& hook : problem.hooks)
                 for (const VertexId v : hook.nodes)
                     u.row(v) = (hook.displacement * step / kSteps).transpose();
-            fem::SpringNetwork network(problem.mesh, problem.material_of_label);
+            fem::SpringNetwork network(mesh::CutSession { problem.mesh }, problem.material_of_label);
             network.set_displacement(u); // set before fixing, because fixed vertices keep their place
             network.fix(problem.supports.fixed);
             for (const fem::HookPatch& hook : problem.hooks)

@@ -107,7 +107,7 @@ double spring_calibration(const mesh::TetMesh& mesh, std::span<const fem::Materi
     const double elastic = 0.5 * u.dot(K.multiply(u));
 
     // The whole mesh starts stretched. The ends stay stretched while the rest comes to equilibrium.
-    fem::SpringNetwork network(mesh, materials);
+    fem::SpringNetwork network(mesh::CutSession { mesh }, materials);
     if (!symmetry.empty())
         network.fix(symmetry, 4);
     network.set_displacement(as_points(start));

@@ -21,7 +21,7 @@ namespace {
         mesh::TetMesh mesh = mesh::kuhn_box(4, 4, 4, 2.0);
         std::vector<fem::Material> materials
             = std::vector<fem::Material>(2, { "tissue", 0.04, 0.45, 1e-9, "verification" });
-        fem::SpringNetwork network { mesh, materials };
+        fem::SpringNetwork network { mesh::CutSession { mesh }, materials };
         Springs()
         {
             std::vector<VertexId> bottom;

@@ -181,8 +181,8 @@ StabilityCase strange_case()
                 [&](StabilityRow& row) { contradicting(row, job); }));
             rows.push_back(expect_refusal("two hooks on one patch, elsewhere", "online opening", "another",
                 [](StabilityRow& row) { contradicting_online(row); }));
-            rows.push_back(expect_refusal("drawn by a force, and cut off", "online opening", "did not come to rest",
-                [](StabilityRow& row) { freed_by_force(row); }));
+            rows.push_back(expect_refusal("drawn by a force, and cut off", "online opening",
+                "no equilibrium of the hooks", [](StabilityRow& row) { freed_by_force(row); }));
             return rows;
         } };
 }

@@ -1,6 +1,7 @@
 #include "tests/verification/framework/condition.h"
 
 #include "mesh/base/error.h"
+#include "tests/support/dense_matrix.h"
 #include "tests/support/reference_problems.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@ namespace condition_test {
     /// Condition number of the free part, by all its eigenvalues. @param scaled to a unit diagonal first.
     double exact_condition(const fem::BlockMatrix& K, const std::vector<std::uint8_t>& prescribed, bool scaled)
     {
-        const Eigen::MatrixXd all = fem::dense(K);
+        const Eigen::MatrixXd all = test_support::dense(K);
         std::vector<Eigen::Index> free;
         for (std::size_t i = 0; i < prescribed.size(); ++i)
             if (prescribed[i] == 0)

@@ -5,6 +5,7 @@
 #include "mesh/base/error.h"
 #include "mesh/cutting/cut_session.h"
 #include "tests/support/reference_problems.h"
+#include "tests/verification/framework/element_stress.h"
 
 #include <gtest/gtest.h>
 
@@ -33,7 +34,7 @@ namespace tension_test {
             = { fem::PreStrainKind::uniaxial_stress, kStrain, Vec3::UnitY(), Vec3::UnitZ() })
             : problem { .around = around }
             , uncut(sheet_mesh(problem))
-            , stresses(fem::pre_stress(uncut, materials, std::vector<fem::PreStrain>(2, tension)))
+            , stresses(stress_of_elements(uncut, materials, std::vector<fem::PreStrain>(2, tension)))
             , session(uncut)
         {
             mesh::CutResult cut = session.cut(sheet_blade(problem));
@@ -81,7 +82,7 @@ namespace tension_test {
         }
         double spring_gape() const
         {
-            fem::SpringNetwork network(uncut, materials, stresses);
+            fem::SpringNetwork network(mesh::CutSession { uncut }, materials, stresses);
             network.set_displacement(rim_displacement(uncut));
             network.fix(sheet_rim(problem, uncut));
             network.fix(sheet_middle_plane(uncut), 4);

@@ -121,12 +121,12 @@ namespace verification_test {
         held.supports.fixed = { 0, 1, 2, 3 };
         EXPECT_GT(conditioned(held).condition, 1.0);
         EXPECT_TRUE(conditioned(held).passed());
-        const StabilityRow foretold = attempt("case", "model", [&](StabilityRow& row) {
+        const StabilityRow predicted = attempt("case", "model", [&](StabilityRow& row) {
             row.unconditioned = Unconditioned::no_matrix; // in case no condition number is found
             set_condition(row, held, fem::Elasticity::linear);
         });
-        EXPECT_GT(foretold.condition, 1.0);
-        EXPECT_EQ(unconditioned_name(foretold.unconditioned), "") << "it has one";
+        EXPECT_GT(predicted.condition, 1.0);
+        EXPECT_EQ(unconditioned_name(predicted.unconditioned), "") << "it has one";
         constexpr double kStiffBed = 1e6; // between the condition numbers without and with a bed of 1e9
         EXPECT_LT(conditioned(held).condition, kStiffBed);
         held.supports.bedded = { { 7, 1e9 } };

@@ -50,6 +50,21 @@ namespace verify_tables_test {
         EXPECT_EQ(verdict(row), "skipped");
     }
 
+    TEST(VerifyTables, JsonHoldsTheMeasuredRangeAndTheBar)
+    {
+        VerificationRow row = solved("spreader", 0.0, 0.0, 2.0);
+        EXPECT_FALSE(row_document(row).contains("bar"));
+        row.value = 560.0;
+        row.measured = MeasuredComparison { .least = 118.0, .most = 470.0, .bar = 329.0 };
+        const ui::cli::Json document = row_document(row);
+        EXPECT_EQ(document.at("measured_least"), 118.0);
+        EXPECT_EQ(document.at("measured_most"), 470.0);
+        EXPECT_EQ(document.at("bar"), 329.0);
+        EXPECT_EQ(document.at("outcome"), "undecided");
+        row.measured->bar = std::numeric_limits<double>::infinity();
+        EXPECT_TRUE(row_document(row).at("bar").is_null()) << "JSON has no infinity";
+    }
+
     TEST(VerifyTables, JsonAndCsvHoldEveryColumn)
     {
         VerificationRow row = solved("punch, flat", 0.5, 0.1, 2.0);

@@ -19,6 +19,9 @@ if(RETRACTOR_ASSERTIONS)
   target_compile_definitions(retractor_options INTERFACE $<BUILD_INTERFACE:RETRACTOR_ASSERTIONS>)
 endif()
 if(RETRACTOR_SANITIZE)
+  # Under sanitizers GCC 12 also warns falsely of uninitialised members in std::function.
+  target_compile_options(retractor_options INTERFACE
+    "$<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>>")
   target_compile_options(retractor_options INTERFACE
     "$<BUILD_INTERFACE:-fsanitize=${RETRACTOR_SANITIZE};-fno-omit-frame-pointer>")
   target_link_options(retractor_options INTERFACE "$<BUILD_INTERFACE:-fsanitize=${RETRACTOR_SANITIZE}>")

@@ -1,5 +1,5 @@
 #pragma once
-// Shared by the tests of fem: materials, a linear solve with prescribed unknowns, and the message of an error. Units
+// Shared by tests of mechanics: materials, a linear solve with prescribed unknowns, and the message of an error. Units
 // mm, N, MPa.
 
 #include "fem/material/material.h"

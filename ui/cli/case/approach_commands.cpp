@@ -379,7 +379,7 @@ namespace {
         add_command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
         add_command->add_option(
             "--template", options->template_name, "Template of the approach: median, intercostal:N, distal or midcab");
-        add_command->add_option("--points", options->points,
+        CLI::Option* points = add_command->add_option("--points", options->points,
             "Points of the incision, x,y,z (mm, patient LPS) on or near the skin, in cutting order");
         add_command
             ->add_option("--target", options->target, "Target to see: a label, or a sphere x,y,z,r (mm, patient LPS)")
@@ -390,6 +390,7 @@ namespace {
         add_command
             ->add_option(
                 "--depth", options->depth_mm, "With --points: depth of the cut, mm (default: through the wall)")
+            ->needs(points)
             ->check(in_range(0.0, kLongestMm));
         add_command
             ->add_option("--retract", options->retracted,

@@ -197,11 +197,24 @@ class Programs:
         return None
 
 
-def check_commands(root, text, programs):
-    actions = set(re.findall(r"^  (\w+)\)", (root / "run").read_text(), re.M))
+def commands_of(text):
+    """(line number, command) in blocks of code; a backslash at the end of a line joins it with the next one."""
+    begun, first = "", 0
     for number, line, language in parts_of(text):
         if language not in ("", "sh", "bash"):
             continue
+        if not begun:
+            first = number
+        if line.endswith("\\"):
+            begun += line[:-1]
+            continue
+        yield first, begun + line
+        begun = ""
+
+
+def check_commands(root, text, programs):
+    actions = set(re.findall(r"^  (\w+)\)", (root / "run").read_text(), re.M))
+    for number, line in commands_of(text):
         if line.startswith("./run") and (line.split() + [""])[1] not in actions:
             yield number, f"./run does not know this: {line}"
         if line.startswith("retractor") and programs and (problem := programs.problem_of(line)):

@@ -42,7 +42,7 @@ class CheckDocuments(unittest.TestCase):
         self.write("run", "case x in\n  test)\nesac\n")
         self.write("planner/case/case_io.cpp", next(SOURCES.glob("planner/**/case_io.cpp")).read_text())
         self.write("docs/user/case-json.md", (SOURCES / "docs/user/case-json.md").read_text())
-        for linked in ("importing", "planning"):
+        for linked in ("approaches", "importing", "numbers", "planning"):
             shutil.copy(SOURCES / f"docs/user/{linked}.md", self.root / "docs/user")
             page = self.root / f"docs/user/{linked}.md"
             headings = [line for line in page.read_text().splitlines() if line.startswith("#")]
@@ -111,6 +111,10 @@ class CheckDocuments(unittest.TestCase):
         self.expect("README.md:6: there is no program retractor-dream")
         self.plant("./run test", "./run toast")
         self.expect("README.md:6", "README.md:7: ./run does not know this")
+
+    def test_a_command_of_two_lines(self):
+        self.plant("retractor plan", "retractor plan case.json \\\n  --into")
+        self.expect("README.md:6: retractor plan has no option --into")
 
     def test_a_command_without_help(self):
         self.write_program(PROGRAM.replace('"plan --help")', '"plan --hilfe")'))

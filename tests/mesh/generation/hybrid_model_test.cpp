@@ -219,8 +219,8 @@ namespace hybrid_model_test {
 
     TEST(HybridModel, CorridorIsFineAndTheRestCoarse)
     {
-        const LabelVolume block = test_support::sampled_labels(
-            { 70, 50, 50 }, Vec3::Constant(2.0), one_label(), [](const Vec3&) { return Label { 7 }; });
+        const LabelVolume block = test_support::sampled_labels({ 70, 50, 50 }, Vec3::Constant(2.0), one_label(),
+            [](const Vec3& p) { return static_cast<Label>(p.z() > 10.0 ? 7 : 0); }); // with air below
         const Vec3 a(5, 50, 50), b(20, 50, 50); // one end of the block
         MeshSizing sizing = uniform(4.0);
         sizing.corridor = { a, b };
@@ -258,10 +258,13 @@ namespace hybrid_model_test {
         const auto farthest = [](const HybridModel& model) { return model.wall.vertices.col(0).maxCoeff(); };
         // Half an edge of the coarse mesh and half a voxel, by which the mesh's end may lie off the region's border.
         constexpr double kRough = 8.0;
-        EXPECT_NEAR(farthest(build_hybrid_model(block, sizing)), 50.0, kRough);
+        const HybridModel without_path = build_hybrid_model(block, sizing);
+        ASSERT_EQ(without_path.status, MeshStatus::done) << without_path.message;
+        EXPECT_NEAR(farthest(without_path), 50.0, kRough);
         sizing.coarse_path = { Vec3(20, 50, 50), Vec3(90, 50, 50) };
         sizing.coarse_path_edge_mm = 7.0;
         const HybridModel model = build_hybrid_model(block, sizing);
+        ASSERT_EQ(model.status, MeshStatus::done) << model.message;
         EXPECT_NEAR(farthest(model), 120.0, kRough);
         double sum = 0.0;
         int count = 0;

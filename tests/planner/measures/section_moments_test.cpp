@@ -140,7 +140,7 @@ namespace section_moments_test {
         const double R = kLength / (0.5 * std::numbers::pi), force = 1.0;
         const auto ring = [&](const Vec3& p) -> Vec3 {
             const double angle = p.z() / R, r = R + p.x() - 0.5 * kWidth;
-            return { r * std::cos(angle), r * std::sin(angle), p.y() - 0.5 * kWidth };
+            return { r * std::cos(angle), r * std::sin(angle), 0.5 * kWidth - p.y() };
         };
         const Bar bar = loaded_bar(
             GetParam(), fem::Elasticity::linear, [&](const Vec3&) { return Vec3(0.0, 0.0, force / (kWidth * kWidth)); },

@@ -25,6 +25,7 @@ namespace retractor_plan_test {
         Patient patient(planned_case, {});
         Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 0.0);
         approach.hooks.clear();
+        approach.sizing.region_mm = 30.0; // the border of the region holds the wall
         RetractorKind kind = find_retractor(built_in_retractors(), "midcab");
         kind.blade_width_mm = 20.0;
         approach.retractor = make_retractor(approach, kind, drive);

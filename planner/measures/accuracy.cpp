@@ -43,9 +43,15 @@ namespace {
             .of = [](const Accuracy& a) { return std::optional(a.edge_mm); } },
     };
 
-    /// "9 %", "0.6 %": two digits that count.
-    std::string percent_text(double fraction) { return formatted("%.2g %%", 100.0 * fraction); }
-    std::string mm_text(double mm) { return formatted("%.2g mm", mm); }
+    /// "127", "9", "0.62": at least two digits that count.
+    std::string short_number(double value)
+    {
+        constexpr double kWithoutFraction = 10.0;
+        return formatted(value < kWithoutFraction ? "%.2g" : "%.0f", value);
+    }
+
+    std::string percent_text(double fraction) { return short_number(100.0 * fraction) + " %"; }
+    std::string mm_text(double mm) { return short_number(mm) + " mm"; }
 
     /// What ended the search, as the end of a sentence.
     std::string limit_text(const Accuracy& accuracy)
@@ -95,20 +101,23 @@ std::string accuracy_text(const FieldMetrics& field)
     const Accuracy& accuracy = *field.accuracy;
     const AccuracyGoal& asked = accuracy.asked;
     if (accuracy.ended_by == AccuracyEnd::reached && accuracy.reached_opening_mm) {
-        const std::string opening = "opening is known to " + mm_text(*accuracy.reached_opening_mm)
+        const std::string opening = "The opening is known to " + mm_text(*accuracy.reached_opening_mm)
             + " (asked: " + mm_text(asked.opening_mm) + ").";
-        return accuracy.reached_force ? "The force is known to " + percent_text(*accuracy.reached_force)
-                + " (asked: " + percent_text(asked.force) + "). The " + opening
-                                      : "The " + opening;
+        if (!accuracy.reached_force)
+            return opening;
+        return "The force is known to " + percent_text(*accuracy.reached_force)
+            + " (asked: " + percent_text(asked.force) + "). " + opening;
     }
-    const bool without_force = accuracy.reached_opening_mm && !accuracy.reached_force;
-    std::string text = "The asked accuracy of " + (without_force ? "" : percent_text(asked.force) + " and ")
-        + mm_text(asked.opening_mm) + " was not reached" + limit_text(accuracy);
+    const std::string end = " was not reached" + limit_text(accuracy);
+    if (accuracy.reached_opening_mm && !accuracy.reached_force)
+        return "The asked accuracy of " + mm_text(asked.opening_mm) + end + "; the opening is known to "
+            + mm_text(*accuracy.reached_opening_mm) + ".";
+    const std::string text
+        = "The asked accuracy of " + percent_text(asked.force) + " and " + mm_text(asked.opening_mm) + end;
     if (!accuracy.reached_opening_mm)
         return text + "; the errors of this answer are not known.";
-    return text + "; "
-        + (without_force ? "" : "the force is known to " + percent_text(*accuracy.reached_force) + " and ")
-        + "the opening to " + mm_text(*accuracy.reached_opening_mm) + ".";
+    return text + "; the force is known to " + percent_text(*accuracy.reached_force) + " and the opening to "
+        + mm_text(*accuracy.reached_opening_mm) + ".";
 }
 
 } // namespace retractor::planner

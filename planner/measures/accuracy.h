@@ -36,8 +36,8 @@ std::span<const AccuracyField> accuracy_fields();
 /// A number with its unit as people read it: "9.1 %", "1.2 mm", "600 s".
 std::string accuracy_number(const AccuracyField& field, double value);
 
-/// One sentence or two for a surgeon: "The force is known to 9 % (asked: 15 %), and the opening to 1.2 mm (asked: 2
-/// mm)." Empty when no accuracy was asked.
+/// A sentence or two for a surgeon: "The force is known to 9 % (asked: 15 %). The opening is known to 1.2 mm (asked:
+/// 2 mm)." Empty when no accuracy was asked.
 std::string accuracy_text(const FieldMetrics& field);
 
 } // namespace retractor::planner

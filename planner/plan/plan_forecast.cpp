@@ -18,7 +18,7 @@ namespace {
         double seconds, growth;
     };
     constexpr double kUnit = 50'000.0;
-    // Measured on plans of the chest with error bars, two cores.
+    // Calibrated by measured plans with error bars.
     constexpr PlanCost kTenNodes { 0.35, 0.3, 0.95, 60.0, 1.5 };
     constexpr PlanCost kFourNodes { 0.35, 0.1, 0.06, 15.0, 1.3 };
     constexpr double kFactorGrowth = 4.0 / 3.0;

@@ -1,6 +1,6 @@
 #pragma once
 // Forecasts time and memory of a plan from the expected number of its tetrahedra (mesh/generation/mesh_forecast.h), and
-// the largest mesh that a given memory can hold. Bytes and seconds; the numbers are rough, within a factor of two.
+// the largest mesh that a given memory can hold. Bytes and seconds; both are rough.
 
 #include "mesh/base/error.h"
 #include "planner/case/solver_settings.h"
@@ -12,12 +12,13 @@ namespace retractor::planner {
 
 struct PlanForecast {
     double tetrahedra = 0.0;
-    double seconds = 0.0; ///< from the labels to the error bars, on two cores
+    double seconds = 0.0; ///< from the labels to the error bars
     double bytes = 0.0; ///< most memory at one time
 };
 
 /// Time and memory of one plan with error bars.
-/// Locking-free elements count as ten-node elements, since their matrix is almost as full.
+/// Locking-free elements count as ten-node elements, since their matrix has many more entries than that of other
+/// four-node elements. This is not measured.
 /// @pre tetrahedra >= 0 and finite
 PlanForecast forecast_plan(double tetrahedra, ElementKind element);
 

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <set>
 #include <string>
 
@@ -153,7 +154,8 @@ namespace {
 
 } // namespace
 
-HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizing, const Job& job)
+HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizing, const Job& job,
+    const std::function<void(double expected)>& on_forecast)
 {
     check_input(labels, sizing);
     const Stopwatch watch;
@@ -171,6 +173,8 @@ HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizi
     if (job.cancelled())
         return without_mesh(MeshStatus::cancelled, "cancelled");
     const double expected = expected_tetrahedra(field, size);
+    if (on_forecast)
+        on_forecast(expected);
     if (sizing.most_tetrahedra > 0.0 && expected > sizing.most_tetrahedra)
         throw InputError(formatted("these edge lengths make about %.2g tetrahedra, and %.2g are the most that fit: "
                                    "choose longer edges, or a smaller region",

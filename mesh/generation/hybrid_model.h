@@ -12,6 +12,7 @@
 #include "mesh/image/volume.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
+#include <functional>
 #include <string>
 
 namespace retractor::mesh {
@@ -27,8 +28,10 @@ struct [[nodiscard]] HybridModel {
 };
 
 /// Meshes the wall of a label image.
+/// @param on_forecast called with the expected number of tetrahedra before they are made; may throw to refuse them
 /// @throws InputError on an empty table, a bad grid or sizes that are not positive, and where more
 /// tetrahedra are expected than MeshSizing::most_tetrahedra allows
-HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizing, const Job& job = {});
+HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizing, const Job& job = {},
+    const std::function<void(double expected)>& on_forecast = {});
 
 } // namespace retractor::mesh

@@ -247,6 +247,7 @@ mesh::MeshSizing mesh_sizing_of(const Approach& approach, const mesh::LabelTable
         .corridor_radius_mm = approach.sizing.corridor_radius_mm,
         .corridor_edge_mm = approach.sizing.corridor_edge_mm,
         .coarse_edge_mm = approach.sizing.coarse_edge_mm,
+        .fine_edge_mm = approach.sizing.patch_edge_mm,
         .coarse_path = divided_path(approach),
         .coarse_path_edge_mm
         = std::min(kDividedEdge * approach.sizing.corridor_edge_mm, approach.sizing.coarse_edge_mm),
@@ -297,6 +298,15 @@ PatchPlace patch_place(const Approach& approach, const HookSpec& hook)
     const Vec3 depth = place.of(approach.directions).normalized();
     const Vec3 step = approach.incision[place.segment + 1] - approach.incision[place.segment];
     return { place.of(approach.incision) + hook.depth_mm * depth, step / step.norm(), depth };
+}
+
+SizingSpec with_scaled_edges(SizingSpec sizing, double factor)
+{
+    RETRACTOR_ASSERT(factor > 0.0);
+    sizing.corridor_edge_mm *= factor;
+    sizing.coarse_edge_mm *= factor;
+    sizing.patch_edge_mm *= factor;
+    return sizing;
 }
 
 void check_sizing(const SizingSpec& sizing, const std::string& pointer)

@@ -78,7 +78,11 @@ struct SizingSpec {
     /// The mesh holds tissue within this distance of the incision, and its whole bones; 0: all of the wall.
     double region_mm = 50.0;
     unsigned mesh_seed = 0; ///< MeshSizing::seed; not a part of case.json
+    double patch_edge_mm = 3.0; ///< MeshSizing::fine_edge_mm, round the hooks' patches; not a part of case.json
 };
+
+/// The same sizes with all edges multiplied by this factor. @pre factor > 0
+SizingSpec with_scaled_edges(SizingSpec sizing, double factor);
 
 /// The eye positions over which the visible fraction is averaged. The eyes lie in a cone about the view axis.
 struct ViewSpec {

@@ -238,6 +238,13 @@ namespace {
             io.optional("elasticity", choice.elasticity, true);
             io.optional("element", choice.element, true);
             io.optional("near_mm", choice.near_mm, choice.near_mm > 0.0);
+            io.optional("accuracy", choice.accuracy);
+        }
+        static void of(auto& io, Is<AccuracyGoal> auto& goal)
+        {
+            io.optional("force", goal.force, true);
+            io.optional("opening", goal.opening_mm, true);
+            io.optional("time", goal.time_s, true);
         }
         static void of(auto& io, Is<PressureSpec> auto& pressure)
         {

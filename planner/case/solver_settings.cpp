@@ -80,8 +80,27 @@ std::string solution_text(const SolverSettings& choice)
     return text;
 }
 
+void check_accuracy(const AccuracyGoal& goal)
+{
+    const std::string place = "/solution/accuracy/";
+    if (!(goal.force >= kFinestForce && goal.force <= kCoarsestForce))
+        throw InputError(formatted("the accuracy of the force must be a share from %g to %g (%g to %g %%), got %g",
+                             kFinestForce, kCoarsestForce, 100.0 * kFinestForce, 100.0 * kCoarsestForce, goal.force),
+            place + "force", { "accuracy" });
+    if (!(goal.opening_mm >= kFinestOpeningMm && goal.opening_mm <= kCoarsestOpeningMm))
+        throw InputError(formatted("the accuracy of the opening must be from %g to %g mm, got %g", kFinestOpeningMm,
+                             kCoarsestOpeningMm, goal.opening_mm),
+            place + "opening", { "accuracy" });
+    if (!(goal.time_s >= kShortestSearchS && goal.time_s <= kLongestSearchS))
+        throw InputError(formatted("the time for the accuracy must be from %g to %g s, got %g", kShortestSearchS,
+                             kLongestSearchS, goal.time_s),
+            place + "time", { "time" });
+}
+
 void check_solution(const SolverSettings& choice, bool contact)
 {
+    if (choice.accuracy)
+        check_accuracy(*choice.accuracy);
     if (!(choice.near_mm >= 0.0) || !std::isfinite(choice.near_mm))
         throw InputError("the distance within which the wall is nonlinear must be finite and not negative",
             "/solution/near_mm", { "near_mm" });

@@ -17,11 +17,27 @@ enum class ElementKind {
     p2, ///< ten nodes
 };
 
+/// How small the error bars of a plan shall be, and the time for it (planner/plan/accurate_plan.h).
+struct AccuracyGoal {
+    double force = 0.15; ///< half-width of the force's bar over the force; kFinestForce to 1
+    double opening_mm = 2.0; ///< half-width of the opening's bar, mm; kFinestOpeningMm to kCoarsestOpeningMm
+    double time_s = 600.0; ///< time for all meshes of one approach, s; up to kLongestSearchS
+
+    bool operator==(const AccuracyGoal&) const = default;
+};
+
+/// Limits of an AccuracyGoal. Finer bars take more memory than machines have; coarser bars say nothing.
+inline constexpr double kFinestForce = 0.005, kCoarsestForce = 1.0;
+inline constexpr double kFinestOpeningMm = 0.1, kCoarsestOpeningMm = 20.0;
+inline constexpr double kShortestSearchS = 1.0, kLongestSearchS = 86'400.0; // up to a day
+
 struct SolverSettings {
     fem::Elasticity elasticity = fem::Elasticity::corotational;
     ElementKind element = ElementKind::p1;
     /// Tissue within this distance of the lips is nonlinear, and linear beyond; 0: the same law everywhere.
     double near_mm = 0.0;
+    /// The accuracy that plans on request aim for; not set: the request's own (PlanChecks::accuracy).
+    std::optional<AccuracyGoal> accuracy {};
 
     bool operator==(const SolverSettings&) const = default;
 };
@@ -41,9 +57,13 @@ fem::Material as_solved(fem::Material material, ElementKind element);
 /// Text for people: "hyperelastic within 40 mm of the lips, linear beyond; ten-node elements".
 std::string solution_text(const SolverSettings& choice);
 
+/// @throws InputError naming the number of the goal that is out of range ("/solution/accuracy/force")
+void check_accuracy(const AccuracyGoal& goal);
+
 /// Checks that the settings can be combined.
 /// @param contact whether contact between surfaces is computed
-/// @throws InputError naming two contradictory settings, or a distance that is negative or not finite
+/// @throws InputError naming two contradictory settings, or a distance that is negative or not finite; as
+/// check_accuracy()
 void check_solution(const SolverSettings& choice, bool contact);
 
 } // namespace retractor::planner

@@ -142,6 +142,27 @@ struct ErrorBars {
     double seconds = 0.0;
 };
 
+/// Why a search for an accuracy ended (planner/plan/accurate_plan.h).
+enum class AccuracyEnd {
+    reached, ///< the bars are as small as asked
+    time, ///< the next mesh would take longer than asked
+    memory, ///< the next mesh would need more memory than there is
+    rounds, ///< on the finest of the meshes that a search may make
+    failure, ///< the plan has no equilibrium, or the next mesh gave no answer
+};
+
+/// The asked accuracy, and the reached one.
+struct AccuracyMetrics {
+    AccuracyGoal asked {};
+    /// Half-width of the force's bar over the force; not set: the force is known or missing, or there are no bars.
+    std::optional<double> reached_force {};
+    std::optional<double> reached_opening_mm {}; ///< half-width of the opening's bar; not set: there are no bars
+    int rounds = 1; ///< number of meshes that gave an answer
+    double edge_mm = 0.0; ///< edge length round the incision in the finest of these meshes
+    AccuracyEnd ended_by = AccuracyEnd::reached;
+    std::string message {}; ///< if ended by a failure: the reason
+};
+
 /// The opened wound solved again, linearly, by another program with the same mesh, element, supports and hooks.
 struct SecondOpinion {
     std::string program;
@@ -259,6 +280,7 @@ struct FieldMetrics {
     std::vector<PressureMetrics> pressures; ///< pressures on the wall
     std::optional<TensionMetrics> tension; ///< filled where tissue of the wall is under tension
     std::optional<ErrorBars> error;
+    std::optional<AccuracyMetrics> accuracy; ///< filled when an accuracy was asked
     std::optional<SecondOpinion> second_opinion; ///< filled on request
 
     /// Implausible numbers that the case accepts, one sentence each (planner/case/plausible_input.h).

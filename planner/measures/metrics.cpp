@@ -4,6 +4,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
+#include "planner/measures/accuracy.h"
 #include "planner/measures/bone_limits.h"
 #include "planner/measures/hook_opening.h"
 #include "planner/measures/metric_table.h"
@@ -54,6 +55,19 @@ namespace {
             json["holds_for"] = "discretisation, to first order at the solution";
         }
         put(json, field, "seconds", error.seconds);
+        return json;
+    }
+
+    Json accuracy_document(const FieldMetrics& field, const AccuracyMetrics& accuracy)
+    {
+        Json json;
+        for (const AccuracyField& row : accuracy_fields())
+            if (const std::optional<double> value = row.of(accuracy))
+                put(json, field, row.key, *value);
+        json["rounds"] = accuracy.rounds;
+        json["ended_by"] = to_string(accuracy.ended_by);
+        if (!accuracy.message.empty())
+            json["message"] = accuracy.message;
         return json;
     }
 
@@ -398,6 +412,8 @@ namespace {
             json["tension"] = tension_document(field, *field.tension);
         if (field.error)
             json["error_estimate"] = error_document(field, *field.error);
+        if (field.accuracy)
+            json["accuracy"] = accuracy_document(field, *field.accuracy);
         if (field.second_opinion)
             json["second_opinion"] = opinion_document(field, *field.second_opinion);
         json["bone_in_sight"] = field.bone_in_sight;

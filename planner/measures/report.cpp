@@ -3,6 +3,7 @@
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
+#include "planner/measures/accuracy.h"
 #include "planner/measures/bone_limits.h"
 #include "planner/measures/force_moments.h"
 #include "planner/measures/hook_opening.h"
@@ -378,6 +379,9 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             out << "<p>" << escaped(joints) << "</p>";
         out << "<p>" << escaped(error_text(field))
             << ". Errors of the materials, the supports and the model are not included.</p>";
+        if (const std::string accuracy = accuracy_text(field); !accuracy.empty())
+            out << (field.accuracy->ended_by == AccuracyEnd::reached ? "<p>" : "<p class=\"notice\">")
+                << escaped(accuracy) << "</p>";
         out << "<p>" << escaped(solution_text(field)) << "; relative residual " << formatted("%.1e", field.residual)
             << ".</p>";
         for (const PressureMetrics& pressure : field.pressures)

@@ -1,11 +1,13 @@
 #include "planner/palpation/palpable.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/memory.h"
 #include "mesh/base/text_format.h"
 #include "mesh/generation/hybrid_model.h"
 #include "mesh/surface/wall_shell.h"
 #include "planner/palpation/palpable_hold.h"
 #include "planner/palpation/palpable_sites.h"
+#include "planner/plan/plan_forecast.h"
 
 #include <algorithm>
 #include <array>
@@ -190,6 +192,7 @@ namespace {
     {
         mesh::MeshSizing sizing;
         sizing.coarse_edge_mm = edge_mm;
+        sizing.most_tetrahedra = tetrahedra_limit(available_memory(), ElementKind::p1);
         mesh::HybridModel model = mesh::build_hybrid_model(alone, sizing, job);
         if (model.status == mesh::MeshStatus::nothing_to_mesh)
             throw SolverError("the structure was not meshed: " + model.message

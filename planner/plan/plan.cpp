@@ -2,6 +2,7 @@
 
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
+#include "mesh/base/memory.h"
 #include "mesh/base/text_format.h"
 #include "mesh/generation/hybrid_model.h"
 #include "mesh/image/skeleton.h"
@@ -14,11 +15,13 @@
 #include "planner/measures/metrics.h"
 #include "planner/measures/risk_distances.h"
 #include "planner/measures/volume_failures.h"
+#include "planner/plan/accurate_plan.h"
 #include "planner/plan/bone_loads.h"
 #include "planner/plan/error_bars.h"
 #include "planner/plan/explanation.h"
 #include "planner/plan/gape.h"
 #include "planner/plan/opened_wound.h"
+#include "planner/plan/plan_forecast.h"
 #include "planner/plan/reduction_error.h"
 #include "planner/plan/retractor_measures.h"
 #include "planner/wall/supports.h"
@@ -33,6 +36,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -334,10 +338,22 @@ namespace {
 
     // ---- the stages of a plan: each returns false, with status and message set, when the plan ends there -----------
 
-    bool mesh_wall(PlannedField& field, const mesh::LabelVolume& labels, const mesh::MeshSizing& sizing, const Job& job)
+    /// Meshes the wall. The forecast of the plan accompanies the progress of the mesher.
+    /// @param memory_bytes memory that the plan may take; not set: not known
+    bool mesh_wall(PlannedField& field, const mesh::LabelVolume& labels, const mesh::MeshSizing& sizing,
+        ElementKind element, std::optional<double> memory_bytes, const Job& job)
     {
         const StageTimer timer(field.metrics, "mesh");
-        mesh::HybridModel model = mesh::build_hybrid_model(labels, sizing, job);
+        std::string forecast;
+        Job meshing = job;
+        meshing.on_progress
+            = [&](std::string_view stage, double fraction) { job.report(std::string(stage) + forecast, fraction); };
+        const auto on_forecast = [&](double tetrahedra) {
+            const PlanForecast expected = forecast_plan(tetrahedra, element);
+            forecast = " (" + forecast_text(expected) + ")";
+            check_memory(expected, memory_bytes);
+        };
+        mesh::HybridModel model = mesh::build_hybrid_model(labels, sizing, meshing, on_forecast);
         field.mesh_statistics = model.statistics;
         field.message = std::move(model.message);
         field.wall = std::move(model.wall);
@@ -455,6 +471,24 @@ namespace {
             "approach " + approach.name + (error.where().empty() ? "" : ": " + error.where()), error.fields()));
     }
 
+    /// Plans one approach once, or on finer and finer meshes where an accuracy is asked.
+    PlannedField plan_as_accurately_as_asked(
+        Patient& patient, const Approach& approach, const Job& job, const PlanChecks& checks)
+    {
+        if (!checks.accuracy)
+            return plan_approach(patient, approach, job, checks);
+        const Stopwatch watch;
+        const AccuracySearch search { .goal = *checks.accuracy,
+            .element = patient.planned_case().solution.element,
+            .memory_bytes = checks.memory_bytes,
+            .elapsed_s = [&watch] { return watch.seconds(); } };
+        return plan_to_accuracy(search, [&](double edge_factor) {
+            Approach finer = approach;
+            finer.sizing = with_scaled_edges(approach.sizing, edge_factor);
+            return plan_approach(patient, finer, job, checks);
+        });
+    }
+
 } // namespace
 
 void check_plan(const Case& planned_case, const PlanChecks& checks)
@@ -462,6 +496,12 @@ void check_plan(const Case& planned_case, const PlanChecks& checks)
     check_solution(planned_case.solution, planned_case.contact);
     check_pressures(planned_case);
     check_plausible(planned_case);
+    if (checks.accuracy) {
+        check_accuracy(*checks.accuracy);
+        if (!checks.error_bars)
+            throw InputError("a plan without error bars, such as a draft, promises no accuracy", "accuracy",
+                { "accuracy", "draft" });
+    }
     if (checks.linear_region && planned_case.solution.near_mm == 0.0)
         throw InputError(
             "there is nothing to check: near_mm is 0, so the whole wall follows the same law", "check", { "check" });
@@ -483,10 +523,14 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     }
     find_bearing_points(field.approach, *labels);
     find_space_division(field.approach, patient);
-    const mesh::MeshSizing sizing = mesh_sizing_of(field.approach, planned_case.label_table);
+    const ElementKind element = planned_case.solution.element;
+    const std::optional<double> memory_bytes = checks.memory_bytes ? checks.memory_bytes : available_memory();
+    mesh::MeshSizing sizing = mesh_sizing_of(field.approach, planned_case.label_table);
+    sizing.most_tetrahedra = tetrahedra_limit(memory_bytes, element);
     CutWall cut;
     OpenedWound wound;
-    if (mesh_wall(field, *labels, sizing, job) && cut_meshed_wall(field, cut, *labels, planned_case, sizing, job)
+    if (mesh_wall(field, *labels, sizing, element, memory_bytes, job)
+        && cut_meshed_wall(field, cut, *labels, planned_case, sizing, job)
         && open_cut_wall(field, wound, std::move(cut), patient, *labels, job)
         && expose_target(field, patient, *labels, sizing, job)
         && estimate(field, wound, planned_case.solution, checks, job)) {
@@ -500,13 +544,20 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
 std::vector<PlannedField> plan_all(Patient& patient, const Job& job, const PlanChecks& checks)
 {
     const std::vector<Approach>& approaches = patient.planned_case().approaches;
+    const std::size_t workers = std::min<std::size_t>({ 2, approaches.size(),
+        std::max(1U, std::thread::hardware_concurrency()), static_cast<std::size_t>(std::max(1, job.threads)) });
+    PlanChecks shared = checks;
+    if (!shared.memory_bytes && workers > 0)
+        // Measured once: what a plan finds available depends on how far the other has come.
+        if (const std::optional<double> available = available_memory())
+            shared.memory_bytes = *available / static_cast<double>(workers);
     std::vector<PlannedField> fields(approaches.size());
     std::vector<std::exception_ptr> failures(approaches.size());
     std::atomic<std::size_t> next { 0 };
     const auto work = [&] {
         for (std::size_t i = next.fetch_add(1); i < approaches.size(); i = next.fetch_add(1)) {
             try {
-                fields[i] = plan_approach(patient, approaches[i], job, checks);
+                fields[i] = plan_as_accurately_as_asked(patient, approaches[i], job, shared);
             } catch (const InputError& error) {
                 failures[i] = at_approach(approaches[i], error);
             } catch (const SolverError& error) {
@@ -518,8 +569,6 @@ std::vector<PlannedField> plan_all(Patient& patient, const Job& job, const PlanC
                 next.store(approaches.size());
         }
     };
-    const std::size_t workers = std::min<std::size_t>({ 2, approaches.size(),
-        std::max(1U, std::thread::hardware_concurrency()), static_cast<std::size_t>(std::max(1, job.threads)) });
     {
         std::vector<std::jthread> threads;
         for (std::size_t w = 1; w < workers; ++w)

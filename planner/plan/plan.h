@@ -6,8 +6,10 @@
 #include "planner/case/approach.h"
 #include "planner/case/case.h"
 #include "planner/case/patient.h"
+#include "planner/case/solver_settings.h"
 #include "planner/plan/planned_field.h"
 
+#include <optional>
 #include <vector>
 
 namespace retractor::planner {
@@ -18,16 +20,24 @@ struct PlanChecks {
     bool linear_region = false;
     bool error_bars = true; ///< Estimates the discretisation error. A draft does without.
     bool draft = false; ///< Records that the caller asked for a quick plan (SolutionMetrics::draft); changes nothing.
+    /// plan_all() plans each approach on finer meshes until its error bars are this small (accurate_plan.h); not set:
+    /// once. plan_approach() plans once.
+    std::optional<AccuracyGoal> accuracy {};
+    /// Memory that one plan may take, bytes; not set: all that is available. plan_all() divides what is available
+    /// among the plans that run at the same time.
+    std::optional<double> memory_bytes {};
 };
 
 /// Checks the case's settings before any long computation.
-/// @throws InputError as check_solution(), check_pressures() and check_plausible(), and on a check of the linear region
-/// without one
+/// @throws InputError as check_solution(), check_accuracy(), check_pressures() and check_plausible(), on a check of the
+/// linear region without one, and on an accuracy without error bars
 void check_plan(const Case& planned_case, const PlanChecks& checks);
 
-/// Plans one approach with the case's solver settings (`solution`, `contact`).
-/// @throws InputError on a malformed or implausible approach and on contradictory settings (check_plan()); SolverError
-/// on a body that cannot be solved
+/// Plans one approach, once, with the case's solver settings (`solution`, `contact`). Before meshing, the job's
+/// progress tells the forecast of tetrahedra, time and memory.
+/// @throws InputError on a malformed or implausible approach and on contradictory settings (check_plan());
+/// MemoryRefusal (an InputError) on a mesh whose plan does not fit into the memory; SolverError on a body that cannot
+/// be solved
 PlannedField plan_approach(
     Patient& patient, const Approach& approach, const Job& job = {}, const PlanChecks& checks = {});
 

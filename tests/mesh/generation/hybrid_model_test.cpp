@@ -10,6 +10,9 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace retractor::mesh {
 namespace hybrid_model_test {
@@ -408,6 +411,27 @@ namespace hybrid_model_test {
         const HybridModel model = build_hybrid_model(ball(20.0, 1.0), uniform(2.0), job);
         EXPECT_EQ(model.status, MeshStatus::cancelled);
         EXPECT_EQ(model.wall.tet_count(), 0U);
+    }
+
+    TEST(HybridModel, TheForecastIsToldBeforeMeshingAndMayRefuse)
+    {
+        double told = 0.0;
+        const HybridModel model
+            = build_hybrid_model(ball(10.0, 1.0), uniform(4.0), {}, [&](double expected) { told = expected; });
+        EXPECT_GT(told, 0.0);
+        EXPECT_EQ(told, model.expected_tetrahedra);
+        std::vector<std::string> stages;
+        const Job job { .on_progress = [&](std::string_view stage, double) { stages.emplace_back(stage); } };
+        const auto refuse = [](double) { throw InputError("too many"); };
+        EXPECT_THROW(static_cast<void>(build_hybrid_model(ball(10.0, 1.0), uniform(4.0), job, refuse)), InputError);
+        EXPECT_EQ(stages, std::vector<std::string> { "label field" });
+        MeshSizing limited = uniform(4.0);
+        limited.most_tetrahedra = 0.5 * told;
+        told = 0.0;
+        EXPECT_THROW(static_cast<void>(
+                         build_hybrid_model(ball(10.0, 1.0), limited, {}, [&](double expected) { told = expected; })),
+            InputError);
+        EXPECT_GT(told, limited.most_tetrahedra) << "the forecast comes before the mesher's own refusal";
     }
 
     template <class Change> void expect_refused(Change change, const std::string& text)

@@ -162,6 +162,38 @@ namespace case_io_test {
             "/solution");
     }
 
+    TEST_F(CaseFile, AnAskedAccuracyComesBackAndIsRefusedOutOfRange)
+    {
+        Case c = sample();
+        c.solution.accuracy = AccuracyGoal { .force = 1.0 / 3.0, .opening_mm = 10.0 / 3.0, .time_s = 1e3 / 7.0 };
+        EXPECT_EQ(case_from_json(case_to_json(c), folder_).solution, c.solution);
+        const auto read = [&](const Json& accuracy) {
+            Json json = Json::parse(case_to_json(sample()));
+            json["solution"] = { { "accuracy", accuracy } };
+            return case_from_json(json.dump(), folder_).solution.accuracy;
+        };
+        EXPECT_EQ(read(Json::object()), AccuracyGoal {});
+        EXPECT_EQ(read({ { "force", 0.1 } }), (AccuracyGoal { .force = 0.1 }));
+        EXPECT_EQ(read({ { "opening", 1.0 }, { "time", 60.0 } }), (AccuracyGoal { .opening_mm = 1.0, .time_s = 60.0 }));
+        const auto refused = [&](const char* key, const Json& value) {
+            return refused_at([&](Json& j) { j["solution"] = { { "accuracy", { { key, value } } } }; });
+        };
+        const std::string at = "/solution/accuracy";
+        for (const double force : { 0.0049, 1.01, 15.0, 0.0, -0.1 })
+            EXPECT_EQ(refused("force", force), at + "/force") << force;
+        for (const double opening : { 0.09, 20.1, -1.0 })
+            EXPECT_EQ(refused("opening", opening), at + "/opening") << opening;
+        for (const double time : { 0.0, 0.9, 86'401.0 })
+            EXPECT_EQ(refused("time", time), at + "/time") << time;
+        for (const double force : { 0.005, 1.0 })
+            EXPECT_EQ(refused("force", force), "accepted") << force;
+        EXPECT_EQ(refused("force", "15%"), at + "/force");
+        EXPECT_EQ(refused("rounds", 3), at + "/rounds");
+        EXPECT_EQ(refused_at([](Json& j) { j["solution"] = { { "accuracy", "none" } }; }), at);
+        c.solution.accuracy->force = std::numeric_limits<double>::quiet_NaN();
+        EXPECT_THROW((void)case_to_json(c), InputError);
+    }
+
     TEST_F(CaseFile, RefusesAnOpeningProtocolThatIsIncompleteOrOutOfRange)
     {
         const auto protocol_refused_at = [&](const std::string& key, const Json& value) {

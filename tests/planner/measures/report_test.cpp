@@ -103,6 +103,27 @@ namespace report_test {
         EXPECT_EQ(none.at("second_opinion").at("message"), "ccx died");
     }
 
+    TEST(Report, SaysTheReachedAccuracyInASentence)
+    {
+        FieldMetrics field = sample_field("median");
+        add_bars(field, 1.2, 2.0);
+        const fs::path path = fs::path(::testing::TempDir()) / "report_accuracy.html";
+        const auto written = [&] {
+            Report report;
+            report.fields = { field };
+            write_report(path, report);
+            return content_of(path);
+        };
+        EXPECT_EQ(written().find("is known to"), std::string::npos);
+        field.accuracy = AccuracyMetrics { .reached_force = 0.09, .reached_opening_mm = 1.2, .edge_mm = 8.0 };
+        EXPECT_NE(written().find("<p>The force is known to 9 % (asked: 15 %)."), std::string::npos);
+        field.accuracy->ended_by = AccuracyEnd::time;
+        field.accuracy->reached_force = 0.22;
+        EXPECT_NE(written().find("<p class=\"notice\">The asked accuracy of 15 % and 2 mm was not reached within "
+                                 "600 s; the force is known to 22 %"),
+            std::string::npos);
+    }
+
     TEST(Metrics, TheDivisionIsThereWhereTheSpaceIsDividedBeyondTheSkin)
     {
         FieldMetrics field = sample_field("intercostal_4");

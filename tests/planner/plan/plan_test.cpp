@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 #include "planner/measures/metrics.h"
+#include "planner/plan/plan_forecast.h"
 #include "tests/support/block_case.h"
 
 #include <Eigen/Geometry>
@@ -66,6 +67,64 @@ namespace plan_test {
         EXPECT_LT(bars.energy->algebraic_error, 0.1 * bars.energy->energy_error);
         // The target's near pole lies 40 mm below the skin.
         EXPECT_NEAR(open.metrics.working_distance_mm, 40.0, 3.0);
+    }
+
+    TEST(Plan, TellsTheForecastAndRefusesWhatDoesNotFitTheMemory)
+    {
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        Patient patient(test_support::block_case("memory", phantom));
+        const Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0);
+        std::atomic<bool> cancel { false };
+        std::string told;
+        const Job job { .on_progress =
+                            [&](std::string_view stage, double) {
+                                if (stage.find("refine tetrahedra") == std::string_view::npos)
+                                    return;
+                                told = stage;
+                                cancel = true;
+                            },
+            .cancel = &cancel };
+        EXPECT_EQ(plan_approach(patient, approach, job).status, PlanStatus::cancelled);
+        EXPECT_NE(told.find(" tetrahedra, about "), std::string::npos) << told;
+        EXPECT_NE(told.find(" GiB)"), std::string::npos) << told;
+        try {
+            static_cast<void>(plan_approach(patient, approach, {}, { .memory_bytes = 1e6 }));
+            FAIL() << "a plan in a megabyte was not refused";
+        } catch (const MemoryRefusal& refusal) {
+            EXPECT_EQ(refusal.fields(), std::vector<std::string> { "corridor_edge_mm" });
+        }
+        EXPECT_THROW(
+            check_plan(patient.planned_case(), { .error_bars = false, .accuracy = AccuracyGoal {} }), InputError);
+        EXPECT_THROW(check_plan(patient.planned_case(), { .accuracy = AccuracyGoal { .force = 2.0 } }), InputError);
+    }
+
+    TEST(Plan, PlansOfACaseReachTheirAccuracyOnFinerMeshes)
+    {
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        Case planned_case = test_support::block_case("accuracy", phantom);
+        {
+            Patient patient(planned_case);
+            planned_case.approaches
+                = { test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0) };
+        }
+        Patient patient(planned_case);
+        const double edge = planned_case.approaches.front().sizing.corridor_edge_mm;
+        const std::vector<PlannedField> once = plan_all(patient);
+        ASSERT_EQ(once.size(), 1u);
+        ASSERT_EQ(once.front().status, PlanStatus::done) << once.front().message;
+        EXPECT_FALSE(once.front().metrics.accuracy);
+        const ErrorBars& bars = once.front().metrics.error.value();
+        ASSERT_EQ(bars.message, "");
+        // A little less than the first mesh reaches; the second one may take as long as it wants.
+        const AccuracyGoal goal { .force = 0.99 * bars.hook_force_N / once.front().metrics.hook_force_N,
+            .opening_mm = kCoarsestOpeningMm,
+            .time_s = kLongestSearchS };
+        const std::vector<PlannedField> finer = plan_all(patient, {}, { .accuracy = goal });
+        const AccuracyMetrics& accuracy = finer.front().metrics.accuracy.value();
+        EXPECT_GE(accuracy.rounds, 2);
+        EXPECT_LT(accuracy.edge_mm, 0.81 * edge);
+        EXPECT_EQ(accuracy.ended_by == AccuracyEnd::reached, accuracy.reached_force.value() <= goal.force);
+        EXPECT_EQ(finer.front().approach.sizing.corridor_edge_mm, finer.front().metrics.solution.mesh.corridor_edge_mm);
     }
 
     TEST(Plan, WithoutAnIntercostalSpaceTheSkinsLengthIsDividedAndThePlanSaysSo)

@@ -88,7 +88,7 @@ TEST_F(CommandLine, ACaseFileMayHaveAnyName)
     EXPECT_EQ(
         run("cut " + second + " --approach straight --out " + out("named_again") + " --replay " + journal).exit_code,
         0);
-    const CommandRun plan = run("--json plan " + second + " --out " + out("named_plan"));
+    const CommandRun plan = run("--json plan " + second + " --accuracy none --out " + out("named_plan"));
     ASSERT_EQ(plan.exit_code, 0);
     EXPECT_EQ(plan.json().at("computed").at("case"), "named/second.json");
     EXPECT_EQ(run("render " + second + " --views overview --size 320x240 --out " + out("named_pictures")).exit_code, 0);
@@ -101,7 +101,8 @@ TEST_F(CommandLine, UsageAndBadInputExitWithTwoAndOneJsonDocument)
     EXPECT_EQ(run("no-such-command").exit_code, 2);
     EXPECT_EQ(run("plan").exit_code, 2);
     EXPECT_EQ(run("plan " + case_file() + " --check --out " + out("x")).exit_code, 2); // of what, without --near
-    for (const char* wrong : { "--local 60", "--near nan", "--near -1", "--reference-limit nan" })
+    for (const char* wrong : { "--local 60", "--near nan", "--near -1", "--reference-limit nan", "--accuracy 15",
+             "--accuracy 0.1%", "--accuracy 15%,30", "--time 0", "--time nan", "--draft --accuracy 15%" })
         EXPECT_EQ(run("plan " + case_file() + " " + wrong + " --out " + out("x")).exit_code, 2) << wrong;
     const CommandRun missing = run("--json plan " + out("none/case.json") + " --out " + out("x"));
     EXPECT_NE(missing.exit_code, 0);
@@ -239,7 +240,7 @@ TEST_F(CommandLine, CutIsReplayedFromItsJournal)
 
 TEST_F(CommandLine, PlanWithoutRenderBuildsNoRenderer)
 {
-    const CommandRun plan = run("--json --profile plan " + case_file() + " --out " + out("plan"));
+    const CommandRun plan = run("--json --profile plan " + case_file() + " --accuracy none --out " + out("plan"));
     ASSERT_EQ(plan.exit_code, 0);
     const Json document = plan.json();
     const auto parts = parts_of(document);
@@ -253,6 +254,26 @@ TEST_F(CommandLine, PlanWithoutRenderBuildsNoRenderer)
     EXPECT_EQ(Json::parse(file).at("approaches").at(0).at("name"), "straight");
 }
 
+TEST_F(CommandLine, AnAccuracyIsReachedAndReported)
+{
+    const std::string plan = "--json plan " + case_file() + " --out " + out("accurate");
+    // The widest bars that can be asked: the first mesh reaches them.
+    const CommandRun wide = run(plan + " --accuracy 100%,20 --time 60");
+    ASSERT_EQ(wide.exit_code, 0) << wide.out;
+    const Json accuracy = wide.json().at("approaches").at(0).at("accuracy");
+    EXPECT_EQ(accuracy.at("asked_force"), 1.0);
+    EXPECT_EQ(accuracy.at("asked_opening"), 20.0);
+    EXPECT_EQ(accuracy.at("asked_time"), 60.0);
+    EXPECT_EQ(accuracy.at("ended_by"), "reached");
+    EXPECT_EQ(accuracy.at("rounds"), 1);
+    const Json bars = wide.json().at("approaches").at(0).at("error_estimate");
+    EXPECT_EQ(accuracy.at("reached_opening"), bars.at("opening_width_mm"));
+    const CommandRun none = run(plan + " --accuracy none");
+    EXPECT_FALSE(none.json().at("approaches").at(0).contains("accuracy"));
+    const CommandRun beyond = run(plan + " --accuracy 200%");
+    EXPECT_NE(beyond.error().find("(option --accuracy)"), std::string::npos) << beyond.out;
+}
+
 TEST_F(CommandLine, HowWoundsAreSolvedIsChosenInTheCaseOrByOption)
 {
     std::ifstream in(case_file());
@@ -260,7 +281,7 @@ TEST_F(CommandLine, HowWoundsAreSolvedIsChosenInTheCaseOrByOption)
     Json document = Json::parse(kept);
     document["solution"] = { { "elasticity", "hyperelastic" }, { "element", "locking-free" } };
     std::ofstream(case_file()) << document.dump(2);
-    const std::string plan = "--json plan " + case_file() + " --out " + out("chosen");
+    const std::string plan = "--json plan " + case_file() + " --accuracy none --out " + out("chosen");
     const CommandRun near = run(plan + " --element p1 --near 20"); // the elasticity stays the case's
     EXPECT_EQ(near.exit_code, 0) << near.out;
     const Json solution = near.json().at("approaches").at(0).at("solution");
@@ -296,7 +317,8 @@ TEST_F(CommandLine, TensionIsSetListedPlannedWithAndTakenOff)
     EXPECT_EQ(skin(), "none") << "what is refused changes nothing";
     ASSERT_EQ(run(tension + " --material skin --along 0.05 --across 0.02 --direction 1,0,0").exit_code, 0);
     EXPECT_EQ(skin(), "5.0 % along (1.000, 0.000, 0.000), 2.0 % across");
-    const std::string plan = "--json plan " + case_file() + " --elasticity linear --out " + out("tense");
+    const std::string plan
+        = "--json plan " + case_file() + " --accuracy none --elasticity linear --out " + out("tense");
     EXPECT_EQ(run(plan + " --export feb").exit_code, 2);
     const Json planned = run(plan).json().at("approaches").at(0).at("tension");
     EXPECT_EQ(planned.at("tissues").at(0).at("material"), "skin");
@@ -307,7 +329,8 @@ TEST_F(CommandLine, TensionIsSetListedPlannedWithAndTakenOff)
 
 TEST_F(CommandLine, PressureIsPlannedWithAndRefusedByName)
 {
-    const std::string plan = "--json plan " + case_file() + " --elasticity linear --out " + out("pressed");
+    const std::string plan
+        = "--json plan " + case_file() + " --accuracy none --elasticity linear --out " + out("pressed");
     for (const char* wrong :
         { "cavity", "cavity=", "cavity=nan", "cavity=inf", "cavity=-200", "cavity=2000", "nobody=1", "skin=1",
             "cavity=1 --pressure cavity=2", "cavity=1 --export feb", "cavity=1 --elasticity corotational --near 30" })
@@ -467,7 +490,7 @@ TEST_F(CommandLine, AblationsAreAddedListedAndCut)
     EXPECT_NE(cut.out.find("taken out: fat from -6.0 to 5.0 mm across"), std::string::npos) << cut.out;
     EXPECT_NE(cut.out.find(" cm3 of skin"), std::string::npos) << cut.out;
     EXPECT_EQ(cut.out.find("e+"), std::string::npos) << cut.out;
-    const CommandRun plan = run("plan " + rest);
+    const CommandRun plan = run("plan --accuracy none " + rest);
     ASSERT_EQ(plan.exit_code, 0) << plan.out;
     EXPECT_NE(plan.out.find("cm2 at rest) is not part of the opening"), std::string::npos) << plan.out;
     std::ifstream metrics(fs::path(out("taken")) / "metrics.json");
@@ -480,13 +503,13 @@ TEST_F(CommandLine, AblationsAreAddedListedAndCut)
     Json of_two { { "approaches", { field, field } } };
     of_two["approaches"][1]["name"] = "other";
     std::ofstream(fs::path(out("taken")) / "metrics.json") << of_two;
-    const CommandRun again = run("plan " + rest);
+    const CommandRun again = run("plan --accuracy none " + rest);
     EXPECT_NE(again.out.find("metrics-earlier.json keeps the earlier results of other"), std::string::npos)
         << again.out;
     std::ifstream kept(earlier);
     EXPECT_EQ(Json::parse(kept, nullptr, false), of_two);
     std::ofstream(fs::path(out("taken")) / "metrics.json") << of_two;
-    EXPECT_EQ(Json::parse(run("plan " + rest + " --json").out).at("earlier_results"), earlier.string());
+    EXPECT_EQ(Json::parse(run("plan --accuracy none " + rest + " --json").out).at("earlier_results"), earlier.string());
     EXPECT_EQ(run("approach remove " + case_file() + " --name taken").exit_code, 0);
 
     const std::map<std::string, std::string> refused {

@@ -99,6 +99,24 @@ planner::AblationSpec parse_ablation(const std::string& text)
     return ablation;
 }
 
+std::optional<planner::AccuracyGoal> parse_accuracy(const std::string& text, const planner::AccuracyGoal& otherwise)
+{
+    if (text == "none")
+        return std::nullopt;
+    const std::string where = "--accuracy";
+    const std::size_t percent = text.find('%');
+    const std::string rest = percent == std::string::npos ? "" : text.substr(percent + 1);
+    if (percent == std::string::npos || (!rest.empty() && (rest.front() != ',' || rest.size() < 2)))
+        throw InputError(
+            "\"" + text + "\" is no accuracy like 15%, 15%,2 (of the force, and mm of the opening) or none", where);
+    planner::AccuracyGoal goal = otherwise;
+    constexpr double kPercent = 0.01;
+    goal.force = kPercent * parse_numbers(text.substr(0, percent), 1, where).front();
+    if (!rest.empty())
+        goal.opening_mm = parse_numbers(rest.substr(1), 1, where).front();
+    return goal;
+}
+
 std::pair<int, int> parse_size(const std::string& text)
 {
     const std::vector<std::string> parts = split(text, 'x');

@@ -3,10 +3,13 @@
 
 #include "mesh/base/geometry.h"
 #include "planner/case/approach.h"
+#include "planner/case/solver_settings.h"
 
 #include <CLI/CLI.hpp>
 
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace retractor::ui::cli {
@@ -21,6 +24,9 @@ planner::TargetSpec parse_target(const std::string& text);
 planner::AblationSpec parse_ablation(const std::string& text);
 /// Parses "1280x960".
 std::pair<int, int> parse_size(const std::string& text);
+/// Parses "15%", "15%,2" (share of the force, mm of the opening), or "none": no accuracy is asked.
+/// @param otherwise what the text leaves out; ranges are not checked (planner::check_accuracy())
+std::optional<planner::AccuracyGoal> parse_accuracy(const std::string& text, const planner::AccuracyGoal& otherwise);
 /// Splits "a,b,c" at the separator.
 std::vector<std::string> split(const std::string& text, char separator);
 

@@ -16,9 +16,11 @@ namespace {
     /// Fields and options. A field with different options in two commands comes twice.
     constexpr FieldOption kFieldOptions[] = {
         { "accept_implausible", "--accept-implausible" },
+        { "accuracy", "--accuracy" },
         { "autosegment", "--autosegment" },
         { "check", "--check" },
         { "contact", "--contact" },
+        { "corridor_edge_mm", "--edge" },
         { "depth_mm", "--depth" },
         { "edge_mm", "--edge" },
         { "elasticity", "--elasticity" },
@@ -43,6 +45,7 @@ namespace {
         { "structure", "--structure" },
         { "target", "--target" },
         { "template_name", "--template" },
+        { "time", "--time" },
         { "wall_mm", "--wall" },
         { "youngs_modulus_MPa", "--young" },
     };

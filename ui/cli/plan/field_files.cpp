@@ -6,6 +6,7 @@
 #include "mesh/base/text_format.h"
 #include "mesh/surface/wound_surface.h"
 #include "mesh/tetrahedra/mesh_io.h"
+#include "planner/measures/accuracy.h"
 #include "planner/measures/bone_limits.h"
 #include "planner/measures/force_moments.h"
 #include "planner/measures/metric_table.h"
@@ -366,6 +367,8 @@ std::string field_table(const std::vector<planner::PlannedField>& fields)
         if (m.tension)
             text += "  " + planner::tension_text(m) + "\n";
         text += "  " + planner::error_text(m) + "\n";
+        if (const std::string accuracy = planner::accuracy_text(m); !accuracy.empty())
+            text += "  " + accuracy + "\n";
         if (m.contact)
             text += "  " + planner::contact_text(m) + "\n";
         if (m.second_opinion)

@@ -46,6 +46,8 @@ namespace {
         double reference_limit_s = 600.0;
         std::optional<double> near_mm; ///< where it was given, also 0
         std::optional<double> edge_mm;
+        std::optional<std::string> accuracy; ///< where it was given
+        std::optional<double> time_s; ///< where it was given
         unsigned mesh_seed = 0;
         bool check_far = false; ///< PlanChecks::linear_region
         bool draft = false;
@@ -124,6 +126,24 @@ namespace {
         return { .linear_region = options.check_far, .error_bars = !options.draft, .draft = options.draft };
     }
 
+    /// The accuracy of a plan: the option's, else the case's, else the default. Nothing where none is asked, and for a
+    /// draft.
+    std::optional<planner::AccuracyGoal> asked_accuracy(
+        const PlanOptions& options, const planner::SolverSettings& solution)
+    {
+        std::optional<planner::AccuracyGoal> goal = solution.accuracy.value_or(planner::AccuracyGoal {});
+        if (options.accuracy)
+            goal = parse_accuracy(*options.accuracy, *goal);
+        if (options.draft) {
+            if (options.accuracy && goal)
+                throw InputError("a draft promises no accuracy: leave out --draft or --accuracy", "--accuracy");
+            return std::nullopt;
+        }
+        if (goal)
+            goal->time_s = options.time_s.value_or(goal->time_s);
+        return goal;
+    }
+
     /// The case with only the chosen approach, or with all. Options that contradict each other are refused before the
     /// patient is read.
     planner::Case chosen_case(const PlanOptions& options)
@@ -170,19 +190,35 @@ namespace {
         return request;
     }
 
+    enum class Rounds {
+        one,
+        to_accuracy, ///< finer and finer meshes, until the accuracy is reached
+    };
+
+    planner::PlanChecks checks_of(const PlanOptions& options, Rounds rounds, const planner::Case& planned_case)
+    {
+        planner::PlanChecks checks = checks_of(options);
+        if (rounds == Rounds::to_accuracy)
+            checks.accuracy = asked_accuracy(options, planned_case.solution);
+        planner::check_plan(planned_case, checks);
+        return checks;
+    }
+
     /// The common beginning of plan and render. Wrong options are refused before the long work.
     struct PlannedCase {
-        PlannedCase(const PlanOptions& options, const Job& job)
+        PlannedCase(const PlanOptions& options, Rounds rounds, const Job& job)
             : patient(chosen_case(options), job)
             , request(picture_request(options, patient.planned_case()))
+            , checks(checks_of(options, rounds, patient.planned_case()))
             , folder(options.out)
             , made(folder)
         {
-            fields = plan_all(patient, job, checks_of(options));
+            fields = plan_all(patient, job, checks);
             refuse_if_cancelled(job);
         }
         planner::Patient patient;
         PictureRequest request;
+        planner::PlanChecks checks;
         fs::path folder;
         OutFolder made;
         std::vector<planner::PlannedField> fields;
@@ -225,8 +261,8 @@ namespace {
         // Missing programs and wrong options are reported before the long work.
         const fs::path ccx = options.reference.empty() ? fs::path() : find_calculix();
         const std::vector<std::string> formats = export_formats(options);
-        PlannedCase planned(options, job);
-        auto& [patient, request, folder, made, fields] = planned;
+        PlannedCase planned(options, Rounds::to_accuracy, job);
+        auto& [patient, request, checks, folder, made, fields] = planned;
         const planner::Provenance computed = provenance_now(patient.planned_case());
         StagedResults staged(folder);
         write_field_meshes(staged.folder(), patient, fields);
@@ -277,8 +313,8 @@ namespace {
 
     Outcome render_fields_of(const PlanOptions& options, const Job& job)
     {
-        PlannedCase planned(options, job);
-        auto& [patient, request, folder, made, fields] = planned;
+        PlannedCase planned(options, Rounds::one, job);
+        auto& [patient, request, checks, folder, made, fields] = planned;
         const std::vector<planner::ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
         refuse_if_cancelled(job);
         Outcome outcome = picture_outcome(pictures);
@@ -475,6 +511,7 @@ void add_plan_command(Commands& commands)
     auto options = std::make_shared<PlanOptions>();
     CLI::App* command = commands.app.add_subcommand("plan", "Cut, open and measure the approaches of a case");
     command->footer("Example: retractor plan case.json --out plan --render\n"
+                    "Example: retractor plan case.json --out plan --accuracy 10%,1 --time 1800\n"
                     "Example: retractor plan case.json --out plan --reference ccx --export ccx,feb\n"
                     "Example: retractor plan case.json --out plan --elasticity hyperelastic --near 40 --check\n"
                     "Example: retractor plan case.json --out plan --pressure lung_left=1.3");
@@ -482,6 +519,15 @@ void add_plan_command(Commands& commands)
     command->add_option("--approach", options->approach, "Only this approach (default: all)");
     command->add_option("--out", options->out, "Folder for metrics.json, VTU and VTP files")->required();
     add_solution_options(*command, *options);
+    command->add_option("--accuracy", options->accuracy,
+        "FORCE%[,MM]: plan again on finer meshes until the force's error bar is at most this share of the force and "
+        "the opening's bar at most MM. none: one mesh (default: the case's solution, else 15%,2; also "
+        "\"accuracy\" of \"solution\" in case.json)");
+    command
+        ->add_option("--time", options->time_s,
+            "Time (s) for the meshes of one approach: a finer mesh that would take longer is not tried (default: the "
+            "case's solution, else 600)")
+        ->check(in_range(planner::kShortestSearchS, planner::kLongestSearchS));
     command->add_flag("--render", options->render, "Also draw the views and write report.html");
     command
         ->add_option("--reference", options->reference,

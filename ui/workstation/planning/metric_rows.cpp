@@ -3,6 +3,7 @@
 #include "mesh/base/text_format.h"
 #include "planner/approach/retractors.h"
 #include "planner/case/opening_protocol.h"
+#include "planner/measures/accuracy.h"
 #include "planner/measures/bone_limits.h"
 #include "planner/measures/force_moments.h"
 #include "planner/measures/metric_table.h"
@@ -172,6 +173,12 @@ namespace {
                 volume_ratio,
                 { "Planning time", number(seconds, 1, "s"), {} },
             } };
+        if (field.accuracy)
+            for (const planner::AccuracyField& row : planner::accuracy_fields())
+                if (const auto value = row.of(*field.accuracy))
+                    section.rows.push_back({ row.caption, planner::accuracy_number(row, *value),
+                        row.meaning + (" " + planner::accuracy_text(field)),
+                        field.accuracy->ended_by != planner::AccuracyEnd::reached });
         if (field.volume_failures)
             section.rows.push_back({ "Soft tissue off its volume", number(100.0 * field.volume_failures->share, 2, "%"),
                 planner::is_believable(field)

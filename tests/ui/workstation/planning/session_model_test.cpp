@@ -316,6 +316,26 @@ namespace session_model_test {
         EXPECT_EQ(row_of(field_rows(field), "Opening width").value, "57.9 mm");
     }
 
+    TEST(MetricRows, SayTheAskedAndTheReachedAccuracy)
+    {
+        planner::FieldMetrics field;
+        EXPECT_THROW((void)row_of(field_rows(field), "Accuracy of the force"), std::out_of_range);
+        field.accuracy = planner::AccuracyMetrics { .asked = { .force = 0.15 },
+            .reached_force = 0.22,
+            .reached_opening_mm = 1.24,
+            .rounds = 2,
+            .edge_mm = 6.4,
+            .ended_by = planner::AccuracyEnd::time };
+        const auto sections = field_rows(field);
+        EXPECT_EQ(row_of(sections, "Asked accuracy of the force").value, "15.0 %");
+        EXPECT_EQ(row_of(sections, "Accuracy of the force").value, "22.0 %");
+        EXPECT_TRUE(row_of(sections, "Accuracy of the force").warning);
+        EXPECT_EQ(row_of(sections, "Accuracy of the opening").value, "1.2 mm");
+        EXPECT_EQ(row_of(sections, "Finest edges tried").value, "6.4 mm");
+        field.accuracy->ended_by = planner::AccuracyEnd::reached;
+        EXPECT_FALSE(row_of(field_rows(field), "Accuracy of the force").warning);
+    }
+
     TEST(MetricRows, NameTheMomentOfTheForce)
     {
         planner::FieldMetrics field;

@@ -10,8 +10,10 @@ target_compile_features(retractor_options INTERFACE cxx_std_20)
 set(retractor_warnings
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor -Woverloaded-virtual -Werror
   # GCC 12 warns falsely of "text" + std::string and of moved strings (its bugs 105651 and 105329); with precompiled
-  # headers it no longer knows that the place is in a system header.
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict$<SEMICOLON>-Wno-stringop-overflow$<SEMICOLON>-Wno-array-bounds>)
+  # headers it no longer knows that the place is in a system header. It also guesses wrongly, differently at each level of
+  # optimisation, that members of std::optional and std::function are read before they are set.
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict$<SEMICOLON>-Wno-stringop-overflow$<SEMICOLON>-Wno-array-bounds>
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
 target_compile_options(retractor_options INTERFACE "$<BUILD_INTERFACE:${retractor_warnings}>")
 target_include_directories(retractor_options INTERFACE "$<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>")
 target_link_libraries(retractor_options INTERFACE Eigen3::Eigen Threads::Threads)
@@ -19,9 +21,6 @@ if(RETRACTOR_ASSERTIONS)
   target_compile_definitions(retractor_options INTERFACE $<BUILD_INTERFACE:RETRACTOR_ASSERTIONS>)
 endif()
 if(RETRACTOR_SANITIZE)
-  # Under sanitizers GCC 12 also warns falsely of uninitialised members in std::function.
-  target_compile_options(retractor_options INTERFACE
-    "$<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>>")
   target_compile_options(retractor_options INTERFACE
     "$<BUILD_INTERFACE:-fsanitize=${RETRACTOR_SANITIZE};-fno-omit-frame-pointer>")
   target_link_options(retractor_options INTERFACE "$<BUILD_INTERFACE:-fsanitize=${RETRACTOR_SANITIZE}>")
@@ -34,11 +33,10 @@ set(retractor_precompiled_standard
 set(retractor_precompiled_eigen <Eigen/Core> <Eigen/Eigenvalues> <Eigen/Geometry> <Eigen/LU>)
 
 # retractor_compile_fast(target...): sources that read options, write JSON or test are compiled in half the time with -O1;
-# nothing in them is worth optimising. What measures or computes keeps the build type's own level. With -O1, GCC 12 sees
-# less and guesses wrongly that members of std::optional are read before they are set.
+# nothing in them is worth optimising. What measures or computes keeps the build type's own level.
 function(retractor_compile_fast)
   foreach(target ${ARGN})
-    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1$<SEMICOLON>-Wno-maybe-uninitialized>)
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
   endforeach()
 endfunction()
 

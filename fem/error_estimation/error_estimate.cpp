@@ -60,7 +60,7 @@ namespace {
     ElasticBody body_of(const ElasticProblem& problem, Elasticity elasticity)
     {
         ElasticBody body = tissue_body(problem.mesh, problem.material_of_label, { elasticity });
-        body.set_bed(bed_stiffness(problem.mesh, problem.supports));
+        set_springs(body, problem.supports);
         if (ExternalLoads loads = external_loads(problem); !loads.empty())
             body.set_loads(std::move(loads));
         return body;

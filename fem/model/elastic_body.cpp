@@ -164,6 +164,12 @@ void ElasticBody::set_bed(std::vector<double> stiffness)
     bed_ = std::move(stiffness);
 }
 
+void ElasticBody::set_hinges(std::vector<Hinge> hinges)
+{
+    check_hinges(mesh_, hinges);
+    hinges_ = std::move(hinges);
+}
+
 void ElasticBody::set_loads(ExternalLoads loads)
 {
     const auto size = 3 * mesh_.vertices.rows();
@@ -329,6 +335,8 @@ ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
         half[0].energy += 0.5 * bed_[v] * u.segment<3>(at).squaredNorm();
         half[0].forces.segment<3>(at) += bed_[v] * u.segment<3>(at);
     }
+    for (const Hinge& hinge : hinges_)
+        half[0].energy += add_hinge_response(mesh_, hinge, hinge_angle(), u, half[0].forces);
     add_loads(u, half[0]);
     if (contact_)
         half[0].energy += contact_->add_response(u, half[0].forces);
@@ -442,6 +450,8 @@ const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double proje
             for (const std::size_t axis : { 0, 4, 8 })
                 diagonal[axis] += bed_[v];
         }
+    for (const Hinge& hinge : hinges_)
+        add_hinge_stiffness(mesh_, hinge, hinge_angle(), u, projected, stiffness_);
     // the stiffness of pressure is indefinite, so a projected stiffness omits it
     for (const FollowerPressure& pressure : loads_.pressures)
         pressure.add_stiffness(u, (1.0 - projected) * load_share_, stiffness_);

@@ -10,6 +10,7 @@
 #include "fem/material/elasticity.h"
 #include "fem/material/hyperelasticity.h"
 #include "fem/model/contact.h"
+#include "fem/model/hinge.h"
 #include "fem/model/loads.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
@@ -46,6 +47,10 @@ public:
     /// @throws InputError on a wrong number of values, or a negative or infinite value.
     void set_bed(std::vector<double> stiffness);
 
+    /// Adds hinges (hinge.h). A linear body receives their stiffness at rest, without stops.
+    /// @throws InputError as check_hinges()
+    void set_hinges(std::vector<Hinge> hinges);
+
     /// External loads. response() and stiffness() include their energy, forces and stiffness. On a linear body
     /// pressure acts on the shape at rest. The share of the loads that acts starts at 1.
     /// @throws InputError on a wrong number of nodal loads, or a load that is not finite.
@@ -72,7 +77,7 @@ public:
     const mesh::TetMesh& mesh() const { return mesh_; }
 
     struct Response {
-        double energy = 0.0; ///< energy of tissue, bed, loads and contact, N mm
+        double energy = 0.0; ///< energy of tissue, bed, hinges, loads and contact, N mm
         Eigen::VectorXd forces; ///< derivative of the energy: internal forces minus external forces, N
     };
     Response response(const Eigen::VectorXd& displacement) const;
@@ -115,12 +120,14 @@ private:
     void add_loads(const Eigen::VectorXd& u, Response& response) const;
     Mat3 deformation_gradient(const Eigen::VectorXd& u, std::size_t element, std::size_t point) const;
     const double* gradients(std::size_t element, std::size_t point) const;
+    HingeAngle hinge_angle() const { return model_ == Elasticity::linear ? HingeAngle::linear : HingeAngle::swept; }
 
     mesh::TetMesh mesh_;
     Elasticity model_;
     std::vector<Lame> lame_; ///< one per element; empty for a hyperelastic body
     HyperelasticTissue tissue_;
     std::vector<double> bed_; ///< stiffness per node, N/mm; empty: no bed
+    std::vector<Hinge> hinges_;
     ExternalLoads loads_;
     Eigen::VectorXd follower_; ///< nodal loads of the pressure without energy, N; empty: none
     double load_share_ = 1.0;

@@ -283,7 +283,7 @@ HookResponse motion_response(const ElasticProblem& problem, const TissueModel& m
 {
     RETRACTOR_ASSERT(displacement.rows() == problem.mesh.vertices.rows() && motions.rows() == displacement.size());
     ElasticBody body = tissue_body(problem.mesh, problem.material_of_label, model);
-    body.set_bed(bed_stiffness(problem.mesh, problem.supports));
+    set_springs(body, problem.supports);
     const Prescribed held = prescribe(problem.mesh, problem.supports, still(problem.hooks));
     const Eigen::VectorXd u = Eigen::Map<const Eigen::VectorXd>(displacement.data(), displacement.size());
     ExternalLoads loads = external_loads(problem);

@@ -158,6 +158,12 @@ std::vector<double> bed_stiffness(const mesh::TetMesh& mesh, const Supports& sup
     return bed;
 }
 
+void set_springs(ElasticBody& body, const Supports& supports)
+{
+    body.set_bed(bed_stiffness(body.mesh(), supports));
+    body.set_hinges(supports.hinges);
+}
+
 ExternalLoads external_loads(const ElasticProblem& problem)
 {
     ExternalLoads loads;
@@ -184,6 +190,7 @@ void check_problem(const ElasticProblem& problem)
         throw InputError("the mesh has no elements");
     (void)element_parameters(problem.mesh, problem.material_of_label);
     (void)bed_stiffness(problem.mesh, problem.supports);
+    check_hinges(problem.mesh, problem.supports.hinges);
     (void)prescribe(problem.mesh, problem.supports, problem.hooks);
     (void)external_loads(problem);
 }

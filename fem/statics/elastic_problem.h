@@ -63,6 +63,10 @@ ElasticBody tissue_body(
 /// @throws InputError on a vertex out of range or named twice, or a stiffness that is not positive
 std::vector<double> bed_stiffness(const mesh::TetMesh& mesh, const Supports& supports);
 
+/// Gives a body the beds and hinges of its supports.
+/// @throws InputError as bed_stiffness() and check_hinges()
+void set_springs(ElasticBody& body, const Supports& supports);
+
 /// Checks mesh, materials, supports, hooks and loads.
 /// @throws InputError as the functions above and check_mesh(), and on a mesh without elements
 void check_problem(const ElasticProblem& problem);

@@ -174,7 +174,6 @@ struct Opening::State {
     Supports supports;
     OpeningOptions options;
     std::vector<Material> materials; ///< by label
-    std::vector<double> bed;
     std::unique_ptr<ElasticBody> body; ///< built by the first open()
     EquilibriumSolver solver;
     Eigen::VectorXd warm; ///< last converged displacement; empty: none
@@ -187,7 +186,7 @@ void Opening::State::make_body(const Job& job)
 {
     const Stopwatch watch;
     body = std::make_unique<ElasticBody>(tissue_body(mesh, materials, { options.elasticity, options.locking_free }));
-    body->set_bed(bed);
+    set_springs(*body, supports);
     ExternalLoads loads { .nodal = options.load };
     for (const SurfacePressure& pressure : options.pressures)
         loads.pressures.emplace_back(mesh, pressure.faces, pressure.pressure);
@@ -236,7 +235,8 @@ Opening::Opening(
     if (options.load.size() != 0 && (options.load.size() != 3 * mesh.vertices.rows() || !options.load.allFinite()))
         throw InputError("a load has three finite entries per node", "load");
     (void)prescribe(mesh, supports, {});
-    state_->bed = bed_stiffness(mesh, supports);
+    (void)bed_stiffness(mesh, supports);
+    check_hinges(mesh, supports.hinges);
     (void)element_parameters(mesh, material_of_label);
     state_->materials.assign(material_of_label.begin(), material_of_label.end());
     state_->mesh = mesh;

@@ -239,10 +239,14 @@ std::string bones_text(const FieldMetrics& field)
 std::string joints_text(const FieldMetrics& field)
 {
     const BoneMetrics* joint = nullptr;
+    const BoneMetrics* turned = nullptr;
     const BoneMetrics* cartilage = nullptr;
     for (const BoneMetrics& bone : field.bones) {
         if (bone.spine_joint && (joint == nullptr || bone.spine_joint->force_N > joint->spine_joint->force_N))
             joint = &bone;
+        if (bone.spine_joint && bone.spine_joint->turn_deg
+            && (turned == nullptr || *bone.spine_joint->turn_deg > *turned->spine_joint->turn_deg))
+            turned = &bone;
         if (bone.cartilage && (cartilage == nullptr || bone.cartilage->force_N > cartilage->cartilage->force_N))
             cartilage = &bone;
     }
@@ -250,6 +254,10 @@ std::string joints_text(const FieldMetrics& field)
     if (joint != nullptr)
         text = formatted("The joint with the spine that bears most is that of %s, with %.0f N and %.1f N m.",
             bone_in_words(joint->name).c_str(), joint->spine_joint->force_N, joint->spine_joint->moment_Nm);
+    if (turned != nullptr)
+        text += formatted(" The rib that turns most about its joints is %s, by %.1f degrees%s.",
+            bone_in_words(turned->name).c_str(), *turned->spine_joint->turn_deg,
+            turned->spine_joint->at_stop ? ", beyond its stop" : "");
     if (cartilage != nullptr)
         text += formatted("%sThe cartilage that bears most is that of %s, with %.0f N and %.1f N m.",
             text.empty() ? "" : " ", bone_in_words(cartilage->name).c_str(), cartilage->cartilage->force_N,

@@ -197,6 +197,9 @@ struct VolumeFailures {
 struct JointLoad {
     double force_N = 0.0;
     double moment_Nm = 0.0; ///< about the middle of the joint
+    /// Turn of a rib about the axis of its joint with the spine; not set: the joint has no axis (rib_joints.h).
+    std::optional<double> turn_deg {};
+    bool at_stop = false; ///< the rib has turned beyond the range in which its joint turns nearly freely
 };
 
 /// Loads of one bone of the wall at its worst section, and what tested bones bore (bone_limits.h).

@@ -330,6 +330,10 @@ namespace {
         Json json;
         put(json, field, "force_N", load.force_N);
         put(json, field, "moment_Nm", load.moment_Nm);
+        if (load.turn_deg) {
+            put(json, field, "turn_deg", *load.turn_deg);
+            json["at_stop"] = load.at_stop;
+        }
         return json;
     }
 

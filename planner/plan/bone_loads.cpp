@@ -61,7 +61,7 @@ namespace {
             BoneMetrics bone = bone_limit(info->name, bars, frame);
             for (const BoneForces& piece : pieces) {
                 if (!bone.spine_joint && is_rib(info->name))
-                    bone.spine_joint = spring_load(piece, problem.supports.bedded, displacement);
+                    bone.spine_joint = spine_joint_load(piece, problem.mesh, problem.supports, displacement);
                 if (!bone.cartilage)
                     bone.cartilage = cartilage_load(piece, cartilage);
             }

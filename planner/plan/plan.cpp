@@ -368,7 +368,7 @@ namespace {
     {
         const StageTimer timer(field.metrics, "cut");
         insert_bearing_points(field.wall, planned_case.label_table, field.approach);
-        fem::Supports supports = supports_of(field.wall, labels, planned_case, sizing);
+        fem::Supports supports = supports_of(field.wall, labels, planned_case, sizing, &field.message);
         if (supports.fixed.empty() && supports.bedded.empty())
             remark(field.message,
                 "only the hooks hold this wall: name supports in case.json, \"supports\" (the spine, or the border of "

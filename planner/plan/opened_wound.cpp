@@ -261,7 +261,7 @@ OpenedWound open_wound(
     if (planned_case.contact)
         options.contact = contact_of(field, patient);
     field.problem = { .mesh = field.wall,
-        .material_of_label = materials_as_solved(planned_case),
+        .material_of_label = materials_as_solved(patient),
         .supports = std::move(cut.supports),
         .hooks = field.hooks,
         .loads = std::move(cut.released),

@@ -90,7 +90,7 @@ namespace {
     }
 
     /// The tension of the wall before the cut.
-    WallTension tension_of(const mesh::TetMesh& wall, const mesh::LabelVolume& labels, const Case& planned_case,
+    WallTension tension_of(const mesh::TetMesh& wall, const mesh::LabelVolume& labels, Patient& patient,
         const Approach& approach, const fem::Supports& supports)
     {
         Vec3 inward = Vec3::Zero();
@@ -99,7 +99,7 @@ namespace {
         std::vector<VertexId> cut_off = cut_off_vertices(wall, labels);
         cut_off.insert(cut_off.end(), supports.fixed.begin(), supports.fixed.end());
         return wall_tension(
-            wall, materials_as_solved(planned_case), planned_case.label_table, cut_off, -inward.normalized());
+            wall, materials_as_solved(patient), patient.planned_case().label_table, cut_off, -inward.normalized());
     }
 
     void release(PlannedField& field, CutWall& cut, const WallTension& tension)
@@ -363,17 +363,18 @@ namespace {
         return field.status == PlanStatus::done;
     }
 
-    bool cut_meshed_wall(PlannedField& field, CutWall& cut, const mesh::LabelVolume& labels, const Case& planned_case,
+    bool cut_meshed_wall(PlannedField& field, CutWall& cut, const mesh::LabelVolume& labels, Patient& patient,
         const mesh::MeshSizing& sizing, const Job& job)
     {
         const StageTimer timer(field.metrics, "cut");
+        const Case& planned_case = patient.planned_case();
         insert_bearing_points(field.wall, planned_case.label_table, field.approach);
         fem::Supports supports = supports_of(field.wall, labels, planned_case, sizing);
         if (supports.fixed.empty() && supports.bedded.empty())
             remark(field.message,
                 "only the hooks hold this wall: name supports in case.json, \"supports\" (the spine, or the border of "
                 "the region)");
-        const WallTension tension = tension_of(field.wall, labels, planned_case, field.approach, supports);
+        const WallTension tension = tension_of(field.wall, labels, patient, field.approach, supports);
         cut = cut_wall(std::move(field.wall), field.approach, planned_case.label_table, std::move(supports), job);
         if (!take_cut(field, cut))
             return false;
@@ -530,7 +531,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     CutWall cut;
     OpenedWound wound;
     if (mesh_wall(field, *labels, sizing, element, memory_bytes, job)
-        && cut_meshed_wall(field, cut, *labels, planned_case, sizing, job)
+        && cut_meshed_wall(field, cut, *labels, patient, sizing, job)
         && open_cut_wall(field, wound, std::move(cut), patient, *labels, job)
         && expose_target(field, patient, *labels, sizing, job)
         && estimate(field, wound, planned_case.solution, checks, job)) {

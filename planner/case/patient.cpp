@@ -2,6 +2,7 @@
 
 #include "datasets/io/volume_io.h"
 #include "mesh/base/error.h"
+#include "mesh/image/skeleton.h"
 #include "mesh/surface/label_surface.h"
 
 #include <algorithm>
@@ -66,7 +67,9 @@ std::shared_ptr<const std::vector<BoneStiffness>> Patient::bone_stiffness()
         const auto all_labels = labels();
         std::shared_ptr<const mesh::Volume> image;
         std::string without = "the case has no CT";
-        if (case_.ct) {
+        const bool has_bones = std::any_of(case_.label_table.begin(), case_.label_table.end(),
+            [](const mesh::LabelInfo& info) { return mesh::is_wall(info) && mesh::is_skeleton(info); });
+        if (case_.ct && has_bones) {
             try {
                 image = ct();
             } catch (const Error& error) { // a plan needs no CT, so that a CT that is gone stops none

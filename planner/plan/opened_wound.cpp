@@ -321,6 +321,14 @@ std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3
     return pushing;
 }
 
+Eigen::VectorXd solved_displacement(const PlannedField& field, const OpenedWound& wound)
+{
+    if (wound.ten_node.size() != 0)
+        return wound.ten_node;
+    const Points& solved = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
+    return Eigen::Map<const Eigen::VectorXd>(solved.data(), solved.size());
+}
+
 std::array<double, 2> side_forces(const PlannedField& field, const std::vector<Vec3>& forces_N)
 {
     const std::vector<bool> pushing = pushing_hooks(field.approach, field.opening.hook_forces_N);

@@ -14,6 +14,7 @@
 #include "planner/measures/force_moments.h"
 #include "planner/measures/metrics.h"
 #include "planner/measures/risk_distances.h"
+#include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"
 #include "planner/plan/accurate_plan.h"
 #include "planner/plan/bone_loads.h"
@@ -21,6 +22,7 @@
 #include "planner/plan/explanation.h"
 #include "planner/plan/gape.h"
 #include "planner/plan/opened_wound.h"
+#include "planner/plan/parameter_interval.h"
 #include "planner/plan/plan_forecast.h"
 #include "planner/plan/reduction_error.h"
 #include "planner/plan/retractor_measures.h"
@@ -330,6 +332,8 @@ namespace {
         m.max_volume_ratio = field.opening.max_volume_ratio;
         m.volume_failures = volume_failures(field, patient.planned_case());
         remark(field.message, volume_failure_text(m));
+        m.bone_stiffness = bones_in_wall(*patient.bone_stiffness(), fem::labels_met(field.wall));
+        remark(field.message, cut_off_text(m.bone_stiffness));
         m.residual = field.opening.residual;
         m.mechanics_status = status_text(field);
         m.tets = field.wall.tet_count();
@@ -410,9 +414,10 @@ namespace {
     }
 
     /// Estimates gape and errors of the field from further solutions of the wound.
-    bool estimate(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const PlanChecks& checks,
-        const Job& job)
+    bool estimate(
+        PlannedField& field, const OpenedWound& wound, Patient& patient, const PlanChecks& checks, const Job& job)
     {
+        const SolverSettings& choice = patient.planned_case().solution;
         field.metrics.solution.draft = checks.draft;
         const auto goes_on = [&] {
             if (job.cancelled())
@@ -428,6 +433,13 @@ namespace {
         if (checks.error_bars) {
             const StageTimer timer(field.metrics, "estimate error");
             field.metrics.error = estimate_errors(field, wound, choice, job);
+            if (!goes_on())
+                return false;
+        }
+        if (checks.error_bars) {
+            const StageTimer timer(field.metrics, "tissue values");
+            field.metrics.parameters = estimate_parameter_interval(
+                field, wound, choice, patient.planned_case().label_table, *patient.bone_stiffness());
             if (!goes_on())
                 return false;
         }
@@ -533,8 +545,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     if (mesh_wall(field, *labels, sizing, element, memory_bytes, job)
         && cut_meshed_wall(field, cut, *labels, patient, sizing, job)
         && open_cut_wall(field, wound, std::move(cut), patient, *labels, job)
-        && expose_target(field, patient, *labels, sizing, job)
-        && estimate(field, wound, planned_case.solution, checks, job)) {
+        && expose_target(field, patient, *labels, sizing, job) && estimate(field, wound, patient, checks, job)) {
         fill_metrics(field, patient);
         const StageTimer timer(field.metrics, "bones");
         measure_bones(field, wound, planned_case.solution, planned_case.label_table, patient.frame());

@@ -4,6 +4,7 @@
 
 #include "fem/material/tissue_tension.h"
 #include "mesh/base/geometry.h"
+#include "planner/anatomy/bone_stiffness.h"
 #include "planner/case/approach.h"
 #include "planner/case/solver_settings.h"
 #include "planner/wall/divided_tissue.h"
@@ -140,6 +141,29 @@ struct ErrorBars {
     double hook_force_N = 0.0; ///< sum of the larger side
     std::optional<EnergyBars> energy; ///< filled where it is known
     double seconds = 0.0;
+};
+
+/// What a stiffness that may be other than it is does to force and opening (planner/plan/parameter_interval.h).
+struct ParameterInfluence {
+    std::string name; ///< of the tissue, or of the springs
+    std::string unit; ///< of the values: "MPa", "N m/rad" or "1"
+    double value = 0.0; ///< as planned with
+    double low = 0.0, high = 0.0; ///< one standard deviation of the value's logarithm to either side
+    /// Derivatives of the logarithms of force and opening by that of the value: the share by which the force grows over
+    /// the share by which the value grows.
+    double force_exponent = 0.0, opening_exponent = 0.0;
+    double force_change_percent = 0.0, opening_change_percent = 0.0; ///< with the value `high`
+    std::string source; ///< of the range
+};
+
+/// The interval of force and opening from the ranges of the tissue values. It stands beside the error bars of the
+/// discretisation and is no part of them.
+struct ParameterInterval {
+    std::string message {}; ///< reason for a missing interval; empty: the interval is there
+    double force_low_N = 0.0, force_high_N = 0.0; ///< of the larger side
+    double opening_low_mm = 0.0, opening_high_mm = 0.0; ///< of the opening's width
+    std::vector<ParameterInfluence> parameters {}; ///< the largest influence first
+    double seconds = 0.0; ///< time of the computation
 };
 
 /// Why a search for an accuracy ended (planner/plan/accurate_plan.h).
@@ -283,6 +307,9 @@ struct FieldMetrics {
     std::vector<PressureMetrics> pressures; ///< pressures on the wall
     std::optional<TensionMetrics> tension; ///< filled where tissue of the wall is under tension
     std::optional<ErrorBars> error;
+    /// What tissue values out of their ranges do; filled where hooks open the wound and errors were estimated.
+    std::optional<ParameterInterval> parameters;
+    std::vector<BoneStiffness> bone_stiffness; ///< moduli of the ribs and cartilages in the wall
     std::optional<AccuracyMetrics> accuracy; ///< filled when an accuracy was asked
     std::optional<SecondOpinion> second_opinion; ///< filled on request
 

@@ -9,6 +9,7 @@
 #include "planner/measures/hook_opening.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/rupture.h"
+#include "planner/measures/tissue_values.h"
 #include "planner/wall/wall_tension.h"
 
 #include <nlohmann/json.hpp>
@@ -380,6 +381,53 @@ namespace {
             json["bones_message"] = field.bones_message;
     }
 
+    Json stiffness_document(const FieldMetrics& field, const BoneStiffness& bone)
+    {
+        Json json { { "name", bone.name } };
+        put(json, field, "modulus_MPa", bone.modulus_MPa);
+        json["range_MPa"] = { bone.low_MPa, bone.high_MPa };
+        json["found_by"] = to_string(bone.origin);
+        if (bone.cut_off_MPa)
+            put(json, field, "cut_off_from_MPa", *bone.cut_off_MPa);
+        if (bone.origin == StiffnessOrigin::image) {
+            put(json, field, bone.material == "bone" ? "cortex_share" : "calcified_share", bone.share);
+            if (bone.sections > 0)
+                json["sections"] = bone.sections;
+        }
+        json["source"] = bone.words;
+        return json;
+    }
+
+    Json parameters_document(const FieldMetrics& field, const ParameterInterval& interval)
+    {
+        Json json;
+        if (!interval.message.empty()) {
+            json["message"] = interval.message;
+            return json;
+        }
+        put(json, field, "force_low_N", interval.force_low_N);
+        put(json, field, "force_high_N", interval.force_high_N);
+        put(json, field, "opening_low_mm", interval.opening_low_mm);
+        put(json, field, "opening_high_mm", interval.opening_high_mm);
+        json["decided_by"] = deciding_parameters(interval);
+        json["parameters"] = Json::array();
+        for (const ParameterInfluence& parameter : interval.parameters) {
+            Json row { { "name", parameter.name }, { "unit", parameter.unit } };
+            put(row, field, "value", parameter.value);
+            put(row, field, "low", parameter.low);
+            put(row, field, "high", parameter.high);
+            put(row, field, "force_exponent", parameter.force_exponent);
+            put(row, field, "opening_exponent", parameter.opening_exponent);
+            put(row, field, "force_change_percent", parameter.force_change_percent);
+            put(row, field, "opening_change_percent", parameter.opening_change_percent);
+            row["source"] = parameter.source;
+            json["parameters"].push_back(std::move(row));
+        }
+        json["holds_for"] = "tissue values, to first order at the solution; no part of error_estimate";
+        put(json, field, "seconds", interval.seconds);
+        return json;
+    }
+
     Json field_document(const FieldMetrics& field)
     {
         Json json;
@@ -416,6 +464,13 @@ namespace {
             json["tension"] = tension_document(field, *field.tension);
         if (field.error)
             json["error_estimate"] = error_document(field, *field.error);
+        if (field.parameters)
+            json["parameter_interval"] = parameters_document(field, *field.parameters);
+        if (!field.bone_stiffness.empty()) {
+            json["bone_stiffness"] = Json::array();
+            for (const BoneStiffness& bone : field.bone_stiffness)
+                json["bone_stiffness"].push_back(stiffness_document(field, bone));
+        }
         if (field.accuracy)
             json["accuracy"] = accuracy_document(field, *field.accuracy);
         if (field.second_opinion)

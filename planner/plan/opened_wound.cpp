@@ -261,7 +261,7 @@ OpenedWound open_wound(
     if (planned_case.contact)
         options.contact = contact_of(field, patient);
     field.problem = { .mesh = field.wall,
-        .material_of_label = materials_as_solved(planned_case),
+        .material_of_label = materials_as_solved(patient),
         .supports = std::move(cut.supports),
         .hooks = field.hooks,
         .loads = std::move(cut.released),
@@ -319,6 +319,14 @@ std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3
         pushing.push_back(-along > std::max(across, kNothing * largest));
     }
     return pushing;
+}
+
+Eigen::VectorXd solved_displacement(const PlannedField& field, const OpenedWound& wound)
+{
+    if (wound.ten_node.size() != 0)
+        return wound.ten_node;
+    const Points& solved = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
+    return Eigen::Map<const Eigen::VectorXd>(solved.data(), solved.size());
 }
 
 std::array<double, 2> side_forces(const PlannedField& field, const std::vector<Vec3>& forces_N)

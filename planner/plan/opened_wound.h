@@ -99,6 +99,9 @@ OpenedWound open_wound(
 /// @pre one force per hook
 std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3>& forces_N);
 
+/// The solution at all nodes of field.problem, before loose pieces were moved, three per node, mm.
+Eigen::VectorXd solved_displacement(const PlannedField& field, const OpenedWound& wound);
+
 /// Sums of the force magnitudes over the hooks of sides +1 and -1, N. Hooks that push in the field's own opening are
 /// left out, also in other solutions: otherwise a hook that only just pushes would enter or leave the sum as a whole.
 /// @param forces_N one per hook of the field

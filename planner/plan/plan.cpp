@@ -14,6 +14,7 @@
 #include "planner/measures/force_moments.h"
 #include "planner/measures/metrics.h"
 #include "planner/measures/risk_distances.h"
+#include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"
 #include "planner/plan/accurate_plan.h"
 #include "planner/plan/bone_loads.h"
@@ -21,6 +22,7 @@
 #include "planner/plan/explanation.h"
 #include "planner/plan/gape.h"
 #include "planner/plan/opened_wound.h"
+#include "planner/plan/parameter_interval.h"
 #include "planner/plan/plan_forecast.h"
 #include "planner/plan/reduction_error.h"
 #include "planner/plan/retractor_measures.h"
@@ -90,7 +92,7 @@ namespace {
     }
 
     /// The tension of the wall before the cut.
-    WallTension tension_of(const mesh::TetMesh& wall, const mesh::LabelVolume& labels, const Case& planned_case,
+    WallTension tension_of(const mesh::TetMesh& wall, const mesh::LabelVolume& labels, Patient& patient,
         const Approach& approach, const fem::Supports& supports)
     {
         Vec3 inward = Vec3::Zero();
@@ -99,7 +101,7 @@ namespace {
         std::vector<VertexId> cut_off = cut_off_vertices(wall, labels);
         cut_off.insert(cut_off.end(), supports.fixed.begin(), supports.fixed.end());
         return wall_tension(
-            wall, materials_as_solved(planned_case), planned_case.label_table, cut_off, -inward.normalized());
+            wall, materials_as_solved(patient), patient.planned_case().label_table, cut_off, -inward.normalized());
     }
 
     void release(PlannedField& field, CutWall& cut, const WallTension& tension)
@@ -330,6 +332,8 @@ namespace {
         m.max_volume_ratio = field.opening.max_volume_ratio;
         m.volume_failures = volume_failures(field, patient.planned_case());
         remark(field.message, volume_failure_text(m));
+        m.bone_stiffness = bones_in_wall(*patient.bone_stiffness(), fem::labels_met(field.wall));
+        remark(field.message, cut_off_text(m.bone_stiffness));
         m.residual = field.opening.residual;
         m.mechanics_status = status_text(field);
         m.tets = field.wall.tet_count();
@@ -363,17 +367,18 @@ namespace {
         return field.status == PlanStatus::done;
     }
 
-    bool cut_meshed_wall(PlannedField& field, CutWall& cut, const mesh::LabelVolume& labels, const Case& planned_case,
+    bool cut_meshed_wall(PlannedField& field, CutWall& cut, const mesh::LabelVolume& labels, Patient& patient,
         const mesh::MeshSizing& sizing, const Job& job)
     {
         const StageTimer timer(field.metrics, "cut");
+        const Case& planned_case = patient.planned_case();
         insert_bearing_points(field.wall, planned_case.label_table, field.approach);
         fem::Supports supports = supports_of(field.wall, labels, planned_case, sizing, &field.message);
         if (supports.fixed.empty() && supports.bedded.empty())
             remark(field.message,
                 "only the hooks hold this wall: name supports in case.json, \"supports\" (the spine, or the border of "
                 "the region)");
-        const WallTension tension = tension_of(field.wall, labels, planned_case, field.approach, supports);
+        const WallTension tension = tension_of(field.wall, labels, patient, field.approach, supports);
         cut = cut_wall(std::move(field.wall), field.approach, planned_case.label_table, std::move(supports), job);
         if (!take_cut(field, cut))
             return false;
@@ -409,9 +414,10 @@ namespace {
     }
 
     /// Estimates gape and errors of the field from further solutions of the wound.
-    bool estimate(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const PlanChecks& checks,
-        const Job& job)
+    bool estimate(
+        PlannedField& field, const OpenedWound& wound, Patient& patient, const PlanChecks& checks, const Job& job)
     {
+        const SolverSettings& choice = patient.planned_case().solution;
         field.metrics.solution.draft = checks.draft;
         const auto goes_on = [&] {
             if (job.cancelled())
@@ -427,6 +433,13 @@ namespace {
         if (checks.error_bars) {
             const StageTimer timer(field.metrics, "estimate error");
             field.metrics.error = estimate_errors(field, wound, choice, job);
+            if (!goes_on())
+                return false;
+        }
+        if (checks.error_bars) {
+            const StageTimer timer(field.metrics, "tissue values");
+            field.metrics.parameters = estimate_parameter_interval(
+                field, wound, choice, patient.planned_case().label_table, *patient.bone_stiffness());
             if (!goes_on())
                 return false;
         }
@@ -530,10 +543,9 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     CutWall cut;
     OpenedWound wound;
     if (mesh_wall(field, *labels, sizing, element, memory_bytes, job)
-        && cut_meshed_wall(field, cut, *labels, planned_case, sizing, job)
+        && cut_meshed_wall(field, cut, *labels, patient, sizing, job)
         && open_cut_wall(field, wound, std::move(cut), patient, *labels, job)
-        && expose_target(field, patient, *labels, sizing, job)
-        && estimate(field, wound, planned_case.solution, checks, job)) {
+        && expose_target(field, patient, *labels, sizing, job) && estimate(field, wound, patient, checks, job)) {
         fill_metrics(field, patient);
         const StageTimer timer(field.metrics, "bones");
         measure_bones(field, wound, planned_case.solution, planned_case.label_table, patient.frame());

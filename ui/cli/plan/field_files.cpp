@@ -12,6 +12,7 @@
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
 #include "planner/measures/rupture.h"
+#include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"
 #include "ui/plan_scene/case_picture.h"
 #include "ui/plan_scene/plan_scene.h"
@@ -367,6 +368,10 @@ std::string field_table(const std::vector<planner::PlannedField>& fields)
         if (m.tension)
             text += "  " + planner::tension_text(m) + "\n";
         text += "  " + planner::error_text(m) + "\n";
+        if (const std::string parameters = planner::parameter_text(m); !parameters.empty())
+            text += "  " + parameters + "\n";
+        if (const std::string stiffness = planner::bone_stiffness_text(m); !stiffness.empty())
+            text += "  " + stiffness + "\n";
         if (const std::string accuracy = planner::accuracy_text(m); !accuracy.empty())
             text += "  " + accuracy + "\n";
         if (m.contact)

@@ -9,6 +9,7 @@
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
 #include "planner/measures/rupture.h"
+#include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"
 
 #include <algorithm>
@@ -103,6 +104,24 @@ namespace {
                 field.bones.front().utilisation >= 1.0 });
     }
 
+    /// What the ranges of the tissue values do to the force, beside the bar of the mesh.
+    void add_parameters(MetricSection& section, const planner::FieldMetrics& field)
+    {
+        if (field.parameters) {
+            const planner::ParameterInterval& interval = *field.parameters;
+            section.rows.push_back({ "... by tissue values",
+                interval.message.empty()
+                    ? number(interval.force_low_N, 0, "") + " to " + number(interval.force_high_N, 0, "N")
+                    : "not known",
+                interval.message.empty() ? planner::force_with_intervals(field)
+                        + ". One standard deviation of the tissues' published values."
+                                         : planner::parameter_text(field) + "." });
+        }
+        if (const std::string stiffness = planner::bone_stiffness_text(field); !stiffness.empty())
+            section.rows.push_back({ "Stiffness of bones", stiffness,
+                "Young's moduli of the ribs and cartilages in the wall; the report has a table." });
+    }
+
     /// The force on a side at the last turn of the crank and minutes later, or why there is none.
     void add_moments(MetricSection& section, const planner::FieldMetrics& field)
     {
@@ -125,6 +144,7 @@ namespace {
     {
         MetricSection section { "Force and strain", {} };
         add_rows(section, field, planner::MetricGroup::force);
+        add_parameters(section, field);
         add_moments(section, field);
         add_rows(section, field, planner::MetricGroup::strain);
         if (field.strain_p99_at) {

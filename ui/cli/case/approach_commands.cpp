@@ -138,7 +138,8 @@ namespace {
         request.sizing = patient.planned_case().sizing;
         request.sizing.corridor_edge_mm = options.edge_mm.value_or(request.sizing.corridor_edge_mm);
         request.sizing.coarse_edge_mm = options.coarse_mm.value_or(request.sizing.coarse_edge_mm);
-        request.sizing.region_mm = options.region_mm.value_or(request.sizing.region_mm);
+        if (options.region_mm)
+            request.sizing.region_mm = options.region_mm;
         if (options.points.empty()) {
             request.template_name = options.template_name;
             return planner::approach_from_template(*patient.labels(), *patient.anatomy(), request);

@@ -9,6 +9,7 @@
 #include "planner/measures/hook_opening.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/region_text.h"
 #include "planner/measures/rupture.h"
 #include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"
@@ -388,8 +389,10 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
     {
         out << "<h2>" << escaped(field.name) << "</h2>";
         if (const std::string failed = volume_failure_text(field); !failed.empty())
-            out << "<p class=\"notice" << (is_believable(field) ? "" : " bad") << "\">" << escaped(field.name) << " "
+            out << "<p class=\"notice" << (keeps_volume(field) ? "" : " bad") << "\">" << escaped(field.name) << " "
                 << escaped(failed) << ".</p>";
+        if (const std::string piercing = piercing_text(field); !piercing.empty())
+            out << "<p class=\"notice bad\">" << escaped(field.name) << " " << escaped(piercing) << ".</p>";
         out << "<p>" << escaped(field.explanation) << "</p>";
         write_pictures(out, report, field.name);
         out << "<p>Hooks: ";
@@ -422,6 +425,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 << escaped(accuracy) << "</p>";
         out << "<p>" << escaped(solution_text(field)) << "; relative residual " << formatted("%.1e", field.residual)
             << ".</p>";
+        out << (is_region_too_small(field) ? "<p class=\"notice\">" : "<p>") << escaped(region_text(field)) << "</p>";
         for (const PressureMetrics& pressure : field.pressures)
             out << "<p>" << escaped(pressure_text(pressure)) << ".</p>";
         if (field.tension)

@@ -245,7 +245,7 @@ std::optional<ParameterInterval> estimate_parameter_interval(const PlannedField&
         std::vector<Parameter> parameters = tissue_parameters(field, table, bones);
         for (Parameter& springs : spring_parameters(field, table))
             parameters.push_back(std::move(springs));
-        const Eigen::VectorXd solved = solved_displacement(field, wound);
+        const Eigen::VectorXd solved = displacement_at_nodes(field, wound);
         const std::optional<fem::EquilibriumSensitivity> change
             = differentiate(field, wound, choice, parameters, solved);
         if (!change)

@@ -8,6 +8,7 @@
 #include "planner/measures/force_moments.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/region_text.h"
 #include "planner/measures/rupture.h"
 #include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"
@@ -201,11 +202,18 @@ namespace {
                         field.accuracy->ended_by != planner::AccuracyEnd::reached });
         if (field.volume_failures)
             section.rows.push_back({ "Soft tissue off its volume", number(100.0 * field.volume_failures->share, 2, "%"),
-                planner::is_believable(field)
+                planner::keeps_volume(field)
                     ? "Share of the soft tissue that shrinks or grows by more than a tenth. Soft tissue keeps its "
                       "volume, so the numbers near such tissue are wrong."
                     : "The plan " + planner::volume_failure_text(field) + ".",
-                !planner::is_believable(field) });
+                !planner::keeps_volume(field) });
+        section.rows.push_back({ "Rim of the model",
+            field.region.rim_place.empty() ? "none" : number(field.region.rim_motion_mm, 1, "mm"),
+            "Largest motion where the model ends. " + planner::region_text(field),
+            planner::is_region_too_small(field) });
+        if (const std::string piercing = planner::piercing_text(field); !piercing.empty())
+            section.rows.push_back({ "Bones through the skin", std::to_string(field.region.piercing.size()),
+                "The plan " + piercing + ".", true });
         if (field.tension)
             section.rows.push_back(
                 { field.pressures.empty() ? "Gape without hooks" : "Gape under pressure, without hooks",

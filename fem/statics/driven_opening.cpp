@@ -1,7 +1,6 @@
 #include "fem/statics/driven_opening.h"
 
 #include "fem/statics/opening.h"
-#include "fem/statics/tissue_linearisation.h"
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 

@@ -18,15 +18,6 @@ namespace retractor::planner {
 
 namespace {
 
-    /// The solution at all nodes of field.problem, before loose pieces were moved, three per node.
-    Eigen::VectorXd solved_displacement(const PlannedField& field, const OpenedWound& wound)
-    {
-        if (wound.ten_node.size() != 0)
-            return wound.ten_node;
-        const Points& solved = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
-        return Eigen::Map<const Eigen::VectorXd>(solved.data(), solved.size());
-    }
-
     /// Per node, whether an element of cartilage has this node.
     std::vector<std::uint8_t> cartilage_nodes(const mesh::TetMesh& wall, const mesh::LabelTable& table)
     {

@@ -305,6 +305,14 @@ OpenedWound open_wound(
     return wound;
 }
 
+Eigen::VectorXd solved_displacement(const PlannedField& field, const OpenedWound& wound)
+{
+    if (wound.ten_node.size() != 0)
+        return wound.ten_node;
+    const Points& solved = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
+    return Eigen::Map<const Eigen::VectorXd>(solved.data(), solved.size());
+}
+
 std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3>& forces_N)
 {
     constexpr double kNothing = 1e-3; // share of the largest force: residual of a nonlinear equilibrium

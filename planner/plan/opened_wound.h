@@ -45,6 +45,10 @@ struct OpenedWound {
     std::optional<fem::OpeningResult> coarse {}; ///< as OpenedWall::coarse
 };
 
+/// The displacement of all nodes of field.problem, midpoints included, before loose pieces were moved; mm, three per
+/// node.
+Eigen::VectorXd solved_displacement(const PlannedField& field, const OpenedWound& wound);
+
 /// A solution of the wound from which opening and forces are measured.
 struct WoundSolution {
     Points displacement {}; ///< displacement of the wall's vertices, n x 3, mm

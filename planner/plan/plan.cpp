@@ -20,10 +20,12 @@
 #include "planner/plan/error_bars.h"
 #include "planner/plan/explanation.h"
 #include "planner/plan/gape.h"
+#include "planner/plan/lip_measures.h"
 #include "planner/plan/opened_wound.h"
 #include "planner/plan/plan_forecast.h"
 #include "planner/plan/reduction_error.h"
 #include "planner/plan/retractor_measures.h"
+#include "planner/plan/tissue_measures.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/unmeshed_wall.h"
 #include "planner/wall/wall_pressure.h"
@@ -322,6 +324,8 @@ namespace {
         m.cut_depth_mm = field.approach.depth_mm;
         m.hooks = hook_forces(field);
         m.retractor = retractor_metrics(field);
+        if (is_usable(field.opening))
+            m.lip_deviation = lip_deviations(field);
         m.hook_force_N = measures_of(field).larger_side_N();
         m.force_moments = compute_force_moments(m, field.approach.opening_protocol);
         m.strain_p99 = field.opening.strain_p99;
@@ -535,7 +539,8 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
         && expose_target(field, patient, *labels, sizing, job)
         && estimate(field, wound, planned_case.solution, checks, job)) {
         fill_metrics(field, patient);
-        const StageTimer timer(field.metrics, "bones");
+        const StageTimer timer(field.metrics, "strain and bones");
+        measure_tissue_strain(field, wound, planned_case.label_table);
         measure_bones(field, wound, planned_case.solution, planned_case.label_table, patient.frame());
     }
     return field;

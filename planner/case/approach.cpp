@@ -99,7 +99,7 @@ namespace {
         const double length = incision_length(approach);
         if (opening_mm > kTearingStretch * length)
             refuse(
-                formatted("hooks open %.0f mm, but the skin of an incision of %.0f mm tears before %.0f mm: open less, "
+                formatted("not attainable: hooks open %.0f mm, but the skin of an incision of %.0f mm tears before %.0f mm: open less, "
                           "or make the incision longer",
                     opening_mm, length, kTearingStretch * length),
                 where);

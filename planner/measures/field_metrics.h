@@ -273,11 +273,31 @@ struct BoneMetrics {
     std::optional<JointLoad> cartilage {}; ///< of a bone that is joined to cartilage
 };
 
+/// The largest strain of one tissue, averaged over balls (ball_strain.h).
+struct TissueStrain {
+    std::string tissue; ///< material of the labels, "skin"
+    double strain = 0.0; ///< elongation over length
+    Vec3 at = Vec3::Zero(); ///< centre of the ball at rest, mm
+    std::string place {}; ///< the same place in words: "38 mm along the incision, 4 mm beside it"
+};
+
+/// How far a lip follows its hooks or blade (planner/plan/lip_deviation.h).
+struct LipDeviation {
+    int side = 0; ///< +1 or -1
+    double largest_mm = 0.0; ///< largest magnitude of the deviation between from_mm and to_mm
+    double mean_mm = 0.0; ///< mean magnitude there
+    double at_mm = 0.0; ///< place of the largest, along the incision
+    double from_mm = 0.0, to_mm = 0.0; ///< the middle part of the incision, in which hooks stand
+    /// Place along the incision and deviation there, from one end of the lip to the other, mm. Positive: the lip hangs
+    /// behind the line of the hooks, towards the other lip.
+    std::vector<std::pair<double, double>> curve {};
+};
+
 /// Whether the opening can be had.
 enum class Attainable {
     unknown, ///< the bones' moments were not computed; FieldMetrics::bones_message gives the reason
     yes,
-    with_injury, ///< a bone is loaded beyond its capacity
+    with_injury, ///< a bone is loaded beyond its capacity, or skin is stretched beyond the range in which it tears
     no, ///< no equilibrium was found
 };
 
@@ -319,6 +339,8 @@ struct FieldMetrics {
     std::optional<ForceMoments> force_moments {}; ///< filled where hooks or a retractor open the wound
     double strain_p99 = 0.0;
     std::optional<Vec3> strain_p99_at; ///< middle of the element with this strain, at rest, mm
+    std::vector<TissueStrain> tissue_strain; ///< the largest strain first; empty without an equilibrium
+    std::vector<LipDeviation> lip_deviation; ///< one entry per lip with hooks, side +1 first
 
     std::vector<BoneMetrics> bones; ///< ribs and sternum, the largest utilisation first
     bool bones_rough = false; ///< by plain four-node elements, which are too stiff

@@ -5,6 +5,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "planner/measures/accuracy.h"
+#include "planner/measures/ball_strain.h"
 #include "planner/measures/bone_limits.h"
 #include "planner/measures/hook_opening.h"
 #include "planner/measures/metric_table.h"
@@ -254,6 +255,23 @@ namespace {
         return json;
     }
 
+    Json lips_document(const FieldMetrics& field)
+    {
+        Json all = Json::array();
+        for (const LipDeviation& lip : field.lip_deviation) {
+            Json json { { "side", lip.side } };
+            put(json, field, "largest_mm", lip.largest_mm);
+            put(json, field, "mean_mm", lip.mean_mm);
+            put(json, field, "at_mm", lip.at_mm);
+            json["between_mm"] = { lip.from_mm, lip.to_mm };
+            json["curve"] = Json::array();
+            for (const auto& [along, deviation] : lip.curve)
+                json["curve"].push_back({ along, deviation });
+            all.push_back(std::move(json));
+        }
+        return all;
+    }
+
     void put_forces(Json& json, const FieldMetrics& field)
     {
         json["hook_forces_N"] = Json::array();
@@ -269,6 +287,8 @@ namespace {
         json["hooks"] = hooks_document(field);
         if (field.retractor)
             json["retractor"] = retractor_document(field, *field.retractor);
+        if (!field.lip_deviation.empty())
+            json["lip_deviation"] = lips_document(field);
     }
 
     Json moments_document(const FieldMetrics& field, const ForceMoments& moments)
@@ -382,13 +402,28 @@ namespace {
         return json;
     }
 
+    void put_tissue_strain(Json& json, const FieldMetrics& field)
+    {
+        json["tissue_strain"] = Json::array();
+        for (const TissueStrain& tissue : field.tissue_strain) {
+            Json of_tissue { { "tissue", tissue.tissue } };
+            put(of_tissue, field, "strain", tissue.strain);
+            of_tissue["at_mm"] = { tissue.at.x(), tissue.at.y(), tissue.at.z() };
+            of_tissue["place"] = tissue.place;
+            if (const auto torn = tearing_range(tissue))
+                of_tissue["torn_between"] = { torn->from, torn->to };
+            json["tissue_strain"].push_back(std::move(of_tissue));
+        }
+        if (const std::string tearing = tearing_text(field); !tearing.empty())
+            json["tearing"] = tearing;
+    }
+
     void put_bones(Json& json, const FieldMetrics& field)
     {
         json["attainable"] = to_string(field.attainable);
         if (field.largest_uninjured_opening_mm) {
             put(json, field, "largest_uninjured_opening_mm", *field.largest_uninjured_opening_mm);
-            json["largest_uninjured_opening_is_estimate"]
-                = field.attainable == Attainable::with_injury && !is_uninjured_opening_solved(field);
+            json["largest_uninjured_opening_is_estimate"] = breaks_bone(field) && !is_uninjured_opening_solved(field);
         }
         if (field.uninjured_opening)
             json["uninjured_opening"] = uninjured_document(field, *field.uninjured_opening);
@@ -500,6 +535,7 @@ namespace {
             const Vec3& at = *field.strain_p99_at;
             json["strain_p99_at_mm"] = { at.x(), at.y(), at.z() };
         }
+        put_tissue_strain(json, field);
         json["may_rupture"] = may_rupture(field);
         put_bones(json, field);
         json["inverted_elements"] = field.inverted_elements;
@@ -698,6 +734,18 @@ std::string retractor_text(const FieldMetrics& field)
     return text
         + formatted("; the frame has tilted by %.1f degrees, and %.2g N of its blade forces are not balanced",
             retractor.tilt_deg, retractor.residual_force_N);
+}
+
+std::string lips_text(const FieldMetrics& field)
+{
+    std::string text;
+    for (const LipDeviation& lip : field.lip_deviation)
+        remark(text,
+            formatted("the %s lip lies up to %.1f mm (mean %.1f mm) off the line of its %s, most %.0f mm along the "
+                      "incision",
+                lip.side > 0 ? "left" : "right", lip.largest_mm, lip.mean_mm, field.retractor ? "blade" : "hooks",
+                lip.at_mm));
+    return text;
 }
 
 std::string solution_text(const FieldMetrics& field)

@@ -24,11 +24,13 @@
 #include "planner/plan/explanation.h"
 #include "planner/plan/found_region.h"
 #include "planner/plan/gape.h"
+#include "planner/plan/lip_measures.h"
 #include "planner/plan/opened_wound.h"
 #include "planner/plan/parameter_interval.h"
 #include "planner/plan/plan_forecast.h"
 #include "planner/plan/reduction_error.h"
 #include "planner/plan/retractor_measures.h"
+#include "planner/plan/tissue_measures.h"
 #include "planner/plan/uninjured_opening.h"
 #include "planner/wall/bones_through_skin.h"
 #include "planner/wall/rim_motion.h"
@@ -331,6 +333,8 @@ namespace {
         m.cut_depth_mm = field.approach.depth_mm;
         m.hooks = hook_forces(field);
         m.retractor = retractor_metrics(field);
+        if (is_usable(field.opening))
+            m.lip_deviation = lip_deviations(field);
         m.hook_force_N = measures_of(field).larger_side_N();
         m.force_moments = compute_force_moments(m, field.approach.opening_protocol);
         m.strain_p99 = field.opening.strain_p99;
@@ -745,7 +749,8 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
         && open_cut_wall(field, wound, std::move(cut), patient, *labels, job)
         && expose_target(field, patient, *labels, sizing, job) && estimate(field, wound, patient, checks, job)) {
         fill_metrics(field, patient);
-        const StageTimer timer(field.metrics, "bones");
+        const StageTimer timer(field.metrics, "strain and bones");
+        measure_tissue_strain(field, wound, planned_case.label_table);
         measure_bones(field, wound, planned_case.solution, planned_case.label_table, patient.frame());
         if (checks.injury_options)
             solve_uninjured_opening(

@@ -53,7 +53,7 @@ void solve_uninjured_opening(PlannedField& field, const OpenedWound& wound, cons
     const mesh::LabelTable& table, const AnatomicalFrame& frame, const Job& job)
 {
     FieldMetrics& m = field.metrics;
-    if (m.attainable != Attainable::with_injury)
+    if (!breaks_bone(m))
         return;
     const Stopwatch watch;
     UninjuredOpening found;
@@ -97,7 +97,7 @@ void solve_uninjured_opening(PlannedField& field, const OpenedWound& wound, cons
 
 std::optional<Approach> with_divided_bone(const Approach& approach, const PlannedField& field)
 {
-    if (field.metrics.attainable != Attainable::with_injury)
+    if (!breaks_bone(field.metrics))
         return std::nullopt;
     const BoneMetrics& bone = field.metrics.bones.front();
     Approach divided = approach;

@@ -52,6 +52,18 @@ namespace retractor_plan_test {
                 EXPECT_LE(std::abs(blade.turn_deg), 10.0 + 1e-9);
                 EXPECT_LT(blade.lip_deviation_mm, kOpeningMm);
             }
+            ASSERT_EQ(field.metrics.lip_deviation.size(), 2U);
+            for (const LipDeviation& lip : field.metrics.lip_deviation) {
+                EXPECT_LT(lip.mean_mm, lip.largest_mm);
+                EXPECT_LT(lip.largest_mm, kOpeningMm);
+                EXPECT_GE(lip.at_mm, lip.from_mm);
+                EXPECT_LE(lip.at_mm, lip.to_mm);
+            }
+            ASSERT_FALSE(field.metrics.tissue_strain.empty());
+            for (const TissueStrain& tissue : field.metrics.tissue_strain) {
+                EXPECT_GT(tissue.strain, 0.0) << tissue.tissue;
+                EXPECT_NE(tissue.place.find("the incision"), std::string::npos) << tissue.place;
+            }
             const auto document = metrics_document({ field.metrics });
             const auto& json = document["approaches"][0]["retractor"];
             EXPECT_EQ(json["kind"], "midcab");

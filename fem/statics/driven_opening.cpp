@@ -233,7 +233,10 @@ namespace {
             return std::move(found_);
         }
 
-        bool nonlinear() const { return options_.elasticity != Elasticity::linear || options_.contact.has_value(); }
+        bool nonlinear() const
+        {
+            return options_.elasticity != Elasticity::linear || options_.contact.has_value() || !problem_.blades.empty();
+        }
 
         /// Predicts the equilibrium of the hooks from the forces and the tangent at this state.
         HookRest rest_at(const Points& displacement, const Eigen::VectorXd& forces)
@@ -299,6 +302,11 @@ HookResponse motion_response(const ElasticProblem& problem, const TissueModel& m
     if (contact) {
         body.set_contact(Contact(problem.mesh, element_parameters(problem.mesh, problem.material_of_label), *contact));
         (void)body.find_contact(u);
+    }
+    if (!problem.blades.empty()) {
+        body.set_blades(BladeContact(problem.mesh, problem.blades));
+        (void)body.renew_blades(u);
+        body.prepare_blade_search(u);
     }
     (void)body.stiffness(u, 0.0);
     ConstrainedSolver solver(body.last_stiffness().pattern, held.flag);

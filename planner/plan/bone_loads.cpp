@@ -24,7 +24,8 @@ namespace {
         if (wound.ten_node.size() != 0)
             return wound.ten_node;
         const Points& solved = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
-        return Eigen::Map<const Eigen::VectorXd>(solved.data(), solved.size());
+        const Points all = fem::with_blade_nodes(field.problem, solved);
+        return Eigen::Map<const Eigen::VectorXd>(all.data(), all.size());
     }
 
     /// Per node, whether an element of cartilage has this node.

@@ -421,15 +421,10 @@ double Contact::add_response(const Eigen::VectorXd& u, Eigen::VectorXd& forces) 
     return energy(u);
 }
 
-BlockPattern Contact::pattern(const BlockPattern& body) const
+BlockPattern extended_pattern(const BlockPattern& body, std::vector<std::pair<std::int32_t, std::int32_t>> more)
 {
-    std::vector<std::pair<std::int32_t, std::int32_t>> more; // additional entries: row and column
-    for (const ContactPair& pair : pairs_)
-        for (const std::int32_t row : pair.node)
-            for (const std::int32_t column : pair.node)
-                if (column >= 0 && row >= column)
-                    more.emplace_back(row, column);
     std::sort(more.begin(), more.end());
+    more.erase(std::unique(more.begin(), more.end()), more.end());
     BlockPattern pattern;
     pattern.row_start.push_back(0);
     auto next = more.begin();
@@ -444,6 +439,17 @@ BlockPattern Contact::pattern(const BlockPattern& body) const
         pattern.row_start.push_back(static_cast<std::int32_t>(pattern.column.size()));
     }
     return pattern;
+}
+
+BlockPattern Contact::pattern(const BlockPattern& body) const
+{
+    std::vector<std::pair<std::int32_t, std::int32_t>> more; // additional entries: row and column
+    for (const ContactPair& pair : pairs_)
+        for (const std::int32_t row : pair.node)
+            for (const std::int32_t column : pair.node)
+                if (column >= 0 && row >= column)
+                    more.emplace_back(row, column);
+    return extended_pattern(body, std::move(more));
 }
 
 void Contact::add_stiffness(const Eigen::VectorXd& u, double projected, BlockMatrix& matrix) const

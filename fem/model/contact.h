@@ -24,6 +24,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace retractor::fem {
@@ -46,6 +47,10 @@ struct PlaneDistance {
     Eigen::Matrix<double, 12, 12> hessian;
 };
 PlaneDistance plane_distance(const Vec3& point, const std::array<Vec3, 3>& face);
+
+/// A pattern with more blocks.
+/// @param more rows and columns of the blocks, row >= column; blocks may repeat, and may be in the pattern
+BlockPattern extended_pattern(const BlockPattern& body, std::vector<std::pair<std::int32_t, std::int32_t>> more);
 
 struct ContactPair {
     /// The point, then the corners of the face. Numbers >= 0 are nodes of the body; ~i is vertex i of the fixed

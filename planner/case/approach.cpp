@@ -223,6 +223,16 @@ std::string_view to_string(LoosePieces policy)
     })->second;
 }
 
+std::string_view to_string(HookHold hold) { return hold == HookHold::fixed ? "fixed" : "contact"; }
+
+std::optional<HookHold> hook_hold_from_string(std::string_view text)
+{
+    for (const HookHold hold : { HookHold::fixed, HookHold::contact })
+        if (to_string(hold) == text)
+            return hold;
+    return std::nullopt;
+}
+
 std::optional<LoosePieces> loose_pieces_from_string(std::string_view text)
 {
     for (const auto& [policy, name] : kLoosePieces)

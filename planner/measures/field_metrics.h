@@ -47,6 +47,17 @@ struct HookForce {
     std::vector<std::string> bears_on {}; ///< labels of bones that the hook moves with it; empty: soft tissue only
 };
 
+/// Pressure between a blade in contact and the tissue (fem/model/blade_contact.h).
+struct BladePressure {
+    double mean_kPa = 0.0; ///< normal force over the area that touches
+    double largest_kPa = 0.0; ///< mean over a square of 5 mm, where it is largest
+    /// Where: "skin", "deep", "start" or "end" (of the incision), the edge within a quarter of the blade; or "middle".
+    std::string largest_at {};
+    double touching_mm2 = 0.0; ///< area of the lip that touches
+    double on_bone_N = 0.0; ///< part of the normal force on bone behind soft tissue
+    double penetration_mm = 0.0; ///< depth to which tissue passes into the blade: an error of the computation
+};
+
 /// One blade of a retractor.
 struct BladeMetrics {
     std::string name; ///< of the hook in FieldMetrics::hooks
@@ -57,6 +68,7 @@ struct BladeMetrics {
     /// Largest distance of the lip's edge, over the width of the blade, from the straight line of the blade: how far
     /// the lip does not follow.
     double lip_deviation_mm = 0.0;
+    std::optional<BladePressure> pressure {}; ///< of a blade in contact
 };
 
 /// The retractor that holds the wound open.

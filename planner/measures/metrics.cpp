@@ -247,6 +247,15 @@ namespace {
             put(of_blade, field, "turn_deg", blade.turn_deg);
             of_blade["at_stop"] = blade.at_stop;
             put(of_blade, field, "lip_deviation_mm", blade.lip_deviation_mm);
+            of_blade["hold"] = to_string(blade.pressure ? HookHold::contact : HookHold::fixed);
+            if (blade.pressure) {
+                put(of_blade, field, "pressure_mean_kPa", blade.pressure->mean_kPa);
+                put(of_blade, field, "pressure_largest_kPa", blade.pressure->largest_kPa);
+                of_blade["pressure_largest_at"] = blade.pressure->largest_at;
+                put(of_blade, field, "touching_mm2", blade.pressure->touching_mm2);
+                put(of_blade, field, "on_bone_N", blade.pressure->on_bone_N);
+                put(of_blade, field, "penetration_mm", blade.pressure->penetration_mm);
+            }
             json["blades"].push_back(std::move(of_blade));
         }
         put(json, field, "residual_force_N", retractor.residual_force_N);
@@ -719,7 +728,11 @@ std::string blade_text(const BladeMetrics& blade)
     return formatted(
                "%.1f N and %.2f N m, turned %.1f degrees", blade.force_N.norm(), blade.moment_Nm.norm(), blade.turn_deg)
         + (blade.at_stop ? " (the end of its play)" : "")
-        + formatted(", the lip follows within %.1f mm", blade.lip_deviation_mm);
+        + formatted(", the lip follows within %.1f mm", blade.lip_deviation_mm)
+        + (blade.pressure ? formatted(", pressure %.0f kPa on average and %.0f kPa at most (%s)",
+                                blade.pressure->mean_kPa, blade.pressure->largest_kPa,
+                                blade.pressure->largest_at.c_str())
+                          : "");
 }
 
 std::string retractor_text(const FieldMetrics& field)

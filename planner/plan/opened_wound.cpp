@@ -6,6 +6,7 @@
 #include "fem/statics/nonlinear_region.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/assert.h"
+#include "mesh/image/skeleton.h"
 #include "planner/approach/hook_patches.h"
 #include "planner/approach/retractors.h"
 #include "planner/wall/supports.h"
@@ -31,6 +32,36 @@ namespace {
             if (stays_in_place(info, field.approach, patient))
                 contact.fixed.push_back(*patient.organ(info.name));
         return contact;
+    }
+
+    /// Makes blades of the hooks that are in contact.
+    void add_blades(PlannedField& field, const mesh::LabelTable& table)
+    {
+        std::vector<Label> skeleton;
+        for (const mesh::LabelInfo& info : table)
+            if (mesh::is_skeleton(info))
+                skeleton.push_back(info.id);
+        std::vector<mesh::TetFace> bone;
+        for (std::size_t h = 0; h < field.approach.hooks.size(); ++h) {
+            const HookSpec& spec = field.approach.hooks[h];
+            if (spec.hold != HookHold::contact)
+                continue;
+            if (bone.empty())
+                bone = fem::surface_of_labels(field.wall, skeleton);
+            std::vector<mesh::TetFace> lip;
+            for (const mesh::LipFace& face : field.lips)
+                if (face.side == spec.side)
+                    lip.push_back(face.face);
+            const PatchPlace place = patch_place(field.approach, spec);
+            fem::add_blade(field.problem, h, lip, bone,
+                { .name = spec.name,
+                    .middle = place.centre,
+                    .along = place.along,
+                    .deep = place.depth,
+                    .outward = spec.direction,
+                    .width_mm = spec.patch_width_mm,
+                    .height_mm = spec.patch_height_mm });
+        }
     }
 
     Points lip_points(const PlannedField& field)
@@ -259,8 +290,9 @@ Eigen::VectorXd displacement_at_nodes(const PlannedField& field, const OpenedWou
 {
     if (wound.ten_node.size() != 0)
         return wound.ten_node;
-    const Points& solved = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
-    return Eigen::Map<const Eigen::VectorXd>(solved.data(), solved.size());
+    const Points all = fem::with_blade_nodes(
+        field.problem, wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved);
+    return Eigen::Map<const Eigen::VectorXd>(all.data(), all.size());
 }
 
 Eigen::VectorXd displacement_at_nodes(const OpenedWall& opened)
@@ -328,6 +360,7 @@ OpenedWound open_with_options(PlannedField& field, Patient& patient, const Case&
             pressure_metrics(field.wall, pressure, choice.elasticity != fem::Elasticity::linear));
         field.problem.pressures.push_back(std::move(pressure.acts));
     }
+    add_blades(field, planned_case.label_table);
     if (choice.element == ElementKind::p2)
         field.problem = with_midpoints(field.problem);
     field.metrics.solution = solution_metrics(field, choice);
@@ -406,6 +439,18 @@ std::array<double, 2> side_forces(const PlannedField& field, const std::vector<V
         if (!pushing[i])
             of_side[field.hooks[i].side > 0 ? 0 : 1] += forces_N[i].norm();
     return of_side;
+}
+
+fem::ElasticProblem problem_with_fixed_hooks(const PlannedField& field)
+{
+    if (field.problem.blades.empty())
+        return field.problem;
+    const bool ten_node = field.problem.mesh.nodes_per_tet == 10;
+    fem::ElasticProblem problem = ten_node ? fem::without_midpoints(field.problem) : field.problem;
+    problem.mesh.vertices.conservativeResize(field.wall.vertices.rows(), 3);
+    problem.blades.clear();
+    problem.hooks = field.hooks;
+    return ten_node ? fem::with_midpoints(problem) : problem;
 }
 
 WoundMeasures measures_of(

@@ -119,6 +119,10 @@ std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3
 /// @param forces_N one per hook of the field
 std::array<double, 2> side_forces(const PlannedField& field, const std::vector<Vec3>& forces_N);
 
+/// The field's problem with all hooks fixed (HookHold) at their final places, without the nodes of blades: for programs
+/// without contact.
+fem::ElasticProblem problem_with_fixed_hooks(const PlannedField& field);
+
 /// Measures a solution of the field.
 /// @param displacement of the wall's vertices, n x 3, mm; the function moves the rigid pieces in it
 /// @param hook_forces_N one per hook of the field

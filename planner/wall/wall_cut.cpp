@@ -332,7 +332,12 @@ namespace {
         cut.supports = supports.compact(map);
         cut.supports.hinges = fem::joined_hinges(cut.wall, std::move(cut.supports.hinges));
         cut.hooks = hook_patches(cut.wall, cut.lips, approach, table, cut.supports);
-        cut.pieces = find_wall_pieces(cut.wall, table, cut.supports, cut.hooks);
+        // A blade in contact does not hold a piece that lies loose.
+        std::vector<fem::HookPatch> holding;
+        for (std::size_t h = 0; h < cut.hooks.size(); ++h)
+            if (approach.hooks[h].hold == HookHold::fixed)
+                holding.push_back(cut.hooks[h]);
+        cut.pieces = find_wall_pieces(cut.wall, table, cut.supports, holding);
         return map;
     }
 

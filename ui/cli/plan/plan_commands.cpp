@@ -236,13 +236,13 @@ namespace {
         for (planner::PlannedField& field : fields)
             if (is_measured(field))
                 field.metrics.second_opinion
-                    = second_opinion(field.problem, ccx, options.out, field.approach.name, limit, job);
+                    = second_opinion(planner::problem_with_fixed_hooks(field), ccx, options.out, field.approach.name, limit, job);
     }
 
     /// The problem without the laws that its elasticity does not use.
     fem::ElasticProblem as_solved(const planner::PlannedField& field)
     {
-        fem::ElasticProblem problem = field.problem;
+        fem::ElasticProblem problem = planner::problem_with_fixed_hooks(field);
         if (field.metrics.solution.choice.elasticity != fem::Elasticity::hyperelastic)
             for (fem::Material& material : problem.material_of_label)
                 material.law.reset();

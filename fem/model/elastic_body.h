@@ -66,9 +66,12 @@ public:
     /// Locking-free elements are then assembled separately, as with blades: their pattern is a part of the whole one.
     void set_contact(Contact contact);
     const Contact* contact() const { return contact_ ? &*contact_ : nullptr; }
-    /// Calls Contact::find(). A change of the pairs changes the pattern of the stiffness.
+    /// Calls Contact::find(). A change of the pairs changes the pattern of the stiffness where the present pattern does
+    /// not couple the nodes of a pair.
     /// @return whether the pairs changed.
     bool find_contact(const Eigen::VectorXd& displacement, Contact::Pairing pairing = Contact::Pairing::all_anew);
+    /// How often the pattern of the stiffness was made. A solver analyses the pattern again when the number changes.
+    std::size_t patterns_made() const { return patterns_made_; }
 
     /// Rigid blades that push the body. response() and stiffness() include their energy, forces and stiffness, also at
     /// the blades' own nodes.
@@ -153,6 +156,7 @@ private:
     std::optional<BladeContact> blades_;
     BlockPattern elements_pattern_; ///< pattern of the elements alone, kept when there is contact or a blade
     std::vector<std::int32_t> map_;
+    std::size_t patterns_made_ = 0;
     BlockMatrix stiffness_;
     std::vector<double> second_half_; ///< matrix values of the second half of the elements, before they are added
 };

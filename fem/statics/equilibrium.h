@@ -37,6 +37,7 @@
 
 #include <Eigen/Core>
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -83,6 +84,7 @@ public:
 
 private:
     std::optional<ConstrainedSolver> solver_;
+    std::size_t pattern_ = 0; ///< ElasticBody::patterns_made() of the pattern that solver_ has analysed
     bool assembled_ = false;
 };
 

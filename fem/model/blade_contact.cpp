@@ -223,8 +223,8 @@ Vec3 BladeContact::force_on(const Pose& pose, const Place& place, std::size_t sa
 {
     const Sample& s = samples_[sample];
     const BladeSample& own = given(sample);
-    const Stick stick({ place.along - s.along_at_rest, place.deep - s.deep_at_rest }, kStickShare * own.stiffness,
-        s.slips_at);
+    const Stick stick(
+        { place.along - s.along_at_rest, place.deep - s.deep_at_rest }, kStickShare * own.stiffness, s.slips_at);
     return own.area * s.share
         * (own.stiffness * depth_of(place.gap, s.expected) * pose.normal + stick.stress[0] * pose.along
             + stick.stress[1] * pose.deep);
@@ -296,8 +296,8 @@ double BladeContact::energy_of(const Place& place, std::size_t sample) const
     const Sample& s = samples_[sample];
     const BladeSample& own = given(sample);
     const double depth = depth_of(place.gap, s.expected);
-    const Stick stick({ place.along - s.along_at_rest, place.deep - s.deep_at_rest }, kStickShare * own.stiffness,
-        s.slips_at);
+    const Stick stick(
+        { place.along - s.along_at_rest, place.deep - s.deep_at_rest }, kStickShare * own.stiffness, s.slips_at);
     return own.area * s.share * (0.5 * own.stiffness * depth * depth + stick.energy);
 }
 
@@ -454,7 +454,8 @@ std::vector<BladeBearing> BladeContact::bearing(const Eigen::VectorXd& u) const
     for (std::size_t b = 0; b < blades_.size(); ++b) {
         const BladeSurface& blade = blades_[b];
         BladeBearing bearing;
-        const auto cells = [](double half) { return std::max(1, static_cast<int>(std::lround(2.0 * half / kPressureCellMm))); };
+        const auto cells
+            = [](double half) { return std::max(1, static_cast<int>(std::lround(2.0 * half / kPressureCellMm))); };
         const int columns = cells(blade.half_width_mm), rows = cells(blade.half_height_mm);
         Eigen::MatrixXd force = Eigen::MatrixXd::Zero(rows, columns);
         const auto cell = [](double at, double half, int count) {
@@ -472,7 +473,8 @@ std::vector<BladeBearing> BladeContact::bearing(const Eigen::VectorXd& u) const
             else
                 bearing.area_mm2 += area;
             bearing.penetration_mm = std::max(bearing.penetration_mm, -there.gap);
-            force(cell(there.deep, blade.half_height_mm, rows), cell(there.along, blade.half_width_mm, columns)) += push;
+            force(cell(there.deep, blade.half_height_mm, rows), cell(there.along, blade.half_width_mm, columns))
+                += push;
         }
         const double height = 2.0 * blade.half_height_mm / rows, width = 2.0 * blade.half_width_mm / columns;
         Eigen::Index row = 0, column = 0;

@@ -19,8 +19,8 @@
 // both from the present state. In equilibrium they belong to this state.
 //
 // Error. The blade sinks by pressure over k into the tissue. k is set so that a pressure of a tenth of a tissue's
-// modulus sinks by a two-hundredth of an edge, and on bone by 0.01 mm for each MPa of pressure (kStiffestN_mm3). The pattern of the stiffness has blocks between the nodes of a blade and those of its faces, and
-// never changes.
+// modulus sinks by a two-hundredth of an edge, and on bone by 0.01 mm for each MPa of pressure (kStiffestN_mm3). The
+// pattern of the stiffness has blocks between the nodes of a blade and those of its faces, and never changes.
 
 #include "fem/linear_algebra/block_matrix.h"
 #include "mesh/tetrahedra/tet_mesh.h"

@@ -43,8 +43,7 @@ namespace {
             const std::array<Vec3, 3> p = triangle_corners(mesh_.vertices, corners);
             if (!(unit_normal(p).dot(normal_) < -kLooksAtBlade))
                 return;
-            const double longest
-                = std::max({ (p[1] - p[0]).norm(), (p[2] - p[1]).norm(), (p[0] - p[2]).norm() });
+            const double longest = std::max({ (p[1] - p[0]).norm(), (p[2] - p[1]).norm(), (p[0] - p[2]).norm() });
             const int parts = std::max(1, static_cast<int>(std::ceil(longest / kSpacingMm)));
             const double area = triangle_area(p) / (parts * parts);
             const Lame& lame = lame_[static_cast<std::size_t>(face.tet)];
@@ -88,8 +87,7 @@ namespace {
             std::array<std::size_t, 3> local {};
             const auto nodes = mesh_.tet(tet);
             for (std::size_t i = 0; i < corners.size(); ++i)
-                local[i]
-                    = static_cast<std::size_t>(std::find(nodes.begin(), nodes.end(), corners[i]) - nodes.begin());
+                local[i] = static_cast<std::size_t>(std::find(nodes.begin(), nodes.end(), corners[i]) - nodes.begin());
             return local;
         }
 

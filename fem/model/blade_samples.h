@@ -4,11 +4,13 @@
 // vertex is chosen. Units mm, N, MPa; frame patient LPS.
 //
 // Lip. A lip that reaches over the plane of the blade at rest, where an incision bends, keeps this overlap without a
-// force, as if the blade had the shape of the lip: rest is an equilibrium. Where the lip is hollow the gap closes first.
+// force, as if the blade had the shape of the lip: rest is an equilibrium. Where the lip is hollow the gap closes
+// first.
 //
 // Bone behind soft tissue. Elements of several millimetres cannot be squeezed flat between blade and bone, and soft
 // tissue can. So bone bears on the blade as soon as the layer between is squeezed to kSqueezedTo of its thickness at
-// rest; until then, and beside it, the layer itself bears. Bone that the blade passes through at rest keeps the overlap.
+// rest; until then, and beside it, the layer itself bears. Bone that the blade passes through at rest keeps the
+// overlap.
 
 #include "fem/material/elasticity.h"
 #include "fem/model/blade_contact.h"

@@ -207,7 +207,8 @@ namespace {
 
         bool nonlinear() const
         {
-            return options_.elasticity != Elasticity::linear || options_.contact.has_value() || !problem_.blades.empty();
+            return options_.elasticity != Elasticity::linear || options_.contact.has_value()
+                || !problem_.blades.empty();
         }
 
         /// Predicts the equilibrium of the hooks from the forces and the tangent at this state.

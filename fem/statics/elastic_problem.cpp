@@ -92,8 +92,8 @@ void add_blade(ElasticProblem& problem, std::size_t hook, std::span<const mesh::
     const std::array<Vec3, 3> at = blade_nodes(place);
     const auto first = static_cast<VertexId>(mesh.vertices.rows());
     const std::array<VertexId, 3> nodes { first, first + 1, first + 2 };
-    BladeSurface blade = make_blade_surface(
-        mesh, element_parameters(mesh, problem.material_of_label), lip, bone, place, nodes);
+    BladeSurface blade
+        = make_blade_surface(mesh, element_parameters(mesh, problem.material_of_label), lip, bone, place, nodes);
     mesh.vertices.conservativeResize(first + 3, 3);
     for (std::size_t i = 0; i < at.size(); ++i)
         mesh.vertices.row(nodes[i]) = at[i].transpose();

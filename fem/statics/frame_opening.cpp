@@ -115,7 +115,8 @@ namespace {
         }
         bool is_nonlinear() const
         {
-            return options_.elasticity != Elasticity::linear || options_.contact.has_value() || !problem_.blades.empty();
+            return options_.elasticity != Elasticity::linear || options_.contact.has_value()
+                || !problem_.blades.empty();
         }
 
         void balance()

@@ -38,10 +38,10 @@ namespace {
             throw InputError("nothing is nonlinear near the wound when the elasticity is linear", "nonlinear region");
         if (options.contact || !options.blades.empty() || options.locking_free || !options.pressures.empty())
             throw InputError(std::string("a condensed region cannot be combined with ")
-                    + (options.contact             ? "contact"
+                    + (options.contact                ? "contact"
                             : !options.blades.empty() ? "blades in contact"
-                            : options.locking_free ? "locking-free elements"
-                                                   : "pressure"),
+                            : options.locking_free    ? "locking-free elements"
+                                                      : "pressure"),
                 "nonlinear region");
     }
 

@@ -98,10 +98,10 @@ namespace {
         constexpr double kTearingStretch = 1.71; // skin fails at a strain of 54 +- 17 % [arXiv 1302.3022]
         const double length = incision_length(approach);
         if (opening_mm > kTearingStretch * length)
-            refuse(
-                formatted("not attainable: hooks open %.0f mm, but the skin of an incision of %.0f mm tears before %.0f mm: open less, "
-                          "or make the incision longer",
-                    opening_mm, length, kTearingStretch * length),
+            refuse(formatted("not attainable: hooks open %.0f mm, but the skin of an incision of %.0f mm tears before "
+                             "%.0f mm: open less, "
+                             "or make the incision longer",
+                       opening_mm, length, kTearingStretch * length),
                 where);
     }
 

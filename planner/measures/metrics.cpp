@@ -6,7 +6,7 @@
 #include "mesh/base/text_format.h"
 #include "planner/measures/accuracy.h"
 #include "planner/measures/ball_strain.h"
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/hook_opening.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/region_text.h"
@@ -764,8 +764,7 @@ std::string blade_text(const BladeMetrics& blade)
         + (blade.at_stop ? " (the end of its play)" : "")
         + formatted(", the lip follows within %.1f mm", blade.lip_deviation_mm)
         + (blade.pressure ? formatted(", pressure %.0f kPa on average and %.0f kPa at most (%s)",
-                                blade.pressure->mean_kPa, blade.pressure->largest_kPa,
-                                blade.pressure->largest_at.c_str())
+               blade.pressure->mean_kPa, blade.pressure->largest_kPa, blade.pressure->largest_at.c_str())
                           : "");
 }
 

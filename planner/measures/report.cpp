@@ -5,7 +5,7 @@
 #include "mesh/base/text_format.h"
 #include "planner/measures/accuracy.h"
 #include "planner/measures/ball_strain.h"
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/force_moments.h"
 #include "planner/measures/hook_opening.h"
 #include "planner/measures/metric_table.h"
@@ -373,7 +373,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         };
         const LipDeviation& any = field.lip_deviation.front();
         out << "<div class=\"bars\"><svg class=\"lips\" viewBox=\"0 0 560 240\" role=\"img\" aria-label=\"How far "
-               "the lips hang behind their hooks\"><text x=\"12\" y=\"24\" font-size=\"16\" font-weight=\"700\">How far "
+               "the lips hang behind their hooks\"><text x=\"12\" y=\"24\" font-size=\"16\" font-weight=\"700\">How "
+               "far "
                "each lip hangs behind its "
             << (field.retractor ? "blade" : "hooks") << " (mm)</text><rect x=\"" << in_words(x(any.from_mm), 1)
             << "\" y=\"" << kTop << "\" width=\"" << in_words(x(any.to_mm) - x(any.from_mm), 1) << "\" height=\""
@@ -476,8 +477,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         if (const std::string hooks = hooks_text(field); !hooks.empty())
             out << "<p>" << escaped(hooks) << ".</p>";
         if (const std::string bones = bones_text(field); !bones.empty())
-            out << (breaks_bone(field) ? "<p class=\"notice\">" : "<p>") << escaped(bones)
-                << "</p>";
+            out << (breaks_bone(field) ? "<p class=\"notice\">" : "<p>") << escaped(bones) << "</p>";
         if (const std::string joints = joints_text(field); !joints.empty())
             out << "<p>" << escaped(joints) << "</p>";
         if (const std::string strain = tissue_strain_text(field); !strain.empty())

@@ -295,8 +295,8 @@ Eigen::VectorXd displacement_at_nodes(const OpenedWall& opened)
     return Eigen::Map<const Eigen::VectorXd>(solved.data(), solved.size());
 }
 
-OpenedWall reopen_wall(const PlannedField& field, const OpenedWound& wound, double share,
-    const SolverSettings& choice, const Job& job)
+OpenedWall reopen_wall(
+    const PlannedField& field, const OpenedWound& wound, double share, const SolverSettings& choice, const Job& job)
 {
     RETRACTOR_ASSERT(share >= 0.0 && share <= 1.0 && choice.near_mm == 0.0);
     fem::OpeningOptions options = opening_options(choice);
@@ -318,8 +318,8 @@ OpenedWall reopen_wall(const PlannedField& field, const OpenedWound& wound, doub
                              .toRotationMatrix();
         const fem::RackDrive drive { .distance_mm = state.distance };
         take_retractor(opened, field.retractor->frame,
-            fem::open_with_frame(problem, field.retractor->frame, drive, options, { .tolerance = kTenNodeBalance }, named,
-                fem::FrameStart { state, std::move(start), field.retractor->stiffness }));
+            fem::open_with_frame(problem, field.retractor->frame, drive, options, { .tolerance = kTenNodeBalance },
+                named, fem::FrameStart { state, std::move(start), field.retractor->stiffness }));
     } else {
         for (fem::HookPatch& hook : opened.hooks)
             hook.displacement *= share;

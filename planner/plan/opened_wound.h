@@ -83,8 +83,8 @@ Eigen::VectorXd displacement_at_nodes(const OpenedWall& opened);
 /// field's displacement. Hooks that were driven by forces, and yielded hooks, move the same share of their way.
 /// @param share 0 to 1
 /// @throws as open_wall(); @pre the whole wall has the same law (SolverSettings::near_mm is 0)
-OpenedWall reopen_wall(const PlannedField& field, const OpenedWound& wound, double share,
-    const SolverSettings& choice, const Job& job);
+OpenedWall reopen_wall(
+    const PlannedField& field, const OpenedWound& wound, double share, const SolverSettings& choice, const Job& job);
 
 /// Opens the cut wall with the case's solver settings, and with contact where it is asked for or needed
 /// (contact_where_needed.h). Fills in the field's problem, opening, final hook places,

@@ -312,8 +312,7 @@ namespace {
                 "the region)");
         std::vector<VertexId> cut_off = cut_off_vertices(field.wall, labels);
         field.rim = rim_places(field.wall, cut_off);
-        const WallTension tension
-            = tension_of(field.wall, patient, field.approach, supports, std::move(cut_off));
+        const WallTension tension = tension_of(field.wall, patient, field.approach, supports, std::move(cut_off));
         cut = cut_wall(std::move(field.wall), field.approach, planned_case.label_table, std::move(supports), job);
         if (!take_cut(field, cut))
             return false;
@@ -333,8 +332,8 @@ namespace {
     }
 
     /// "muscle, 85 mm from the incision towards the back".
-    std::string place_in_words(
-        const RimMotion& rim, const std::vector<Vec3>& line, const mesh::LabelTable& table, const AnatomicalFrame& frame)
+    std::string place_in_words(const RimMotion& rim, const std::vector<Vec3>& line, const mesh::LabelTable& table,
+        const AnatomicalFrame& frame)
     {
         Vec3 middle = Vec3::Zero();
         for (const Vec3& point : line)
@@ -358,8 +357,7 @@ namespace {
         const Case& planned_case = patient.planned_case();
         const Points& displacement = field.opening.displacement;
         const std::vector<std::uint8_t> is_rim = rim_flags(field.wall, field.rim);
-        const RimMotions rim
-            = rim_motions(field.wall, displacement, field.problem.supports.fixed, is_rim, labels.grid);
+        const RimMotions rim = rim_motions(field.wall, displacement, field.problem.supports.fixed, is_rim, labels.grid);
         RegionMetrics& region = field.metrics.region;
         region.region_mm = sizing.region_mm;
         region.ended_by = field.approach.sizing.region_mm ? RegionEnd::given : RegionEnd::not_searched;
@@ -367,10 +365,10 @@ namespace {
         region.rim_at = rim.region.at;
         region.image_end_motion_mm = rim.image.moved_mm;
         if (rim.region.label != 0)
-            region.rim_place = place_in_words(
-                rim.region, field.approach.incision, planned_case.label_table, patient.frame());
-        region.piercing = bones_through_skin(
-            field.wall, displacement, is_rim, field.remaining_wall, planned_case.label_table);
+            region.rim_place
+                = place_in_words(rim.region, field.approach.incision, planned_case.label_table, patient.frame());
+        region.piercing
+            = bones_through_skin(field.wall, displacement, is_rim, field.remaining_wall, planned_case.label_table);
         remark(field.message, piercing_text(field.metrics));
     }
 
@@ -522,8 +520,8 @@ namespace {
             return { .status = Status::cancelled };
         const Points& displacement = field.opening.displacement;
         const std::vector<Vec3> line = mesh::region_line(sizing);
-        const RimMotions rim = rim_motions(field.wall, displacement, field.problem.supports.fixed,
-            rim_flags(field.wall, field.rim), labels->grid);
+        const RimMotions rim = rim_motions(
+            field.wall, displacement, field.problem.supports.fixed, rim_flags(field.wall, field.rim), labels->grid);
         const std::array<double, 2> sides = side_forces(field, field.opening.hook_forces_N);
         return { .moving_mm = moving_reach(field.wall, displacement, line, kStillRimMm),
             .farthest_mm = moving_reach(field.wall, displacement, line, -1.0),
@@ -557,8 +555,8 @@ namespace {
     }
 
     /// Plans one approach once, or on finer and finer meshes where an accuracy is asked.
-    PlannedField plan_with_region(Patient& patient, const Approach& approach, const Job& job, const PlanChecks& checks,
-        const Stopwatch& watch)
+    PlannedField plan_with_region(
+        Patient& patient, const Approach& approach, const Job& job, const PlanChecks& checks, const Stopwatch& watch)
     {
         if (!checks.accuracy)
             return plan_approach(patient, approach, job, checks);
@@ -600,8 +598,8 @@ namespace {
         return planned;
     }
 
-    /// Finds the region of an approach that gives none, and plans the approach with it. A region whose plan does not fit
-    /// the memory is made smaller.
+    /// Finds the region of an approach that gives none, and plans the approach with it. A region whose plan does not
+    /// fit the memory is made smaller.
     PlannedField plan_as_accurately_as_asked(
         Patient& patient, const Approach& approach, const Job& job, const PlanChecks& checks)
     {

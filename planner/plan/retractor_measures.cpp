@@ -58,9 +58,9 @@ namespace {
             const fem::BladeBearing& bearing = field.opening.blades[b];
             // The width of a blade may run against the incision, so that the tissue lies on its front.
             const PatchPlace place = patch_place(field.approach, field.approach.hooks[hook]);
-            const Vec3 along = (field.problem.mesh.vertices.row(blade.nodes[1])
-                - field.problem.mesh.vertices.row(blade.nodes[0]))
-                                   .transpose();
+            const Vec3 along
+                = (field.problem.mesh.vertices.row(blade.nodes[1]) - field.problem.mesh.vertices.row(blade.nodes[0]))
+                      .transpose();
             const double sign = along.dot(place.along) < 0.0 ? -1.0 : 1.0;
             return BladePressure { .mean_kPa = kKiloPascals * bearing.pressure_mean_MPa(),
                 .largest_kPa = kKiloPascals * bearing.pressure_largest_MPa,

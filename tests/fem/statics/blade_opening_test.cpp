@@ -54,8 +54,8 @@ namespace blade_opening_test {
                     .height_mm = 14.0 });
             box.fix(2, 0.0);
             box.problem.hooks[0].displacement = Vec3(0.0, 0.0, -kDepth);
-            const OpeningResult opened = Opening(box.problem, { .elasticity = Elasticity::linear, .tolerance = 1e-8 })
-                                             .open(box.problem.hooks);
+            const OpeningResult opened
+                = Opening(box.problem, { .elasticity = Elasticity::linear, .tolerance = 1e-8 }).open(box.problem.hooks);
             ASSERT_EQ(opened.status, OpeningStatus::converged) << opened.message;
             const double k = box.problem.blades[0].samples[0].stiffness;
             const double expected = kSide * kSide * kDepth / (kHeight / kE + 1.0 / k);
@@ -116,8 +116,9 @@ namespace blade_opening_test {
         constexpr double kBeam = 0.1; // the edge is 2 mm wide (1 mm of 64 mm, cubed), penetration, shear of the beam
         EXPECT_NEAR(-opened.hook_forces_N[0].z(), expected, kBeam * expected);
         const BladeBearing& bearing = opened.blades[0];
-        EXPECT_LT(bearing.largest_along_mm * (rib.problem.mesh.vertices(rib.problem.blades[0].nodes[1], 0)
-                                                 - rib.problem.mesh.vertices(rib.problem.blades[0].nodes[0], 0)),
+        EXPECT_LT(bearing.largest_along_mm
+                * (rib.problem.mesh.vertices(rib.problem.blades[0].nodes[1], 0)
+                    - rib.problem.mesh.vertices(rib.problem.blades[0].nodes[0], 0)),
             0.0)
             << "the largest pressure is at the edge towards the root";
         EXPECT_LT(bearing.area_mm2, 0.4 * kWidth * kSide);

@@ -168,8 +168,8 @@ namespace retractors_test {
         with_hooks.hooks[1].hold = HookHold::contact;
         add_approach(planned_case, with_retractor);
         add_approach(planned_case, with_hooks);
-        set_retractor(planned_case, with_retractor.name, find_retractor(built_in_retractors(), "midcab"),
-            { .opening_mm = 12.0 });
+        set_retractor(
+            planned_case, with_retractor.name, find_retractor(built_in_retractors(), "midcab"), { .opening_mm = 12.0 });
         find_approach(planned_case, with_retractor.name).retractor->hold = HookHold::fixed;
         const std::string text = case_to_json(planned_case);
         const Case read = case_from_json(text, planned_case.folder);

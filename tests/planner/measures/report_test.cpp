@@ -480,7 +480,8 @@ namespace report_test {
         for (const char* part : { "with injury: skin", "<td>skin 82 %</td>", "Caution, tearing",
                  "skin would tear: 82 % 38 mm along the incision, torn samples failed between 37 and 71 %",
                  "the left lip lies up to 4.5 mm (mean 1.5 mm) off the line of its hooks", "<svg class=\"lips\"",
-                 "<polyline fill=\"none\" stroke-width=\"2\" stroke=\"#3a7ca5\" points=\"60.0,190.0 300.0,40.0 540.0,190.0 \"",
+                 "<polyline fill=\"none\" stroke-width=\"2\" stroke=\"#3a7ca5\" points=\"60.0,190.0 300.0,40.0 "
+                 "540.0,190.0 \"",
                  "100 mm along the incision" })
             EXPECT_NE(html.find(part), std::string::npos) << part;
         EXPECT_EQ(html.find("without a fracture"), std::string::npos) << "no bone breaks";

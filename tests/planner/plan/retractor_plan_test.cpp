@@ -17,8 +17,7 @@ namespace retractor_plan_test {
 
     constexpr double kOpeningMm = 10.0;
 
-    PlannedField plan_with(
-        const RetractorDrive& drive, const SolverSettings& choice, HookHold hold = HookHold::contact)
+    PlannedField plan_with(const RetractorDrive& drive, const SolverSettings& choice, HookHold hold = HookHold::contact)
     {
         const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
         Case planned_case = test_support::block_case("retractor", phantom);

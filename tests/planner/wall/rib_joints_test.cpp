@@ -70,8 +70,8 @@ namespace rib_joints_test {
                     (2.0 * p.z() / nz - 1.0) * kHalfHeight }));
         });
         std::fill(rib.mesh.labels.begin(), rib.mesh.labels.end(), kRib);
-        rib.labels.table = { { kRib, "rib_left_5", "bone", mesh::Role::wall },
-            { kSpine, "spine", "bone", mesh::Role::wall } };
+        rib.labels.table
+            = { { kRib, "rib_left_5", "bone", mesh::Role::wall }, { kSpine, "spine", "bone", mesh::Role::wall } };
         mesh::ImageGrid& grid = rib.labels.grid;
         grid.spacing = Vec3(1.2, 1.2, 1.5);
         grid.size = { 130, 130, 25 };

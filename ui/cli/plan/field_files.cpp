@@ -8,7 +8,7 @@
 #include "mesh/tetrahedra/mesh_io.h"
 #include "planner/measures/accuracy.h"
 #include "planner/measures/ball_strain.h"
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/force_moments.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
@@ -179,8 +179,7 @@ bool is_answer(const planner::PlannedField& field)
 int exit_code_of(const std::vector<planner::PlannedField>& fields)
 {
     for (const planner::PlannedField& field : fields)
-        if (!is_answer(field)
-            || (field.metrics.second_opinion && field.metrics.second_opinion->status != "agrees"))
+        if (!is_answer(field) || (field.metrics.second_opinion && field.metrics.second_opinion->status != "agrees"))
             return 1;
     return 0;
 }
@@ -299,8 +298,7 @@ std::vector<std::string> keep_earlier_metrics(const std::filesystem::path& folde
         const std::string name = word(approach, "name");
         const auto now = std::find_if(fields.begin(), fields.end(),
             [&](const planner::PlannedField& field) { return field.approach.name == name; });
-        if (now == fields.end()
-            || (!is_answer(*now) && word(approach, "mechanics_status") == "converged"))
+        if (now == fields.end() || (!is_answer(*now) && word(approach, "mechanics_status") == "converged"))
             lost.push_back(name);
     }
     if (!lost.empty())

@@ -236,8 +236,8 @@ namespace {
         const auto limit = std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * options.reference_limit_s));
         for (planner::PlannedField& field : fields)
             if (is_measured(field))
-                field.metrics.second_opinion
-                    = second_opinion(planner::problem_with_fixed_hooks(field), ccx, options.out, field.approach.name, limit, job);
+                field.metrics.second_opinion = second_opinion(
+                    planner::problem_with_fixed_hooks(field), ccx, options.out, field.approach.name, limit, job);
     }
 
     /// The problem without the laws that its elasticity does not use.

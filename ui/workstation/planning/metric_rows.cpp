@@ -5,7 +5,7 @@
 #include "planner/case/opening_protocol.h"
 #include "planner/measures/accuracy.h"
 #include "planner/measures/ball_strain.h"
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/force_moments.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
@@ -147,8 +147,8 @@ namespace {
     {
         for (const planner::TissueStrain& tissue : field.tissue_strain)
             section.rows.push_back({ "Strain of " + readable(tissue.tissue), number(100.0 * tissue.strain, 0, "%"),
-                "Largest mean over balls of " + number(planner::kBallRadiusMm, 0, "mm") + " radius: "
-                    + planner::strain_text(tissue) + ".",
+                "Largest mean over balls of " + number(planner::kBallRadiusMm, 0, "mm")
+                    + " radius: " + planner::strain_text(tissue) + ".",
                 planner::may_tear(tissue) });
         if (planner::any_may_tear(field))
             section.rows.push_back({ "Tearing", planner::any_would_tear(field) ? "expected" : "possible",
@@ -237,10 +237,10 @@ namespace {
                       "volume, so the numbers near such tissue are wrong."
                     : "The plan " + planner::volume_failure_text(field) + ".",
                 !planner::keeps_volume(field) });
-        section.rows.push_back({ "Rim of the model",
-            field.region.rim_place.empty() ? "none" : number(field.region.rim_motion_mm, 1, "mm"),
-            "Largest motion where the model ends. " + planner::region_text(field),
-            planner::is_region_too_small(field) });
+        section.rows.push_back(
+            { "Rim of the model", field.region.rim_place.empty() ? "none" : number(field.region.rim_motion_mm, 1, "mm"),
+                "Largest motion where the model ends. " + planner::region_text(field),
+                planner::is_region_too_small(field) });
         if (const std::string piercing = planner::piercing_text(field); !piercing.empty())
             section.rows.push_back({ "Bones through the skin", std::to_string(field.region.piercing.size()),
                 "The plan " + piercing + ".", true });

@@ -1,4 +1,4 @@
-#include "tests/support/pushed_lips.h"
+#include "tests/support/wounds/pushed_lips.h"
 
 #include "mesh/cutting/cut_session.h"
 #include "tests/support/reference_problems.h"

@@ -15,8 +15,8 @@
 //   2022, J Anat), but how old the tested bodies were per piece, and how thick their bone, is not known here.
 
 #include "planner/anatomy/anatomy.h"
+#include "planner/measures/bones/section_moments.h"
 #include "planner/measures/field_metrics.h"
-#include "planner/measures/section_moments.h"
 
 #include <span>
 #include <string>

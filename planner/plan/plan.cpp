@@ -632,14 +632,24 @@ namespace {
     }
 
     /// The approach with the bone divided that would break, planned once, in the region of the approach's own field.
-    std::optional<PlannedField> plan_with_divided_bone(Patient& patient, const Approach& approach,
-        const PlannedField& field, const Job& job, PlanChecks checks)
+    /// Where this plan cannot be made, the field's message says why.
+    std::optional<PlannedField> plan_with_divided_bone(
+        Patient& patient, const Approach& approach, PlannedField& field, const Job& job, PlanChecks checks)
     {
         const std::optional<Approach> divided = with_divided_bone(approach, field);
         if (!divided || job.cancelled())
             return std::nullopt;
         checks.injury_options = false;
-        PlannedField planned = plan_approach(patient, *divided, job, checks);
+        PlannedField planned;
+        try {
+            planned = plan_approach(patient, *divided, job, checks);
+        } catch (const InputError& error) {
+            remark(field.message, divided->name + " gave no plan: " + error.what());
+            return std::nullopt;
+        } catch (const SolverError& error) {
+            remark(field.message, divided->name + " gave no plan: " + error.what());
+            return std::nullopt;
+        }
         const RegionMetrics& found = field.metrics.region;
         RegionMetrics& region = planned.metrics.region;
         region.ended_by = found.ended_by;

@@ -83,7 +83,7 @@ struct SizingSpec {
     /// The mesh holds tissue within this distance of the incision, and its whole bones; 0: all of the wall. Not set:
     /// kFirstRegionMm, and where a plan finds the region (PlanChecks::find_region) as far as tissue moves.
     std::optional<double> region_mm {};
-    double coarse_beyond_mm = 0.0; ///< MeshSizing::coarse_beyond_mm, of a region that was found; not a part of case.json
+    double coarse_beyond_mm = 0.0; ///< MeshSizing::coarse_beyond_mm, of a found region; not a part of case.json
     unsigned mesh_seed = 0; ///< MeshSizing::seed; not a part of case.json
     double patch_edge_mm = 3.0; ///< MeshSizing::fine_edge_mm, round the hooks' patches; not a part of case.json
 };

@@ -294,8 +294,8 @@ OpenedWall reopen_wall(const PlannedField& field, const OpenedWound& wound, doub
                              .toRotationMatrix();
         const fem::RackDrive drive { .distance_mm = state.distance };
         take_retractor(opened, field.retractor->frame,
-            fem::open_with_frame(problem, field.retractor->frame, drive, options, { .tolerance = kTenNodeBalance }, named,
-                fem::FrameStart { state, std::move(start), field.retractor->stiffness }));
+            fem::open_with_frame(problem, field.retractor->frame, drive, options, { .tolerance = kTenNodeBalance },
+                named, fem::FrameStart { state, std::move(start), field.retractor->stiffness }));
     } else {
         for (fem::HookPatch& hook : opened.hooks)
             hook.displacement *= share;

@@ -404,8 +404,8 @@ namespace {
     }
 
     /// "muscle, 85 mm from the incision towards the back".
-    std::string place_in_words(
-        const RimMotion& rim, const std::vector<Vec3>& line, const mesh::LabelTable& table, const AnatomicalFrame& frame)
+    std::string place_in_words(const RimMotion& rim, const std::vector<Vec3>& line, const mesh::LabelTable& table,
+        const AnatomicalFrame& frame)
     {
         Vec3 middle = Vec3::Zero();
         for (const Vec3& point : line)
@@ -659,8 +659,8 @@ namespace {
         return planned;
     }
 
-    /// Finds the region of an approach that gives none, and plans the approach with it. A region whose plan does not fit
-    /// the memory is made smaller.
+    /// Finds the region of an approach that gives none, and plans the approach with it. A region whose plan does not
+    /// fit the memory is made smaller.
     PlannedField plan_as_accurately_as_asked(
         Patient& patient, const Approach& approach, const Job& job, const PlanChecks& checks)
     {

@@ -33,14 +33,14 @@ struct HingeEdge {
 };
 
 struct Hinge {
-    std::string name; ///< of the bone
+    std::string name {}; ///< of the bone
     Vec3 axis = Vec3::UnitX(); ///< unit vector at rest; it does not turn
     double stiffness = 0.0; ///< N mm/rad, at every angle, >= 0
     double range = 0.0; ///< angle without a stop, rad, >= 0
     double stop_stiffness = 0.0; ///< N mm/rad, K above, >= 0
     double toe = 0.0; ///< l above, rad, > 0
     /// The shares add up to one. In a part of a body (hinges_within()) they add up to the part's share of the torque.
-    std::vector<HingeEdge> edges;
+    std::vector<HingeEdge> edges {};
 };
 
 /// Energy (N mm), torque (N mm) and stiffness (N mm/rad) of a hinge at an angle (rad).

@@ -85,31 +85,46 @@ namespace {
         return at;
     }
 
-    /// The joint of one connected part of a bone. @param near its voxels near the spine, not empty
-    JointPlaces joint_of(const mesh::ImageGrid& grid, const BoneVoxels& bone, const std::vector<std::uint32_t>& near)
+    /// A voxel near the spine.
+    struct NearVoxel {
+        std::uint32_t voxel = 0;
+        double gap = 0.0; ///< distance from the spine, mm
+    };
+
+    /// The joint of one connected part of a bone. @param near its voxels near the spine, one within kJointGapMm at least
+    JointPlaces joint_of(const mesh::ImageGrid& grid, const BoneVoxels& bone, const std::vector<NearVoxel>& near)
     {
-        const std::vector<double> from_front = ways_from(bone, { farthest(ways_from(bone, near)) });
+        std::vector<std::uint32_t> at_spine;
+        for (const NearVoxel& v : near)
+            if (v.gap <= kJointGapMm)
+                at_spine.push_back(v.voxel);
+        const std::vector<double> from_front = ways_from(bone, { farthest(ways_from(bone, at_spine)) });
         double end = 0.0;
-        for (const std::uint32_t v : near)
+        for (const std::uint32_t v : at_spine)
             end = std::max(end, from_front[v]);
         const auto along = [&](std::uint32_t v) { return end - from_front[v]; };
-        double last = 0.0;
-        for (const std::uint32_t v : near)
-            if (along(v) <= kTubercleReachMm)
-                last = std::max(last, along(v));
-        const auto middle = [&](double begin, double finish) {
+        const auto middle = [&](double begin, double finish, double gap) {
             Vec3 sum = Vec3::Zero();
             double count = 0.0;
-            for (const std::uint32_t v : near)
-                if (along(v) >= begin && along(v) <= finish) {
-                    sum += grid.world(Vec3(bone.index[v][0], bone.index[v][1], bone.index[v][2]));
+            for (const NearVoxel& v : near)
+                if (v.gap <= gap && along(v.voxel) >= begin && along(v.voxel) <= finish) {
+                    const std::array<int, 3>& at = bone.index[v.voxel];
+                    sum += grid.world(Vec3(at[0], at[1], at[2]));
                     count += 1.0;
                 }
             return Vec3(sum / count);
         };
-        JointPlaces places { .head = middle(0.0, std::min(kJointLengthMm, std::max(last, 0.0))) };
-        if (last >= kLeastNeckMm)
-            places.tubercle = middle(last - std::min(kJointLengthMm, 0.5 * last), last);
+        JointPlaces places { .head = middle(0.0, kJointLengthMm, kJointGapMm) };
+        for (const double gap : { kJointGapMm, kTubercleGapMm }) {
+            double last = 0.0;
+            for (const NearVoxel& v : near)
+                if (v.gap <= gap && along(v.voxel) <= kTubercleReachMm)
+                    last = std::max(last, along(v.voxel));
+            if (last < kLeastNeckMm)
+                continue;
+            places.tubercle = middle(last - std::min(kJointLengthMm, last / 3.0), last, gap);
+            break;
+        }
         return places;
     }
 
@@ -117,19 +132,23 @@ namespace {
     void add_joints(const mesh::LabelVolume& labels, const mesh::LabelFlags& spine, Label label,
         std::vector<std::array<int, 3>> index, std::vector<JointPlaces>& joints)
     {
-        std::vector<std::uint32_t> near;
-        for (std::size_t v = 0; v < index.size(); ++v)
-            if (distance_to_labels(
-                    labels, spine, labels.grid.world(Vec3(index[v][0], index[v][1], index[v][2])), kJointGapMm)
-                <= kJointGapMm)
-                near.push_back(static_cast<std::uint32_t>(v));
-        if (near.empty())
+        std::vector<NearVoxel> near;
+        for (std::size_t v = 0; v < index.size(); ++v) {
+            const Vec3 place = labels.grid.world(Vec3(index[v][0], index[v][1], index[v][2]));
+            if (const double gap = distance_to_labels(labels, spine, place, kTubercleGapMm); gap <= kTubercleGapMm)
+                near.push_back({ static_cast<std::uint32_t>(v), gap });
+        }
+        const auto at_spine = [](const NearVoxel& v) { return v.gap <= kJointGapMm; };
+        if (std::ranges::none_of(near, at_spine))
             return;
         const BoneVoxels bone = neighbours_of(labels.grid, std::move(index));
-        while (!near.empty()) {
-            const std::vector<double> way = ways_from(bone, { near.front() });
+        while (true) {
+            const auto first = std::ranges::find_if(near, at_spine);
+            if (first == near.end())
+                return;
+            const std::vector<double> way = ways_from(bone, { first->voxel });
             const auto other = std::stable_partition(
-                near.begin(), near.end(), [&](std::uint32_t v) { return way[v] != kFar; });
+                near.begin(), near.end(), [&](const NearVoxel& v) { return way[v.voxel] != kFar; });
             joints.push_back(joint_of(labels.grid, bone, { near.begin(), other }));
             joints.back().label = label;
             near.erase(near.begin(), other);
@@ -162,7 +181,7 @@ std::vector<JointPlaces> joint_places(const mesh::LabelVolume& labels, std::span
 {
     const mesh::LabelFlags spine = mesh::flagged_labels(fixed_labels);
     const mesh::LabelFlags bone = mesh::flagged_labels(labels.table,
-        [&](const mesh::LabelInfo& info) { return mesh::is_skeleton(info) && spine[info.id] == 0; });
+        [&](const mesh::LabelInfo& info) { return mesh::is_wall(info) && mesh::is_skeleton(info) && spine[info.id] == 0; });
     std::map<Label, std::vector<std::array<int, 3>>> voxels;
     mesh::visit_voxels(labels, [&](int i, int j, int k, Label label) {
         if (bone[label] != 0)

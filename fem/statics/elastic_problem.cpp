@@ -205,4 +205,15 @@ std::vector<Vec3> hook_forces(const Eigen::VectorXd& nodal_forces, const Prescri
     return forces;
 }
 
+Eigen::MatrixXd hook_motions(const Prescribed& prescribed, std::size_t hooks)
+{
+    const std::vector<int>& hook_of_node = prescribed.hook_of_node;
+    Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(
+        3 * static_cast<Eigen::Index>(hook_of_node.size()), 3 * static_cast<Eigen::Index>(hooks));
+    for (std::size_t v = 0; v < hook_of_node.size(); ++v)
+        if (const int hook = hook_of_node[v]; hook >= 0)
+            motions.block<3, 3>(3 * static_cast<Eigen::Index>(v), 3 * hook).setIdentity();
+    return motions;
+}
+
 } // namespace retractor::fem

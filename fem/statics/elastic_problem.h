@@ -85,4 +85,8 @@ std::vector<Label> labels_met(const mesh::TetMesh& mesh);
 /// Sums nodal forces (three per node) over the nodes of each hook.
 std::vector<Vec3> hook_forces(const Eigen::VectorXd& nodal_forces, const Prescribed& prescribed, std::size_t hooks);
 
+/// The motions of the hooks: three columns per hook, a displacement of 1 mm of its nodes along x, y and z; three rows
+/// per node.
+Eigen::MatrixXd hook_motions(const Prescribed& prescribed, std::size_t hooks);
+
 } // namespace retractor::fem

@@ -1,5 +1,6 @@
 #include "fem/statics/opening.h"
 
+#include "fem/element/strain_percentile.h"
 #include "fem/model/floating_components.h"
 #include "fem/statics/elastic_problem.h"
 #include "fem/statics/equilibrium.h"
@@ -17,8 +18,6 @@
 namespace retractor::fem {
 
 namespace {
-
-    constexpr double kTearingPercentile = 0.99;
 
     void check_options(const OpeningOptions& options)
     {
@@ -61,7 +60,7 @@ namespace {
         }
         std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return d.strain[a] < d.strain[b]; });
         const auto at
-            = weighted_percentile(order, kTearingPercentile, total, [&](std::size_t t) { return d.volume[t]; });
+            = weighted_percentile(order, kStrainPercentile, total, [&](std::size_t t) { return d.volume[t]; });
         return at == order.end() ? 0.0 : d.strain[*at];
     }
 

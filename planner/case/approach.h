@@ -68,6 +68,9 @@ struct TargetSpec {
     bool is_sphere() const { return label.empty(); }
 };
 
+/// The region of an approach for which none was given and none was found, mm.
+inline constexpr double kFirstRegionMm = 50.0;
+
 /// Mesh sizes of the wall round this incision; see MeshSizing.
 /// The defaults give 50,000 to 80,000 elements on an adult chest, in a few seconds. A new case has edges of 8 mm for
 /// ten-node elements (write_import()).
@@ -75,14 +78,19 @@ struct SizingSpec {
     double corridor_radius_mm = 12.0;
     double corridor_edge_mm = 4.5;
     double coarse_edge_mm = 15.0;
-    /// The mesh holds tissue within this distance of the incision, and its whole bones; 0: all of the wall.
-    double region_mm = 50.0;
+    /// The mesh holds tissue within this distance of the incision, and its whole bones; 0: all of the wall. Not set:
+    /// kFirstRegionMm, and where a plan finds the region (PlanChecks::find_region) as far as tissue moves.
+    std::optional<double> region_mm {};
+    double coarse_beyond_mm = 0.0; ///< MeshSizing::coarse_beyond_mm, of a region that was found; not a part of case.json
     unsigned mesh_seed = 0; ///< MeshSizing::seed; not a part of case.json
     double patch_edge_mm = 3.0; ///< MeshSizing::fine_edge_mm, round the hooks' patches; not a part of case.json
 };
 
 /// The same sizes with all edges multiplied by this factor. @pre factor > 0
 SizingSpec with_scaled_edges(SizingSpec sizing, double factor);
+
+/// The same sizes with a region that was found: beyond kFirstRegionMm it is a coarse model.
+SizingSpec found_sizing(SizingSpec sizing, double region_mm);
 
 /// The eye positions over which the visible fraction is averaged. The eyes lie in a cone about the view axis.
 struct ViewSpec {

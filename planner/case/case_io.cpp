@@ -253,7 +253,8 @@ namespace {
         static void of(auto& io, Is<SizingSpec> auto& sizing)
         {
             io.required("corridor_radius_mm", sizing.corridor_radius_mm, "corridor_edge_mm", sizing.corridor_edge_mm,
-                "coarse_edge_mm", sizing.coarse_edge_mm, "region_mm", sizing.region_mm);
+                "coarse_edge_mm", sizing.coarse_edge_mm);
+            io.optional("region_mm", sizing.region_mm);
         }
         static void of(auto& io, Is<TargetSpec> auto& target)
         {

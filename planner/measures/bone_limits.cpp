@@ -82,6 +82,17 @@ namespace {
         return field.bones_rough ? " The elements of this mesh are too stiff, so these moments are rough." : "";
     }
 
+    std::string uninjured_text(const FieldMetrics& field)
+    {
+        const double opening = kWholeMm * std::floor(*field.largest_uninjured_opening_mm / kWholeMm);
+        if (!is_uninjured_opening_solved(field))
+            return formatted(" The largest opening without a fracture is about %.0f mm (estimate).", opening);
+        const UninjuredOpening& solved = *field.uninjured_opening;
+        return formatted(" The largest opening without a fracture is %.0f mm (solved), with %.0f N on the larger side; "
+                         "%s then bears %.0f %% of what tested ribs bore.",
+            opening, solved.hook_force_N, bone_in_words(solved.bone).c_str(), 100.0 * solved.utilisation);
+    }
+
     std::string place_text(const BoneMetrics& bone)
     {
         return formatted("in its %s part, %.0f mm from the spine", bone.part.c_str(), bone.at_mm);
@@ -152,6 +163,11 @@ void set_attainable(FieldMetrics& field, bool in_equilibrium)
             largest = std::min(largest, *bone.opening_at_limit_mm);
         }
     field.largest_uninjured_opening_mm = largest;
+}
+
+bool is_uninjured_opening_solved(const FieldMetrics& field)
+{
+    return field.uninjured_opening && field.uninjured_opening->message.empty();
 }
 
 std::string_view to_string(Attainable attainable)
@@ -230,10 +246,7 @@ std::string bones_text(const FieldMetrics& field)
                 formatted("%s from about %.0f mm on", bone_in_words(other.name).c_str(), *other.opening_at_limit_mm));
     if (!others.empty())
         text += " Also " + joined(others) + ".";
-    return text
-        + formatted(" The largest opening without a fracture is about %.0f mm (estimate).",
-            kWholeMm * std::floor(*field.largest_uninjured_opening_mm / kWholeMm))
-        + rough_text(field);
+    return text + uninjured_text(field) + rough_text(field);
 }
 
 std::string joints_text(const FieldMetrics& field)

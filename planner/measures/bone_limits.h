@@ -60,6 +60,9 @@ BoneMetrics bone_limit(const std::string& name, std::span<const BoneBar> pieces,
 /// @pre field.hooks and field.bones or field.bones_message are filled
 void set_attainable(FieldMetrics& field, bool in_equilibrium);
 
+/// Whether the largest uninjured opening was solved; otherwise it is an estimate in proportion.
+bool is_uninjured_opening_solved(const FieldMetrics& field);
+
 /// "yes", "with_injury", "no", "unknown": the words of metrics.json.
 std::string_view to_string(Attainable attainable);
 

@@ -4,8 +4,10 @@
 
 #include "fem/material/tissue_tension.h"
 #include "mesh/base/geometry.h"
+#include "planner/anatomy/bone_stiffness.h"
 #include "planner/case/approach.h"
 #include "planner/case/solver_settings.h"
+#include "planner/wall/bones_through_skin.h"
 #include "planner/wall/divided_tissue.h"
 #include "planner/wall/removed_tissue.h"
 #include "planner/wall/wall_pressure.h"
@@ -142,6 +144,29 @@ struct ErrorBars {
     double seconds = 0.0;
 };
 
+/// What a stiffness that may be other than it is does to force and opening (planner/plan/parameter_interval.h).
+struct ParameterInfluence {
+    std::string name; ///< of the tissue, or of the springs
+    std::string unit; ///< of the values: "MPa", "N m/rad" or "1"
+    double value = 0.0; ///< as planned with
+    double low = 0.0, high = 0.0; ///< one standard deviation of the value's logarithm to either side
+    /// Derivatives of the logarithms of force and opening by that of the value: the share by which the force grows over
+    /// the share by which the value grows.
+    double force_exponent = 0.0, opening_exponent = 0.0;
+    double force_change_percent = 0.0, opening_change_percent = 0.0; ///< with the value `high`
+    std::string source; ///< of the range
+};
+
+/// The interval of force and opening from the ranges of the tissue values. It stands beside the error bars of the
+/// discretisation and is no part of them.
+struct ParameterInterval {
+    std::string message {}; ///< reason for a missing interval; empty: the interval is there
+    double force_low_N = 0.0, force_high_N = 0.0; ///< of the larger side
+    double opening_low_mm = 0.0, opening_high_mm = 0.0; ///< of the opening's width
+    std::vector<ParameterInfluence> parameters {}; ///< the largest influence first
+    double seconds = 0.0; ///< time of the computation
+};
+
 /// Why a search for an accuracy ended (planner/plan/accurate_plan.h).
 enum class AccuracyEnd {
     reached, ///< the bars are as small as asked
@@ -149,6 +174,34 @@ enum class AccuracyEnd {
     memory, ///< the next mesh would need more memory than there is
     rounds, ///< on the finest of the meshes that a search may make
     failure, ///< the plan has no equilibrium, or the next mesh gave no answer
+};
+
+/// Why a region is as large as it is (planner/plan/found_region.h).
+enum class RegionEnd {
+    not_searched, ///< the plan was made with the first region
+    given, ///< the approach gives it
+    still, ///< the tissue beyond hardly moves in a draft of the whole wall
+    whole, ///< the region is the whole wall in the image
+    memory, ///< a larger region needs more memory than there is
+    time, ///< a plan of a larger region would take too long
+    failure, ///< the draft of the whole wall gave no answer
+};
+
+/// The meshed region of the wall, and what its limit does to the plan.
+struct RegionMetrics {
+    double region_mm = 0.0; ///< largest distance of its soft tissue from the incision; 0: the whole wall
+    RegionEnd ended_by = RegionEnd::not_searched;
+    std::string message {}; ///< if ended by a failure: the reason
+    double rim_motion_mm = 0.0; ///< largest motion of tissue or bone where the region ends inside the image
+    Vec3 rim_at = Vec3::Zero(); ///< where, at rest, mm
+    std::string rim_place {}; ///< where, in words; empty: the region has no rim inside the image
+    double image_end_motion_mm = 0.0; ///< largest motion where the image ends
+    std::vector<PiercingBone> piercing {}; ///< bones that come out through the skin: a failure
+    int drafts = 0; ///< number of drafts by which the region was found
+    /// Change of the force between the draft of the whole wall and that of the region, over the force: the error that
+    /// the region leaves. Not set: there was one draft, or there is no force.
+    std::optional<double> force_change {};
+    double seconds = 0.0; ///< time of the search
 };
 
 /// The asked accuracy, and the reached one.
@@ -228,6 +281,17 @@ enum class Attainable {
     no, ///< no equilibrium was found
 };
 
+/// The largest opening at which no bone reaches its capacity, solved (planner/plan/uninjured_opening.h).
+struct UninjuredOpening {
+    std::string message {}; ///< reason for missing numbers; empty: the numbers are there
+    double opening_mm = 0.0; ///< of the hooks, as hook_opening() gives it
+    std::string bone {}; ///< label of the bone that is loaded most
+    double utilisation = 0.0; ///< of this bone
+    double hook_force_N = 0.0; ///< on the larger side
+    int solves = 0; ///< number of openings that were computed
+    double seconds = 0.0;
+};
+
 struct FieldMetrics {
     std::string name; ///< name of the approach
     std::string target;
@@ -262,6 +326,7 @@ struct FieldMetrics {
     Attainable attainable = Attainable::unknown;
     /// Largest opening of the hooks at which no bone reaches its capacity: the reached opening, or an estimate below.
     std::optional<double> largest_uninjured_opening_mm;
+    std::optional<UninjuredOpening> uninjured_opening; ///< filled on request, where the plan injures
 
     int inverted_elements = 0;
     double max_volume_ratio = 1.0;
@@ -276,6 +341,8 @@ struct FieldMetrics {
     double removed_skin_mm2 = 0.0; ///< area of the removed skin at rest; no part of the opening, which the lips bound
     std::vector<std::string> loose_pieces; ///< pieces that the cut left without support, and their treatment
 
+    RegionMetrics region;
+
     std::size_t tets = 0;
     std::vector<std::pair<std::string, double>> seconds; ///< duration of each stage, in order
 
@@ -283,6 +350,9 @@ struct FieldMetrics {
     std::vector<PressureMetrics> pressures; ///< pressures on the wall
     std::optional<TensionMetrics> tension; ///< filled where tissue of the wall is under tension
     std::optional<ErrorBars> error;
+    /// What tissue values out of their ranges do; filled where hooks open the wound and errors were estimated.
+    std::optional<ParameterInterval> parameters;
+    std::vector<BoneStiffness> bone_stiffness; ///< moduli of the ribs and cartilages in the wall
     std::optional<AccuracyMetrics> accuracy; ///< filled when an accuracy was asked
     std::optional<SecondOpinion> second_opinion; ///< filled on request
 

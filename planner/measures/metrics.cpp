@@ -8,7 +8,9 @@
 #include "planner/measures/bone_limits.h"
 #include "planner/measures/hook_opening.h"
 #include "planner/measures/metric_table.h"
+#include "planner/measures/region_text.h"
 #include "planner/measures/rupture.h"
+#include "planner/measures/tissue_values.h"
 #include "planner/wall/wall_tension.h"
 
 #include <nlohmann/json.hpp>
@@ -157,7 +159,7 @@ namespace {
         put(json, field, "corridor_radius_mm", sizing.corridor_radius_mm);
         put(json, field, "corridor_edge_mm", sizing.corridor_edge_mm);
         put(json, field, "coarse_edge_mm", sizing.coarse_edge_mm);
-        put(json, field, "region_mm", sizing.region_mm);
+        put(json, field, "region_mm", sizing.region_mm.value_or(kFirstRegionMm));
         json["seed"] = sizing.mesh_seed;
         return json;
     }
@@ -364,13 +366,32 @@ namespace {
         return json;
     }
 
+    Json uninjured_document(const FieldMetrics& field, const UninjuredOpening& uninjured)
+    {
+        Json json;
+        if (!uninjured.message.empty()) {
+            json["message"] = uninjured.message;
+        } else {
+            put(json, field, "opening_mm", uninjured.opening_mm);
+            json["bone"] = uninjured.bone;
+            put(json, field, "utilisation", uninjured.utilisation);
+            put(json, field, "hook_force_N", uninjured.hook_force_N);
+        }
+        json["solves"] = uninjured.solves;
+        put(json, field, "seconds", uninjured.seconds);
+        return json;
+    }
+
     void put_bones(Json& json, const FieldMetrics& field)
     {
         json["attainable"] = to_string(field.attainable);
         if (field.largest_uninjured_opening_mm) {
             put(json, field, "largest_uninjured_opening_mm", *field.largest_uninjured_opening_mm);
-            json["largest_uninjured_opening_is_estimate"] = field.attainable == Attainable::with_injury;
+            json["largest_uninjured_opening_is_estimate"]
+                = field.attainable == Attainable::with_injury && !is_uninjured_opening_solved(field);
         }
+        if (field.uninjured_opening)
+            json["uninjured_opening"] = uninjured_document(field, *field.uninjured_opening);
         json["bones"] = Json::array();
         for (const BoneMetrics& bone : field.bones)
             json["bones"].push_back(bone_document(field, bone));
@@ -378,6 +399,82 @@ namespace {
             json["bones_rough"] = field.bones_rough;
         if (!field.bones_message.empty())
             json["bones_message"] = field.bones_message;
+    }
+
+    Json stiffness_document(const FieldMetrics& field, const BoneStiffness& bone)
+    {
+        Json json { { "name", bone.name } };
+        put(json, field, "modulus_MPa", bone.modulus_MPa);
+        json["range_MPa"] = { bone.low_MPa, bone.high_MPa };
+        json["found_by"] = to_string(bone.origin);
+        if (bone.cut_off_MPa)
+            put(json, field, "cut_off_from_MPa", *bone.cut_off_MPa);
+        if (bone.origin == StiffnessOrigin::image) {
+            put(json, field, bone.material == "bone" ? "cortex_share" : "calcified_share", bone.share);
+            if (bone.sections > 0)
+                json["sections"] = bone.sections;
+        }
+        json["source"] = bone.words;
+        return json;
+    }
+
+    Json parameters_document(const FieldMetrics& field, const ParameterInterval& interval)
+    {
+        Json json;
+        if (!interval.message.empty()) {
+            json["message"] = interval.message;
+            return json;
+        }
+        put(json, field, "force_low_N", interval.force_low_N);
+        put(json, field, "force_high_N", interval.force_high_N);
+        put(json, field, "opening_low_mm", interval.opening_low_mm);
+        put(json, field, "opening_high_mm", interval.opening_high_mm);
+        json["decided_by"] = deciding_parameters(interval);
+        json["parameters"] = Json::array();
+        for (const ParameterInfluence& parameter : interval.parameters) {
+            Json row { { "name", parameter.name }, { "unit", parameter.unit } };
+            put(row, field, "value", parameter.value);
+            put(row, field, "low", parameter.low);
+            put(row, field, "high", parameter.high);
+            put(row, field, "force_exponent", parameter.force_exponent);
+            put(row, field, "opening_exponent", parameter.opening_exponent);
+            put(row, field, "force_change_percent", parameter.force_change_percent);
+            put(row, field, "opening_change_percent", parameter.opening_change_percent);
+            row["source"] = parameter.source;
+            json["parameters"].push_back(std::move(row));
+        }
+        json["holds_for"] = "tissue values, to first order at the solution; no part of error_estimate";
+        put(json, field, "seconds", interval.seconds);
+        return json;
+    }
+
+    Json region_document(const FieldMetrics& field, const RegionMetrics& region)
+    {
+        const auto vector = [](const Vec3& v) { return Json { v.x(), v.y(), v.z() }; };
+        Json json;
+        put(json, field, "region_mm", region.region_mm);
+        json["ended_by"] = to_string(region.ended_by);
+        if (!region.message.empty())
+            json["message"] = region.message;
+        put(json, field, "rim_motion_mm", region.rim_motion_mm);
+        if (!region.rim_place.empty()) {
+            json["rim_at_mm"] = vector(region.rim_at);
+            json["rim_place"] = region.rim_place;
+        }
+        put(json, field, "image_end_motion_mm", region.image_end_motion_mm);
+        json["bones_through_skin"] = Json::array();
+        for (const PiercingBone& bone : region.piercing) {
+            Json of_bone { { "name", bone.name }, { "at_mm", vector(bone.at) } };
+            put(of_bone, field, "out_mm", bone.out_mm);
+            json["bones_through_skin"].push_back(std::move(of_bone));
+        }
+        if (region.drafts > 0) {
+            json["drafts"] = region.drafts;
+            put(json, field, "seconds", region.seconds);
+        }
+        if (region.force_change)
+            put(json, field, "force_change", *region.force_change);
+        return json;
     }
 
     Json field_document(const FieldMetrics& field)
@@ -411,11 +508,19 @@ namespace {
         put(json, field, MetricGroup::soundness);
         json["mechanics_status"] = field.mechanics_status;
         json["solution"] = solution_document(field, field.solution);
+        json["region"] = region_document(field, field.region);
         put_surfaces(json, field);
         if (field.tension)
             json["tension"] = tension_document(field, *field.tension);
         if (field.error)
             json["error_estimate"] = error_document(field, *field.error);
+        if (field.parameters)
+            json["parameter_interval"] = parameters_document(field, *field.parameters);
+        if (!field.bone_stiffness.empty()) {
+            json["bone_stiffness"] = Json::array();
+            for (const BoneStiffness& bone : field.bone_stiffness)
+                json["bone_stiffness"].push_back(stiffness_document(field, bone));
+        }
         if (field.accuracy)
             json["accuracy"] = accuracy_document(field, *field.accuracy);
         if (field.second_opinion)

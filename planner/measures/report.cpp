@@ -9,7 +9,9 @@
 #include "planner/measures/hook_opening.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/region_text.h"
 #include "planner/measures/rupture.h"
+#include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"
 #include "planner/wall/wall_tension.h"
 
@@ -348,12 +350,49 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << "</div>";
     }
 
+    /// The interval from tissue values, and the table of the parameters that decide.
+    void write_parameters(std::ostream& out, const FieldMetrics& field)
+    {
+        if (!field.parameters)
+            return;
+        const std::string forces = force_with_intervals(field);
+        out << "<p>" << escaped(forces.empty() ? parameter_text(field) : "Force " + forces) << ".</p>";
+        if (field.parameters->parameters.empty())
+            return;
+        out << "<p>" << escaped(parameter_text(field))
+            << ": one standard deviation. Force and opening change to first order with the values; the bars of the "
+               "mesh are no part of it.</p><table class=\"materials\"><thead><tr><th>Stiffness</th><th>Planned "
+               "with</th><th>Range</th><th>Force at the upper end</th><th>Opening at the upper end</th><th>From</th>"
+               "</tr></thead><tbody>";
+        for (const ParameterInfluence& p : field.parameters->parameters)
+            out << "<tr><td>" << escaped(p.name) << "</td><td>" << formatted("%.3g ", p.value)
+                << escaped(p.unit == "1" ? "" : p.unit) << "</td><td>" << formatted("%.3g to %.3g", p.low, p.high)
+                << "</td><td>" << formatted("%+.1f %%", p.force_change_percent) << "</td><td>"
+                << formatted("%+.1f %%", p.opening_change_percent) << "</td><td>" << escaped(p.source) << "</td></tr>";
+        out << "</tbody></table>";
+    }
+
+    void write_bone_stiffness(std::ostream& out, const FieldMetrics& field)
+    {
+        if (field.bone_stiffness.empty())
+            return;
+        out << "<table class=\"materials\"><thead><tr><th>Bone</th><th>Young's modulus</th><th>Range</th><th>Found by"
+               "</th><th>From</th></tr></thead><tbody>";
+        for (const BoneStiffness& bone : field.bone_stiffness)
+            out << "<tr><td>" << escaped(readable(bone.name)) << "</td><td>" << formatted("%.4g MPa", bone.modulus_MPa)
+                << "</td><td>" << formatted("%.3g to %.3g", bone.low_MPa, bone.high_MPa) << "</td><td>"
+                << escaped(std::string(to_string(bone.origin))) << "</td><td>" << escaped(bone.words) << "</td></tr>";
+        out << "</tbody></table>";
+    }
+
     void write_field(std::ostream& out, const Report& report, const FieldMetrics& field)
     {
         out << "<h2>" << escaped(field.name) << "</h2>";
         if (const std::string failed = volume_failure_text(field); !failed.empty())
-            out << "<p class=\"notice" << (is_believable(field) ? "" : " bad") << "\">" << escaped(field.name) << " "
+            out << "<p class=\"notice" << (keeps_volume(field) ? "" : " bad") << "\">" << escaped(field.name) << " "
                 << escaped(failed) << ".</p>";
+        if (const std::string piercing = piercing_text(field); !piercing.empty())
+            out << "<p class=\"notice bad\">" << escaped(field.name) << " " << escaped(piercing) << ".</p>";
         out << "<p>" << escaped(field.explanation) << "</p>";
         write_pictures(out, report, field.name);
         out << "<p>Hooks: ";
@@ -379,11 +418,14 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             out << "<p>" << escaped(joints) << "</p>";
         out << "<p>" << escaped(error_text(field))
             << ". Errors of the materials, the supports and the model are not included.</p>";
+        write_parameters(out, field);
+        write_bone_stiffness(out, field);
         if (const std::string accuracy = accuracy_text(field); !accuracy.empty())
             out << (field.accuracy->ended_by == AccuracyEnd::reached ? "<p>" : "<p class=\"notice\">")
                 << escaped(accuracy) << "</p>";
         out << "<p>" << escaped(solution_text(field)) << "; relative residual " << formatted("%.1e", field.residual)
             << ".</p>";
+        out << (is_region_too_small(field) ? "<p class=\"notice\">" : "<p>") << escaped(region_text(field)) << "</p>";
         for (const PressureMetrics& pressure : field.pressures)
             out << "<p>" << escaped(pressure_text(pressure)) << ".</p>";
         if (field.tension)

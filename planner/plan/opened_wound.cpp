@@ -11,6 +11,8 @@
 #include "planner/wall/supports.h"
 #include "planner/wall/wall_pressure.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <set>
 #include <string>
@@ -124,6 +126,11 @@ fem::OpeningOptions opening_options(const SolverSettings& choice)
 
 namespace {
 
+    /// Residual of ten-node elements. It leaves 0.1 % of the hook forces (fem::OpeningOptions::tolerance), which is
+    /// little beside the discretisation error of several percent, and takes half of the Newton steps of the default.
+    constexpr double kTenNodeTolerance = 1e-3;
+    constexpr double kTenNodeBalance = 2e-3; ///< above the error that this residual leaves in the forces of blades
+
     /// A displacement at the corners of ten-node elements, and its means at their midpoints.
     Points at_midpoints(const mesh::TetMesh& mesh, const Points& corners)
     {
@@ -145,9 +152,6 @@ namespace {
     void open_from_corners(
         OpenedWall& opened, const fem::ElasticProblem& problem, fem::OpeningOptions options, const Job& job)
     {
-        // This residual leaves 0.1 % of the hook forces (fem::OpeningOptions::tolerance), which is little beside the
-        // discretisation error of several percent, and takes half of the Newton steps of the default.
-        constexpr double kTenNodeTolerance = 1e-3;
         options.tolerance = std::max(options.tolerance, kTenNodeTolerance);
         const fem::ElasticProblem corners = fem::without_midpoints(problem);
         fem::OpeningResult coarse
@@ -174,6 +178,7 @@ namespace {
         opened.retractor = PlacedRetractor { .frame = frame,
             .state = found.state,
             .loads = found.loads,
+            .stiffness = found.stiffness,
             .residual_force_N = found.residual_force_N.norm(),
             .residual_moment_Nmm = found.residual_moment_Nmm.norm(),
             .rack_force_N = found.rack_force_N,
@@ -185,8 +190,6 @@ namespace {
     /// Opens a wall with a retractor. Ten-node elements begin where the retractor is in balance in four-node elements.
     void open_with_retractor(OpenedWall& opened, const PlannedField& field, fem::OpeningOptions options, const Job& job)
     {
-        constexpr double kTenNodeTolerance = 1e-3; // as in open_from_corners()
-        constexpr double kTenNodeBalance = 2e-3; // above the error that this residual leaves in the forces
         const fem::BladeFrame frame = blade_frame_of(field.approach);
         const RetractorSpec& retractor = *field.approach.retractor;
         fem::RackDrive drive { .force_N = retractor.force_N };
@@ -252,16 +255,70 @@ OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const 
     return opened;
 }
 
-OpenedWound open_wound(
-    PlannedField& field, Patient& patient, const mesh::LabelVolume& labels, CutWall cut, const Job& job)
+Eigen::VectorXd displacement_at_nodes(const PlannedField& field, const OpenedWound& wound)
 {
-    const Case& planned_case = patient.planned_case();
-    const SolverSettings& choice = planned_case.solution;
+    if (wound.ten_node.size() != 0)
+        return wound.ten_node;
+    const Points& solved = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
+    return Eigen::Map<const Eigen::VectorXd>(solved.data(), solved.size());
+}
+
+Eigen::VectorXd displacement_at_nodes(const OpenedWall& opened)
+{
+    if (opened.ten_node.size() != 0)
+        return opened.ten_node;
+    const Points& solved = opened.opening.displacement;
+    return Eigen::Map<const Eigen::VectorXd>(solved.data(), solved.size());
+}
+
+OpenedWall reopen_wall(const PlannedField& field, const OpenedWound& wound, double share,
+    const SolverSettings& choice, const Job& job)
+{
+    RETRACTOR_ASSERT(share >= 0.0 && share <= 1.0 && choice.near_mm == 0.0);
     fem::OpeningOptions options = opening_options(choice);
-    if (planned_case.contact)
-        options.contact = contact_of(field, patient);
+    options.contact = wound.contact;
+    const fem::ElasticProblem& problem = field.problem;
+    const Eigen::VectorXd full = displacement_at_nodes(field, wound);
+    Points start = share * Eigen::Map<const Points>(full.data(), full.size() / 3, 3);
+    const Job named = as_stage(job, "smaller opening");
+    OpenedWall opened;
+    opened.hooks = problem.hooks;
+    if (field.retractor && !problem.hooks.empty()) {
+        fem::FrameState state = field.retractor->state;
+        state.distance *= share;
+        state.translation *= share;
+        for (double& turn : state.turn)
+            turn *= share;
+        state.rotation = Eigen::Quaterniond::Identity()
+                             .slerp(share, Eigen::Quaterniond(field.retractor->state.rotation))
+                             .toRotationMatrix();
+        const fem::RackDrive drive { .distance_mm = state.distance };
+        take_retractor(opened, field.retractor->frame,
+            fem::open_with_frame(problem, field.retractor->frame, drive, options, { .tolerance = kTenNodeBalance }, named,
+                fem::FrameStart { state, std::move(start), field.retractor->stiffness }));
+    } else {
+        for (fem::HookPatch& hook : opened.hooks)
+            hook.displacement *= share;
+        if (problem.mesh.nodes_per_tet == 10)
+            options.tolerance = std::max(options.tolerance, kTenNodeTolerance);
+        fem::Opening opening(problem, options);
+        opening.start_from(start);
+        opened.opening = opening.open(opened.hooks, named);
+    }
+    fem::OpeningResult& result = opened.opening;
+    if (problem.mesh.nodes_per_tet == 10 && result.displacement.rows() > 0)
+        opened.ten_node = Eigen::Map<const Eigen::VectorXd>(result.displacement.data(), result.displacement.size());
+    return opened;
+}
+
+namespace {
+
+OpenedWound open_with_options(PlannedField& field, Patient& patient, const Case& planned_case,
+    fem::OpeningOptions options, const mesh::LabelVolume& labels, CutWall cut, const Job& job)
+{
+    const SolverSettings& choice = planned_case.solution;
     field.problem = { .mesh = field.wall,
-        .material_of_label = materials_as_solved(planned_case),
+        .material_of_label = materials_as_solved(patient, choice.element),
         .supports = std::move(cut.supports),
         .hooks = field.hooks,
         .loads = std::move(cut.released),
@@ -303,6 +360,25 @@ OpenedWound open_wound(
     wound.rigid.solved = field.opening.displacement;
     move_rigid_pieces(field.wall, wound.rigid.vertices, field.opening.displacement);
     return wound;
+}
+
+} // namespace
+
+OpenedWound open_wound(
+    PlannedField& field, Patient& patient, const mesh::LabelVolume& labels, CutWall cut, const Job& job)
+{
+    const Case& planned_case = patient.planned_case();
+    fem::OpeningOptions options = opening_options(planned_case.solution);
+    if (planned_case.contact)
+        options.contact = contact_of(field, patient);
+    return open_with_options(field, patient, planned_case, std::move(options), labels, std::move(cut), job);
+}
+
+OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planned_case, const mesh::LabelVolume& labels,
+    CutWall cut, const Job& job)
+{
+    return open_with_options(
+        field, patient, planned_case, opening_options(planned_case.solution), labels, std::move(cut), job);
 }
 
 std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3>& forces_N)

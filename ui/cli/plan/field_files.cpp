@@ -11,7 +11,9 @@
 #include "planner/measures/force_moments.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/region_text.h"
 #include "planner/measures/rupture.h"
+#include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"
 #include "ui/plan_scene/case_picture.h"
 #include "ui/plan_scene/plan_scene.h"
@@ -348,7 +350,7 @@ std::string field_table(const std::vector<planner::PlannedField>& fields)
         text += right_aligned(std::to_string(m.tets), kTetsWidth) + "\n";
         if (field.status != planner::PlanStatus::done)
             text += "  " + m.mechanics_status + "\n"
-                + (planner::is_believable(m) ? "" : "  " + planner::volume_failure_text(m) + "\n");
+                + (planner::keeps_volume(m) ? "" : "  " + planner::volume_failure_text(m) + "\n");
         else if (!field.message.empty())
             text += "  " + field.message + "\n";
         for (const std::string& remark :
@@ -367,6 +369,13 @@ std::string field_table(const std::vector<planner::PlannedField>& fields)
         if (m.tension)
             text += "  " + planner::tension_text(m) + "\n";
         text += "  " + planner::error_text(m) + "\n";
+        if (const std::string parameters = planner::parameter_text(m); !parameters.empty())
+            text += "  " + parameters + "\n";
+        if (const std::string stiffness = planner::bone_stiffness_text(m); !stiffness.empty())
+            text += "  " + stiffness + "\n";
+        text += (planner::is_region_too_small(m) ? "  caution: " : "  ") + planner::region_text(m) + "\n";
+        if (const std::string piercing = planner::piercing_text(m); !piercing.empty())
+            text += "  " + piercing + "\n";
         if (const std::string accuracy = planner::accuracy_text(m); !accuracy.empty())
             text += "  " + accuracy + "\n";
         if (m.contact)

@@ -51,6 +51,7 @@ namespace {
         unsigned mesh_seed = 0;
         bool check_far = false; ///< PlanChecks::linear_region
         bool draft = false;
+        bool injury_options = false; ///< PlanChecks::injury_options
         bool render = false, contact = false;
         bool parallel = false;
     };
@@ -123,7 +124,11 @@ namespace {
 
     planner::PlanChecks checks_of(const PlanOptions& options)
     {
-        return { .linear_region = options.check_far, .error_bars = !options.draft, .draft = options.draft };
+        return { .linear_region = options.check_far,
+            .error_bars = !options.draft,
+            .draft = options.draft,
+            .injury_options = options.injury_options,
+            .find_region = !options.draft };
     }
 
     /// The accuracy of a plan: the option's, else the case's, else the default. Nothing where none is asked, and for a
@@ -528,6 +533,9 @@ void add_plan_command(Commands& commands)
             "Time (s) for the meshes of one approach: a finer mesh that would take longer is not tried (default: the "
             "case's solution, else 600)")
         ->check(in_range(planner::kShortestSearchS, planner::kLongestSearchS));
+    command->add_flag("--injury-options", options->injury_options,
+        "Where a bone would break: also solve the largest opening without a fracture, and plan the approach once more "
+        "with this bone divided. Takes about as long again");
     command->add_flag("--render", options->render, "Also draw the views and write report.html");
     command
         ->add_option("--reference", options->reference,

@@ -40,8 +40,8 @@ public:
         return static_cast<std::size_t>(v) < bed_.size() ? bed_[static_cast<std::size_t>(v)] : 0.0;
     }
 
-    /// Sets hinges by their stiffness at rest (hinge.h). An edge acts while both its vertices have the position that they
-    /// have at this call, and share an element.
+    /// Sets hinges by their stiffness at rest (hinge.h). An edge acts while both its vertices have the position that
+    /// they have at this call, and share an element.
     /// @throws InputError on an edge whose vertices do not live or share no element
     void set_hinges(std::vector<Hinge> hinges);
     std::vector<Hinge> hinges() const; ///< with the edges that act now

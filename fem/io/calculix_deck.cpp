@@ -112,8 +112,8 @@ namespace {
                 for (const auto& [v, sign] : { std::pair(edge.a, -1.0), std::pair(edge.b, 1.0) })
                     for (Eigen::Index axis = 0; axis < 3; ++axis)
                         if (spring[axis] != 0.0)
-                            terms.push_back(node_number(v) + "," + std::to_string(axis + 1) + ","
-                                + number(sign * spring[axis]));
+                            terms.push_back(
+                                node_number(v) + "," + std::to_string(axis + 1) + "," + number(sign * spring[axis]));
                 constexpr std::size_t kTermsPerLine = 4;
                 equations += std::to_string(terms.size()) + "\n";
                 for (std::size_t i = 0; i < terms.size(); ++i)

@@ -22,7 +22,10 @@ namespace {
 
     Vec3 across(const Vec3& axis, const Vec3& v) { return v - axis * axis.dot(v); }
 
-    bool has_angle(const Vec3& axis, const Vec3& along) { return across(axis, along).norm() > kLeastWidth * along.norm(); }
+    bool has_angle(const Vec3& axis, const Vec3& along)
+    {
+        return across(axis, along).norm() > kLeastWidth * along.norm();
+    }
 
     Vec3 along(const mesh::TetMesh& mesh, const HingeEdge& edge)
     {
@@ -174,8 +177,7 @@ std::vector<Hinge> hinges_within(const mesh::TetMesh& mesh, std::vector<Hinge> h
     erase_joined(mesh, parted);
     for (Hinge& hinge : hinges)
         std::erase_if(hinge.edges, [&](const HingeEdge& edge) {
-            return edge.a < 0 || edge.b < 0
-                || parted.contains({ std::min(edge.a, edge.b), std::max(edge.a, edge.b) })
+            return edge.a < 0 || edge.b < 0 || parted.contains({ std::min(edge.a, edge.b), std::max(edge.a, edge.b) })
                 || !has_angle(hinge.axis, along(mesh, edge));
         });
     std::erase_if(hinges, [](const Hinge& hinge) { return hinge.edges.empty(); });
@@ -199,8 +201,7 @@ double hinge_turn(const mesh::TetMesh& mesh, const Hinge& hinge, const Eigen::Ve
 {
     double mean = 0.0;
     for (const HingeEdge& edge : hinge.edges)
-        mean += edge.share
-            * turned(hinge, HingeAngle::swept, along(mesh, edge), stretch(edge, displacement)).angle;
+        mean += edge.share * turned(hinge, HingeAngle::swept, along(mesh, edge), stretch(edge, displacement)).angle;
     return mean;
 }
 

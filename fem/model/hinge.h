@@ -1,6 +1,6 @@
 #pragma once
-// Hinges of bones: a bone resists a turn about one axis, weakly in a range and strongly at a stop beyond it. Units mm, N,
-// rad; frame of the mesh. The springs that hold the hinge's points in place are supports of their own
+// Hinges of bones: a bone resists a turn about one axis, weakly in a range and strongly at a stop beyond it. Units mm,
+// N, rad; frame of the mesh. The springs that hold the hinge's points in place are supports of their own
 // (boundary_conditions.h).
 //
 // A hinge is a torque that is spread over edges of the bone. The energy of an edge is its share of W(theta). Here theta

@@ -1,7 +1,7 @@
 #pragma once
 // Boundary conditions of a body: fixed supports, springs in place of tissue that is not modelled, hinges of bones, and
-// hooks that move their nodes together. Plain data; elastic_problem.h turns these conditions into prescribed unknowns and springs.
-// Units mm, N; frame patient LPS.
+// hooks that move their nodes together. Plain data; elastic_problem.h turns these conditions into prescribed unknowns
+// and springs. Units mm, N; frame patient LPS.
 
 #include "fem/model/hinge.h"
 #include "mesh/base/geometry.h"

@@ -205,7 +205,11 @@ namespace {
             return std::move(found_);
         }
 
-        bool nonlinear() const { return options_.elasticity != Elasticity::linear || options_.contact.has_value(); }
+        bool nonlinear() const
+        {
+            return options_.elasticity != Elasticity::linear || options_.contact.has_value()
+                || !problem_.blades.empty();
+        }
 
         /// Predicts the equilibrium of the hooks from the forces and the tangent at this state.
         HookRest rest_at(const Points& displacement, const Eigen::VectorXd& forces)

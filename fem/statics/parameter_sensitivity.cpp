@@ -77,8 +77,8 @@ namespace {
         return part;
     }
 
-    /// The forces that are in proportion to a parameter, N, three per node: of its tissue, springs and hinges, less the loads
-    /// of its tissue's tension.
+    /// The forces that are in proportion to a parameter, N, three per node: of its tissue, springs and hinges, less the
+    /// loads of its tissue's tension.
     Eigen::VectorXd forces_of(const ElasticProblem& problem, const TissueModel& model,
         const StiffnessParameter& parameter, const Eigen::VectorXd& u)
     {

@@ -49,9 +49,9 @@ struct ParameterSensitivity {
 /// Differentiates a solution.
 /// @param displacement n x 3, mm, in equilibrium
 /// @param motions of the hooks (hook_motions(), or blade_motions() of a retractor), for ParameterSensitivity::response
-/// @throws InputError naming the parameter with a label that another parameter has or that is not in the mesh, a spring or
-/// hinge that another parameter has or that is out of range, or no member; on a displacement or motions of the wrong size;
-/// as TissueLinearisation
+/// @throws InputError naming the parameter with a label that another parameter has or that is not in the mesh, a spring
+/// or hinge that another parameter has or that is out of range, or no member; on a displacement or motions of the wrong
+/// size; as TissueLinearisation
 ParameterSensitivity parameter_sensitivity(const ElasticProblem& problem, const TissueModel& model,
     const Points& displacement, std::span<const StiffnessParameter> parameters, const Eigen::MatrixXd& motions,
     const std::optional<ContactOptions>& contact = {});

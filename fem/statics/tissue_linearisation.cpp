@@ -62,6 +62,11 @@ TissueLinearisation::TissueLinearisation(const ElasticProblem& problem, const Ti
         body_.set_contact(Contact(problem.mesh, element_parameters(problem.mesh, problem.material_of_label), *contact));
         (void)body_.find_contact(state_);
     }
+    if (!problem.blades.empty()) {
+        body_.set_blades(BladeContact(problem.mesh, problem.blades));
+        (void)body_.renew_blades(state_);
+        body_.prepare_blade_search(state_);
+    }
     (void)body_.stiffness(state_, 0.0);
     solver_.emplace(body_.last_stiffness().pattern, held_.flag);
     factorise(body_, state_, *solver_);

@@ -20,13 +20,14 @@ struct HookResponse {
     /// The part of the hook forces that balances the loads of the body (tension that a cut released, pressure), N,
     /// three per hook. Tissue that is stiffer everywhere leaves this part unchanged. Empty without loads.
     Eigen::VectorXd of_loads {};
+};
 
 /// The tissue at one state, with its stiffness factored.
 class TissueLinearisation {
 public:
-    /// Factors the stiffness at a state, with the nodes of supports and hooks held. Surfaces that touch at this state
-    /// resist; surfaces that would touch later do not. Where the stiffness is not positive definite, the smallest
-    /// sufficient lift of its negative eigenvalues is taken (ElasticBody::stiffness()).
+    /// Factors the stiffness at a state, with the nodes of supports and hooks held. Surfaces that touch at this
+    /// state resist; surfaces that would touch later do not. Where the stiffness is not positive definite, the
+    /// smallest sufficient lift of its negative eigenvalues is taken (ElasticBody::stiffness()).
     /// @param displacement n x 3, mm, a possible state of the body
     /// @throws InputError and SolverError as Opening does
     TissueLinearisation(const ElasticProblem& problem, const TissueModel& model, const Points& displacement,

@@ -46,7 +46,8 @@ namespace {
         check_positive(sizing.fine_edge_mm, "fine_edge_mm");
         check_positive(sizing.corridor_radius_mm, "corridor_radius_mm");
         if (!std::isfinite(sizing.coarse_beyond_mm) || sizing.coarse_beyond_mm < 0.0)
-            throw InputError("coarse_beyond_mm must be zero or positive, got " + std::to_string(sizing.coarse_beyond_mm),
+            throw InputError(
+                "coarse_beyond_mm must be zero or positive, got " + std::to_string(sizing.coarse_beyond_mm),
                 "coarse_beyond_mm");
         if (sizing.coarse_beyond_mm > 0.0 && sizing.corridor.empty())
             throw InputError("coarse_beyond_mm needs a corridor", "coarse_beyond_mm");

@@ -113,8 +113,7 @@ namespace {
             const auto [a, b, c] = triangle_corners(local.vertices, face_vertices(local, face));
             const Vec3 normal = unit_normal(a, b, c);
             const double area = triangle_area(a, b, c);
-            const int inside
-                = field.merged(number[local.labels[static_cast<std::size_t>(face.tet)]], middle_of(face));
+            const int inside = field.merged(number[local.labels[static_cast<std::size_t>(face.tet)]], middle_of(face));
             for (const Vec3& p : { Vec3((a + b + c) / 3.0), Vec3((4 * a + b + c) / 6.0), Vec3((a + 4 * b + c) / 6.0),
                      Vec3((a + b + 4 * c) / 6.0) }) {
                 const double d = distance_to_interface(field, p, normal, inside, step, reach);

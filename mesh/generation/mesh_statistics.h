@@ -24,8 +24,8 @@ struct LabelFit {
 
 struct MeshStatistics {
     std::size_t vertices = 0, tets = 0;
-    /// One per wall label in the mesh. In a coarse model (MeshSizing::coarse_beyond_mm) only the sum over the soft labels
-    /// is fitted.
+    /// One per wall label in the mesh. In a coarse model (MeshSizing::coarse_beyond_mm) only the sum over the soft
+    /// labels is fitted.
     std::vector<LabelFit> fit;
     double total_volume_error = 0.0; ///< |mesh - voxels| / voxels
     double surface_distance_mean_mm = 0.0; ///< mean distance of the mesh boundary from the smoothed label boundary

@@ -71,8 +71,8 @@ double SizeField::into_coarse(const Vec3& local) const
 double SizeField::corridor_edge(const Vec3& local, double into_coarse_mm) const
 {
     const double beyond = polyline_distance(corridor_, local) - sizing_.corridor_radius_mm;
-    const double longest = std::min(
-        sizing_.coarse_edge_mm + kFarGrowth * into_coarse_mm, kMostFarGrowth * sizing_.coarse_edge_mm);
+    const double longest
+        = std::min(sizing_.coarse_edge_mm + kFarGrowth * into_coarse_mm, kMostFarGrowth * sizing_.coarse_edge_mm);
     return std::clamp(sizing_.corridor_edge_mm + kEdgeGrowth * beyond, sizing_.corridor_edge_mm, longest);
 }
 

@@ -98,10 +98,10 @@ namespace {
         constexpr double kTearingStretch = 1.71; // skin fails at a strain of 54 +- 17 % [arXiv 1302.3022]
         const double length = incision_length(approach);
         if (opening_mm > kTearingStretch * length)
-            refuse(
-                formatted("hooks open %.0f mm, but the skin of an incision of %.0f mm tears before %.0f mm: open less, "
-                          "or make the incision longer",
-                    opening_mm, length, kTearingStretch * length),
+            refuse(formatted("not attainable: hooks open %.0f mm, but the skin of an incision of %.0f mm tears before "
+                             "%.0f mm: open less, "
+                             "or make the incision longer",
+                       opening_mm, length, kTearingStretch * length),
                 where);
     }
 
@@ -221,6 +221,16 @@ std::string_view to_string(LoosePieces policy)
     return std::find_if(kLoosePieces.begin(), kLoosePieces.end(), [&](const auto& p) {
         return p.first == policy;
     })->second;
+}
+
+std::string_view to_string(HookHold hold) { return hold == HookHold::fixed ? "fixed" : "contact"; }
+
+std::optional<HookHold> hook_hold_from_string(std::string_view text)
+{
+    for (const HookHold hold : { HookHold::fixed, HookHold::contact })
+        if (to_string(hold) == text)
+            return hold;
+    return std::nullopt;
 }
 
 std::optional<LoosePieces> loose_pieces_from_string(std::string_view text)

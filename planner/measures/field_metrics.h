@@ -47,6 +47,17 @@ struct HookForce {
     std::vector<std::string> bears_on {}; ///< labels of bones that the hook moves with it; empty: soft tissue only
 };
 
+/// Pressure between a blade in contact and the tissue (fem/model/blade_contact.h).
+struct BladePressure {
+    double mean_kPa = 0.0; ///< normal force over the area that touches
+    double largest_kPa = 0.0; ///< mean over a square of 5 mm, where it is largest
+    /// Where: "skin", "deep", "start" or "end" (of the incision), the edge within a quarter of the blade; or "middle".
+    std::string largest_at {};
+    double touching_mm2 = 0.0; ///< area of the lip that touches
+    double on_bone_N = 0.0; ///< part of the normal force on bone behind soft tissue
+    double penetration_mm = 0.0; ///< depth to which tissue passes into the blade: an error of the computation
+};
+
 /// One blade of a retractor.
 struct BladeMetrics {
     std::string name; ///< of the hook in FieldMetrics::hooks
@@ -57,6 +68,7 @@ struct BladeMetrics {
     /// Largest distance of the lip's edge, over the width of the blade, from the straight line of the blade: how far
     /// the lip does not follow.
     double lip_deviation_mm = 0.0;
+    std::optional<BladePressure> pressure {}; ///< of a blade in contact
 };
 
 /// The retractor that holds the wound open.
@@ -136,6 +148,7 @@ struct EnergyBars {
 struct ErrorBars {
     std::string message; ///< reason for a missing estimate; empty: the estimate is there
     double opening_width_mm = 0.0, opening_area_mm2 = 0.0;
+    double visible_fraction = 0.0; ///< of FieldMetrics::visible_fraction
     std::vector<double> hook_forces_N; ///< in the order of the hooks; 0 where the force is prescribed
     std::vector<double> hook_moved_mm; ///< in the order of the hooks; 0 where the place of the hook is prescribed
     double side_forces_N[2] = { 0.0, 0.0 }; ///< sides +1 and -1
@@ -228,13 +241,21 @@ struct SecondOpinion {
     double seconds = 0.0, own_seconds = 0.0;
 };
 
-/// Contact between surfaces; filled when contact was requested.
+/// Contact of the lips with each other, and of the wall with organs that stay; filled unless contact was refused.
 struct ContactMetrics {
-    std::size_t touching = 0; ///< number of points in contact
+    /// Whether surfaces pass through each other where contact is not computed; not set: not tested, because contact was
+    /// asked for in any case, or because of `message`.
+    std::optional<bool> needed {};
+    bool computed = true; ///< false: surfaces may pass through each other
+    std::size_t touching = 0; ///< number of points in contact; 0 without contact
+    /// Where contact is computed: what the penalty leaves. Where it is not: how far surfaces pass through each other.
     double largest_penetration_mm = 0.0;
+    Vec3 at = Vec3::Zero(); ///< place of the largest penetration in the opened wound, mm; zero without one
+    std::string with {}; ///< label of the organ of the largest penetration; empty: of the wall with itself
     double force_N = 0.0; ///< sum of the magnitudes of the points' forces
     /// Largest overlap of the surfaces at rest; the solution keeps this overlap, without a force.
     double overlap_at_rest_mm = 0.0;
+    std::string message {}; ///< why contact is needed and not computed, or why it was not tested
 };
 
 /// Soft tissue that does not keep its volume (volume_failures.h).
@@ -273,11 +294,31 @@ struct BoneMetrics {
     std::optional<JointLoad> cartilage {}; ///< of a bone that is joined to cartilage
 };
 
+/// The largest strain of one tissue, averaged over balls (ball_strain.h).
+struct TissueStrain {
+    std::string tissue; ///< material of the labels, "skin"
+    double strain = 0.0; ///< elongation over length
+    Vec3 at = Vec3::Zero(); ///< centre of the ball at rest, mm
+    std::string place {}; ///< the same place in words: "38 mm along the incision, 4 mm beside it"
+};
+
+/// How far a lip follows its hooks or blade (planner/plan/lip_deviation.h).
+struct LipDeviation {
+    int side = 0; ///< +1 or -1
+    double largest_mm = 0.0; ///< largest magnitude of the deviation between from_mm and to_mm
+    double mean_mm = 0.0; ///< mean magnitude there
+    double at_mm = 0.0; ///< place of the largest, along the incision
+    double from_mm = 0.0, to_mm = 0.0; ///< the middle part of the incision, in which hooks stand
+    /// Place along the incision and deviation there, from one end of the lip to the other, mm. Positive: the lip hangs
+    /// behind the line of the hooks, towards the other lip.
+    std::vector<std::pair<double, double>> curve {};
+};
+
 /// Whether the opening can be had.
 enum class Attainable {
     unknown, ///< the bones' moments were not computed; FieldMetrics::bones_message gives the reason
     yes,
-    with_injury, ///< a bone is loaded beyond its capacity
+    with_injury, ///< a bone is loaded beyond its capacity, or skin is stretched beyond the range in which it tears
     no, ///< no equilibrium was found
 };
 
@@ -319,6 +360,8 @@ struct FieldMetrics {
     std::optional<ForceMoments> force_moments {}; ///< filled where hooks or a retractor open the wound
     double strain_p99 = 0.0;
     std::optional<Vec3> strain_p99_at; ///< middle of the element with this strain, at rest, mm
+    std::vector<TissueStrain> tissue_strain; ///< the largest strain first; empty without an equilibrium
+    std::vector<LipDeviation> lip_deviation; ///< one entry per lip with hooks, side +1 first
 
     std::vector<BoneMetrics> bones; ///< ribs and sternum, the largest utilisation first
     bool bones_rough = false; ///< by plain four-node elements, which are too stiff

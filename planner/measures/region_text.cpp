@@ -1,7 +1,7 @@
 #include "planner/measures/region_text.h"
 
 #include "mesh/base/text_format.h"
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/bones/bone_limits.h"
 
 #include <array>
 #include <cstddef>

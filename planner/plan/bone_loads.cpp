@@ -3,10 +3,10 @@
 #include "fem/statics/elastic_problem.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
-#include "planner/measures/bone_forces.h"
-#include "planner/measures/bone_limits.h"
-#include "planner/measures/joint_loads.h"
-#include "planner/measures/section_moments.h"
+#include "planner/measures/bones/bone_forces.h"
+#include "planner/measures/bones/bone_limits.h"
+#include "planner/measures/bones/joint_loads.h"
+#include "planner/measures/bones/section_moments.h"
 
 #include <algorithm>
 #include <cstddef>

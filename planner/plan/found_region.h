@@ -1,9 +1,9 @@
 #pragma once
-// Finds how much of the wall a plan must mesh: as far as the tissue moves. A wound's ribs turn from spine to sternum, and
-// carry skin and muscle far from the incision with them. Where the model ends nothing holds its tissue, so a model that
-// ends too early bears less than the body. A draft of the whole wall, with long edges and linear four-node elements,
-// shows where tissue moves; a second draft shows what the wall beyond does to the force. Units mm, N; forces as
-// fractions.
+// Finds how much of the wall a plan must mesh: as far as the tissue moves. A wound's ribs turn from spine to sternum,
+// and carry skin and muscle far from the incision with them. Where the model ends nothing holds its tissue, so a model
+// that ends too early bears less than the body. A draft of the whole wall, with long edges and linear four-node
+// elements, shows where tissue moves; a second draft shows what the wall beyond does to the force. Units mm, N; forces
+// as fractions.
 
 #include "planner/measures/field_metrics.h"
 #include "planner/measures/region_text.h"

@@ -3,7 +3,7 @@
 #include "fem/statics/parameter_sensitivity.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/wall/rib_joints.h"
 
 #include <algorithm>
@@ -132,8 +132,8 @@ namespace {
             parameters[on_rib[static_cast<std::size_t>(bedded[i].vertex)] != 0 ? 0 : 1].members.springs.push_back(i);
         for (std::size_t i = 0; i < field.problem.supports.hinges.size(); ++i)
             parameters.front().members.hinges.push_back(i);
-        std::erase_if(parameters,
-            [](const Parameter& p) { return p.members.springs.empty() && p.members.hinges.empty(); });
+        std::erase_if(
+            parameters, [](const Parameter& p) { return p.members.springs.empty() && p.members.hinges.empty(); });
         return parameters;
     }
 

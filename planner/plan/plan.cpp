@@ -7,7 +7,6 @@
 #include "mesh/base/text_format.h"
 #include "mesh/generation/hybrid_model.h"
 #include "mesh/image/skeleton.h"
-#include "mesh/surface/wound_surface.h"
 #include "planner/approach/bearing_points.h"
 #include "planner/approach/retractors.h"
 #include "planner/approach/space_division.h"
@@ -24,12 +23,15 @@
 #include "planner/plan/explanation.h"
 #include "planner/plan/found_region.h"
 #include "planner/plan/gape.h"
+#include "planner/plan/lip_measures.h"
 #include "planner/plan/opened_wound.h"
 #include "planner/plan/parameter_interval.h"
 #include "planner/plan/plan_forecast.h"
 #include "planner/plan/reduction_error.h"
 #include "planner/plan/retractor_measures.h"
+#include "planner/plan/tissue_measures.h"
 #include "planner/plan/uninjured_opening.h"
+#include "planner/plan/wound_view.h"
 #include "planner/wall/bones_through_skin.h"
 #include "planner/wall/rim_motion.h"
 #include "planner/wall/supports.h"
@@ -55,7 +57,6 @@ namespace retractor::planner {
 
 namespace {
 
-    constexpr int kTargetSamples = 2000;
     /// A bone across a smaller share of the lines of sight is no obstacle.
     constexpr double kSmallestBoneShare = 0.01;
 
@@ -145,84 +146,6 @@ namespace {
                                           "choose another incision"),
                         error.where());
                 }
-    }
-
-    /// The organ that contains a spherical target. This organ is operated on, so it does not block the view of the
-    /// target.
-    const mesh::LabelInfo* organ_of_sphere(Patient& patient, const TargetSpec& target)
-    {
-        if (!target.is_sphere())
-            return nullptr;
-        const auto labels = patient.labels();
-        const mesh::LabelInfo* info
-            = mesh::find_label(patient.planned_case().label_table, mesh::label_at(*labels, target.centre));
-        return info != nullptr && info->role != mesh::Role::wall ? info : nullptr;
-    }
-
-    std::vector<Occluder> occluders(Patient& patient, const PlannedField& field)
-    {
-        const Case& planned_case = patient.planned_case();
-        const mesh::LabelTable& table = planned_case.label_table;
-        std::vector<Occluder> all;
-        all.push_back({ .name = "wall",
-            .surface = mesh::deformed_boundary(field.wall, field.opening.displacement),
-            .labels = table,
-            .material = {},
-            .wall = true });
-        std::vector<Label> bones;
-        for (const mesh::LabelInfo& info : table)
-            if (info.role == mesh::Role::wall && is_skeleton(info))
-                bones.push_back(info.id);
-        all.push_back({ .name = "bone",
-            .surface = mesh::tissue_surface(field.wall, field.opening.displacement, bones).surface,
-            .labels = table,
-            .material = "bone",
-            .wall = true });
-        all.push_back({ .name = "wall beyond the model",
-            .surface = field.remaining_wall,
-            .labels = {},
-            .material = {},
-            .wall = true });
-        const mesh::LabelInfo* operated_on = organ_of_sphere(patient, field.approach.target);
-        for (const mesh::LabelInfo& info : table) {
-            const bool operated
-                = info.name == field.approach.target.label || (operated_on != nullptr && info.id == operated_on->id);
-            if (!operated && stays_in_place(info, field.approach, patient))
-                all.push_back({ .name = info.name,
-                    .surface = *patient.organ(info.name),
-                    .labels = {},
-                    .material = info.material,
-                    .wall = false });
-        }
-        return all;
-    }
-
-    /// What the surgeon sees through the opened wound.
-    struct View {
-        OpeningGeometry geometry;
-        Exposure exposure;
-        double working_distance_mm = 0.0;
-        std::string message; ///< a remark
-    };
-
-    /// @pre the field's wound is opened, and its remaining wall is known
-    View look_through(const PlannedField& field, Patient& patient, const Job& job)
-    {
-        View view;
-        const WoundEdges edges = wound_edges(field.wall, field.lips, mesh::SweptBlade(blade_of(field.approach)));
-        view.geometry = opening_geometry(edges, field.wall, field.opening.displacement);
-        const std::shared_ptr<const TriMesh> target = patient.target(field.approach.target);
-        const Vec3 aim = surface_centre(*target);
-        const ViewSpec& eyes = field.approach.view;
-        const double to_aim = (view.geometry.centre - aim).norm();
-        const ViewCone cone = cone_through_opening(
-            view.geometry, aim, to_aim + eyes.eye_distance_mm, eyes.half_angle_deg, eyes.eye_count);
-        view.exposure = measure_exposure(*target, occluders(patient, field), cone, kTargetSamples, job);
-        view.working_distance_mm = working_distance_mm(view.geometry, *target, aim, cone.axis).value_or(to_aim);
-        if (const mesh::LabelInfo* organ = organ_of_sphere(patient, field.approach.target))
-            view.message = "the target sphere lies in the " + organ->name
-                + "; this organ does not count as blocking the view of the target";
-        return view;
     }
 
     std::string status_text(const PlannedField& field)
@@ -331,6 +254,8 @@ namespace {
         m.cut_depth_mm = field.approach.depth_mm;
         m.hooks = hook_forces(field);
         m.retractor = retractor_metrics(field);
+        if (is_usable(field.opening))
+            m.lip_deviation = lip_deviations(field);
         m.hook_force_N = measures_of(field).larger_side_N();
         m.force_moments = compute_force_moments(m, field.approach.opening_protocol);
         m.strain_p99 = field.opening.strain_p99;
@@ -387,8 +312,7 @@ namespace {
                 "the region)");
         std::vector<VertexId> cut_off = cut_off_vertices(field.wall, labels);
         field.rim = rim_places(field.wall, cut_off);
-        const WallTension tension
-            = tension_of(field.wall, patient, field.approach, supports, std::move(cut_off));
+        const WallTension tension = tension_of(field.wall, patient, field.approach, supports, std::move(cut_off));
         cut = cut_wall(std::move(field.wall), field.approach, planned_case.label_table, std::move(supports), job);
         if (!take_cut(field, cut))
             return false;
@@ -408,8 +332,8 @@ namespace {
     }
 
     /// "muscle, 85 mm from the incision towards the back".
-    std::string place_in_words(
-        const RimMotion& rim, const std::vector<Vec3>& line, const mesh::LabelTable& table, const AnatomicalFrame& frame)
+    std::string place_in_words(const RimMotion& rim, const std::vector<Vec3>& line, const mesh::LabelTable& table,
+        const AnatomicalFrame& frame)
     {
         Vec3 middle = Vec3::Zero();
         for (const Vec3& point : line)
@@ -433,8 +357,7 @@ namespace {
         const Case& planned_case = patient.planned_case();
         const Points& displacement = field.opening.displacement;
         const std::vector<std::uint8_t> is_rim = rim_flags(field.wall, field.rim);
-        const RimMotions rim
-            = rim_motions(field.wall, displacement, field.problem.supports.fixed, is_rim, labels.grid);
+        const RimMotions rim = rim_motions(field.wall, displacement, field.problem.supports.fixed, is_rim, labels.grid);
         RegionMetrics& region = field.metrics.region;
         region.region_mm = sizing.region_mm;
         region.ended_by = field.approach.sizing.region_mm ? RegionEnd::given : RegionEnd::not_searched;
@@ -442,10 +365,10 @@ namespace {
         region.rim_at = rim.region.at;
         region.image_end_motion_mm = rim.image.moved_mm;
         if (rim.region.label != 0)
-            region.rim_place = place_in_words(
-                rim.region, field.approach.incision, planned_case.label_table, patient.frame());
-        region.piercing = bones_through_skin(
-            field.wall, displacement, is_rim, field.remaining_wall, planned_case.label_table);
+            region.rim_place
+                = place_in_words(rim.region, field.approach.incision, planned_case.label_table, patient.frame());
+        region.piercing
+            = bones_through_skin(field.wall, displacement, is_rim, field.remaining_wall, planned_case.label_table);
         remark(field.message, piercing_text(field.metrics));
     }
 
@@ -456,7 +379,7 @@ namespace {
         field.remaining_wall
             = unmeshed_wall_region(*patient.body(), labels, sizing, field.wall, field.opening.displacement, job);
         measure_region(field, labels, sizing, patient);
-        View view = look_through(field, patient, job);
+        WoundView view = look_through(field, field.opening.displacement, patient, job);
         field.geometry = std::move(view.geometry);
         field.exposure = std::move(view.exposure);
         field.metrics.working_distance_mm = view.working_distance_mm;
@@ -485,7 +408,11 @@ namespace {
         }
         if (checks.error_bars) {
             const StageTimer timer(field.metrics, "estimate error");
-            field.metrics.error = estimate_errors(field, wound, choice, job);
+            const SeenShare seen_share = [&](const Points& displacement) {
+                return look_through(field, displacement, patient, as_stage(job, "expose, other elements"))
+                    .exposure.visible_fraction;
+            };
+            field.metrics.error = estimate_errors(field, wound, choice, seen_share, job);
             if (!goes_on())
                 return false;
         }
@@ -567,7 +494,7 @@ namespace {
         using Status = RegionDraft::Status;
         Case planned_case = patient.planned_case();
         planned_case.solution = { .elasticity = fem::Elasticity::linear, .element = ElementKind::p1 };
-        planned_case.contact = false;
+        planned_case.contact = ContactMode::never;
         const auto labels = patient.labels();
         PlannedField field;
         field.approach = prepared;
@@ -593,8 +520,8 @@ namespace {
             return { .status = Status::cancelled };
         const Points& displacement = field.opening.displacement;
         const std::vector<Vec3> line = mesh::region_line(sizing);
-        const RimMotions rim = rim_motions(field.wall, displacement, field.problem.supports.fixed,
-            rim_flags(field.wall, field.rim), labels->grid);
+        const RimMotions rim = rim_motions(
+            field.wall, displacement, field.problem.supports.fixed, rim_flags(field.wall, field.rim), labels->grid);
         const std::array<double, 2> sides = side_forces(field, field.opening.hook_forces_N);
         return { .moving_mm = moving_reach(field.wall, displacement, line, kStillRimMm),
             .farthest_mm = moving_reach(field.wall, displacement, line, -1.0),
@@ -628,8 +555,8 @@ namespace {
     }
 
     /// Plans one approach once, or on finer and finer meshes where an accuracy is asked.
-    PlannedField plan_with_region(Patient& patient, const Approach& approach, const Job& job, const PlanChecks& checks,
-        const Stopwatch& watch)
+    PlannedField plan_with_region(
+        Patient& patient, const Approach& approach, const Job& job, const PlanChecks& checks, const Stopwatch& watch)
     {
         if (!checks.accuracy)
             return plan_approach(patient, approach, job, checks);
@@ -645,14 +572,24 @@ namespace {
     }
 
     /// The approach with the bone divided that would break, planned once, in the region of the approach's own field.
-    std::optional<PlannedField> plan_with_divided_bone(Patient& patient, const Approach& approach,
-        const PlannedField& field, const Job& job, PlanChecks checks)
+    /// Where this plan cannot be made, the field's message says why.
+    std::optional<PlannedField> plan_with_divided_bone(
+        Patient& patient, const Approach& approach, PlannedField& field, const Job& job, PlanChecks checks)
     {
         const std::optional<Approach> divided = with_divided_bone(approach, field);
         if (!divided || job.cancelled())
             return std::nullopt;
         checks.injury_options = false;
-        PlannedField planned = plan_approach(patient, *divided, job, checks);
+        PlannedField planned;
+        try {
+            planned = plan_approach(patient, *divided, job, checks);
+        } catch (const InputError& error) {
+            remark(field.message, divided->name + " gave no plan: " + error.what());
+            return std::nullopt;
+        } catch (const SolverError& error) {
+            remark(field.message, divided->name + " gave no plan: " + error.what());
+            return std::nullopt;
+        }
         const RegionMetrics& found = field.metrics.region;
         RegionMetrics& region = planned.metrics.region;
         region.ended_by = found.ended_by;
@@ -661,8 +598,8 @@ namespace {
         return planned;
     }
 
-    /// Finds the region of an approach that gives none, and plans the approach with it. A region whose plan does not fit
-    /// the memory is made smaller.
+    /// Finds the region of an approach that gives none, and plans the approach with it. A region whose plan does not
+    /// fit the memory is made smaller.
     PlannedField plan_as_accurately_as_asked(
         Patient& patient, const Approach& approach, const Job& job, const PlanChecks& checks)
     {
@@ -735,7 +672,8 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
         && open_cut_wall(field, wound, std::move(cut), patient, *labels, job)
         && expose_target(field, patient, *labels, sizing, job) && estimate(field, wound, patient, checks, job)) {
         fill_metrics(field, patient);
-        const StageTimer timer(field.metrics, "bones");
+        const StageTimer timer(field.metrics, "strain and bones");
+        measure_tissue_strain(field, wound, planned_case.label_table);
         measure_bones(field, wound, planned_case.solution, planned_case.label_table, patient.frame());
         if (checks.injury_options)
             solve_uninjured_opening(

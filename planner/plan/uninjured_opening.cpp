@@ -2,7 +2,7 @@
 
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/hook_opening.h"
 #include "planner/plan/bone_loads.h"
 
@@ -37,8 +37,8 @@ std::optional<UseAtShare> find_full_use(
     RETRACTOR_ASSERT(full > kMostFullUse);
     UseAtShare below { 0.0, 0.0 }, above { 1.0, full };
     for (int n = 0; n < most_solves; ++n) {
-        const double share = below.share
-            + (above.share - below.share) * (kAimedUse - below.use) / (above.use - below.use);
+        const double share
+            = below.share + (above.share - below.share) * (kAimedUse - below.use) / (above.use - below.use);
         const std::optional<double> use = use_at(share);
         if (!use)
             break;
@@ -53,7 +53,7 @@ void solve_uninjured_opening(PlannedField& field, const OpenedWound& wound, cons
     const mesh::LabelTable& table, const AnatomicalFrame& frame, const Job& job)
 {
     FieldMetrics& m = field.metrics;
-    if (m.attainable != Attainable::with_injury)
+    if (!breaks_bone(m))
         return;
     const Stopwatch watch;
     UninjuredOpening found;
@@ -70,9 +70,8 @@ void solve_uninjured_opening(PlannedField& field, const OpenedWound& wound, cons
         const auto worst = std::ranges::max_element(bones, {}, &BoneMetrics::utilisation);
         const std::array<double, 2> sides = side_forces(field, opened.opening.hook_forces_N);
         solved.emplace_back(share,
-            UninjuredOpening { .bone = worst->name,
-                .utilisation = worst->utilisation,
-                .hook_force_N = std::max(sides[0], sides[1]) });
+            UninjuredOpening {
+                .bone = worst->name, .utilisation = worst->utilisation, .hook_force_N = std::max(sides[0], sides[1]) });
         return worst->utilisation;
     };
     try {
@@ -97,14 +96,13 @@ void solve_uninjured_opening(PlannedField& field, const OpenedWound& wound, cons
 
 std::optional<Approach> with_divided_bone(const Approach& approach, const PlannedField& field)
 {
-    if (field.metrics.attainable != Attainable::with_injury)
+    if (!breaks_bone(field.metrics))
         return std::nullopt;
     const BoneMetrics& bone = field.metrics.bones.front();
     Approach divided = approach;
     divided.name += " (" + bone.name + " divided)";
     divided.sizing = field.approach.sizing;
-    divided.ablations.push_back(
-        { .label = bone.name, .centre = bone.place, .radius_mm = height_of(bone.section_mm2) });
+    divided.ablations.push_back({ .label = bone.name, .centre = bone.place, .radius_mm = height_of(bone.section_mm2) });
     return divided;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // Solves the largest opening at which no bone reaches its capacity. bone_limits.h estimates this opening in proportion
-// to the moment, but tissue and bones turn as they open, and moments do not grow in proportion. Here the opened wound is
-// opened again, less far, from a start that is scaled from the solution at hand, until the most loaded bone is just
+// to the moment, but tissue and bones turn as they open, and moments do not grow in proportion. Here the opened wound
+// is opened again, less far, from a start that is scaled from the solution at hand, until the most loaded bone is just
 // below its capacity. Units mm, N; shares as fractions.
 
 #include "planner/anatomy/anatomy.h"

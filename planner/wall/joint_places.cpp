@@ -91,7 +91,8 @@ namespace {
         double gap = 0.0; ///< distance from the spine, mm
     };
 
-    /// The joint of one connected part of a bone. @param near its voxels near the spine, one within kJointGapMm at least
+    /// The joint of one connected part of a bone. @param near its voxels near the spine, one within kJointGapMm at
+    /// least
     JointPlaces joint_of(const mesh::ImageGrid& grid, const BoneVoxels& bone, const std::vector<NearVoxel>& near)
     {
         std::vector<std::uint32_t> at_spine;
@@ -187,8 +188,9 @@ double distance_to_labels(
 std::vector<JointPlaces> joint_places(const mesh::LabelVolume& labels, std::span<const Label> fixed_labels)
 {
     const mesh::LabelFlags spine = mesh::flagged_labels(fixed_labels);
-    const mesh::LabelFlags bone = mesh::flagged_labels(labels.table,
-        [&](const mesh::LabelInfo& info) { return mesh::is_wall(info) && mesh::is_skeleton(info) && spine[info.id] == 0; });
+    const mesh::LabelFlags bone = mesh::flagged_labels(labels.table, [&](const mesh::LabelInfo& info) {
+        return mesh::is_wall(info) && mesh::is_skeleton(info) && spine[info.id] == 0;
+    });
     std::map<Label, std::vector<std::array<int, 3>>> voxels;
     mesh::visit_voxels(labels, [&](int i, int j, int k, Label label) {
         if (bone[label] != 0)

@@ -3,8 +3,8 @@
 // LPS.
 //
 // A rib has two joints with the spine: its head at the vertebral bodies, and its tubercle at the transverse process,
-// some 25 mm along the rib. Ribs 11 and 12 have no joint at the tubercle. The rib's voxels near the spine are ordered by
-// their way along the rib from its other end. Those farthest from there are the head. The tubercle is the last place
+// some 25 mm along the rib. Ribs 11 and 12 have no joint at the tubercle. The rib's voxels near the spine are ordered
+// by their way along the rib from its other end. Those farthest from there are the head. The tubercle is the last place
 // along the rib, between kLeastNeckMm and kTubercleReachMm from the head, within kJointGapMm of the spine; or, where
 // labels lose the tip of the process, within kTubercleGapMm. Labels that merge along the neck change neither end.
 
@@ -38,7 +38,8 @@ struct JointPlaces {
     std::optional<Vec3> tubercle {}; ///< the same at its tubercle; not set: the labels show no second place
 };
 
-/// The joints of all connected parts of bone in the wall that reach voxels with a label in `fixed_labels`, by rising label.
+/// The joints of all connected parts of bone in the wall that reach voxels with a label in `fixed_labels`, by rising
+/// label.
 std::vector<JointPlaces> joint_places(const mesh::LabelVolume& labels, std::span<const Label> fixed_labels);
 
 /// Distance of a point from the nearest centre of a voxel with a wanted label, mm; infinite beyond `reach`.

@@ -317,8 +317,8 @@ RibJoints rib_joints(const mesh::TetMesh& mesh, const mesh::LabelVolume& labels,
             points.push_back(*places.tubercle);
         BoneOfMesh bone = bone_near(mesh, places.label, points, kRound);
         const auto has = [&](const Vec3& place) { // the mesh may hold another part of the bone only
-            return std::ranges::any_of(bone.vertices,
-                [&](const JointVertex& vertex) { return (vertex.place - place).norm() <= kPlaceMm; });
+            return std::ranges::any_of(
+                bone.vertices, [&](const JointVertex& vertex) { return (vertex.place - place).norm() <= kPlaceMm; });
         };
         if (!has(places.head))
             continue;

@@ -47,8 +47,7 @@ struct RibJoints {
 
 /// The joints of the bones that reach voxels with a label in `fixed_labels`, as far as the mesh has their heads.
 /// @param mesh the wall before any cut, four-node elements
-RibJoints rib_joints(
-    const mesh::TetMesh& mesh, const mesh::LabelVolume& labels, std::span<const Label> fixed_labels);
+RibJoints rib_joints(const mesh::TetMesh& mesh, const mesh::LabelVolume& labels, std::span<const Label> fixed_labels);
 
 /// Text for people: the joints with one place; empty when there are none.
 std::string one_point_text(const RibJoints& joints);

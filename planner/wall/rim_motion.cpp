@@ -11,8 +11,8 @@ namespace retractor::planner {
 
 namespace {
 
-    /// A vertex nearer to the end of the image lies on the border of the image. The smooth surface of the mesh ends up to
-    /// a voxel inside.
+    /// A vertex nearer to the end of the image lies on the border of the image. The smooth surface of the mesh ends up
+    /// to a voxel inside.
     constexpr double kImageEndVoxels = 2.0;
 
     using Place = std::array<double, 3>;

@@ -242,9 +242,9 @@ namespace {
     // ---- supports over a cut ----
 
     /// Carries supports, by the ids of a session, from delta to delta. A copy of a fixed vertex is fixed, and so is a
-    /// new vertex on an edge between two fixed ones. A vertex on a bed shares the bed with its copies. A hinge keeps the
-    /// edges whose vertices live. Deltas are only followed forwards: vertices that come back when an ablation is undone
-    /// get no support.
+    /// new vertex on an edge between two fixed ones. A vertex on a bed shares the bed with its copies. A hinge keeps
+    /// the edges whose vertices live. Deltas are only followed forwards: vertices that come back when an ablation is
+    /// undone get no support.
     class CarriedSupports {
     public:
         explicit CarriedSupports(const fem::Supports& uncut)
@@ -275,9 +275,8 @@ namespace {
                 gone.insert(vertex.id);
             if (!gone.empty())
                 for (fem::Hinge& hinge : hinges_)
-                    std::erase_if(hinge.edges, [&](const fem::HingeEdge& edge) {
-                        return gone.contains(edge.a) || gone.contains(edge.b);
-                    });
+                    std::erase_if(hinge.edges,
+                        [&](const fem::HingeEdge& edge) { return gone.contains(edge.a) || gone.contains(edge.b); });
         }
         fem::Supports compact(const mesh::SlotMap& map) const
         {
@@ -332,7 +331,12 @@ namespace {
         cut.supports = supports.compact(map);
         cut.supports.hinges = fem::joined_hinges(cut.wall, std::move(cut.supports.hinges));
         cut.hooks = hook_patches(cut.wall, cut.lips, approach, table, cut.supports);
-        cut.pieces = find_wall_pieces(cut.wall, table, cut.supports, cut.hooks);
+        // A blade in contact does not hold a piece that lies loose.
+        std::vector<fem::HookPatch> holding;
+        for (std::size_t h = 0; h < cut.hooks.size(); ++h)
+            if (approach.hooks[h].hold == HookHold::fixed)
+                holding.push_back(cut.hooks[h]);
+        cut.pieces = find_wall_pieces(cut.wall, table, cut.supports, holding);
         return map;
     }
 

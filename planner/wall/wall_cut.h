@@ -46,8 +46,8 @@ fem::Supports supports_of(const mesh::TetMesh& wall, const mesh::LabelVolume& la
     const mesh::MeshSizing& sizing, std::string* message = nullptr);
 
 /// Carries supports over cuts. A copy of a fixed vertex is fixed, and so is a new vertex on an edge between two fixed
-/// ones. A vertex on a bed shares the bed's stiffness with its copies. A hinge keeps the edges whose vertices live; fem::joined_hinges()
-/// then drops the edges that the cuts have parted.
+/// ones. A vertex on a bed shares the bed's stiffness with its copies. A hinge keeps the edges whose vertices live;
+/// fem::joined_hinges() then drops the edges that the cuts have parted.
 /// @param uncut supports by the ids of the session's first mesh
 /// @param deltas deltas of all cuts in force, in order
 /// @param map map of the session's compact mesh; the result names vertices of this mesh

@@ -1,7 +1,7 @@
 #include "fem/io/calculix_deck.h"
 
 #include "mesh/base/error.h"
-#include "tests/support/hooked_block.h"
+#include "tests/support/wounds/hooked_block.h"
 
 #include <gtest/gtest.h>
 
@@ -71,8 +71,10 @@ namespace calculix_deck_test {
         EXPECT_EQ(count(deck, "*SPRING, ELSET=HINGE\n1\n1.\n"), 1u);
         const Vec3 spring = hinge_spring(hinge, hinge.edges[0],
             point_at(problem.mesh.vertices, hinge.edges[0].b) - point_at(problem.mesh.vertices, first[0]));
-        const double width = (point_at(problem.mesh.vertices, hinge.edges[0].b)
-            - point_at(problem.mesh.vertices, first[0])).head<2>().norm();
+        const double width
+            = (point_at(problem.mesh.vertices, hinge.edges[0].b) - point_at(problem.mesh.vertices, first[0]))
+                  .head<2>()
+                  .norm();
         EXPECT_NEAR(spring.norm(), std::sqrt(0.25 * 900.0) / width, 1e-12); // share k / width^2, in its square root
     }
 

@@ -1,7 +1,7 @@
 #include "fem/io/febio_file.h"
 
 #include "mesh/base/error.h"
-#include "tests/support/hooked_block.h"
+#include "tests/support/wounds/hooked_block.h"
 #include "tests/verification/reference/febio_file_reader.h"
 #include "tests/verification/reference/xml_element.h"
 

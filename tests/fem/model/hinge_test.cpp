@@ -173,9 +173,9 @@ namespace hinge_test {
         EXPECT_LT((online.multiply(x) - expected).norm(), kRoundOff * expected.norm());
 
         const Eigen::VectorXd uncut = online.multiply(x);
-        const mesh::Blade blade { .line = { { 10.0, -1.0, 17.0 }, { 10.0, 17.0, 17.0 } },
-            .directions = { -Vec3::UnitZ() },
-            .depth_mm = 9.0 };
+        const mesh::Blade blade {
+            .line = { { 10.0, -1.0, 17.0 }, { 10.0, 17.0, 17.0 } }, .directions = { -Vec3::UnitZ() }, .depth_mm = 9.0
+        };
         const mesh::CutResult cut = session.cut(blade);
         ASSERT_EQ(cut.status, mesh::CutStatus::done) << cut.message;
         online.apply(cut.delta);
@@ -242,14 +242,18 @@ namespace hinge_test {
             };
         };
         test_support::expect_all_refused({
-            .spoilt = { check([](Hinge& h) { h.axis *= 2.0; }),
-                check([](Hinge& h) { h.axis.x() = std::nan(""); }), check([](Hinge& h) { h.stiffness = -1.0; }),
+            .spoilt = { check([](Hinge& h) { h.axis *= 2.0; }), check([](Hinge& h) { h.axis.x() = std::nan(""); }),
+                check([](Hinge& h) { h.stiffness = -1.0; }),
                 check([](Hinge& h) { h.stop_stiffness = std::numeric_limits<double>::infinity(); }),
                 check([](Hinge& h) { h.toe = 0.0; }), check([](Hinge& h) { h.edges[0].share = 0.0; }),
                 check([](Hinge& h) { h.edges[0].share = 1.0; }), check([](Hinge& h) { h.edges[0].b = 1000; }),
                 check([](Hinge& h) { h.edges[0].a = -1; }), check([](Hinge& h) { h.edges[0].b = h.edges[0].a; }),
-                check([](Hinge& h) { h.edges[0] = { 0, 26, h.edges[0].share }; }), // opposite corners
-                check([](Hinge& h) { h.edges[0] = { 0, 1, h.edges[0].share }; }) }, // along x
+                check([](Hinge& h) {
+                    h.edges[0] = { 0, 26, h.edges[0].share };
+                }), // opposite corners
+                check([](Hinge& h) {
+                    h.edges[0] = { 0, 1, h.edges[0].share };
+                }) }, // along x
             .sound = { check([](Hinge&) {}) },
         });
         try {

@@ -1,7 +1,7 @@
 #include "planner/anatomy/bone_stiffness.h"
 
 #include "mesh/base/error.h"
-#include "tests/support/test_help.h"
+#include "tests/support/reference_problems.h"
 
 #include <gtest/gtest.h>
 
@@ -328,13 +328,13 @@ namespace bone_stiffness_test {
         const Scan image = scan({}, Vec3::Constant(3.0), 0.0, 61);
         EXPECT_EQ(
             test_support::message_of([&] { (void)measure_rib_sections(image.labels, kRib, image.ct, 500.0, 400.0); }),
-            "the value of cortex (400 HU) must be above that of marrow (500 HU) [cortex_HU]");
+            "cortex_HU: the value of cortex (400 HU) must be above that of marrow (500 HU)");
         EXPECT_EQ(test_support::message_of([&] { (void)measure_rib_sections(image.labels, kRib, image.ct, NAN); }),
-            "the value of cortex (1600 HU) must be above that of marrow (nan HU) [cortex_HU]");
+            "cortex_HU: the value of cortex (1600 HU) must be above that of marrow (nan HU)");
         EXPECT_EQ(test_support::message_of([] { (void)section_modulus_MPa(1.2); }),
-            "a share must lie between 0 and 1, got 1.2 [share]");
+            "share: a share must lie between 0 and 1, got 1.2");
         EXPECT_EQ(test_support::message_of([] { (void)cartilage_modulus_MPa(-0.1); }),
-            "a share must lie between 0 and 1, got -0.1 [share]");
+            "share: a share must lie between 0 and 1, got -0.1");
         EXPECT_NE(test_support::message_of([&] { (void)find_bone_stiffness(image.labels, nullptr, {}); }).find("bone"),
             std::string::npos);
     }

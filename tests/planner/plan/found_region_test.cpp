@@ -96,14 +96,14 @@ namespace found_region_test {
 
     TEST(FoundRegion, EndsWithADraftThatGivesNoAnswer)
     {
-        const FoundRegion failed = find_region(kWholeMm, [](double) {
-            return RegionDraft { .status = Status::failure, .message = "nothing holds the wall" };
-        });
+        const FoundRegion failed = find_region(kWholeMm,
+            [](double) { return RegionDraft { .status = Status::failure, .message = "nothing holds the wall" }; });
         EXPECT_EQ(failed.region_mm, kFirstRegionMm);
         EXPECT_EQ(failed.measures.ended_by, RegionEnd::failure);
         EXPECT_EQ(failed.measures.message, "nothing holds the wall");
         EXPECT_FALSE(failed.cancelled);
-        EXPECT_TRUE(find_region(kWholeMm, [](double) { return RegionDraft { .status = Status::cancelled }; }).cancelled);
+        EXPECT_TRUE(
+            find_region(kWholeMm, [](double) { return RegionDraft { .status = Status::cancelled }; }).cancelled);
     }
 
     TEST(RegionText, SaysHowFarTheRimMovesAndWhichBonesComeOut)
@@ -126,7 +126,8 @@ namespace found_region_test {
         EXPECT_FALSE(is_region_too_small(field));
         field.region = { .region_mm = 400.0, .ended_by = RegionEnd::whole, .image_end_motion_mm = 2.3 };
         EXPECT_EQ(region_text(field),
-            "The model holds the whole wall in the image. Where the image ends, tissue moves by up to 2.3 mm: what holds "
+            "The model holds the whole wall in the image. Where the image ends, tissue moves by up to 2.3 mm: what "
+            "holds "
             "it beyond the image is not known.");
     }
 

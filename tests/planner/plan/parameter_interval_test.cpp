@@ -6,7 +6,7 @@
 #include "planner/measures/tissue_values.h"
 #include "planner/plan/plan.h"
 #include "tests/support/block_case.h"
-#include "tests/support/test_help.h"
+#include "tests/support/reference_problems.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -70,10 +70,10 @@ namespace parameter_interval_test {
         ParameterInfluence upside_down = influence("fat", 0.01, 2.0, 0.1, 0.1);
         std::swap(upside_down.low, upside_down.high);
         EXPECT_EQ(test_support::message_of([&] { (void)combine_parameters(1.0, 1.0, { upside_down }); }),
-            "the range from 0.02 to 0.005 is not a range of a stiffness [parameter 'fat']");
+            "parameter 'fat': the range from 0.02 to 0.005 is not a range of a stiffness");
         EXPECT_EQ(test_support::message_of(
                       [] { (void)combine_parameters(1.0, 1.0, { influence("skin", 0.2, 2.0, NAN, 0.0) }); }),
-            "an exponent is not finite [parameter 'skin']");
+            "parameter 'skin': an exponent is not finite");
     }
 
     TEST(ParameterInterval, EveryTissueHasARange)

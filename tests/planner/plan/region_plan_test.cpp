@@ -29,7 +29,8 @@ namespace region_plan_test {
                 for (int i = 0; i < labels.grid.size[0]; ++i) {
                     Label& voxel = labels.voxels[labels.grid.offset(i, j, k)];
                     const mesh::LabelInfo* info = mesh::find_label(labels.table, voxel);
-                    if (info != nullptr && info->role == mesh::Role::wall && labels.grid.world(Vec3(i, j, k)).x() < -118.0)
+                    if (info != nullptr && info->role == mesh::Role::wall
+                        && labels.grid.world(Vec3(i, j, k)).x() < -118.0)
                         voxel = spine;
                 }
         labels.table.push_back({ spine, "spine", "bone", mesh::Role::wall });

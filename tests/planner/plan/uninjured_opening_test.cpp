@@ -1,7 +1,7 @@
 #include "planner/plan/uninjured_opening.h"
 
 #include "fem/statics/opening.h"
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/plan/bone_loads.h"
 #include "tests/support/reference_problems.h"
 
@@ -40,8 +40,8 @@ namespace uninjured_opening_test {
             = find_full_use(2.0, 4, [&](double) { return ++solves, std::optional<double>(); });
         EXPECT_FALSE(none.has_value());
         EXPECT_EQ(solves, 1);
-        const std::optional<UseAtShare> one = find_full_use(2.0, 4,
-            [&](double share) { return share < 0.6 ? std::optional(0.5) : std::optional<double>(); });
+        const std::optional<UseAtShare> one = find_full_use(
+            2.0, 4, [&](double share) { return share < 0.6 ? std::optional(0.5) : std::optional<double>(); });
         ASSERT_TRUE(one.has_value());
         EXPECT_EQ(one->use, 0.5);
     }

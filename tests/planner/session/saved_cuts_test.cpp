@@ -218,16 +218,16 @@ namespace saved_cuts_test {
             SurgeryWorker worker([&](const Job&) { return setup(); }, [] {});
             ASSERT_EQ(settled(worker).phase, SurgerySnapshot::Phase::asking);
             worker.restore(true);
-            ASSERT_TRUE(test_support::wait_until(
-                [&] { return worker.snapshot()->phase == SurgerySnapshot::Phase::ready; }));
+            ASSERT_TRUE(
+                test_support::wait_until([&] { return worker.snapshot()->phase == SurgerySnapshot::Phase::ready; }));
             EXPECT_EQ(worker.snapshot()->cuts.size(), 1U);
         }
         {
             SurgeryWorker worker([&](const Job&) { return setup(); }, [] {});
             ASSERT_EQ(settled(worker).phase, SurgerySnapshot::Phase::asking);
             worker.restore(false);
-            ASSERT_TRUE(test_support::wait_until(
-                [&] { return worker.snapshot()->phase == SurgerySnapshot::Phase::ready; }));
+            ASSERT_TRUE(
+                test_support::wait_until([&] { return worker.snapshot()->phase == SurgerySnapshot::Phase::ready; }));
             EXPECT_TRUE(worker.snapshot()->cuts.empty());
             EXPECT_TRUE(fs::exists(journal().string() + ".1"));
             // Another window on the same case cuts, but not into the same file.

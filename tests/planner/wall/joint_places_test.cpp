@@ -28,8 +28,8 @@ namespace joint_places_test {
     mesh::LabelVolume turned(const mesh::LabelVolume& labels, const Eigen::Isometry3d& motion)
     {
         mesh::LabelVolume image { labels.grid, {}, labels.table };
-        const Vec3 middle = labels.grid.world(
-            0.5 * Vec3(labels.grid.size[0] - 1, labels.grid.size[1] - 1, labels.grid.size[2] - 1));
+        const Vec3 middle
+            = labels.grid.world(0.5 * Vec3(labels.grid.size[0] - 1, labels.grid.size[1] - 1, labels.grid.size[2] - 1));
         image.grid.origin += motion * middle - middle;
         image.voxels.resize(labels.voxels.size());
         const Eigen::Isometry3d back = motion.inverse();
@@ -56,8 +56,8 @@ namespace joint_places_test {
         }
         // Voxels that fall elsewhere move the places by less than this.
         constexpr double kVoxelMm = 4.0;
-        for (const Eigen::AngleAxisd& turn : { Eigen::AngleAxisd(0.0, Vec3::UnitX()),
-                 Eigen::AngleAxisd(0.15, Vec3(0.3, 0.2, 1.0).normalized()) }) {
+        for (const Eigen::AngleAxisd& turn :
+            { Eigen::AngleAxisd(0.0, Vec3::UnitX()), Eigen::AngleAxisd(0.15, Vec3(0.3, 0.2, 1.0).normalized()) }) {
             const Eigen::Isometry3d motion = Eigen::Translation3d(0.9, -0.7, 1.1) * turn;
             const std::map<std::string, JointPlaces> there = places_of(turned(labels, motion));
             for (const auto& [name, joint] : first) {
@@ -75,11 +75,10 @@ namespace joint_places_test {
     {
         mesh::LabelVolume labels;
         labels.grid.spacing = Vec3::Constant(spacing);
-        labels.grid.size = { static_cast<int>(210.0 / spacing), static_cast<int>(40.0 / spacing),
-            static_cast<int>(24.0 / spacing) };
+        labels.grid.size
+            = { static_cast<int>(210.0 / spacing), static_cast<int>(40.0 / spacing), static_cast<int>(24.0 / spacing) };
         labels.grid.origin = Vec3(-10.0, -20.0, -12.0);
-        labels.table
-            = { { 1, "rib_left_5", "bone", mesh::Role::wall }, { 2, "spine", "bone", mesh::Role::wall } };
+        labels.table = { { 1, "rib_left_5", "bone", mesh::Role::wall }, { 2, "spine", "bone", mesh::Role::wall } };
         labels.voxels.assign(labels.grid.voxel_count(), 0);
         for (int k = 0; k < labels.grid.size[2]; ++k)
             for (int j = 0; j < labels.grid.size[1]; ++j)
@@ -129,8 +128,7 @@ namespace joint_places_test {
         for (int k = 0; k < labels.grid.size[2]; ++k)
             for (int j = 0; j < labels.grid.size[1]; ++j)
                 for (int i = 0; i < labels.grid.size[0]; ++i)
-                    if (labels.grid.world(Vec3(i, j, k)).x() < 8.0
-                        && labels.voxels[labels.grid.offset(i, j, k)] == 1)
+                    if (labels.grid.world(Vec3(i, j, k)).x() < 8.0 && labels.voxels[labels.grid.offset(i, j, k)] == 1)
                         labels.voxels[labels.grid.offset(i, j, k)] = 0;
         EXPECT_TRUE(places_of(labels).empty());
         EXPECT_TRUE(joint_places(labels, {}).empty());

@@ -70,8 +70,8 @@ namespace rib_joints_test {
                     (2.0 * p.z() / nz - 1.0) * kHalfHeight }));
         });
         std::fill(made.mesh.labels.begin(), made.mesh.labels.end(), kRib);
-        made.labels.table = { { kRib, "rib_left_5", "bone", mesh::Role::wall },
-            { kSpine, "spine", "bone", mesh::Role::wall } };
+        made.labels.table
+            = { { kRib, "rib_left_5", "bone", mesh::Role::wall }, { kSpine, "spine", "bone", mesh::Role::wall } };
         mesh::ImageGrid& grid = made.labels.grid;
         grid.spacing = Vec3(1.2, 1.2, 1.5);
         grid.size = { 130, 130, 25 };

@@ -120,9 +120,9 @@ namespace rim_motion_test {
         BareBone bone(4.0);
         bone.displacement.col(2).setConstant(20.0);
         ASSERT_FALSE(bone.found().empty());
-        EXPECT_TRUE(bones_through_skin(bone.wall, bone.displacement,
-            std::vector<std::uint8_t>(bone.wall.vertex_count(), 0), bone.skin, kTable)
-                .empty());
+        EXPECT_TRUE(bones_through_skin(
+            bone.wall, bone.displacement, std::vector<std::uint8_t>(bone.wall.vertex_count(), 0), bone.skin, kTable)
+                        .empty());
     }
 
 } // namespace rim_motion_test

@@ -40,7 +40,7 @@ namespace {
 
     struct PlanOptions {
         std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity, element;
-        std::string reference;
+        std::string reference, contact;
         std::vector<std::string> pressures;
         std::optional<std::string> export_formats;
         double reference_limit_s = 600.0;
@@ -52,7 +52,7 @@ namespace {
         bool check_far = false; ///< PlanChecks::linear_region
         bool draft = false;
         bool injury_options = false; ///< PlanChecks::injury_options
-        bool render = false, contact = false;
+        bool render = false;
         bool parallel = false;
     };
 
@@ -157,7 +157,8 @@ namespace {
         refuse_without_wall(planned_case, options.case_file);
         if (!options.approach.empty())
             planned_case.approaches = { planner::find_approach(planned_case, options.approach) };
-        planned_case.contact = planned_case.contact || options.contact;
+        if (!options.contact.empty())
+            planned_case.contact = planner::contact_mode_from_string(options.contact).value();
         planner::SolverSettings& solution = planned_case.solution; // settings without an option stay as in the case
         if (!options.elasticity.empty())
             solution.elasticity = planner::elasticity_from_string(options.elasticity).value();
@@ -235,14 +236,14 @@ namespace {
         const auto limit = std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * options.reference_limit_s));
         for (planner::PlannedField& field : fields)
             if (is_measured(field))
-                field.metrics.second_opinion
-                    = second_opinion(field.problem, ccx, options.out, field.approach.name, limit, job);
+                field.metrics.second_opinion = second_opinion(
+                    planner::problem_with_fixed_hooks(field), ccx, options.out, field.approach.name, limit, job);
     }
 
     /// The problem without the laws that its elasticity does not use.
     fem::ElasticProblem as_solved(const planner::PlannedField& field)
     {
-        fem::ElasticProblem problem = field.problem;
+        fem::ElasticProblem problem = planner::problem_with_fixed_hooks(field);
         if (field.metrics.solution.choice.elasticity != fem::Elasticity::hyperelastic)
             for (fem::Material& material : problem.material_of_label)
                 material.law.reset();
@@ -478,9 +479,12 @@ namespace {
                 "vessel; negative: suction). The label must not belong to the wall. The pressure follows the surface "
                 "as the wall deforms. Repeat the option for several labels (also \"pressures\" in case.json)")
             ->allow_extra_args(false);
-        command.add_flag("--contact", options.contact,
-            "Compute contact, so that lips do not pass through each other or through organs (also \"contact\": true in "
-            "case.json)");
+        command
+            .add_flag("--contact{on}", options.contact,
+                "Contact of the lips with each other and of the wall with organs: on, off, or auto, which computes "
+                "contact where surfaces would pass through each other (write --contact=off; default: \"contact\" in "
+                "case.json, else auto)")
+            ->check(CLI::IsMember({ "auto", "on", "off" }));
     }
 
     /// Starts the executable beside this one for the other kind of context. A process draws with one kind only.

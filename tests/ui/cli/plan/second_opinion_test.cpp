@@ -1,7 +1,7 @@
 #include "ui/cli/plan/second_opinion.h"
 
 #include "mesh/base/error.h"
-#include "tests/support/hooked_block.h"
+#include "tests/support/wounds/hooked_block.h"
 #include "ui/cli/framework/run_program.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "planner/measures/joint_loads.h"
+#include "planner/measures/bones/joint_loads.h"
 
 #include "mesh/base/assert.h"
 
@@ -65,8 +65,7 @@ std::optional<JointLoad> spine_joint_load(const BoneForces& bone, const mesh::Te
             nodes.insert({ edge.a, edge.b });
         for (const VertexId v : nodes) // the forces of a hinge have no sum
             if (const auto node = node_of_bone(v))
-                couple -= point_at(bone.positions, *node)
-                              .cross(of_hinge.segment<3>(3 * static_cast<Eigen::Index>(v)));
+                couple -= point_at(bone.positions, *node).cross(of_hinge.segment<3>(3 * static_cast<Eigen::Index>(v)));
         if (first == nullptr)
             first = &hinge;
     }

@@ -3,7 +3,7 @@
 // (planner/wall/rib_joints.h), and where the bone meets cartilage. Units mm, N, N m; frame patient LPS.
 
 #include "fem/statics/boundary_conditions.h"
-#include "planner/measures/bone_forces.h"
+#include "planner/measures/bones/bone_forces.h"
 #include "planner/measures/field_metrics.h"
 
 #include <Eigen/Core>

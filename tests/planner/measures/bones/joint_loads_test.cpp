@@ -1,4 +1,4 @@
-#include "planner/measures/joint_loads.h"
+#include "planner/measures/bones/joint_loads.h"
 
 #include <gtest/gtest.h>
 
@@ -73,8 +73,7 @@ namespace joint_loads_test {
             EXPECT_EQ(load->at_stop, std::abs(degrees) > 6.6);
         }
         supports.hinges[0].edges = { { 2, 3, 1.0 } }; // of another bone
-        EXPECT_FALSE(
-            spine_joint_load(two_nodes(), wall(), supports, Eigen::VectorXd::Zero(30))->turn_deg.has_value());
+        EXPECT_FALSE(spine_joint_load(two_nodes(), wall(), supports, Eigen::VectorXd::Zero(30))->turn_deg.has_value());
     }
 
     TEST(JointLoads, OfCartilageAreTheForcesOnTheSharedNodes)

@@ -1,7 +1,8 @@
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/bones/bone_limits.h"
 
 #include "mesh/base/assert.h"
 #include "mesh/base/text_format.h"
+#include "planner/measures/ball_strain.h"
 #include "planner/measures/hook_opening.h"
 
 #include <algorithm>
@@ -150,11 +151,11 @@ void set_attainable(FieldMetrics& field, bool in_equilibrium)
         return;
     }
     if (!field.bones_message.empty()) {
-        field.attainable = Attainable::unknown;
+        field.attainable = any_would_tear(field) ? Attainable::with_injury : Attainable::unknown;
         return;
     }
     const double reached = hook_opening(field).reached_mm;
-    field.attainable = Attainable::yes;
+    field.attainable = any_would_tear(field) ? Attainable::with_injury : Attainable::yes;
     double largest = reached;
     for (BoneMetrics& bone : field.bones)
         if (bone.utilisation >= 1.0) {
@@ -168,6 +169,12 @@ void set_attainable(FieldMetrics& field, bool in_equilibrium)
 bool is_uninjured_opening_solved(const FieldMetrics& field)
 {
     return field.uninjured_opening && field.uninjured_opening->message.empty();
+}
+
+bool breaks_bone(const FieldMetrics& field)
+{
+    return std::ranges::any_of(
+        field.bones, [](const BoneMetrics& bone) { return bone.opening_at_limit_mm.has_value(); });
 }
 
 std::string_view to_string(Attainable attainable)
@@ -207,11 +214,14 @@ std::string attainable_text(const FieldMetrics& field)
     case Attainable::with_injury:
         break;
     }
-    std::vector<std::string> broken;
+    std::vector<std::string> injured;
     for (const BoneMetrics& bone : field.bones)
         if (bone.opening_at_limit_mm)
-            broken.push_back(bone_in_words(bone.name));
-    return "with injury: " + joined(broken);
+            injured.push_back(bone_in_words(bone.name));
+    for (const TissueStrain& tissue : field.tissue_strain)
+        if (would_tear(tissue))
+            injured.push_back(readable(tissue.tissue));
+    return "with injury: " + joined(injured);
 }
 
 std::string bones_text(const FieldMetrics& field)

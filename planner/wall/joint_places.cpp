@@ -99,7 +99,9 @@ namespace {
         for (const NearVoxel& v : near)
             if (v.gap <= kJointGapMm)
                 at_spine.push_back(v.voxel);
-        const std::vector<double> from_front = ways_from(bone, { farthest(ways_from(bone, at_spine)) });
+        const std::vector<double> from_spine = ways_from(bone, at_spine);
+        const std::uint32_t front = farthest(from_spine);
+        const std::vector<double> from_front = ways_from(bone, { front });
         double end = 0.0;
         for (const std::uint32_t v : at_spine)
             end = std::max(end, from_front[v]);
@@ -116,6 +118,8 @@ namespace {
             return Vec3(sum / count);
         };
         JointPlaces places { .head = middle(0.0, kJointLengthMm, kJointGapMm) };
+        if (from_spine[front] < kLeastNeckMm) // a scrap beside the spine, without a shaft
+            return places;
         for (const double gap : { kJointGapMm, kTubercleGapMm }) {
             double last = 0.0;
             for (const NearVoxel& v : near)
@@ -123,8 +127,11 @@ namespace {
                     last = std::max(last, along(v.voxel));
             if (last < kLeastNeckMm)
                 continue;
-            places.tubercle = middle(last - std::min(kJointLengthMm, last / 3.0), last, gap);
-            break;
+            const Vec3 tubercle = middle(last - std::min(kJointLengthMm, last / 3.0), last, gap);
+            if ((tubercle - places.head).norm() >= kShortestAxisMm) {
+                places.tubercle = tubercle;
+                break;
+            }
         }
         return places;
     }

@@ -26,6 +26,8 @@ inline constexpr double kTubercleGapMm = 10.0;
 inline constexpr double kTubercleReachMm = 40.0;
 /// Nearest tubercle from the head, along the rib. Nearer voxels belong to the joint of the head.
 inline constexpr double kLeastNeckMm = 12.0;
+/// Least distance of the two places. Nearer places tell no axis.
+inline constexpr double kShortestAxisMm = 5.0;
 /// Length of a joint along the rib. Head and tubercle are about as long.
 inline constexpr double kJointLengthMm = 7.0;
 

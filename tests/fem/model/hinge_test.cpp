@@ -14,7 +14,10 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <numbers>
 #include <set>
 #include <string>
@@ -114,7 +117,7 @@ namespace hinge_test {
         constexpr double kStep = 1e-5; // mm
         for (const int nodes_per_tet : { 4, 10 })
             for (const Elasticity model : { Elasticity::corotational, Elasticity::linear })
-                for (const double size : { 0.02, 0.8 }) { // mm: within the range, and beyond the stop
+                for (const double size : { 0.02, 0.5 }) { // mm: within the range, and beyond the stop
                     mesh::TetMesh mesh = verification::distorted_box(2, 4.0, 0.2, 5);
                     const Hinge hinge = with_edges(rib_hinge({ 1.0, 2.0, 0.5 }), mesh);
                     if (nodes_per_tet == 10)
@@ -171,7 +174,7 @@ namespace hinge_test {
 
         const Eigen::VectorXd uncut = online.multiply(x);
         const mesh::Blade blade {
-            .line = { { 8.2, -1.0, 17.0 }, { 8.2, 17.0, 17.0 } }, .directions = { -Vec3::UnitZ() }, .depth_mm = 9.0
+            .line = { { 10.0, -1.0, 17.0 }, { 10.0, 17.0, 17.0 } }, .directions = { -Vec3::UnitZ() }, .depth_mm = 9.0
         };
         const mesh::CutResult cut = session.cut(blade);
         ASSERT_EQ(cut.status, mesh::CutStatus::done) << cut.message;
@@ -186,9 +189,8 @@ namespace hinge_test {
             = test_support::random_entries(3 * static_cast<Eigen::Index>(online.slot_count()), 1, 6);
         const Eigen::VectorXd of_fresh = fresh.multiply(y);
         EXPECT_LT((online.multiply(y) - of_fresh).norm(), kRoundOff * of_fresh.norm());
-        online.apply(session.undo().delta);
+        online.apply(session.undo());
         EXPECT_EQ(online.hinges()[0].edges.size(), hinge.edges.size());
-        EXPECT_LT((online.multiply(Eigen::VectorXd(y)).head(0)).norm(), 1.0);
         Eigen::VectorXd again = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(online.slot_count()));
         again.head(x.size()) = x;
         EXPECT_EQ(Eigen::VectorXd(online.multiply(again).head(x.size())), uncut); // to the last bit

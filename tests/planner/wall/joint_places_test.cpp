@@ -50,7 +50,7 @@ namespace joint_places_test {
         for (const auto& [name, joint] : first) {
             ASSERT_TRUE(joint.tubercle.has_value()) << name;
             const Vec3 neck = *joint.tubercle - joint.head;
-            EXPECT_GT(neck.norm(), 5.0) << name;
+            EXPECT_GE(neck.norm(), kShortestAxisMm) << name;
             EXPECT_LT(neck.norm(), 35.0) << name;
             EXPECT_GT(std::abs(joint.tubercle->x()), std::abs(joint.head.x()) + 4.0) << name; // more lateral
         }

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <array>
@@ -57,38 +57,38 @@ namespace rib_joints_test {
     /// @param process whether the spine has a transverse process behind the tubercle
     Rib rib(double edge, int pose, bool process = true)
     {
-        Rib rib { {}, {}, Eigen::Isometry3d::Identity() };
+        Rib made { {}, {}, Eigen::Isometry3d::Identity() };
         if (pose == 1) {
-            rib.pose.translate(Vec3(31.0, -170.0, 1042.5));
-            rib.pose.rotate(Eigen::AngleAxisd(1.1, Vec3(0.4, 1.0, -0.6).normalized()));
+            made.pose.translate(Vec3(31.0, -170.0, 1042.5));
+            made.pose.rotate(Eigen::AngleAxisd(1.1, Vec3(0.4, 1.0, -0.6).normalized()));
         }
         const auto cells = [&](double length) { return std::max(2, static_cast<int>(std::lround(length / edge))); };
         const int nx = cells(kLengthMm), ny = cells(2.0 * kHalfWidth), nz = cells(2.0 * kHalfHeight);
-        rib.mesh = verification::mapped_box(4, nx, ny, nz, [&](const Vec3& p) {
-            return Vec3(rib.pose
+        made.mesh = verification::mapped_box(4, nx, ny, nz, [&](const Vec3& p) {
+            return Vec3(made.pose
                 * on_rib({ p.x() / nx * kLengthMm, (2.0 * p.y() / ny - 1.0) * kHalfWidth,
                     (2.0 * p.z() / nz - 1.0) * kHalfHeight }));
         });
-        std::fill(rib.mesh.labels.begin(), rib.mesh.labels.end(), kRib);
-        rib.labels.table
+        std::fill(made.mesh.labels.begin(), made.mesh.labels.end(), kRib);
+        made.labels.table
             = { { kRib, "rib_left_5", "bone", mesh::Role::wall }, { kSpine, "spine", "bone", mesh::Role::wall } };
-        mesh::ImageGrid& grid = rib.labels.grid;
+        mesh::ImageGrid& grid = made.labels.grid;
         grid.spacing = Vec3(1.2, 1.2, 1.5);
         grid.size = { 130, 130, 25 };
-        grid.direction = rib.pose.linear();
-        grid.origin = rib.pose * Vec3(-22.0, -115.0, -18.0);
-        rib.labels.voxels.assign(grid.voxel_count(), 0);
+        grid.direction = made.pose.linear();
+        grid.origin = made.pose * Vec3(-22.0, -115.0, -18.0);
+        made.labels.voxels.assign(grid.voxel_count(), 0);
         for (int k = 0; k < grid.size[2]; ++k)
             for (int j = 0; j < grid.size[1]; ++j)
                 for (int i = 0; i < grid.size[0]; ++i) {
-                    const Vec3 p = rib.pose.inverse() * grid.world(Vec3(i, j, k));
-                    Label& label = rib.labels.voxels[grid.offset(i, j, k)];
+                    const Vec3 p = made.pose.inverse() * grid.world(Vec3(i, j, k));
+                    Label& label = made.labels.voxels[grid.offset(i, j, k)];
                     if (in_rib(p))
                         label = kRib;
                     else if (p.x() < -2.0 || (process && p.y() > 7.0 && p.x() > 22.0 && p.x() < 30.0))
                         label = kSpine;
                 }
-        return rib;
+        return made;
     }
 
     RibJoints joints_of(const Rib& rib) { return rib_joints(rib.mesh, rib.labels, std::array { kSpine }); }

@@ -91,8 +91,13 @@ namespace tissue_values_test {
         interval.opening_low_mm = 57.04;
         interval.opening_high_mm = 57.01;
         for (const auto& [name, exponent] : { std::pair { "cartilage", 0.5 }, std::pair { "fat", 0.01 } })
-            interval.parameters.push_back(
-                { .name = name, .unit = "MPa", .value = 1.0, .low = 0.5, .high = 2.0, .force_exponent = exponent, .source = "test" });
+            interval.parameters.push_back({ .name = name,
+                .unit = "MPa",
+                .value = 1.0,
+                .low = 0.5,
+                .high = 2.0,
+                .force_exponent = exponent,
+                .source = "test" });
         field.parameters = interval;
         EXPECT_EQ(
             force_with_intervals(field), "197 N; mesh: +- 9 N; tissue values: 120 to 310 N; decided by cartilage");

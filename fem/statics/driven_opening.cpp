@@ -1,7 +1,6 @@
 #include "fem/statics/driven_opening.h"
 
 #include "fem/statics/opening.h"
-#include "fem/statics/tissue_linearisation.h"
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
@@ -206,7 +205,11 @@ namespace {
             return std::move(found_);
         }
 
-        bool nonlinear() const { return options_.elasticity != Elasticity::linear || options_.contact.has_value(); }
+        bool nonlinear() const
+        {
+            return options_.elasticity != Elasticity::linear || options_.contact.has_value()
+                || !problem_.blades.empty();
+        }
 
         /// Predicts the equilibrium of the hooks from the forces and the tangent at this state.
         HookRest rest_at(const Points& displacement, const Eigen::VectorXd& forces)

@@ -15,6 +15,21 @@ namespace retractor::fem {
 
 namespace {
 
+    /// Springs or hinges of a parameter: each exists, and belongs to one parameter only.
+    void check_members(const std::string& kind, const std::vector<std::size_t>& members, std::size_t count,
+        const std::string& name, std::map<std::size_t, std::string>& owner)
+    {
+        const std::string where = "parameter '" + name + "'";
+        for (const std::size_t member : members) {
+            if (member >= count)
+                throw InputError("there is no " + kind + " " + std::to_string(member), where);
+            if (const auto [other, added] = owner.emplace(member, name); !added)
+                throw InputError(
+                    "the parameter '" + other->second + "' has the " + kind + " " + std::to_string(member) + " too",
+                    where);
+        }
+    }
+
     void check(const ElasticProblem& problem, const Points& displacement,
         std::span<const StiffnessParameter> parameters, const Eigen::MatrixXd& motions)
     {
@@ -28,10 +43,10 @@ namespace {
             throw InputError("the motions need three rows for each node", "motions");
         const std::vector<Label> met = labels_met(problem.mesh);
         std::map<Label, std::string> of_label;
-        std::map<std::size_t, std::string> of_spring;
+        std::map<std::size_t, std::string> of_spring, of_hinge;
         for (const StiffnessParameter& parameter : parameters) {
             const std::string where = "parameter '" + parameter.name + "'";
-            if (parameter.labels.empty() && parameter.springs.empty())
+            if (parameter.labels.empty() && parameter.springs.empty() && parameter.hinges.empty())
                 throw InputError("the parameter has neither a label nor a spring", where);
             for (const Label label : parameter.labels) {
                 if (!std::binary_search(met.begin(), met.end(), label))
@@ -40,14 +55,8 @@ namespace {
                     throw InputError(
                         "the parameter '" + other->second + "' has the label " + std::to_string(label) + " too", where);
             }
-            for (const std::size_t spring : parameter.springs) {
-                if (spring >= problem.supports.bedded.size())
-                    throw InputError("there is no spring " + std::to_string(spring), where);
-                if (const auto [other, added] = of_spring.emplace(spring, parameter.name); !added)
-                    throw InputError(
-                        "the parameter '" + other->second + "' has the spring " + std::to_string(spring) + " too",
-                        where);
-            }
+            check_members("spring", parameter.springs, problem.supports.bedded.size(), parameter.name, of_spring);
+            check_members("hinge", parameter.hinges, problem.supports.hinges.size(), parameter.name, of_hinge);
         }
     }
 
@@ -68,8 +77,8 @@ namespace {
         return part;
     }
 
-    /// The forces that are in proportion to a parameter, N, three per node: of its tissue and springs, less the loads
-    /// of its tissue's tension.
+    /// The forces that are in proportion to a parameter, N, three per node: of its tissue, springs and hinges, less the
+    /// loads of its tissue's tension.
     Eigen::VectorXd forces_of(const ElasticProblem& problem, const TissueModel& model,
         const StiffnessParameter& parameter, const Eigen::VectorXd& u)
     {
@@ -83,6 +92,9 @@ namespace {
             const Eigen::Index row = 3 * static_cast<Eigen::Index>(bedded.vertex);
             forces.segment<3>(row) += bedded.stiffness * u.segment<3>(row);
         }
+        const HingeAngle angle = model.elasticity == Elasticity::linear ? HingeAngle::linear : HingeAngle::swept;
+        for (const std::size_t hinge : parameter.hinges)
+            (void)add_hinge_response(problem.mesh, problem.supports.hinges[hinge], angle, u, forces);
         std::vector<FaceTraction> released;
         for (const FaceTraction& load : problem.loads) {
             const Label label = problem.mesh.labels[static_cast<std::size_t>(load.face.tet)];

@@ -31,11 +31,12 @@
 
 namespace retractor::fem {
 
-/// A stiffness that may be other than it is: of tissue, or of springs. The moduli of all its members change alike.
+/// A stiffness that may be other than it is: of tissue, springs or hinges. The moduli of all its members change alike.
 struct StiffnessParameter {
     std::string name; ///< for messages
     std::vector<Label> labels {}; ///< tissue with these labels
     std::vector<std::size_t> springs {}; ///< indices into Supports::bedded
+    std::vector<std::size_t> hinges {}; ///< indices into Supports::hinges
 };
 
 /// Derivatives by the natural logarithms of the parameters, one column per parameter.
@@ -49,8 +50,8 @@ struct ParameterSensitivity {
 /// @param displacement n x 3, mm, in equilibrium
 /// @param motions of the hooks (hook_motions(), or blade_motions() of a retractor), for ParameterSensitivity::response
 /// @throws InputError naming the parameter with a label that another parameter has or that is not in the mesh, a spring
-/// that another parameter has or that is out of range, or no member; on a displacement or motions of the wrong size;
-/// as TissueLinearisation
+/// or hinge that another parameter has or that is out of range, or no member; on a displacement or motions of the wrong
+/// size; as TissueLinearisation
 ParameterSensitivity parameter_sensitivity(const ElasticProblem& problem, const TissueModel& model,
     const Points& displacement, std::span<const StiffnessParameter> parameters, const Eigen::MatrixXd& motions,
     const std::optional<ContactOptions>& contact = {});

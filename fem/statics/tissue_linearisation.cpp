@@ -46,7 +46,7 @@ TissueLinearisation::TissueLinearisation(const ElasticProblem& problem, const Ti
     , body_(tissue_body(problem.mesh, problem.material_of_label, model))
 {
     RETRACTOR_ASSERT(displacement.rows() == problem.mesh.vertices.rows());
-    body_.set_bed(bed_stiffness(problem.mesh, problem.supports));
+    set_springs(body_, problem.supports);
     ExternalLoads loads = external_loads(problem);
     const bool at_rest = model.elasticity == Elasticity::linear; // linear tissue receives the pressure at rest
     load_ = at_rest ? nodal_loads(problem) : loads.nodal;
@@ -61,6 +61,11 @@ TissueLinearisation::TissueLinearisation(const ElasticProblem& problem, const Ti
     if (contact) {
         body_.set_contact(Contact(problem.mesh, element_parameters(problem.mesh, problem.material_of_label), *contact));
         (void)body_.find_contact(state_);
+    }
+    if (!problem.blades.empty()) {
+        body_.set_blades(BladeContact(problem.mesh, problem.blades));
+        (void)body_.renew_blades(state_);
+        body_.prepare_blade_search(state_);
     }
     (void)body_.stiffness(state_, 0.0);
     solver_.emplace(body_.last_stiffness().pattern, held_.flag);

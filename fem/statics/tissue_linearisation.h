@@ -5,7 +5,6 @@
 #include "fem/linear_algebra/constrained_solver.h"
 #include "fem/model/contact.h"
 #include "fem/model/elastic_body.h"
-#include "fem/statics/driven_opening.h"
 #include "fem/statics/elastic_problem.h"
 
 #include <Eigen/Core>
@@ -14,11 +13,21 @@
 
 namespace retractor::fem {
 
+/// Response of the tissue to its hooks: the linearisation at one state of the body.
+struct HookResponse {
+    Eigen::MatrixXd stiffness; ///< forces on the hooks per mm of hook displacement: 3 hooks x 3 hooks, N/mm, symmetric
+    Eigen::MatrixXd displacement; ///< displacement of the body per mm of hook displacement: 3 nodes x 3 hooks
+    /// The part of the hook forces that balances the loads of the body (tension that a cut released, pressure), N,
+    /// three per hook. Tissue that is stiffer everywhere leaves this part unchanged. Empty without loads.
+    Eigen::VectorXd of_loads {};
+};
+
+/// The tissue at one state, with its stiffness factored.
 class TissueLinearisation {
 public:
-    /// Factors the stiffness at a state, with the nodes of supports and hooks held. Surfaces that touch at this state
-    /// resist; surfaces that would touch later do not. Where the stiffness is not positive definite, the smallest
-    /// sufficient lift of its negative eigenvalues is taken (ElasticBody::stiffness()).
+    /// Factors the stiffness at a state, with the nodes of supports and hooks held. Surfaces that touch at this
+    /// state resist; surfaces that would touch later do not. Where the stiffness is not positive definite, the
+    /// smallest sufficient lift of its negative eigenvalues is taken (ElasticBody::stiffness()).
     /// @param displacement n x 3, mm, a possible state of the body
     /// @throws InputError and SolverError as Opening does
     TissueLinearisation(const ElasticProblem& problem, const TissueModel& model, const Points& displacement,

@@ -3,7 +3,7 @@
 #include "fem/statics/parameter_sensitivity.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/wall/rib_joints.h"
 
 #include <algorithm>
@@ -103,7 +103,7 @@ namespace {
         return parameters;
     }
 
-    /// The springs of the ribs' joints, and those under the shoulder girdle.
+    /// The springs and hinges of the ribs' joints, and the springs under the shoulder girdle.
     std::vector<Parameter> spring_parameters(const PlannedField& field, const mesh::LabelTable& table)
     {
         const mesh::TetMesh& mesh = field.problem.mesh;
@@ -130,7 +130,10 @@ namespace {
         const std::vector<fem::BeddedVertex>& bedded = field.problem.supports.bedded;
         for (std::size_t i = 0; i < bedded.size(); ++i)
             parameters[on_rib[static_cast<std::size_t>(bedded[i].vertex)] != 0 ? 0 : 1].members.springs.push_back(i);
-        std::erase_if(parameters, [](const Parameter& p) { return p.members.springs.empty(); });
+        for (std::size_t i = 0; i < field.problem.supports.hinges.size(); ++i)
+            parameters.front().members.hinges.push_back(i);
+        std::erase_if(
+            parameters, [](const Parameter& p) { return p.members.springs.empty() && p.members.hinges.empty(); });
         return parameters;
     }
 
@@ -242,7 +245,7 @@ std::optional<ParameterInterval> estimate_parameter_interval(const PlannedField&
         std::vector<Parameter> parameters = tissue_parameters(field, table, bones);
         for (Parameter& springs : spring_parameters(field, table))
             parameters.push_back(std::move(springs));
-        const Eigen::VectorXd solved = solved_displacement(field, wound);
+        const Eigen::VectorXd solved = displacement_at_nodes(field, wound);
         const std::optional<fem::EquilibriumSensitivity> change
             = differentiate(field, wound, choice, parameters, solved);
         if (!change)

@@ -4,8 +4,8 @@
 #include "fem/statics/frame_opening.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/error.h"
-#include "tests/support/hooked_block.h"
 #include "tests/support/reference_problems.h"
+#include "tests/support/wounds/hooked_block.h"
 
 #include <gtest/gtest.h>
 

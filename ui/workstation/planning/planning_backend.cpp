@@ -85,6 +85,7 @@ namespace {
         setup.held = std::move(supports.fixed);
         setup.cut_off = planner::cut_off_vertices(model.wall, *labels);
         setup.bedded = std::move(supports.bedded);
+        setup.hinges = std::move(supports.hinges);
         setup.labels = planned_case.label_table;
         setup.journal = planner::cuts_journal(planned_case.file(), approach.name);
         setup.materials = planner::materials_as_solved(patient, planner::ElementKind::p1);

@@ -28,12 +28,13 @@ namespace {
     class Newton {
     public:
         Newton(ElasticBody& body, ConstrainedSolver& solver, const EquilibriumOptions& options, const Job& job,
-            Equilibrium& result, bool& assembled)
+            Equilibrium& result, std::size_t& pattern, bool& assembled)
             : body_(body)
             , solver_(solver)
             , options_(options)
             , job_(job)
             , result_(result)
+            , pattern_(pattern)
             , assembled_(assembled)
             , stiffest_(largest_diagonal(body.last_stiffness()))
         {
@@ -44,7 +45,9 @@ namespace {
             RETRACTOR_ASSERT(u.size() == 3 * body_.mesh().vertices.rows());
             u_ = u;
             reach_ = std::max(reach_, largest_length(u_));
-            (void)body_.renew_follower_loads(u_); // the body may hold the follower loads of a state that was given up
+            // the body may hold the follower loads and the friction of a state that was given up
+            (void)body_.renew_follower_loads(u_);
+            (void)body_.renew_blades(u_);
             state_ = respond(u_);
         }
         /// Stores the largest nodal force of the body's whole loads at u. Loads that balance each other leave no other
@@ -73,10 +76,15 @@ namespace {
         double move(const Eigen::VectorXd& motion)
         {
             constexpr double kTrusted = 3.0, kSmallest = 1.0 / 32.0;
+            // Blades move before the tissue follows: the step is linearised with the places that they will touch.
+            const Eigen::VectorXd ahead = u_ + motion;
+            body_.expect_blades(&ahead);
             const BlockMatrix& K = body_.model() == Elasticity::hyperelastic ? factorise_least_lifted() : assemble(1.0);
             if (body_.model() != Elasticity::hyperelastic)
                 factorise(K);
-            const Eigen::VectorXd rest = solver_.solve(-state_.forces);
+            const Eigen::VectorXd rest
+                = solver_.solve(body_.blades() != nullptr ? Eigen::VectorXd(-respond(u_).forces) : -state_.forces);
+            body_.expect_blades(nullptr);
             const Eigen::VectorXd follow = motion - solver_.solve(K.multiply(motion));
             for (double share = 1.0; share >= kSmallest; share *= 0.5)
                 // A body that was not at rest settles too, unless this fails.
@@ -103,9 +111,12 @@ namespace {
         {
             if (body_.contact() == nullptr || !body_.find_contact(u_, pairing))
                 return false;
-            const Stopwatch watch;
-            solver_ = ConstrainedSolver(body_.last_stiffness().pattern, solver_.prescribed());
-            result_.factor_seconds += watch.seconds();
+            if (pattern_ != body_.patterns_made()) {
+                const Stopwatch watch;
+                solver_ = ConstrainedSolver(body_.last_stiffness().pattern, solver_.prescribed());
+                pattern_ = body_.patterns_made();
+                result_.factor_seconds += watch.seconds();
+            }
             state_ = respond(u_);
             return true;
         }
@@ -130,7 +141,7 @@ namespace {
         Outcome iterate(double tolerance, int max_iterations)
         {
             for (int i = 0;; ++i) {
-                if (body_.renew_follower_loads(u_) > 0.0)
+                if (std::max(body_.renew_follower_loads(u_), body_.renew_blades(u_)) > 0.0)
                     state_ = respond(u_);
                 result_.residual = residual();
                 if (job_.cancelled())
@@ -152,7 +163,7 @@ namespace {
         double residual() const
         {
             const double noise = kNoForce * stiffest_ * std::max(reach_, largest_length(u_));
-            const double scale = std::max({ largest_length(state_.forces), largest_load_, noise });
+            const double scale = std::max({ largest_reaction(), largest_load_, noise });
             if (scale == 0.0)
                 return 0.0;
             Eigen::VectorXd r = state_.forces;
@@ -167,7 +178,21 @@ namespace {
         /// Contact energy is excluded from the prediction; Newton's method reduces it.
         double contact_energy(const Eigen::VectorXd& u) const
         {
-            return body_.contact() != nullptr ? body_.contact()->energy(u) : 0.0;
+            return (body_.contact() != nullptr ? body_.contact()->energy(u) : 0.0)
+                + (body_.blades() != nullptr ? body_.blades()->energy(u) : 0.0);
+        }
+
+        /// Largest force at a node. The three nodes of a blade bear what the nodes under it share, so the forces at
+        /// these nodes are taken.
+        double largest_reaction() const
+        {
+            if (body_.blades() == nullptr)
+                return largest_length(state_.forces);
+            Eigen::VectorXd forces = state_.forces;
+            for (const BladeSurface& blade : body_.blades()->blades())
+                for (const VertexId v : blade.nodes)
+                    forces.segment<3>(3 * static_cast<Eigen::Index>(v)).setZero();
+            return std::max(largest_length(forces), body_.blades()->largest_nodal_force(u_));
         }
 
         double energy_noise(const Eigen::VectorXd& u) const
@@ -324,6 +349,7 @@ namespace {
         const EquilibriumOptions& options_;
         const Job& job_;
         Equilibrium& result_;
+        std::size_t& pattern_; ///< as EquilibriumSolver::pattern_
         bool& assembled_;
         double stiffest_; ///< largest diagonal entry of the stiffness, N/mm
         double reach_ = 0.0; ///< mm: largest displacement of a start state
@@ -571,26 +597,27 @@ Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::u
     RETRACTOR_ASSERT(target.size() == start.size() && prescribed.size() == static_cast<std::size_t>(start.size()));
     Equilibrium result;
     const bool other_pairs = body.contact() != nullptr && body.find_contact(start);
-    if (!solver_ || solver_->prescribed() != prescribed || other_pairs) {
+    if (!assembled_ || other_pairs || body.patterns_made() == 0) {
         const Stopwatch watch;
-        if (!assembled_ || other_pairs) {
-            (void)body.stiffness(start, 1.0);
-            assembled_ = true;
-            result.assemble_seconds += watch.seconds();
-            record_part(job, "assembly", watch, body.bytes());
-        }
+        (void)body.stiffness(start, 1.0);
+        assembled_ = true;
+        result.assemble_seconds += watch.seconds();
+        record_part(job, "assembly", watch, body.bytes());
+    }
+    if (!solver_ || solver_->prescribed() != prescribed || pattern_ != body.patterns_made()) {
         const Stopwatch analysis;
         solver_.emplace(body.last_stiffness().pattern, prescribed);
+        pattern_ = body.patterns_made();
         result.factor_seconds += analysis.seconds();
     }
-    Newton newton(body, *solver_, options, job, result, assembled_);
+    Newton newton(body, *solver_, options, job, result, pattern_, assembled_);
     if (body.has_loads())
         body.set_load_share(body.model() == Elasticity::linear ? 1.0 : options.load_at_start);
     newton.start_from(start);
     if (!std::isfinite(newton.energy()))
         throw InputError("an element is turned over, or the displacement is not finite", "start state");
     const Eigen::VectorXd motion = prescribed_part(prescribed, target - start);
-    if (body.model() == Elasticity::linear && body.contact() == nullptr) {
+    if (body.model() == Elasticity::linear && body.contact() == nullptr && body.blades() == nullptr) {
         newton.move(motion);
         result.load = 1.0;
         if (newton.iterate(options.tolerance, options.max_newton_iterations) != Newton::Outcome::converged)

@@ -103,6 +103,8 @@ namespace {
                 require(key);
         }
         bool is_object() const { return json_.is_object(); }
+        bool is_boolean() const { return json_.is_boolean(); }
+        bool is_text() const { return json_.is_string(); }
         bool has(std::string_view key) const { return json_.contains(key); }
         /// The value of a key, which must be there.
         Node operator[](std::string_view key) const
@@ -253,7 +255,8 @@ namespace {
         static void of(auto& io, Is<SizingSpec> auto& sizing)
         {
             io.required("corridor_radius_mm", sizing.corridor_radius_mm, "corridor_edge_mm", sizing.corridor_edge_mm,
-                "coarse_edge_mm", sizing.coarse_edge_mm, "region_mm", sizing.region_mm);
+                "coarse_edge_mm", sizing.coarse_edge_mm);
+            io.optional("region_mm", sizing.region_mm);
         }
         static void of(auto& io, Is<TargetSpec> auto& target)
         {
@@ -281,6 +284,7 @@ namespace {
                 io.required("opening_mm", hook.opening_mm);
             io.optional("force_limit_N", hook.pull.force_limit_N);
             io.optional("grip_N_per_mm", hook.pull.grip_N_per_mm);
+            io.optional("hold", hook.hold, hook.hold != HookHold::fixed);
         }
         static void of(auto& io, Is<RetractorSpec> auto& retractor)
         {
@@ -293,6 +297,7 @@ namespace {
             io.required("along_mm", retractor.along_mm, "blade_width_mm", retractor.blade_width_mm, "blade_depth_mm",
                 retractor.blade_depth_mm, "play_deg", retractor.play_deg, "greatest_opening_mm",
                 retractor.greatest_opening_mm);
+            io.optional("hold", retractor.hold, retractor.hold != HookHold::contact);
         }
         static void of(auto& io, Is<OpeningProtocol> auto& protocol)
         {
@@ -342,7 +347,7 @@ namespace {
                 labels.required("table", whole.label_table);
             });
             io.required("materials", whole.materials, "supports", whole.supports);
-            io.optional("contact", whole.contact, whole.contact);
+            io.optional("contact", whole.contact, whole.contact != ContactMode::automatic);
             io.optional("pressures", whole.pressures, !whole.pressures.empty());
             io.optional("solution", whole.solution, !(whole.solution == SolverSettings {}));
             io.required("sizing", whole.sizing, "approaches", whole.approaches, "views", whole.views);
@@ -462,10 +467,24 @@ namespace {
         {
             element = known(node, element_from_string(node.text()), "must be p1, locking-free or p2");
         }
+        static void read(const Node& node, ContactMode& contact)
+        {
+            if (node.is_boolean())
+                contact = node.boolean() ? ContactMode::always : ContactMode::never;
+            else if (node.is_text() && node.text() == to_string(ContactMode::automatic))
+                contact = ContactMode::automatic;
+            else
+                node.refuse("must be true, false or \"auto\"");
+        }
         static void read(const Node& node, LoosePieces& policy)
         {
             policy = known(node, loose_pieces_from_string(node.text()),
                 "unknown \"" + node.text() + "\": use held, removed or rigid");
+        }
+        static void read(const Node& node, HookHold& hold)
+        {
+            hold = known(
+                node, hook_hold_from_string(node.text()), "unknown \"" + node.text() + "\": use fixed or contact");
         }
         static void read(const Node& node, DivisionExtent& extent)
         {
@@ -627,6 +646,13 @@ namespace {
             return list;
         }
         static Json written(const fs::path& path) { return path.generic_string(); }
+        /// As the file has it: true, false or "auto".
+        static Json written(const ContactMode& contact)
+        {
+            if (contact == ContactMode::automatic)
+                return std::string(to_string(contact));
+            return contact == ContactMode::always;
+        }
         static Json written(const Vec3& v) { return Json::array({ v.x(), v.y(), v.z() }); }
 
         static Json written(const fem::PreStrain& tension)

@@ -27,10 +27,7 @@ namespace {
         Mat3 stretch;
     };
 
-    Mat3 right_stretch(const Mat3& F)
-    {
-        return Eigen::SelfAdjointEigenSolver<Mat3>(F.transpose() * F).operatorSqrt();
-    }
+    Mat3 right_stretch(const Mat3& F) { return Eigen::SelfAdjointEigenSolver<Mat3>(F.transpose() * F).operatorSqrt(); }
 
     StretchedElement stretched_element(const mesh::TetMesh& wall, TetId t, const Eigen::VectorXd& displacement)
     {
@@ -169,8 +166,7 @@ std::string tearing_text(const FieldMetrics& field)
         remark(text,
             readable(tissue.tissue) + (would_tear(tissue) ? " would tear: " : " may tear: ") + percent(tissue.strain)
                 + " " + place_text(tissue)
-                + formatted(
-                    ", torn samples failed between %.0f and %.0f %%", 100.0 * range.from, 100.0 * range.to));
+                + formatted(", torn samples failed between %.0f and %.0f %%", 100.0 * range.from, 100.0 * range.to));
     }
     return text;
 }
@@ -180,9 +176,8 @@ std::string tissue_strain_text(const FieldMetrics& field)
     std::string text;
     for (const TissueStrain& tissue : field.tissue_strain)
         remark(text, strain_text(tissue));
-    return text.empty()
-        ? text
-        : formatted("largest strain, averaged over balls of %.0f mm radius: ", kBallRadiusMm) + text;
+    return text.empty() ? text
+                        : formatted("largest strain, averaged over balls of %.0f mm radius: ", kBallRadiusMm) + text;
 }
 
 } // namespace retractor::planner

@@ -6,10 +6,12 @@
 #include "mesh/base/text_format.h"
 #include "planner/measures/accuracy.h"
 #include "planner/measures/ball_strain.h"
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/hook_opening.h"
 #include "planner/measures/metric_table.h"
+#include "planner/measures/region_text.h"
 #include "planner/measures/rupture.h"
+#include "planner/measures/tissue_values.h"
 #include "planner/wall/wall_tension.h"
 
 #include <nlohmann/json.hpp>
@@ -45,6 +47,7 @@ namespace {
         } else {
             put(json, field, "opening_width_mm", error.opening_width_mm);
             put(json, field, "opening_area_mm2", error.opening_area_mm2);
+            put(json, field, "visible_fraction", error.visible_fraction);
             json["hook_forces_N"] = error.hook_forces_N;
             json["hook_moved_mm"] = error.hook_moved_mm;
             json["side_forces_N"] = { error.side_forces_N[0], error.side_forces_N[1] };
@@ -158,7 +161,7 @@ namespace {
         put(json, field, "corridor_radius_mm", sizing.corridor_radius_mm);
         put(json, field, "corridor_edge_mm", sizing.corridor_edge_mm);
         put(json, field, "coarse_edge_mm", sizing.coarse_edge_mm);
-        put(json, field, "region_mm", sizing.region_mm);
+        put(json, field, "region_mm", sizing.region_mm.value_or(kFirstRegionMm));
         json["seed"] = sizing.mesh_seed;
         return json;
     }
@@ -245,6 +248,15 @@ namespace {
             put(of_blade, field, "turn_deg", blade.turn_deg);
             of_blade["at_stop"] = blade.at_stop;
             put(of_blade, field, "lip_deviation_mm", blade.lip_deviation_mm);
+            of_blade["hold"] = to_string(blade.pressure ? HookHold::contact : HookHold::fixed);
+            if (blade.pressure) {
+                put(of_blade, field, "pressure_mean_kPa", blade.pressure->mean_kPa);
+                put(of_blade, field, "pressure_largest_kPa", blade.pressure->largest_kPa);
+                of_blade["pressure_largest_at"] = blade.pressure->largest_at;
+                put(of_blade, field, "touching_mm2", blade.pressure->touching_mm2);
+                put(of_blade, field, "on_bone_N", blade.pressure->on_bone_N);
+                put(of_blade, field, "penetration_mm", blade.pressure->penetration_mm);
+            }
             json["blades"].push_back(std::move(of_blade));
         }
         put(json, field, "residual_force_N", retractor.residual_force_N);
@@ -307,12 +319,29 @@ namespace {
         return json;
     }
 
+    Json contact_document(const FieldMetrics& field, const ContactMetrics& contact)
+    {
+        Json json;
+        if (contact.needed)
+            json["needed"] = *contact.needed;
+        json["computed"] = contact.computed;
+        json["touching_points"] = contact.touching;
+        put(json, field, "largest_penetration_mm", contact.largest_penetration_mm);
+        if (contact.largest_penetration_mm > 0.0) {
+            json["at_mm"] = { contact.at.x(), contact.at.y(), contact.at.z() };
+            json["with"] = contact.with;
+        }
+        put(json, field, "force_N", contact.force_N);
+        put(json, field, "overlap_at_rest_mm", contact.overlap_at_rest_mm);
+        if (!contact.message.empty())
+            json["message"] = contact.message;
+        return json;
+    }
+
     void put_surfaces(Json& json, const FieldMetrics& field)
     {
         if (field.contact)
-            json["contact"] = { { "touching_points", field.contact->touching },
-                { "largest_penetration_mm", field.contact->largest_penetration_mm },
-                { "force_N", field.contact->force_N }, { "overlap_at_rest_mm", field.contact->overlap_at_rest_mm } };
+            json["contact"] = contact_document(field, *field.contact);
         for (const PressureMetrics& pressure : field.pressures)
             json["pressures"].push_back({ { "label", pressure.label }, { "pressure_kPa", pressure.pressure_kPa },
                 { "area_mm2", pressure.area_mm2 },
@@ -350,6 +379,10 @@ namespace {
         Json json;
         put(json, field, "force_N", load.force_N);
         put(json, field, "moment_Nm", load.moment_Nm);
+        if (load.turn_deg) {
+            put(json, field, "turn_deg", *load.turn_deg);
+            json["at_stop"] = load.at_stop;
+        }
         return json;
     }
 
@@ -380,6 +413,22 @@ namespace {
         return json;
     }
 
+    Json uninjured_document(const FieldMetrics& field, const UninjuredOpening& uninjured)
+    {
+        Json json;
+        if (!uninjured.message.empty()) {
+            json["message"] = uninjured.message;
+        } else {
+            put(json, field, "opening_mm", uninjured.opening_mm);
+            json["bone"] = uninjured.bone;
+            put(json, field, "utilisation", uninjured.utilisation);
+            put(json, field, "hook_force_N", uninjured.hook_force_N);
+        }
+        json["solves"] = uninjured.solves;
+        put(json, field, "seconds", uninjured.seconds);
+        return json;
+    }
+
     void put_tissue_strain(Json& json, const FieldMetrics& field)
     {
         json["tissue_strain"] = Json::array();
@@ -401,8 +450,10 @@ namespace {
         json["attainable"] = to_string(field.attainable);
         if (field.largest_uninjured_opening_mm) {
             put(json, field, "largest_uninjured_opening_mm", *field.largest_uninjured_opening_mm);
-            json["largest_uninjured_opening_is_estimate"] = breaks_bone(field);
+            json["largest_uninjured_opening_is_estimate"] = breaks_bone(field) && !is_uninjured_opening_solved(field);
         }
+        if (field.uninjured_opening)
+            json["uninjured_opening"] = uninjured_document(field, *field.uninjured_opening);
         json["bones"] = Json::array();
         for (const BoneMetrics& bone : field.bones)
             json["bones"].push_back(bone_document(field, bone));
@@ -410,6 +461,82 @@ namespace {
             json["bones_rough"] = field.bones_rough;
         if (!field.bones_message.empty())
             json["bones_message"] = field.bones_message;
+    }
+
+    Json stiffness_document(const FieldMetrics& field, const BoneStiffness& bone)
+    {
+        Json json { { "name", bone.name } };
+        put(json, field, "modulus_MPa", bone.modulus_MPa);
+        json["range_MPa"] = { bone.low_MPa, bone.high_MPa };
+        json["found_by"] = to_string(bone.origin);
+        if (bone.cut_off_MPa)
+            put(json, field, "cut_off_from_MPa", *bone.cut_off_MPa);
+        if (bone.origin == StiffnessOrigin::image) {
+            put(json, field, bone.material == "bone" ? "cortex_share" : "calcified_share", bone.share);
+            if (bone.sections > 0)
+                json["sections"] = bone.sections;
+        }
+        json["source"] = bone.words;
+        return json;
+    }
+
+    Json parameters_document(const FieldMetrics& field, const ParameterInterval& interval)
+    {
+        Json json;
+        if (!interval.message.empty()) {
+            json["message"] = interval.message;
+            return json;
+        }
+        put(json, field, "force_low_N", interval.force_low_N);
+        put(json, field, "force_high_N", interval.force_high_N);
+        put(json, field, "opening_low_mm", interval.opening_low_mm);
+        put(json, field, "opening_high_mm", interval.opening_high_mm);
+        json["decided_by"] = deciding_parameters(interval);
+        json["parameters"] = Json::array();
+        for (const ParameterInfluence& parameter : interval.parameters) {
+            Json row { { "name", parameter.name }, { "unit", parameter.unit } };
+            put(row, field, "value", parameter.value);
+            put(row, field, "low", parameter.low);
+            put(row, field, "high", parameter.high);
+            put(row, field, "force_exponent", parameter.force_exponent);
+            put(row, field, "opening_exponent", parameter.opening_exponent);
+            put(row, field, "force_change_percent", parameter.force_change_percent);
+            put(row, field, "opening_change_percent", parameter.opening_change_percent);
+            row["source"] = parameter.source;
+            json["parameters"].push_back(std::move(row));
+        }
+        json["holds_for"] = "tissue values, to first order at the solution; no part of error_estimate";
+        put(json, field, "seconds", interval.seconds);
+        return json;
+    }
+
+    Json region_document(const FieldMetrics& field, const RegionMetrics& region)
+    {
+        const auto vector = [](const Vec3& v) { return Json { v.x(), v.y(), v.z() }; };
+        Json json;
+        put(json, field, "region_mm", region.region_mm);
+        json["ended_by"] = to_string(region.ended_by);
+        if (!region.message.empty())
+            json["message"] = region.message;
+        put(json, field, "rim_motion_mm", region.rim_motion_mm);
+        if (!region.rim_place.empty()) {
+            json["rim_at_mm"] = vector(region.rim_at);
+            json["rim_place"] = region.rim_place;
+        }
+        put(json, field, "image_end_motion_mm", region.image_end_motion_mm);
+        json["bones_through_skin"] = Json::array();
+        for (const PiercingBone& bone : region.piercing) {
+            Json of_bone { { "name", bone.name }, { "at_mm", vector(bone.at) } };
+            put(of_bone, field, "out_mm", bone.out_mm);
+            json["bones_through_skin"].push_back(std::move(of_bone));
+        }
+        if (region.drafts > 0) {
+            json["drafts"] = region.drafts;
+            put(json, field, "seconds", region.seconds);
+        }
+        if (region.force_change)
+            put(json, field, "force_change", *region.force_change);
+        return json;
     }
 
     Json field_document(const FieldMetrics& field)
@@ -444,11 +571,19 @@ namespace {
         put(json, field, MetricGroup::soundness);
         json["mechanics_status"] = field.mechanics_status;
         json["solution"] = solution_document(field, field.solution);
+        json["region"] = region_document(field, field.region);
         put_surfaces(json, field);
         if (field.tension)
             json["tension"] = tension_document(field, *field.tension);
         if (field.error)
             json["error_estimate"] = error_document(field, *field.error);
+        if (field.parameters)
+            json["parameter_interval"] = parameters_document(field, *field.parameters);
+        if (!field.bone_stiffness.empty()) {
+            json["bone_stiffness"] = Json::array();
+            for (const BoneStiffness& bone : field.bone_stiffness)
+                json["bone_stiffness"].push_back(stiffness_document(field, bone));
+        }
         if (field.accuracy)
             json["accuracy"] = accuracy_document(field, *field.accuracy);
         if (field.second_opinion)
@@ -546,6 +681,7 @@ std::string error_text(const FieldMetrics& field)
     return formatted("opening %.1f mm +- %.1f", field.opening_width_mm, error.opening_width_mm)
         + (forces_are_known(field) ? formatted(" under a known force of %.1f N", field.hook_force_N)
                                    : formatted(", force %.1f N +- %.1f", field.hook_force_N, error.hook_force_N))
+        + formatted(", seen %.1f %% +- %.1f", 100.0 * field.visible_fraction, 100.0 * error.visible_fraction)
         + formatted(" (discretisation error, estimated in %.1f s)", error.seconds);
 }
 
@@ -576,13 +712,28 @@ std::string contact_text(const FieldMetrics& field)
     RETRACTOR_ASSERT(field.contact);
     const ContactMetrics& contact = *field.contact;
     std::string text = "contact: nothing touches";
-    if (contact.touching != 0)
+    if (!contact.computed && !contact.needed)
+        text = "contact: not tested: " + contact.message;
+    else if (!contact.computed && *contact.needed)
+        text = "contact: "
+            + (contact.with.empty() ? std::string("the wall passes through itself")
+                                    : "the wall passes through the " + readable(contact.with))
+            + formatted(" by up to %.1f mm at %.0f, %.0f, %.0f mm (patient LPS), which contact would prevent; contact "
+                        "was not computed: %s",
+                contact.largest_penetration_mm, contact.at.x(), contact.at.y(), contact.at.z(),
+                contact.message.c_str());
+    else if (contact.touching != 0)
         text = formatted("contact: %zu points touch, with %.1f N in total and a penetration of at most %.2f mm",
             contact.touching, contact.force_N, contact.largest_penetration_mm);
     if (contact.overlap_at_rest_mm > 0.0)
         text += formatted(
             "; surfaces that overlap by up to %.2f mm at rest keep this overlap", contact.overlap_at_rest_mm);
     return text;
+}
+
+bool passes_through(const FieldMetrics& field)
+{
+    return field.contact && !field.contact->computed && field.contact->needed.value_or(false);
 }
 
 std::string hooks_text(const FieldMetrics& field)
@@ -611,7 +762,10 @@ std::string blade_text(const BladeMetrics& blade)
     return formatted(
                "%.1f N and %.2f N m, turned %.1f degrees", blade.force_N.norm(), blade.moment_Nm.norm(), blade.turn_deg)
         + (blade.at_stop ? " (the end of its play)" : "")
-        + formatted(", the lip follows within %.1f mm", blade.lip_deviation_mm);
+        + formatted(", the lip follows within %.1f mm", blade.lip_deviation_mm)
+        + (blade.pressure ? formatted(", pressure %.0f kPa on average and %.0f kPa at most (%s)",
+               blade.pressure->mean_kPa, blade.pressure->largest_kPa, blade.pressure->largest_at.c_str())
+                          : "");
 }
 
 std::string retractor_text(const FieldMetrics& field)

@@ -22,7 +22,7 @@ std::string division_cell(const FieldMetrics& field);
 /// One line for people: the hole left by removed skin is not part of the opening. Empty without such a hole.
 std::string skin_hole_text(const FieldMetrics& field);
 
-/// One line for people: the error bars of opening and forces, or the reason why there are none.
+/// One line for people: the error bars of opening, forces and visible share, or the reason why there are none.
 std::string error_text(const FieldMetrics& field);
 /// Whether all hooks pull with a prescribed force or have yielded, so that the forces have no error.
 bool forces_are_known(const FieldMetrics& field);
@@ -44,8 +44,11 @@ std::string solution_text(const FieldMetrics& field);
 /// One line for people: the tissues' pre-strain, and the gape of the wound by this tension. @pre field.tension
 std::string tension_text(const FieldMetrics& field);
 
-/// One line for people: number, force and penetration of the points in contact. @pre field.contact
+/// One line for people: number, force and penetration of the points in contact, or where surfaces pass through each
+/// other. @pre field.contact
 std::string contact_text(const FieldMetrics& field);
+/// Whether surfaces pass through each other and contact was not computed: the numbers near them are wrong.
+bool passes_through(const FieldMetrics& field);
 
 /// One line for people: whether another program agrees, the difference, and the time.
 std::string opinion_text(const SecondOpinion& opinion);

@@ -5,12 +5,14 @@
 #include "mesh/base/text_format.h"
 #include "planner/measures/accuracy.h"
 #include "planner/measures/ball_strain.h"
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/force_moments.h"
 #include "planner/measures/hook_opening.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/region_text.h"
 #include "planner/measures/rupture.h"
+#include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"
 #include "planner/wall/wall_tension.h"
 
@@ -152,18 +154,18 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         return best;
     }
 
-    /// Explains the marks, and that the visible share is less certain than it looks.
+    /// Explains the marks, and how certain the share from the central eye is.
     void write_reading(std::ostream& out, const std::vector<FieldMetrics>& fields)
     {
         out << "<p class=\"reading\">Green: better than every other approach by more than both error bars together. "
-               "Without a mark the lead is within the error, or the error is unknown. The visible share of the target "
-               "has no error bar of its own: this share is at least as uncertain as the opening, whose bar is ";
+               "Without a mark the lead is within the error, or the error is unknown. The share seen from the central "
+               "eye has no error bar of its own: this share is at least as uncertain as the opening, whose bar is ";
         for (std::size_t i = 0; i < fields.size(); ++i) {
             const std::optional<double> relative = relative_opening_bar(fields[i]);
             out << (i == 0 ? "" : ", ") << (relative ? percent(*relative) : std::string("not estimated"))
                 << (fields.size() > 1 ? " (" + escaped(fields[i].name) + ")" : std::string());
         }
-        out << " of its width. The leads of the visible share are compared with this bar.</p>";
+        out << " of its width. The leads of the central eye are compared with this bar.</p>";
     }
 
     /// The hooks that yielded, with their force and the reached part of the prescribed motion.
@@ -371,7 +373,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         };
         const LipDeviation& any = field.lip_deviation.front();
         out << "<div class=\"bars\"><svg class=\"lips\" viewBox=\"0 0 560 240\" role=\"img\" aria-label=\"How far "
-               "the lips hang behind their hooks\"><text x=\"12\" y=\"24\" font-size=\"16\" font-weight=\"700\">How far "
+               "the lips hang behind their hooks\"><text x=\"12\" y=\"24\" font-size=\"16\" font-weight=\"700\">How "
+               "far "
                "each lip hangs behind its "
             << (field.retractor ? "blade" : "hooks") << " (mm)</text><rect x=\"" << in_words(x(any.from_mm), 1)
             << "\" y=\"" << kTop << "\" width=\"" << in_words(x(any.to_mm) - x(any.from_mm), 1) << "\" height=\""
@@ -409,12 +412,49 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << "</div>";
     }
 
+    /// The interval from tissue values, and the table of the parameters that decide.
+    void write_parameters(std::ostream& out, const FieldMetrics& field)
+    {
+        if (!field.parameters)
+            return;
+        const std::string forces = force_with_intervals(field);
+        out << "<p>" << escaped(forces.empty() ? parameter_text(field) : "Force " + forces) << ".</p>";
+        if (field.parameters->parameters.empty())
+            return;
+        out << "<p>" << escaped(parameter_text(field))
+            << ": one standard deviation. Force and opening change to first order with the values; the bars of the "
+               "mesh are no part of it.</p><table class=\"materials\"><thead><tr><th>Stiffness</th><th>Planned "
+               "with</th><th>Range</th><th>Force at the upper end</th><th>Opening at the upper end</th><th>From</th>"
+               "</tr></thead><tbody>";
+        for (const ParameterInfluence& p : field.parameters->parameters)
+            out << "<tr><td>" << escaped(p.name) << "</td><td>" << formatted("%.3g ", p.value)
+                << escaped(p.unit == "1" ? "" : p.unit) << "</td><td>" << formatted("%.3g to %.3g", p.low, p.high)
+                << "</td><td>" << formatted("%+.1f %%", p.force_change_percent) << "</td><td>"
+                << formatted("%+.1f %%", p.opening_change_percent) << "</td><td>" << escaped(p.source) << "</td></tr>";
+        out << "</tbody></table>";
+    }
+
+    void write_bone_stiffness(std::ostream& out, const FieldMetrics& field)
+    {
+        if (field.bone_stiffness.empty())
+            return;
+        out << "<table class=\"materials\"><thead><tr><th>Bone</th><th>Young's modulus</th><th>Range</th><th>Found by"
+               "</th><th>From</th></tr></thead><tbody>";
+        for (const BoneStiffness& bone : field.bone_stiffness)
+            out << "<tr><td>" << escaped(readable(bone.name)) << "</td><td>" << formatted("%.4g MPa", bone.modulus_MPa)
+                << "</td><td>" << formatted("%.3g to %.3g", bone.low_MPa, bone.high_MPa) << "</td><td>"
+                << escaped(std::string(to_string(bone.origin))) << "</td><td>" << escaped(bone.words) << "</td></tr>";
+        out << "</tbody></table>";
+    }
+
     void write_field(std::ostream& out, const Report& report, const FieldMetrics& field)
     {
         out << "<h2>" << escaped(field.name) << "</h2>";
         if (const std::string failed = volume_failure_text(field); !failed.empty())
-            out << "<p class=\"notice" << (is_believable(field) ? "" : " bad") << "\">" << escaped(field.name) << " "
+            out << "<p class=\"notice" << (keeps_volume(field) ? "" : " bad") << "\">" << escaped(field.name) << " "
                 << escaped(failed) << ".</p>";
+        if (const std::string piercing = piercing_text(field); !piercing.empty())
+            out << "<p class=\"notice bad\">" << escaped(field.name) << " " << escaped(piercing) << ".</p>";
         out << "<p>" << escaped(field.explanation) << "</p>";
         write_pictures(out, report, field.name);
         out << "<p>Hooks: ";
@@ -437,8 +477,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         if (const std::string hooks = hooks_text(field); !hooks.empty())
             out << "<p>" << escaped(hooks) << ".</p>";
         if (const std::string bones = bones_text(field); !bones.empty())
-            out << (breaks_bone(field) ? "<p class=\"notice\">" : "<p>") << escaped(bones)
-                << "</p>";
+            out << (breaks_bone(field) ? "<p class=\"notice\">" : "<p>") << escaped(bones) << "</p>";
         if (const std::string joints = joints_text(field); !joints.empty())
             out << "<p>" << escaped(joints) << "</p>";
         if (const std::string strain = tissue_strain_text(field); !strain.empty())
@@ -447,17 +486,20 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             out << "<p class=\"notice\">" << escaped(tearing) << ".</p>";
         out << "<p>" << escaped(error_text(field))
             << ". Errors of the materials, the supports and the model are not included.</p>";
+        write_parameters(out, field);
+        write_bone_stiffness(out, field);
         if (const std::string accuracy = accuracy_text(field); !accuracy.empty())
             out << (field.accuracy->ended_by == AccuracyEnd::reached ? "<p>" : "<p class=\"notice\">")
                 << escaped(accuracy) << "</p>";
         out << "<p>" << escaped(solution_text(field)) << "; relative residual " << formatted("%.1e", field.residual)
             << ".</p>";
+        out << (is_region_too_small(field) ? "<p class=\"notice\">" : "<p>") << escaped(region_text(field)) << "</p>";
         for (const PressureMetrics& pressure : field.pressures)
             out << "<p>" << escaped(pressure_text(pressure)) << ".</p>";
         if (field.tension)
             out << "<p>" << escaped(tension_text(field)) << ".</p>";
         if (field.contact)
-            out << "<p>" << escaped(contact_text(field)) << ".</p>";
+            out << (passes_through(field) ? "<p class=\"notice\">" : "<p>") << escaped(contact_text(field)) << ".</p>";
         for (const std::string& implausible : field.implausible)
             out << "<p class=\"notice\">Accepted although implausible: " << escaped(implausible) << "</p>";
         if (field.second_opinion)

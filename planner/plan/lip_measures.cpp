@@ -88,9 +88,9 @@ LipDeviation lip_deviation(const LipLine& lip, std::span<const LipHook> hooks, i
     check(lip, from_mm, to_mm);
     std::vector<LipHook> in_order(hooks.begin(), hooks.end());
     std::ranges::stable_sort(in_order, {}, &LipHook::along_mm);
-    LipDeviation found { .side = side,
-        .from_mm = std::max(from_mm, lip.along_mm.front()),
-        .to_mm = std::min(to_mm, lip.along_mm.back()) };
+    LipDeviation found {
+        .side = side, .from_mm = std::max(from_mm, lip.along_mm.front()), .to_mm = std::min(to_mm, lip.along_mm.back())
+    };
     const auto deviation = [&](double along) { return behind(in_order, along, point_at_place(lip, along)); };
     const double length = lip.along_mm.back() - lip.along_mm.front();
     const int steps = std::max(1, static_cast<int>(std::ceil(length / kStepMm)));

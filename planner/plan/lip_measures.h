@@ -27,8 +27,7 @@ struct LipHook {
 /// @param from_mm, to_mm ends of the part over which the numbers are taken
 /// @throws InputError on fewer than two points, on points and parameters of different numbers, a parameter that
 /// decreases, coordinates that are not finite, and ends that enclose nothing of the lip
-LipDeviation lip_deviation(
-    const LipLine& lip, std::span<const LipHook> hooks, int side, double from_mm, double to_mm);
+LipDeviation lip_deviation(const LipLine& lip, std::span<const LipHook> hooks, int side, double from_mm, double to_mm);
 
 /// The deviations of the field's lips, side +1 first. A lip without a hook has none, nor has a lip of which nothing is
 /// left in the middle part of the incision. @pre the field's wound is opened

@@ -6,10 +6,14 @@
 #include "fem/statics/nonlinear_region.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/assert.h"
+#include "mesh/image/skeleton.h"
 #include "planner/approach/hook_patches.h"
 #include "planner/approach/retractors.h"
+#include "planner/plan/contact_where_needed.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/wall_pressure.h"
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <set>
@@ -21,14 +25,34 @@ namespace retractor::planner {
 
 namespace {
 
-    /// Contact with the organs that stay in place.
-    fem::ContactOptions contact_of(const PlannedField& field, Patient& patient)
+    /// Makes blades of the hooks that are in contact.
+    void add_blades(PlannedField& field, const mesh::LabelTable& table)
     {
-        fem::ContactOptions contact;
-        for (const mesh::LabelInfo& info : patient.planned_case().label_table)
-            if (stays_in_place(info, field.approach, patient))
-                contact.fixed.push_back(*patient.organ(info.name));
-        return contact;
+        std::vector<Label> skeleton;
+        for (const mesh::LabelInfo& info : table)
+            if (mesh::is_skeleton(info))
+                skeleton.push_back(info.id);
+        std::vector<mesh::TetFace> bone;
+        for (std::size_t h = 0; h < field.approach.hooks.size(); ++h) {
+            const HookSpec& spec = field.approach.hooks[h];
+            if (spec.hold != HookHold::contact)
+                continue;
+            if (bone.empty())
+                bone = fem::surface_of_labels(field.wall, skeleton);
+            std::vector<mesh::TetFace> lip;
+            for (const mesh::LipFace& face : field.lips)
+                if (face.side == spec.side)
+                    lip.push_back(face.face);
+            const PatchPlace place = patch_place(field.approach, spec);
+            fem::add_blade(field.problem, h, lip, bone,
+                { .name = spec.name,
+                    .middle = place.centre,
+                    .along = place.along,
+                    .deep = place.depth,
+                    .outward = spec.direction,
+                    .width_mm = spec.patch_width_mm,
+                    .height_mm = spec.patch_height_mm });
+        }
     }
 
     Points lip_points(const PlannedField& field)
@@ -64,16 +88,6 @@ namespace {
     }
 
 } // namespace
-
-bool is_usable(const fem::OpeningResult& opening)
-{
-    // Slivers inverted at the rims of hooks do not change a wound of many thousand elements; they are counted and
-    // reported. With a larger share of inverted elements the numbers are wrong.
-    constexpr double kMostInverted = 0.002;
-    return opening.status == fem::OpeningStatus::converged
-        || (opening.status == fem::OpeningStatus::inverted
-            && opening.inverted_elements <= kMostInverted * static_cast<double>(opening.strain.size()));
-}
 
 bool has_condensed_region(const PlannedField& field) { return field.opening.far && field.opening.far->kept; }
 
@@ -124,6 +138,11 @@ fem::OpeningOptions opening_options(const SolverSettings& choice)
 
 namespace {
 
+    /// Residual of ten-node elements. It leaves 0.1 % of the hook forces (fem::OpeningOptions::tolerance), which is
+    /// little beside the discretisation error of several percent, and takes half of the Newton steps of the default.
+    constexpr double kTenNodeTolerance = 1e-3;
+    constexpr double kTenNodeBalance = 2e-3; ///< above the error that this residual leaves in the forces of blades
+
     /// A displacement at the corners of ten-node elements, and its means at their midpoints.
     Points at_midpoints(const mesh::TetMesh& mesh, const Points& corners)
     {
@@ -142,12 +161,9 @@ namespace {
 
     /// Opens a wall of ten-node elements from the solution of four-node elements at their corners. Most Newton steps
     /// are then made with a matrix of an eighth of the size.
-    void open_from_corners(
-        OpenedWall& opened, const fem::ElasticProblem& problem, fem::OpeningOptions options, const Job& job)
+    void open_from_corners(OpenedWall& opened, const fem::ElasticProblem& problem, fem::OpeningOptions options,
+        const StageTest& goes_on, const Job& job)
     {
-        // This residual leaves 0.1 % of the hook forces (fem::OpeningOptions::tolerance), which is little beside the
-        // discretisation error of several percent, and takes half of the Newton steps of the default.
-        constexpr double kTenNodeTolerance = 1e-3;
         options.tolerance = std::max(options.tolerance, kTenNodeTolerance);
         const fem::ElasticProblem corners = fem::without_midpoints(problem);
         fem::OpeningResult coarse
@@ -158,6 +174,11 @@ namespace {
         }
         if (!is_usable(coarse)) {
             opened.opening = fem::Opening(problem, options).open(problem.hooks, job);
+            return;
+        }
+        if (goes_on && !goes_on(coarse)) {
+            opened.ended_by_test = true;
+            opened.coarse = std::move(coarse);
             return;
         }
         fem::Opening opening(problem, options);
@@ -174,6 +195,7 @@ namespace {
         opened.retractor = PlacedRetractor { .frame = frame,
             .state = found.state,
             .loads = found.loads,
+            .stiffness = found.stiffness,
             .residual_force_N = found.residual_force_N.norm(),
             .residual_moment_Nmm = found.residual_moment_Nmm.norm(),
             .rack_force_N = found.rack_force_N,
@@ -183,10 +205,9 @@ namespace {
     }
 
     /// Opens a wall with a retractor. Ten-node elements begin where the retractor is in balance in four-node elements.
-    void open_with_retractor(OpenedWall& opened, const PlannedField& field, fem::OpeningOptions options, const Job& job)
+    void open_with_retractor(OpenedWall& opened, const PlannedField& field, fem::OpeningOptions options,
+        const StageTest& goes_on, const Job& job)
     {
-        constexpr double kTenNodeTolerance = 1e-3; // as in open_from_corners()
-        constexpr double kTenNodeBalance = 2e-3; // above the error that this residual leaves in the forces
         const fem::BladeFrame frame = blade_frame_of(field.approach);
         const RetractorSpec& retractor = *field.approach.retractor;
         fem::RackDrive drive { .force_N = retractor.force_N };
@@ -201,6 +222,11 @@ namespace {
             fem::without_midpoints(problem), frame, drive, options, how, as_stage(job, "opening, four-node elements"));
         if (coarse.opening.status == fem::OpeningStatus::cancelled)
             return take_retractor(opened, frame, std::move(coarse));
+        if (is_usable(coarse.opening) && goes_on && !goes_on(coarse.opening)) {
+            opened.ended_by_test = true;
+            opened.coarse = std::move(coarse.opening);
+            return;
+        }
         std::optional<fem::FrameStart> start;
         if (is_usable(coarse.opening))
             start = fem::FrameStart { coarse.state, at_midpoints(problem.mesh, coarse.opening.displacement),
@@ -217,7 +243,7 @@ namespace {
 } // namespace
 
 OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const fem::HookDrive> drives,
-    fem::OpeningOptions options, const Job& job)
+    fem::OpeningOptions options, const Job& job, const StageTest& goes_on)
 {
     OpenedWall opened;
     if (near_mm > 0.0) {
@@ -229,9 +255,9 @@ OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const 
     opened.hooks = problem.hooks;
     const bool linear = options.elasticity == fem::Elasticity::linear; // one solve, with any start
     if (field.approach.retractor && !problem.hooks.empty()) {
-        open_with_retractor(opened, field, options, job);
+        open_with_retractor(opened, field, options, goes_on, job);
     } else if (drives.empty() && problem.mesh.nodes_per_tet == 10 && near_mm == 0.0 && !linear) {
-        open_from_corners(opened, problem, options, job);
+        open_from_corners(opened, problem, options, goes_on, job);
     } else if (drives.empty()) {
         fem::Opening opening(problem, options);
         opened.opening = opening.open(problem.hooks, job);
@@ -242,7 +268,7 @@ OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const 
         opened.yielded = std::move(driven.yielded);
     }
     fem::OpeningResult& result = opened.opening;
-    if (result.status == fem::OpeningStatus::cancelled)
+    if (result.status == fem::OpeningStatus::cancelled || opened.ended_by_test)
         return opened;
     if (problem.mesh.nodes_per_tet == 10)
         opened.ten_node = Eigen::Map<const Eigen::VectorXd>(result.displacement.data(), result.displacement.size());
@@ -252,16 +278,69 @@ OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const 
     return opened;
 }
 
-OpenedWound open_wound(
-    PlannedField& field, Patient& patient, const mesh::LabelVolume& labels, CutWall cut, const Job& job)
+Eigen::VectorXd displacement_at_nodes(const PlannedField& field, const OpenedWound& wound)
 {
-    const Case& planned_case = patient.planned_case();
-    const SolverSettings& choice = planned_case.solution;
+    if (wound.ten_node.size() != 0)
+        return wound.ten_node;
+    const Points all = fem::with_blade_nodes(
+        field.problem, wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved);
+    return Eigen::Map<const Eigen::VectorXd>(all.data(), all.size());
+}
+
+Eigen::VectorXd displacement_at_nodes(const OpenedWall& opened)
+{
+    if (opened.ten_node.size() != 0)
+        return opened.ten_node;
+    const Points& solved = opened.opening.displacement;
+    return Eigen::Map<const Eigen::VectorXd>(solved.data(), solved.size());
+}
+
+OpenedWall reopen_wall(
+    const PlannedField& field, const OpenedWound& wound, double share, const SolverSettings& choice, const Job& job)
+{
+    RETRACTOR_ASSERT(share >= 0.0 && share <= 1.0 && choice.near_mm == 0.0);
     fem::OpeningOptions options = opening_options(choice);
-    if (planned_case.contact)
-        options.contact = contact_of(field, patient);
+    options.contact = wound.contact;
+    const fem::ElasticProblem& problem = field.problem;
+    const Eigen::VectorXd full = displacement_at_nodes(field, wound);
+    Points start = share * Eigen::Map<const Points>(full.data(), full.size() / 3, 3);
+    const Job named = as_stage(job, "smaller opening");
+    OpenedWall opened;
+    opened.hooks = problem.hooks;
+    if (field.retractor && !problem.hooks.empty()) {
+        fem::FrameState state = field.retractor->state;
+        state.distance *= share;
+        state.translation *= share;
+        for (double& turn : state.turn)
+            turn *= share;
+        state.rotation = Eigen::Quaterniond::Identity()
+                             .slerp(share, Eigen::Quaterniond(field.retractor->state.rotation))
+                             .toRotationMatrix();
+        const fem::RackDrive drive { .distance_mm = state.distance };
+        take_retractor(opened, field.retractor->frame,
+            fem::open_with_frame(problem, field.retractor->frame, drive, options, { .tolerance = kTenNodeBalance },
+                named, fem::FrameStart { state, std::move(start), field.retractor->stiffness }));
+    } else {
+        for (fem::HookPatch& hook : opened.hooks)
+            hook.displacement *= share;
+        if (problem.mesh.nodes_per_tet == 10)
+            options.tolerance = std::max(options.tolerance, kTenNodeTolerance);
+        fem::Opening opening(problem, options);
+        opening.start_from(start);
+        opened.opening = opening.open(opened.hooks, named);
+    }
+    fem::OpeningResult& result = opened.opening;
+    if (problem.mesh.nodes_per_tet == 10 && result.displacement.rows() > 0)
+        opened.ten_node = Eigen::Map<const Eigen::VectorXd>(result.displacement.data(), result.displacement.size());
+    return opened;
+}
+
+OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planned_case, const mesh::LabelVolume& labels,
+    CutWall cut, const Job& job)
+{
+    const SolverSettings& choice = planned_case.solution;
     field.problem = { .mesh = field.wall,
-        .material_of_label = materials_as_solved(planned_case),
+        .material_of_label = materials_as_solved(patient, choice.element),
         .supports = std::move(cut.supports),
         .hooks = field.hooks,
         .loads = std::move(cut.released),
@@ -271,10 +350,25 @@ OpenedWound open_wound(
             pressure_metrics(field.wall, pressure, choice.elasticity != fem::Elasticity::linear));
         field.problem.pressures.push_back(std::move(pressure.acts));
     }
+    add_blades(field, planned_case.label_table);
     if (choice.element == ElementKind::p2)
         field.problem = with_midpoints(field.problem);
     field.metrics.solution = solution_metrics(field, choice);
-    OpenedWall opened = open_wall(field, choice.near_mm, drives_of(field.approach), options, job);
+    const std::vector<fem::HookDrive> drives = drives_of(field.approach);
+    const OpenOnce open
+        = [&](const std::optional<fem::ContactOptions>& contact, const StageTest& goes_on, const Job& part) {
+              fem::OpeningOptions options = opening_options(choice);
+              options.contact = contact;
+              const Job named = contact ? as_stage(part, "opening with contact") : part;
+              return open_wall(field, choice.near_mm, drives, std::move(options), named, goes_on);
+          };
+    ContactSurfaces surfaces;
+    if (planned_case.contact != ContactMode::never)
+        surfaces = contact_surfaces(planned_case.label_table, field.approach, patient);
+    ContactOpening solved
+        = open_with_contact(field.problem, planned_case.contact, surfaces, open, choice.near_mm == 0.0, job);
+    OpenedWall& opened = solved.opened;
+    field.metrics.contact = std::move(solved.contact);
     RETRACTOR_ASSERT(opened.hooks.size() == field.hooks.size());
     // From here on the hooks are fixed at their equilibrium: exports and estimates start from this state.
     for (std::size_t h = 0; h < field.hooks.size(); ++h)
@@ -287,17 +381,16 @@ OpenedWound open_wound(
     field.yielded = std::move(opened.yielded);
     field.opening = std::move(opened.opening);
     field.metrics.solution.near_tets = opened.near_tets;
-    if (options.contact)
-        field.metrics.contact = ContactMetrics { field.opening.contact.touching, field.opening.contact.penetration,
-            field.opening.contact.force_N, field.opening.contact_overlap_mm };
     if (field.opening.status == fem::OpeningStatus::cancelled) {
         field.status = PlanStatus::cancelled;
     } else if (!is_usable(field.opening)) {
         field.status
             = field.opening.status == fem::OpeningStatus::inverted ? PlanStatus::inverted : PlanStatus::not_converged;
     }
-    OpenedWound wound { { .vertices = std::move(cut.rigid), .solved = {} }, std::move(options.contact),
-        std::move(opened.ten_node), std::move(opened.coarse) };
+    OpenedWound wound { { .vertices = std::move(cut.rigid), .solved = {} }, std::nullopt, std::move(opened.ten_node),
+        std::move(opened.coarse) };
+    if (field.metrics.contact && field.metrics.contact->computed)
+        wound.contact = std::move(surfaces.options);
     if (field.opening.status == fem::OpeningStatus::cancelled || wound.rigid.vertices.empty())
         return wound;
     wound.rigid.solved = field.opening.displacement;
@@ -305,39 +398,22 @@ OpenedWound open_wound(
     return wound;
 }
 
-Eigen::VectorXd solved_displacement(const PlannedField& field, const OpenedWound& wound)
+OpenedWound open_wound(
+    PlannedField& field, Patient& patient, const mesh::LabelVolume& labels, CutWall cut, const Job& job)
 {
-    if (wound.ten_node.size() != 0)
-        return wound.ten_node;
-    const Points& solved = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
-    return Eigen::Map<const Eigen::VectorXd>(solved.data(), solved.size());
+    return open_wound(field, patient, patient.planned_case(), labels, std::move(cut), job);
 }
 
-std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3>& forces_N)
+fem::ElasticProblem problem_with_fixed_hooks(const PlannedField& field)
 {
-    constexpr double kNothing = 1e-3; // share of the largest force: residual of a nonlinear equilibrium
-    double largest = 0.0;
-    for (const Vec3& force : forces_N)
-        largest = std::max(largest, force.norm());
-    std::vector<bool> pushing;
-    RETRACTOR_ASSERT(forces_N.size() <= approach.hooks.size());
-    for (std::size_t i = 0; i < forces_N.size(); ++i) {
-        const Vec3 direction = approach.hooks[i].direction.normalized();
-        const double along = forces_N[i].dot(direction), across = (forces_N[i] - along * direction).norm();
-        pushing.push_back(-along > std::max(across, kNothing * largest));
-    }
-    return pushing;
-}
-
-std::array<double, 2> side_forces(const PlannedField& field, const std::vector<Vec3>& forces_N)
-{
-    const std::vector<bool> pushing = pushing_hooks(field.approach, field.opening.hook_forces_N);
-    RETRACTOR_ASSERT(forces_N.size() <= pushing.size() && forces_N.size() <= field.hooks.size());
-    std::array<double, 2> of_side {};
-    for (std::size_t i = 0; i < forces_N.size(); ++i)
-        if (!pushing[i])
-            of_side[field.hooks[i].side > 0 ? 0 : 1] += forces_N[i].norm();
-    return of_side;
+    if (field.problem.blades.empty())
+        return field.problem;
+    const bool ten_node = field.problem.mesh.nodes_per_tet == 10;
+    fem::ElasticProblem problem = ten_node ? fem::without_midpoints(field.problem) : field.problem;
+    problem.mesh.vertices.conservativeResize(field.wall.vertices.rows(), 3);
+    problem.blades.clear();
+    problem.hooks = field.hooks;
+    return ten_node ? fem::with_midpoints(problem) : problem;
 }
 
 WoundMeasures measures_of(

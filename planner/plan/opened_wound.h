@@ -5,6 +5,7 @@
 #include "fem/statics/driven_opening.h"
 #include "fem/statics/opening_types.h"
 #include "planner/case/patient.h"
+#include "planner/plan/opened_wall.h"
 #include "planner/plan/planned_field.h"
 
 #include <algorithm>
@@ -16,19 +17,6 @@
 #include <vector>
 
 namespace retractor::planner {
-
-/// The result of one opening of a field's wall.
-struct OpenedWall {
-    /// Displacement of all nodes of ten-node elements, mm, three per node; empty with four-node elements.
-    Eigen::VectorXd ten_node {};
-    /// The solution by four-node elements from which ten-node elements began; none: they began at rest.
-    std::optional<fem::OpeningResult> coarse {};
-    std::vector<fem::HookPatch> hooks; ///< the hooks at their final places
-    std::vector<bool> yielded; ///< per hook: the force limit is reached; empty when all hooks prescribe displacements
-    std::size_t near_tets = 0; ///< number of nonlinear elements of an opening with a linear region; else 0
-    fem::OpeningResult opening; ///< displacements of the wall's vertices, without midpoints
-    std::optional<PlacedRetractor> retractor {}; ///< with a retractor; its blades are the hooks
-};
 
 /// The loose pieces that move_rigid_pieces() moves as rigid bodies after the wound is solved.
 struct RigidPieces {
@@ -45,10 +33,6 @@ struct OpenedWound {
     std::optional<fem::OpeningResult> coarse {}; ///< as OpenedWall::coarse
 };
 
-/// The displacement of all nodes of field.problem, midpoints included, before loose pieces were moved; mm, three per
-/// node.
-Eigen::VectorXd solved_displacement(const PlannedField& field, const OpenedWound& wound);
-
 /// A solution of the wound from which opening and forces are measured.
 struct WoundSolution {
     Points displacement {}; ///< displacement of the wall's vertices, n x 3, mm
@@ -63,9 +47,6 @@ struct WoundMeasures {
 
     double larger_side_N() const { return std::max(side_N[0], side_N[1]); }
 };
-
-/// Whether the opening is in equilibrium and at most two elements in 1,000 are inverted.
-bool is_usable(const fem::OpeningResult& opening);
 
 /// Whether the field was solved with a linear condensed region.
 bool has_condensed_region(const PlannedField& field);
@@ -88,15 +69,33 @@ fem::OpeningOptions opening_options(const SolverSettings& choice);
 /// Opens the wall of field.problem once, with the approach's retractor where it has one and the problem has hooks.
 /// @param near_mm tissue within this distance of the lips is nonlinear, and linear beyond; 0: the same law everywhere
 /// @param drives empty: the hooks have the displacements of field.problem
+/// @param goes_on asked between four-node and ten-node elements, where the opening begins with four-node elements;
+/// empty: the opening goes on
 /// @throws as fem::Opening
 OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const fem::HookDrive> drives,
-    fem::OpeningOptions options, const Job& job);
+    fem::OpeningOptions options, const Job& job, const StageTest& goes_on = {});
 
-/// Opens the cut wall with the case's solver settings. Fills in the field's problem, opening, final hook places,
+/// The solution at all nodes of field.problem, before loose pieces were moved, three per node.
+Eigen::VectorXd displacement_at_nodes(const PlannedField& field, const OpenedWound& wound);
+Eigen::VectorXd displacement_at_nodes(const OpenedWall& opened);
+
+/// Opens the wound of an opened field again, to a share of its opening. The search begins at the same share of the
+/// field's displacement. Hooks that were driven by forces, and yielded hooks, move the same share of their way.
+/// @param share 0 to 1
+/// @throws as open_wall(); @pre the whole wall has the same law (SolverSettings::near_mm is 0)
+OpenedWall reopen_wall(
+    const PlannedField& field, const OpenedWound& wound, double share, const SolverSettings& choice, const Job& job);
+
+/// Opens the cut wall with the case's solver settings, and with contact where it is asked for or needed
+/// (contact_where_needed.h). Fills in the field's problem, opening, final hook places,
 /// yielded hooks, status (opening.message gives the reason) and the metrics of pressure, solution and contact.
 /// @throws as open_wall()
 OpenedWound open_wound(
     PlannedField& field, Patient& patient, const mesh::LabelVolume& labels, CutWall cut, const Job& job);
+
+/// The same for another case of the same patient, with other solver settings.
+OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planned_case, const mesh::LabelVolume& labels,
+    CutWall cut, const Job& job);
 
 /// Per hook, whether the hook pushes: the hook holds back a lip that would move farther without it. The force of such a
 /// hook points mostly against the hook's direction and exceeds 0.1 % of the largest hook force.
@@ -107,6 +106,10 @@ std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3
 /// left out, also in other solutions: otherwise a hook that only just pushes would enter or leave the sum as a whole.
 /// @param forces_N one per hook of the field
 std::array<double, 2> side_forces(const PlannedField& field, const std::vector<Vec3>& forces_N);
+
+/// The field's problem with all hooks fixed (HookHold) at their final places, without the nodes of blades: for programs
+/// without contact.
+fem::ElasticProblem problem_with_fixed_hooks(const PlannedField& field);
 
 /// Measures a solution of the field.
 /// @param displacement of the wall's vertices, n x 3, mm; the function moves the rigid pieces in it

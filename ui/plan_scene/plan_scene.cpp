@@ -104,7 +104,10 @@ namespace {
     {
         SurfaceItem item;
         item.name = "chest wall";
-        item.mesh = std::make_shared<const TriMesh>(mesh::deformed_boundary(field.wall, field.opening.displacement));
+        TriMesh boundary = mesh::deformed_boundary(field.wall, field.opening.displacement);
+        boundary.labels = planner::drawn_labels(mesh::deformed_boundary(field.wall, {}), *patient.labels(),
+            planner::mesh_sizing_of(field.approach, patient.planned_case().label_table));
+        item.mesh = std::make_shared<const TriMesh>(std::move(boundary));
         item.look_of_label = tissue_looks(patient.planned_case().label_table);
         return item;
     }
@@ -167,7 +170,9 @@ namespace {
         const auto bar
             = [&](double value) { return bars ? "± " + number(value, value < 9.95 ? 1 : 0, "") : std::string(); };
         std::vector<LegendLine> lines;
-        lines.push_back({ "target: " + m.target, number(100.0 * m.visible_fraction, 0, "% seen"), target_color() });
+        lines.push_back({ "target: " + m.target,
+            number(100.0 * m.visible_fraction, 0, bar(bars ? 100.0 * m.error->visible_fraction : 0.0) + "% seen"),
+            target_color() });
         lines.push_back(
             { "  bound, wall removed", number(100.0 * m.visible_fraction_wall_removed, 0, "%"), std::nullopt });
         lines.push_back({ "opening",

@@ -1,6 +1,6 @@
 #include "planner/measures/ball_strain.h"
 
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/metrics.h"
 #include "tests/support/reference_problems.h"
 
@@ -46,8 +46,8 @@ namespace ball_strain_test {
     mesh::TetMesh box(int nodes_per_tet)
     {
         const Mat3 pose = turn(0.7, { 1.0, -2.0, 0.5 });
-        return verification::mapped_box(nodes_per_tet, 5, 4, 3,
-            [&](const Vec3& p) -> Vec3 { return pose * (4.0 * p) + Vec3(120.0, -40.0, 15.0); });
+        return verification::mapped_box(
+            nodes_per_tet, 5, 4, 3, [&](const Vec3& p) -> Vec3 { return pose * (4.0 * p) + Vec3(120.0, -40.0, 15.0); });
     }
 
     TEST(BallStrain, AHomogeneousStretchIsExact)
@@ -260,7 +260,8 @@ namespace ball_strain_test {
         EXPECT_NE(torn["tearing"].get<std::string>().find("would tear"), std::string::npos);
         EXPECT_FALSE(document["approaches"][1].contains("tearing"));
         EXPECT_EQ(tissue_strain_text(field_with(0.1)),
-            "largest strain, averaged over balls of 5 mm radius: muscle 120 % 10 mm along the incision; skin 10 % 38 mm "
+            "largest strain, averaged over balls of 5 mm radius: muscle 120 % 10 mm along the incision; skin 10 % 38 "
+            "mm "
             "along the incision");
     }
 

@@ -50,9 +50,8 @@ namespace lip_measures_test {
 
     TEST(LipMeasures, AStraightLipFollowsItsHooks)
     {
-        const LipDeviation found
-            = lip_deviation(lip([](double) { return 20.0; }, 26, any_pose()), hooks({ 30.0, 70.0 }, 20.0, any_pose()), 1,
-                kFrom, kTo);
+        const LipDeviation found = lip_deviation(
+            lip([](double) { return 20.0; }, 26, any_pose()), hooks({ 30.0, 70.0 }, 20.0, any_pose()), 1, kFrom, kTo);
         constexpr double kFarFromOrigin = 1e-10;
         EXPECT_NEAR(found.largest_mm, 0.0, kFarFromOrigin);
         EXPECT_NEAR(found.mean_mm, 0.0, kFarFromOrigin);
@@ -66,7 +65,8 @@ namespace lip_measures_test {
     {
         // Between hooks 20 mm apart the lip hangs back as a half sine of 3 mm: 3 mm at most, 6/pi mm in the mean.
         for (const Eigen::Isometry3d& pose : { Eigen::Isometry3d(Eigen::Isometry3d::Identity()), any_pose() }) {
-            const auto out = [](double x) { return 20.0 - 3.0 * std::abs(std::sin(std::numbers::pi * (x - 10.0) / 20.0)); };
+            const auto out
+                = [](double x) { return 20.0 - 3.0 * std::abs(std::sin(std::numbers::pi * (x - 10.0) / 20.0)); };
             const LipDeviation found = lip_deviation(
                 lip(out, 1001, pose), hooks({ 50.0, 10.0, 90.0, 30.0, 70.0 }, 20.0, pose), -1, kFrom, kTo);
             EXPECT_NEAR(found.largest_mm, 3.0, 1e-9);

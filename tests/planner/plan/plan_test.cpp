@@ -63,6 +63,8 @@ namespace plan_test {
         EXPECT_LT(bars.hook_force_N, open.metrics.hook_force_N);
         EXPECT_GT(bars.opening_width_mm, 0.0);
         EXPECT_LT(bars.opening_width_mm, open.metrics.opening_width_mm);
+        EXPECT_GT(bars.visible_fraction, 0.0);
+        EXPECT_LT(bars.visible_fraction, open.metrics.visible_fraction);
         ASSERT_TRUE(bars.energy.has_value());
         EXPECT_LT(bars.energy->algebraic_error, 0.1 * bars.energy->energy_error);
         // The target's near pole lies 40 mm below the skin.
@@ -124,6 +126,9 @@ namespace plan_test {
         EXPECT_GE(accuracy.rounds, 2);
         EXPECT_LT(accuracy.edge_mm, 0.81 * edge);
         EXPECT_EQ(accuracy.ended_by == AccuracyEnd::reached, accuracy.reached_force.value() <= goal.force);
+        constexpr double kSamples = 0.01; // of the target's samples, at the rim of what is seen
+        EXPECT_NEAR(finer.front().metrics.visible_fraction, once.front().metrics.visible_fraction,
+            finer.front().metrics.error->visible_fraction + bars.visible_fraction + kSamples);
         EXPECT_EQ(finer.front().approach.sizing.corridor_edge_mm, finer.front().metrics.solution.mesh.corridor_edge_mm);
     }
 
@@ -148,7 +153,7 @@ namespace plan_test {
     {
         const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
         Case with_contact = test_support::block_case("contact", phantom);
-        with_contact.contact = true;
+        with_contact.contact = ContactMode::always;
         Patient patient(with_contact, {});
         const PlannedField field = plan_approach(
             patient, test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0), {});
@@ -325,7 +330,7 @@ namespace plan_test {
         Case with_contact
             = test_support::block_case("contact of ten", datasets::make_block_phantom(test_support::small_block()));
         with_contact.solution = ten;
-        with_contact.contact = true;
+        with_contact.contact = ContactMode::always;
         Patient patient(with_contact);
         Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), kLittle);
         approach.sizing.corridor_edge_mm = 8.0; // contact of ten-node elements takes its time
@@ -503,7 +508,7 @@ namespace plan_test {
         EXPECT_NE(refusal(with_contact).find("nothing is nonlinear"), std::string::npos);
         with_contact.solution = { .elasticity = fem::Elasticity::corotational_linear };
         EXPECT_NE(refusal(with_contact).find("not for plans"), std::string::npos);
-        with_contact.contact = true;
+        with_contact.contact = ContactMode::always;
         with_contact.solution = { .near_mm = 30.0 };
         EXPECT_NE(refusal(with_contact).find("no surface for contact"), std::string::npos);
     }
@@ -593,7 +598,7 @@ namespace plan_test {
         EXPECT_TRUE(ledger.has("tetrahedra"));
         EXPECT_TRUE(ledger.has("factorisation"));
         EXPECT_TRUE(ledger.has("ray tracer"));
-        EXPECT_FALSE(ledger.has("voxels")); // the CT's grey values play no part in the numbers
+        EXPECT_FALSE(ledger.has("voxels")); // the CT tells about bones only
         EXPECT_FALSE(ledger.has("surface cavity")); // held aside
     }
 

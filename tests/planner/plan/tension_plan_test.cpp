@@ -28,7 +28,7 @@ namespace tension_plan_test {
     struct Block {
         double width_mm = 110.0, region_mm = 30.0;
         SolverSettings solution { .elasticity = fem::Elasticity::linear };
-        bool contact = false;
+        ContactMode contact = ContactMode::never;
     };
 
     /// One tissue through and through, held where its region ends, planned with hooks that open it to a
@@ -108,8 +108,8 @@ namespace tension_plan_test {
         ASSERT_EQ(hooked.status, PlanStatus::done) << hooked.message;
         EXPECT_FALSE(slack.metrics.tension.has_value());
         constexpr double kMeshes = 0.05; // the mesh is finer round the patches of hooks
-        EXPECT_NEAR(hooked.metrics.tension->gape_mm, bare.metrics.opening_width_mm,
-            kMeshes * bare.metrics.opening_width_mm);
+        EXPECT_NEAR(
+            hooked.metrics.tension->gape_mm, bare.metrics.opening_width_mm, kMeshes * bare.metrics.opening_width_mm);
         EXPECT_LT(hooked.metrics.hook_force_N, 0.9 * slack.metrics.hook_force_N);
         EXPECT_GT(hooked.metrics.opening_width_mm, slack.metrics.opening_width_mm);
         EXPECT_EQ(hooked.metrics.error->message, "");
@@ -156,7 +156,7 @@ namespace tension_plan_test {
         expect_alike({ .solution = { .elasticity = fem::Elasticity::hyperelastic } });
         expect_alike({ .solution = { .elasticity = fem::Elasticity::hyperelastic, .near_mm = 25.0 } });
         expect_alike({ .solution = { .elasticity = fem::Elasticity::linear, .element = ElementKind::locking_free } });
-        expect_alike({ .contact = true });
+        expect_alike({ .contact = ContactMode::always });
     }
 
     TEST(PlanUnderTension, ADirectionThroughTheTissueIsSaid)

@@ -8,11 +8,13 @@
 #include "mesh/tetrahedra/mesh_io.h"
 #include "planner/measures/accuracy.h"
 #include "planner/measures/ball_strain.h"
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/force_moments.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/region_text.h"
 #include "planner/measures/rupture.h"
+#include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"
 #include "ui/plan_scene/case_picture.h"
 #include "ui/plan_scene/plan_scene.h"
@@ -78,6 +80,20 @@ namespace {
         return "Slices through the target, with the incision projected onto them (cyan).";
     }
 
+    std::string contact_limit(planner::ContactMode contact)
+    {
+        const std::string what = "Lips, ribs, shoulder blades and organs ";
+        switch (contact) {
+        case planner::ContactMode::automatic:
+            return what + "push against each other without friction where they would pass through each other";
+        case planner::ContactMode::always:
+            return what + "push against each other without friction";
+        case planner::ContactMode::never:
+            break;
+        }
+        return what + "do not slide or push against each other";
+    }
+
     std::vector<std::string> report_limits(bool has_spine, const planner::Case& planned_case, std::string stiffness)
     {
         std::vector<std::string> limits {
@@ -86,9 +102,7 @@ namespace {
                         "the spine. Soft tissue there does not resist the hooks, and the pictures show it at rest. A "
                         "gap at the border of the region is not a wound."
                       : "The border of the meshed region is held, so the hook forces are upper estimates.",
-            std::string(planned_case.contact
-                    ? "Lips, ribs, shoulder blades and organs push against each other without friction"
-                    : "Lips, ribs, shoulder blades and organs do not slide or push against each other")
+            contact_limit(planned_case.contact)
                 + "; organs do not move. Organs that an approach holds aside are removed from the view.",
             "Fractures are foretold for ribs only, from the mean moments at which 52 tested pieces of ribs broke; "
             "single ribs differ from the mean. Age, thin bone and earlier fractures are not considered. The sternum, "
@@ -165,8 +179,7 @@ bool is_answer(const planner::PlannedField& field)
 int exit_code_of(const std::vector<planner::PlannedField>& fields)
 {
     for (const planner::PlannedField& field : fields)
-        if (!is_answer(field)
-            || (field.metrics.second_opinion && field.metrics.second_opinion->status != "agrees"))
+        if (!is_answer(field) || (field.metrics.second_opinion && field.metrics.second_opinion->status != "agrees"))
             return 1;
     return 0;
 }
@@ -285,8 +298,7 @@ std::vector<std::string> keep_earlier_metrics(const std::filesystem::path& folde
         const std::string name = word(approach, "name");
         const auto now = std::find_if(fields.begin(), fields.end(),
             [&](const planner::PlannedField& field) { return field.approach.name == name; });
-        if (now == fields.end()
-            || (!is_answer(*now) && word(approach, "mechanics_status") == "converged"))
+        if (now == fields.end() || (!is_answer(*now) && word(approach, "mechanics_status") == "converged"))
             lost.push_back(name);
     }
     if (!lost.empty())
@@ -354,7 +366,7 @@ std::string field_table(const std::vector<planner::PlannedField>& fields)
         text += right_aligned(std::to_string(m.tets), kTetsWidth) + "\n";
         if (field.status != planner::PlanStatus::done)
             text += "  " + m.mechanics_status + "\n"
-                + (planner::is_believable(m) ? "" : "  " + planner::volume_failure_text(m) + "\n");
+                + (planner::keeps_volume(m) ? "" : "  " + planner::volume_failure_text(m) + "\n");
         else if (!field.message.empty())
             text += "  " + field.message + "\n";
         for (const std::string& remark :
@@ -375,10 +387,17 @@ std::string field_table(const std::vector<planner::PlannedField>& fields)
         if (m.tension)
             text += "  " + planner::tension_text(m) + "\n";
         text += "  " + planner::error_text(m) + "\n";
+        if (const std::string parameters = planner::parameter_text(m); !parameters.empty())
+            text += "  " + parameters + "\n";
+        if (const std::string stiffness = planner::bone_stiffness_text(m); !stiffness.empty())
+            text += "  " + stiffness + "\n";
+        text += (planner::is_region_too_small(m) ? "  caution: " : "  ") + planner::region_text(m) + "\n";
+        if (const std::string piercing = planner::piercing_text(m); !piercing.empty())
+            text += "  " + piercing + "\n";
         if (const std::string accuracy = planner::accuracy_text(m); !accuracy.empty())
             text += "  " + accuracy + "\n";
         if (m.contact)
-            text += "  " + planner::contact_text(m) + "\n";
+            text += (planner::passes_through(m) ? "  caution: " : "  ") + planner::contact_text(m) + "\n";
         if (m.second_opinion)
             text += "  " + planner::opinion_text(*m.second_opinion) + "\n";
         if (!m.at_risk.empty())

@@ -67,8 +67,8 @@ bool is_measured(const planner::PlannedField& field);
 /// Whether a field opened as asked, with numbers that can be believed (planner/measures/volume_failures.h).
 bool is_answer(const planner::PlannedField& field);
 
-/// Exit code: 0 when every field is an answer; 1 when a field is refused, did not converge or is not to be believed, or a
-/// requested second opinion does not agree. Injury, of a rib or of skin, is an answer.
+/// Exit code: 0 when every field is an answer; 1 when a field is refused, did not converge or is not to be believed, or
+/// a requested second opinion does not agree. Injury, of a rib or of skin, is an answer.
 int exit_code_of(const std::vector<planner::PlannedField>& fields);
 
 } // namespace retractor::ui::cli

@@ -40,7 +40,7 @@ namespace {
 
     struct PlanOptions {
         std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity, element;
-        std::string reference;
+        std::string reference, contact;
         std::vector<std::string> pressures;
         std::optional<std::string> export_formats;
         double reference_limit_s = 600.0;
@@ -51,7 +51,8 @@ namespace {
         unsigned mesh_seed = 0;
         bool check_far = false; ///< PlanChecks::linear_region
         bool draft = false;
-        bool render = false, contact = false;
+        bool injury_options = false; ///< PlanChecks::injury_options
+        bool render = false;
         bool parallel = false;
     };
 
@@ -123,7 +124,11 @@ namespace {
 
     planner::PlanChecks checks_of(const PlanOptions& options)
     {
-        return { .linear_region = options.check_far, .error_bars = !options.draft, .draft = options.draft };
+        return { .linear_region = options.check_far,
+            .error_bars = !options.draft,
+            .draft = options.draft,
+            .injury_options = options.injury_options,
+            .find_region = !options.draft };
     }
 
     /// The accuracy of a plan: the option's, else the case's, else the default. Nothing where none is asked, and for a
@@ -152,7 +157,8 @@ namespace {
         refuse_without_wall(planned_case, options.case_file);
         if (!options.approach.empty())
             planned_case.approaches = { planner::find_approach(planned_case, options.approach) };
-        planned_case.contact = planned_case.contact || options.contact;
+        if (!options.contact.empty())
+            planned_case.contact = planner::contact_mode_from_string(options.contact).value();
         planner::SolverSettings& solution = planned_case.solution; // settings without an option stay as in the case
         if (!options.elasticity.empty())
             solution.elasticity = planner::elasticity_from_string(options.elasticity).value();
@@ -230,14 +236,14 @@ namespace {
         const auto limit = std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * options.reference_limit_s));
         for (planner::PlannedField& field : fields)
             if (is_measured(field))
-                field.metrics.second_opinion
-                    = second_opinion(field.problem, ccx, options.out, field.approach.name, limit, job);
+                field.metrics.second_opinion = second_opinion(
+                    planner::problem_with_fixed_hooks(field), ccx, options.out, field.approach.name, limit, job);
     }
 
     /// The problem without the laws that its elasticity does not use.
     fem::ElasticProblem as_solved(const planner::PlannedField& field)
     {
-        fem::ElasticProblem problem = field.problem;
+        fem::ElasticProblem problem = planner::problem_with_fixed_hooks(field);
         if (field.metrics.solution.choice.elasticity != fem::Elasticity::hyperelastic)
             for (fem::Material& material : problem.material_of_label)
                 material.law.reset();
@@ -473,9 +479,12 @@ namespace {
                 "vessel; negative: suction). The label must not belong to the wall. The pressure follows the surface "
                 "as the wall deforms. Repeat the option for several labels (also \"pressures\" in case.json)")
             ->allow_extra_args(false);
-        command.add_flag("--contact", options.contact,
-            "Compute contact, so that lips do not pass through each other or through organs (also \"contact\": true in "
-            "case.json)");
+        command
+            .add_flag("--contact{on}", options.contact,
+                "Contact of the lips with each other and of the wall with organs: on, off, or auto, which computes "
+                "contact where surfaces would pass through each other (write --contact=off; default: \"contact\" in "
+                "case.json, else auto)")
+            ->check(CLI::IsMember({ "auto", "on", "off" }));
     }
 
     /// Starts the executable beside this one for the other kind of context. A process draws with one kind only.
@@ -528,6 +537,9 @@ void add_plan_command(Commands& commands)
             "Time (s) for the meshes of one approach: a finer mesh that would take longer is not tried (default: the "
             "case's solution, else 600)")
         ->check(in_range(planner::kShortestSearchS, planner::kLongestSearchS));
+    command->add_flag("--injury-options", options->injury_options,
+        "Where a bone would break: also solve the largest opening without a fracture, and plan the approach once more "
+        "with this bone divided. Takes about as long again");
     command->add_flag("--render", options->render, "Also draw the views and write report.html");
     command
         ->add_option("--reference", options->reference,

@@ -5,11 +5,13 @@
 #include "planner/case/opening_protocol.h"
 #include "planner/measures/accuracy.h"
 #include "planner/measures/ball_strain.h"
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/force_moments.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/region_text.h"
 #include "planner/measures/rupture.h"
+#include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"
 
 #include <algorithm>
@@ -104,6 +106,24 @@ namespace {
                 field.bones.front().utilisation >= 1.0 });
     }
 
+    /// What the ranges of the tissue values do to the force, beside the bar of the mesh.
+    void add_parameters(MetricSection& section, const planner::FieldMetrics& field)
+    {
+        if (field.parameters) {
+            const planner::ParameterInterval& interval = *field.parameters;
+            section.rows.push_back({ "... by tissue values",
+                interval.message.empty()
+                    ? number(interval.force_low_N, 0, "") + " to " + number(interval.force_high_N, 0, "N")
+                    : "not known",
+                interval.message.empty() ? planner::force_with_intervals(field)
+                        + ". One standard deviation of the tissues' published values."
+                                         : planner::parameter_text(field) + "." });
+        }
+        if (const std::string stiffness = planner::bone_stiffness_text(field); !stiffness.empty())
+            section.rows.push_back({ "Stiffness of bones", stiffness,
+                "Young's moduli of the ribs and cartilages in the wall; the report has a table." });
+    }
+
     /// The force on a side at the last turn of the crank and minutes later, or why there is none.
     void add_moments(MetricSection& section, const planner::FieldMetrics& field)
     {
@@ -127,8 +147,8 @@ namespace {
     {
         for (const planner::TissueStrain& tissue : field.tissue_strain)
             section.rows.push_back({ "Strain of " + readable(tissue.tissue), number(100.0 * tissue.strain, 0, "%"),
-                "Largest mean over balls of " + number(planner::kBallRadiusMm, 0, "mm") + " radius: "
-                    + planner::strain_text(tissue) + ".",
+                "Largest mean over balls of " + number(planner::kBallRadiusMm, 0, "mm")
+                    + " radius: " + planner::strain_text(tissue) + ".",
                 planner::may_tear(tissue) });
         if (planner::any_may_tear(field))
             section.rows.push_back({ "Tearing", planner::any_would_tear(field) ? "expected" : "possible",
@@ -139,6 +159,7 @@ namespace {
     {
         MetricSection section { "Force and strain", {} };
         add_rows(section, field, planner::MetricGroup::force);
+        add_parameters(section, field);
         add_moments(section, field);
         add_rows(section, field, planner::MetricGroup::strain);
         if (field.strain_p99_at) {
@@ -174,6 +195,16 @@ namespace {
         return section;
     }
 
+    std::string contact_value(const planner::ContactMetrics& contact)
+    {
+        if (contact.computed)
+            return contact.touching > 0 ? std::to_string(contact.touching) + " points touch" : "nothing touches";
+        if (!contact.needed)
+            return "not tested";
+        return *contact.needed ? number(contact.largest_penetration_mm, 1, "mm") + " passed through"
+                               : "nothing touches";
+    }
+
     MetricSection model_section(const planner::FieldMetrics& field)
     {
         double seconds = 0.0;
@@ -201,11 +232,21 @@ namespace {
                         field.accuracy->ended_by != planner::AccuracyEnd::reached });
         if (field.volume_failures)
             section.rows.push_back({ "Soft tissue off its volume", number(100.0 * field.volume_failures->share, 2, "%"),
-                planner::is_believable(field)
+                planner::keeps_volume(field)
                     ? "Share of the soft tissue that shrinks or grows by more than a tenth. Soft tissue keeps its "
                       "volume, so the numbers near such tissue are wrong."
                     : "The plan " + planner::volume_failure_text(field) + ".",
-                !planner::is_believable(field) });
+                !planner::keeps_volume(field) });
+        section.rows.push_back(
+            { "Rim of the model", field.region.rim_place.empty() ? "none" : number(field.region.rim_motion_mm, 1, "mm"),
+                "Largest motion where the model ends. " + planner::region_text(field),
+                planner::is_region_too_small(field) });
+        if (const std::string piercing = planner::piercing_text(field); !piercing.empty())
+            section.rows.push_back({ "Bones through the skin", std::to_string(field.region.piercing.size()),
+                "The plan " + piercing + ".", true });
+        if (field.contact)
+            section.rows.push_back({ "Contact", contact_value(*field.contact), planner::contact_text(field) + ".",
+                planner::passes_through(field) });
         if (field.tension)
             section.rows.push_back(
                 { field.pressures.empty() ? "Gape without hooks" : "Gape under pressure, without hooks",

@@ -305,9 +305,11 @@ namespace session_model_test {
         field.strain_p99_at = Vec3(12.4, -80.6, 33.0);
         planner::ErrorBars& bars = field.error.emplace();
         bars.opening_width_mm = 1.24;
+        bars.visible_fraction = 0.0234;
         bars.hook_force_N = 10.5;
         bars.hook_forces_N = { 5.25 };
         const auto estimated = field_rows(field);
+        EXPECT_EQ(row_of(estimated, "Target seen, whole cone").value, "62.3 ± 2.3 %");
         EXPECT_EQ(row_of(estimated, "Opening width").value, "57.9 ± 1.2 mm");
         EXPECT_EQ(row_of(estimated, "Hook force, larger side").value, "41.3 ± 10.5 N");
         EXPECT_EQ(row_of(estimated, "Hook left 1").value, "20.0 ± 5.2 N");
@@ -353,6 +355,22 @@ namespace session_model_test {
         EXPECT_EQ(row_of(sections, "Finest edges tried").value, "6.4 mm");
         field.accuracy->ended_by = planner::AccuracyEnd::reached;
         EXPECT_FALSE(row_of(field_rows(field), "Accuracy of the force").warning);
+    }
+
+    TEST(MetricRows, WarnWhereSurfacesPassThroughEachOther)
+    {
+        planner::FieldMetrics field;
+        EXPECT_THROW((void)row_of(field_rows(field), "Contact"), std::out_of_range);
+        field.contact = planner::ContactMetrics { .needed = false, .computed = false };
+        EXPECT_EQ(row_of(field_rows(field), "Contact").value, "nothing touches");
+        EXPECT_FALSE(row_of(field_rows(field), "Contact").warning);
+        field.contact = planner::ContactMetrics { .needed = true, .touching = 23 };
+        EXPECT_EQ(row_of(field_rows(field), "Contact").value, "23 points touch");
+        field.contact = planner::ContactMetrics {
+            .needed = true, .computed = false, .largest_penetration_mm = 3.24, .with = "heart", .message = "why"
+        };
+        EXPECT_EQ(row_of(field_rows(field), "Contact").value, "3.2 mm passed through");
+        EXPECT_TRUE(row_of(field_rows(field), "Contact").warning);
     }
 
     TEST(MetricRows, NameTheMomentOfTheForce)

@@ -15,8 +15,8 @@
 //   2022, J Anat), but how old the tested bodies were per piece, and how thick their bone, is not known here.
 
 #include "planner/anatomy/anatomy.h"
+#include "planner/measures/bones/section_moments.h"
 #include "planner/measures/field_metrics.h"
-#include "planner/measures/section_moments.h"
 
 #include <span>
 #include <string>
@@ -60,6 +60,9 @@ BoneMetrics bone_limit(const std::string& name, std::span<const BoneBar> pieces,
 /// @param in_equilibrium false: the field is not attainable, whatever its bones bear
 /// @pre field.hooks, field.tissue_strain, and field.bones or field.bones_message are filled
 void set_attainable(FieldMetrics& field, bool in_equilibrium);
+
+/// Whether the largest uninjured opening was solved; otherwise it is an estimate in proportion.
+bool is_uninjured_opening_solved(const FieldMetrics& field);
 
 /// Whether a bone is loaded beyond its capacity. @pre set_attainable() was called
 bool breaks_bone(const FieldMetrics& field);

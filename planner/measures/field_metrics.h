@@ -134,6 +134,7 @@ struct EnergyBars {
 struct ErrorBars {
     std::string message; ///< reason for a missing estimate; empty: the estimate is there
     double opening_width_mm = 0.0, opening_area_mm2 = 0.0;
+    double visible_fraction = 0.0; ///< of FieldMetrics::visible_fraction
     std::vector<double> hook_forces_N; ///< in the order of the hooks; 0 where the force is prescribed
     std::vector<double> hook_moved_mm; ///< in the order of the hooks; 0 where the place of the hook is prescribed
     double side_forces_N[2] = { 0.0, 0.0 }; ///< sides +1 and -1

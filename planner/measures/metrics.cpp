@@ -44,6 +44,7 @@ namespace {
         } else {
             put(json, field, "opening_width_mm", error.opening_width_mm);
             put(json, field, "opening_area_mm2", error.opening_area_mm2);
+            put(json, field, "visible_fraction", error.visible_fraction);
             json["hook_forces_N"] = error.hook_forces_N;
             json["hook_moved_mm"] = error.hook_moved_mm;
             json["side_forces_N"] = { error.side_forces_N[0], error.side_forces_N[1] };
@@ -509,6 +510,7 @@ std::string error_text(const FieldMetrics& field)
     return formatted("opening %.1f mm +- %.1f", field.opening_width_mm, error.opening_width_mm)
         + (forces_are_known(field) ? formatted(" under a known force of %.1f N", field.hook_force_N)
                                    : formatted(", force %.1f N +- %.1f", field.hook_force_N, error.hook_force_N))
+        + formatted(", seen %.1f %% +- %.1f", 100.0 * field.visible_fraction, 100.0 * error.visible_fraction)
         + formatted(" (discretisation error, estimated in %.1f s)", error.seconds);
 }
 

@@ -22,7 +22,7 @@ std::string division_cell(const FieldMetrics& field);
 /// One line for people: the hole left by removed skin is not part of the opening. Empty without such a hole.
 std::string skin_hole_text(const FieldMetrics& field);
 
-/// One line for people: the error bars of opening and forces, or the reason why there are none.
+/// One line for people: the error bars of opening, forces and visible share, or the reason why there are none.
 std::string error_text(const FieldMetrics& field);
 /// Whether all hooks pull with a prescribed force or have yielded, so that the forces have no error.
 bool forces_are_known(const FieldMetrics& field);

@@ -151,18 +151,18 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         return best;
     }
 
-    /// Explains the marks, and that the visible share is less certain than it looks.
+    /// Explains the marks, and how certain the share from the central eye is.
     void write_reading(std::ostream& out, const std::vector<FieldMetrics>& fields)
     {
         out << "<p class=\"reading\">Green: better than every other approach by more than both error bars together. "
-               "Without a mark the lead is within the error, or the error is unknown. The visible share of the target "
-               "has no error bar of its own: this share is at least as uncertain as the opening, whose bar is ";
+               "Without a mark the lead is within the error, or the error is unknown. The share seen from the central "
+               "eye has no error bar of its own: this share is at least as uncertain as the opening, whose bar is ";
         for (std::size_t i = 0; i < fields.size(); ++i) {
             const std::optional<double> relative = relative_opening_bar(fields[i]);
             out << (i == 0 ? "" : ", ") << (relative ? percent(*relative) : std::string("not estimated"))
                 << (fields.size() > 1 ? " (" + escaped(fields[i].name) + ")" : std::string());
         }
-        out << " of its width. The leads of the visible share are compared with this bar.</p>";
+        out << " of its width. The leads of the central eye are compared with this bar.</p>";
     }
 
     /// The hooks that yielded, with their force and the reached part of the prescribed motion.

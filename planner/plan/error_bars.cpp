@@ -99,61 +99,90 @@ namespace {
         return (solution.hooks_mm.empty() ? field.hooks[hook].displacement : solution.hooks_mm[hook]).norm();
     }
 
-    void fill_bars(ErrorBars& bars, const PlannedField& field, const OpenedWound& wound, ComparisonSolutions solutions)
+    /// The numbers that a solution gives the opened wound.
+    struct OpeningNumbers {
+        double width_mm = 0.0, area_mm2 = 0.0, visible_fraction = 0.0;
+    };
+
+    /// Measures a comparison solution. The function moves the rigid pieces in its displacement.
+    OpeningNumbers numbers_of(
+        const PlannedField& field, const RigidPieces& rigid, WoundSolution& solution, const SeenShare& seen_share)
     {
-        const std::size_t hooks = field.hooks.size();
-        // Fixed hooks change the opening in one direction, and the motion of the hooks changes the opening in the
-        // other. Where both changes cancel, the uncertainty of each change remains.
-        const auto of_parts
-            = [](double in_all, double held) { return std::max(in_all, (1.0 - fem::kErrorShare) * held); };
-        const auto add = [&](WoundSolution& a, WoundSolution& b, const WoundMeasures& b_held, double factor) {
-            const double of_opening = std::max(factor, fem::kLeastOpeningShare);
-            const WoundMeasures of_a = measures_of(field, wound.rigid, a.displacement, a.hook_forces_N),
-                                of_b = measures_of(field, wound.rigid, b.displacement, b.hook_forces_N);
-            bars.opening_width_mm += of_opening
-                * of_parts(std::abs(of_a.width_mm - of_b.width_mm), std::abs(of_a.width_mm - b_held.width_mm));
-            bars.opening_area_mm2 += of_opening
-                * of_parts(std::abs(of_a.area_mm2 - of_b.area_mm2), std::abs(of_a.area_mm2 - b_held.area_mm2));
-            const std::vector<bool> pushing_in_a = pushing_hooks(field.approach, a.hook_forces_N),
-                                    pushing_in_b = pushing_hooks(field.approach, b.hook_forces_N);
-            for (std::size_t i = 0; i < hooks; ++i) {
-                // The magnitude of a prescribed force or of a force at its limit is known; the direction may change.
-                // For other hooks the vectors are compared: errors of different signs may cancel in the magnitude.
-                const Vec3 &f = a.hook_forces_N[i], &g = b.hook_forces_N[i];
-                const bool size_known
-                    = field.approach.hooks[i].pull.force_N || (i < field.yielded.size() && field.yielded[i]);
-                const double off = factor * (size_known ? std::abs(f.norm() - g.norm()) : (f - g).norm());
-                bars.hook_forces_N[i] += off;
-                bars.hook_moved_mm[i] += of_opening * std::abs(moved_mm(field, a, i) - moved_mm(field, b, i));
-                if (!pushing_in_a[i] || !pushing_in_b[i]) // only hooks that pull count in their side's sum
-                    bars.side_forces_N[field.hooks[i].side > 0 ? 0 : 1] += off;
-            }
-        };
-        WoundSolution own { field.opening.displacement, field.opening.hook_forces_N };
-        const WoundMeasures held
-            = measures_of(field, wound.rigid, solutions.other.displacement, solutions.other.hook_forces_N);
+        const WoundMeasures measures = measures_of(field, rigid, solution.displacement, solution.hook_forces_N);
+        return { measures.width_mm, measures.area_mm2, seen_share(solution.displacement) };
+    }
+
+    /// The part of a bar that two numbers of a solution and the number of the same solution with fixed hooks give.
+    /// Fixed hooks change the opening in one direction, and the motion of the hooks changes the opening in the other.
+    /// Where both changes cancel, the uncertainty of each change remains.
+    double bar_of_opening(double a, double b, double b_held)
+    {
+        return std::max(std::abs(a - b), (1.0 - fem::kErrorShare) * std::abs(a - b_held));
+    }
+
+    void add_opening(
+        ErrorBars& bars, double factor, const OpeningNumbers& a, const OpeningNumbers& b, const OpeningNumbers& b_held)
+    {
+        bars.opening_width_mm += factor * bar_of_opening(a.width_mm, b.width_mm, b_held.width_mm);
+        bars.opening_area_mm2 += factor * bar_of_opening(a.area_mm2, b.area_mm2, b_held.area_mm2);
+        bars.visible_fraction
+            += factor * bar_of_opening(a.visible_fraction, b.visible_fraction, b_held.visible_fraction);
+    }
+
+    void add_hooks(
+        ErrorBars& bars, const PlannedField& field, const WoundSolution& a, const WoundSolution& b, double factor)
+    {
+        RETRACTOR_ASSERT(a.hook_forces_N.size() == field.hooks.size() && b.hook_forces_N.size() == field.hooks.size());
+        const double of_opening = std::max(factor, fem::kLeastOpeningShare);
+        const std::vector<bool> pushing_in_a = pushing_hooks(field.approach, a.hook_forces_N),
+                                pushing_in_b = pushing_hooks(field.approach, b.hook_forces_N);
+        for (std::size_t i = 0; i < field.hooks.size(); ++i) {
+            // The magnitude of a prescribed force or of a force at its limit is known; the direction may change.
+            // For other hooks the vectors are compared: errors of different signs may cancel in the magnitude.
+            const Vec3 &f = a.hook_forces_N[i], &g = b.hook_forces_N[i];
+            const bool size_known
+                = field.approach.hooks[i].pull.force_N || (i < field.yielded.size() && field.yielded[i]);
+            const double off = factor * (size_known ? std::abs(f.norm() - g.norm()) : (f - g).norm());
+            bars.hook_forces_N[i] += off;
+            bars.hook_moved_mm[i] += of_opening * std::abs(moved_mm(field, a, i) - moved_mm(field, b, i));
+            if (!pushing_in_a[i] || !pushing_in_b[i]) // only hooks that pull count in their side's sum
+                bars.side_forces_N[field.hooks[i].side > 0 ? 0 : 1] += off;
+        }
+    }
+
+    void fill_bars(ErrorBars& bars, const PlannedField& field, const OpenedWound& wound, ComparisonSolutions solutions,
+        const SeenShare& seen_share)
+    {
+        const auto numbers
+            = [&](WoundSolution& solution) { return numbers_of(field, wound.rigid, solution, seen_share); };
+        const WoundSolution own { field.opening.displacement, field.opening.hook_forces_N };
+        const OpeningNumbers of_own { field.geometry.width_mm, field.geometry.area_mm2,
+            field.exposure.visible_fraction };
+        const OpeningNumbers held = numbers(solutions.other);
         if (!correct_hook_equilibrium(solutions.held, solutions.other)
             || (solutions.plain && !correct_hook_equilibrium(solutions.held, *solutions.plain))) {
             bars.message = "the hook forces by other elements differ too much to predict the equilibrium of the hooks; "
                            "use a finer mesh";
             return;
         }
-        bars.hook_forces_N.assign(hooks, 0.0);
-        RETRACTOR_ASSERT(solutions.other.hook_forces_N.size() == hooks && own.hook_forces_N.size() == hooks);
-        bars.hook_moved_mm.assign(hooks, 0.0);
-        add(own, solutions.other, held, solutions.factor);
-        if (solutions.plain)
-            add(*solutions.plain, solutions.other,
-                measures_of(field, wound.rigid, solutions.other.displacement, solutions.other.hook_forces_N),
-                solutions.lacking);
+        const OpeningNumbers of_other = solutions.held.drives.empty() ? held : numbers(solutions.other);
+        bars.hook_forces_N.assign(field.hooks.size(), 0.0);
+        bars.hook_moved_mm.assign(field.hooks.size(), 0.0);
+        add_opening(bars, std::max(solutions.factor, fem::kLeastOpeningShare), of_own, of_other, held);
+        add_hooks(bars, field, own, solutions.other, solutions.factor);
+        if (solutions.plain) {
+            add_opening(bars, std::max(solutions.lacking, fem::kLeastOpeningShare), numbers(*solutions.plain), of_other,
+                of_other);
+            add_hooks(bars, field, *solutions.plain, solutions.other, solutions.lacking);
+        }
         bars.hook_force_N = std::max(bars.side_forces_N[0], bars.side_forces_N[1]);
         bars.energy = solutions.energy;
     }
 
 } // namespace
 
-ErrorBars estimate_errors(
-    const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
+ErrorBars estimate_errors(const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice,
+    const SeenShare& seen_share, const Job& job)
 {
     ErrorBars bars;
     if (!is_usable(field.opening)) {
@@ -168,7 +197,7 @@ ErrorBars estimate_errors(
                                                                           : finer_solution(field, wound, choice, job);
         bars.message = solutions.message;
         if (bars.message.empty())
-            fill_bars(bars, field, wound, std::move(solutions));
+            fill_bars(bars, field, wound, std::move(solutions), seen_share);
     } catch (const Error& error) {
         bars.message = error.what();
     }

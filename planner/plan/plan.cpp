@@ -6,7 +6,6 @@
 #include "mesh/base/text_format.h"
 #include "mesh/generation/hybrid_model.h"
 #include "mesh/image/skeleton.h"
-#include "mesh/surface/wound_surface.h"
 #include "planner/approach/bearing_points.h"
 #include "planner/approach/retractors.h"
 #include "planner/approach/space_division.h"
@@ -24,6 +23,7 @@
 #include "planner/plan/plan_forecast.h"
 #include "planner/plan/reduction_error.h"
 #include "planner/plan/retractor_measures.h"
+#include "planner/plan/wound_view.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/unmeshed_wall.h"
 #include "planner/wall/wall_pressure.h"
@@ -45,7 +45,6 @@ namespace retractor::planner {
 
 namespace {
 
-    constexpr int kTargetSamples = 2000;
     /// A bone across a smaller share of the lines of sight is no obstacle.
     constexpr double kSmallestBoneShare = 0.01;
 
@@ -136,84 +135,6 @@ namespace {
                                           "choose another incision"),
                         error.where());
                 }
-    }
-
-    /// The organ that contains a spherical target. This organ is operated on, so it does not block the view of the
-    /// target.
-    const mesh::LabelInfo* organ_of_sphere(Patient& patient, const TargetSpec& target)
-    {
-        if (!target.is_sphere())
-            return nullptr;
-        const auto labels = patient.labels();
-        const mesh::LabelInfo* info
-            = mesh::find_label(patient.planned_case().label_table, mesh::label_at(*labels, target.centre));
-        return info != nullptr && info->role != mesh::Role::wall ? info : nullptr;
-    }
-
-    std::vector<Occluder> occluders(Patient& patient, const PlannedField& field)
-    {
-        const Case& planned_case = patient.planned_case();
-        const mesh::LabelTable& table = planned_case.label_table;
-        std::vector<Occluder> all;
-        all.push_back({ .name = "wall",
-            .surface = mesh::deformed_boundary(field.wall, field.opening.displacement),
-            .labels = table,
-            .material = {},
-            .wall = true });
-        std::vector<Label> bones;
-        for (const mesh::LabelInfo& info : table)
-            if (info.role == mesh::Role::wall && is_skeleton(info))
-                bones.push_back(info.id);
-        all.push_back({ .name = "bone",
-            .surface = mesh::tissue_surface(field.wall, field.opening.displacement, bones).surface,
-            .labels = table,
-            .material = "bone",
-            .wall = true });
-        all.push_back({ .name = "wall beyond the model",
-            .surface = field.remaining_wall,
-            .labels = {},
-            .material = {},
-            .wall = true });
-        const mesh::LabelInfo* operated_on = organ_of_sphere(patient, field.approach.target);
-        for (const mesh::LabelInfo& info : table) {
-            const bool operated
-                = info.name == field.approach.target.label || (operated_on != nullptr && info.id == operated_on->id);
-            if (!operated && stays_in_place(info, field.approach, patient))
-                all.push_back({ .name = info.name,
-                    .surface = *patient.organ(info.name),
-                    .labels = {},
-                    .material = info.material,
-                    .wall = false });
-        }
-        return all;
-    }
-
-    /// What the surgeon sees through the opened wound.
-    struct View {
-        OpeningGeometry geometry;
-        Exposure exposure;
-        double working_distance_mm = 0.0;
-        std::string message; ///< a remark
-    };
-
-    /// @pre the field's wound is opened, and its remaining wall is known
-    View look_through(const PlannedField& field, Patient& patient, const Job& job)
-    {
-        View view;
-        const WoundEdges edges = wound_edges(field.wall, field.lips, mesh::SweptBlade(blade_of(field.approach)));
-        view.geometry = opening_geometry(edges, field.wall, field.opening.displacement);
-        const std::shared_ptr<const TriMesh> target = patient.target(field.approach.target);
-        const Vec3 aim = surface_centre(*target);
-        const ViewSpec& eyes = field.approach.view;
-        const double to_aim = (view.geometry.centre - aim).norm();
-        const ViewCone cone = cone_through_opening(
-            view.geometry, aim, to_aim + eyes.eye_distance_mm, eyes.half_angle_deg, eyes.eye_count);
-        view.exposure = measure_exposure(*target, occluders(patient, field), cone, kTargetSamples, job);
-        view.working_distance_mm = working_distance_mm(view.geometry, *target, aim, cone.axis).value_or(to_aim);
-        if (const mesh::LabelInfo* organ = organ_of_sphere(patient, field.approach.target))
-            view.message = "the target sphere lies in the " + organ->name
-                + "; this organ does not count as blocking the view of the target";
-        return view;
     }
 
     std::string status_text(const PlannedField& field)
@@ -398,7 +319,7 @@ namespace {
         const StageTimer timer(field.metrics, "expose");
         field.remaining_wall
             = unmeshed_wall_region(*patient.body(), labels, sizing, field.wall, field.opening.displacement, job);
-        View view = look_through(field, patient, job);
+        WoundView view = look_through(field, field.opening.displacement, patient, job);
         field.geometry = std::move(view.geometry);
         field.exposure = std::move(view.exposure);
         field.metrics.working_distance_mm = view.working_distance_mm;
@@ -409,9 +330,10 @@ namespace {
     }
 
     /// Estimates gape and errors of the field from further solutions of the wound.
-    bool estimate(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const PlanChecks& checks,
+    bool estimate(PlannedField& field, const OpenedWound& wound, Patient& patient, const PlanChecks& checks,
         const Job& job)
     {
+        const SolverSettings& choice = patient.planned_case().solution;
         field.metrics.solution.draft = checks.draft;
         const auto goes_on = [&] {
             if (job.cancelled())
@@ -426,7 +348,11 @@ namespace {
         }
         if (checks.error_bars) {
             const StageTimer timer(field.metrics, "estimate error");
-            field.metrics.error = estimate_errors(field, wound, choice, job);
+            const SeenShare seen_share = [&](const Points& displacement) {
+                return look_through(field, displacement, patient, as_stage(job, "expose, other elements"))
+                    .exposure.visible_fraction;
+            };
+            field.metrics.error = estimate_errors(field, wound, choice, seen_share, job);
             if (!goes_on())
                 return false;
         }
@@ -533,7 +459,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
         && cut_meshed_wall(field, cut, *labels, planned_case, sizing, job)
         && open_cut_wall(field, wound, std::move(cut), patient, *labels, job)
         && expose_target(field, patient, *labels, sizing, job)
-        && estimate(field, wound, planned_case.solution, checks, job)) {
+        && estimate(field, wound, patient, checks, job)) {
         fill_metrics(field, patient);
         const StageTimer timer(field.metrics, "bones");
         measure_bones(field, wound, planned_case.solution, planned_case.label_table, patient.frame());

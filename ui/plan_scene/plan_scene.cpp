@@ -167,7 +167,9 @@ namespace {
         const auto bar
             = [&](double value) { return bars ? "± " + number(value, value < 9.95 ? 1 : 0, "") : std::string(); };
         std::vector<LegendLine> lines;
-        lines.push_back({ "target: " + m.target, number(100.0 * m.visible_fraction, 0, "% seen"), target_color() });
+        lines.push_back({ "target: " + m.target,
+            number(100.0 * m.visible_fraction, 0, bar(bars ? 100.0 * m.error->visible_fraction : 0.0) + "% seen"),
+            target_color() });
         lines.push_back(
             { "  bound, wall removed", number(100.0 * m.visible_fraction_wall_removed, 0, "%"), std::nullopt });
         lines.push_back({ "opening",

@@ -47,6 +47,8 @@ namespace metric_table_test {
         ErrorBars& bars = field.error.emplace();
         bars.opening_width_mm = 1.25;
         EXPECT_EQ(metric_error(metric_field("opening_width_mm"), field), 1.25);
+        bars.visible_fraction = 0.03;
+        EXPECT_EQ(metric_error(metric_field("visible_fraction"), field), 0.03);
         EXPECT_FALSE(metric_error(metric_field("strain_p99"), field)) << "it has no bar";
         bars.message = "the wall was not solved";
         EXPECT_FALSE(metric_error(metric_field("opening_width_mm"), field));

@@ -31,11 +31,12 @@ namespace report_test {
         return m;
     }
 
-    void add_bars(FieldMetrics& field, double opening_mm, double force_N)
+    void add_bars(FieldMetrics& field, double opening_mm, double force_N, double share = 0.0)
     {
         field.opening_width_mm = 40.0;
         ErrorBars& error = field.error.emplace();
         error.opening_width_mm = opening_mm;
+        error.visible_fraction = share;
         error.hook_force_N = force_N;
         error.hook_forces_N.assign(field.hooks.size(), force_N);
         error.hook_moved_mm.assign(field.hooks.size(), 0.0);
@@ -71,6 +72,7 @@ namespace report_test {
         field.opening_width_mm = 62.1;
         ErrorBars& error = field.error.emplace();
         error.opening_width_mm = 1.3;
+        error.visible_fraction = 0.021;
         error.hook_forces_N = { 1.0, 1.5, 0.5 };
         error.side_forces_N[0] = 2.5;
         error.hook_force_N = 2.5;
@@ -80,11 +82,13 @@ namespace report_test {
         opinion.displacement_difference = 2e-7;
         const auto document = metrics_document({ field }).at("approaches").at(0);
         EXPECT_DOUBLE_EQ(document.at("error_estimate").at("opening_width_mm").get<double>(), 1.3);
+        EXPECT_DOUBLE_EQ(document.at("error_estimate").at("visible_fraction").get<double>(), 0.021);
         EXPECT_DOUBLE_EQ(document.at("error_estimate").at("hook_forces_N").at(1).get<double>(), 1.5);
         EXPECT_DOUBLE_EQ(document.at("error_estimate").at("side_forces_N").at(0).get<double>(), 2.5);
         EXPECT_EQ(document.at("second_opinion").at("status"), "agrees");
         EXPECT_DOUBLE_EQ(document.at("second_opinion").at("displacement_difference").get<double>(), 2e-7);
-        EXPECT_NE(error_text(field).find("opening 62.1 mm +- 1.3, force 22.5 N +- 2.5"), std::string::npos);
+        EXPECT_NE(error_text(field).find("opening 62.1 mm +- 1.3, force 22.5 N +- 2.5, seen 25.0 % +- 2.1"),
+            std::string::npos);
         FieldMetrics driven = field; // what all hooks' forces are was asked for
         for (HookForce& hook : driven.hooks)
             hook.pull.force_N = 10.0;
@@ -235,13 +239,13 @@ namespace report_test {
         report.fields = { sample_field("median"), sample_field("distal") };
         report.fields[1].visible_fraction = 0.5;
         for (FieldMetrics& field : report.fields)
-            add_bars(field, 2.0, 1.0);
+            add_bars(field, 2.0, 1.0, 0.014);
         report.pictures = { { "median", "The surgeon's eye", folder / "a.png" } };
         write_report(folder / "report.html", report);
         const std::string html = content_of(folder / "report.html");
         EXPECT_NE(html.find("Fields &lt;1 &amp; 2&gt;"), std::string::npos);
         EXPECT_NE(html.find("data:image/png;base64,TWFu\""), std::string::npos); // "Man", RFC 4648
-        EXPECT_NE(html.find("<td class=\"best\">50.0 %</td>"), std::string::npos);
+        EXPECT_NE(html.find("<td class=\"best\">50.0 % &plusmn; 1.4 %</td>"), std::string::npos);
         EXPECT_EQ(html.find("src=\"http"), std::string::npos);
         EXPECT_NE(html.find("not a medical device"), std::string::npos);
     }
@@ -278,16 +282,19 @@ namespace report_test {
     {
         FieldMetrics a = sample_field("a"), b = sample_field("b");
         a.visible_fraction = 0.50, b.visible_fraction = 0.46;
-        add_bars(a, 2.0, 1.0); // 5 % of the opening
-        add_bars(b, 2.0, 1.0);
+        a.visible_fraction_central_eye = 0.40, b.visible_fraction_central_eye = 0.37;
+        add_bars(a, 2.0, 1.0, 0.022); // 5 % of the opening
+        add_bars(b, 2.0, 1.0, 0.022);
         a.hook_force_N = 20.0, b.hook_force_N = 21.9;
         std::string html = html_of({ a, b });
-        EXPECT_EQ(html.find("class=\"best\">50.0 %"), std::string::npos) << "0.04 is within 5 % of either";
+        EXPECT_EQ(html.find("class=\"best\">50.0 %"), std::string::npos) << "4 points are within 2.2 + 2.2";
+        EXPECT_EQ(html.find("class=\"best\">40.0 %"), std::string::npos) << "0.03 is within 5 % of either";
         EXPECT_EQ(html.find("class=\"best\">20.0 N"), std::string::npos) << "1.9 N is within 1 + 1 N";
-        b.hook_force_N = 22.1, b.visible_fraction = 0.45;
+        b.hook_force_N = 22.1, b.visible_fraction = 0.45, b.visible_fraction_central_eye = 0.36;
         html = html_of({ a, b });
         EXPECT_NE(html.find("class=\"best\">20.0 N"), std::string::npos);
         EXPECT_NE(html.find("class=\"best\">50.0 %"), std::string::npos);
+        EXPECT_NE(html.find("class=\"best\">40.0 %"), std::string::npos);
         EXPECT_NE(html.find("whose bar is 5.0 % (a), 5.0 % (b) of its width"), std::string::npos);
         b.error->message = "not converged";
         html = html_of({ a, b });

@@ -3,6 +3,9 @@
 #include "fem/error_estimation/error_estimate.h"
 #include "fem/statics/opening.h"
 #include "mesh/tetrahedra/tet_mesh.h"
+#include "planner/plan/plan.h"
+#include "planner/wall/field_geometry.h"
+#include "tests/support/block_case.h"
 
 #include <gtest/gtest.h>
 
@@ -53,11 +56,50 @@ namespace error_bars_test {
             const Points& u = field.opening.displacement;
             if (ten_node)
                 wound.ten_node = Eigen::Map<const Eigen::VectorXd>(u.data(), u.size());
-            const ErrorBars bars = estimate_errors(field, wound, choice, {});
+            const ErrorBars bars = estimate_errors(field, wound, choice, [](const Points&) { return 0.0; }, {});
             EXPECT_NE(bars.message.find("too large or too flat for an error estimate"), std::string::npos)
                 << to_string(element) << ": " << bars.message;
             EXPECT_TRUE(bars.hook_forces_N.empty());
         }
+    }
+
+    /// Where the share is a multiple of the opening's width, its bar is the same multiple of the width's bar: for held
+    /// hooks, and for hooks that pull with a force, which move in the comparison solution.
+    TEST(ErrorBars, TheShareSeenHasItsBarAsTheOpeningHas)
+    {
+        constexpr double kSharePerMm = 0.01, kRoundOff = 1e-12;
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        Patient patient(test_support::block_case("share", phantom));
+        for (const bool driven : { false, true })
+            for (const ElementKind element : { ElementKind::p1, ElementKind::locking_free }) {
+                const SolverSettings choice { .elasticity = fem::Elasticity::linear, .element = element };
+                Case planned_case = patient.planned_case();
+                planned_case.solution = choice;
+                planned_case.accept_implausible = true;
+                Patient same(planned_case);
+                Approach approach
+                    = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 6.0);
+                if (driven)
+                    for (HookSpec& hook : approach.hooks) {
+                        hook.pull.force_N = 2.0;
+                        hook.opening_mm = 0.0;
+                    }
+                PlannedField field = plan_approach(same, approach, {}, { .error_bars = false });
+                ASSERT_EQ(field.status, PlanStatus::done) << field.message;
+                const mesh::SweptBlade blade(blade_of(field.approach));
+                const WoundEdges edges = wound_edges(field.wall, field.lips, blade);
+                int calls = 0;
+                const SeenShare share_of_width = [&](const Points& displacement) {
+                    ++calls;
+                    return kSharePerMm * opening_geometry(edges, field.wall, displacement).width_mm;
+                };
+                field.exposure.visible_fraction = kSharePerMm * field.geometry.width_mm;
+                const ErrorBars bars = estimate_errors(field, {}, choice, share_of_width, {});
+                ASSERT_EQ(bars.message, "");
+                EXPECT_GT(bars.opening_width_mm, 0.0);
+                EXPECT_NEAR(bars.visible_fraction, kSharePerMm * bars.opening_width_mm, kRoundOff);
+                EXPECT_EQ(calls, (driven ? 2 : 1) + (element == ElementKind::locking_free ? 1 : 0));
+            }
     }
 
 } // namespace error_bars_test

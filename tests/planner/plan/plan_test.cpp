@@ -63,6 +63,8 @@ namespace plan_test {
         EXPECT_LT(bars.hook_force_N, open.metrics.hook_force_N);
         EXPECT_GT(bars.opening_width_mm, 0.0);
         EXPECT_LT(bars.opening_width_mm, open.metrics.opening_width_mm);
+        EXPECT_GT(bars.visible_fraction, 0.0);
+        EXPECT_LT(bars.visible_fraction, open.metrics.visible_fraction);
         ASSERT_TRUE(bars.energy.has_value());
         EXPECT_LT(bars.energy->algebraic_error, 0.1 * bars.energy->energy_error);
         // The target's near pole lies 40 mm below the skin.
@@ -124,6 +126,9 @@ namespace plan_test {
         EXPECT_GE(accuracy.rounds, 2);
         EXPECT_LT(accuracy.edge_mm, 0.81 * edge);
         EXPECT_EQ(accuracy.ended_by == AccuracyEnd::reached, accuracy.reached_force.value() <= goal.force);
+        constexpr double kSamples = 0.01; // of the target's samples, at the rim of what is seen
+        EXPECT_NEAR(finer.front().metrics.visible_fraction, once.front().metrics.visible_fraction,
+            finer.front().metrics.error->visible_fraction + bars.visible_fraction + kSamples);
         EXPECT_EQ(finer.front().approach.sizing.corridor_edge_mm, finer.front().metrics.solution.mesh.corridor_edge_mm);
     }
 

@@ -210,6 +210,7 @@ Contact::Contact(const mesh::TetMesh& mesh, const std::vector<Lame>& lame, Conta
         fixed.bottomRows(surface.vertices.rows()) = surface.vertices;
         for (const auto& t : surface.triangles)
             triangles.push_back({ t[0] + before, t[1] + before, t[2] + before });
+        fixed_end_.push_back(static_cast<VertexId>(fixed.rows()));
     }
     options_.fixed.clear(); // the surfaces are kept in fixed_ only
     fixed_ = surface_of(std::move(fixed), std::move(triangles));
@@ -421,15 +422,10 @@ double Contact::add_response(const Eigen::VectorXd& u, Eigen::VectorXd& forces) 
     return energy(u);
 }
 
-BlockPattern Contact::pattern(const BlockPattern& body) const
+BlockPattern extended_pattern(const BlockPattern& body, std::vector<std::pair<std::int32_t, std::int32_t>> more)
 {
-    std::vector<std::pair<std::int32_t, std::int32_t>> more; // additional entries: row and column
-    for (const ContactPair& pair : pairs_)
-        for (const std::int32_t row : pair.node)
-            for (const std::int32_t column : pair.node)
-                if (column >= 0 && row >= column)
-                    more.emplace_back(row, column);
     std::sort(more.begin(), more.end());
+    more.erase(std::unique(more.begin(), more.end()), more.end());
     BlockPattern pattern;
     pattern.row_start.push_back(0);
     auto next = more.begin();
@@ -444,6 +440,49 @@ BlockPattern Contact::pattern(const BlockPattern& body) const
         pattern.row_start.push_back(static_cast<std::int32_t>(pattern.column.size()));
     }
     return pattern;
+}
+
+BlockPattern Contact::pattern(const BlockPattern& body) const
+{
+    std::vector<std::pair<std::int32_t, std::int32_t>> more; // additional entries: row and column
+    for (const ContactPair& pair : pairs_)
+        for (const std::int32_t row : pair.node)
+            for (const std::int32_t column : pair.node)
+                if (column >= 0 && row >= column)
+                    more.emplace_back(row, column);
+    return extended_pattern(body, std::move(more));
+}
+
+BlockPattern Contact::pattern_with_neighbours(const BlockPattern& body) const
+{
+    std::vector<std::pair<std::int32_t, std::int32_t>> more;
+    for (const ContactPair& pair : pairs_) {
+        if (pair.node[0] < 0 || pair.node[1] < 0) // one element holds all nodes, or there is only one node
+            continue;
+        for (std::size_t corner = 1; corner < pair.node.size(); ++corner)
+            for (const std::int32_t t : body_.around[static_cast<std::size_t>(pair.node[corner])])
+                for (const VertexId v : body_.triangles[static_cast<std::size_t>(t)])
+                    more.emplace_back(std::max(v, pair.node[0]), std::min(v, pair.node[0]));
+    }
+    return extended_pattern(pattern(body), std::move(more));
+}
+
+bool Contact::is_within(const BlockPattern& pattern) const
+{
+    if (pattern.row_start.empty())
+        return pairs_.empty();
+    const auto has = [&](std::int32_t row, std::int32_t column) {
+        const auto begin = pattern.column.begin() + pattern.row_start[static_cast<std::size_t>(row)];
+        const auto end = pattern.column.begin() + pattern.row_start[static_cast<std::size_t>(row) + 1];
+        return std::binary_search(begin, end, column);
+    };
+    return std::all_of(pairs_.begin(), pairs_.end(), [&](const ContactPair& pair) {
+        for (const std::int32_t row : pair.node)
+            for (const std::int32_t column : pair.node)
+                if (column >= 0 && row >= column && !has(row, column))
+                    return false;
+        return true;
+    });
 }
 
 void Contact::add_stiffness(const Eigen::VectorXd& u, double projected, BlockMatrix& matrix) const
@@ -474,6 +513,16 @@ void Contact::add_stiffness(const Eigen::VectorXd& u, double projected, BlockMat
     }
 }
 
+std::optional<std::size_t> Contact::fixed_surface_of(const ContactPair& pair) const
+{
+    const std::int32_t node = std::min(pair.node[0], pair.node[1]);
+    if (node >= 0)
+        return std::nullopt;
+    const auto surface = std::upper_bound(fixed_end_.begin(), fixed_end_.end(), ~node);
+    RETRACTOR_ASSERT(surface != fixed_end_.end());
+    return static_cast<std::size_t>(surface - fixed_end_.begin());
+}
+
 Contact::State Contact::state(const Eigen::VectorXd& u) const
 {
     State state;
@@ -487,6 +536,7 @@ Contact::State Contact::state(const Eigen::VectorXd& u) const
         if (-depth > state.penetration) {
             state.penetration = -depth;
             state.place = p;
+            state.fixed = fixed_surface_of(pair);
         }
     }
     return state;

@@ -24,6 +24,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace retractor::fem {
@@ -46,6 +47,10 @@ struct PlaneDistance {
     Eigen::Matrix<double, 12, 12> hessian;
 };
 PlaneDistance plane_distance(const Vec3& point, const std::array<Vec3, 3>& face);
+
+/// A pattern with more blocks.
+/// @param more rows and columns of the blocks, row >= column; blocks may repeat, and may be in the pattern
+BlockPattern extended_pattern(const BlockPattern& body, std::vector<std::pair<std::int32_t, std::int32_t>> more);
 
 struct ContactPair {
     /// The point, then the corners of the face. Numbers >= 0 are nodes of the body; ~i is vertex i of the fixed
@@ -78,6 +83,11 @@ public:
     double add_response(const Eigen::VectorXd& u, Eigen::VectorXd& forces) const;
     /// The body's pattern, extended by blocks that couple the nodes of each pair.
     BlockPattern pattern(const BlockPattern& body) const;
+    /// The same pattern with blocks that also couple each point with all faces round the corners of its face. A point
+    /// that slides to one of these faces needs no other pattern.
+    BlockPattern pattern_with_neighbours(const BlockPattern& body) const;
+    /// Whether a pattern couples the nodes of each pair.
+    bool is_within(const BlockPattern& pattern) const;
     /// Adds the second derivative of the energy to a matrix with the pattern of pattern(). The part from the turning
     /// of the planes is indefinite and is added only with the share 1 - `projected`.
     void add_stiffness(const Eigen::VectorXd& u, double projected, BlockMatrix& matrix) const;
@@ -86,6 +96,8 @@ public:
         std::size_t touching = 0; ///< number of pairs with a force
         double penetration = 0.0; ///< largest penetration, mm
         Vec3 place = Vec3::Zero(); ///< place of the largest penetration, mm
+        /// Fixed surface of the largest penetration, as in ContactOptions::fixed; not set: the body with itself.
+        std::optional<std::size_t> fixed {};
         double force_N = 0.0; ///< sum of the force magnitudes of all pairs, N
     };
     State state(const Eigen::VectorXd& u) const;
@@ -140,8 +152,11 @@ private:
     Vec3 place(const Eigen::VectorXd& u, std::int32_t node) const;
     std::array<Vec3, 4> corners(const Eigen::VectorXd& u, const ContactPair& pair) const;
 
+    std::optional<std::size_t> fixed_surface_of(const ContactPair& pair) const;
+
     ContactOptions options_;
     Surface body_, fixed_;
+    std::vector<VertexId> fixed_end_; ///< per fixed surface: the number after its last vertex in fixed_
     std::vector<double> modulus_per_edge_; ///< P-wave modulus over edge length, one per node of the body, N/mm^3
     std::vector<double> edge_; ///< edge length, one per node of the body, mm
     std::optional<mesh::TriangleProximity> near_fixed_;

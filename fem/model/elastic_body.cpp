@@ -223,8 +223,10 @@ bool ElasticBody::find_contact(const Eigen::VectorXd& u, Contact::Pairing pairin
     RETRACTOR_ASSERT(contact_.has_value());
     if (!contact_->find(u, pairing))
         return false;
-    make_pattern();
-    stiffness_.values.assign(9 * stiffness_.pattern.block_count(), 0.0);
+    if (map_.empty() || !contact_->is_within(stiffness_.pattern)) {
+        make_pattern();
+        stiffness_.values.assign(9 * stiffness_.pattern.block_count(), 0.0);
+    }
     return true;
 }
 
@@ -236,9 +238,10 @@ void ElasticBody::make_pattern()
     } else {
         if (elements_pattern_.row_start.empty())
             elements_pattern_ = elements();
-        stiffness_.pattern = contact_->pattern(elements_pattern_);
+        stiffness_.pattern = contact_->pattern_with_neighbours(elements_pattern_);
     }
     map_ = element_block_map(mesh_, stiffness_.pattern);
+    ++patterns_made_;
 }
 
 void ElasticBody::avoid_locking(const AveragingScheme& scheme)

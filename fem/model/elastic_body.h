@@ -60,9 +60,12 @@ public:
     /// Locking-free elements are then assembled separately: their pattern is a part of the whole pattern.
     void set_contact(Contact contact);
     const Contact* contact() const { return contact_ ? &*contact_ : nullptr; }
-    /// Calls Contact::find(). A change of the pairs changes the pattern of the stiffness.
+    /// Calls Contact::find(). A change of the pairs changes the pattern of the stiffness where the present pattern does
+    /// not couple the nodes of a pair.
     /// @return whether the pairs changed.
     bool find_contact(const Eigen::VectorXd& displacement, Contact::Pairing pairing = Contact::Pairing::all_anew);
+    /// How often the pattern of the stiffness was made. A solver analyses the pattern again when the number changes.
+    std::size_t patterns_made() const { return patterns_made_; }
 
     /// Replaces four-node elements by locking-free elements (locking_free.h), whose matrix has more entries.
     /// @throws InputError on ten-node elements and on the corotational_linear model.
@@ -133,6 +136,7 @@ private:
     std::optional<Contact> contact_;
     BlockPattern elements_pattern_; ///< pattern of the elements alone, kept when there is contact
     std::vector<std::int32_t> map_;
+    std::size_t patterns_made_ = 0;
     BlockMatrix stiffness_;
     std::vector<double> second_half_; ///< matrix values of the second half of the elements, before they are added
 };

@@ -28,12 +28,13 @@ namespace {
     class Newton {
     public:
         Newton(ElasticBody& body, ConstrainedSolver& solver, const EquilibriumOptions& options, const Job& job,
-            Equilibrium& result, bool& assembled)
+            Equilibrium& result, std::size_t& pattern, bool& assembled)
             : body_(body)
             , solver_(solver)
             , options_(options)
             , job_(job)
             , result_(result)
+            , pattern_(pattern)
             , assembled_(assembled)
             , stiffest_(largest_diagonal(body.last_stiffness()))
         {
@@ -103,9 +104,12 @@ namespace {
         {
             if (body_.contact() == nullptr || !body_.find_contact(u_, pairing))
                 return false;
-            const Stopwatch watch;
-            solver_ = ConstrainedSolver(body_.last_stiffness().pattern, solver_.prescribed());
-            result_.factor_seconds += watch.seconds();
+            if (pattern_ != body_.patterns_made()) {
+                const Stopwatch watch;
+                solver_ = ConstrainedSolver(body_.last_stiffness().pattern, solver_.prescribed());
+                pattern_ = body_.patterns_made();
+                result_.factor_seconds += watch.seconds();
+            }
             state_ = respond(u_);
             return true;
         }
@@ -324,6 +328,7 @@ namespace {
         const EquilibriumOptions& options_;
         const Job& job_;
         Equilibrium& result_;
+        std::size_t& pattern_; ///< as EquilibriumSolver::pattern_
         bool& assembled_;
         double stiffest_; ///< largest diagonal entry of the stiffness, N/mm
         double reach_ = 0.0; ///< mm: largest displacement of a start state
@@ -571,19 +576,20 @@ Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::u
     RETRACTOR_ASSERT(target.size() == start.size() && prescribed.size() == static_cast<std::size_t>(start.size()));
     Equilibrium result;
     const bool other_pairs = body.contact() != nullptr && body.find_contact(start);
-    if (!solver_ || solver_->prescribed() != prescribed || other_pairs) {
+    if (!assembled_ || other_pairs || body.patterns_made() == 0) {
         const Stopwatch watch;
-        if (!assembled_ || other_pairs) {
-            (void)body.stiffness(start, 1.0);
-            assembled_ = true;
-            result.assemble_seconds += watch.seconds();
-            record_part(job, "assembly", watch, body.bytes());
-        }
+        (void)body.stiffness(start, 1.0);
+        assembled_ = true;
+        result.assemble_seconds += watch.seconds();
+        record_part(job, "assembly", watch, body.bytes());
+    }
+    if (!solver_ || solver_->prescribed() != prescribed || pattern_ != body.patterns_made()) {
         const Stopwatch analysis;
         solver_.emplace(body.last_stiffness().pattern, prescribed);
+        pattern_ = body.patterns_made();
         result.factor_seconds += analysis.seconds();
     }
-    Newton newton(body, *solver_, options, job, result, assembled_);
+    Newton newton(body, *solver_, options, job, result, pattern_, assembled_);
     if (body.has_loads())
         body.set_load_share(body.model() == Elasticity::linear ? 1.0 : options.load_at_start);
     newton.start_from(start);

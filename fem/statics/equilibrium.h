@@ -34,6 +34,7 @@
 
 #include <Eigen/Core>
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -80,6 +81,7 @@ public:
 
 private:
     std::optional<ConstrainedSolver> solver_;
+    std::size_t pattern_ = 0; ///< ElasticBody::patterns_made() of the pattern that solver_ has analysed
     bool assembled_ = false;
 };
 

@@ -5,8 +5,8 @@
 #include "fem/statics/equilibrium.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/error.h"
-#include "mesh/cutting/cut_session.h"
 #include "tests/support/hooked_block.h"
+#include "tests/support/pushed_lips.h"
 #include "tests/support/reference_problems.h"
 
 #include <gtest/gtest.h>
@@ -175,6 +175,61 @@ namespace contact_test {
         }
     }
 
+    /// A point that slides over the edge of its face finds the blocks of the next face in the pattern, and more blocks
+    /// change nothing but zeros.
+    TEST(Contact, ThePatternHoldsTheFacesRoundThoseOfThePairs)
+    {
+        Pressed p(true);
+        const BlockPattern body = block_pattern(p.mesh);
+        BlockMatrix exact { p.contact.pattern(body), {} }, wide { p.contact.pattern_with_neighbours(body), {} };
+        EXPECT_FALSE(p.contact.is_within(body));
+        EXPECT_TRUE(p.contact.is_within(exact.pattern));
+        EXPECT_TRUE(p.contact.is_within(wide.pattern));
+        for (BlockMatrix* K : { &exact, &wide }) {
+            K->values.assign(9 * K->pattern.block_count(), 0.0);
+            p.contact.add_stiffness(p.u, 0.0, *K);
+        }
+        std::mt19937 random(11);
+        std::uniform_real_distribution<double> any(-1.0, 1.0);
+        Eigen::VectorXd d(p.u.size());
+        for (double& x : d)
+            x = any(random);
+        EXPECT_LT((exact.multiply(d) - wide.multiply(d)).norm(), 1e-12 * exact.multiply(d).norm());
+        Eigen::VectorXd slid = p.u;
+        for (Eigen::Index v = 0; v < p.mesh.vertices.rows(); ++v)
+            if (p.mesh.vertices(v, 2) > kLow + 0.1) { // the upper block alone, by a third of an edge
+                slid[3 * v] -= 0.3 * kEdge;
+                slid[3 * v + 1] += 0.2 * kEdge;
+            }
+        EXPECT_TRUE(p.contact.find(slid));
+        EXPECT_FALSE(p.contact.is_within(exact.pattern));
+        EXPECT_TRUE(p.contact.is_within(wide.pattern));
+    }
+
+    TEST(Contact, TheDeepestPlaceNamesItsSurface)
+    {
+        const mesh::TetMesh mesh = mesh::kuhn_box(4, 4, 3, kEdge);
+        TriMesh floor = Pressed::floor(), wall;
+        floor.vertices.col(2).setConstant(-1.0);
+        wall.vertices.resize(4, 3);
+        wall.vertices << 12, -50, -50, 12, -50, 60, 12, 60, 60, 12, 60, -50;
+        wall.triangles = { { 0, 1, 2 }, { 0, 2, 3 } };
+        Contact contact(mesh, std::vector<Lame>(mesh.tet_count(), Lame { 0.01, 0.03 }), { .fixed = { floor, wall } });
+        const auto moved = [&](const Vec3& by) {
+            Eigen::VectorXd u(3 * mesh.vertices.rows());
+            for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+                u.segment<3>(3 * v) = by;
+            (void)contact.find(u);
+            return contact.state(u);
+        };
+        EXPECT_FALSE(moved(Vec3::Zero()).fixed);
+        EXPECT_EQ(moved(Vec3(0.0, 0.0, -1.5)).fixed, 0U);
+        EXPECT_EQ(moved(Vec3(3.0, 0.0, -1.5)).fixed, 1U) << "1 mm behind the wall, and half a mm behind the floor";
+        Pressed both(false);
+        EXPECT_GT(both.contact.state(both.u).penetration, 0.0);
+        EXPECT_FALSE(both.contact.state(both.u).fixed) << "the two blocks are one body";
+    }
+
     TEST(Contact, PairsAreKeptWhereOnlyNewOnesAreAskedFor)
     {
         Pressed p(true);
@@ -283,44 +338,9 @@ namespace contact_test {
         EXPECT_NEAR(depth[0] / depth[1], 10.0, 3.0); // the force is nearly the same
     }
 
-    /// A box with a cut in its top, and hooks at some distance on both sides of it that push the lips together.
-    struct Lips {
-        ElasticProblem problem;
-        std::vector<std::pair<VertexId, VertexId>> pairs; ///< in one place at rest, one on each lip
-    };
-
-    Lips lips_pushed(double each_side)
-    {
-        const mesh::TetMesh box = mesh::kuhn_box(12, 8, 3, 4.0);
-        mesh::CutSession session(box);
-        // Round the middle x = 24, y from 6 to 26; upright.
-        const mesh::Blade blade {
-            .line = { Vec3(24.0, 6.0, 12.0), Vec3(24.0, 26.0, 12.0) }, .directions = { -Vec3::UnitZ() }, .depth_mm = 8.0
-        };
-        EXPECT_EQ(session.cut(blade).status, mesh::CutStatus::done);
-        mesh::SlotMap map;
-        Lips lips;
-        ElasticProblem& p = lips.problem;
-        p.mesh = session.compact_mesh(&map);
-        p.material_of_label = { {}, test_support::material(0.02, 0.4) };
-        p.hooks = { { "left", -1, {}, Vec3(each_side, 0.0, 0.0) }, { "right", 1, {}, Vec3(-each_side, 0.0, 0.0) } };
-        for (VertexId v = 0; v < p.mesh.vertices.rows(); ++v) {
-            const Vec3 x = p.mesh.vertices.row(v).transpose();
-            if (x.z() == 0.0)
-                p.supports.fixed.push_back(v);
-            else if (x.z() == 12.0 && std::abs(x.y() - 16.0) < 7.0 && std::abs(x.x() - 24.0) > 6.0
-                && std::abs(x.x() - 24.0) < 14.0)
-                p.hooks[x.x() < 24.0 ? 0 : 1].nodes.push_back(v);
-            for (VertexId w = 0; w < v; ++w)
-                if (p.mesh.vertices.row(w) == p.mesh.vertices.row(v))
-                    lips.pairs.emplace_back(w, v);
-        }
-        return lips;
-    }
-
     /// How far the lips have passed through each other: elements' middles of each lip's side beyond the other's, by the
     /// pairs of vertices that were one at rest. The left lip's vertex of a pair is found by its elements.
-    double passed_through(const Lips& lips, const Points& displacement)
+    double passed_through(const PushedLips& lips, const Points& displacement)
     {
         const mesh::TetMesh& mesh = lips.problem.mesh;
         std::vector<double> side(mesh.vertex_count(), 0.0);
@@ -342,7 +362,7 @@ namespace contact_test {
 
     TEST(Contact, LipsPushedTogetherDoNotPassThroughEachOther)
     {
-        const Lips lips = lips_pushed(3.0); // a quarter of what lies between the hooks, from each side
+        const PushedLips lips = lips_pushed(3.0); // a quarter of what lies between the hooks, from each side
         ASSERT_GT(lips.pairs.size(), 10U);
         for (const Elasticity elasticity : { Elasticity::linear, Elasticity::corotational }) {
             OpeningOptions without = with_contact(elasticity);
@@ -363,7 +383,7 @@ namespace contact_test {
 
     TEST(Contact, LipsOfLockingFreeElementsHoldEachOtherOff)
     {
-        Lips lips = lips_pushed(3.0);
+        PushedLips lips = lips_pushed(3.0);
         constexpr double kShare = 0.05; // of an edge of 4 mm
         const auto pushed = [&](double poissons_ratio, bool locking_free, bool ten_nodes) {
             lips.problem.material_of_label[1] = test_support::material(0.02, poissons_ratio);
@@ -391,7 +411,7 @@ namespace contact_test {
 
     TEST(Contact, WhatLipsOfLockingFreeElementsPushEachOtherWithCancels)
     {
-        const Lips lips = lips_pushed(3.0);
+        const PushedLips lips = lips_pushed(3.0);
         const ElasticProblem& p = lips.problem;
         ElasticBody body = tissue_body(p.mesh, p.material_of_label, { Elasticity::corotational, true });
         body.set_contact(Contact(p.mesh, element_parameters(p.mesh, p.material_of_label), {}));
@@ -418,7 +438,7 @@ namespace contact_test {
 
     TEST(Contact, LipsDrawnApartAreNotHeldTogether)
     {
-        const Lips lips = lips_pushed(-3.0);
+        const PushedLips lips = lips_pushed(-3.0);
         OpeningOptions options = with_contact(Elasticity::corotational);
         const OpeningResult with = opened(lips.problem, options);
         options.contact.reset();

@@ -50,8 +50,7 @@ struct Case {
     mesh::LabelTable label_table; ///< the whole table of the label volume: names, materials, roles
     fem::MaterialTable materials = fem::default_materials();
     SupportSpec supports;
-    /// Lips and organs hold each other off (fem/model/contact.h); otherwise they pass through each other.
-    bool contact = false;
+    ContactMode contact = ContactMode::automatic; ///< of all approaches
     SolverSettings solution; ///< solver settings of all approaches
     std::vector<PressureSpec> pressures; ///< pressures on the wall
     SizingSpec sizing; ///< sizing of new approaches

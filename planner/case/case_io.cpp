@@ -103,6 +103,8 @@ namespace {
                 require(key);
         }
         bool is_object() const { return json_.is_object(); }
+        bool is_boolean() const { return json_.is_boolean(); }
+        bool is_text() const { return json_.is_string(); }
         bool has(std::string_view key) const { return json_.contains(key); }
         /// The value of a key, which must be there.
         Node operator[](std::string_view key) const
@@ -342,7 +344,7 @@ namespace {
                 labels.required("table", whole.label_table);
             });
             io.required("materials", whole.materials, "supports", whole.supports);
-            io.optional("contact", whole.contact, whole.contact);
+            io.optional("contact", whole.contact, whole.contact != ContactMode::automatic);
             io.optional("pressures", whole.pressures, !whole.pressures.empty());
             io.optional("solution", whole.solution, !(whole.solution == SolverSettings {}));
             io.required("sizing", whole.sizing, "approaches", whole.approaches, "views", whole.views);
@@ -461,6 +463,15 @@ namespace {
         static void read(const Node& node, ElementKind& element)
         {
             element = known(node, element_from_string(node.text()), "must be p1, locking-free or p2");
+        }
+        static void read(const Node& node, ContactMode& contact)
+        {
+            if (node.is_boolean())
+                contact = node.boolean() ? ContactMode::always : ContactMode::never;
+            else if (node.is_text() && node.text() == to_string(ContactMode::automatic))
+                contact = ContactMode::automatic;
+            else
+                node.refuse("must be true, false or \"auto\"");
         }
         static void read(const Node& node, LoosePieces& policy)
         {
@@ -627,6 +638,13 @@ namespace {
             return list;
         }
         static Json written(const fs::path& path) { return path.generic_string(); }
+        /// As the file has it: true, false or "auto".
+        static Json written(const ContactMode& contact)
+        {
+            if (contact == ContactMode::automatic)
+                return std::string(to_string(contact));
+            return contact == ContactMode::always;
+        }
         static Json written(const Vec3& v) { return Json::array({ v.x(), v.y(), v.z() }); }
 
         static Json written(const fem::PreStrain& tension)

@@ -21,6 +21,11 @@ namespace {
         { ElementKind::locking_free, "locking-free" },
         { ElementKind::p2, "p2" },
     } };
+    constexpr std::array<std::pair<ContactMode, std::string_view>, 3> kContactModes { {
+        { ContactMode::automatic, "auto" },
+        { ContactMode::always, "on" },
+        { ContactMode::never, "off" },
+    } };
 
     template <class Value, class Names> std::string_view name_of(const Names& names, Value value)
     {
@@ -42,6 +47,7 @@ namespace {
 
 std::string_view to_string(fem::Elasticity elasticity) { return name_of(kElasticities, elasticity); }
 std::string_view to_string(ElementKind element) { return name_of(kElements, element); }
+std::string_view to_string(ContactMode contact) { return name_of(kContactModes, contact); }
 
 std::optional<fem::Elasticity> elasticity_from_string(std::string_view text)
 {
@@ -49,6 +55,11 @@ std::optional<fem::Elasticity> elasticity_from_string(std::string_view text)
 }
 
 std::optional<ElementKind> element_from_string(std::string_view text) { return value_of<ElementKind>(kElements, text); }
+
+std::optional<ContactMode> contact_mode_from_string(std::string_view text)
+{
+    return value_of<ContactMode>(kContactModes, text);
+}
 
 double largest_poissons_ratio(ElementKind element)
 {
@@ -97,7 +108,7 @@ void check_accuracy(const AccuracyGoal& goal)
             place + "time", { "time" });
 }
 
-void check_solution(const SolverSettings& choice, bool contact)
+void check_solution(const SolverSettings& choice, ContactMode contact)
 {
     if (choice.accuracy)
         check_accuracy(*choice.accuracy);
@@ -116,10 +127,10 @@ void check_solution(const SolverSettings& choice, bool contact)
         throw InputError("locking-free elements are averaged across the border between nonlinear and linear tissue: "
                          "choose p1 or p2, or remove near_mm",
             "/solution", { "element", "near_mm" });
-    if (near && contact)
+    if (near && contact == ContactMode::always)
         throw InputError(
             "contact needs the whole wall nonlinear, because the condensed tissue beyond near_mm has no surface for "
-            "contact, and contact changes the matrix that near_mm factors once: remove contact or near_mm",
+            "contact, and contact changes the matrix that near_mm factors once: let contact be auto, or remove near_mm",
             "/solution/near_mm", { "near_mm", "contact" });
 }
 

@@ -17,6 +17,14 @@ enum class ElementKind {
     p2, ///< ten nodes
 };
 
+/// Whether the lips of the wound, and wall and organs that stay, hold each other off (fem/model/contact.h). Without
+/// contact they pass through each other.
+enum class ContactMode {
+    automatic, ///< where they would pass through each other (planner/plan/contact_where_needed.h)
+    always,
+    never,
+};
+
 /// How small the error bars of a plan shall be, and the time for it (planner/plan/accurate_plan.h).
 struct AccuracyGoal {
     double force = 0.15; ///< half-width of the force's bar over the force; kFinestForce to 1
@@ -42,11 +50,13 @@ struct SolverSettings {
     bool operator==(const SolverSettings&) const = default;
 };
 
-/// Names in files: "linear", "corotational", "hyperelastic"; "p1", "locking-free", "p2".
+/// Names in files: "linear", "corotational", "hyperelastic"; "p1", "locking-free", "p2"; "auto", "on", "off".
 std::string_view to_string(fem::Elasticity elasticity);
 std::string_view to_string(ElementKind element);
+std::string_view to_string(ContactMode contact);
 std::optional<fem::Elasticity> elasticity_from_string(std::string_view text);
 std::optional<ElementKind> element_from_string(std::string_view text);
+std::optional<ContactMode> contact_mode_from_string(std::string_view text);
 
 /// The largest Poisson's ratio of these elements. A larger ratio of a material is replaced by this one.
 double largest_poissons_ratio(ElementKind element);
@@ -61,9 +71,8 @@ std::string solution_text(const SolverSettings& choice);
 void check_accuracy(const AccuracyGoal& goal);
 
 /// Checks that the settings can be combined.
-/// @param contact whether contact between surfaces is computed
 /// @throws InputError naming two contradictory settings, or a distance that is negative or not finite; as
 /// check_accuracy()
-void check_solution(const SolverSettings& choice, bool contact);
+void check_solution(const SolverSettings& choice, ContactMode contact);
 
 } // namespace retractor::planner

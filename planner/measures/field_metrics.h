@@ -176,13 +176,21 @@ struct SecondOpinion {
     double seconds = 0.0, own_seconds = 0.0;
 };
 
-/// Contact between surfaces; filled when contact was requested.
+/// Contact of the lips with each other, and of the wall with organs that stay; filled unless contact was refused.
 struct ContactMetrics {
-    std::size_t touching = 0; ///< number of points in contact
+    /// Whether surfaces pass through each other where contact is not computed; not set: not tested, because contact was
+    /// asked for in any case, or because of `message`.
+    std::optional<bool> needed {};
+    bool computed = true; ///< false: surfaces may pass through each other
+    std::size_t touching = 0; ///< number of points in contact; 0 without contact
+    /// Where contact is computed: what the penalty leaves. Where it is not: how far surfaces pass through each other.
     double largest_penetration_mm = 0.0;
+    Vec3 at = Vec3::Zero(); ///< place of the largest penetration in the opened wound, mm; zero without one
+    std::string with {}; ///< label of the organ of the largest penetration; empty: of the wall with itself
     double force_N = 0.0; ///< sum of the magnitudes of the points' forces
     /// Largest overlap of the surfaces at rest; the solution keeps this overlap, without a force.
     double overlap_at_rest_mm = 0.0;
+    std::string message {}; ///< why contact is needed and not computed, or why it was not tested
 };
 
 /// Soft tissue that does not keep its volume (volume_failures.h).

@@ -288,12 +288,29 @@ namespace {
         return json;
     }
 
+    Json contact_document(const FieldMetrics& field, const ContactMetrics& contact)
+    {
+        Json json;
+        if (contact.needed)
+            json["needed"] = *contact.needed;
+        json["computed"] = contact.computed;
+        json["touching_points"] = contact.touching;
+        put(json, field, "largest_penetration_mm", contact.largest_penetration_mm);
+        if (contact.largest_penetration_mm > 0.0) {
+            json["at_mm"] = { contact.at.x(), contact.at.y(), contact.at.z() };
+            json["with"] = contact.with;
+        }
+        put(json, field, "force_N", contact.force_N);
+        put(json, field, "overlap_at_rest_mm", contact.overlap_at_rest_mm);
+        if (!contact.message.empty())
+            json["message"] = contact.message;
+        return json;
+    }
+
     void put_surfaces(Json& json, const FieldMetrics& field)
     {
         if (field.contact)
-            json["contact"] = { { "touching_points", field.contact->touching },
-                { "largest_penetration_mm", field.contact->largest_penetration_mm },
-                { "force_N", field.contact->force_N }, { "overlap_at_rest_mm", field.contact->overlap_at_rest_mm } };
+            json["contact"] = contact_document(field, *field.contact);
         for (const PressureMetrics& pressure : field.pressures)
             json["pressures"].push_back({ { "label", pressure.label }, { "pressure_kPa", pressure.pressure_kPa },
                 { "area_mm2", pressure.area_mm2 },
@@ -541,13 +558,28 @@ std::string contact_text(const FieldMetrics& field)
     RETRACTOR_ASSERT(field.contact);
     const ContactMetrics& contact = *field.contact;
     std::string text = "contact: nothing touches";
-    if (contact.touching != 0)
+    if (!contact.computed && !contact.needed)
+        text = "contact: not tested: " + contact.message;
+    else if (!contact.computed && *contact.needed)
+        text = "contact: "
+            + (contact.with.empty() ? std::string("the wall passes through itself")
+                                    : "the wall passes through the " + readable(contact.with))
+            + formatted(" by up to %.1f mm at %.0f, %.0f, %.0f mm (patient LPS), which contact would prevent; contact "
+                        "was not computed: %s",
+                contact.largest_penetration_mm, contact.at.x(), contact.at.y(), contact.at.z(),
+                contact.message.c_str());
+    else if (contact.touching != 0)
         text = formatted("contact: %zu points touch, with %.1f N in total and a penetration of at most %.2f mm",
             contact.touching, contact.force_N, contact.largest_penetration_mm);
     if (contact.overlap_at_rest_mm > 0.0)
         text += formatted(
             "; surfaces that overlap by up to %.2f mm at rest keep this overlap", contact.overlap_at_rest_mm);
     return text;
+}
+
+bool passes_through(const FieldMetrics& field)
+{
+    return field.contact && !field.contact->computed && field.contact->needed.value_or(false);
 }
 
 std::string hooks_text(const FieldMetrics& field)

@@ -41,8 +41,11 @@ std::string solution_text(const FieldMetrics& field);
 /// One line for people: the tissues' pre-strain, and the gape of the wound by this tension. @pre field.tension
 std::string tension_text(const FieldMetrics& field);
 
-/// One line for people: number, force and penetration of the points in contact. @pre field.contact
+/// One line for people: number, force and penetration of the points in contact, or where surfaces pass through each
+/// other. @pre field.contact
 std::string contact_text(const FieldMetrics& field);
+/// Whether surfaces pass through each other and contact was not computed: the numbers near them are wrong.
+bool passes_through(const FieldMetrics& field);
 
 /// One line for people: whether another program agrees, the difference, and the time.
 std::string opinion_text(const SecondOpinion& opinion);

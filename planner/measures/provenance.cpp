@@ -63,6 +63,19 @@ namespace {
             + (file.sha256.empty() ? std::string() : ", SHA-256 " + file.sha256.substr(0, kDigits) + "...");
     }
 
+    std::string contact_text(ContactMode contact)
+    {
+        switch (contact) {
+        case ContactMode::automatic:
+            return "computed where surfaces would pass through each other";
+        case ContactMode::always:
+            return "computed";
+        case ContactMode::never:
+            break;
+        }
+        return "none: surfaces pass through each other";
+    }
+
     Json file_document(const FileReference& file)
     {
         return { { "path", file.path.generic_string() }, { "sha256", file.sha256 } };
@@ -102,7 +115,7 @@ std::vector<std::pair<std::string, std::string>> provenance_rows(const Provenanc
         { "Labels", file_text(provenance.labels) },
         { "CT", provenance.ct ? file_text(*provenance.ct) : "none" },
         { "Solved as", solution_text(provenance.solution) },
-        { "Contact of lips and organs", provenance.contact ? "computed" : "none: surfaces pass through each other" },
+        { "Contact of lips and organs", contact_text(provenance.contact) },
         { "Pressure on the wall", pressures_text(provenance.pressures) },
         { "Held at", supports_text(provenance.supports) },
     };
@@ -126,7 +139,7 @@ nlohmann::ordered_json provenance_document(const Provenance& provenance)
     json["ct"] = provenance.ct ? file_document(*provenance.ct) : Json();
     json["solution"] = { { "elasticity", to_string(provenance.solution.elasticity) },
         { "element", to_string(provenance.solution.element) }, { "near_mm", provenance.solution.near_mm } };
-    json["contact"] = provenance.contact;
+    json["contact"] = to_string(provenance.contact);
     json["pressures"] = Json::array();
     for (const PressureSpec& pressure : provenance.pressures)
         json["pressures"].push_back({ { "label", pressure.label }, { "pressure_kPa", pressure.pressure_kPa } });

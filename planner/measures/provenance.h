@@ -23,7 +23,7 @@ struct Provenance {
     FileReference labels;
     std::optional<FileReference> ct;
     SolverSettings solution;
-    bool contact = false;
+    ContactMode contact = ContactMode::automatic;
     std::vector<PressureSpec> pressures;
     SupportSpec supports;
     fem::MaterialTable materials; ///< materials of the wall's labels, with Poisson's ratios as the elements take them

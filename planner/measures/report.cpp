@@ -389,7 +389,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         if (field.tension)
             out << "<p>" << escaped(tension_text(field)) << ".</p>";
         if (field.contact)
-            out << "<p>" << escaped(contact_text(field)) << ".</p>";
+            out << (passes_through(field) ? "<p class=\"notice\">" : "<p>") << escaped(contact_text(field)) << ".</p>";
         for (const std::string& implausible : field.implausible)
             out << "<p class=\"notice\">Accepted although implausible: " << escaped(implausible) << "</p>";
         if (field.second_opinion)

@@ -8,6 +8,7 @@
 #include "mesh/base/assert.h"
 #include "planner/approach/hook_patches.h"
 #include "planner/approach/retractors.h"
+#include "planner/plan/contact_where_needed.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/wall_pressure.h"
 
@@ -20,16 +21,6 @@
 namespace retractor::planner {
 
 namespace {
-
-    /// Contact with the organs that stay in place.
-    fem::ContactOptions contact_of(const PlannedField& field, Patient& patient)
-    {
-        fem::ContactOptions contact;
-        for (const mesh::LabelInfo& info : patient.planned_case().label_table)
-            if (stays_in_place(info, field.approach, patient))
-                contact.fixed.push_back(*patient.organ(info.name));
-        return contact;
-    }
 
     Points lip_points(const PlannedField& field)
     {
@@ -64,16 +55,6 @@ namespace {
     }
 
 } // namespace
-
-bool is_usable(const fem::OpeningResult& opening)
-{
-    // Slivers inverted at the rims of hooks do not change a wound of many thousand elements; they are counted and
-    // reported. With a larger share of inverted elements the numbers are wrong.
-    constexpr double kMostInverted = 0.002;
-    return opening.status == fem::OpeningStatus::converged
-        || (opening.status == fem::OpeningStatus::inverted
-            && opening.inverted_elements <= kMostInverted * static_cast<double>(opening.strain.size()));
-}
 
 bool has_condensed_region(const PlannedField& field) { return field.opening.far && field.opening.far->kept; }
 
@@ -142,8 +123,8 @@ namespace {
 
     /// Opens a wall of ten-node elements from the solution of four-node elements at their corners. Most Newton steps
     /// are then made with a matrix of an eighth of the size.
-    void open_from_corners(
-        OpenedWall& opened, const fem::ElasticProblem& problem, fem::OpeningOptions options, const Job& job)
+    void open_from_corners(OpenedWall& opened, const fem::ElasticProblem& problem, fem::OpeningOptions options,
+        const StageTest& goes_on, const Job& job)
     {
         // This residual leaves 0.1 % of the hook forces (fem::OpeningOptions::tolerance), which is little beside the
         // discretisation error of several percent, and takes half of the Newton steps of the default.
@@ -158,6 +139,11 @@ namespace {
         }
         if (!is_usable(coarse)) {
             opened.opening = fem::Opening(problem, options).open(problem.hooks, job);
+            return;
+        }
+        if (goes_on && !goes_on(coarse)) {
+            opened.ended_by_test = true;
+            opened.coarse = std::move(coarse);
             return;
         }
         fem::Opening opening(problem, options);
@@ -183,7 +169,8 @@ namespace {
     }
 
     /// Opens a wall with a retractor. Ten-node elements begin where the retractor is in balance in four-node elements.
-    void open_with_retractor(OpenedWall& opened, const PlannedField& field, fem::OpeningOptions options, const Job& job)
+    void open_with_retractor(OpenedWall& opened, const PlannedField& field, fem::OpeningOptions options,
+        const StageTest& goes_on, const Job& job)
     {
         constexpr double kTenNodeTolerance = 1e-3; // as in open_from_corners()
         constexpr double kTenNodeBalance = 2e-3; // above the error that this residual leaves in the forces
@@ -201,6 +188,11 @@ namespace {
             fem::without_midpoints(problem), frame, drive, options, how, as_stage(job, "opening, four-node elements"));
         if (coarse.opening.status == fem::OpeningStatus::cancelled)
             return take_retractor(opened, frame, std::move(coarse));
+        if (is_usable(coarse.opening) && goes_on && !goes_on(coarse.opening)) {
+            opened.ended_by_test = true;
+            opened.coarse = std::move(coarse.opening);
+            return;
+        }
         std::optional<fem::FrameStart> start;
         if (is_usable(coarse.opening))
             start = fem::FrameStart { coarse.state, at_midpoints(problem.mesh, coarse.opening.displacement),
@@ -217,7 +209,7 @@ namespace {
 } // namespace
 
 OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const fem::HookDrive> drives,
-    fem::OpeningOptions options, const Job& job)
+    fem::OpeningOptions options, const Job& job, const StageTest& goes_on)
 {
     OpenedWall opened;
     if (near_mm > 0.0) {
@@ -229,9 +221,9 @@ OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const 
     opened.hooks = problem.hooks;
     const bool linear = options.elasticity == fem::Elasticity::linear; // one solve, with any start
     if (field.approach.retractor && !problem.hooks.empty()) {
-        open_with_retractor(opened, field, options, job);
+        open_with_retractor(opened, field, options, goes_on, job);
     } else if (drives.empty() && problem.mesh.nodes_per_tet == 10 && near_mm == 0.0 && !linear) {
-        open_from_corners(opened, problem, options, job);
+        open_from_corners(opened, problem, options, goes_on, job);
     } else if (drives.empty()) {
         fem::Opening opening(problem, options);
         opened.opening = opening.open(problem.hooks, job);
@@ -242,7 +234,7 @@ OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const 
         opened.yielded = std::move(driven.yielded);
     }
     fem::OpeningResult& result = opened.opening;
-    if (result.status == fem::OpeningStatus::cancelled)
+    if (result.status == fem::OpeningStatus::cancelled || opened.ended_by_test)
         return opened;
     if (problem.mesh.nodes_per_tet == 10)
         opened.ten_node = Eigen::Map<const Eigen::VectorXd>(result.displacement.data(), result.displacement.size());
@@ -257,9 +249,6 @@ OpenedWound open_wound(
 {
     const Case& planned_case = patient.planned_case();
     const SolverSettings& choice = planned_case.solution;
-    fem::OpeningOptions options = opening_options(choice);
-    if (planned_case.contact)
-        options.contact = contact_of(field, patient);
     field.problem = { .mesh = field.wall,
         .material_of_label = materials_as_solved(planned_case),
         .supports = std::move(cut.supports),
@@ -274,7 +263,21 @@ OpenedWound open_wound(
     if (choice.element == ElementKind::p2)
         field.problem = with_midpoints(field.problem);
     field.metrics.solution = solution_metrics(field, choice);
-    OpenedWall opened = open_wall(field, choice.near_mm, drives_of(field.approach), options, job);
+    const std::vector<fem::HookDrive> drives = drives_of(field.approach);
+    const OpenOnce open
+        = [&](const std::optional<fem::ContactOptions>& contact, const StageTest& goes_on, const Job& part) {
+              fem::OpeningOptions options = opening_options(choice);
+              options.contact = contact;
+              const Job named = contact ? as_stage(part, "opening with contact") : part;
+              return open_wall(field, choice.near_mm, drives, std::move(options), named, goes_on);
+          };
+    ContactSurfaces surfaces;
+    if (planned_case.contact != ContactMode::never)
+        surfaces = contact_surfaces(planned_case.label_table, field.approach, patient);
+    ContactOpening solved
+        = open_with_contact(field.problem, planned_case.contact, surfaces, open, choice.near_mm == 0.0, job);
+    OpenedWall& opened = solved.opened;
+    field.metrics.contact = std::move(solved.contact);
     RETRACTOR_ASSERT(opened.hooks.size() == field.hooks.size());
     // From here on the hooks are fixed at their equilibrium: exports and estimates start from this state.
     for (std::size_t h = 0; h < field.hooks.size(); ++h)
@@ -287,17 +290,16 @@ OpenedWound open_wound(
     field.yielded = std::move(opened.yielded);
     field.opening = std::move(opened.opening);
     field.metrics.solution.near_tets = opened.near_tets;
-    if (options.contact)
-        field.metrics.contact = ContactMetrics { field.opening.contact.touching, field.opening.contact.penetration,
-            field.opening.contact.force_N, field.opening.contact_overlap_mm };
     if (field.opening.status == fem::OpeningStatus::cancelled) {
         field.status = PlanStatus::cancelled;
     } else if (!is_usable(field.opening)) {
         field.status
             = field.opening.status == fem::OpeningStatus::inverted ? PlanStatus::inverted : PlanStatus::not_converged;
     }
-    OpenedWound wound { { .vertices = std::move(cut.rigid), .solved = {} }, std::move(options.contact),
-        std::move(opened.ten_node), std::move(opened.coarse) };
+    OpenedWound wound { { .vertices = std::move(cut.rigid), .solved = {} }, std::nullopt, std::move(opened.ten_node),
+        std::move(opened.coarse) };
+    if (field.metrics.contact && field.metrics.contact->computed)
+        wound.contact = std::move(surfaces.options);
     if (field.opening.status == fem::OpeningStatus::cancelled || wound.rigid.vertices.empty())
         return wound;
     wound.rigid.solved = field.opening.displacement;

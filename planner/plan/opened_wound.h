@@ -5,6 +5,7 @@
 #include "fem/statics/driven_opening.h"
 #include "fem/statics/opening_types.h"
 #include "planner/case/patient.h"
+#include "planner/plan/opened_wall.h"
 #include "planner/plan/planned_field.h"
 
 #include <algorithm>
@@ -16,19 +17,6 @@
 #include <vector>
 
 namespace retractor::planner {
-
-/// The result of one opening of a field's wall.
-struct OpenedWall {
-    /// Displacement of all nodes of ten-node elements, mm, three per node; empty with four-node elements.
-    Eigen::VectorXd ten_node {};
-    /// The solution by four-node elements from which ten-node elements began; none: they began at rest.
-    std::optional<fem::OpeningResult> coarse {};
-    std::vector<fem::HookPatch> hooks; ///< the hooks at their final places
-    std::vector<bool> yielded; ///< per hook: the force limit is reached; empty when all hooks prescribe displacements
-    std::size_t near_tets = 0; ///< number of nonlinear elements of an opening with a linear region; else 0
-    fem::OpeningResult opening; ///< displacements of the wall's vertices, without midpoints
-    std::optional<PlacedRetractor> retractor {}; ///< with a retractor; its blades are the hooks
-};
 
 /// The loose pieces that move_rigid_pieces() moves as rigid bodies after the wound is solved.
 struct RigidPieces {
@@ -60,9 +48,6 @@ struct WoundMeasures {
     double larger_side_N() const { return std::max(side_N[0], side_N[1]); }
 };
 
-/// Whether the opening is in equilibrium and at most two elements in 1,000 are inverted.
-bool is_usable(const fem::OpeningResult& opening);
-
 /// Whether the field was solved with a linear condensed region.
 bool has_condensed_region(const PlannedField& field);
 
@@ -84,11 +69,14 @@ fem::OpeningOptions opening_options(const SolverSettings& choice);
 /// Opens the wall of field.problem once, with the approach's retractor where it has one and the problem has hooks.
 /// @param near_mm tissue within this distance of the lips is nonlinear, and linear beyond; 0: the same law everywhere
 /// @param drives empty: the hooks have the displacements of field.problem
+/// @param goes_on asked between four-node and ten-node elements, where the opening begins with four-node elements;
+/// empty: the opening goes on
 /// @throws as fem::Opening
 OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const fem::HookDrive> drives,
-    fem::OpeningOptions options, const Job& job);
+    fem::OpeningOptions options, const Job& job, const StageTest& goes_on = {});
 
-/// Opens the cut wall with the case's solver settings. Fills in the field's problem, opening, final hook places,
+/// Opens the cut wall with the case's solver settings, and with contact where it is asked for or needed
+/// (contact_where_needed.h). Fills in the field's problem, opening, final hook places,
 /// yielded hooks, status (opening.message gives the reason) and the metrics of pressure, solution and contact.
 /// @throws as open_wall()
 OpenedWound open_wound(

@@ -150,7 +150,7 @@ namespace case_io_test {
         EXPECT_EQ(case_from_json(case_to_json(c), folder_).solution, SolverSettings {});
         c.solution = { fem::Elasticity::hyperelastic, ElementKind::p2, 100.0 / 3.0 };
         EXPECT_EQ(case_from_json(case_to_json(c), folder_).solution, c.solution);
-        c.contact = true;
+        c.contact = ContactMode::always;
         EXPECT_THROW((void)case_to_json(c), InputError); // near, contact
         EXPECT_EQ(refused_at([](Json& j) { j["solution"] = { { "elasticity", "rubber" } }; }), "/solution/elasticity");
         EXPECT_EQ(refused_at([](Json& j) { j["solution"] = { { "element", "p3" } }; }), "/solution/element");
@@ -385,10 +385,22 @@ namespace case_io_test {
         write_case(bare);
         EXPECT_FALSE(read_case(folder_).ct);
         EXPECT_TRUE(read_case(folder_).approaches.empty());
-        EXPECT_FALSE(read_case(folder_).contact);
-        bare.contact = true;
-        write_case(bare);
-        EXPECT_TRUE(read_case(folder_).contact);
+    }
+
+    TEST_F(CaseFile, ContactIsAutomaticWhereTheFileDoesNotSay)
+    {
+        Case c = sample();
+        EXPECT_EQ(case_to_json(c).find("contact"), std::string::npos);
+        EXPECT_EQ(case_from_json(case_to_json(c), folder_).contact, ContactMode::automatic);
+        for (const auto& [contact, text] : { std::pair(ContactMode::always, "\"contact\": true"),
+                 std::pair(ContactMode::never, "\"contact\": false") }) {
+            c.contact = contact;
+            EXPECT_NE(case_to_json(c).find(text), std::string::npos);
+            EXPECT_EQ(case_from_json(case_to_json(c), folder_).contact, contact);
+        }
+        EXPECT_EQ(refused_at([](Json& j) { j["contact"] = "automatic"; }), "/contact");
+        EXPECT_EQ(refused_at([](Json& j) { j["contact"] = 1; }), "/contact");
+        EXPECT_EQ(refused_at([](Json& j) { j["contact"] = "auto"; }), "");
     }
 
     TEST_F(CaseFile, HasTheNameItIsGiven)
@@ -436,7 +448,8 @@ namespace case_io_test {
         put("case.json", kFirstCase);
         const Case read = read_case(folder_);
         // What came later is as if it were not there.
-        EXPECT_FALSE(read.patient || read.ct || read.contact);
+        EXPECT_FALSE(read.patient || read.ct);
+        EXPECT_EQ(read.contact, ContactMode::automatic);
         EXPECT_TRUE(read.pressures.empty());
         EXPECT_EQ(read.solution, SolverSettings {});
         ASSERT_EQ(read.approaches.size(), 1U);

@@ -182,6 +182,43 @@ namespace report_test {
         EXPECT_EQ(contact_text(field),
             "contact: 23 points touch, with 94.0 N in total and a penetration of at most 0.25 mm; surfaces that "
             "overlap by up to 2.35 mm at rest keep this overlap");
+        EXPECT_FALSE(passes_through(field));
+        EXPECT_FALSE(metrics_document({ field }).at("approaches").at(0).at("contact").contains("needed"));
+    }
+
+    TEST(Metrics, SurfacesThatPassThroughEachOtherAreACaution)
+    {
+        FieldMetrics field = sample_field("median");
+        field.contact = ContactMetrics { .needed = false, .computed = false };
+        EXPECT_EQ(contact_text(field), "contact: nothing touches");
+        EXPECT_FALSE(passes_through(field));
+        EXPECT_EQ(metrics_document({ field }).at("approaches").at(0).at("contact").at("needed"), false);
+        field.contact = ContactMetrics { .needed = true,
+            .computed = false,
+            .largest_penetration_mm = 3.24,
+            .at = Vec3(12.0, -80.4, 33.0),
+            .with = "lung_left",
+            .message = "no equilibrium with contact was found in 30 s" };
+        EXPECT_TRUE(passes_through(field));
+        EXPECT_EQ(contact_text(field),
+            "contact: the wall passes through the lung left by up to 3.2 mm at 12, -80, 33 mm (patient LPS), which "
+            "contact would prevent; contact was not computed: no equilibrium with contact was found in 30 s");
+        const auto document = metrics_document({ field }).at("approaches").at(0).at("contact");
+        EXPECT_EQ(document.at("needed"), true);
+        EXPECT_EQ(document.at("computed"), false);
+        EXPECT_EQ(document.at("with"), "lung_left");
+        EXPECT_EQ(document.at("at_mm").at(1), -80.4);
+        EXPECT_EQ(document.at("message"), "no equilibrium with contact was found in 30 s");
+        const fs::path path = fs::path(::testing::TempDir()) / "report_contact.html";
+        Report report;
+        report.fields = { field };
+        write_report(path, report);
+        EXPECT_NE(content_of(path).find("<p class=\"notice\">contact: the wall passes"), std::string::npos);
+        field.contact->with.clear();
+        EXPECT_NE(contact_text(field).find("the wall passes through itself by up to 3.2 mm"), std::string::npos);
+        field.contact->needed.reset();
+        EXPECT_FALSE(passes_through(field));
+        EXPECT_NE(contact_text(field).find("contact: not tested"), std::string::npos);
     }
 
     TEST(Metrics, HowAFieldWasSolvedIsSaid)

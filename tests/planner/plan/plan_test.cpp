@@ -153,7 +153,7 @@ namespace plan_test {
     {
         const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
         Case with_contact = test_support::block_case("contact", phantom);
-        with_contact.contact = true;
+        with_contact.contact = ContactMode::always;
         Patient patient(with_contact, {});
         const PlannedField field = plan_approach(
             patient, test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0), {});
@@ -330,7 +330,7 @@ namespace plan_test {
         Case with_contact
             = test_support::block_case("contact of ten", datasets::make_block_phantom(test_support::small_block()));
         with_contact.solution = ten;
-        with_contact.contact = true;
+        with_contact.contact = ContactMode::always;
         Patient patient(with_contact);
         Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), kLittle);
         approach.sizing.corridor_edge_mm = 8.0; // contact of ten-node elements takes its time
@@ -508,7 +508,7 @@ namespace plan_test {
         EXPECT_NE(refusal(with_contact).find("nothing is nonlinear"), std::string::npos);
         with_contact.solution = { .elasticity = fem::Elasticity::corotational_linear };
         EXPECT_NE(refusal(with_contact).find("not for plans"), std::string::npos);
-        with_contact.contact = true;
+        with_contact.contact = ContactMode::always;
         with_contact.solution = { .near_mm = 30.0 };
         EXPECT_NE(refusal(with_contact).find("no surface for contact"), std::string::npos);
     }

@@ -147,14 +147,14 @@ namespace pressure_plan_test {
     {
         const datasets::Phantom phantom = coarse_block(kWideMm);
         Case planned_case = test_support::block_case("pressure_contact", phantom);
-        planned_case.contact = true;
+        planned_case.contact = ContactMode::always;
         planned_case.pressures = { { "cavity", 0.2 } };
         Patient touching_patient(planned_case, {});
         const PlannedField touching = plan_approach(touching_patient, approach_to(touching_patient, 0.0), {}, {});
         ASSERT_EQ(touching.status, PlanStatus::done) << touching.message;
         EXPECT_GT(touching.metrics.contact->touching, 0U) << "the wall bulges, and its inner edges meet";
         EXPECT_EQ(touching.metrics.error->message, "");
-        planned_case.contact = false;
+        planned_case.contact = ContactMode::never;
         Patient patient(planned_case, {});
         Approach approach = approach_to(patient, 0.0);
         constexpr double kPull = 0.5, kAtRest = 5e-3; // N; of the force

@@ -28,7 +28,7 @@ namespace tension_plan_test {
     struct Block {
         double width_mm = 110.0, region_mm = 30.0;
         SolverSettings solution { .elasticity = fem::Elasticity::linear };
-        bool contact = false;
+        ContactMode contact = ContactMode::never;
     };
 
     /// One tissue through and through, held where its region ends, planned with hooks that open it to a
@@ -156,7 +156,7 @@ namespace tension_plan_test {
         expect_alike({ .solution = { .elasticity = fem::Elasticity::hyperelastic } });
         expect_alike({ .solution = { .elasticity = fem::Elasticity::hyperelastic, .near_mm = 25.0 } });
         expect_alike({ .solution = { .elasticity = fem::Elasticity::linear, .element = ElementKind::locking_free } });
-        expect_alike({ .contact = true });
+        expect_alike({ .contact = ContactMode::always });
     }
 
     TEST(PlanUnderTension, ADirectionThroughTheTissueIsSaid)

@@ -77,6 +77,20 @@ namespace {
         return "Slices through the target, with the incision projected onto them (cyan).";
     }
 
+    std::string contact_limit(planner::ContactMode contact)
+    {
+        const std::string what = "Lips, ribs, shoulder blades and organs ";
+        switch (contact) {
+        case planner::ContactMode::automatic:
+            return what + "push against each other without friction where they would pass through each other";
+        case planner::ContactMode::always:
+            return what + "push against each other without friction";
+        case planner::ContactMode::never:
+            break;
+        }
+        return what + "do not slide or push against each other";
+    }
+
     std::vector<std::string> report_limits(bool has_spine, const planner::Case& planned_case, std::string stiffness)
     {
         std::vector<std::string> limits {
@@ -85,9 +99,7 @@ namespace {
                         "the spine. Soft tissue there does not resist the hooks, and the pictures show it at rest. A "
                         "gap at the border of the region is not a wound."
                       : "The border of the meshed region is held, so the hook forces are upper estimates.",
-            std::string(planned_case.contact
-                    ? "Lips, ribs, shoulder blades and organs push against each other without friction"
-                    : "Lips, ribs, shoulder blades and organs do not slide or push against each other")
+            contact_limit(planned_case.contact)
                 + "; organs do not move. Organs that an approach holds aside are removed from the view.",
             "Fractures are foretold for ribs only, from the mean moments at which 52 tested pieces of ribs broke; "
             "single ribs differ from the mean. Age, thin bone and earlier fractures are not considered. The sternum, "
@@ -370,7 +382,7 @@ std::string field_table(const std::vector<planner::PlannedField>& fields)
         if (const std::string accuracy = planner::accuracy_text(m); !accuracy.empty())
             text += "  " + accuracy + "\n";
         if (m.contact)
-            text += "  " + planner::contact_text(m) + "\n";
+            text += (planner::passes_through(m) ? "  caution: " : "  ") + planner::contact_text(m) + "\n";
         if (m.second_opinion)
             text += "  " + planner::opinion_text(*m.second_opinion) + "\n";
         if (!m.at_risk.empty())

@@ -40,7 +40,7 @@ namespace {
 
     struct PlanOptions {
         std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity, element;
-        std::string reference;
+        std::string reference, contact;
         std::vector<std::string> pressures;
         std::optional<std::string> export_formats;
         double reference_limit_s = 600.0;
@@ -51,7 +51,7 @@ namespace {
         unsigned mesh_seed = 0;
         bool check_far = false; ///< PlanChecks::linear_region
         bool draft = false;
-        bool render = false, contact = false;
+        bool render = false;
         bool parallel = false;
     };
 
@@ -152,7 +152,8 @@ namespace {
         refuse_without_wall(planned_case, options.case_file);
         if (!options.approach.empty())
             planned_case.approaches = { planner::find_approach(planned_case, options.approach) };
-        planned_case.contact = planned_case.contact || options.contact;
+        if (!options.contact.empty())
+            planned_case.contact = planner::contact_mode_from_string(options.contact).value();
         planner::SolverSettings& solution = planned_case.solution; // settings without an option stay as in the case
         if (!options.elasticity.empty())
             solution.elasticity = planner::elasticity_from_string(options.elasticity).value();
@@ -473,9 +474,12 @@ namespace {
                 "vessel; negative: suction). The label must not belong to the wall. The pressure follows the surface "
                 "as the wall deforms. Repeat the option for several labels (also \"pressures\" in case.json)")
             ->allow_extra_args(false);
-        command.add_flag("--contact", options.contact,
-            "Compute contact, so that lips do not pass through each other or through organs (also \"contact\": true in "
-            "case.json)");
+        command
+            .add_flag("--contact{on}", options.contact,
+                "Contact of the lips with each other and of the wall with organs: on, off, or auto, which computes "
+                "contact where surfaces would pass through each other (write --contact=off; default: \"contact\" in "
+                "case.json, else auto)")
+            ->check(CLI::IsMember({ "auto", "on", "off" }));
     }
 
     /// Starts the executable beside this one for the other kind of context. A process draws with one kind only.

@@ -154,6 +154,16 @@ namespace {
         return section;
     }
 
+    std::string contact_value(const planner::ContactMetrics& contact)
+    {
+        if (contact.computed)
+            return contact.touching > 0 ? std::to_string(contact.touching) + " points touch" : "nothing touches";
+        if (!contact.needed)
+            return "not tested";
+        return *contact.needed ? number(contact.largest_penetration_mm, 1, "mm") + " passed through"
+                               : "nothing touches";
+    }
+
     MetricSection model_section(const planner::FieldMetrics& field)
     {
         double seconds = 0.0;
@@ -186,6 +196,9 @@ namespace {
                       "volume, so the numbers near such tissue are wrong."
                     : "The plan " + planner::volume_failure_text(field) + ".",
                 !planner::is_believable(field) });
+        if (field.contact)
+            section.rows.push_back({ "Contact", contact_value(*field.contact), planner::contact_text(field) + ".",
+                planner::passes_through(field) });
         if (field.tension)
             section.rows.push_back(
                 { field.pressures.empty() ? "Gape without hooks" : "Gape under pressure, without hooks",

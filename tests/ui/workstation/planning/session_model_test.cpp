@@ -338,6 +338,22 @@ namespace session_model_test {
         EXPECT_FALSE(row_of(field_rows(field), "Accuracy of the force").warning);
     }
 
+    TEST(MetricRows, WarnWhereSurfacesPassThroughEachOther)
+    {
+        planner::FieldMetrics field;
+        EXPECT_THROW((void)row_of(field_rows(field), "Contact"), std::out_of_range);
+        field.contact = planner::ContactMetrics { .needed = false, .computed = false };
+        EXPECT_EQ(row_of(field_rows(field), "Contact").value, "nothing touches");
+        EXPECT_FALSE(row_of(field_rows(field), "Contact").warning);
+        field.contact = planner::ContactMetrics { .needed = true, .touching = 23 };
+        EXPECT_EQ(row_of(field_rows(field), "Contact").value, "23 points touch");
+        field.contact = planner::ContactMetrics {
+            .needed = true, .computed = false, .largest_penetration_mm = 3.24, .with = "heart", .message = "why"
+        };
+        EXPECT_EQ(row_of(field_rows(field), "Contact").value, "3.2 mm passed through");
+        EXPECT_TRUE(row_of(field_rows(field), "Contact").warning);
+    }
+
     TEST(MetricRows, NameTheMomentOfTheForce)
     {
         planner::FieldMetrics field;

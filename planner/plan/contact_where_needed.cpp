@@ -1,0 +1,214 @@
+#include "planner/plan/contact_where_needed.h"
+
+#include "fem/error_estimation/error_estimate.h"
+#include "mesh/base/assert.h"
+#include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
+#include "mesh/base/time_limit.h"
+#include "mesh/base/triangle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+namespace retractor::planner {
+
+namespace {
+
+    /// Search distance of the test, mm. A point is followed behind a face down to this depth.
+    constexpr double kTestReachMm = 12.0;
+
+    /// The surface without triangles that have no area, which contact refuses.
+    TriMesh with_areas(const TriMesh& surface)
+    {
+        TriMesh kept = surface;
+        std::erase_if(
+            kept.triangles, [&](const auto& triangle) { return !(triangle_area(surface.vertices, triangle) > 0.0); });
+        kept.labels.clear();
+        return kept;
+    }
+
+    ContactMetrics of_solution(const fem::OpeningResult& opening, const ContactSurfaces& surfaces)
+    {
+        const fem::Contact::State& state = opening.contact;
+        return { .touching = state.touching,
+            .largest_penetration_mm = state.penetration,
+            .at = state.place,
+            .with = state.fixed ? surfaces.names.at(*state.fixed) : std::string(),
+            .force_N = state.force_N,
+            .overlap_at_rest_mm = opening.contact_overlap_mm };
+    }
+
+    ContactMetrics of_test(const Penetration& found)
+    {
+        ContactMetrics metrics { .needed = found.depth_mm > kPenetrationToleranceMm, .computed = false };
+        metrics.largest_penetration_mm = found.depth_mm;
+        metrics.at = found.at;
+        metrics.with = found.with;
+        metrics.overlap_at_rest_mm = found.overlap_at_rest_mm;
+        return metrics;
+    }
+
+    ContactMetrics not_tested(std::string message)
+    {
+        ContactMetrics metrics { .computed = false };
+        metrics.message = std::move(message);
+        return metrics;
+    }
+
+    /// Solves the wound first without contact, and with contact where it is needed.
+    class AutomaticContact {
+    public:
+        AutomaticContact(const fem::ElasticProblem& problem, const ContactSurfaces& surfaces, const OpenOnce& open,
+            bool can_touch, const Job& job)
+            : surfaces_(surfaces)
+            , open_(open)
+            , can_touch_(can_touch)
+            , job_(job)
+            , corners_(problem.mesh.nodes_per_tet == 10 ? fem::without_midpoints(problem) : problem)
+        {
+        }
+
+        ContactOpening run()
+        {
+            OpenedWall without = open_({}, can_touch_ ? goes_on() : StageTest(), job_);
+            const bool finished = !without.ended_by_test;
+            if (finished) {
+                if (without.opening.status == fem::OpeningStatus::cancelled)
+                    return { .opened = std::move(without) };
+                test(without.opening);
+                if (!is_needed())
+                    return { .opened = std::move(without), .contact = std::move(metrics_) };
+            }
+            std::string failure;
+            if (std::optional<OpenedWall> touching = open_touching(failure)) {
+                ContactMetrics metrics = of_solution(touching->opening, surfaces_);
+                metrics.needed = true;
+                return { .opened = *std::move(touching), .contact = std::move(metrics) };
+            }
+            if (!finished) {
+                without = open_({}, {}, job_);
+                test(without.opening);
+            }
+            if (is_needed())
+                metrics_.message = failure;
+            return { .opened = std::move(without), .contact = std::move(metrics_) };
+        }
+
+    private:
+        bool is_needed() const { return metrics_.needed.value_or(false); }
+
+        StageTest goes_on()
+        {
+            return [this](const fem::OpeningResult& four_node) {
+                test(four_node);
+                return !is_needed();
+            };
+        }
+
+        /// Tests a solution without contact.
+        void test(const fem::OpeningResult& opening)
+        {
+            if (!is_usable(opening)) {
+                metrics_ = not_tested("the wound did not open as requested");
+                return;
+            }
+            try {
+                Points moved = Points::Zero(corners_.mesh.vertices.rows(), 3); // nodes without elements stay
+                const Eigen::Index rows = std::min(moved.rows(), opening.displacement.rows());
+                moved.topRows(rows) = opening.displacement.topRows(rows);
+                metrics_ = of_test(find_penetration(corners_, surfaces_, moved));
+            } catch (const Error& error) { // the wound itself is solved
+                metrics_ = not_tested(error.what());
+            }
+        }
+
+        /// Solves the wound with contact, from rest. @returns nothing, and the reason as `failure`, without an answer
+        std::optional<OpenedWall> open_touching(std::string& failure) const
+        {
+            if (!can_touch_) {
+                failure = "the tissue far from the lips is linear and has no surface for contact";
+                return std::nullopt;
+            }
+            const TimeLimit limit(job_, std::max(kLeastContactS, kContactTimes * watch_.seconds()));
+            const Stopwatch watch;
+            try {
+                OpenedWall opened = open_(surfaces_.options, {}, limit.job());
+                if (is_usable(opened.opening))
+                    return opened;
+                failure = "no equilibrium with contact was found: " + opened.opening.message;
+            } catch (const Error& error) { // the solution without contact is at hand
+                failure = std::string("contact cannot be computed: ") + error.what();
+            }
+            if (limit.is_over())
+                failure = formatted("no equilibrium with contact was found in %.0f s", watch.seconds());
+            return std::nullopt;
+        }
+
+        const ContactSurfaces& surfaces_;
+        const OpenOnce& open_;
+        bool can_touch_;
+        const Job& job_;
+        fem::ElasticProblem corners_; ///< with four-node elements
+        Stopwatch watch_;
+        ContactMetrics metrics_ = not_tested({});
+    };
+
+} // namespace
+
+ContactSurfaces contact_surfaces(const mesh::LabelTable& table, const Approach& approach, Patient& patient)
+{
+    ContactSurfaces surfaces;
+    for (const mesh::LabelInfo& info : table)
+        if (stays_in_place(info, approach, patient)) {
+            surfaces.options.fixed.push_back(with_areas(*patient.organ(info.name)));
+            surfaces.names.push_back(info.name);
+        }
+    return surfaces;
+}
+
+Penetration find_penetration(
+    const fem::ElasticProblem& problem, const ContactSurfaces& surfaces, const Points& displacement)
+{
+    RETRACTOR_ASSERT(displacement.rows() == problem.mesh.vertices.rows());
+    RETRACTOR_ASSERT(surfaces.names.size() == surfaces.options.fixed.size());
+    // A step moves two surfaces against each other by 4/3 of the reach at most. Contact sees a point from a reach in
+    // front of a face to half a reach behind it, and so at least once.
+    constexpr double kStepsPerReach = 1.5;
+    fem::ContactOptions options = surfaces.options;
+    options.reach = kTestReachMm;
+    fem::Contact contact(
+        problem.mesh, fem::element_parameters(problem.mesh, problem.material_of_label), std::move(options));
+    const Eigen::VectorXd u = Eigen::Map<const Eigen::VectorXd>(displacement.data(), displacement.size());
+    const double farthest = displacement.rows() > 0 ? displacement.rowwise().norm().maxCoeff() : 0.0;
+    const int steps = std::max(1, static_cast<int>(std::ceil(kStepsPerReach * farthest / kTestReachMm)));
+    const double overlap_at_rest = contact.overlap_at_rest();
+    for (int step = 1; step <= steps; ++step)
+        (void)contact.find(static_cast<double>(step) / steps * u);
+    const fem::Contact::State state = contact.state(u);
+    return { .depth_mm = state.penetration,
+        .at = state.place,
+        .with = state.fixed ? surfaces.names[*state.fixed] : std::string(),
+        .overlap_at_rest_mm = overlap_at_rest };
+}
+
+ContactOpening open_with_contact(const fem::ElasticProblem& problem, ContactMode mode, const ContactSurfaces& surfaces,
+    const OpenOnce& open, bool can_touch, const Job& job)
+{
+    switch (mode) {
+    case ContactMode::automatic:
+        return AutomaticContact(problem, surfaces, open, can_touch, job).run();
+    case ContactMode::always: {
+        ContactOpening solved { .opened = open(surfaces.options, {}, job) };
+        if (solved.opened.opening.status != fem::OpeningStatus::cancelled)
+            solved.contact = of_solution(solved.opened.opening, surfaces);
+        return solved;
+    }
+    case ContactMode::never:
+        break;
+    }
+    return { .opened = open({}, {}, job) };
+}
+
+} // namespace retractor::planner

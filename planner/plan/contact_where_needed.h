@@ -1,0 +1,82 @@
+#pragma once
+// Opens a wound with contact where its surfaces would pass through each other, and without contact elsewhere.
+//
+// The wound is first solved without contact: by four-node elements where ten-node elements begin with them. Where
+// surfaces then pass through each other by more than kPenetrationToleranceMm, the wound is solved again with contact,
+// from rest: contact that begins with a point deep behind a face takes the point to have been inside all along. The
+// solution by ten-node elements is tested as well. Where contact finds no equilibrium in its time, the solution without
+// contact is kept, and the deepest place is reported.
+//
+// Error. Penetration is found by the points of both surfaces (fem/model/contact.h). An edge that passes through an edge
+// between the points is not seen. Units mm, N, s; frame patient LPS.
+
+#include "fem/model/contact.h"
+#include "fem/statics/elastic_problem.h"
+#include "mesh/base/job.h"
+#include "mesh/image/volume.h"
+#include "planner/case/approach.h"
+#include "planner/case/patient.h"
+#include "planner/case/solver_settings.h"
+#include "planner/measures/field_metrics.h"
+#include "planner/plan/opened_wall.h"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace retractor::planner {
+
+/// Surfaces that pass through each other by no more than this beyond their overlap at rest do not touch. Contact changes
+/// forces and openings by less than their error bars there. Surfaces of organs are known to half a voxel at best.
+inline constexpr double kPenetrationToleranceMm = 0.2;
+
+/// The time for contact, in times of the solution without contact, and at least. Newton's method finds one by one which
+/// points touch, and each set of points takes a solution of its own.
+inline constexpr double kContactTimes = 8.0, kLeastContactS = 120.0;
+
+/// The organs that stay in place, as rigid surfaces.
+struct ContactSurfaces {
+    fem::ContactOptions options;
+    std::vector<std::string> names; ///< label of each surface of options.fixed
+};
+
+/// The surfaces of the labels that are no wall and that the approach does not hold aside.
+/// @throws as Patient::organ()
+ContactSurfaces contact_surfaces(const mesh::LabelTable& table, const Approach& approach, Patient& patient);
+
+/// The deepest place at which surfaces pass through each other.
+struct Penetration {
+    double depth_mm = 0.0; ///< beyond the overlap at rest; 0: nothing passes. Depths beyond 12 mm count as 12 mm
+    Vec3 at = Vec3::Zero(); ///< in the opened wound, mm
+    std::string with {}; ///< label of the organ; empty: the wall passes through itself
+    double overlap_at_rest_mm = 0.0;
+};
+
+/// Finds where a displacement lets surfaces pass through each other. The body is moved there in steps along straight
+/// lines, so that a point that ends deep behind a face is seen to pass through it.
+/// @param problem four-node elements
+/// @param displacement n x 3, mm
+/// @throws InputError as fem::Contact does
+Penetration find_penetration(
+    const fem::ElasticProblem& problem, const ContactSurfaces& surfaces, const Points& displacement);
+
+/// Opens the wound once.
+/// @param contact empty: without contact
+/// @param goes_on as open_wall() (opened_wound.h)
+using OpenOnce = std::function<OpenedWall(
+    const std::optional<fem::ContactOptions>& contact, const StageTest& goes_on, const Job& job)>;
+
+struct ContactOpening {
+    OpenedWall opened;
+    std::optional<ContactMetrics> contact {}; ///< nothing with ContactMode::never, and with a cancelled job
+};
+
+/// Opens a wound, with contact as the mode says.
+/// @param problem that `open` opens
+/// @param can_touch whether `open` takes contact: not with a condensed region, where contact is only tested
+/// @throws as `open`; what `open` throws with ContactMode::automatic and contact is reported as ContactMetrics::message
+ContactOpening open_with_contact(const fem::ElasticProblem& problem, ContactMode mode, const ContactSurfaces& surfaces,
+    const OpenOnce& open, bool can_touch, const Job& job);
+
+} // namespace retractor::planner

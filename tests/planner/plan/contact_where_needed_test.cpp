@@ -1,0 +1,246 @@
+#include "planner/plan/contact_where_needed.h"
+
+#include "fem/error_estimation/error_estimate.h"
+#include "mesh/tetrahedra/tet_mesh.h"
+#include "planner/plan/opened_wound.h"
+#include "planner/plan/plan.h"
+#include "tests/support/block_case.h"
+#include "tests/support/pushed_lips.h"
+#include "tests/support/reference_problems.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace retractor::planner {
+namespace contact_where_needed_test {
+
+    /// Share of the hook force that the residuals of two solutions leave.
+    constexpr double kSolver = 2e-3;
+
+    /// A field whose wall is the mesh of a problem, with hooks that prescribe their displacement.
+    PlannedField field_of(fem::ElasticProblem problem)
+    {
+        PlannedField field;
+        field.wall = problem.mesh;
+        field.hooks = problem.hooks;
+        field.problem = std::move(problem);
+        return field;
+    }
+
+    PlannedField with_ten_nodes(PlannedField field)
+    {
+        field.problem = fem::with_midpoints(field.problem);
+        return field;
+    }
+
+    /// A square that looks up, far wider than the blocks.
+    TriMesh floor_at(double z)
+    {
+        TriMesh floor;
+        floor.vertices.resize(4, 3);
+        floor.vertices << -60, -60, z, 90, -60, z, 90, 90, z, -60, 90, z;
+        floor.triangles = { { 0, 1, 2 }, { 0, 2, 3 } };
+        return floor;
+    }
+
+    ContactSurfaces heart_at(double z) { return { .options = { .fixed = { floor_at(z) } }, .names = { "heart" } }; }
+
+    /// A plate that is held at two sides; a hook on its top pushes its middle down.
+    fem::ElasticProblem pushed_plate(double down_mm, double edge_mm)
+    {
+        constexpr double kLong = 30.0, kThick = 6.0, kRoundOff = 1e-9;
+        const auto cells = [&](double length) { return static_cast<int>(std::lround(length / edge_mm)); };
+        fem::ElasticProblem problem;
+        problem.mesh = mesh::kuhn_box(cells(kLong), cells(kLong), cells(kThick), edge_mm);
+        problem.material_of_label = { {}, test_support::material(0.05, 0.3) };
+        problem.hooks = { { "push", 1, {}, Vec3(0.0, 0.0, -down_mm) } };
+        for (VertexId v = 0; v < problem.mesh.vertices.rows(); ++v) {
+            const Vec3 x = problem.mesh.vertices.row(v).transpose();
+            if (x.x() < kRoundOff || x.x() > kLong - kRoundOff)
+                problem.supports.fixed.push_back(v);
+            else if (x.z() > kThick - kRoundOff && (x.head<2>() - Eigen::Vector2d(15.0, 15.0)).norm() < 6.5)
+                problem.hooks[0].nodes.push_back(v);
+        }
+        return problem;
+    }
+
+    ContactOpening opened(
+        const PlannedField& field, ContactMode mode, const ContactSurfaces& surfaces = {}, const Job& job = {})
+    {
+        const OpenOnce open
+            = [&](const std::optional<fem::ContactOptions>& contact, const StageTest& goes_on, const Job& part) {
+                  fem::OpeningOptions options = opening_options(SolverSettings {});
+                  options.contact = contact;
+                  return open_wall(field, 0.0, {}, options, part, goes_on);
+              };
+        return open_with_contact(field.problem, mode, surfaces, open, true, job);
+    }
+
+    double force_of(const ContactOpening& solved) { return solved.opened.opening.hook_forces_N.at(0).norm(); }
+
+    void expect_same(const ContactOpening& a, const ContactOpening& b)
+    {
+        const Points &u = a.opened.opening.displacement, &v = b.opened.opening.displacement;
+        EXPECT_LT((u - v).norm(), kSolver * v.norm());
+        EXPECT_NEAR(force_of(a), force_of(b), kSolver * force_of(b));
+    }
+
+    TEST(ContactWhereNeeded, LipsThatNothingPushesTogetherAreSolvedWithout)
+    {
+        for (const bool ten_nodes : { false, true }) {
+            PlannedField field = field_of(test_support::lips_pushed(-2.0).problem);
+            if (ten_nodes)
+                field = with_ten_nodes(std::move(field));
+            const ContactOpening automatic = opened(field, ContactMode::automatic),
+                                 without = opened(field, ContactMode::never);
+            EXPECT_FALSE(without.contact);
+            ASSERT_TRUE(automatic.contact);
+            EXPECT_EQ(automatic.contact->needed, false) << automatic.contact->largest_penetration_mm;
+            EXPECT_FALSE(automatic.contact->computed);
+            EXPECT_LE(automatic.contact->largest_penetration_mm, kPenetrationToleranceMm);
+            EXPECT_EQ(automatic.opened.opening.displacement, without.opened.opening.displacement);
+            EXPECT_EQ(automatic.opened.opening.hook_forces_N, without.opened.opening.hook_forces_N);
+        }
+    }
+
+    TEST(ContactWhereNeeded, LipsThatAreClosedOnThemselvesAreSolvedWithContact)
+    {
+        for (const bool ten_nodes : { false, true }) {
+            PlannedField field = field_of(test_support::lips_pushed(2.0).problem);
+            if (ten_nodes)
+                field = with_ten_nodes(std::move(field));
+            const ContactOpening automatic = opened(field, ContactMode::automatic),
+                                 asked = opened(field, ContactMode::always),
+                                 without = opened(field, ContactMode::never);
+            ASSERT_TRUE(is_usable(automatic.opened.opening)) << automatic.opened.opening.message;
+            ASSERT_TRUE(is_usable(asked.opened.opening)) << asked.opened.opening.message;
+            EXPECT_EQ(automatic.contact->needed, true);
+            EXPECT_FALSE(asked.contact->needed);
+            EXPECT_TRUE(automatic.contact->computed && asked.contact->computed);
+            EXPECT_GT(automatic.contact->touching, 5U);
+            EXPECT_EQ(automatic.contact->touching, asked.contact->touching);
+            EXPECT_EQ(automatic.contact->with, "");
+            expect_same(automatic, asked);
+            EXPECT_GT(force_of(automatic), 1.2 * force_of(without)) << "harder to push";
+        }
+    }
+
+    TEST(ContactWhereNeeded, AWallIsHeldOffARigidOrgan)
+    {
+        for (const double edge : { 3.0, 2.0 }) {
+            const PlannedField field = field_of(pushed_plate(3.0, edge));
+            const ContactOpening without = opened(field, ContactMode::never);
+            const double lowest = -without.opened.opening.displacement.col(2).minCoeff();
+            ASSERT_GT(lowest, 1.0);
+            // What the bottom, at z = 0, passes through a plane is known.
+            double bottom = 0.0;
+            for (Eigen::Index v = 0; v < field.wall.vertices.rows(); ++v)
+                if (field.wall.vertices(v, 2) == 0.0)
+                    bottom = std::max(bottom, -without.opened.opening.displacement(v, 2));
+            const double gap = 0.6 * bottom;
+            const Penetration found
+                = find_penetration(field.problem, heart_at(-gap), without.opened.opening.displacement);
+            EXPECT_NEAR(found.depth_mm, bottom - gap, 1e-9);
+            EXPECT_EQ(found.with, "heart");
+            EXPECT_NEAR(found.at.z(), -bottom, 1e-9);
+            const ContactOpening automatic = opened(field, ContactMode::automatic, heart_at(-gap)),
+                                 asked = opened(field, ContactMode::always, heart_at(-gap));
+            ASSERT_TRUE(is_usable(automatic.opened.opening)) << automatic.opened.opening.message;
+            EXPECT_EQ(automatic.contact->needed, true);
+            EXPECT_TRUE(automatic.contact->computed);
+            EXPECT_EQ(automatic.contact->with, "heart");
+            EXPECT_LT(automatic.contact->largest_penetration_mm, 0.1 * (bottom - gap));
+            expect_same(automatic, asked);
+            EXPECT_GT(force_of(automatic), force_of(without));
+            // The organ farther away, by more than the plate comes down, or by the tolerance less.
+            for (const double off : { 1.1 * bottom, bottom - 0.5 * kPenetrationToleranceMm }) {
+                const ContactOpening free = opened(field, ContactMode::automatic, heart_at(-off));
+                EXPECT_EQ(free.contact->needed, false);
+                EXPECT_EQ(free.opened.opening.displacement, without.opened.opening.displacement);
+            }
+        }
+    }
+
+    /// One search at the end would take a point so deep behind a face to have been there all along.
+    TEST(ContactWhereNeeded, ABodyIsSeenToPassDeepIntoAnOrgan)
+    {
+        fem::ElasticProblem problem = pushed_plate(1.0, 3.0);
+        constexpr double kGap = 2.0, kDown = 11.0;
+        Points moved = Points::Zero(problem.mesh.vertices.rows(), 3);
+        moved.col(2).setConstant(-kDown);
+        moved.col(0).setConstant(4.0);
+        const Penetration found = find_penetration(problem, heart_at(-kGap), moved);
+        EXPECT_NEAR(found.depth_mm, kDown - kGap, 1e-9);
+        EXPECT_EQ(found.with, "heart");
+        // An overlap at rest is kept, and is no penetration.
+        const Penetration overlapping = find_penetration(problem, heart_at(0.3), 0.0 * moved);
+        EXPECT_EQ(overlapping.depth_mm, 0.0);
+        EXPECT_NEAR(overlapping.overlap_at_rest_mm, 0.3, 1e-9);
+    }
+
+    TEST(ContactWhereNeeded, WithoutAnEquilibriumTheAnswerWithoutContactIsKeptAndMarked)
+    {
+        // The hook holds the bottom too, and no force keeps what is prescribed off the organ.
+        fem::ElasticProblem problem = pushed_plate(3.0, 3.0);
+        for (VertexId v = 0; v < problem.mesh.vertices.rows(); ++v)
+            if (problem.mesh.vertices(v, 2) == 0.0
+                && (problem.mesh.vertices.row(v).head<2>().transpose() - Eigen::Vector2d(15.0, 15.0)).norm() < 6.5)
+                problem.hooks[0].nodes.push_back(v);
+        const PlannedField field = field_of(problem);
+        const ContactOpening automatic = opened(field, ContactMode::automatic, heart_at(-1.0)),
+                             without = opened(field, ContactMode::never);
+        ASSERT_TRUE(automatic.contact);
+        EXPECT_EQ(automatic.contact->needed, true);
+        EXPECT_FALSE(automatic.contact->computed);
+        EXPECT_EQ(automatic.contact->touching, 0U);
+        EXPECT_NEAR(automatic.contact->largest_penetration_mm, 2.0, 1e-9);
+        EXPECT_EQ(automatic.contact->with, "heart");
+        EXPECT_NE(automatic.contact->message.find("collided"), std::string::npos) << automatic.contact->message;
+        EXPECT_EQ(automatic.opened.opening.displacement, without.opened.opening.displacement);
+        EXPECT_EQ(automatic.opened.opening.status, fem::OpeningStatus::converged);
+    }
+
+    TEST(ContactWhereNeeded, ACancelledJobEndsIt)
+    {
+        const std::atomic<bool> cancel { true };
+        const Job job { .on_progress = {}, .cancel = &cancel };
+        const PlannedField field = with_ten_nodes(field_of(pushed_plate(1.0, 3.0)));
+        const ContactOpening solved = opened(field, ContactMode::automatic, heart_at(-0.1), job);
+        EXPECT_EQ(solved.opened.opening.status, fem::OpeningStatus::cancelled);
+    }
+
+    /// A plan of a wound that nothing touches has the same bits as without contact.
+    TEST(ContactWhereNeeded, APlanTestsForContactUnlessItIsRefused)
+    {
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        Case planned_case = test_support::block_case("touches", phantom);
+        const auto planned = [&](ContactMode contact, double near_mm) {
+            planned_case.contact = contact;
+            planned_case.solution.near_mm = near_mm;
+            Patient patient(planned_case);
+            return plan_approach(patient,
+                test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0), {},
+                { .error_bars = false });
+        };
+        EXPECT_EQ(Case {}.contact, ContactMode::automatic);
+        const PlannedField automatic = planned(ContactMode::automatic, 0.0), without = planned(ContactMode::never, 0.0);
+        ASSERT_EQ(automatic.status, PlanStatus::done) << automatic.message;
+        EXPECT_FALSE(without.metrics.contact);
+        ASSERT_TRUE(automatic.metrics.contact);
+        EXPECT_EQ(automatic.metrics.contact->needed, false) << automatic.metrics.contact->largest_penetration_mm;
+        EXPECT_EQ(automatic.metrics.hook_force_N, without.metrics.hook_force_N);
+        EXPECT_EQ(automatic.opening.displacement, without.opening.displacement);
+        const PlannedField near = planned(ContactMode::automatic, 20.0);
+        ASSERT_EQ(near.status, PlanStatus::done) << near.message;
+        ASSERT_TRUE(near.metrics.contact);
+        EXPECT_EQ(near.metrics.contact->needed, false);
+    }
+
+} // namespace contact_where_needed_test
+} // namespace retractor::planner

@@ -60,9 +60,11 @@ namespace {
     ElasticBody body_of(const ElasticProblem& problem, Elasticity elasticity)
     {
         ElasticBody body = tissue_body(problem.mesh, problem.material_of_label, { elasticity });
-        body.set_bed(bed_stiffness(problem.mesh, problem.supports));
+        set_springs(body, problem.supports);
         if (ExternalLoads loads = external_loads(problem); !loads.empty())
             body.set_loads(std::move(loads));
+        if (!problem.blades.empty())
+            body.set_blades(BladeContact(problem.mesh, problem.blades));
         return body;
     }
 
@@ -107,7 +109,9 @@ ElasticProblem without_midpoints(const ElasticProblem& problem)
         const auto corners = problem.mesh.tet(t).first(kCorners);
         coarse.mesh.nodes.insert(coarse.mesh.nodes.end(), corners.begin(), corners.end());
     }
-    const VertexId count = 1 + *std::max_element(coarse.mesh.nodes.begin(), coarse.mesh.nodes.end());
+    VertexId count = 1 + *std::max_element(coarse.mesh.nodes.begin(), coarse.mesh.nodes.end());
+    for (const BladeSurface& blade : coarse.blades)
+        count = std::max(count, 1 + *std::max_element(blade.nodes.begin(), blade.nodes.end()));
     coarse.mesh.vertices.conservativeResize(count, 3);
     const auto beyond = [count](VertexId v) { return v >= count; };
     std::erase_if(coarse.supports.fixed, beyond);

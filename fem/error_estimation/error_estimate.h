@@ -13,7 +13,8 @@
 // represents them), to first order at the answer. The answer may come from any solver with these nodes, for example
 // from locking-free elements or from a model that is linear far from the wound. The step then leads from that answer
 // to ten-node elements with the whole elasticity; energy_error and algebraic_error do not refer to the equations that
-// were solved. For smooth fields the step is nearly the whole error. Along the rims of patches and at the ends of
+// were solved. Blades in contact touch the same samples in both elements; the step is linearised at those that touch
+// in the answer. For smooth fields the step is nearly the whole error. Along the rims of patches and at the ends of
 // cuts stress has no bound. There doubling the degree removes three quarters of the error in energy [Babuska, Szabo,
 // Katz 1981: twice the rate of mesh refinement]; kErrorShare accounts for the rest.
 
@@ -83,7 +84,7 @@ double ten_node_share(
 ElasticProblem with_midpoints(const ElasticProblem& problem);
 
 /// The same problem with four-node elements at the corners of ten-node elements.
-/// @pre corners come first, midpoints last
+/// @pre corners come first, then the nodes of blades, midpoints last
 ElasticProblem without_midpoints(const ElasticProblem& problem);
 
 } // namespace retractor::fem

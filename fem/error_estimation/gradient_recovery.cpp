@@ -253,7 +253,9 @@ namespace {
         for (std::size_t t = 0; t < mesh.tet_count(); ++t)
             for (const VertexId v : mesh.tet(static_cast<TetId>(t)).first(4))
                 corners = std::max(corners, v + 1);
-        if (four_node.size() != 3 * static_cast<Eigen::Index>(corners) || !four_node.allFinite())
+        // The nodes of blades, which no element has, follow the corners.
+        if (four_node.size() % 3 != 0 || four_node.size() < 3 * static_cast<Eigen::Index>(corners)
+            || four_node.size() > 3 * mesh.vertices.rows() || !four_node.allFinite())
             throw InputError("plain elements have three finite displacements per corner", "four_node");
     }
 

@@ -64,6 +64,8 @@ void set_supports(OnlineBody& body, const Supports& supports)
         check_vertex(body, v, "supports");
         body.fixed[static_cast<std::size_t>(v)] = 1;
     }
+    if (!supports.hinges.empty())
+        body.K.set_hinges(supports.hinges);
     if (supports.bedded.empty())
         return;
     std::vector<double> bed(body.K.slot_count(), 0.0);

@@ -43,7 +43,7 @@ struct OnlineBody {
     bool is_active(VertexId v) const { return lives(v) && !is_fixed(v); }
 };
 
-/// Sets fixed vertices and beds. @throws InputError on vertices that do not live, and on bad beds
+/// Sets fixed vertices, beds and hinges. @throws InputError on vertices that do not live, on bad beds and on bad hinges
 void set_supports(OnlineBody& body, const Supports& supports);
 /// @throws InputError when nodes are missing, dead, fixed, named twice or held by another hook, and on bad drives
 void check_hook(const OnlineBody& body, const OnlineHook& hook);

@@ -151,6 +151,49 @@ void OnlineStiffness::set_bed(std::vector<double> stiffness)
         sum_row(v);
 }
 
+bool OnlineStiffness::acts(const HingeSpring& spring) const
+{
+    const std::vector<VertexId>& column = row(spring.a).column;
+    return std::binary_search(column.begin(), column.end(), spring.b) && position(spring.a) == spring.at_a
+        && position(spring.b) == spring.at_b;
+}
+
+void OnlineStiffness::set_hinges(std::vector<Hinge> hinges)
+{
+    std::vector<HingeSpring> springs;
+    std::map<VertexId, std::vector<std::size_t>> springs_of;
+    const auto lives = [&](VertexId v) { return v >= 0 && v < static_cast<VertexId>(rows_.size()) && alive(v); };
+    for (const Hinge& hinge : hinges)
+        for (const HingeEdge& edge : hinge.edges) {
+            if (!lives(edge.a) || !lives(edge.b) || edge.a == edge.b
+                || !std::ranges::binary_search(row(edge.a).column, edge.b))
+                throw InputError("nodes " + std::to_string(edge.a) + " and " + std::to_string(edge.b)
+                        + " of a hinge's edge share no element",
+                    "hinge of " + hinge.name);
+            springs_of[edge.a].push_back(springs.size());
+            springs_of[edge.b].push_back(springs.size());
+            springs.push_back({ edge.a, edge.b, position(edge.a), position(edge.b),
+                hinge_spring(hinge, edge, position(edge.b) - position(edge.a)) });
+        }
+    hinges_ = std::move(hinges);
+    std::swap(hinge_springs_, springs);
+    std::swap(hinge_springs_of_, springs_of);
+    for (const auto* changed : { &springs_of, &hinge_springs_of_ })
+        for (const auto& [v, own] : *changed)
+            if (lives(v))
+                sum_row(v);
+}
+
+std::vector<Hinge> OnlineStiffness::hinges() const
+{
+    std::vector<Hinge> living = hinges_;
+    std::size_t at = 0;
+    for (Hinge& hinge : living)
+        std::erase_if(hinge.edges, [&](const HingeEdge&) { return !acts(hinge_springs_[at++]); });
+    std::erase_if(living, [](const Hinge& hinge) { return hinge.edges.empty(); });
+    return living;
+}
+
 std::vector<VertexId> OnlineStiffness::touched_by(const mesh::MeshDelta& delta) const
 {
     std::vector<VertexId> touched;
@@ -328,6 +371,20 @@ void OnlineStiffness::sum_row(VertexId v)
         const auto place = std::lower_bound(row.column.begin(), row.column.end(), v) - row.column.begin();
         for (const int axis : { 0, 4, 8 })
             row.value[static_cast<std::size_t>(9 * place + axis)] += bed_[id];
+    }
+    const auto hinged = hinge_springs_of_.find(v);
+    if (hinged == hinge_springs_of_.end())
+        return;
+    for (const std::size_t index : hinged->second) {
+        const HingeSpring& spring = hinge_springs_[index];
+        if (!acts(spring))
+            continue;
+        const Mat3 block = spring.spring * spring.spring.transpose();
+        for (const VertexId end : { spring.a, spring.b }) {
+            const auto place = std::lower_bound(row.column.begin(), row.column.end(), end) - row.column.begin();
+            for (std::size_t i = 0; i < 9; ++i) // the block is symmetric
+                row.value[static_cast<std::size_t>(9 * place) + i] += (end == v ? 1.0 : -1.0) * block.data()[i];
+        }
     }
 }
 

@@ -7,12 +7,14 @@
 
 #include "fem/material/elasticity.h"
 #include "fem/material/material.h"
+#include "fem/model/hinge.h"
 #include "mesh/cutting/ablated_values.h"
 #include "mesh/cutting/cut_session.h"
 
 #include <Eigen/Core>
 
 #include <array>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -37,6 +39,12 @@ public:
     {
         return static_cast<std::size_t>(v) < bed_.size() ? bed_[static_cast<std::size_t>(v)] : 0.0;
     }
+
+    /// Sets hinges by their stiffness at rest (hinge.h). An edge acts while both its vertices have the position that
+    /// they have at this call, and share an element.
+    /// @throws InputError on an edge whose vertices do not live or share no element
+    void set_hinges(std::vector<Hinge> hinges);
+    std::vector<Hinge> hinges() const; ///< with the edges that act now
 
     /// Living vertices whose rows this delta changes, and some neighbours whose rows stay the same; rising.
     std::vector<VertexId> touched_by(const mesh::MeshDelta& delta) const;
@@ -100,11 +108,20 @@ private:
     void make_pattern(VertexId v);
     void sum_row(VertexId v);
     void carry_beds(const mesh::MeshDelta& delta);
+    struct HingeSpring {
+        VertexId a = 0, b = 0;
+        Vec3 at_a = Vec3::Zero(), at_b = Vec3::Zero(); ///< positions of the vertices to which the spring belongs
+        Vec3 spring = Vec3::Zero(); ///< hinge_spring()
+    };
+    bool acts(const HingeSpring& spring) const;
 
     std::vector<Lame> lame_; ///< per label
     std::vector<Mat3> stress_; ///< per element of the first mesh; empty: none
     std::vector<double> bed_; ///< per vertex id; may be shorter than the rows; 0 where no vertex lives
     mesh::AblatedValues<double> ablated_beds_;
+    std::vector<Hinge> hinges_;
+    std::vector<HingeSpring> hinge_springs_; ///< of all edges of the hinges, in order
+    std::map<VertexId, std::vector<std::size_t>> hinge_springs_of_; ///< per vertex id: indices into hinge_springs_
     std::vector<Vec3> position_; ///< per vertex id
     std::vector<std::vector<TetId>> around_; ///< per vertex id: elements, rising
     std::vector<Row> rows_;

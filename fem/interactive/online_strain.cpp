@@ -1,6 +1,7 @@
 #include "fem/interactive/online_strain.h"
 
 #include "fem/element/corner_gradients.h"
+#include "fem/element/strain_percentile.h"
 #include "mesh/base/error.h"
 #include "mesh/base/statistics.h"
 
@@ -13,8 +14,6 @@
 namespace retractor::fem {
 
 namespace {
-
-    constexpr double kStrainPercentile = 0.99;
 
     struct Stretched {
         double strain = 0.0, volume = 0.0;

@@ -94,6 +94,39 @@ namespace {
             }
     }
 
+    /// Hinges at rest. The extra node of an edge, after the nodes of the mesh, has x = spring . (u_b - u_a).
+    void write_hinges(std::string& deck, const ElasticProblem& problem)
+    {
+        if (problem.supports.hinges.empty())
+            return;
+        const mesh::TetMesh& mesh = problem.mesh;
+        std::string nodes = "*NODE, NSET=HINGES\n", equations = "*EQUATION\n",
+                    elements = "*ELEMENT, TYPE=SPRING1, ELSET=HINGE\n";
+        auto extra = static_cast<VertexId>(mesh.vertex_count());
+        std::size_t element = mesh.tet_count() + 3 * problem.supports.bedded.size();
+        for (const Hinge& hinge : problem.supports.hinges)
+            for (const HingeEdge& edge : hinge.edges) {
+                const Vec3 from = point_at(mesh.vertices, edge.a), to = point_at(mesh.vertices, edge.b);
+                const Vec3 spring = hinge_spring(hinge, edge, to - from);
+                std::vector<std::string> terms { node_number(extra) + ",1,-1." };
+                for (const auto& [v, sign] : { std::pair(edge.a, -1.0), std::pair(edge.b, 1.0) })
+                    for (Eigen::Index axis = 0; axis < 3; ++axis)
+                        if (spring[axis] != 0.0)
+                            terms.push_back(
+                                node_number(v) + "," + std::to_string(axis + 1) + "," + number(sign * spring[axis]));
+                constexpr std::size_t kTermsPerLine = 4;
+                equations += std::to_string(terms.size()) + "\n";
+                for (std::size_t i = 0; i < terms.size(); ++i)
+                    equations += terms[i] + ((i + 1) % kTermsPerLine == 0 || i + 1 == terms.size() ? "\n" : ",");
+                nodes += node_number(extra);
+                for (Eigen::Index axis = 0; axis < 3; ++axis)
+                    nodes += "," + number(0.5 * (from + to)[axis]);
+                nodes += "\n";
+                elements += std::to_string(++element) + "," + node_number(extra++) + "\n";
+            }
+        deck += nodes + equations + elements + "*SPRING, ELSET=HINGE\n1\n1.\n*BOUNDARY\nHINGES,2,3\n";
+    }
+
     void write_node_set(std::string& deck, const std::string& name, const std::vector<VertexId>& nodes)
     {
         deck += "*NSET, NSET=" + name + "\n";
@@ -219,6 +252,7 @@ std::string calculix_deck(const ElasticProblem& problem)
         write_material(deck, label, problem.material_of_label[label]);
     }
     write_beds(deck, problem);
+    write_hinges(deck, problem);
     if (!problem.supports.fixed.empty())
         write_node_set(deck, "FIXED", problem.supports.fixed);
     for (std::size_t h = 0; h < problem.hooks.size(); ++h) {

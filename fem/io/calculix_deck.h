@@ -3,9 +3,10 @@
 // another program on the same mesh, elements, supports, hooks and loads. Linear, without contact. Units mm, N, MPa.
 //
 // Elements are C3D4 or C3D10, as in the mesh; node order and quadrature are the same as here. Each label has one
-// *ELASTIC material. A bed is three SPRING1 elements per node. Loads are nodal forces (*CLOAD). The .dat file
-// contains the displacements of all nodes and the reactions of the held nodes with seven digits [Dhondt, CalculiX
-// CrunchiX user's manual 2.20, *NODE PRINT].
+// *ELASTIC material. A bed is three SPRING1 elements per node. Each edge of a hinge has an extra
+// node, whose x is tied to the edge's turn by an *EQUATION and held by a SPRING1 element: the hinge's stiffness at
+// rest, without the stop. Loads are nodal forces (*CLOAD). The .dat file contains the displacements of all nodes and
+// the reactions of the held nodes with seven digits [Dhondt, CalculiX CrunchiX user's manual 2.20, *NODE PRINT].
 
 #include "fem/statics/elastic_problem.h"
 

@@ -224,6 +224,9 @@ std::string febio_file(const ElasticProblem& problem)
     for (const HookPatch& hook : problem.hooks)
         if (hook.turns())
             throw InputError("FEBio files are written without hooks that turn", "hook '" + hook.name + "'");
+    if (!problem.supports.hinges.empty())
+        throw InputError(
+            "FEBio files are written without hinges of bones", "hinge of " + problem.supports.hinges.front().name);
     if (!problem.pressures.empty())
         throw InputError("FEBio files are written without pressure", "pressure of " + problem.pressures.front().name);
     if (!problem.loads.empty())

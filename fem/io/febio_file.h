@@ -21,7 +21,7 @@ inline constexpr double kFebioAnchorMm = 1000.0;
 
 /// The whole file. The same problem always gives the same text. Every number has enough digits to be read back
 /// exactly.
-/// @throws InputError as check_problem() does, and on a problem with loads.
+/// @throws InputError as check_problem() does, and on a problem with loads or hinges.
 std::string febio_file(const ElasticProblem& problem);
 
 } // namespace retractor::fem

@@ -38,9 +38,11 @@ const MaterialTable& default_materials()
         tissue("muscle", 0.04, 0.49, 1.06, "PMC9711973: relaxed, across the fibres, light load; 0.06 MPa at 5 N"),
         tissue("intercostal", 0.2, 0.45, 1.06,
             "range 0.1 - 0.3 MPa, muscle with its fasciae under retraction; middle value"),
-        tissue("bone", 1000.0, 0.30, 1.4,
-            "PMC6584379: whole rib, homogenised over cortex and marrow; cortical bone alone 10,000 MPa"),
-        tissue("cartilage", 15.0, 0.40, 1.10, "costal cartilage, range 5 - 25 MPa, small strain"),
+        tissue("bone", 4000.0, 0.30, 1.4,
+            "Pezowicz 2012: whole ribs in bending, homogenised over cortex and marrow, 2,000 - 8,000 MPa; geometric "
+            "mean"),
+        tissue("cartilage", 28.5, 0.40, 1.10,
+            "costal cartilage, range 5 - 25 MPa, small strain: 15 MPa times 1.9 for the perichondrium (Forman 2010)"),
         tissue("vessel", 1.0, 0.48, 1.05,
             "aortic wall at pulse strain; 0.25 MPa young, 0.9 MPa old from in-vivo stretch (PMC6982607)"),
         tissue(

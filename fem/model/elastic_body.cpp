@@ -164,6 +164,12 @@ void ElasticBody::set_bed(std::vector<double> stiffness)
     bed_ = std::move(stiffness);
 }
 
+void ElasticBody::set_hinges(std::vector<Hinge> hinges)
+{
+    check_hinges(mesh_, hinges);
+    hinges_ = std::move(hinges);
+}
+
 void ElasticBody::set_loads(ExternalLoads loads)
 {
     const auto size = 3 * mesh_.vertices.rows();
@@ -218,6 +224,28 @@ void ElasticBody::set_contact(Contact contact)
     map_.clear();
 }
 
+void ElasticBody::set_blades(BladeContact blades)
+{
+    blades_ = std::move(blades);
+    map_.clear();
+}
+
+void ElasticBody::expect_blades(const Eigen::VectorXd* u)
+{
+    if (!blades_)
+        return;
+    if (u != nullptr)
+        blades_->expect(*u);
+    else
+        blades_->expect_nothing();
+}
+
+void ElasticBody::prepare_blade_search(const Eigen::VectorXd& u)
+{
+    if (blades_)
+        blades_->prepare_search(u);
+}
+
 bool ElasticBody::find_contact(const Eigen::VectorXd& u, Contact::Pairing pairing)
 {
     RETRACTOR_ASSERT(contact_.has_value());
@@ -233,12 +261,13 @@ bool ElasticBody::find_contact(const Eigen::VectorXd& u, Contact::Pairing pairin
 void ElasticBody::make_pattern()
 {
     const auto elements = [&] { return locking_free_ ? locking_free_->pattern() : block_pattern(mesh_); };
-    if (!contact_) {
+    if (!contact_ && !blades_) {
         stiffness_.pattern = elements();
     } else {
         if (elements_pattern_.row_start.empty())
             elements_pattern_ = elements();
-        stiffness_.pattern = contact_->pattern_with_neighbours(elements_pattern_);
+        const BlockPattern with_blades = blades_ ? blades_->pattern(elements_pattern_) : elements_pattern_;
+        stiffness_.pattern = contact_ ? contact_->pattern_with_neighbours(with_blades) : with_blades;
     }
     map_ = element_block_map(mesh_, stiffness_.pattern);
     ++patterns_made_;
@@ -332,9 +361,13 @@ ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
         half[0].energy += 0.5 * bed_[v] * u.segment<3>(at).squaredNorm();
         half[0].forces.segment<3>(at) += bed_[v] * u.segment<3>(at);
     }
+    for (const Hinge& hinge : hinges_)
+        half[0].energy += add_hinge_response(mesh_, hinge, hinge_angle(), u, half[0].forces);
     add_loads(u, half[0]);
     if (contact_)
         half[0].energy += contact_->add_response(u, half[0].forces);
+    if (blades_)
+        half[0].energy += blades_->add_response(u, half[0].forces);
     return std::move(half[0]);
 }
 
@@ -422,7 +455,7 @@ const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double proje
         make_pattern();
     stiffness_.values.assign(9 * stiffness_.pattern.block_count(), 0.0);
     second_half_.assign(stiffness_.values.size(), 0.0);
-    if (locking_free_ && contact_) {
+    if (locking_free_ && (contact_ || blades_)) {
         BlockMatrix own { elements_pattern_, std::vector<double>(9 * elements_pattern_.block_count(), 0.0) };
         locking_free_->add_stiffness(u, projected, own);
         add_to(stiffness_, own);
@@ -445,11 +478,15 @@ const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double proje
             for (const std::size_t axis : { 0, 4, 8 })
                 diagonal[axis] += bed_[v];
         }
+    for (const Hinge& hinge : hinges_)
+        add_hinge_stiffness(mesh_, hinge, hinge_angle(), u, projected, stiffness_);
     // the stiffness of pressure is indefinite, so a projected stiffness omits it
     for (const FollowerPressure& pressure : loads_.pressures)
         pressure.add_stiffness(u, (1.0 - projected) * load_share_, stiffness_);
     if (contact_)
         contact_->add_stiffness(u, projected, stiffness_);
+    if (blades_)
+        blades_->add_stiffness(u, projected, stiffness_);
     return stiffness_;
 }
 

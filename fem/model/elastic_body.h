@@ -9,7 +9,9 @@
 #include "fem/linear_algebra/block_matrix.h"
 #include "fem/material/elasticity.h"
 #include "fem/material/hyperelasticity.h"
+#include "fem/model/blade_contact.h"
 #include "fem/model/contact.h"
+#include "fem/model/hinge.h"
 #include "fem/model/loads.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
@@ -46,6 +48,10 @@ public:
     /// @throws InputError on a wrong number of values, or a negative or infinite value.
     void set_bed(std::vector<double> stiffness);
 
+    /// Adds hinges (hinge.h). A linear body receives their stiffness at rest, without stops.
+    /// @throws InputError as check_hinges()
+    void set_hinges(std::vector<Hinge> hinges);
+
     /// External loads. response() and stiffness() include their energy, forces and stiffness. On a linear body
     /// pressure acts on the shape at rest. The share of the loads that acts starts at 1.
     /// @throws InputError on a wrong number of nodal loads, or a load that is not finite.
@@ -57,7 +63,7 @@ public:
     double renew_follower_loads(const Eigen::VectorXd& displacement);
 
     /// Contact of the body's surface. response() and stiffness() include its energy, forces and stiffness.
-    /// Locking-free elements are then assembled separately: their pattern is a part of the whole pattern.
+    /// Locking-free elements are then assembled separately, as with blades: their pattern is a part of the whole one.
     void set_contact(Contact contact);
     const Contact* contact() const { return contact_ ? &*contact_ : nullptr; }
     /// Calls Contact::find(). A change of the pairs changes the pattern of the stiffness where the present pattern does
@@ -67,6 +73,17 @@ public:
     /// How often the pattern of the stiffness was made. A solver analyses the pattern again when the number changes.
     std::size_t patterns_made() const { return patterns_made_; }
 
+    /// Rigid blades that push the body. response() and stiffness() include their energy, forces and stiffness, also at
+    /// the blades' own nodes.
+    void set_blades(BladeContact blades);
+    const BladeContact* blades() const { return blades_ ? &*blades_ : nullptr; }
+    /// Calls BladeContact::renew(). @return the largest change of the force at a node, N
+    double renew_blades(const Eigen::VectorXd& displacement) { return blades_ ? blades_->renew(displacement) : 0.0; }
+    /// Calls BladeContact::expect() or, without a displacement, expect_nothing().
+    void expect_blades(const Eigen::VectorXd* displacement);
+    /// Calls BladeContact::prepare_search().
+    void prepare_blade_search(const Eigen::VectorXd& displacement);
+
     /// Replaces four-node elements by locking-free elements (locking_free.h), whose matrix has more entries.
     /// @throws InputError on ten-node elements and on the corotational_linear model.
     void avoid_locking(const AveragingScheme& scheme = edge_patch_domains);
@@ -75,7 +92,7 @@ public:
     const mesh::TetMesh& mesh() const { return mesh_; }
 
     struct Response {
-        double energy = 0.0; ///< energy of tissue, bed, loads and contact, N mm
+        double energy = 0.0; ///< energy of tissue, bed, hinges, loads, contact and blades, N mm
         Eigen::VectorXd forces; ///< derivative of the energy: internal forces minus external forces, N
     };
     Response response(const Eigen::VectorXd& displacement) const;
@@ -118,12 +135,14 @@ private:
     void add_loads(const Eigen::VectorXd& u, Response& response) const;
     Mat3 deformation_gradient(const Eigen::VectorXd& u, std::size_t element, std::size_t point) const;
     const double* gradients(std::size_t element, std::size_t point) const;
+    HingeAngle hinge_angle() const { return model_ == Elasticity::linear ? HingeAngle::linear : HingeAngle::swept; }
 
     mesh::TetMesh mesh_;
     Elasticity model_;
     std::vector<Lame> lame_; ///< one per element; empty for a hyperelastic body
     HyperelasticTissue tissue_;
     std::vector<double> bed_; ///< stiffness per node, N/mm; empty: no bed
+    std::vector<Hinge> hinges_;
     ExternalLoads loads_;
     Eigen::VectorXd follower_; ///< nodal loads of the pressure without energy, N; empty: none
     double load_share_ = 1.0;
@@ -134,7 +153,8 @@ private:
         corotational_linear_; ///< set for four-node elements of the corotational_linear model
     std::optional<LockingFree> locking_free_;
     std::optional<Contact> contact_;
-    BlockPattern elements_pattern_; ///< pattern of the elements alone, kept when there is contact
+    std::optional<BladeContact> blades_;
+    BlockPattern elements_pattern_; ///< pattern of the elements alone, kept when there is contact or a blade
     std::vector<std::int32_t> map_;
     std::size_t patterns_made_ = 0;
     BlockMatrix stiffness_;

@@ -39,23 +39,6 @@ namespace {
         return pivot_at(frame, state, blade) - frame_centre(frame) - state.translation;
     }
 
-    /// Motions of the two blades (12) for small steps of the state.
-    Eigen::Matrix<double, 2 * kBladeMotions, kFrameUnknowns> blades_by_state(
-        const BladeFrame& frame, const FrameState& state, double lever)
-    {
-        Eigen::Matrix<double, 2 * kBladeMotions, kFrameUnknowns> B;
-        B.setZero();
-        for (std::size_t k = 0; k < frame.size(); ++k) {
-            const Eigen::Index row = kBladeMotions * static_cast<Eigen::Index>(k);
-            B.block<3, 3>(row, 0).setIdentity();
-            B.block<3, 3>(row, kFrameRotation) = -skew(lever_of(frame, state, k)) / lever;
-            B.block<3, 1>(row, kFrameDistance) = 0.5 * state.rotation * frame[k].outward;
-            B.block<3, 3>(row + 3, kFrameRotation) = Mat3::Identity() / lever;
-            B.block<3, 1>(row + 3, kFrameTurns + static_cast<Eigen::Index>(k)) = state.rotation * frame[k].arm / lever;
-        }
-        return B;
-    }
-
     Eigen::Matrix<double, 2 * kBladeMotions, 1> packed_loads(const std::array<BladeLoad, 2>& loads)
     {
         Eigen::Matrix<double, 2 * kBladeMotions, 1> all;
@@ -156,6 +139,22 @@ Eigen::MatrixXd blade_motions(const mesh::TetMesh& mesh, std::span<const HookPat
                 = -skew(blades[k].rotation * (mesh.vertices.row(v).transpose() - blades[k].pivot));
         }
     return motions;
+}
+
+Eigen::Matrix<double, 2 * kBladeMotions, kFrameUnknowns> blades_by_state(
+    const BladeFrame& frame, const FrameState& state, double lever)
+{
+    Eigen::Matrix<double, 2 * kBladeMotions, kFrameUnknowns> B;
+    B.setZero();
+    for (std::size_t k = 0; k < frame.size(); ++k) {
+        const Eigen::Index row = kBladeMotions * static_cast<Eigen::Index>(k);
+        B.block<3, 3>(row, 0).setIdentity();
+        B.block<3, 3>(row, kFrameRotation) = -skew(lever_of(frame, state, k)) / lever;
+        B.block<3, 1>(row, kFrameDistance) = 0.5 * state.rotation * frame[k].outward;
+        B.block<3, 3>(row + 3, kFrameRotation) = Mat3::Identity() / lever;
+        B.block<3, 1>(row + 3, kFrameTurns + static_cast<Eigen::Index>(k)) = state.rotation * frame[k].arm / lever;
+    }
+    return B;
 }
 
 FrameMatrix frame_stiffness(const BladeFrame& frame, const FrameState& state, const std::array<BladeLoad, 2>& loads,

@@ -85,6 +85,11 @@ FrameVector generalised_forces(
 /// @return 3 nodes x 12
 Eigen::MatrixXd blade_motions(const mesh::TetMesh& mesh, std::span<const HookPatch> blades);
 
+/// The motions of the blades, as the columns of blade_motions(), for small steps of the state.
+/// @return 12 x 9
+Eigen::Matrix<double, 12, kFrameUnknowns> blades_by_state(
+    const BladeFrame& frame, const FrameState& state, double lever);
+
 /// The derivative of generalised_forces() by the state, N/mm.
 /// @param stiffness of the tissue for blade_motions(), 12 x 12 (motion_response())
 FrameMatrix frame_stiffness(const BladeFrame& frame, const FrameState& state, const std::array<BladeLoad, 2>& loads,

@@ -1,8 +1,9 @@
 #pragma once
-// Boundary conditions of a body: fixed supports, springs in place of tissue that is not modelled, and hooks that move
-// their nodes together. Plain data; elastic_problem.h turns these conditions into prescribed unknowns and springs.
-// Units mm, N; frame patient LPS.
+// Boundary conditions of a body: fixed supports, springs in place of tissue that is not modelled, hinges of bones, and
+// hooks that move their nodes together. Plain data; elastic_problem.h turns these conditions into prescribed unknowns
+// and springs. Units mm, N; frame patient LPS.
 
+#include "fem/model/hinge.h"
 #include "mesh/base/geometry.h"
 
 #include <string>
@@ -20,6 +21,7 @@ struct BeddedVertex {
 struct Supports {
     std::vector<VertexId> fixed {}; ///< vertices that do not move
     std::vector<BeddedVertex> bedded {}; ///< vertices on springs; each vertex at most once
+    std::vector<Hinge> hinges {}; ///< torques against the turn of bones that rest on such springs
 };
 
 /// A hook: nodes that move together, a patch of wound surface with the bone under the patch. A hook is never a single

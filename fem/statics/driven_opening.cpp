@@ -1,6 +1,5 @@
 #include "fem/statics/driven_opening.h"
 
-#include "fem/linear_algebra/constrained_solver.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
@@ -32,33 +31,6 @@ namespace {
         for (Eigen::Index h = 0; h < x.size(); h += 3)
             most = std::max(most, x.segment<3>(h).norm());
         return most;
-    }
-
-    /// Factors the true stiffness where it is positive definite, else the stiffness with the smallest sufficient lift
-    /// of negative eigenvalues.
-    const BlockMatrix& factorise(ElasticBody& body, const Eigen::VectorXd& u, ConstrainedSolver& solver)
-    {
-        constexpr double kLeast = 1.0 / 64.0, kMore = 4.0;
-        for (double lift = 0.0;; lift = std::min(1.0, std::max(kMore * lift, kLeast))) {
-            const BlockMatrix& K = body.stiffness(u, lift);
-            try {
-                solver.factorise(K);
-                return K;
-            } catch (const SolverError&) {
-                if (lift == 1.0)
-                    throw;
-            }
-        }
-    }
-
-    /// The hooks at rest: equal displacements, as hooks that share nodes require.
-    std::vector<HookPatch> still(std::vector<HookPatch> hooks)
-    {
-        for (HookPatch& hook : hooks) {
-            hook.displacement.setZero();
-            hook.rotation.setIdentity();
-        }
-        return hooks;
     }
 
     bool was_opened(const OpeningResult& opening)
@@ -233,7 +205,11 @@ namespace {
             return std::move(found_);
         }
 
-        bool nonlinear() const { return options_.elasticity != Elasticity::linear || options_.contact.has_value(); }
+        bool nonlinear() const
+        {
+            return options_.elasticity != Elasticity::linear || options_.contact.has_value()
+                || !problem_.blades.empty();
+        }
 
         /// Predicts the equilibrium of the hooks from the forces and the tangent at this state.
         HookRest rest_at(const Points& displacement, const Eigen::VectorXd& forces)
@@ -269,52 +245,14 @@ namespace {
 HookResponse hook_response(const ElasticProblem& problem, const TissueModel& model, const Points& displacement,
     const std::optional<ContactOptions>& contact)
 {
-    const auto unknowns = 3 * static_cast<Eigen::Index>(problem.mesh.vertex_count());
-    Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(unknowns, 3 * static_cast<Eigen::Index>(problem.hooks.size()));
-    const std::vector<int> hook_of_node = prescribe(problem.mesh, problem.supports, still(problem.hooks)).hook_of_node;
-    for (std::size_t v = 0; v < hook_of_node.size(); ++v)
-        if (const int hook = hook_of_node[v]; hook >= 0)
-            moved.block<3, 3>(3 * static_cast<Eigen::Index>(v), 3 * hook).setIdentity();
-    return motion_response(problem, model, displacement, moved, contact);
+    TissueLinearisation tissue(problem, model, displacement, contact);
+    return tissue.response(hook_motions(tissue.held(), problem.hooks.size()));
 }
 
 HookResponse motion_response(const ElasticProblem& problem, const TissueModel& model, const Points& displacement,
     const Eigen::MatrixXd& motions, const std::optional<ContactOptions>& contact)
 {
-    RETRACTOR_ASSERT(displacement.rows() == problem.mesh.vertices.rows() && motions.rows() == displacement.size());
-    ElasticBody body = tissue_body(problem.mesh, problem.material_of_label, model);
-    body.set_bed(bed_stiffness(problem.mesh, problem.supports));
-    const Prescribed held = prescribe(problem.mesh, problem.supports, still(problem.hooks));
-    const Eigen::VectorXd u = Eigen::Map<const Eigen::VectorXd>(displacement.data(), displacement.size());
-    ExternalLoads loads = external_loads(problem);
-    const bool at_rest = model.elasticity == Elasticity::linear; // linear tissue receives the pressure at rest
-    Eigen::VectorXd load = at_rest ? nodal_loads(problem) : loads.nodal;
-    if (!at_rest)
-        for (const FollowerPressure& pressure : loads.pressures)
-            load = (load.size() == 0 ? Eigen::VectorXd(Eigen::VectorXd::Zero(u.size())) : load) + pressure.force(u);
-    if (!loads.pressures.empty()) { // dead loads have no stiffness, follower loads have
-        body.set_loads(std::move(loads));
-        (void)body.renew_follower_loads(u);
-    }
-    if (contact) {
-        body.set_contact(Contact(problem.mesh, element_parameters(problem.mesh, problem.material_of_label), *contact));
-        (void)body.find_contact(u);
-    }
-    (void)body.stiffness(u, 0.0);
-    ConstrainedSolver solver(body.last_stiffness().pattern, held.flag);
-    const BlockMatrix& K = factorise(body, u, solver);
-    const Eigen::Index columns = motions.cols();
-    Eigen::MatrixXd forces(u.size(), columns);
-    for (Eigen::Index c = 0; c < columns; ++c)
-        forces.col(c) = -K.multiply(motions.col(c));
-    Eigen::MatrixXd follow = motions + solver.solve_all(forces);
-    for (Eigen::Index c = 0; c < columns; ++c)
-        forces.col(c) = K.multiply(follow.col(c));
-    const Eigen::MatrixXd R = follow.transpose() * forces;
-    HookResponse response { 0.5 * (R + R.transpose()), std::move(follow) };
-    if (load.size() != 0)
-        response.of_loads = -response.displacement.transpose() * load;
-    return response;
+    return TissueLinearisation(problem, model, displacement, contact).response(motions);
 }
 
 std::optional<ReleasedHooks> release_hooks(const HookResponse& response, const Eigen::VectorXd& at,

@@ -11,6 +11,7 @@
 #include "fem/statics/elastic_problem.h"
 #include "fem/statics/hook_drive.h"
 #include "fem/statics/opening_types.h"
+#include "fem/statics/tissue_linearisation.h"
 #include "mesh/base/job.h"
 
 #include <Eigen/Core>
@@ -24,13 +25,6 @@ namespace retractor::fem {
 /// Largest displacement of a hook (mm). Rib spreaders open to some 250 mm between their blades.
 constexpr double kFarthestHookMm = 150.0;
 
-/// Response of the tissue to its hooks: the linearisation at one state of the body.
-struct HookResponse {
-    Eigen::MatrixXd stiffness; ///< forces on the hooks per mm of hook displacement: 3 hooks x 3 hooks, N/mm, symmetric
-    Eigen::MatrixXd displacement; ///< displacement of the body per mm of hook displacement: 3 nodes x 3 hooks
-    /// The part of the hook forces that balances the loads of the body (tension that a cut released, pressure), N,
-    /// three per hook. Tissue that is stiffer everywhere leaves this part unchanged. Empty without loads.
-    Eigen::VectorXd of_loads {};
 };
 
 /// Linearises the tissue at a state. Surfaces that touch at this state resist; surfaces that would touch later do not.

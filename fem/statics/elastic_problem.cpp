@@ -6,9 +6,11 @@
 
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
+#include <utility>
 
 namespace retractor::fem {
 
@@ -79,6 +81,39 @@ Prescribed prescribe(const mesh::TetMesh& mesh, const Supports& supports, std::s
                 all.hook_of_node[i] = static_cast<int>(h);
         }
     }
+    return all;
+}
+
+void add_blade(ElasticProblem& problem, std::size_t hook, std::span<const mesh::TetFace> lip,
+    std::span<const mesh::TetFace> bone, const BladePlace& place)
+{
+    RETRACTOR_ASSERT(hook < problem.hooks.size() && problem.mesh.nodes_per_tet == 4);
+    mesh::TetMesh& mesh = problem.mesh;
+    const std::array<Vec3, 3> at = blade_nodes(place);
+    const auto first = static_cast<VertexId>(mesh.vertices.rows());
+    const std::array<VertexId, 3> nodes { first, first + 1, first + 2 };
+    BladeSurface blade
+        = make_blade_surface(mesh, element_parameters(mesh, problem.material_of_label), lip, bone, place, nodes);
+    mesh.vertices.conservativeResize(first + 3, 3);
+    for (std::size_t i = 0; i < at.size(); ++i)
+        mesh.vertices.row(nodes[i]) = at[i].transpose();
+    problem.hooks[hook].nodes.assign(nodes.begin(), nodes.end());
+    problem.blades.push_back(std::move(blade));
+}
+
+Points with_blade_nodes(const ElasticProblem& problem, const Points& displacement)
+{
+    Eigen::Index count = displacement.rows();
+    for (const BladeSurface& blade : problem.blades)
+        for (const VertexId v : blade.nodes)
+            count = std::max<Eigen::Index>(count, v + 1);
+    Points all = displacement;
+    all.conservativeResize(count, 3);
+    for (const BladeSurface& blade : problem.blades)
+        for (const HookPatch& hook : problem.hooks)
+            if (std::ranges::equal(hook.nodes, blade.nodes))
+                for (const VertexId v : blade.nodes)
+                    all.row(v) = hook.displacement_of(problem.mesh.vertices.row(v).transpose()).transpose();
     return all;
 }
 
@@ -158,6 +193,12 @@ std::vector<double> bed_stiffness(const mesh::TetMesh& mesh, const Supports& sup
     return bed;
 }
 
+void set_springs(ElasticBody& body, const Supports& supports)
+{
+    body.set_bed(bed_stiffness(body.mesh(), supports));
+    body.set_hinges(supports.hinges);
+}
+
 ExternalLoads external_loads(const ElasticProblem& problem)
 {
     ExternalLoads loads;
@@ -184,6 +225,7 @@ void check_problem(const ElasticProblem& problem)
         throw InputError("the mesh has no elements");
     (void)element_parameters(problem.mesh, problem.material_of_label);
     (void)bed_stiffness(problem.mesh, problem.supports);
+    check_hinges(problem.mesh, problem.supports.hinges);
     (void)prescribe(problem.mesh, problem.supports, problem.hooks);
     (void)external_loads(problem);
 }
@@ -196,6 +238,17 @@ std::vector<Vec3> hook_forces(const Eigen::VectorXd& nodal_forces, const Prescri
         if (const int hook = prescribed.hook_of_node[v]; hook >= 0)
             forces[static_cast<std::size_t>(hook)] += nodal_forces.segment<3>(3 * static_cast<Eigen::Index>(v));
     return forces;
+}
+
+Eigen::MatrixXd hook_motions(const Prescribed& prescribed, std::size_t hooks)
+{
+    const std::vector<int>& hook_of_node = prescribed.hook_of_node;
+    Eigen::MatrixXd motions = Eigen::MatrixXd::Zero(
+        3 * static_cast<Eigen::Index>(hook_of_node.size()), 3 * static_cast<Eigen::Index>(hooks));
+    for (std::size_t v = 0; v < hook_of_node.size(); ++v)
+        if (const int hook = hook_of_node[v]; hook >= 0)
+            motions.block<3, 3>(3 * static_cast<Eigen::Index>(v), 3 * hook).setIdentity();
+    return motions;
 }
 
 } // namespace retractor::fem

@@ -4,6 +4,7 @@
 
 #include "fem/material/elasticity.h"
 #include "fem/material/material.h"
+#include "fem/model/blade_samples.h"
 #include "fem/model/elastic_body.h"
 #include "fem/model/loads.h"
 #include "fem/statics/boundary_conditions.h"
@@ -25,7 +26,22 @@ struct ElasticProblem {
     std::vector<FaceTraction> loads {}; ///< on faces of the mesh: the tension that the cut released (pre_strain.h)
     /// Pressure of the surroundings on surfaces; a linear body receives the pressure at rest.
     std::vector<SurfacePressure> pressures {};
+    /// Hooks in unilateral contact: rigid blades. The nodes of such a hook are the nodes of its blade, which no element
+    /// has and which follow the corners of the elements in the mesh (add_blade()).
+    std::vector<BladeSurface> blades {};
 };
+
+/// Turns a hook into a blade in contact: adds the three nodes of the blade to the mesh, gives them to the hook in place
+/// of its own, and finds the places that the blade can touch (blade_samples.h).
+/// @param hook index into problem.hooks
+/// @pre four-node elements
+/// @throws InputError as make_blade_surface()
+void add_blade(ElasticProblem& problem, std::size_t hook, std::span<const mesh::TetFace> lip,
+    std::span<const mesh::TetFace> bone, const BladePlace& place);
+
+/// A displacement of the vertices of the elements, n x 3, mm, followed by that of the nodes of the blades where their
+/// hooks are. Other nodes, such as midpoints, are not added.
+Points with_blade_nodes(const ElasticProblem& problem, const Points& displacement);
 
 /// The unknowns that supports and hooks prescribe: a flag and a value per unknown.
 struct Prescribed {
@@ -63,6 +79,10 @@ ElasticBody tissue_body(
 /// @throws InputError on a vertex out of range or named twice, or a stiffness that is not positive
 std::vector<double> bed_stiffness(const mesh::TetMesh& mesh, const Supports& supports);
 
+/// Gives a body the beds and hinges of its supports.
+/// @throws InputError as bed_stiffness() and check_hinges()
+void set_springs(ElasticBody& body, const Supports& supports);
+
 /// Checks mesh, materials, supports, hooks and loads.
 /// @throws InputError as the functions above and check_mesh(), and on a mesh without elements
 void check_problem(const ElasticProblem& problem);
@@ -80,5 +100,9 @@ std::vector<Label> labels_met(const mesh::TetMesh& mesh);
 
 /// Sums nodal forces (three per node) over the nodes of each hook.
 std::vector<Vec3> hook_forces(const Eigen::VectorXd& nodal_forces, const Prescribed& prescribed, std::size_t hooks);
+
+/// The motions of the hooks: three columns per hook, a displacement of 1 mm of its nodes along x, y and z; three rows
+/// per node.
+Eigen::MatrixXd hook_motions(const Prescribed& prescribed, std::size_t hooks);
 
 } // namespace retractor::fem

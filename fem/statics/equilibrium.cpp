@@ -45,7 +45,9 @@ namespace {
             RETRACTOR_ASSERT(u.size() == 3 * body_.mesh().vertices.rows());
             u_ = u;
             reach_ = std::max(reach_, largest_length(u_));
-            (void)body_.renew_follower_loads(u_); // the body may hold the follower loads of a state that was given up
+            // the body may hold the follower loads and the friction of a state that was given up
+            (void)body_.renew_follower_loads(u_);
+            (void)body_.renew_blades(u_);
             state_ = respond(u_);
         }
         /// Stores the largest nodal force of the body's whole loads at u. Loads that balance each other leave no other
@@ -74,10 +76,15 @@ namespace {
         double move(const Eigen::VectorXd& motion)
         {
             constexpr double kTrusted = 3.0, kSmallest = 1.0 / 32.0;
+            // Blades move before the tissue follows: the step is linearised with the places that they will touch.
+            const Eigen::VectorXd ahead = u_ + motion;
+            body_.expect_blades(&ahead);
             const BlockMatrix& K = body_.model() == Elasticity::hyperelastic ? factorise_least_lifted() : assemble(1.0);
             if (body_.model() != Elasticity::hyperelastic)
                 factorise(K);
-            const Eigen::VectorXd rest = solver_.solve(-state_.forces);
+            const Eigen::VectorXd rest
+                = solver_.solve(body_.blades() != nullptr ? Eigen::VectorXd(-respond(u_).forces) : -state_.forces);
+            body_.expect_blades(nullptr);
             const Eigen::VectorXd follow = motion - solver_.solve(K.multiply(motion));
             for (double share = 1.0; share >= kSmallest; share *= 0.5)
                 // A body that was not at rest settles too, unless this fails.
@@ -134,7 +141,7 @@ namespace {
         Outcome iterate(double tolerance, int max_iterations)
         {
             for (int i = 0;; ++i) {
-                if (body_.renew_follower_loads(u_) > 0.0)
+                if (std::max(body_.renew_follower_loads(u_), body_.renew_blades(u_)) > 0.0)
                     state_ = respond(u_);
                 result_.residual = residual();
                 if (job_.cancelled())
@@ -156,7 +163,7 @@ namespace {
         double residual() const
         {
             const double noise = kNoForce * stiffest_ * std::max(reach_, largest_length(u_));
-            const double scale = std::max({ largest_length(state_.forces), largest_load_, noise });
+            const double scale = std::max({ largest_reaction(), largest_load_, noise });
             if (scale == 0.0)
                 return 0.0;
             Eigen::VectorXd r = state_.forces;
@@ -171,7 +178,21 @@ namespace {
         /// Contact energy is excluded from the prediction; Newton's method reduces it.
         double contact_energy(const Eigen::VectorXd& u) const
         {
-            return body_.contact() != nullptr ? body_.contact()->energy(u) : 0.0;
+            return (body_.contact() != nullptr ? body_.contact()->energy(u) : 0.0)
+                + (body_.blades() != nullptr ? body_.blades()->energy(u) : 0.0);
+        }
+
+        /// Largest force at a node. The three nodes of a blade bear what the nodes under it share, so the forces at
+        /// these nodes are taken.
+        double largest_reaction() const
+        {
+            if (body_.blades() == nullptr)
+                return largest_length(state_.forces);
+            Eigen::VectorXd forces = state_.forces;
+            for (const BladeSurface& blade : body_.blades()->blades())
+                for (const VertexId v : blade.nodes)
+                    forces.segment<3>(3 * static_cast<Eigen::Index>(v)).setZero();
+            return std::max(largest_length(forces), body_.blades()->largest_nodal_force(u_));
         }
 
         double energy_noise(const Eigen::VectorXd& u) const
@@ -596,7 +617,7 @@ Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::u
     if (!std::isfinite(newton.energy()))
         throw InputError("an element is turned over, or the displacement is not finite", "start state");
     const Eigen::VectorXd motion = prescribed_part(prescribed, target - start);
-    if (body.model() == Elasticity::linear && body.contact() == nullptr) {
+    if (body.model() == Elasticity::linear && body.contact() == nullptr && body.blades() == nullptr) {
         newton.move(motion);
         result.load = 1.0;
         if (newton.iterate(options.tolerance, options.max_newton_iterations) != Newton::Outcome::converged)

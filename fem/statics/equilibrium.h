@@ -27,6 +27,9 @@
 // lead to each other's equilibrium without end. Linear bodies with contact take load steps too. Contact forces do not
 // separate prescribed nodes. Where these meet each other or a fixed surface, the motion ends without convergence, and
 // the message names the share of the motion.
+//
+// Blades (ElasticBody::set_blades) move before the tissue follows. A step is therefore linearised with the places that
+// the blades will touch. Fading and friction of the blades are renewed at each Newton step, as follower loads are.
 
 #include "fem/linear_algebra/constrained_solver.h"
 #include "fem/model/elastic_body.h"
@@ -72,7 +75,7 @@ struct [[nodiscard]] Equilibrium {
 class EquilibriumSolver {
 public:
     /// Moves the body from `start` until the prescribed unknowns have their `target`. A linear body without contact
-    /// takes one linear solve.
+    /// and blades takes one linear solve.
     /// @param prescribed one flag per unknown, 1 = prescribed
     /// @throws SolverError when the stiffness is not positive definite, InputError when the energy of `start` is not
     /// finite

@@ -113,7 +113,11 @@ namespace {
             return found_.opening.status == OpeningStatus::converged
                 || found_.opening.status == OpeningStatus::inverted;
         }
-        bool is_nonlinear() const { return options_.elasticity != Elasticity::linear || options_.contact.has_value(); }
+        bool is_nonlinear() const
+        {
+            return options_.elasticity != Elasticity::linear || options_.contact.has_value()
+                || !problem_.blades.empty();
+        }
 
         void balance()
         {

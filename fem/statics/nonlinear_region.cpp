@@ -13,6 +13,7 @@
 #include <deque>
 #include <limits>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -100,6 +101,32 @@ namespace {
         return own;
     }
 
+    /// The hinges of this part: the edges whose nodes share an element of the part.
+    std::vector<Hinge> hinges_of(std::vector<Hinge> hinges, const Part& part)
+    {
+        for (Hinge& hinge : hinges)
+            for (HingeEdge& edge : hinge.edges)
+                edge = { part.node[static_cast<std::size_t>(edge.a)], part.node[static_cast<std::size_t>(edge.b)],
+                    edge.share };
+        return hinges_within(part.mesh, std::move(hinges));
+    }
+
+    /// The hinges of the far part. An edge between nodes of the rim belongs to the near part when both parts have it.
+    std::vector<Hinge> far_hinges_of(
+        std::vector<Hinge> hinges, const Part& far, const Part& near, const std::vector<Hinge>& near_hinges)
+    {
+        std::set<std::pair<VertexId, VertexId>> in_near;
+        for (const Hinge& hinge : near_hinges)
+            for (const HingeEdge& edge : hinge.edges)
+                in_near.emplace(edge.a, edge.b);
+        for (Hinge& hinge : hinges)
+            std::erase_if(hinge.edges, [&](const HingeEdge& edge) {
+                return in_near.contains(
+                    { near.node[static_cast<std::size_t>(edge.a)], near.node[static_cast<std::size_t>(edge.b)] });
+            });
+        return hinges_of(std::move(hinges), far);
+    }
+
     ExternalLoads loads_of(const Eigen::VectorXd& load, const Part& part, std::size_t vertices)
     {
         if (load.size() == 0)
@@ -149,6 +176,7 @@ struct NonlinearRegion::State {
     std::optional<CondensedRegion> beyond;
     std::vector<Material> materials; ///< indexed by label
     std::vector<double> far_bed; ///< per node of the far part, or empty
+    std::vector<Hinge> far_hinges; ///< by nodes of the far part
     std::optional<ElasticBody> far_body; ///< the far part with its own law; made when first needed
     std::vector<std::uint8_t> fixed; ///< per node of the near part, with nodes of hooks included
 
@@ -501,6 +529,7 @@ struct NonlinearRegion::State {
             if (!far_body) {
                 far_body.emplace(tissue_body(far.mesh, materials, { options.elasticity }));
                 far_body->set_bed(far_bed);
+                far_body->set_hinges(far_hinges);
             }
             ElasticBody::Response response = far_body->response(beyond->field(now.u.tail(rim_size())));
             change.finite = std::isfinite(response.energy);
@@ -601,6 +630,8 @@ NonlinearRegion::NonlinearRegion(const mesh::TetMesh& mesh, std::span<const Mate
     s.near = part_of(mesh, near, 1, rim);
     s.body.emplace(tissue_body(s.near.mesh, material_of_label, { options.elasticity }));
     s.body->set_bed(bed_of(bed, s.near, 0));
+    const std::vector<Hinge> near_hinges = hinges_of(supports.hinges, s.near);
+    s.body->set_hinges(near_hinges);
     s.body->set_loads(loads_of(options.load, s.near, s.vertices));
     s.largest_load = largest_length(options.load);
     s.fixed = fixed_nodes(s.near, prescribed);
@@ -608,6 +639,7 @@ NonlinearRegion::NonlinearRegion(const mesh::TetMesh& mesh, std::span<const Mate
     if (!rim.empty()) {
         s.materials.assign(material_of_label.begin(), material_of_label.end());
         s.far_bed = bed_of(bed, s.far, s.rim);
+        s.far_hinges = far_hinges_of(supports.hinges, s.far, s.near, near_hinges);
         s.far_fixed = fixed_nodes(s.far, prescribed);
     }
     for (const HookPatch& hook : hooks) {
@@ -637,6 +669,7 @@ bool NonlinearRegion::prepare(const Job& job)
     if (s.rim > 0 && !s.beyond) {
         ElasticBody far = tissue_body(s.far.mesh, s.materials, { s.options.elasticity });
         far.set_bed(s.far_bed);
+        far.set_hinges(s.far_hinges);
         s.beyond.emplace(far, s.far_fixed, s.rim);
     }
     if (job.cancelled())

@@ -1,5 +1,6 @@
 #include "fem/statics/opening.h"
 
+#include "fem/element/strain_percentile.h"
 #include "fem/model/floating_components.h"
 #include "fem/statics/elastic_problem.h"
 #include "fem/statics/equilibrium.h"
@@ -18,8 +19,6 @@ namespace retractor::fem {
 
 namespace {
 
-    constexpr double kTearingPercentile = 0.99;
-
     void check_options(const OpeningOptions& options)
     {
         if (options.load_steps < 1 || options.max_newton_iterations < 1)
@@ -37,42 +36,46 @@ namespace {
             return;
         if (options.elasticity == Elasticity::linear)
             throw InputError("nothing is nonlinear near the wound when the elasticity is linear", "nonlinear region");
-        if (options.contact || options.locking_free || !options.pressures.empty())
+        if (options.contact || !options.blades.empty() || options.locking_free || !options.pressures.empty())
             throw InputError(std::string("a condensed region cannot be combined with ")
-                    + (options.contact             ? "contact"
-                            : options.locking_free ? "locking-free elements"
-                                                   : "pressure"),
+                    + (options.contact                ? "contact"
+                            : !options.blades.empty() ? "blades in contact"
+                            : options.locking_free    ? "locking-free elements"
+                                                      : "pressure"),
                 "nonlinear region");
     }
 
-    /// 99th percentile by volume of the strain outside the elements that touch a hook patch.
+    /// 99th percentile by volume of the strain outside the elements that touch a hook patch or a blade.
     double strain_percentile(
-        const mesh::TetMesh& mesh, const ElasticBody::Deformation& d, const std::vector<int>& hook_of_node)
+        const ElasticBody& body, const ElasticBody::Deformation& d, const std::vector<int>& hook_of_node)
     {
+        const mesh::TetMesh& mesh = body.mesh();
+        const std::vector<TetId> covered
+            = body.blades() != nullptr ? body.blades()->covered_elements() : std::vector<TetId>();
         std::vector<std::size_t> order;
         double total = 0.0;
         for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
             const auto nodes = mesh.tet(static_cast<TetId>(t));
             if (std::any_of(nodes.begin(), nodes.end(),
-                    [&](VertexId v) { return hook_of_node[static_cast<std::size_t>(v)] >= 0; }))
+                    [&](VertexId v) { return hook_of_node[static_cast<std::size_t>(v)] >= 0; })
+                || std::binary_search(covered.begin(), covered.end(), static_cast<TetId>(t)))
                 continue;
             order.push_back(t);
             total += d.volume[t];
         }
         std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return d.strain[a] < d.strain[b]; });
         const auto at
-            = weighted_percentile(order, kTearingPercentile, total, [&](std::size_t t) { return d.volume[t]; });
+            = weighted_percentile(order, kStrainPercentile, total, [&](std::size_t t) { return d.volume[t]; });
         return at == order.end() ? 0.0 : d.strain[*at];
     }
 
     /// Computes strain and volume ratios. @pre result.displacement is set
     void measure(const ElasticBody& body, const Prescribed& prescribed, OpeningResult& result)
     {
-        const mesh::TetMesh& mesh = body.mesh();
         const Eigen::VectorXd displacement
             = Eigen::Map<const Eigen::VectorXd>(result.displacement.data(), result.displacement.size());
         ElasticBody::Deformation d = body.deformation(displacement);
-        result.strain_p99 = strain_percentile(mesh, d, prescribed.hook_of_node);
+        result.strain_p99 = strain_percentile(body, d, prescribed.hook_of_node);
         result.max_volume_ratio = *std::max_element(d.largest_ratio.begin(), d.largest_ratio.end());
         result.min_volume_ratio = *std::min_element(d.smallest_ratio.begin(), d.smallest_ratio.end());
         result.inverted_elements = static_cast<int>(
@@ -83,6 +86,8 @@ namespace {
             result.contact = body.contact()->state(displacement);
             result.contact_overlap_mm = body.contact()->overlap_at_rest();
         }
+        if (body.blades() != nullptr)
+            result.blades = body.blades()->bearing(displacement);
         if (result.inverted_elements == 0)
             return;
         result.message += "; " + std::to_string(result.inverted_elements)
@@ -159,6 +164,7 @@ namespace {
 
     OpeningOptions with_loads_of(const ElasticProblem& problem, OpeningOptions options)
     {
+        options.blades = problem.blades;
         if (problem.loads.empty() && problem.pressures.empty())
             return options;
         if (options.load.size() != 0 || !options.pressures.empty())
@@ -175,7 +181,6 @@ struct Opening::State {
     Supports supports;
     OpeningOptions options;
     std::vector<Material> materials; ///< by label
-    std::vector<double> bed;
     std::unique_ptr<ElasticBody> body; ///< built by the first open()
     EquilibriumSolver solver;
     Eigen::VectorXd warm; ///< last converged displacement; empty: none
@@ -188,7 +193,7 @@ void Opening::State::make_body(const Job& job)
 {
     const Stopwatch watch;
     body = std::make_unique<ElasticBody>(tissue_body(mesh, materials, { options.elasticity, options.locking_free }));
-    body->set_bed(bed);
+    set_springs(*body, supports);
     ExternalLoads loads { .nodal = options.load };
     for (const SurfacePressure& pressure : options.pressures)
         loads.pressures.emplace_back(mesh, pressure.faces, pressure.pressure);
@@ -196,6 +201,8 @@ void Opening::State::make_body(const Job& job)
         body->set_loads(std::move(loads));
     if (options.contact)
         body->set_contact(Contact(mesh, element_parameters(mesh, materials), *options.contact));
+    if (!options.blades.empty())
+        body->set_blades(BladeContact(mesh, options.blades));
     record_part(job, "solver", watch, body->bytes());
 }
 
@@ -237,7 +244,8 @@ Opening::Opening(
     if (options.load.size() != 0 && (options.load.size() != 3 * mesh.vertices.rows() || !options.load.allFinite()))
         throw InputError("a load has three finite entries per node", "load");
     (void)prescribe(mesh, supports, {});
-    state_->bed = bed_stiffness(mesh, supports);
+    (void)bed_stiffness(mesh, supports);
+    check_hinges(mesh, supports.hinges);
     (void)element_parameters(mesh, material_of_label);
     state_->materials.assign(material_of_label.begin(), material_of_label.end());
     state_->mesh = mesh;

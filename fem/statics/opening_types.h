@@ -3,6 +3,7 @@
 // tissue far from the wound stays linear. Units mm, N, MPa; frame patient LPS.
 
 #include "fem/material/elasticity.h"
+#include "fem/model/blade_contact.h"
 #include "fem/model/contact.h"
 #include "fem/model/loads.h"
 #include "mesh/tetrahedra/tet_mesh.h"
@@ -35,6 +36,8 @@ struct OpeningOptions {
     double tolerance = 1e-4;
     /// Contact of the wound with itself and with fixed surfaces; none: surfaces pass through.
     std::optional<ContactOptions> contact {};
+    /// Rigid blades that push (ElasticProblem::blades); not allowed with `near`.
+    std::vector<BladeSurface> blades {};
     /// Loads, N, three per node, constant while the hooks move; with `near`, on near nodes only; empty: none.
     Eigen::VectorXd load {};
     /// Pressures, raised together with the hooks' motion; not allowed with `near`. Above the pressure that tissue can
@@ -67,13 +70,14 @@ struct [[nodiscard]] OpeningResult {
     /// OpeningOptions::near.
     Eigen::VectorXd hook_nodal_forces_N {};
     std::vector<double> strain; ///< per element: largest principal Green-Lagrange strain (P2: element mean)
-    double strain_p99 = 0.0; ///< 99th percentile by volume, outside elements that touch a hook patch
+    double strain_p99 = 0.0; ///< 99th percentile by volume, outside elements that touch a hook patch or blade
     int inverted_elements = 0; ///< elements with det F <= 0 at any evaluation point
     double max_volume_ratio = 1.0; ///< largest det F
     double min_volume_ratio = 1.0; ///< smallest det F
     std::vector<double> volume_ratio; ///< per element: deformed volume over rest volume
     Contact::State contact; ///< filled when contact was requested
     double contact_overlap_mm = 0.0; ///< deepest overlap of surfaces at rest; the overlap remains
+    std::vector<BladeBearing> blades {}; ///< one per blade of OpeningOptions::blades
     std::optional<LinearCondensedRegion>
         far; ///< filled when linear elements were requested and an equilibrium was found
     double residual = 0.0; ///< as OpeningOptions::tolerance

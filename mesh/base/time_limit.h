@@ -1,6 +1,6 @@
 #pragma once
-// A limit on the time of a part of a job. The part runs with a job of its own, which is cancelled when the time is up or
-// when the whole job is cancelled. Times in seconds of the wall clock.
+// A limit on the time of a part of a job. The part runs with a job of its own, which is cancelled when the time is up
+// or when the whole job is cancelled. Times in seconds of the wall clock.
 
 #include "mesh/base/job.h"
 

@@ -23,17 +23,11 @@ namespace {
 
     std::size_t u(std::int64_t i) { return static_cast<std::size_t>(i); }
 
-    /// Points spread evenly in a cell: barycentric coordinates.
-    constexpr std::array<std::array<double, 4>, 11> kSamples { { { .25, .25, .25, .25 }, { .55, .15, .15, .15 },
-        { .15, .55, .15, .15 }, { .15, .15, .55, .15 }, { .15, .15, .15, .55 }, { .35, .35, .15, .15 },
-        { .35, .15, .35, .15 }, { .35, .15, .15, .35 }, { .15, .35, .35, .15 }, { .15, .35, .15, .35 },
-        { .15, .15, .35, .35 } } };
-
     struct Cell {
         std::size_t number;
         double volume; ///< volume that counts as misfit
         std::array<double, 4> areas;
-        std::array<int, kSamples.size()> samples;
+        std::array<int, kCellSamples.size()> samples;
         bool flat;
     };
 
@@ -86,10 +80,10 @@ namespace {
             cell.volume = tet_volume(p[0], p[1], p[2], p[3]);
             for (int i = 0; i < 4; ++i)
                 cell.areas[u(i)] = triangle_area(face_corners(p, i));
-            for (std::size_t s = 0; s < kSamples.size(); ++s) {
+            for (std::size_t s = 0; s < kCellSamples.size(); ++s) {
                 Vec3 at = Vec3::Zero();
                 for (std::size_t i = 0; i < 4; ++i)
-                    at += kSamples[s][i] * p[i];
+                    at += kCellSamples[s][i] * p[i];
                 cell.samples[s] = field_.at(at);
             }
             const auto angles = dihedral_angles_deg(p[0], p[1], p[2], p[3]);
@@ -105,7 +99,7 @@ namespace {
         {
             const auto misfits
                 = std::count_if(cell.samples.begin(), cell.samples.end(), [&](int sample) { return sample != label; });
-            double sum = cell.volume * static_cast<double>(misfits) / static_cast<double>(kSamples.size());
+            double sum = cell.volume * static_cast<double>(misfits) / static_cast<double>(kCellSamples.size());
             for (std::size_t i = 0; i < 4; ++i)
                 if (beyond(cell.number, i) != label)
                     sum += kAreaLength * cell.areas[i];

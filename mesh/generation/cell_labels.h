@@ -12,6 +12,12 @@
 
 namespace retractor::mesh {
 
+/// Points spread evenly in a cell: barycentric coordinates.
+inline constexpr std::array<std::array<double, 4>, 11> kCellSamples { { { .25, .25, .25, .25 }, { .55, .15, .15, .15 },
+    { .15, .55, .15, .15 }, { .15, .15, .55, .15 }, { .15, .15, .15, .55 }, { .35, .35, .15, .15 },
+    { .35, .15, .35, .15 }, { .35, .15, .15, .35 }, { .15, .35, .35, .15 }, { .15, .35, .15, .35 },
+    { .15, .15, .35, .35 } } };
+
 /// A tetrahedralisation that also covers space outside the body; cells outside have label 0.
 struct LabelledCells {
     std::vector<Vec3> vertices; ///< mm

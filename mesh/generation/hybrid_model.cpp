@@ -3,6 +3,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
+#include "mesh/generation/cell_labels.h"
 #include "mesh/generation/delaunay_mesher.h"
 #include "mesh/generation/mesh_forecast.h"
 #include "mesh/generation/mesh_polish.h"
@@ -10,6 +11,7 @@
 #include "mesh/generation/size_field.h"
 #include "mesh/generation/surface_seeds.h"
 #include "mesh/image/label_field.h"
+#include "mesh/image/skeleton.h"
 
 #include <algorithm>
 #include <cmath>
@@ -43,6 +45,12 @@ namespace {
         check_positive(sizing.coarse_edge_mm, "coarse_edge_mm");
         check_positive(sizing.fine_edge_mm, "fine_edge_mm");
         check_positive(sizing.corridor_radius_mm, "corridor_radius_mm");
+        if (!std::isfinite(sizing.coarse_beyond_mm) || sizing.coarse_beyond_mm < 0.0)
+            throw InputError(
+                "coarse_beyond_mm must be zero or positive, got " + std::to_string(sizing.coarse_beyond_mm),
+                "coarse_beyond_mm");
+        if (sizing.coarse_beyond_mm > 0.0 && sizing.corridor.empty())
+            throw InputError("coarse_beyond_mm needs a corridor", "coarse_beyond_mm");
         check_positive(sizing.coarse_path_edge_mm, "coarse_path_edge_mm");
         check_positive(sizing.coarse_path_radius_mm, "coarse_path_radius_mm");
         if (sizing.coarse_edge_mm < sizing.corridor_edge_mm)
@@ -116,6 +124,43 @@ namespace {
             + " tetrahedra, " + volume_text(dropped_volume) + ")";
     }
 
+    /// Labels of the wall that are no bone or cartilage.
+    std::vector<Label> soft_labels(const LabelTable& table)
+    {
+        std::vector<Label> soft;
+        for (const LabelInfo& info : table)
+            if (info.role == Role::wall && !is_skeleton(info))
+                soft.push_back(info.id);
+        return soft;
+    }
+
+    /// Gives the elements of the coarse model, which was meshed as one soft tissue, the soft label that fills most of
+    /// each. An element without any keeps the label of the model.
+    void give_soft_labels(LocalMesh& mesh, const LabelField& field)
+    {
+        for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+            std::array<Vec3, 4> corners;
+            Vec3 middle = Vec3::Zero();
+            for (std::size_t i = 0; i < 4; ++i) {
+                corners[i] = mesh.vertices[static_cast<std::size_t>(mesh.tets[t][i])];
+                middle += 0.25 * corners[i];
+            }
+            if (mesh.labels[t] != field.merged_number() || !field.merges_at(middle))
+                continue; // no element of the coarse model
+            std::vector<int> count(field.wall().labels.size() + 1, 0);
+            for (const auto& weights : kCellSamples) {
+                Vec3 at = Vec3::Zero();
+                for (std::size_t i = 0; i < 4; ++i)
+                    at += weights[i] * corners[i];
+                if (const int number = field.unmerged_at(at); field.merges(number))
+                    ++count[static_cast<std::size_t>(number)];
+            }
+            const auto most = std::max_element(count.begin(), count.end());
+            if (*most > 0)
+                mesh.labels[t] = static_cast<std::uint8_t>(most - count.begin());
+        }
+    }
+
     /// The mesh in patient LPS with the labels of the volume, without unused vertices.
     TetMesh world_mesh(const LocalMesh& local, const LabelVolume& labels, const WallVoxels& wall)
     {
@@ -161,7 +206,11 @@ HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizi
     const Stopwatch watch;
     job.report("label field", 0.0);
     const std::vector<Vec3> corridor = local_points(labels.grid, sizing.corridor);
-    const Region region { local_points(labels.grid, region_line(sizing)), sizing.region_mm, sizing.whole_labels };
+    const Region region { .corridor = local_points(labels.grid, region_line(sizing)),
+        .region_mm = sizing.region_mm,
+        .whole_labels = sizing.whole_labels,
+        .merge_beyond_mm = sizing.coarse_beyond_mm,
+        .merged_labels = soft_labels(labels.table) };
     const LabelField field(wall_voxels(labels, region), region);
     if (field.wall().empty())
         return without_mesh(MeshStatus::nothing_to_mesh, "no voxel of a wall label within the region");
@@ -197,6 +246,8 @@ HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizi
     local.optimise_seconds += polishing.seconds();
     if (job.cancelled())
         return without_mesh(MeshStatus::cancelled, "cancelled");
+    if (sizing.coarse_beyond_mm > 0.0)
+        give_soft_labels(local, field);
     drop_loose_pieces(local, std::pow(sizing.corridor_edge_mm, 3), field.wall(), model.message);
     model.wall = world_mesh(local, labels, field.wall());
     check_mesh(model.wall);

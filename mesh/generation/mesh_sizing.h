@@ -25,6 +25,10 @@ struct MeshSizing {
     double coarse_path_edge_mm = 7.0;
     /// Only tissue within this distance of the corridor or of coarse_path is meshed; 0: the whole wall.
     double region_mm = 0.0;
+    /// Beyond this distance of the corridor and of coarse_path the wall is a coarse model: soft tissues are meshed
+    /// without the interfaces between them, with edges that go on growing, and each element then gets the soft label
+    /// that fills it most; 0: no coarse model. Bones keep their surfaces.
+    double coarse_beyond_mm = 0.0;
     /// Labels that are meshed beyond the region: a part of such a label that meets the region is kept to its end,
     /// without the tissue round it beyond the region, together with the parts of these labels that touch it. The place
     /// where a rib is held decides how the rib yields. Without a region the list has no effect.

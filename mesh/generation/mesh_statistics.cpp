@@ -105,11 +105,15 @@ namespace {
         const double reach = 4.0 * field.wall().spacing.maxCoeff();
         std::vector<std::pair<double, double>> samples; // distance, area
         double area_sum = 0.0, weighted = 0.0;
+        const auto middle_of = [&](const TetFace& face) -> Vec3 {
+            const auto [a, b, c] = triangle_corners(local.vertices, face_vertices(local, face));
+            return (a + b + c) / 3.0;
+        };
         const auto sample = [&](const TetFace& face) {
             const auto [a, b, c] = triangle_corners(local.vertices, face_vertices(local, face));
             const Vec3 normal = unit_normal(a, b, c);
             const double area = triangle_area(a, b, c);
-            const int inside = number[local.labels[static_cast<std::size_t>(face.tet)]];
+            const int inside = field.merged(number[local.labels[static_cast<std::size_t>(face.tet)]], middle_of(face));
             for (const Vec3& p : { Vec3((a + b + c) / 3.0), Vec3((4 * a + b + c) / 6.0), Vec3((a + 4 * b + c) / 6.0),
                      Vec3((a + b + 4 * c) / 6.0) }) {
                 const double d = distance_to_interface(field, p, normal, inside, step, reach);
@@ -118,7 +122,10 @@ namespace {
                 weighted += d * area / 4.0;
             }
         };
-        const auto label_of = [&](const FaceRecord& r) { return local.labels[static_cast<std::size_t>(r.face.tet)]; };
+        // Between elements of the coarse model there is no interface that the mesh follows.
+        const auto label_of = [&](const FaceRecord& r) {
+            return field.merged(number[local.labels[static_cast<std::size_t>(r.face.tet)]], middle_of(r.face));
+        };
         for (std::size_t i = 0; i < faces.size(); ++i) {
             const bool paired = i + 1 < faces.size() && faces[i + 1].key == faces[i].key;
             if (!paired)

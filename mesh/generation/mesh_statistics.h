@@ -24,7 +24,9 @@ struct LabelFit {
 
 struct MeshStatistics {
     std::size_t vertices = 0, tets = 0;
-    std::vector<LabelFit> fit; ///< one per wall label in the mesh
+    /// One per wall label in the mesh. In a coarse model (MeshSizing::coarse_beyond_mm) only the sum over the soft
+    /// labels is fitted.
+    std::vector<LabelFit> fit;
     double total_volume_error = 0.0; ///< |mesh - voxels| / voxels
     double surface_distance_mean_mm = 0.0; ///< mean distance of the mesh boundary from the smoothed label boundary
     double surface_distance_p95_mm = 0.0; ///< 95th percentile of the same distance

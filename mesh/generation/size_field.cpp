@@ -27,8 +27,13 @@ namespace {
     /// and refinement makes no slivers.
     constexpr double kEdgeGrowth = 0.4;
 
-    /// Coarser edges for bones beyond the region: these bones bend, but nobody looks at them.
+    /// Coarser edges for bones beyond the region, or in the coarse model: these bones bend, but nobody looks at them.
     constexpr double kBareFactor = 1.4;
+
+    /// Growth of the edges (mm) per mm of distance in the coarse model, and the largest of these edges over
+    /// coarse_edge_mm. Longer edges would save few elements, because bones keep theirs.
+    constexpr double kFarGrowth = 0.15;
+    constexpr double kMostFarGrowth = 2.0;
 
     /// Allowed facet distance as a share of the edge. A chord of length h has a sagitta of h^2 / (8 R); with this
     /// share, edges get shorter only on surfaces with a radius R below h. The facets are shifted onto the surface
@@ -49,15 +54,26 @@ SizeField::SizeField(const WallVoxels& wall, const LabelTable& table, const Mesh
     , thickness_(local_thickness(wall))
 {
     region_line_.insert(region_line_.end(), path_.begin(), path_.end());
-    for (std::size_t n = 0; n < wall.labels.size(); ++n)
-        edges_per_thickness_[n + 1] = edge_per_thickness(*find_label(table, wall.labels[n]));
+    for (std::size_t n = 0; n < wall.labels.size(); ++n) {
+        const LabelInfo& info = *find_label(table, wall.labels[n]);
+        edges_per_thickness_[n + 1] = edge_per_thickness(info);
+        is_bone_.push_back(is_skeleton(info) ? 1 : 0);
+    }
 }
 
-double SizeField::corridor_edge(const Vec3& local) const
+double SizeField::into_coarse(const Vec3& local) const
+{
+    if (sizing_.coarse_beyond_mm <= 0.0)
+        return 0.0;
+    return std::max(0.0, polyline_distance(region_line_, local) - sizing_.coarse_beyond_mm);
+}
+
+double SizeField::corridor_edge(const Vec3& local, double into_coarse_mm) const
 {
     const double beyond = polyline_distance(corridor_, local) - sizing_.corridor_radius_mm;
-    return std::clamp(
-        sizing_.corridor_edge_mm + kEdgeGrowth * beyond, sizing_.corridor_edge_mm, sizing_.coarse_edge_mm);
+    const double longest
+        = std::min(sizing_.coarse_edge_mm + kFarGrowth * into_coarse_mm, kMostFarGrowth * sizing_.coarse_edge_mm);
+    return std::clamp(sizing_.corridor_edge_mm + kEdgeGrowth * beyond, sizing_.corridor_edge_mm, longest);
 }
 
 double SizeField::path_edge(const Vec3& local) const
@@ -101,10 +117,16 @@ double SizeField::bare_factor(const Vec3& local) const
 
 double SizeField::edge(const Vec3& local, int a, int b) const
 {
-    double wanted = std::min(corridor_edge(local), path_edge(local));
-    for (const int label : { a, b })
-        if (label != 0)
+    const double into_coarse_mm = into_coarse(local);
+    double wanted = std::min(corridor_edge(local, into_coarse_mm), path_edge(local));
+    for (const int label : { a, b }) {
+        if (label == 0)
+            continue;
+        if (into_coarse_mm <= 0.0)
             wanted = std::min(wanted, bare_factor(local) * thin_limit(local, label));
+        else if (is_bone_[static_cast<std::size_t>(label - 1)] != 0) // soft tissues have no layers there
+            wanted = std::min(wanted, kBareFactor * thin_limit(local, label));
+    }
     return std::min(std::max(wanted, sizing_.corridor_edge_mm), fine_edge(local));
 }
 

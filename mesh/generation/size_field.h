@@ -24,9 +24,11 @@ public:
     double facet_distance(const Vec3& local, int a, int b) const;
 
 private:
-    double corridor_edge(const Vec3& local) const;
+    double corridor_edge(const Vec3& local, double into_coarse_mm) const;
     double path_edge(const Vec3& local) const;
     double fine_edge(const Vec3& local) const;
+    /// Distance from the border of the coarse model (MeshSizing::coarse_beyond_mm), mm; 0 outside the model.
+    double into_coarse(const Vec3& local) const;
     double bare_factor(const Vec3& local) const;
     double thin_limit(const Vec3& local, int label) const;
 
@@ -35,6 +37,7 @@ private:
     std::vector<Vec3> corridor_, places_, path_;
     std::vector<Vec3> region_line_; ///< region_line() in the local frame
     std::vector<double> edges_per_thickness_; ///< largest edge length over thickness, per label number
+    std::vector<char> is_bone_; ///< per entry of WallVoxels::labels
     std::vector<float> thickness_;
 };
 

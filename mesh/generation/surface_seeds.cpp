@@ -67,9 +67,11 @@ namespace {
     }
 
     /// A seed on the interface between two neighbouring voxels, when the smooth labels agree with the voxels' labels.
-    std::optional<SurfaceSeed> seed_between(const LabelField& field, const Vec3& here, int a, const Vec3& there, int b)
+    std::optional<SurfaceSeed> seed_between(
+        const LabelField& field, const Vec3& here, int label_here, const Vec3& there, int label_there)
     {
-        if (field.at(here) != a || field.at(there) != b)
+        const int a = field.merged(label_here, here), b = field.merged(label_there, there);
+        if (a == b || field.at(here) != a || field.at(there) != b)
             return std::nullopt;
         const Vec3 point = field.crossing(here, there, kSeedTolerance);
         return SurfaceSeed { point, std::min(a, b), std::max(a, b) };

@@ -220,9 +220,39 @@ LabelField::LabelField(WallVoxels wall, Region region)
     RETRACTOR_ASSERT(wall_.voxels.empty() || wall_.voxels.size() == wall_.offset(0, 0, wall_.size[2]));
     for (int axis = 0; axis < 3; ++axis)
         spread_mixed(uniform_, wall_.size, axis);
+    if (region_.merge_beyond_mm > 0.0)
+        choose_merged_label();
 }
 
-int LabelField::at(const Vec3& local) const
+void LabelField::choose_merged_label()
+{
+    std::vector<std::size_t> voxels(wall_.labels.size() + 1, 0);
+    for (const std::uint8_t number : wall_.voxels)
+        ++voxels[number];
+    merges_.assign(voxels.size(), 0);
+    for (std::size_t n = 1; n < voxels.size(); ++n) {
+        const auto& merged = region_.merged_labels;
+        if (std::find(merged.begin(), merged.end(), wall_.labels[n - 1]) == merged.end())
+            continue;
+        merges_[n] = 1;
+        if (merged_ == 0 || voxels[n] > voxels[static_cast<std::size_t>(merged_)])
+            merged_ = static_cast<int>(n);
+    }
+}
+
+int LabelField::merged(int number, const Vec3& local) const
+{
+    return merges(number) && merges_at(local) ? merged_ : number;
+}
+
+bool LabelField::merges_at(const Vec3& local) const
+{
+    return region_.merge_beyond_mm > 0.0 && !corridor_.within(local, region_.merge_beyond_mm);
+}
+
+int LabelField::at(const Vec3& local) const { return merged(unmerged_at(local), local); }
+
+int LabelField::unmerged_at(const Vec3& local) const
 {
     std::array<int, 3> cell {};
     Vec3 fraction;

@@ -54,6 +54,9 @@ struct Region {
     std::vector<Vec3> corridor; ///< polyline, local points (mm)
     double region_mm = 0.0; ///< largest distance from the corridor (mm); 0: no limit
     std::vector<Label> whole_labels; ///< MeshSizing::whole_labels
+    /// Beyond this distance from the corridor (mm) all of `merged_labels` count as one label; 0: nowhere.
+    double merge_beyond_mm = 0.0;
+    std::vector<Label> merged_labels {};
 };
 
 /// Crops and renumbers the labels that meshing uses.
@@ -67,6 +70,16 @@ public:
 
     /// Number of the label at a local point (mm): 0 outside, 1 + i for wall().labels[i]. Thread-safe.
     int at(const Vec3& local) const;
+    /// The same without merging labels (Region::merge_beyond_mm).
+    int unmerged_at(const Vec3& local) const;
+    /// The number that at() gives at a local point where the voxels have this number: beyond Region::merge_beyond_mm,
+    /// merged_number() for labels that merge.
+    int merged(int number, const Vec3& local) const;
+    /// Whether labels merge at this place.
+    bool merges_at(const Vec3& local) const;
+    bool merges(int number) const { return !merges_.empty() && merges_[static_cast<std::size_t>(number)] != 0; }
+    /// The number of the merged label with most voxels; 0 without any.
+    int merged_number() const { return merged_; }
     /// The point between a and b where the number changes, within `tolerance` mm, on the side of `a`.
     Vec3 crossing(Vec3 a, Vec3 b, double tolerance) const;
 
@@ -77,10 +90,13 @@ public:
 
 private:
     int smooth_at(const std::array<int, 3>& cell, const Vec3& fraction) const;
+    void choose_merged_label();
 
     WallVoxels wall_;
     Region region_;
     CorridorDistance corridor_;
+    std::vector<char> merges_; ///< per label number: 1 for merged labels; empty: nothing is merged
+    int merged_ = 0; ///< number of the merged label with most voxels
     std::vector<std::uint8_t> uniform_; ///< per cell: common label of the 4x4x4 voxels round the cell, or kMixed
 };
 

@@ -15,8 +15,6 @@ namespace retractor::planner {
 
 namespace {
 
-    /// Hooks stand in this middle part of the incision, because its ends hardly open.
-    constexpr double kHeldShare = 0.8;
     constexpr double kSpreaderShare = 0.5, kSpreaderLargestMm = 60.0;
     constexpr double kRimMm = 2.0; ///< distance of a patch from the skin and from the cavity
 

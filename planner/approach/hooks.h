@@ -12,6 +12,9 @@
 
 namespace retractor::planner {
 
+/// Hooks stand in this middle part of the incision, because its ends hardly open.
+inline constexpr double kHeldShare = 0.8;
+
 /// @param opening_mm distance that opposite hooks open; each side moves half of this distance; 0 for hooks that pull
 /// with a force
 /// @param pull force, limit and grip of every hook

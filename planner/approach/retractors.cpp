@@ -160,8 +160,10 @@ std::vector<HookSpec> blades_of(const Approach& approach)
     const RetractorSpec& retractor = *approach.retractor;
     std::vector<HookSpec> blades
         = make_blades(approach, retractor.along_mm, retractor.blade_width_mm, retractor.blade_depth_mm);
-    for (HookSpec& blade : blades)
+    for (HookSpec& blade : blades) {
         blade.opening_mm = 0.5 * retractor.opening_mm;
+        blade.hold = retractor.hold;
+    }
     return blades;
 }
 

@@ -98,10 +98,10 @@ namespace {
         constexpr double kTearingStretch = 1.71; // skin fails at a strain of 54 +- 17 % [arXiv 1302.3022]
         const double length = incision_length(approach);
         if (opening_mm > kTearingStretch * length)
-            refuse(
-                formatted("hooks open %.0f mm, but the skin of an incision of %.0f mm tears before %.0f mm: open less, "
-                          "or make the incision longer",
-                    opening_mm, length, kTearingStretch * length),
+            refuse(formatted("not attainable: hooks open %.0f mm, but the skin of an incision of %.0f mm tears before "
+                             "%.0f mm: open less, "
+                             "or make the incision longer",
+                       opening_mm, length, kTearingStretch * length),
                 where);
     }
 
@@ -223,6 +223,16 @@ std::string_view to_string(LoosePieces policy)
     })->second;
 }
 
+std::string_view to_string(HookHold hold) { return hold == HookHold::fixed ? "fixed" : "contact"; }
+
+std::optional<HookHold> hook_hold_from_string(std::string_view text)
+{
+    for (const HookHold hold : { HookHold::fixed, HookHold::contact })
+        if (to_string(hold) == text)
+            return hold;
+    return std::nullopt;
+}
+
 std::optional<LoosePieces> loose_pieces_from_string(std::string_view text)
 {
     for (const auto& [policy, name] : kLoosePieces)
@@ -251,7 +261,8 @@ mesh::MeshSizing mesh_sizing_of(const Approach& approach, const mesh::LabelTable
         .coarse_path = divided_path(approach),
         .coarse_path_edge_mm
         = std::min(kDividedEdge * approach.sizing.corridor_edge_mm, approach.sizing.coarse_edge_mm),
-        .region_mm = approach.sizing.region_mm,
+        .region_mm = approach.sizing.region_mm.value_or(kFirstRegionMm),
+        .coarse_beyond_mm = approach.sizing.coarse_beyond_mm,
         .whole_labels = {},
         .seed = approach.sizing.mesh_seed };
     for (std::size_t n = approach.incision.size(); n-- > 0;)
@@ -309,6 +320,13 @@ SizingSpec with_scaled_edges(SizingSpec sizing, double factor)
     return sizing;
 }
 
+SizingSpec found_sizing(SizingSpec sizing, double region_mm)
+{
+    sizing.region_mm = region_mm;
+    sizing.coarse_beyond_mm = region_mm > kFirstRegionMm ? kFirstRegionMm : 0.0;
+    return sizing;
+}
+
 void check_sizing(const SizingSpec& sizing, const std::string& pointer)
 {
     check_positive(sizing.corridor_radius_mm, pointer + "/corridor_radius_mm");
@@ -316,7 +334,9 @@ void check_sizing(const SizingSpec& sizing, const std::string& pointer)
     check_positive(sizing.coarse_edge_mm, pointer + "/coarse_edge_mm");
     if (sizing.coarse_edge_mm < sizing.corridor_edge_mm)
         refuse("must not be finer than the corridor", pointer + "/coarse_edge_mm");
-    check_number(sizing.region_mm, 0.0, kLargestMm, pointer + "/region_mm");
+    if (sizing.region_mm)
+        check_number(*sizing.region_mm, 0.0, kLargestMm, pointer + "/region_mm");
+    check_number(sizing.coarse_beyond_mm, 0.0, kLargestMm, pointer + "/coarse_beyond_mm");
 }
 
 void check_pull(const HookPull& pull, const std::string& where)

@@ -30,6 +30,17 @@ struct HookPull {
 /// @throws InputError on values out of range or values that contradict each other
 void check_pull(const HookPull& pull, const std::string& where);
 
+/// How a hook or blade holds its lip:
+/// - fixed: the tissue under the patch, and the bone on which it bears, moves with the patch as if glued to it. This is
+///   the hold of hooks that grip, such as rakes.
+/// - contact: the patch pushes and never pulls. Tissue may lift off and, beyond friction, slide along the patch; bone
+///   rolls on it (fem/model/blade_contact.h). This is the hold of blades.
+enum class HookHold { fixed, contact };
+
+/// "fixed" or "contact", and back; nothing for another word.
+std::string_view to_string(HookHold hold);
+std::optional<HookHold> hook_hold_from_string(std::string_view text);
+
 /// A hook: a rigid rectangular patch on one lip. Positions are in the coordinates of the blade.
 struct HookSpec {
     std::string name;
@@ -41,6 +52,7 @@ struct HookSpec {
     Vec3 direction = Vec3::Zero(); ///< unit vector, away from the other lip
     double opening_mm = 0.0; ///< motion of the patch along `direction`; 0 with force_N
     HookPull pull {};
+    HookHold hold = HookHold::fixed;
     /// Places on bones on which the patch bears, mm; set by find_bearing_points(), not a part of case.json.
     std::vector<Vec3> bearing {};
     std::vector<std::string> bears_on {}; ///< names of these bones; set with `bearing`
@@ -58,6 +70,7 @@ struct RetractorSpec {
     double blade_depth_mm = 0.0; ///< from the arm at the skin into the wound; a thinner wall takes a part of the blade
     double play_deg = 0.0; ///< largest turn of a blade about its arm, to either side
     double greatest_opening_mm = 0.0;
+    HookHold hold = HookHold::contact; ///< of both blades
 };
 
 /// What the surgeon wants to see: a label, or a sphere where no label was drawn.
@@ -68,6 +81,9 @@ struct TargetSpec {
     bool is_sphere() const { return label.empty(); }
 };
 
+/// The region of an approach for which none was given and none was found, mm.
+inline constexpr double kFirstRegionMm = 50.0;
+
 /// Mesh sizes of the wall round this incision; see MeshSizing.
 /// The defaults give 50,000 to 80,000 elements on an adult chest, in a few seconds. A new case has edges of 8 mm for
 /// ten-node elements (write_import()).
@@ -75,14 +91,20 @@ struct SizingSpec {
     double corridor_radius_mm = 12.0;
     double corridor_edge_mm = 4.5;
     double coarse_edge_mm = 15.0;
-    /// The mesh holds tissue within this distance of the incision, and its whole bones; 0: all of the wall.
-    double region_mm = 50.0;
+    /// The mesh holds tissue within this distance of the incision, and its whole bones; 0: all of the wall. Not set:
+    /// kFirstRegionMm, and where a plan finds the region (PlanChecks::find_region) as far as tissue moves.
+    std::optional<double> region_mm {};
+    double coarse_beyond_mm
+        = 0.0; ///< MeshSizing::coarse_beyond_mm, of a region that was found; not a part of case.json
     unsigned mesh_seed = 0; ///< MeshSizing::seed; not a part of case.json
     double patch_edge_mm = 3.0; ///< MeshSizing::fine_edge_mm, round the hooks' patches; not a part of case.json
 };
 
 /// The same sizes with all edges multiplied by this factor. @pre factor > 0
 SizingSpec with_scaled_edges(SizingSpec sizing, double factor);
+
+/// The same sizes with a region that was found: beyond kFirstRegionMm it is a coarse model.
+SizingSpec found_sizing(SizingSpec sizing, double region_mm);
 
 /// The eye positions over which the visible fraction is averaged. The eyes lie in a cone about the view axis.
 struct ViewSpec {

@@ -255,7 +255,8 @@ namespace {
         static void of(auto& io, Is<SizingSpec> auto& sizing)
         {
             io.required("corridor_radius_mm", sizing.corridor_radius_mm, "corridor_edge_mm", sizing.corridor_edge_mm,
-                "coarse_edge_mm", sizing.coarse_edge_mm, "region_mm", sizing.region_mm);
+                "coarse_edge_mm", sizing.coarse_edge_mm);
+            io.optional("region_mm", sizing.region_mm);
         }
         static void of(auto& io, Is<TargetSpec> auto& target)
         {
@@ -283,6 +284,7 @@ namespace {
                 io.required("opening_mm", hook.opening_mm);
             io.optional("force_limit_N", hook.pull.force_limit_N);
             io.optional("grip_N_per_mm", hook.pull.grip_N_per_mm);
+            io.optional("hold", hook.hold, hook.hold != HookHold::fixed);
         }
         static void of(auto& io, Is<RetractorSpec> auto& retractor)
         {
@@ -295,6 +297,7 @@ namespace {
             io.required("along_mm", retractor.along_mm, "blade_width_mm", retractor.blade_width_mm, "blade_depth_mm",
                 retractor.blade_depth_mm, "play_deg", retractor.play_deg, "greatest_opening_mm",
                 retractor.greatest_opening_mm);
+            io.optional("hold", retractor.hold, retractor.hold != HookHold::contact);
         }
         static void of(auto& io, Is<OpeningProtocol> auto& protocol)
         {
@@ -477,6 +480,11 @@ namespace {
         {
             policy = known(node, loose_pieces_from_string(node.text()),
                 "unknown \"" + node.text() + "\": use held, removed or rigid");
+        }
+        static void read(const Node& node, HookHold& hold)
+        {
+            hold = known(
+                node, hook_hold_from_string(node.text()), "unknown \"" + node.text() + "\": use fixed or contact");
         }
         static void read(const Node& node, DivisionExtent& extent)
         {

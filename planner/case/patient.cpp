@@ -2,6 +2,7 @@
 
 #include "datasets/io/volume_io.h"
 #include "mesh/base/error.h"
+#include "mesh/image/skeleton.h"
 #include "mesh/surface/label_surface.h"
 
 #include <algorithm>
@@ -59,6 +60,31 @@ std::shared_ptr<const Anatomy> Patient::anatomy()
     return anatomy_;
 }
 
+std::shared_ptr<const std::vector<BoneStiffness>> Patient::bone_stiffness()
+{
+    const std::lock_guard lock(mutex_);
+    if (!bone_stiffness_) {
+        const auto all_labels = labels();
+        std::shared_ptr<const mesh::Volume> image;
+        std::string without = "the case has no CT";
+        const bool has_bones = std::any_of(case_.label_table.begin(), case_.label_table.end(),
+            [](const mesh::LabelInfo& info) { return mesh::is_wall(info) && mesh::is_skeleton(info); });
+        if (case_.ct && has_bones) {
+            try {
+                image = ct();
+            } catch (const Error& error) { // a plan needs no CT, so that a CT that is gone stops none
+                without = "the CT cannot be read (" + std::string(error.what()) + ")";
+            }
+        }
+        const Stopwatch watch;
+        auto found = std::make_shared<const std::vector<BoneStiffness>>(
+            find_bone_stiffness(*all_labels, image.get(), case_.materials, without));
+        record_part(job_, "stiffness of ribs", watch, found->size() * sizeof(BoneStiffness));
+        bone_stiffness_ = std::move(found);
+    }
+    return bone_stiffness_;
+}
+
 AnatomicalFrame Patient::frame()
 {
     if (mesh::find_label(case_.label_table, "sternum") != nullptr && has_voxels("sternum"))
@@ -112,6 +138,18 @@ std::shared_ptr<const TriMesh> Patient::target(const TargetSpec& target)
     if (target.is_sphere())
         return std::make_shared<const TriMesh>(sphere_surface(target.centre, target.radius_mm));
     return organ(target.label);
+}
+
+std::vector<fem::Material> materials_as_solved(Patient& patient, ElementKind element)
+{
+    std::vector<fem::Material> materials = materials_as_solved(patient.planned_case(), element);
+    apply_bone_stiffness(*patient.bone_stiffness(), materials);
+    return materials;
+}
+
+std::vector<fem::Material> materials_as_solved(Patient& patient)
+{
+    return materials_as_solved(patient, patient.planned_case().solution.element);
 }
 
 TriMesh sphere_surface(const Vec3& centre, double radius_mm)

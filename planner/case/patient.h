@@ -5,6 +5,7 @@
 #include "mesh/base/job.h"
 #include "mesh/image/volume.h"
 #include "planner/anatomy/anatomy.h"
+#include "planner/anatomy/bone_stiffness.h"
 #include "planner/case/case.h"
 
 #include <map>
@@ -12,6 +13,7 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace retractor::planner {
 
@@ -34,6 +36,9 @@ public:
     /// The patient's own axes. Labels without a sternum give the axes of the frame (x left, y back, z head).
     /// @throws InputError as find_anatomy() does
     AnatomicalFrame frame();
+    /// Moduli of ribs and cartilages, from the CT where the case has one that can be read.
+    /// @throws InputError, IoError as labels(), and as find_bone_stiffness()
+    std::shared_ptr<const std::vector<BoneStiffness>> bone_stiffness();
     /// Whether any voxel has this label. @throws InputError when the label is unknown
     bool has_voxels(std::string_view name);
     /// Closed surface of one label. @throws InputError when the label is unknown or has no voxel
@@ -50,10 +55,18 @@ private:
     std::shared_ptr<const mesh::Volume> ct_;
     std::shared_ptr<const mesh::LabelVolume> labels_;
     std::shared_ptr<const Anatomy> anatomy_;
+    std::shared_ptr<const std::vector<BoneStiffness>> bone_stiffness_;
     std::map<std::string, std::shared_ptr<const TriMesh>, std::less<>> organs_;
     std::shared_ptr<const TriMesh> body_;
     mesh::LabelFlags label_occurs_; ///< one flag per label id; empty until first needed
 };
+
+/// The materials of the wall by label, as materials_as_solved() of the case, with the moduli of the patient's own ribs
+/// and cartilages. Plans, live surgery and palpation take the materials from here.
+/// @throws as Patient::bone_stiffness()
+std::vector<fem::Material> materials_as_solved(Patient& patient, ElementKind element);
+/// The materials for the kind of element that the case is solved with.
+std::vector<fem::Material> materials_as_solved(Patient& patient);
 
 /// A sphere as an icosahedron subdivided until its chords deviate by less than 0.2 % of the radius.
 TriMesh sphere_surface(const Vec3& centre, double radius_mm);

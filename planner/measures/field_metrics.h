@@ -4,8 +4,10 @@
 
 #include "fem/material/tissue_tension.h"
 #include "mesh/base/geometry.h"
+#include "planner/anatomy/bone_stiffness.h"
 #include "planner/case/approach.h"
 #include "planner/case/solver_settings.h"
+#include "planner/wall/bones_through_skin.h"
 #include "planner/wall/divided_tissue.h"
 #include "planner/wall/removed_tissue.h"
 #include "planner/wall/wall_pressure.h"
@@ -45,6 +47,17 @@ struct HookForce {
     std::vector<std::string> bears_on {}; ///< labels of bones that the hook moves with it; empty: soft tissue only
 };
 
+/// Pressure between a blade in contact and the tissue (fem/model/blade_contact.h).
+struct BladePressure {
+    double mean_kPa = 0.0; ///< normal force over the area that touches
+    double largest_kPa = 0.0; ///< mean over a square of 5 mm, where it is largest
+    /// Where: "skin", "deep", "start" or "end" (of the incision), the edge within a quarter of the blade; or "middle".
+    std::string largest_at {};
+    double touching_mm2 = 0.0; ///< area of the lip that touches
+    double on_bone_N = 0.0; ///< part of the normal force on bone behind soft tissue
+    double penetration_mm = 0.0; ///< depth to which tissue passes into the blade: an error of the computation
+};
+
 /// One blade of a retractor.
 struct BladeMetrics {
     std::string name; ///< of the hook in FieldMetrics::hooks
@@ -55,6 +68,7 @@ struct BladeMetrics {
     /// Largest distance of the lip's edge, over the width of the blade, from the straight line of the blade: how far
     /// the lip does not follow.
     double lip_deviation_mm = 0.0;
+    std::optional<BladePressure> pressure {}; ///< of a blade in contact
 };
 
 /// The retractor that holds the wound open.
@@ -143,6 +157,29 @@ struct ErrorBars {
     double seconds = 0.0;
 };
 
+/// What a stiffness that may be other than it is does to force and opening (planner/plan/parameter_interval.h).
+struct ParameterInfluence {
+    std::string name; ///< of the tissue, or of the springs
+    std::string unit; ///< of the values: "MPa", "N m/rad" or "1"
+    double value = 0.0; ///< as planned with
+    double low = 0.0, high = 0.0; ///< one standard deviation of the value's logarithm to either side
+    /// Derivatives of the logarithms of force and opening by that of the value: the share by which the force grows over
+    /// the share by which the value grows.
+    double force_exponent = 0.0, opening_exponent = 0.0;
+    double force_change_percent = 0.0, opening_change_percent = 0.0; ///< with the value `high`
+    std::string source; ///< of the range
+};
+
+/// The interval of force and opening from the ranges of the tissue values. It stands beside the error bars of the
+/// discretisation and is no part of them.
+struct ParameterInterval {
+    std::string message {}; ///< reason for a missing interval; empty: the interval is there
+    double force_low_N = 0.0, force_high_N = 0.0; ///< of the larger side
+    double opening_low_mm = 0.0, opening_high_mm = 0.0; ///< of the opening's width
+    std::vector<ParameterInfluence> parameters {}; ///< the largest influence first
+    double seconds = 0.0; ///< time of the computation
+};
+
 /// Why a search for an accuracy ended (planner/plan/accurate_plan.h).
 enum class AccuracyEnd {
     reached, ///< the bars are as small as asked
@@ -150,6 +187,34 @@ enum class AccuracyEnd {
     memory, ///< the next mesh would need more memory than there is
     rounds, ///< on the finest of the meshes that a search may make
     failure, ///< the plan has no equilibrium, or the next mesh gave no answer
+};
+
+/// Why a region is as large as it is (planner/plan/found_region.h).
+enum class RegionEnd {
+    not_searched, ///< the plan was made with the first region
+    given, ///< the approach gives it
+    still, ///< the tissue beyond hardly moves in a draft of the whole wall
+    whole, ///< the region is the whole wall in the image
+    memory, ///< a larger region needs more memory than there is
+    time, ///< a plan of a larger region would take too long
+    failure, ///< the draft of the whole wall gave no answer
+};
+
+/// The meshed region of the wall, and what its limit does to the plan.
+struct RegionMetrics {
+    double region_mm = 0.0; ///< largest distance of its soft tissue from the incision; 0: the whole wall
+    RegionEnd ended_by = RegionEnd::not_searched;
+    std::string message {}; ///< if ended by a failure: the reason
+    double rim_motion_mm = 0.0; ///< largest motion of tissue or bone where the region ends inside the image
+    Vec3 rim_at = Vec3::Zero(); ///< where, at rest, mm
+    std::string rim_place {}; ///< where, in words; empty: the region has no rim inside the image
+    double image_end_motion_mm = 0.0; ///< largest motion where the image ends
+    std::vector<PiercingBone> piercing {}; ///< bones that come out through the skin: a failure
+    int drafts = 0; ///< number of drafts by which the region was found
+    /// Change of the force between the draft of the whole wall and that of the region, over the force: the error that
+    /// the region leaves. Not set: there was one draft, or there is no force.
+    std::optional<double> force_change {};
+    double seconds = 0.0; ///< time of the search
 };
 
 /// The asked accuracy, and the reached one.
@@ -206,6 +271,9 @@ struct VolumeFailures {
 struct JointLoad {
     double force_N = 0.0;
     double moment_Nm = 0.0; ///< about the middle of the joint
+    /// Turn of a rib about the axis of its joint with the spine; not set: the joint has no axis (rib_joints.h).
+    std::optional<double> turn_deg {};
+    bool at_stop = false; ///< the rib has turned beyond the range in which its joint turns nearly freely
 };
 
 /// Loads of one bone of the wall at its worst section, and what tested bones bore (bone_limits.h).
@@ -226,12 +294,43 @@ struct BoneMetrics {
     std::optional<JointLoad> cartilage {}; ///< of a bone that is joined to cartilage
 };
 
+/// The largest strain of one tissue, averaged over balls (ball_strain.h).
+struct TissueStrain {
+    std::string tissue; ///< material of the labels, "skin"
+    double strain = 0.0; ///< elongation over length
+    Vec3 at = Vec3::Zero(); ///< centre of the ball at rest, mm
+    std::string place {}; ///< the same place in words: "38 mm along the incision, 4 mm beside it"
+};
+
+/// How far a lip follows its hooks or blade (planner/plan/lip_deviation.h).
+struct LipDeviation {
+    int side = 0; ///< +1 or -1
+    double largest_mm = 0.0; ///< largest magnitude of the deviation between from_mm and to_mm
+    double mean_mm = 0.0; ///< mean magnitude there
+    double at_mm = 0.0; ///< place of the largest, along the incision
+    double from_mm = 0.0, to_mm = 0.0; ///< the middle part of the incision, in which hooks stand
+    /// Place along the incision and deviation there, from one end of the lip to the other, mm. Positive: the lip hangs
+    /// behind the line of the hooks, towards the other lip.
+    std::vector<std::pair<double, double>> curve {};
+};
+
 /// Whether the opening can be had.
 enum class Attainable {
     unknown, ///< the bones' moments were not computed; FieldMetrics::bones_message gives the reason
     yes,
-    with_injury, ///< a bone is loaded beyond its capacity
+    with_injury, ///< a bone is loaded beyond its capacity, or skin is stretched beyond the range in which it tears
     no, ///< no equilibrium was found
+};
+
+/// The largest opening at which no bone reaches its capacity, solved (planner/plan/uninjured_opening.h).
+struct UninjuredOpening {
+    std::string message {}; ///< reason for missing numbers; empty: the numbers are there
+    double opening_mm = 0.0; ///< of the hooks, as hook_opening() gives it
+    std::string bone {}; ///< label of the bone that is loaded most
+    double utilisation = 0.0; ///< of this bone
+    double hook_force_N = 0.0; ///< on the larger side
+    int solves = 0; ///< number of openings that were computed
+    double seconds = 0.0;
 };
 
 struct FieldMetrics {
@@ -261,6 +360,8 @@ struct FieldMetrics {
     std::optional<ForceMoments> force_moments {}; ///< filled where hooks or a retractor open the wound
     double strain_p99 = 0.0;
     std::optional<Vec3> strain_p99_at; ///< middle of the element with this strain, at rest, mm
+    std::vector<TissueStrain> tissue_strain; ///< the largest strain first; empty without an equilibrium
+    std::vector<LipDeviation> lip_deviation; ///< one entry per lip with hooks, side +1 first
 
     std::vector<BoneMetrics> bones; ///< ribs and sternum, the largest utilisation first
     bool bones_rough = false; ///< by plain four-node elements, which are too stiff
@@ -268,6 +369,7 @@ struct FieldMetrics {
     Attainable attainable = Attainable::unknown;
     /// Largest opening of the hooks at which no bone reaches its capacity: the reached opening, or an estimate below.
     std::optional<double> largest_uninjured_opening_mm;
+    std::optional<UninjuredOpening> uninjured_opening; ///< filled on request, where the plan injures
 
     int inverted_elements = 0;
     double max_volume_ratio = 1.0;
@@ -282,6 +384,8 @@ struct FieldMetrics {
     double removed_skin_mm2 = 0.0; ///< area of the removed skin at rest; no part of the opening, which the lips bound
     std::vector<std::string> loose_pieces; ///< pieces that the cut left without support, and their treatment
 
+    RegionMetrics region;
+
     std::size_t tets = 0;
     std::vector<std::pair<std::string, double>> seconds; ///< duration of each stage, in order
 
@@ -289,6 +393,9 @@ struct FieldMetrics {
     std::vector<PressureMetrics> pressures; ///< pressures on the wall
     std::optional<TensionMetrics> tension; ///< filled where tissue of the wall is under tension
     std::optional<ErrorBars> error;
+    /// What tissue values out of their ranges do; filled where hooks open the wound and errors were estimated.
+    std::optional<ParameterInterval> parameters;
+    std::vector<BoneStiffness> bone_stiffness; ///< moduli of the ribs and cartilages in the wall
     std::optional<AccuracyMetrics> accuracy; ///< filled when an accuracy was asked
     std::optional<SecondOpinion> second_opinion; ///< filled on request
 

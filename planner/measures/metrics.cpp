@@ -5,10 +5,13 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "planner/measures/accuracy.h"
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/ball_strain.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/hook_opening.h"
 #include "planner/measures/metric_table.h"
+#include "planner/measures/region_text.h"
 #include "planner/measures/rupture.h"
+#include "planner/measures/tissue_values.h"
 #include "planner/wall/wall_tension.h"
 
 #include <nlohmann/json.hpp>
@@ -158,7 +161,7 @@ namespace {
         put(json, field, "corridor_radius_mm", sizing.corridor_radius_mm);
         put(json, field, "corridor_edge_mm", sizing.corridor_edge_mm);
         put(json, field, "coarse_edge_mm", sizing.coarse_edge_mm);
-        put(json, field, "region_mm", sizing.region_mm);
+        put(json, field, "region_mm", sizing.region_mm.value_or(kFirstRegionMm));
         json["seed"] = sizing.mesh_seed;
         return json;
     }
@@ -245,12 +248,38 @@ namespace {
             put(of_blade, field, "turn_deg", blade.turn_deg);
             of_blade["at_stop"] = blade.at_stop;
             put(of_blade, field, "lip_deviation_mm", blade.lip_deviation_mm);
+            of_blade["hold"] = to_string(blade.pressure ? HookHold::contact : HookHold::fixed);
+            if (blade.pressure) {
+                put(of_blade, field, "pressure_mean_kPa", blade.pressure->mean_kPa);
+                put(of_blade, field, "pressure_largest_kPa", blade.pressure->largest_kPa);
+                of_blade["pressure_largest_at"] = blade.pressure->largest_at;
+                put(of_blade, field, "touching_mm2", blade.pressure->touching_mm2);
+                put(of_blade, field, "on_bone_N", blade.pressure->on_bone_N);
+                put(of_blade, field, "penetration_mm", blade.pressure->penetration_mm);
+            }
             json["blades"].push_back(std::move(of_blade));
         }
         put(json, field, "residual_force_N", retractor.residual_force_N);
         put(json, field, "residual_moment_Nm", retractor.residual_moment_Nm);
         put(json, field, "tilt_deg", retractor.tilt_deg);
         return json;
+    }
+
+    Json lips_document(const FieldMetrics& field)
+    {
+        Json all = Json::array();
+        for (const LipDeviation& lip : field.lip_deviation) {
+            Json json { { "side", lip.side } };
+            put(json, field, "largest_mm", lip.largest_mm);
+            put(json, field, "mean_mm", lip.mean_mm);
+            put(json, field, "at_mm", lip.at_mm);
+            json["between_mm"] = { lip.from_mm, lip.to_mm };
+            json["curve"] = Json::array();
+            for (const auto& [along, deviation] : lip.curve)
+                json["curve"].push_back({ along, deviation });
+            all.push_back(std::move(json));
+        }
+        return all;
     }
 
     void put_forces(Json& json, const FieldMetrics& field)
@@ -268,6 +297,8 @@ namespace {
         json["hooks"] = hooks_document(field);
         if (field.retractor)
             json["retractor"] = retractor_document(field, *field.retractor);
+        if (!field.lip_deviation.empty())
+            json["lip_deviation"] = lips_document(field);
     }
 
     Json moments_document(const FieldMetrics& field, const ForceMoments& moments)
@@ -348,6 +379,10 @@ namespace {
         Json json;
         put(json, field, "force_N", load.force_N);
         put(json, field, "moment_Nm", load.moment_Nm);
+        if (load.turn_deg) {
+            put(json, field, "turn_deg", *load.turn_deg);
+            json["at_stop"] = load.at_stop;
+        }
         return json;
     }
 
@@ -378,13 +413,47 @@ namespace {
         return json;
     }
 
+    Json uninjured_document(const FieldMetrics& field, const UninjuredOpening& uninjured)
+    {
+        Json json;
+        if (!uninjured.message.empty()) {
+            json["message"] = uninjured.message;
+        } else {
+            put(json, field, "opening_mm", uninjured.opening_mm);
+            json["bone"] = uninjured.bone;
+            put(json, field, "utilisation", uninjured.utilisation);
+            put(json, field, "hook_force_N", uninjured.hook_force_N);
+        }
+        json["solves"] = uninjured.solves;
+        put(json, field, "seconds", uninjured.seconds);
+        return json;
+    }
+
+    void put_tissue_strain(Json& json, const FieldMetrics& field)
+    {
+        json["tissue_strain"] = Json::array();
+        for (const TissueStrain& tissue : field.tissue_strain) {
+            Json of_tissue { { "tissue", tissue.tissue } };
+            put(of_tissue, field, "strain", tissue.strain);
+            of_tissue["at_mm"] = { tissue.at.x(), tissue.at.y(), tissue.at.z() };
+            of_tissue["place"] = tissue.place;
+            if (const auto torn = tearing_range(tissue))
+                of_tissue["torn_between"] = { torn->from, torn->to };
+            json["tissue_strain"].push_back(std::move(of_tissue));
+        }
+        if (const std::string tearing = tearing_text(field); !tearing.empty())
+            json["tearing"] = tearing;
+    }
+
     void put_bones(Json& json, const FieldMetrics& field)
     {
         json["attainable"] = to_string(field.attainable);
         if (field.largest_uninjured_opening_mm) {
             put(json, field, "largest_uninjured_opening_mm", *field.largest_uninjured_opening_mm);
-            json["largest_uninjured_opening_is_estimate"] = field.attainable == Attainable::with_injury;
+            json["largest_uninjured_opening_is_estimate"] = breaks_bone(field) && !is_uninjured_opening_solved(field);
         }
+        if (field.uninjured_opening)
+            json["uninjured_opening"] = uninjured_document(field, *field.uninjured_opening);
         json["bones"] = Json::array();
         for (const BoneMetrics& bone : field.bones)
             json["bones"].push_back(bone_document(field, bone));
@@ -392,6 +461,82 @@ namespace {
             json["bones_rough"] = field.bones_rough;
         if (!field.bones_message.empty())
             json["bones_message"] = field.bones_message;
+    }
+
+    Json stiffness_document(const FieldMetrics& field, const BoneStiffness& bone)
+    {
+        Json json { { "name", bone.name } };
+        put(json, field, "modulus_MPa", bone.modulus_MPa);
+        json["range_MPa"] = { bone.low_MPa, bone.high_MPa };
+        json["found_by"] = to_string(bone.origin);
+        if (bone.cut_off_MPa)
+            put(json, field, "cut_off_from_MPa", *bone.cut_off_MPa);
+        if (bone.origin == StiffnessOrigin::image) {
+            put(json, field, bone.material == "bone" ? "cortex_share" : "calcified_share", bone.share);
+            if (bone.sections > 0)
+                json["sections"] = bone.sections;
+        }
+        json["source"] = bone.words;
+        return json;
+    }
+
+    Json parameters_document(const FieldMetrics& field, const ParameterInterval& interval)
+    {
+        Json json;
+        if (!interval.message.empty()) {
+            json["message"] = interval.message;
+            return json;
+        }
+        put(json, field, "force_low_N", interval.force_low_N);
+        put(json, field, "force_high_N", interval.force_high_N);
+        put(json, field, "opening_low_mm", interval.opening_low_mm);
+        put(json, field, "opening_high_mm", interval.opening_high_mm);
+        json["decided_by"] = deciding_parameters(interval);
+        json["parameters"] = Json::array();
+        for (const ParameterInfluence& parameter : interval.parameters) {
+            Json row { { "name", parameter.name }, { "unit", parameter.unit } };
+            put(row, field, "value", parameter.value);
+            put(row, field, "low", parameter.low);
+            put(row, field, "high", parameter.high);
+            put(row, field, "force_exponent", parameter.force_exponent);
+            put(row, field, "opening_exponent", parameter.opening_exponent);
+            put(row, field, "force_change_percent", parameter.force_change_percent);
+            put(row, field, "opening_change_percent", parameter.opening_change_percent);
+            row["source"] = parameter.source;
+            json["parameters"].push_back(std::move(row));
+        }
+        json["holds_for"] = "tissue values, to first order at the solution; no part of error_estimate";
+        put(json, field, "seconds", interval.seconds);
+        return json;
+    }
+
+    Json region_document(const FieldMetrics& field, const RegionMetrics& region)
+    {
+        const auto vector = [](const Vec3& v) { return Json { v.x(), v.y(), v.z() }; };
+        Json json;
+        put(json, field, "region_mm", region.region_mm);
+        json["ended_by"] = to_string(region.ended_by);
+        if (!region.message.empty())
+            json["message"] = region.message;
+        put(json, field, "rim_motion_mm", region.rim_motion_mm);
+        if (!region.rim_place.empty()) {
+            json["rim_at_mm"] = vector(region.rim_at);
+            json["rim_place"] = region.rim_place;
+        }
+        put(json, field, "image_end_motion_mm", region.image_end_motion_mm);
+        json["bones_through_skin"] = Json::array();
+        for (const PiercingBone& bone : region.piercing) {
+            Json of_bone { { "name", bone.name }, { "at_mm", vector(bone.at) } };
+            put(of_bone, field, "out_mm", bone.out_mm);
+            json["bones_through_skin"].push_back(std::move(of_bone));
+        }
+        if (region.drafts > 0) {
+            json["drafts"] = region.drafts;
+            put(json, field, "seconds", region.seconds);
+        }
+        if (region.force_change)
+            put(json, field, "force_change", *region.force_change);
+        return json;
     }
 
     Json field_document(const FieldMetrics& field)
@@ -417,6 +562,7 @@ namespace {
             const Vec3& at = *field.strain_p99_at;
             json["strain_p99_at_mm"] = { at.x(), at.y(), at.z() };
         }
+        put_tissue_strain(json, field);
         json["may_rupture"] = may_rupture(field);
         put_bones(json, field);
         json["inverted_elements"] = field.inverted_elements;
@@ -425,11 +571,19 @@ namespace {
         put(json, field, MetricGroup::soundness);
         json["mechanics_status"] = field.mechanics_status;
         json["solution"] = solution_document(field, field.solution);
+        json["region"] = region_document(field, field.region);
         put_surfaces(json, field);
         if (field.tension)
             json["tension"] = tension_document(field, *field.tension);
         if (field.error)
             json["error_estimate"] = error_document(field, *field.error);
+        if (field.parameters)
+            json["parameter_interval"] = parameters_document(field, *field.parameters);
+        if (!field.bone_stiffness.empty()) {
+            json["bone_stiffness"] = Json::array();
+            for (const BoneStiffness& bone : field.bone_stiffness)
+                json["bone_stiffness"].push_back(stiffness_document(field, bone));
+        }
         if (field.accuracy)
             json["accuracy"] = accuracy_document(field, *field.accuracy);
         if (field.second_opinion)
@@ -608,7 +762,10 @@ std::string blade_text(const BladeMetrics& blade)
     return formatted(
                "%.1f N and %.2f N m, turned %.1f degrees", blade.force_N.norm(), blade.moment_Nm.norm(), blade.turn_deg)
         + (blade.at_stop ? " (the end of its play)" : "")
-        + formatted(", the lip follows within %.1f mm", blade.lip_deviation_mm);
+        + formatted(", the lip follows within %.1f mm", blade.lip_deviation_mm)
+        + (blade.pressure ? formatted(", pressure %.0f kPa on average and %.0f kPa at most (%s)",
+               blade.pressure->mean_kPa, blade.pressure->largest_kPa, blade.pressure->largest_at.c_str())
+                          : "");
 }
 
 std::string retractor_text(const FieldMetrics& field)
@@ -623,6 +780,18 @@ std::string retractor_text(const FieldMetrics& field)
     return text
         + formatted("; the frame has tilted by %.1f degrees, and %.2g N of its blade forces are not balanced",
             retractor.tilt_deg, retractor.residual_force_N);
+}
+
+std::string lips_text(const FieldMetrics& field)
+{
+    std::string text;
+    for (const LipDeviation& lip : field.lip_deviation)
+        remark(text,
+            formatted("the %s lip lies up to %.1f mm (mean %.1f mm) off the line of its %s, most %.0f mm along the "
+                      "incision",
+                lip.side > 0 ? "left" : "right", lip.largest_mm, lip.mean_mm, field.retractor ? "blade" : "hooks",
+                lip.at_mm));
+    return text;
 }
 
 std::string solution_text(const FieldMetrics& field)

@@ -35,6 +35,9 @@ std::string blade_text(const BladeMetrics& blade);
 /// One line for people about the retractor and its blades. Empty without a retractor.
 std::string retractor_text(const FieldMetrics& field);
 
+/// One line for people: how far each lip hangs behind its hooks or blade. Empty without hooks.
+std::string lips_text(const FieldMetrics& field);
+
 /// One line for people: the solver settings, and the measured effect of linear tissue far from the lips.
 std::string solution_text(const FieldMetrics& field);
 

@@ -4,12 +4,15 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "planner/measures/accuracy.h"
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/ball_strain.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/force_moments.h"
 #include "planner/measures/hook_opening.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/region_text.h"
 #include "planner/measures/rupture.h"
+#include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"
 #include "planner/wall/wall_tension.h"
 
@@ -190,10 +193,22 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                                                                     : "";
             return "<span class=\"" + std::string(mark) + "\">" + escaped(attainable_text(f)) + "</span>";
         });
-        if (std::ranges::any_of(fields, [](const FieldMetrics& f) { return f.attainable == Attainable::with_injury; }))
+        if (std::ranges::any_of(fields, breaks_bone))
             text_row("Largest opening without a fracture (estimate)", [](const FieldMetrics& f) {
                 return f.largest_uninjured_opening_mm ? in_words(*f.largest_uninjured_opening_mm, 0) + " mm"
                                                       : std::string("not known");
+            });
+        if (std::ranges::any_of(fields, [](const FieldMetrics& f) { return !f.tissue_strain.empty(); }))
+            text_row("Largest strain of each tissue, over balls of " + in_words(kBallRadiusMm) + " mm radius",
+                [](const FieldMetrics& f) {
+                    std::vector<std::string> words;
+                    for (const TissueStrain& tissue : f.tissue_strain)
+                        words.push_back(readable(tissue.tissue) + " " + in_words(100.0 * tissue.strain) + " %");
+                    return listed(words);
+                });
+        if (std::ranges::any_of(fields, any_may_tear))
+            text_row("Caution, tearing", [](const FieldMetrics& f) {
+                return "<span class=\"caution\">" + escaped(tearing_text(f)) + "</span>";
             });
         if (std::ranges::any_of(fields, may_rupture))
             text_row("Caution", [](const FieldMetrics& f) {
@@ -336,6 +351,55 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << "</svg>";
     }
 
+    /// The deviation of both lips from the lines of their hooks, along the incision.
+    void write_lips(std::ostream& out, const FieldMetrics& field)
+    {
+        if (field.lip_deviation.empty())
+            return;
+        constexpr double kLeft = 60.0, kTop = 40.0, kWidth = 480.0, kHeight = 150.0; // of the axes
+        double first = 0.0, last = 1.0, lowest = 0.0, highest = 1.0;
+        for (const LipDeviation& lip : field.lip_deviation)
+            for (const auto& [along, deviation] : lip.curve) {
+                first = std::min(first, along);
+                last = std::max(last, along);
+                lowest = std::min(lowest, deviation);
+                highest = std::max(highest, deviation);
+            }
+        const auto x = [&](double along) { return kLeft + kWidth * (along - first) / (last - first); };
+        const auto y = [&](double mm) { return kTop + kHeight * (mm - lowest) / (highest - lowest); };
+        const auto text = [&](double at_x, double at_y, const char* anchor, const std::string& words) {
+            out << "<text x=\"" << in_words(at_x, 1) << "\" y=\"" << in_words(at_y, 1)
+                << "\" font-size=\"13\" text-anchor=\"" << anchor << "\">" << escaped(words) << "</text>";
+        };
+        const LipDeviation& any = field.lip_deviation.front();
+        out << "<div class=\"bars\"><svg class=\"lips\" viewBox=\"0 0 560 240\" role=\"img\" aria-label=\"How far "
+               "the lips hang behind their hooks\"><text x=\"12\" y=\"24\" font-size=\"16\" font-weight=\"700\">How "
+               "far "
+               "each lip hangs behind its "
+            << (field.retractor ? "blade" : "hooks") << " (mm)</text><rect x=\"" << in_words(x(any.from_mm), 1)
+            << "\" y=\"" << kTop << "\" width=\"" << in_words(x(any.to_mm) - x(any.from_mm), 1) << "\" height=\""
+            << kHeight << "\" fill=\"#eef2f5\"/><path d=\"M" << kLeft << " " << in_words(y(0.0), 1) << "h" << kWidth
+            << "\" stroke=\"#46555f\"/>";
+        text(kLeft - 6.0, y(0.0) + 5.0, "end", "0");
+        text(kLeft - 6.0, y(highest) + 5.0, "end", in_words(highest, 1));
+        if (lowest < -0.25 * highest)
+            text(kLeft - 6.0, y(lowest) + 5.0, "end", in_words(lowest, 1));
+        text(kLeft, kTop + kHeight + 18.0, "start", in_words(first) + " mm");
+        text(kLeft + kWidth, kTop + kHeight + 18.0, "end", in_words(last) + " mm along the incision");
+        double key = kLeft;
+        for (const LipDeviation& lip : field.lip_deviation) {
+            const char* const colour = lip.side > 0 ? "#3a7ca5" : "#b0562a";
+            out << "<polyline fill=\"none\" stroke-width=\"2\" stroke=\"" << colour << "\" points=\"";
+            for (const auto& [along, deviation] : lip.curve)
+                out << in_words(x(along), 1) << "," << in_words(y(deviation), 1) << " ";
+            out << "\"/><rect x=\"" << in_words(key, 1) << "\" y=\"220\" width=\"14\" height=\"4\" fill=\"" << colour
+                << "\"/>";
+            text(key + 20.0, 227.0, "start", lip.side > 0 ? "left lip" : "right lip");
+            key += 100.0;
+        }
+        out << "</svg></div>";
+    }
+
     void write_pictures(std::ostream& out, const Report& report, const std::string& approach)
     {
         out << "<div class=\"row\">";
@@ -348,12 +412,49 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << "</div>";
     }
 
+    /// The interval from tissue values, and the table of the parameters that decide.
+    void write_parameters(std::ostream& out, const FieldMetrics& field)
+    {
+        if (!field.parameters)
+            return;
+        const std::string forces = force_with_intervals(field);
+        out << "<p>" << escaped(forces.empty() ? parameter_text(field) : "Force " + forces) << ".</p>";
+        if (field.parameters->parameters.empty())
+            return;
+        out << "<p>" << escaped(parameter_text(field))
+            << ": one standard deviation. Force and opening change to first order with the values; the bars of the "
+               "mesh are no part of it.</p><table class=\"materials\"><thead><tr><th>Stiffness</th><th>Planned "
+               "with</th><th>Range</th><th>Force at the upper end</th><th>Opening at the upper end</th><th>From</th>"
+               "</tr></thead><tbody>";
+        for (const ParameterInfluence& p : field.parameters->parameters)
+            out << "<tr><td>" << escaped(p.name) << "</td><td>" << formatted("%.3g ", p.value)
+                << escaped(p.unit == "1" ? "" : p.unit) << "</td><td>" << formatted("%.3g to %.3g", p.low, p.high)
+                << "</td><td>" << formatted("%+.1f %%", p.force_change_percent) << "</td><td>"
+                << formatted("%+.1f %%", p.opening_change_percent) << "</td><td>" << escaped(p.source) << "</td></tr>";
+        out << "</tbody></table>";
+    }
+
+    void write_bone_stiffness(std::ostream& out, const FieldMetrics& field)
+    {
+        if (field.bone_stiffness.empty())
+            return;
+        out << "<table class=\"materials\"><thead><tr><th>Bone</th><th>Young's modulus</th><th>Range</th><th>Found by"
+               "</th><th>From</th></tr></thead><tbody>";
+        for (const BoneStiffness& bone : field.bone_stiffness)
+            out << "<tr><td>" << escaped(readable(bone.name)) << "</td><td>" << formatted("%.4g MPa", bone.modulus_MPa)
+                << "</td><td>" << formatted("%.3g to %.3g", bone.low_MPa, bone.high_MPa) << "</td><td>"
+                << escaped(std::string(to_string(bone.origin))) << "</td><td>" << escaped(bone.words) << "</td></tr>";
+        out << "</tbody></table>";
+    }
+
     void write_field(std::ostream& out, const Report& report, const FieldMetrics& field)
     {
         out << "<h2>" << escaped(field.name) << "</h2>";
         if (const std::string failed = volume_failure_text(field); !failed.empty())
-            out << "<p class=\"notice" << (is_believable(field) ? "" : " bad") << "\">" << escaped(field.name) << " "
+            out << "<p class=\"notice" << (keeps_volume(field) ? "" : " bad") << "\">" << escaped(field.name) << " "
                 << escaped(failed) << ".</p>";
+        if (const std::string piercing = piercing_text(field); !piercing.empty())
+            out << "<p class=\"notice bad\">" << escaped(field.name) << " " << escaped(piercing) << ".</p>";
         out << "<p>" << escaped(field.explanation) << "</p>";
         write_pictures(out, report, field.name);
         out << "<p>Hooks: ";
@@ -368,22 +469,31 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             << " samples on the target.</p>";
         if (const std::string retractor = retractor_text(field); !retractor.empty())
             out << "<p>" << escaped(retractor) << ".</p>";
+        if (const std::string lips = lips_text(field); !lips.empty())
+            out << "<p>" << escaped(lips) << ". The shaded part of the plot is the part that these numbers cover.</p>";
+        write_lips(out, field);
         if (const std::string division = division_text(field); !division.empty())
             out << "<p>" << escaped(division) << ".</p>";
         if (const std::string hooks = hooks_text(field); !hooks.empty())
             out << "<p>" << escaped(hooks) << ".</p>";
         if (const std::string bones = bones_text(field); !bones.empty())
-            out << (field.attainable == Attainable::with_injury ? "<p class=\"notice\">" : "<p>") << escaped(bones)
-                << "</p>";
+            out << (breaks_bone(field) ? "<p class=\"notice\">" : "<p>") << escaped(bones) << "</p>";
         if (const std::string joints = joints_text(field); !joints.empty())
             out << "<p>" << escaped(joints) << "</p>";
+        if (const std::string strain = tissue_strain_text(field); !strain.empty())
+            out << "<p>" << escaped(strain) << ".</p>";
+        if (const std::string tearing = tearing_text(field); !tearing.empty())
+            out << "<p class=\"notice\">" << escaped(tearing) << ".</p>";
         out << "<p>" << escaped(error_text(field))
             << ". Errors of the materials, the supports and the model are not included.</p>";
+        write_parameters(out, field);
+        write_bone_stiffness(out, field);
         if (const std::string accuracy = accuracy_text(field); !accuracy.empty())
             out << (field.accuracy->ended_by == AccuracyEnd::reached ? "<p>" : "<p class=\"notice\">")
                 << escaped(accuracy) << "</p>";
         out << "<p>" << escaped(solution_text(field)) << "; relative residual " << formatted("%.1e", field.residual)
             << ".</p>";
+        out << (is_region_too_small(field) ? "<p class=\"notice\">" : "<p>") << escaped(region_text(field)) << "</p>";
         for (const PressureMetrics& pressure : field.pressures)
             out << "<p>" << escaped(pressure_text(pressure)) << ".</p>";
         if (field.tension)

@@ -100,14 +100,16 @@ std::vector<double> averaged_volume_ratios(const mesh::TetMesh& wall, std::span<
     return averaged;
 }
 
-bool is_believable(const FieldMetrics& field) { return !field.volume_failures || field.volume_failures->believable; }
+bool keeps_volume(const FieldMetrics& field) { return !field.volume_failures || field.volume_failures->believable; }
+
+bool is_believable(const FieldMetrics& field) { return keeps_volume(field) && field.region.piercing.empty(); }
 
 std::string volume_failure_text(const FieldMetrics& field)
 {
-    if (!field.volume_failures || (is_believable(field) && field.volume_failures->elements == 0))
+    if (!field.volume_failures || (keeps_volume(field) && field.volume_failures->elements == 0))
         return {};
     const VolumeFailures& failures = *field.volume_failures;
-    std::string text = is_believable(field) ? "caution: " : "failed: these numbers are not to be believed: ";
+    std::string text = keeps_volume(field) ? "caution: " : "failed: these numbers are not to be believed: ";
     if (failures.elements > 0)
         text += formatted("%.2g %% of the soft tissue changes its volume by more than a tenth, to between %.2f and "
                           "%.2f of its volume at rest, most of all at ",
@@ -117,7 +119,7 @@ std::string volume_failure_text(const FieldMetrics& field)
         text += std::string(failures.elements > 0 ? "; " : "")
             + formatted("%d element(s) are inside out", field.inverted_elements);
     return text
-        + (is_believable(field) ? "; strain is wrong there" : "; open less, hold more hooks, or use a finer mesh");
+        + (keeps_volume(field) ? "; strain is wrong there" : "; open less, hold more hooks, or use a finer mesh");
 }
 
 } // namespace retractor::planner

@@ -35,10 +35,14 @@ VolumeFailures find_volume_failures(const mesh::TetMesh& wall, std::span<const d
 std::vector<double> averaged_volume_ratios(const mesh::TetMesh& wall, std::span<const double> volume_ratio);
 
 /// Whether the volumes say nothing against the field's numbers; also true where they were not computed.
+bool keeps_volume(const FieldMetrics& field);
+
+/// Whether neither the volumes nor bones that come out through the skin (RegionMetrics::piercing) say anything against
+/// the field's numbers.
 bool is_believable(const FieldMetrics& field);
 
-/// "failed: these numbers are not to be believed: 14 % of the soft tissue ...", or for a believable field where tissue
-/// fails "caution: 2.4 % of the soft tissue ..."; empty where nothing fails.
+/// "failed: these numbers are not to be believed: 14 % of the soft tissue ...", or for a field that keeps its volume
+/// where little tissue fails "caution: 2.4 % of the soft tissue ..."; empty where nothing fails.
 std::string volume_failure_text(const FieldMetrics& field);
 
 } // namespace retractor::planner

@@ -4,6 +4,7 @@
 #include "mesh/base/memory.h"
 #include "mesh/base/text_format.h"
 #include "mesh/generation/hybrid_model.h"
+#include "mesh/image/skeleton.h"
 #include "mesh/surface/wall_shell.h"
 #include "planner/palpation/palpable_hold.h"
 #include "planner/palpation/palpable_sites.h"
@@ -212,13 +213,19 @@ namespace {
     }
 
     void give_elasticity(datasets::PalpationScene& scene, const mesh::LabelVolume& labels,
-        const mesh::LabelTable& alone, const fem::MaterialTable& materials, const PalpableRequest& request,
-        std::vector<std::string>& notes)
+        const mesh::LabelTable& alone, const fem::MaterialTable& materials, std::span<const BoneStiffness> bones,
+        const PalpableRequest& request, std::vector<std::string>& notes)
     {
         datasets::ElasticModel& body = scene.body;
         std::vector<std::array<double, 2>> of(alone.size());
         for (std::size_t s = 0; s < alone.size(); ++s) {
-            const fem::Material& material = fem::find_material(materials, alone[s].material);
+            fem::Material material = fem::find_material(materials, alone[s].material);
+            const auto bone = std::find_if(
+                bones.begin(), bones.end(), [&](const BoneStiffness& b) { return b.name == alone[s].name; });
+            if (bone != bones.end()) {
+                material.youngs_modulus_MPa = bone->modulus_MPa;
+                material.source = bone->words;
+            }
             of[s] = { request.youngs_modulus_MPa.value_or(material.youngs_modulus_MPa),
                 request.poissons_ratio.value_or(material.poissons_ratio) };
             notes.push_back(alone[s].name + ": Young's modulus " + in_words(of[s][0], of[s][0] < 0.1 ? 4 : 2)
@@ -301,7 +308,7 @@ namespace {
 } // namespace
 
 Palpable make_palpable(const mesh::LabelVolume& labels, const fem::MaterialTable& materials,
-    const PalpableRequest& request, const Job& job)
+    const PalpableRequest& request, const Job& job, std::span<const BoneStiffness> bones)
 {
     check_request(labels, request);
     const Stopwatch watch;
@@ -325,7 +332,7 @@ Palpable make_palpable(const mesh::LabelVolume& labels, const fem::MaterialTable
             for (const mesh::LabelInfo& info : alone.table)
                 scene.organs.push_back({ info.id, info.name });
     }
-    give_elasticity(scene, labels, alone.table, materials, request, made.notes);
+    give_elasticity(scene, labels, alone.table, materials, bones, request, made.notes);
     hold_surface(scene, surface, labels, request, hollow, made.notes);
     if (hollow) // the supports of a wall's outside also hold its inside
         for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v)
@@ -344,6 +351,20 @@ Palpable make_palpable(const mesh::LabelVolume& labels, const fem::MaterialTable
         static_cast<std::size_t>(scene.body.mesh.vertices.size()) * sizeof(double)
             + scene.body.mesh.nodes.size() * sizeof(VertexId));
     return made;
+}
+
+Palpable make_palpable(Patient& patient, const PalpableRequest& request, const Job& job)
+{
+    const Case& planned_case = patient.planned_case();
+    const auto is_bone = [&](const std::string& name) {
+        const mesh::LabelInfo* info = mesh::find_label(planned_case.label_table, name);
+        return info != nullptr && mesh::is_skeleton(*info);
+    };
+    const auto labels = patient.labels();
+    // Only bones need the CT.
+    if (std::any_of(request.structure.begin(), request.structure.end(), is_bone))
+        return make_palpable(*labels, planned_case.materials, request, job, *patient.bone_stiffness());
+    return make_palpable(*labels, planned_case.materials, request, job);
 }
 
 } // namespace retractor::planner

@@ -3,10 +3,10 @@
 #include "fem/statics/elastic_problem.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
-#include "planner/measures/bone_forces.h"
-#include "planner/measures/bone_limits.h"
-#include "planner/measures/joint_loads.h"
-#include "planner/measures/section_moments.h"
+#include "planner/measures/bones/bone_forces.h"
+#include "planner/measures/bones/bone_limits.h"
+#include "planner/measures/bones/joint_loads.h"
+#include "planner/measures/bones/section_moments.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -17,15 +17,6 @@
 namespace retractor::planner {
 
 namespace {
-
-    /// The solution at all nodes of field.problem, before loose pieces were moved, three per node.
-    Eigen::VectorXd solved_displacement(const PlannedField& field, const OpenedWound& wound)
-    {
-        if (wound.ten_node.size() != 0)
-            return wound.ten_node;
-        const Points& solved = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
-        return Eigen::Map<const Eigen::VectorXd>(solved.data(), solved.size());
-    }
 
     /// Per node, whether an element of cartilage has this node.
     std::vector<std::uint8_t> cartilage_nodes(const mesh::TetMesh& wall, const mesh::LabelTable& table)
@@ -40,36 +31,36 @@ namespace {
         return flags;
     }
 
-    void measure_moments(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice,
-        const mesh::LabelTable& table, const AnatomicalFrame& frame)
-    {
-        const fem::ElasticProblem& problem = field.problem;
-        const Eigen::VectorXd displacement = solved_displacement(field, wound);
-        const std::vector<std::uint8_t> cartilage = cartilage_nodes(problem.mesh, table);
-        const fem::TissueModel model { choice.elasticity, choice.element == ElementKind::locking_free };
-        for (const Label label : fem::labels_met(problem.mesh)) {
-            const mesh::LabelInfo* info = mesh::find_label(table, label);
-            if (info == nullptr || !is_long_bone(info->name))
-                continue;
-            const std::vector<BoneForces> pieces
-                = bone_forces(problem.mesh, problem.material_of_label, model, displacement, label);
-            std::vector<BoneBar> bars;
-            for (const BoneForces& piece : pieces)
-                bars.push_back(section_moments(piece));
-            if (std::ranges::all_of(bars, [](const BoneBar& bar) { return bar.sections.empty(); }))
-                continue; // only a stump lies in the wall
-            BoneMetrics bone = bone_limit(info->name, bars, frame);
-            for (const BoneForces& piece : pieces) {
-                if (!bone.spine_joint && is_rib(info->name))
-                    bone.spine_joint = spring_load(piece, problem.supports.bedded, displacement);
-                if (!bone.cartilage)
-                    bone.cartilage = cartilage_load(piece, cartilage);
-            }
-            field.metrics.bones.push_back(std::move(bone));
-        }
-    }
-
 } // namespace
+
+std::vector<BoneMetrics> bone_metrics(const fem::ElasticProblem& problem, const SolverSettings& choice,
+    const Eigen::VectorXd& displacement, const mesh::LabelTable& table, const AnatomicalFrame& frame)
+{
+    std::vector<BoneMetrics> bones;
+    const std::vector<std::uint8_t> cartilage = cartilage_nodes(problem.mesh, table);
+    const fem::TissueModel model { choice.elasticity, choice.element == ElementKind::locking_free };
+    for (const Label label : fem::labels_met(problem.mesh)) {
+        const mesh::LabelInfo* info = mesh::find_label(table, label);
+        if (info == nullptr || !is_long_bone(info->name))
+            continue;
+        const std::vector<BoneForces> pieces
+            = bone_forces(problem.mesh, problem.material_of_label, model, displacement, label);
+        std::vector<BoneBar> bars;
+        for (const BoneForces& piece : pieces)
+            bars.push_back(section_moments(piece));
+        if (std::ranges::all_of(bars, [](const BoneBar& bar) { return bar.sections.empty(); }))
+            continue; // only a stump lies in the wall
+        BoneMetrics bone = bone_limit(info->name, bars, frame);
+        for (const BoneForces& piece : pieces) {
+            if (!bone.spine_joint && is_rib(info->name))
+                bone.spine_joint = spine_joint_load(piece, problem.mesh, problem.supports, displacement);
+            if (!bone.cartilage)
+                bone.cartilage = cartilage_load(piece, cartilage);
+        }
+        bones.push_back(std::move(bone));
+    }
+    return bones;
+}
 
 void measure_bones(PlannedField& field, const OpenedWound& wound, const SolverSettings& choice,
     const mesh::LabelTable& table, const AnatomicalFrame& frame)
@@ -85,7 +76,7 @@ void measure_bones(PlannedField& field, const OpenedWound& wound, const SolverSe
               "a linear region";
     } else {
         try {
-            measure_moments(field, wound, choice, table, frame);
+            m.bones = bone_metrics(field.problem, choice, displacement_at_nodes(field, wound), table, frame);
         } catch (const SolverError& error) {
             m.bones.clear();
             m.bones_message = error.what();

@@ -7,7 +7,15 @@
 #include "planner/plan/opened_wound.h"
 #include "planner/plan/planned_field.h"
 
+#include <vector>
+
 namespace retractor::planner {
+
+/// The loads of ribs and sternum, in no order.
+/// @param displacement at all nodes of the problem, three per node
+/// @throws SolverError where moments cannot be had
+std::vector<BoneMetrics> bone_metrics(const fem::ElasticProblem& problem, const SolverSettings& choice,
+    const Eigen::VectorXd& displacement, const mesh::LabelTable& table, const AnatomicalFrame& frame);
 
 /// Fills the field's bones with the moments in ribs and sternum and the loads of their joints (section_moments.h,
 /// joint_loads.h), and sets whether the opening is attainable (bone_limits.h). Where the moments cannot be had, the

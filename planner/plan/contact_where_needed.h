@@ -27,8 +27,9 @@
 
 namespace retractor::planner {
 
-/// Surfaces that pass through each other by no more than this beyond their overlap at rest do not touch. Contact changes
-/// forces and openings by less than their error bars there. Surfaces of organs are known to half a voxel at best.
+/// Surfaces that pass through each other by no more than this beyond their overlap at rest do not touch. Contact
+/// changes forces and openings by less than their error bars there. Surfaces of organs are known to half a voxel at
+/// best.
 inline constexpr double kPenetrationToleranceMm = 0.2;
 
 /// The time for contact, in times of the solution without contact, and at least. Newton's method finds one by one which

@@ -38,11 +38,18 @@ namespace {
                                           "elements; use a finer mesh";
     }
 
+    /// The displacement of the wall's vertices, without the nodes of blades, which follow them.
+    Points of_vertices(const PlannedField& field, const Points& displacement)
+    {
+        return displacement.topRows(field.wall.vertices.rows());
+    }
+
     /// The first-order solution by ten-node elements.
     ComparisonSolutions finer_solution(
         const PlannedField& field, const OpenedWound& wound, const SolverSettings& choice, const Job& job)
     {
-        const Points& solved = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
+        const Points solved = fem::with_blade_nodes(
+            field.problem, wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved);
         fem::ErrorEstimate finer = fem::estimate_error(field.problem, choice.elasticity, solved, job, wound.contact);
         ComparisonSolutions solutions { .message = finer.message };
         if (finer.status != fem::EstimateStatus::done) {
@@ -53,12 +60,12 @@ namespace {
         const bool locking_free = choice.element == ElementKind::locking_free;
         solutions.held = held_hooks(field.approach, field.problem, { choice.elasticity, locking_free }, solved,
             field.opening.hook_forces_N, wound.contact);
-        solutions.other = { std::move(finer.displacement), std::move(finer.hook_forces_N) };
+        solutions.other = { of_vertices(field, finer.displacement), std::move(finer.hook_forces_N) };
         if (locking_free) {
             solutions.lacking
                 = fem::ten_node_share(with_midpoints(field.problem), choice.elasticity, finer.ten_node, finer.plain);
             solutions.message = without_share(solutions.lacking);
-            solutions.plain = WoundSolution { std::move(finer.plain), std::move(finer.plain_forces_N) };
+            solutions.plain = WoundSolution { of_vertices(field, finer.plain), std::move(finer.plain_forces_N) };
             return solutions;
         }
         solutions.factor = 1.0 / fem::kErrorShare;
@@ -90,7 +97,7 @@ namespace {
         solutions.message = without_share(solutions.factor);
         solutions.held = held_hooks(
             field.approach, coarse, { choice.elasticity }, result.displacement, result.hook_forces_N, wound.contact);
-        solutions.other = { std::move(result.displacement), std::move(result.hook_forces_N) };
+        solutions.other = { of_vertices(field, result.displacement), std::move(result.hook_forces_N) };
         return solutions;
     }
 

@@ -28,7 +28,7 @@ namespace {
         bare.approach.retractor.reset();
         bare.wall = field.wall;
         bare.lips = field.lips;
-        bare.problem = field.problem;
+        bare.problem = problem_with_fixed_hooks(field);
         bare.problem.hooks.clear();
         return bare;
     }

@@ -6,11 +6,14 @@
 #include "fem/statics/nonlinear_region.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/assert.h"
+#include "mesh/image/skeleton.h"
 #include "planner/approach/hook_patches.h"
 #include "planner/approach/retractors.h"
 #include "planner/plan/contact_where_needed.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/wall_pressure.h"
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <set>
@@ -21,6 +24,36 @@
 namespace retractor::planner {
 
 namespace {
+
+    /// Makes blades of the hooks that are in contact.
+    void add_blades(PlannedField& field, const mesh::LabelTable& table)
+    {
+        std::vector<Label> skeleton;
+        for (const mesh::LabelInfo& info : table)
+            if (mesh::is_skeleton(info))
+                skeleton.push_back(info.id);
+        std::vector<mesh::TetFace> bone;
+        for (std::size_t h = 0; h < field.approach.hooks.size(); ++h) {
+            const HookSpec& spec = field.approach.hooks[h];
+            if (spec.hold != HookHold::contact)
+                continue;
+            if (bone.empty())
+                bone = fem::surface_of_labels(field.wall, skeleton);
+            std::vector<mesh::TetFace> lip;
+            for (const mesh::LipFace& face : field.lips)
+                if (face.side == spec.side)
+                    lip.push_back(face.face);
+            const PatchPlace place = patch_place(field.approach, spec);
+            fem::add_blade(field.problem, h, lip, bone,
+                { .name = spec.name,
+                    .middle = place.centre,
+                    .along = place.along,
+                    .deep = place.depth,
+                    .outward = spec.direction,
+                    .width_mm = spec.patch_width_mm,
+                    .height_mm = spec.patch_height_mm });
+        }
+    }
 
     Points lip_points(const PlannedField& field)
     {
@@ -105,6 +138,11 @@ fem::OpeningOptions opening_options(const SolverSettings& choice)
 
 namespace {
 
+    /// Residual of ten-node elements. It leaves 0.1 % of the hook forces (fem::OpeningOptions::tolerance), which is
+    /// little beside the discretisation error of several percent, and takes half of the Newton steps of the default.
+    constexpr double kTenNodeTolerance = 1e-3;
+    constexpr double kTenNodeBalance = 2e-3; ///< above the error that this residual leaves in the forces of blades
+
     /// A displacement at the corners of ten-node elements, and its means at their midpoints.
     Points at_midpoints(const mesh::TetMesh& mesh, const Points& corners)
     {
@@ -126,9 +164,6 @@ namespace {
     void open_from_corners(OpenedWall& opened, const fem::ElasticProblem& problem, fem::OpeningOptions options,
         const StageTest& goes_on, const Job& job)
     {
-        // This residual leaves 0.1 % of the hook forces (fem::OpeningOptions::tolerance), which is little beside the
-        // discretisation error of several percent, and takes half of the Newton steps of the default.
-        constexpr double kTenNodeTolerance = 1e-3;
         options.tolerance = std::max(options.tolerance, kTenNodeTolerance);
         const fem::ElasticProblem corners = fem::without_midpoints(problem);
         fem::OpeningResult coarse
@@ -160,6 +195,7 @@ namespace {
         opened.retractor = PlacedRetractor { .frame = frame,
             .state = found.state,
             .loads = found.loads,
+            .stiffness = found.stiffness,
             .residual_force_N = found.residual_force_N.norm(),
             .residual_moment_Nmm = found.residual_moment_Nmm.norm(),
             .rack_force_N = found.rack_force_N,
@@ -172,8 +208,6 @@ namespace {
     void open_with_retractor(OpenedWall& opened, const PlannedField& field, fem::OpeningOptions options,
         const StageTest& goes_on, const Job& job)
     {
-        constexpr double kTenNodeTolerance = 1e-3; // as in open_from_corners()
-        constexpr double kTenNodeBalance = 2e-3; // above the error that this residual leaves in the forces
         const fem::BladeFrame frame = blade_frame_of(field.approach);
         const RetractorSpec& retractor = *field.approach.retractor;
         fem::RackDrive drive { .force_N = retractor.force_N };
@@ -244,13 +278,69 @@ OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const 
     return opened;
 }
 
-OpenedWound open_wound(
-    PlannedField& field, Patient& patient, const mesh::LabelVolume& labels, CutWall cut, const Job& job)
+Eigen::VectorXd displacement_at_nodes(const PlannedField& field, const OpenedWound& wound)
 {
-    const Case& planned_case = patient.planned_case();
+    if (wound.ten_node.size() != 0)
+        return wound.ten_node;
+    const Points all = fem::with_blade_nodes(
+        field.problem, wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved);
+    return Eigen::Map<const Eigen::VectorXd>(all.data(), all.size());
+}
+
+Eigen::VectorXd displacement_at_nodes(const OpenedWall& opened)
+{
+    if (opened.ten_node.size() != 0)
+        return opened.ten_node;
+    const Points& solved = opened.opening.displacement;
+    return Eigen::Map<const Eigen::VectorXd>(solved.data(), solved.size());
+}
+
+OpenedWall reopen_wall(
+    const PlannedField& field, const OpenedWound& wound, double share, const SolverSettings& choice, const Job& job)
+{
+    RETRACTOR_ASSERT(share >= 0.0 && share <= 1.0 && choice.near_mm == 0.0);
+    fem::OpeningOptions options = opening_options(choice);
+    options.contact = wound.contact;
+    const fem::ElasticProblem& problem = field.problem;
+    const Eigen::VectorXd full = displacement_at_nodes(field, wound);
+    Points start = share * Eigen::Map<const Points>(full.data(), full.size() / 3, 3);
+    const Job named = as_stage(job, "smaller opening");
+    OpenedWall opened;
+    opened.hooks = problem.hooks;
+    if (field.retractor && !problem.hooks.empty()) {
+        fem::FrameState state = field.retractor->state;
+        state.distance *= share;
+        state.translation *= share;
+        for (double& turn : state.turn)
+            turn *= share;
+        state.rotation = Eigen::Quaterniond::Identity()
+                             .slerp(share, Eigen::Quaterniond(field.retractor->state.rotation))
+                             .toRotationMatrix();
+        const fem::RackDrive drive { .distance_mm = state.distance };
+        take_retractor(opened, field.retractor->frame,
+            fem::open_with_frame(problem, field.retractor->frame, drive, options, { .tolerance = kTenNodeBalance },
+                named, fem::FrameStart { state, std::move(start), field.retractor->stiffness }));
+    } else {
+        for (fem::HookPatch& hook : opened.hooks)
+            hook.displacement *= share;
+        if (problem.mesh.nodes_per_tet == 10)
+            options.tolerance = std::max(options.tolerance, kTenNodeTolerance);
+        fem::Opening opening(problem, options);
+        opening.start_from(start);
+        opened.opening = opening.open(opened.hooks, named);
+    }
+    fem::OpeningResult& result = opened.opening;
+    if (problem.mesh.nodes_per_tet == 10 && result.displacement.rows() > 0)
+        opened.ten_node = Eigen::Map<const Eigen::VectorXd>(result.displacement.data(), result.displacement.size());
+    return opened;
+}
+
+OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planned_case, const mesh::LabelVolume& labels,
+    CutWall cut, const Job& job)
+{
     const SolverSettings& choice = planned_case.solution;
     field.problem = { .mesh = field.wall,
-        .material_of_label = materials_as_solved(planned_case),
+        .material_of_label = materials_as_solved(patient, choice.element),
         .supports = std::move(cut.supports),
         .hooks = field.hooks,
         .loads = std::move(cut.released),
@@ -260,6 +350,7 @@ OpenedWound open_wound(
             pressure_metrics(field.wall, pressure, choice.elasticity != fem::Elasticity::linear));
         field.problem.pressures.push_back(std::move(pressure.acts));
     }
+    add_blades(field, planned_case.label_table);
     if (choice.element == ElementKind::p2)
         field.problem = with_midpoints(field.problem);
     field.metrics.solution = solution_metrics(field, choice);
@@ -307,31 +398,22 @@ OpenedWound open_wound(
     return wound;
 }
 
-std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3>& forces_N)
+OpenedWound open_wound(
+    PlannedField& field, Patient& patient, const mesh::LabelVolume& labels, CutWall cut, const Job& job)
 {
-    constexpr double kNothing = 1e-3; // share of the largest force: residual of a nonlinear equilibrium
-    double largest = 0.0;
-    for (const Vec3& force : forces_N)
-        largest = std::max(largest, force.norm());
-    std::vector<bool> pushing;
-    RETRACTOR_ASSERT(forces_N.size() <= approach.hooks.size());
-    for (std::size_t i = 0; i < forces_N.size(); ++i) {
-        const Vec3 direction = approach.hooks[i].direction.normalized();
-        const double along = forces_N[i].dot(direction), across = (forces_N[i] - along * direction).norm();
-        pushing.push_back(-along > std::max(across, kNothing * largest));
-    }
-    return pushing;
+    return open_wound(field, patient, patient.planned_case(), labels, std::move(cut), job);
 }
 
-std::array<double, 2> side_forces(const PlannedField& field, const std::vector<Vec3>& forces_N)
+fem::ElasticProblem problem_with_fixed_hooks(const PlannedField& field)
 {
-    const std::vector<bool> pushing = pushing_hooks(field.approach, field.opening.hook_forces_N);
-    RETRACTOR_ASSERT(forces_N.size() <= pushing.size() && forces_N.size() <= field.hooks.size());
-    std::array<double, 2> of_side {};
-    for (std::size_t i = 0; i < forces_N.size(); ++i)
-        if (!pushing[i])
-            of_side[field.hooks[i].side > 0 ? 0 : 1] += forces_N[i].norm();
-    return of_side;
+    if (field.problem.blades.empty())
+        return field.problem;
+    const bool ten_node = field.problem.mesh.nodes_per_tet == 10;
+    fem::ElasticProblem problem = ten_node ? fem::without_midpoints(field.problem) : field.problem;
+    problem.mesh.vertices.conservativeResize(field.wall.vertices.rows(), 3);
+    problem.blades.clear();
+    problem.hooks = field.hooks;
+    return ten_node ? fem::with_midpoints(problem) : problem;
 }
 
 WoundMeasures measures_of(

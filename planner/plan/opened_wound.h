@@ -75,12 +75,27 @@ fem::OpeningOptions opening_options(const SolverSettings& choice);
 OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const fem::HookDrive> drives,
     fem::OpeningOptions options, const Job& job, const StageTest& goes_on = {});
 
+/// The solution at all nodes of field.problem, before loose pieces were moved, three per node.
+Eigen::VectorXd displacement_at_nodes(const PlannedField& field, const OpenedWound& wound);
+Eigen::VectorXd displacement_at_nodes(const OpenedWall& opened);
+
+/// Opens the wound of an opened field again, to a share of its opening. The search begins at the same share of the
+/// field's displacement. Hooks that were driven by forces, and yielded hooks, move the same share of their way.
+/// @param share 0 to 1
+/// @throws as open_wall(); @pre the whole wall has the same law (SolverSettings::near_mm is 0)
+OpenedWall reopen_wall(
+    const PlannedField& field, const OpenedWound& wound, double share, const SolverSettings& choice, const Job& job);
+
 /// Opens the cut wall with the case's solver settings, and with contact where it is asked for or needed
 /// (contact_where_needed.h). Fills in the field's problem, opening, final hook places,
 /// yielded hooks, status (opening.message gives the reason) and the metrics of pressure, solution and contact.
 /// @throws as open_wall()
 OpenedWound open_wound(
     PlannedField& field, Patient& patient, const mesh::LabelVolume& labels, CutWall cut, const Job& job);
+
+/// The same for another case of the same patient, with other solver settings.
+OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planned_case, const mesh::LabelVolume& labels,
+    CutWall cut, const Job& job);
 
 /// Per hook, whether the hook pushes: the hook holds back a lip that would move farther without it. The force of such a
 /// hook points mostly against the hook's direction and exceeds 0.1 % of the largest hook force.
@@ -91,6 +106,10 @@ std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3
 /// left out, also in other solutions: otherwise a hook that only just pushes would enter or leave the sum as a whole.
 /// @param forces_N one per hook of the field
 std::array<double, 2> side_forces(const PlannedField& field, const std::vector<Vec3>& forces_N);
+
+/// The field's problem with all hooks fixed (HookHold) at their final places, without the nodes of blades: for programs
+/// without contact.
+fem::ElasticProblem problem_with_fixed_hooks(const PlannedField& field);
 
 /// Measures a solution of the field.
 /// @param displacement of the wall's vertices, n x 3, mm; the function moves the rigid pieces in it

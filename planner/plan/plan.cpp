@@ -1,6 +1,7 @@
 #include "planner/plan/plan.h"
 
 #include "mesh/base/assert.h"
+#include "mesh/base/corridor.h"
 #include "mesh/base/error.h"
 #include "mesh/base/memory.h"
 #include "mesh/base/text_format.h"
@@ -12,18 +13,27 @@
 #include "planner/case/plausible_input.h"
 #include "planner/measures/force_moments.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/region_text.h"
 #include "planner/measures/risk_distances.h"
+#include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"
 #include "planner/plan/accurate_plan.h"
 #include "planner/plan/bone_loads.h"
 #include "planner/plan/error_bars.h"
 #include "planner/plan/explanation.h"
+#include "planner/plan/found_region.h"
 #include "planner/plan/gape.h"
+#include "planner/plan/lip_measures.h"
 #include "planner/plan/opened_wound.h"
+#include "planner/plan/parameter_interval.h"
 #include "planner/plan/plan_forecast.h"
 #include "planner/plan/reduction_error.h"
 #include "planner/plan/retractor_measures.h"
+#include "planner/plan/tissue_measures.h"
+#include "planner/plan/uninjured_opening.h"
 #include "planner/plan/wound_view.h"
+#include "planner/wall/bones_through_skin.h"
+#include "planner/wall/rim_motion.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/unmeshed_wall.h"
 #include "planner/wall/wall_pressure.h"
@@ -32,6 +42,8 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
+#include <cstdint>
 #include <exception>
 #include <optional>
 #include <span>
@@ -89,16 +101,15 @@ namespace {
     }
 
     /// The tension of the wall before the cut.
-    WallTension tension_of(const mesh::TetMesh& wall, const mesh::LabelVolume& labels, const Case& planned_case,
-        const Approach& approach, const fem::Supports& supports)
+    WallTension tension_of(const mesh::TetMesh& wall, Patient& patient, const Approach& approach,
+        const fem::Supports& supports, std::vector<VertexId> cut_off)
     {
         Vec3 inward = Vec3::Zero();
         for (const Vec3& direction : approach.directions)
             inward += direction;
-        std::vector<VertexId> cut_off = cut_off_vertices(wall, labels);
         cut_off.insert(cut_off.end(), supports.fixed.begin(), supports.fixed.end());
         return wall_tension(
-            wall, materials_as_solved(planned_case), planned_case.label_table, cut_off, -inward.normalized());
+            wall, materials_as_solved(patient), patient.planned_case().label_table, cut_off, -inward.normalized());
     }
 
     void release(PlannedField& field, CutWall& cut, const WallTension& tension)
@@ -243,6 +254,8 @@ namespace {
         m.cut_depth_mm = field.approach.depth_mm;
         m.hooks = hook_forces(field);
         m.retractor = retractor_metrics(field);
+        if (is_usable(field.opening))
+            m.lip_deviation = lip_deviations(field);
         m.hook_force_N = measures_of(field).larger_side_N();
         m.force_moments = compute_force_moments(m, field.approach.opening_protocol);
         m.strain_p99 = field.opening.strain_p99;
@@ -251,6 +264,8 @@ namespace {
         m.max_volume_ratio = field.opening.max_volume_ratio;
         m.volume_failures = volume_failures(field, patient.planned_case());
         remark(field.message, volume_failure_text(m));
+        m.bone_stiffness = bones_in_wall(*patient.bone_stiffness(), fem::labels_met(field.wall));
+        remark(field.message, cut_off_text(m.bone_stiffness));
         m.residual = field.opening.residual;
         m.mechanics_status = status_text(field);
         m.tets = field.wall.tet_count();
@@ -284,17 +299,20 @@ namespace {
         return field.status == PlanStatus::done;
     }
 
-    bool cut_meshed_wall(PlannedField& field, CutWall& cut, const mesh::LabelVolume& labels, const Case& planned_case,
+    bool cut_meshed_wall(PlannedField& field, CutWall& cut, const mesh::LabelVolume& labels, Patient& patient,
         const mesh::MeshSizing& sizing, const Job& job)
     {
         const StageTimer timer(field.metrics, "cut");
+        const Case& planned_case = patient.planned_case();
         insert_bearing_points(field.wall, planned_case.label_table, field.approach);
-        fem::Supports supports = supports_of(field.wall, labels, planned_case, sizing);
+        fem::Supports supports = supports_of(field.wall, labels, planned_case, sizing, &field.message);
         if (supports.fixed.empty() && supports.bedded.empty())
             remark(field.message,
                 "only the hooks hold this wall: name supports in case.json, \"supports\" (the spine, or the border of "
                 "the region)");
-        const WallTension tension = tension_of(field.wall, labels, planned_case, field.approach, supports);
+        std::vector<VertexId> cut_off = cut_off_vertices(field.wall, labels);
+        field.rim = rim_places(field.wall, cut_off);
+        const WallTension tension = tension_of(field.wall, patient, field.approach, supports, std::move(cut_off));
         cut = cut_wall(std::move(field.wall), field.approach, planned_case.label_table, std::move(supports), job);
         if (!take_cut(field, cut))
             return false;
@@ -313,12 +331,54 @@ namespace {
         return field.status != PlanStatus::cancelled;
     }
 
+    /// "muscle, 85 mm from the incision towards the back".
+    std::string place_in_words(const RimMotion& rim, const std::vector<Vec3>& line, const mesh::LabelTable& table,
+        const AnatomicalFrame& frame)
+    {
+        Vec3 middle = Vec3::Zero();
+        for (const Vec3& point : line)
+            middle += point / static_cast<double>(line.size());
+        const Vec3 way = rim.at - middle;
+        const std::array<std::pair<double, const char*>, 6> directions { { { frame.anterior.dot(way), "the front" },
+            { -frame.anterior.dot(way), "the back" }, { frame.superior.dot(way), "the head" },
+            { -frame.superior.dot(way), "the feet" }, { frame.left.dot(way), "the left" },
+            { -frame.left.dot(way), "the right" } } };
+        const mesh::LabelInfo* info = mesh::find_label(table, rim.label);
+        return formatted("%s, %.0f mm from the incision towards %s",
+            info != nullptr ? readable(info->name).c_str() : "tissue", polyline_distance(line, rim.at),
+            std::ranges::max_element(directions)->second);
+    }
+
+    /// Measures what the end of the region does: motion of the rim, and bones that come out through the skin.
+    /// @pre field.remaining_wall is known
+    void measure_region(
+        PlannedField& field, const mesh::LabelVolume& labels, const mesh::MeshSizing& sizing, Patient& patient)
+    {
+        const Case& planned_case = patient.planned_case();
+        const Points& displacement = field.opening.displacement;
+        const std::vector<std::uint8_t> is_rim = rim_flags(field.wall, field.rim);
+        const RimMotions rim = rim_motions(field.wall, displacement, field.problem.supports.fixed, is_rim, labels.grid);
+        RegionMetrics& region = field.metrics.region;
+        region.region_mm = sizing.region_mm;
+        region.ended_by = field.approach.sizing.region_mm ? RegionEnd::given : RegionEnd::not_searched;
+        region.rim_motion_mm = rim.region.moved_mm;
+        region.rim_at = rim.region.at;
+        region.image_end_motion_mm = rim.image.moved_mm;
+        if (rim.region.label != 0)
+            region.rim_place
+                = place_in_words(rim.region, field.approach.incision, planned_case.label_table, patient.frame());
+        region.piercing
+            = bones_through_skin(field.wall, displacement, is_rim, field.remaining_wall, planned_case.label_table);
+        remark(field.message, piercing_text(field.metrics));
+    }
+
     bool expose_target(PlannedField& field, Patient& patient, const mesh::LabelVolume& labels,
         const mesh::MeshSizing& sizing, const Job& job)
     {
         const StageTimer timer(field.metrics, "expose");
         field.remaining_wall
             = unmeshed_wall_region(*patient.body(), labels, sizing, field.wall, field.opening.displacement, job);
+        measure_region(field, labels, sizing, patient);
         WoundView view = look_through(field, field.opening.displacement, patient, job);
         field.geometry = std::move(view.geometry);
         field.exposure = std::move(view.exposure);
@@ -330,8 +390,8 @@ namespace {
     }
 
     /// Estimates gape and errors of the field from further solutions of the wound.
-    bool estimate(PlannedField& field, const OpenedWound& wound, Patient& patient, const PlanChecks& checks,
-        const Job& job)
+    bool estimate(
+        PlannedField& field, const OpenedWound& wound, Patient& patient, const PlanChecks& checks, const Job& job)
     {
         const SolverSettings& choice = patient.planned_case().solution;
         field.metrics.solution.draft = checks.draft;
@@ -353,6 +413,13 @@ namespace {
                     .exposure.visible_fraction;
             };
             field.metrics.error = estimate_errors(field, wound, choice, seen_share, job);
+            if (!goes_on())
+                return false;
+        }
+        if (checks.error_bars) {
+            const StageTimer timer(field.metrics, "tissue values");
+            field.metrics.parameters = estimate_parameter_interval(
+                field, wound, choice, patient.planned_case().label_table, *patient.bone_stiffness());
             if (!goes_on())
                 return false;
         }
@@ -397,13 +464,102 @@ namespace {
             "approach " + approach.name + (error.where().empty() ? "" : ": " + error.where()), error.fields()));
     }
 
+    /// The approach as its mesh needs it: with blades for hooks, places of bearing, and the strokes of its division.
+    void prepare(Approach& approach, Patient& patient)
+    {
+        if (approach.retractor) {
+            check_retractor_settings(patient.planned_case().solution);
+            approach.hooks = blades_of(approach);
+        }
+        find_bearing_points(approach, *patient.labels());
+        find_space_division(approach, patient);
+    }
+
+    // Of the drafts that find a region: what moves far away depends little on the mesh at the wound.
+    constexpr double kDraftEdgeMm = 12.0, kDraftCoarseMm = 20.0, kDraftPatchMm = 6.0;
+
+    SizingSpec draft_sizing(SizingSpec sizing, double region_mm)
+    {
+        sizing.corridor_edge_mm = std::max(sizing.corridor_edge_mm, kDraftEdgeMm);
+        sizing.coarse_edge_mm = std::max(sizing.coarse_edge_mm, kDraftCoarseMm);
+        sizing.patch_edge_mm = std::max(sizing.patch_edge_mm, kDraftPatchMm);
+        return found_sizing(sizing, region_mm);
+    }
+
+    /// A draft of the plan with linear four-node elements.
+    /// @param prepared by prepare()
+    RegionDraft draft_of_region(Patient& patient, const Approach& prepared, double region_mm,
+        std::optional<double> memory_bytes, const Job& job)
+    {
+        using Status = RegionDraft::Status;
+        Case planned_case = patient.planned_case();
+        planned_case.solution = { .elasticity = fem::Elasticity::linear, .element = ElementKind::p1 };
+        planned_case.contact = ContactMode::never;
+        const auto labels = patient.labels();
+        PlannedField field;
+        field.approach = prepared;
+        field.approach.sizing = draft_sizing(prepared.sizing, region_mm);
+        mesh::MeshSizing sizing = mesh_sizing_of(field.approach, planned_case.label_table);
+        sizing.most_tetrahedra = tetrahedra_limit(memory_bytes, ElementKind::p1);
+        const Job named = as_stage(job, "draft of the wall");
+        CutWall cut;
+        try {
+            if (!mesh_wall(field, *labels, sizing, ElementKind::p1, memory_bytes, named)
+                || !cut_meshed_wall(field, cut, *labels, patient, sizing, named))
+                return { .status = field.status == PlanStatus::cancelled ? Status::cancelled : Status::failure,
+                    .message = field.message };
+            static_cast<void>(open_wound(field, patient, planned_case, *labels, std::move(cut), named));
+        } catch (const MemoryRefusal&) {
+            return { .status = Status::memory };
+        } catch (const InputError& error) {
+            return { .status = Status::failure, .message = error.what() };
+        } catch (const SolverError& error) {
+            return { .status = Status::failure, .message = error.what() };
+        }
+        if (field.status == PlanStatus::cancelled || job.cancelled())
+            return { .status = Status::cancelled };
+        const Points& displacement = field.opening.displacement;
+        const std::vector<Vec3> line = mesh::region_line(sizing);
+        const RimMotions rim = rim_motions(
+            field.wall, displacement, field.problem.supports.fixed, rim_flags(field.wall, field.rim), labels->grid);
+        const std::array<double, 2> sides = side_forces(field, field.opening.hook_forces_N);
+        return { .moving_mm = moving_reach(field.wall, displacement, line, kStillRimMm),
+            .farthest_mm = moving_reach(field.wall, displacement, line, -1.0),
+            .rim_motion_mm = rim.region.moved_mm,
+            .force_N = std::max(sides[0], sides[1]) };
+    }
+
+    /// A region that holds the whole image.
+    double whole_region_mm(const mesh::ImageGrid& grid, const std::vector<Vec3>& line)
+    {
+        double farthest = 0.0;
+        for (int corner = 0; corner < 8; ++corner) {
+            Vec3 index;
+            for (int axis = 0; axis < 3; ++axis)
+                index[axis] = (corner >> axis & 1) != 0 ? grid.size[static_cast<std::size_t>(axis)] : -1.0;
+            farthest = std::max(farthest, polyline_distance(line, grid.world(index)));
+        }
+        return std::ceil(farthest);
+    }
+
+    FoundRegion find_region_of(
+        Patient& patient, const Approach& approach, std::optional<double> memory_bytes, const Job& job)
+    {
+        const Stopwatch watch;
+        Approach prepared = approach;
+        prepare(prepared, patient);
+        FoundRegion found = find_region(whole_region_mm(patient.labels()->grid, prepared.incision),
+            [&](double region_mm) { return draft_of_region(patient, prepared, region_mm, memory_bytes, job); });
+        found.measures.seconds = watch.seconds();
+        return found;
+    }
+
     /// Plans one approach once, or on finer and finer meshes where an accuracy is asked.
-    PlannedField plan_as_accurately_as_asked(
-        Patient& patient, const Approach& approach, const Job& job, const PlanChecks& checks)
+    PlannedField plan_with_region(
+        Patient& patient, const Approach& approach, const Job& job, const PlanChecks& checks, const Stopwatch& watch)
     {
         if (!checks.accuracy)
             return plan_approach(patient, approach, job, checks);
-        const Stopwatch watch;
         const AccuracySearch search { .goal = *checks.accuracy,
             .element = patient.planned_case().solution.element,
             .memory_bytes = checks.memory_bytes,
@@ -413,6 +569,67 @@ namespace {
             finer.sizing = with_scaled_edges(approach.sizing, edge_factor);
             return plan_approach(patient, finer, job, checks);
         });
+    }
+
+    /// The approach with the bone divided that would break, planned once, in the region of the approach's own field.
+    /// Where this plan cannot be made, the field's message says why.
+    std::optional<PlannedField> plan_with_divided_bone(
+        Patient& patient, const Approach& approach, PlannedField& field, const Job& job, PlanChecks checks)
+    {
+        const std::optional<Approach> divided = with_divided_bone(approach, field);
+        if (!divided || job.cancelled())
+            return std::nullopt;
+        checks.injury_options = false;
+        PlannedField planned;
+        try {
+            planned = plan_approach(patient, *divided, job, checks);
+        } catch (const InputError& error) {
+            remark(field.message, divided->name + " gave no plan: " + error.what());
+            return std::nullopt;
+        } catch (const SolverError& error) {
+            remark(field.message, divided->name + " gave no plan: " + error.what());
+            return std::nullopt;
+        }
+        const RegionMetrics& found = field.metrics.region;
+        RegionMetrics& region = planned.metrics.region;
+        region.ended_by = found.ended_by;
+        region.message = found.message;
+        region.force_change = found.force_change;
+        return planned;
+    }
+
+    /// Finds the region of an approach that gives none, and plans the approach with it. A region whose plan does not
+    /// fit the memory is made smaller.
+    PlannedField plan_as_accurately_as_asked(
+        Patient& patient, const Approach& approach, const Job& job, const PlanChecks& checks)
+    {
+        const Stopwatch watch;
+        if (!checks.find_region || approach.sizing.region_mm)
+            return plan_with_region(patient, approach, job, checks, watch);
+        check_approach(approach);
+        check_plausible(patient.planned_case(), approach);
+        FoundRegion found = find_region_of(patient, approach, checks.memory_bytes, job);
+        while (!found.cancelled) {
+            Approach with_region = approach;
+            with_region.sizing = found_sizing(approach.sizing, found.region_mm);
+            try {
+                PlannedField field = plan_with_region(patient, with_region, job, checks, watch);
+                RegionMetrics& region = field.metrics.region;
+                region.ended_by = found.measures.ended_by;
+                region.message = found.measures.message;
+                region.drafts = found.measures.drafts;
+                region.force_change = found.measures.force_change;
+                region.seconds = found.measures.seconds;
+                return field;
+            } catch (const MemoryRefusal&) {
+                if (!shrink_region(found))
+                    throw;
+            }
+        }
+        PlannedField field;
+        field.approach = approach;
+        field.status = PlanStatus::cancelled;
+        return field;
     }
 
 } // namespace
@@ -443,12 +660,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     field.approach = approach;
     const auto labels = patient.labels();
     field.metrics.implausible = implausible_texts(planned_case, approach, labels->grid);
-    if (approach.retractor) {
-        check_retractor_settings(planned_case.solution);
-        field.approach.hooks = blades_of(approach);
-    }
-    find_bearing_points(field.approach, *labels);
-    find_space_division(field.approach, patient);
+    prepare(field.approach, patient);
     const ElementKind element = planned_case.solution.element;
     const std::optional<double> memory_bytes = checks.memory_bytes ? checks.memory_bytes : available_memory();
     mesh::MeshSizing sizing = mesh_sizing_of(field.approach, planned_case.label_table);
@@ -456,13 +668,16 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     CutWall cut;
     OpenedWound wound;
     if (mesh_wall(field, *labels, sizing, element, memory_bytes, job)
-        && cut_meshed_wall(field, cut, *labels, planned_case, sizing, job)
+        && cut_meshed_wall(field, cut, *labels, patient, sizing, job)
         && open_cut_wall(field, wound, std::move(cut), patient, *labels, job)
-        && expose_target(field, patient, *labels, sizing, job)
-        && estimate(field, wound, patient, checks, job)) {
+        && expose_target(field, patient, *labels, sizing, job) && estimate(field, wound, patient, checks, job)) {
         fill_metrics(field, patient);
-        const StageTimer timer(field.metrics, "bones");
+        const StageTimer timer(field.metrics, "strain and bones");
+        measure_tissue_strain(field, wound, planned_case.label_table);
         measure_bones(field, wound, planned_case.solution, planned_case.label_table, patient.frame());
+        if (checks.injury_options)
+            solve_uninjured_opening(
+                field, wound, planned_case.solution, planned_case.label_table, patient.frame(), job);
     }
     return field;
 }
@@ -478,12 +693,15 @@ std::vector<PlannedField> plan_all(Patient& patient, const Job& job, const PlanC
         if (const std::optional<double> available = available_memory())
             shared.memory_bytes = *available / static_cast<double>(workers);
     std::vector<PlannedField> fields(approaches.size());
+    std::vector<std::optional<PlannedField>> divided(approaches.size());
     std::vector<std::exception_ptr> failures(approaches.size());
     std::atomic<std::size_t> next { 0 };
     const auto work = [&] {
         for (std::size_t i = next.fetch_add(1); i < approaches.size(); i = next.fetch_add(1)) {
             try {
                 fields[i] = plan_as_accurately_as_asked(patient, approaches[i], job, shared);
+                if (checks.injury_options)
+                    divided[i] = plan_with_divided_bone(patient, approaches[i], fields[i], job, shared);
             } catch (const InputError& error) {
                 failures[i] = at_approach(approaches[i], error);
             } catch (const SolverError& error) {
@@ -504,7 +722,13 @@ std::vector<PlannedField> plan_all(Patient& patient, const Job& job, const PlanC
     for (const std::exception_ptr& failure : failures)
         if (failure)
             std::rethrow_exception(failure);
-    return fields;
+    std::vector<PlannedField> all;
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+        all.push_back(std::move(fields[i]));
+        if (divided[i])
+            all.push_back(std::move(*divided[i]));
+    }
+    return all;
 }
 
 } // namespace retractor::planner

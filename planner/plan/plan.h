@@ -23,6 +23,12 @@ struct PlanChecks {
     /// plan_all() plans each approach on finer meshes until its error bars are this small (accurate_plan.h); not set:
     /// once. plan_approach() plans once.
     std::optional<AccuracyGoal> accuracy {};
+    /// Also solves the largest uninjured opening where a bone would break (uninjured_opening.h); plan_all() then plans
+    /// such an approach once more with this bone divided, and puts this field behind that of the approach.
+    bool injury_options = false;
+    /// plan_all() finds the region of approaches that give none (found_region.h), once for all meshes of an approach;
+    /// otherwise it has kFirstRegionMm. plan_approach() takes the region as it is.
+    bool find_region = false;
     /// Memory that one plan may take, bytes; not set: all that is available. plan_all() divides what is available
     /// among the plans that run at the same time.
     std::optional<double> memory_bytes {};
@@ -41,7 +47,8 @@ void check_plan(const Case& planned_case, const PlanChecks& checks);
 PlannedField plan_approach(
     Patient& patient, const Approach& approach, const Job& job = {}, const PlanChecks& checks = {});
 
-/// Plans all approaches of the case, two at a time on several cores. The results have the case's order.
+/// Plans all approaches of the case, two at a time on several cores. The results have the case's order; see
+/// PlanChecks::injury_options for fields that are added.
 /// @throws as plan_approach(), naming the approach
 std::vector<PlannedField> plan_all(Patient& patient, const Job& job = {}, const PlanChecks& checks = {});
 

@@ -36,6 +36,7 @@ struct PlacedRetractor {
     fem::BladeFrame frame;
     fem::FrameState state;
     std::array<fem::BladeLoad, 2> loads; ///< that the retractor applies to the tissue, in the order of the hooks
+    fem::FrameMatrix stiffness = fem::FrameMatrix::Zero(); ///< of the frame in this tissue, N/mm
     double residual_force_N = 0.0; ///< magnitude of the resultant of the blade forces
     double residual_moment_Nmm = 0.0; ///< magnitude of the resultant moment about the frame's centre
     double rack_force_N = 0.0; ///< along the rack at each blade
@@ -52,6 +53,7 @@ struct [[nodiscard]] PlannedField {
 
     mesh::TetMesh wall; ///< after the cut, at rest
     std::vector<mesh::LipFace> lips; ///< faces of `wall` on the two sides of the incision
+    std::vector<Vec3> rim; ///< places at rest where the wall was cut off from the rest of the body (rim_motion.h)
     std::vector<WallPiece> pieces; ///< pieces of `wall`, with their supports
     std::vector<fem::HookPatch> hooks; ///< in the order of approach.hooks, with nodes of `wall`, at their final places
     /// The problem that the solver was given: `wall` with its materials, supports and hooks. Midpoints of ten-node

@@ -36,6 +36,43 @@ namespace {
         return largest;
     }
 
+    /// The edge of a blade to which a place is nearest, within a quarter of the blade's size.
+    std::string edge_of(double along_share, double deep_share)
+    {
+        constexpr double kNearEdge = 0.5; // of the half size: the outer quarter on each side
+        if (std::max(std::abs(along_share), std::abs(deep_share)) < kNearEdge)
+            return "middle";
+        if (std::abs(deep_share) > std::abs(along_share))
+            return deep_share > 0.0 ? "deep" : "skin";
+        return along_share > 0.0 ? "end" : "start";
+    }
+
+    std::optional<BladePressure> pressure_of(const PlannedField& field, std::size_t hook)
+    {
+        constexpr double kKiloPascals = 1e3; // in a megapascal
+        const std::vector<fem::BladeSurface>& blades = field.problem.blades;
+        for (std::size_t b = 0; b < blades.size() && b < field.opening.blades.size(); ++b) {
+            const fem::BladeSurface& blade = blades[b];
+            if (blade.name != field.hooks[hook].name)
+                continue;
+            const fem::BladeBearing& bearing = field.opening.blades[b];
+            // The width of a blade may run against the incision, so that the tissue lies on its front.
+            const PatchPlace place = patch_place(field.approach, field.approach.hooks[hook]);
+            const Vec3 along
+                = (field.problem.mesh.vertices.row(blade.nodes[1]) - field.problem.mesh.vertices.row(blade.nodes[0]))
+                      .transpose();
+            const double sign = along.dot(place.along) < 0.0 ? -1.0 : 1.0;
+            return BladePressure { .mean_kPa = kKiloPascals * bearing.pressure_mean_MPa(),
+                .largest_kPa = kKiloPascals * bearing.pressure_largest_MPa,
+                .largest_at = edge_of(sign * bearing.largest_along_mm / blade.half_width_mm,
+                    bearing.largest_deep_mm / blade.half_height_mm),
+                .touching_mm2 = bearing.area_mm2,
+                .on_bone_N = bearing.bone_force_N,
+                .penetration_mm = bearing.penetration_mm };
+        }
+        return std::nullopt;
+    }
+
 } // namespace
 
 std::optional<RetractorMetrics> retractor_metrics(const PlannedField& field)
@@ -60,7 +97,8 @@ std::optional<RetractorMetrics> retractor_metrics(const PlannedField& field)
             .moment_Nm = kMPerMm * retractor.loads[k].moment_Nmm,
             .turn_deg = kDegrees * turn,
             .at_stop = std::abs(turn) >= retractor.frame[k].play - kAtStop,
-            .lip_deviation_mm = lip_deviation_mm(field, retractor, edges, k) });
+            .lip_deviation_mm = lip_deviation_mm(field, retractor, edges, k),
+            .pressure = pressure_of(field, k) });
     }
     return metrics;
 }

@@ -75,8 +75,8 @@ WoundView look_through(const PlannedField& field, const Points& displacement, Pa
     const Vec3 aim = surface_centre(*target);
     const ViewSpec& eyes = field.approach.view;
     const double to_aim = (view.geometry.centre - aim).norm();
-    const ViewCone cone = cone_through_opening(
-        view.geometry, aim, to_aim + eyes.eye_distance_mm, eyes.half_angle_deg, eyes.eye_count);
+    const ViewCone cone
+        = cone_through_opening(view.geometry, aim, to_aim + eyes.eye_distance_mm, eyes.half_angle_deg, eyes.eye_count);
     view.exposure = measure_exposure(*target, occluders(field, displacement, patient), cone, kTargetSamples, job);
     view.working_distance_mm = working_distance_mm(view.geometry, *target, aim, cone.axis).value_or(to_aim);
     if (const mesh::LabelInfo* organ = organ_of_sphere(patient, field.approach.target))

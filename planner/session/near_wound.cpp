@@ -50,6 +50,10 @@ NearProblem near_problem(const fem::OnlineOpening& opening, std::span<const fem:
         else if (K.bed(id) > 0.0)
             problem.supports.bedded.push_back({ v, K.bed(id) });
     }
+    problem.supports.hinges = K.hinges();
+    for (fem::Hinge& hinge : problem.supports.hinges)
+        for (fem::HingeEdge& edge : hinge.edges)
+            edge = { vertex(edge.a), vertex(edge.b), edge.share };
     for (TetId t = 0; t < static_cast<TetId>(K.tet_slots()); ++t)
         if (K.tet_alive(t)) {
             for (const VertexId id : K.tet(t))

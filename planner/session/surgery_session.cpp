@@ -112,6 +112,7 @@ SurgerySession::SurgerySession(
     , cut_off_(std::move(setup.cut_off))
     , held_(first_->vertex_count(), 0)
     , bed_(first_->vertex_count(), 0.0)
+    , hinges_(std::move(setup.hinges))
     , approach_(std::move(setup.approach))
 {
     job_.ledger = job.ledger;
@@ -120,6 +121,10 @@ SurgerySession::SurgerySession(
     cut_off_.insert(cut_off_.end(), setup.held.begin(), setup.held.end());
     for (const fem::BeddedVertex& bed : setup.bedded)
         bed_.at(static_cast<std::size_t>(bed.vertex)) = bed.stiffness;
+    fem::check_hinges(*first_, hinges_);
+    for (const fem::Hinge& hinge : hinges_)
+        for (const fem::HingeEdge& edge : hinge.edges)
+            hinge_nodes_.insert({ edge.a, edge.b });
     const std::vector<LipsOfCut> lips = cuts.empty() ? std::vector<LipsOfCut> {} : lips_of_cuts(session_, cuts.size());
     for (const mesh::MeshDelta& delta : cuts)
         history_.append(
@@ -436,7 +441,7 @@ SurgerySession::Returned SurgerySession::take_in(const mesh::MeshDelta& delta)
             bed_[id] = kept.bed;
             if (kept.held != 0)
                 returned.held.push_back(born.id);
-            if (kept.hooks_made != hooks_made_ && (kept.held != 0 || kept.bed > 0.0))
+            if (kept.hooks_made != hooks_made_ && (kept.held != 0 || kept.bed > 0.0 || hinge_nodes_.contains(born.id)))
                 returned.unknown_to_hooks = true;
             parted_.insert(parted_.end(), kept.parted.begin(), kept.parted.end());
             continue;
@@ -607,6 +612,27 @@ double SurgerySession::case_tension() const
     return largest;
 }
 
+/// The hinges with the edges that no cut has parted, by ids of the session.
+std::vector<fem::Hinge> SurgerySession::present_hinges() const
+{
+    std::vector<fem::Hinge> hinges = hinges_;
+    const auto in_place = [&](VertexId v) { // an id that is used again belongs to another vertex
+        return session_.has_vertex(v) && session_.position(v) == point_at(first_->vertices, v);
+    };
+    const auto joined = [&](VertexId a, VertexId b) {
+        return std::ranges::any_of(session_.tets_at(a), [&](TetId t) {
+            const auto nodes = session_.tet(t).nodes;
+            return std::ranges::find(nodes, b) != nodes.end();
+        });
+    };
+    for (fem::Hinge& hinge : hinges)
+        std::erase_if(hinge.edges, [&](const fem::HingeEdge& edge) {
+            return !in_place(edge.a) || !in_place(edge.b) || !joined(edge.a, edge.b);
+        });
+    std::erase_if(hinges, [](const fem::Hinge& hinge) { return hinge.edges.empty(); });
+    return hinges;
+}
+
 /// Replaces the solver by a solver without hooks. Its corridor has the vertices that the hooks will hold and the
 /// vertices where the knife will continue.
 void SurgerySession::make_hooks(std::span<const HookPlacement> placements)
@@ -616,6 +642,7 @@ void SurgerySession::make_hooks(std::span<const HookPlacement> placements)
     for (VertexId v = 0; v < static_cast<VertexId>(bed_.size()); ++v)
         if (bed_[static_cast<std::size_t>(v)] > 0.0)
             supports.bedded.push_back({ v, bed_[static_cast<std::size_t>(v)] });
+    supports.hinges = present_hinges();
     std::vector<VertexId> corridor = along_planned_line(session_, approach_);
     for (const HookPlacement& placement : placements)
         corridor.insert(corridor.end(), placement.nodes.begin(), placement.nodes.end());

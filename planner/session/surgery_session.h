@@ -22,6 +22,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -43,6 +44,7 @@ struct SurgerySetup {
     /// or not. The tension model counts no such face as skin.
     std::vector<VertexId> cut_off {};
     std::vector<fem::BeddedVertex> bedded {}; ///< bed of springs that hooks also pull against; not in the spring model
+    std::vector<fem::Hinge> hinges {}; ///< of the bones on such a bed
     Approach approach {}; ///< its hooks are the planned hooks
     mesh::LabelTable labels;
     /// Materials by label; labels outside the wall may be missing. Hooks need materials that four-node elements can
@@ -199,6 +201,7 @@ private:
     void lie_as(const Points& displacement);
     void start_moving();
     std::vector<Mat3> tension_stresses(double strain) const;
+    std::vector<fem::Hinge> present_hinges() const;
     void make_hooks(std::span<const HookPlacement> placements);
     void renew_hooks();
     void drop_hooks(const std::string& why);
@@ -238,6 +241,8 @@ private:
     double tension_ = 0.0;
     std::unique_ptr<fem::SpringNetwork> springs_; ///< null: not needed yet, or there are hooks
     std::vector<double> bed_; ///< per vertex of the session, N/mm; 0: no bed
+    std::vector<fem::Hinge> hinges_; ///< of the wall before any cut
+    std::set<VertexId> hinge_nodes_; ///< all nodes of hinges_
     Approach approach_;
     std::unique_ptr<WoundHooks> hooks_; ///< null: no hooks
     bool nonlinear_ = false;

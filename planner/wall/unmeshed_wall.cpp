@@ -300,4 +300,30 @@ TriMesh unmeshed_wall_region(const TriMesh& body, const mesh::LabelVolume& label
     return rest;
 }
 
+std::vector<Label> drawn_labels(
+    const TriMesh& boundary, const mesh::LabelVolume& labels, const mesh::MeshSizing& sizing)
+{
+    RETRACTOR_ASSERT(boundary.labels.size() == boundary.triangles.size());
+    const auto skin = std::ranges::find(labels.table, "skin", &mesh::LabelInfo::material);
+    if (sizing.coarse_beyond_mm <= 0.0 || skin == labels.table.end())
+        return boundary.labels;
+    const std::vector<Vec3> line = mesh::region_line(sizing);
+    std::vector<Label> drawn = boundary.labels;
+    for (std::size_t t = 0; t < drawn.size(); ++t) {
+        const auto [a, b, c] = triangle_corners(boundary.vertices, boundary.triangles[t]);
+        const Vec3 middle = (a + b + c) / 3.0, out = unit_normal(a, b, c);
+        const mesh::LabelInfo* info = mesh::find_label(labels.table, drawn[t]);
+        if (info == nullptr || is_skeleton(*info) || polyline_distance(line, middle) <= sizing.coarse_beyond_mm)
+            continue;
+        // A flat face lies up to this distance under the skin.
+        constexpr double kDeepestMm = 8.0, kStepMm = 1.0;
+        for (double d = kStepMm; d <= kDeepestMm; d += kStepMm)
+            if (mesh::label_at(labels, middle + d * out) == 0) {
+                drawn[t] = skin->id;
+                break;
+            }
+    }
+    return drawn;
+}
+
 } // namespace retractor::planner

@@ -7,6 +7,8 @@
 #include "mesh/image/volume.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
+#include <vector>
+
 namespace retractor::planner {
 
 /// The part of the body's surface that the tetrahedra do not cover. The surface is open at the rim of the region, and
@@ -18,5 +20,11 @@ namespace retractor::planner {
 /// @returns an empty surface when the region has no limit, because the tetrahedra are then the whole wall
 TriMesh unmeshed_wall_region(const TriMesh& body, const mesh::LabelVolume& labels, const mesh::MeshSizing& sizing,
     const mesh::TetMesh& wall, const Points& displacement, const Job& job = {});
+
+/// The labels with which the boundary of the meshed wall is drawn: in its coarse model (MeshSizing::coarse_beyond_mm),
+/// which has no layer of skin, faces at the outside of the body are skin. All other faces keep their label.
+/// @param boundary of the wall at rest, one label per triangle
+std::vector<Label> drawn_labels(
+    const TriMesh& boundary, const mesh::LabelVolume& labels, const mesh::MeshSizing& sizing);
 
 } // namespace retractor::planner

@@ -242,8 +242,9 @@ namespace {
     // ---- supports over a cut ----
 
     /// Carries supports, by the ids of a session, from delta to delta. A copy of a fixed vertex is fixed, and so is a
-    /// new vertex on an edge between two fixed ones. A vertex on a bed shares the bed with its copies. Deltas are only
-    /// followed forwards: vertices that come back when an ablation is undone get no support.
+    /// new vertex on an edge between two fixed ones. A vertex on a bed shares the bed with its copies. A hinge keeps
+    /// the edges whose vertices live. Deltas are only followed forwards: vertices that come back when an ablation is
+    /// undone get no support.
     class CarriedSupports {
     public:
         explicit CarriedSupports(const fem::Supports& uncut)
@@ -251,6 +252,7 @@ namespace {
             fixed_.insert(uncut.fixed.begin(), uncut.fixed.end());
             for (const fem::BeddedVertex& bedded : uncut.bedded)
                 bed_[bedded.vertex] = bedded.stiffness;
+            hinges_ = uncut.hinges;
         }
         void follow(const mesh::MeshDelta& delta)
         {
@@ -268,6 +270,13 @@ namespace {
                 fixed_.erase(gone.id);
                 bed_.erase(gone.id);
             }
+            std::set<VertexId> gone;
+            for (const auto& vertex : delta.vertices_gone)
+                gone.insert(vertex.id);
+            if (!gone.empty())
+                for (fem::Hinge& hinge : hinges_)
+                    std::erase_if(hinge.edges,
+                        [&](const fem::HingeEdge& edge) { return gone.contains(edge.a) || gone.contains(edge.b); });
         }
         fem::Supports compact(const mesh::SlotMap& map) const
         {
@@ -276,12 +285,18 @@ namespace {
                 supports.fixed.push_back(map.compact_vertex[static_cast<std::size_t>(v)]);
             for (const auto& [v, stiffness] : bed_)
                 supports.bedded.push_back({ map.compact_vertex[static_cast<std::size_t>(v)], stiffness });
+            supports.hinges = hinges_;
+            for (fem::Hinge& hinge : supports.hinges)
+                for (fem::HingeEdge& edge : hinge.edges)
+                    edge = { map.compact_vertex[static_cast<std::size_t>(edge.a)],
+                        map.compact_vertex[static_cast<std::size_t>(edge.b)], edge.share };
             return supports;
         }
 
     private:
         std::set<VertexId> fixed_;
         std::map<VertexId, double> bed_;
+        std::vector<fem::Hinge> hinges_;
     };
 
     // ---- loose pieces ----
@@ -314,8 +329,14 @@ namespace {
         for (const TetId slot : map.tet_slot)
             cut.origin.push_back(session.origin(slot));
         cut.supports = supports.compact(map);
+        cut.supports.hinges = fem::joined_hinges(cut.wall, std::move(cut.supports.hinges));
         cut.hooks = hook_patches(cut.wall, cut.lips, approach, table, cut.supports);
-        cut.pieces = find_wall_pieces(cut.wall, table, cut.supports, cut.hooks);
+        // A blade in contact does not hold a piece that lies loose.
+        std::vector<fem::HookPatch> holding;
+        for (std::size_t h = 0; h < cut.hooks.size(); ++h)
+            if (approach.hooks[h].hold == HookHold::fixed)
+                holding.push_back(cut.hooks[h]);
+        cut.pieces = find_wall_pieces(cut.wall, table, cut.supports, holding);
         return map;
     }
 
@@ -493,7 +514,7 @@ PlannedCut cut_as_planned(mesh::CutSession& session, const Approach& approach, c
 }
 
 fem::Supports supports_of(const mesh::TetMesh& wall, const mesh::LabelVolume& labels, const Case& planned_case,
-    const mesh::MeshSizing& sizing)
+    const mesh::MeshSizing& sizing, std::string* message)
 {
     const std::vector<Label> fixed_labels = mesh::label_ids(planned_case.label_table, planned_case.supports.labels);
     fem::Supports supports { .fixed
@@ -502,9 +523,14 @@ fem::Supports supports_of(const mesh::TetMesh& wall, const mesh::LabelVolume& la
     std::set<VertexId> held(supports.fixed.begin(), supports.fixed.end());
     for (const fem::BeddedVertex& bed : supports.bedded)
         held.insert(bed.vertex);
-    for (const fem::BeddedVertex& joint : rib_joints(wall, labels, fixed_labels))
-        if (!held.contains(joint.vertex))
-            supports.bedded.push_back(joint);
+    RibJoints joints = rib_joints(wall, labels, fixed_labels);
+    for (const fem::BeddedVertex& spring : joints.springs)
+        if (!held.contains(spring.vertex))
+            supports.bedded.push_back(spring);
+    if (message != nullptr)
+        if (const std::string text = one_point_text(joints); !text.empty())
+            remark(*message, text);
+    supports.hinges = std::move(joints.hinges);
     return supports;
 }
 

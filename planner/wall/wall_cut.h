@@ -41,11 +41,13 @@ PlannedCut cut_as_planned(mesh::CutSession& session, const Approach& approach, c
     const mesh::CutOptions& options, const Job& job = {});
 
 /// The supports of the wall before the cut.
+/// @param message not null: receives a remark on ribs whose joint has one place only (rib_joints.h)
 fem::Supports supports_of(const mesh::TetMesh& wall, const mesh::LabelVolume& labels, const Case& planned_case,
-    const mesh::MeshSizing& sizing);
+    const mesh::MeshSizing& sizing, std::string* message = nullptr);
 
 /// Carries supports over cuts. A copy of a fixed vertex is fixed, and so is a new vertex on an edge between two fixed
-/// ones. A vertex on a bed shares the bed's stiffness with its copies.
+/// ones. A vertex on a bed shares the bed's stiffness with its copies. A hinge keeps the edges whose vertices live;
+/// fem::joined_hinges() then drops the edges that the cuts have parted.
 /// @param uncut supports by the ids of the session's first mesh
 /// @param deltas deltas of all cuts in force, in order
 /// @param map map of the session's compact mesh; the result names vertices of this mesh

@@ -104,7 +104,10 @@ namespace {
     {
         SurfaceItem item;
         item.name = "chest wall";
-        item.mesh = std::make_shared<const TriMesh>(mesh::deformed_boundary(field.wall, field.opening.displacement));
+        TriMesh boundary = mesh::deformed_boundary(field.wall, field.opening.displacement);
+        boundary.labels = planner::drawn_labels(mesh::deformed_boundary(field.wall, {}), *patient.labels(),
+            planner::mesh_sizing_of(field.approach, patient.planned_case().label_table));
+        item.mesh = std::make_shared<const TriMesh>(std::move(boundary));
         item.look_of_label = tissue_looks(patient.planned_case().label_table);
         return item;
     }

@@ -229,8 +229,7 @@ Given read(const Options& options)
             given.palpable = planner::Palpable { datasets::read_palpation_scene(options.case_file), {} };
         else {
             planner::Patient patient(planner::read_case(options.case_file));
-            given.palpable = planner::make_palpable(
-                *patient.labels(), patient.planned_case().materials, { .structure = { options.structure } });
+            given.palpable = planner::make_palpable(patient, { .structure = { options.structure } });
         }
         if (!options.hand.empty())
             given.hands

@@ -328,8 +328,7 @@ void MainWindow::palpate(const std::string& structure)
             planner::Patient patient(patient_case);
             planner::PalpableRequest request;
             request.structure = { structure };
-            auto made = std::make_shared<planner::Palpable>(
-                planner::make_palpable(*patient.labels(), patient_case.materials, request));
+            auto made = std::make_shared<planner::Palpable>(planner::make_palpable(patient, request));
             post_back([this, made] {
                 --reading_;
                 clear_error();

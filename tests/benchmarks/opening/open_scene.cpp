@@ -106,7 +106,7 @@ OpenScene open_scene_of_box(const std::string& name)
         .directions = { -std::cos(tilt) * Vec3::UnitZ() + std::sin(tilt) * across },
         .depth_mm = kDepthShare * n[2] * kSpacing };
     scene.blade = resampled(straight, kFreehandStep);
-    const fem::Material tissue { "tissue", 0.02, 0.45, 1e-9, "bench.json" };
+    const fem::Material tissue { "tissue", 0.02, 0.45, 1e-9, "a soft tissue of the benchmark" };
     scene.materials = { tissue, tissue };
     for (VertexId v = 0; v < static_cast<VertexId>(scene.mesh.vertex_count()); ++v)
         if (scene.mesh.vertices(v, 2) == 0.0)

@@ -3,8 +3,8 @@
 #include "fem/statics/nonlinear_region.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/error.h"
-#include "tests/support/hooked_block.h"
 #include "tests/support/reference_problems.h"
+#include "tests/support/wounds/hooked_block.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #include "fem/io/calculix_deck.h"
 
 #include "mesh/base/error.h"
-#include "tests/support/hooked_block.h"
+#include "tests/support/wounds/hooked_block.h"
 
 #include <gtest/gtest.h>
 
@@ -48,6 +48,34 @@ namespace calculix_deck_test {
                     + problem.supports.fixed.size());
             EXPECT_EQ(deck, calculix_deck(problem));
         }
+    }
+
+    TEST(CalculixDeck, AnEdgeOfAHingeIsATiedNodeOnASpring)
+    {
+        ElasticProblem problem = test_support::hooked_block(2, 4);
+        const std::string without = calculix_deck(problem);
+        EXPECT_EQ(count(without, "*EQUATION"), 0u);
+        const auto first = problem.mesh.tet(0);
+        Hinge hinge { .name = "rib_left_5", .axis = Vec3::UnitZ(), .stiffness = 900.0, .toe = 0.1 };
+        for (const VertexId other : { first[1], first[2], first[3] }) {
+            const Vec3 along = point_at(problem.mesh.vertices, other) - point_at(problem.mesh.vertices, first[0]);
+            if (along.head<2>().norm() > 0.0)
+                hinge.edges.push_back({ first[0], other, 0.25 });
+        }
+        ASSERT_GE(hinge.edges.size(), 2u);
+        problem.supports.hinges = { hinge };
+        const std::string deck = calculix_deck(problem);
+        const std::string node = std::to_string(problem.mesh.vertex_count() + 1);
+        EXPECT_EQ(count(deck, "\n" + node + ",1,-1.,"), 1u); // the equation of the first edge
+        EXPECT_EQ(count(deck, "*EQUATION\n"), 1u);
+        EXPECT_EQ(count(deck, "*SPRING, ELSET=HINGE\n1\n1.\n"), 1u);
+        const Vec3 spring = hinge_spring(hinge, hinge.edges[0],
+            point_at(problem.mesh.vertices, hinge.edges[0].b) - point_at(problem.mesh.vertices, first[0]));
+        const double width
+            = (point_at(problem.mesh.vertices, hinge.edges[0].b) - point_at(problem.mesh.vertices, first[0]))
+                  .head<2>()
+                  .norm();
+        EXPECT_NEAR(spring.norm(), std::sqrt(0.25 * 900.0) / width, 1e-12); // share k / width^2, in its square root
     }
 
     TEST(CalculixDeck, AHookThatTurnsMovesEachOfItsNodes)

@@ -1,7 +1,7 @@
 #include "fem/io/febio_file.h"
 
 #include "mesh/base/error.h"
-#include "tests/support/hooked_block.h"
+#include "tests/support/wounds/hooked_block.h"
 #include "tests/verification/reference/febio_file_reader.h"
 #include "tests/verification/reference/xml_element.h"
 
@@ -40,6 +40,25 @@ namespace febio_file_test {
         ElasticProblem problem = test_support::hooked_block(2, 4);
         problem.supports = {};
         EXPECT_EQ(first_difference(problem, read_febio_file(febio_file(problem))), "");
+    }
+
+    TEST(FebioFile, HingesAreRefusedByName)
+    {
+        ElasticProblem problem = test_support::hooked_block(2, 4);
+        EXPECT_NO_THROW((void)febio_file(problem));
+        const auto nodes = problem.mesh.tet(0);
+        const Vec3 along = point_at(problem.mesh.vertices, nodes[1]) - point_at(problem.mesh.vertices, nodes[0]);
+        problem.supports.hinges.push_back({ .name = "rib_left_5",
+            .axis = along.unitOrthogonal(),
+            .stiffness = 868.0,
+            .toe = 0.01,
+            .edges = { { nodes[0], nodes[1], 1.0 } } });
+        try {
+            (void)febio_file(problem);
+            FAIL();
+        } catch (const InputError& error) {
+            EXPECT_EQ(error.where(), "hinge of rib_left_5");
+        }
     }
 
     TEST(FebioFile, DifferencesAreFound)

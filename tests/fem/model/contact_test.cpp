@@ -5,9 +5,9 @@
 #include "fem/statics/equilibrium.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/error.h"
-#include "tests/support/hooked_block.h"
-#include "tests/support/pushed_lips.h"
 #include "tests/support/reference_problems.h"
+#include "tests/support/wounds/hooked_block.h"
+#include "tests/support/wounds/pushed_lips.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include "fem/statics/driven_opening.h"
 #include "fem/statics/opening.h"
 #include "mesh/base/error.h"
-#include "tests/support/hooked_block.h"
+#include "tests/support/wounds/hooked_block.h"
 
 #include <gtest/gtest.h>
 

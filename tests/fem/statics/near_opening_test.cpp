@@ -1,7 +1,7 @@
 #include "fem/statics/near_opening.h"
 
 #include "fem/statics/opening.h"
-#include "tests/support/hooked_block.h"
+#include "tests/support/wounds/hooked_block.h"
 
 #include <gtest/gtest.h>
 

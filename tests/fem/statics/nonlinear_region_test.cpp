@@ -4,8 +4,8 @@
 #include "fem/statics/elastic_problem.h"
 #include "fem/statics/equilibrium.h"
 #include "mesh/base/error.h"
-#include "tests/support/hooked_block.h"
 #include "tests/support/reference_problems.h"
+#include "tests/support/wounds/hooked_block.h"
 #include "tests/verification/framework/uniform_tissue.h"
 
 #include <gtest/gtest.h>

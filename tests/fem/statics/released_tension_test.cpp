@@ -6,8 +6,8 @@
 #include "fem/model/pre_strain.h"
 #include "fem/statics/driven_opening.h"
 #include "fem/statics/opening.h"
-#include "tests/support/hooked_block.h"
 #include "tests/support/reference_problems.h"
+#include "tests/support/wounds/hooked_block.h"
 
 #include <gtest/gtest.h>
 

@@ -9,8 +9,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <chrono>
-#include <thread>
 
 namespace retractor::haptics {
 namespace device_rig_test {
@@ -41,8 +39,7 @@ namespace device_rig_test {
         Servo servo({ { .device = rig.devices()[0] }, { .device = rig.devices()[1] }, { .device = rig.devices()[2] } },
             wall, options);
         rig.source().start(servo);
-        while (servo.latest().ticks < 20)
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        ASSERT_TRUE(test_support::wait_until([&] { return servo.latest().ticks >= 20; }));
         EXPECT_TRUE(servo.latest().contacts[0].touching);
         rig.source().stop();
         EXPECT_GE(rig.times().ticks, 20u);
@@ -57,8 +54,7 @@ namespace device_rig_test {
         test_support::Wall wall(0.1);
         Servo servo({ { .device = rig.devices()[0] } }, wall);
         rig.source().start(servo);
-        while (servo.latest().ticks < 5)
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        ASSERT_TRUE(test_support::wait_until([&] { return servo.latest().ticks >= 5; }));
         rig.source().stop();
         EXPECT_GE(rig.times().ticks, 5u);
         EXPECT_TRUE(rig.take_problems().empty());

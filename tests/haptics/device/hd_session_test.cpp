@@ -13,7 +13,6 @@
 
 #include <cmath>
 #include <set>
-#include <thread>
 
 namespace retractor::haptics {
 namespace hd_session_test {
@@ -172,8 +171,7 @@ namespace hd_session_test {
         Pusher pusher(session);
         pusher.forces[0] = Vec3(1.0, 0.0, 0.0);
         session.start(pusher);
-        while (motor_force(0).x() < 1.0)
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        ASSERT_TRUE(test_support::wait_until([&] { return motor_force(0).x() >= 1.0; }));
         session.stop(); // the simulated library notes a force that is left on
         EXPECT_EQ(SIMULATED(simulated_scheduler_runs)(), 0);
         EXPECT_GT(session.times().ticks, 50u);

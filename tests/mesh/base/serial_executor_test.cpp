@@ -1,4 +1,5 @@
 #include "mesh/base/serial_executor.h"
+#include "tests/support/test_help.h"
 
 #include <gtest/gtest.h>
 
@@ -35,8 +36,7 @@ namespace serial_executor_test {
 
     void wait_for(const SerialExecutor& executor)
     {
-        while (!executor.idle())
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        ASSERT_TRUE(test_support::wait_until([&] { return executor.idle(); }));
     }
 
     TEST(SerialExecutor, RunsTasksInOrderOnOneOtherThread)
@@ -206,8 +206,7 @@ namespace serial_executor_test {
             return Clock::now() + std::chrono::hours(1);
         } });
         executor.post([](const Job&) {});
-        while (steps == 0)
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        ASSERT_TRUE(test_support::wait_until([&] { return steps > 0; }));
         EXPECT_FALSE(executor.idle()) << "the step wants to run again";
         executor.post([&](const Job&) { ran.set_value(); });
         ran.get_future().wait(); // and not for an hour

@@ -345,6 +345,34 @@ namespace hybrid_model_test {
         EXPECT_LT(model.statistics.total_volume_error, 0.04);
     }
 
+    TEST(HybridModel, ACoarseModelKeepsTheBodyWithFewerElements)
+    {
+        const LabelVolume labels = test_support::curved_wall();
+        for (const unsigned seed : { 0U, 5U }) {
+            MeshSizing sizing = wall_sizing(labels);
+            sizing.seed = seed;
+            const HybridModel fine = build_hybrid_model(labels, sizing);
+            sizing.coarse_beyond_mm = 30.0;
+            const HybridModel coarse = build_hybrid_model(labels, sizing);
+            ASSERT_EQ(coarse.status, MeshStatus::done);
+            EXPECT_LT(static_cast<double>(coarse.wall.tet_count()), 0.6 * static_cast<double>(fine.wall.tet_count()));
+            EXPECT_LT(static_cast<double>(coarse.wall.tet_count()), 2.0 * coarse.expected_tetrahedra);
+            EXPECT_EQ(coarse.statistics.pieces, 1);
+            EXPECT_LT(coarse.statistics.total_volume_error, 0.04);
+            EXPECT_LT(coarse.statistics.surface_distance_mean_mm, 1.0);
+            for (const LabelFit& fit : coarse.statistics.fit) // where it is fine, each layer keeps its volume
+                EXPECT_NEAR(
+                    fit.corridor_mesh_volume_mm3, fit.corridor_voxel_volume_mm3, 0.1 * fit.corridor_voxel_volume_mm3)
+                    << fit.label;
+        }
+        MeshSizing bad = wall_sizing(labels);
+        bad.coarse_beyond_mm = -1.0;
+        EXPECT_THROW(static_cast<void>(build_hybrid_model(labels, bad)), InputError);
+        bad.coarse_beyond_mm = 30.0;
+        bad.corridor.clear();
+        EXPECT_THROW(static_cast<void>(build_hybrid_model(labels, bad)), InputError);
+    }
+
     TEST(HybridModel, SameMeshOnEveryRun)
     {
         const LabelVolume labels = ball(15.0, 1.5);

@@ -153,6 +153,39 @@ namespace retractors_test {
         EXPECT_EQ(again.retractor->force_N, 12.0);
         EXPECT_EQ(again.retractor->opening_mm, 0.0);
         EXPECT_EQ(again.retractor->blade_width_mm, 30.0);
+        EXPECT_EQ(again.retractor->hold, HookHold::contact); // also where the file says nothing, as here
+        EXPECT_EQ(blades_of(again)[0].hold, HookHold::contact);
+    }
+
+    TEST(Retractors, ACaseKeepsHowBladesAndHooksHold)
+    {
+        const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
+        Case planned_case = test_support::block_case("retractor_hold", phantom);
+        Approach with_retractor = straight(), with_hooks = straight();
+        with_hooks.name = "hooks";
+        with_hooks.hooks = make_hooks(with_hooks, "2", 10.0);
+        EXPECT_EQ(with_hooks.hooks[0].hold, HookHold::fixed);
+        with_hooks.hooks[1].hold = HookHold::contact;
+        add_approach(planned_case, with_retractor);
+        add_approach(planned_case, with_hooks);
+        set_retractor(
+            planned_case, with_retractor.name, find_retractor(built_in_retractors(), "midcab"), { .opening_mm = 12.0 });
+        find_approach(planned_case, with_retractor.name).retractor->hold = HookHold::fixed;
+        const std::string text = case_to_json(planned_case);
+        const Case read = case_from_json(text, planned_case.folder);
+        EXPECT_EQ(find_approach(read, with_retractor.name).retractor->hold, HookHold::fixed);
+        EXPECT_EQ(blades_of(find_approach(read, with_retractor.name))[1].hold, HookHold::fixed);
+        EXPECT_EQ(find_approach(read, "hooks").hooks[0].hold, HookHold::fixed);
+        EXPECT_EQ(find_approach(read, "hooks").hooks[1].hold, HookHold::contact);
+        std::string bad = text;
+        bad.replace(bad.find("\"fixed\""), 7, "\"glued\"");
+        try {
+            (void)case_from_json(bad, planned_case.folder);
+            FAIL() << "a hold that is not known must be refused";
+        } catch (const InputError& error) {
+            EXPECT_EQ(std::string(error.what()), "unknown \"glued\": use fixed or contact");
+            EXPECT_NE(error.where().find("/retractor/hold"), std::string::npos) << error.where();
+        }
     }
 
 } // namespace retractors_test

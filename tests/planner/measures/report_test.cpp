@@ -462,6 +462,31 @@ namespace report_test {
         EXPECT_EQ(html_of({ sample_field("b") }).find("without a fracture"), std::string::npos);
     }
 
+    TEST(Report, SaysWhereSkinTearsAndDrawsHowTheLipsFollow)
+    {
+        EXPECT_EQ(html_of({ sample_field("b") }).find("<svg class=\"lips\""), std::string::npos);
+        EXPECT_EQ(html_of({ sample_field("b") }).find("Caution, tearing"), std::string::npos);
+        FieldMetrics field = sample_field("a");
+        field.tissue_strain = { { "skin", 0.82, Vec3::Zero(), "38 mm along the incision" } };
+        field.attainable = Attainable::with_injury;
+        field.lip_deviation = { { .side = 1,
+            .largest_mm = 4.5,
+            .mean_mm = 1.5,
+            .at_mm = 40.0,
+            .from_mm = 10.0,
+            .to_mm = 90.0,
+            .curve = { { 0.0, 6.0 }, { 50.0, -1.0 }, { 100.0, 6.0 } } } };
+        const std::string html = html_of({ field, sample_field("b") });
+        for (const char* part : { "with injury: skin", "<td>skin 82 %</td>", "Caution, tearing",
+                 "skin would tear: 82 % 38 mm along the incision, torn samples failed between 37 and 71 %",
+                 "the left lip lies up to 4.5 mm (mean 1.5 mm) off the line of its hooks", "<svg class=\"lips\"",
+                 "<polyline fill=\"none\" stroke-width=\"2\" stroke=\"#3a7ca5\" points=\"60.0,190.0 300.0,40.0 "
+                 "540.0,190.0 \"",
+                 "100 mm along the incision" })
+            EXPECT_NE(html.find(part), std::string::npos) << part;
+        EXPECT_EQ(html.find("without a fracture"), std::string::npos) << "no bone breaks";
+    }
+
     TEST(Report, AMissingPictureLeavesTheOldReportAlone)
     {
         const fs::path folder = fs::path(testing::TempDir()) / "report_kept";

@@ -1,7 +1,7 @@
 #include "planner/plan/bone_loads.h"
 
 #include "fem/statics/opening.h"
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "tests/support/reference_problems.h"
 
 #include <gtest/gtest.h>

@@ -5,8 +5,8 @@
 #include "planner/plan/opened_wound.h"
 #include "planner/plan/plan.h"
 #include "tests/support/block_case.h"
-#include "tests/support/pushed_lips.h"
 #include "tests/support/reference_problems.h"
+#include "tests/support/wounds/pushed_lips.h"
 
 #include <gtest/gtest.h>
 

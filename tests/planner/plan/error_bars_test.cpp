@@ -77,8 +77,7 @@ namespace error_bars_test {
                 planned_case.solution = choice;
                 planned_case.accept_implausible = true;
                 Patient same(planned_case);
-                Approach approach
-                    = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 6.0);
+                Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 6.0);
                 if (driven)
                     for (HookSpec& hook : approach.hooks) {
                         hook.pull.force_N = 2.0;

@@ -598,7 +598,7 @@ namespace plan_test {
         EXPECT_TRUE(ledger.has("tetrahedra"));
         EXPECT_TRUE(ledger.has("factorisation"));
         EXPECT_TRUE(ledger.has("ray tracer"));
-        EXPECT_FALSE(ledger.has("voxels")); // the CT's grey values play no part in the numbers
+        EXPECT_FALSE(ledger.has("voxels")); // the CT tells about bones only
         EXPECT_FALSE(ledger.has("surface cavity")); // held aside
     }
 

@@ -1,15 +1,18 @@
 // A whole chest CT of a real patient, without labels and without contrast: segmented, and its landmarks and approaches
 // found by themselves.
 #include "planner/anatomy/anatomy.h"
+#include "planner/anatomy/bone_stiffness.h"
 #include "planner/approach/approach_templates.h"
 #include "planner/case/import_case.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <vector>
 
 namespace retractor::planner {
 namespace real_chest_test {
@@ -104,6 +107,30 @@ namespace real_chest_test {
                         for (const auto& [di, dj] : { std::pair { 1, 0 }, { -1, 0 }, { 0, 1 }, { 0, -1 } })
                             bare += labels.voxels[labels.grid.offset(i + di, j + dj, k)] == 0 ? 1 : 0;
         EXPECT_EQ(bare, 0u);
+    }
+
+    TEST_F(RealChest, RibsHaveTheStiffnessOfTestedRibs)
+    {
+        const std::vector<BoneStiffness> bones
+            = find_bone_stiffness(*chest->labels, chest->ct.get(), fem::default_materials());
+        std::vector<double> ribs;
+        std::size_t cut_off = 0;
+        for (const BoneStiffness& bone : bones) {
+            std::cout << bone.name << ": " << std::lround(bone.modulus_MPa) << " MPa (" << std::lround(bone.low_MPa)
+                      << " to " << std::lround(bone.high_MPa) << "), " << bone.words << "\n";
+            if (bone.material != "bone") {
+                EXPECT_GE(bone.modulus_MPa, cartilage_modulus_MPa(0.0));
+                EXPECT_LE(bone.modulus_MPa, kMostStiffening * cartilage_modulus_MPa(0.0));
+                continue;
+            }
+            EXPECT_GE(bone.modulus_MPa, kSoftestRibMPa);
+            EXPECT_LE(bone.modulus_MPa, kStiffestRibMPa);
+            if (bone.origin == StiffnessOrigin::image)
+                ribs.push_back(bone.modulus_MPa);
+            cut_off += bone.cut_off_MPa ? 1U : 0U;
+        }
+        ASSERT_GE(ribs.size(), 18U); // the CT tells about nearly all of them
+        EXPECT_LE(cut_off, ribs.size() / 4);
     }
 
     TEST_F(RealChest, TemplatesFindSternumAndRibs)

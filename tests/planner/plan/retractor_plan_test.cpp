@@ -17,7 +17,7 @@ namespace retractor_plan_test {
 
     constexpr double kOpeningMm = 10.0;
 
-    PlannedField plan_with(const RetractorDrive& drive, const SolverSettings& choice)
+    PlannedField plan_with(const RetractorDrive& drive, const SolverSettings& choice, HookHold hold = HookHold::contact)
     {
         const datasets::Phantom phantom = datasets::make_block_phantom(test_support::small_block());
         Case planned_case = test_support::block_case("retractor", phantom);
@@ -29,6 +29,7 @@ namespace retractor_plan_test {
         RetractorKind kind = find_retractor(built_in_retractors(), "midcab");
         kind.blade_width_mm = 20.0;
         approach.retractor = make_retractor(approach, kind, drive);
+        approach.retractor->hold = hold;
         return plan_approach(patient, approach, {});
     }
 
@@ -52,13 +53,48 @@ namespace retractor_plan_test {
                 EXPECT_LE(std::abs(blade.turn_deg), 10.0 + 1e-9);
                 EXPECT_LT(blade.lip_deviation_mm, kOpeningMm);
             }
+            ASSERT_EQ(field.metrics.lip_deviation.size(), 2U);
+            for (const LipDeviation& lip : field.metrics.lip_deviation) {
+                EXPECT_LT(lip.mean_mm, lip.largest_mm);
+                EXPECT_LT(lip.largest_mm, kOpeningMm);
+                EXPECT_GE(lip.at_mm, lip.from_mm);
+                EXPECT_LE(lip.at_mm, lip.to_mm);
+            }
+            ASSERT_FALSE(field.metrics.tissue_strain.empty());
+            for (const TissueStrain& tissue : field.metrics.tissue_strain) {
+                EXPECT_GT(tissue.strain, 0.0) << tissue.tissue;
+                EXPECT_NE(tissue.place.find("the incision"), std::string::npos) << tissue.place;
+            }
             const auto document = metrics_document({ field.metrics });
             const auto& json = document["approaches"][0]["retractor"];
             EXPECT_EQ(json["kind"], "midcab");
             EXPECT_EQ(json["blades"][0]["force_N"].size(), 3U);
+            EXPECT_EQ(json["blades"][0]["hold"], "contact");
+            for (const BladeMetrics& blade : retractor.blades) {
+                ASSERT_TRUE(blade.pressure.has_value());
+                EXPECT_GT(blade.pressure->mean_kPa, 0.0);
+                EXPECT_GE(blade.pressure->largest_kPa, 0.5 * blade.pressure->mean_kPa);
+                EXPECT_FALSE(blade.pressure->largest_at.empty());
+                EXPECT_LT(blade.pressure->penetration_mm, 0.05);
+            }
+            EXPECT_GT(json["blades"][1]["pressure_mean_kPa"].get<double>(), 0.0);
+            EXPECT_TRUE(field.metrics.error && field.metrics.error->message.empty())
+                << (field.metrics.error ? field.metrics.error->message : "no bars");
             EXPECT_NE(retractor_text(field.metrics).find("left blade"), std::string::npos)
                 << retractor_text(field.metrics);
         }
+    }
+
+    TEST(RetractorPlan, AFixedBladeHasNoPressure)
+    {
+        const PlannedField field
+            = plan_with({ .opening_mm = kOpeningMm }, { .element = ElementKind::p1 }, HookHold::fixed);
+        ASSERT_EQ(field.status, PlanStatus::done) << field.message;
+        ASSERT_TRUE(field.metrics.retractor.has_value());
+        EXPECT_FALSE(field.metrics.retractor->blades[0].pressure.has_value());
+        const auto document = metrics_document({ field.metrics });
+        EXPECT_EQ(document["approaches"][0]["retractor"]["blades"][0]["hold"], "fixed");
+        EXPECT_FALSE(document["approaches"][0]["retractor"]["blades"][0].contains("pressure_mean_kPa"));
     }
 
     TEST(RetractorPlan, ACondensedRegionIsRefused)

@@ -108,8 +108,8 @@ namespace tension_plan_test {
         ASSERT_EQ(hooked.status, PlanStatus::done) << hooked.message;
         EXPECT_FALSE(slack.metrics.tension.has_value());
         constexpr double kMeshes = 0.05; // the mesh is finer round the patches of hooks
-        EXPECT_NEAR(hooked.metrics.tension->gape_mm, bare.metrics.opening_width_mm,
-            kMeshes * bare.metrics.opening_width_mm);
+        EXPECT_NEAR(
+            hooked.metrics.tension->gape_mm, bare.metrics.opening_width_mm, kMeshes * bare.metrics.opening_width_mm);
         EXPECT_LT(hooked.metrics.hook_force_N, 0.9 * slack.metrics.hook_force_N);
         EXPECT_GT(hooked.metrics.opening_width_mm, slack.metrics.opening_width_mm);
         EXPECT_EQ(hooked.metrics.error->message, "");

@@ -3,17 +3,16 @@
 #include "mesh/base/error.h"
 #include "planner/session/surgery_worker.h"
 #include "tests/planner/session/layered_wall.h"
+#include "tests/support/test_help.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <string>
-#include <thread>
 
 namespace retractor::planner {
 namespace saved_cuts_test {
@@ -193,8 +192,8 @@ namespace saved_cuts_test {
     /// What a worker says once it is not preparing any more.
     SurgerySnapshot settled(SurgeryWorker& worker)
     {
-        while (!worker.idle() || worker.snapshot()->phase == SurgerySnapshot::Phase::preparing)
-            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        EXPECT_TRUE(test_support::wait_until(
+            [&] { return worker.idle() && worker.snapshot()->phase != SurgerySnapshot::Phase::preparing; }));
         return *worker.snapshot();
     }
 
@@ -219,16 +218,16 @@ namespace saved_cuts_test {
             SurgeryWorker worker([&](const Job&) { return setup(); }, [] {});
             ASSERT_EQ(settled(worker).phase, SurgerySnapshot::Phase::asking);
             worker.restore(true);
-            while (worker.snapshot()->phase != SurgerySnapshot::Phase::ready)
-                std::this_thread::sleep_for(std::chrono::milliseconds(2));
+            ASSERT_TRUE(
+                test_support::wait_until([&] { return worker.snapshot()->phase == SurgerySnapshot::Phase::ready; }));
             EXPECT_EQ(worker.snapshot()->cuts.size(), 1U);
         }
         {
             SurgeryWorker worker([&](const Job&) { return setup(); }, [] {});
             ASSERT_EQ(settled(worker).phase, SurgerySnapshot::Phase::asking);
             worker.restore(false);
-            while (worker.snapshot()->phase != SurgerySnapshot::Phase::ready)
-                std::this_thread::sleep_for(std::chrono::milliseconds(2));
+            ASSERT_TRUE(
+                test_support::wait_until([&] { return worker.snapshot()->phase == SurgerySnapshot::Phase::ready; }));
             EXPECT_TRUE(worker.snapshot()->cuts.empty());
             EXPECT_TRUE(fs::exists(journal().string() + ".1"));
             // Another window on the same case cuts, but not into the same file.

@@ -4,6 +4,7 @@
 #include "planner/session/surgery_worker.h"
 #include "tests/planner/session/layered_wall.h"
 #include "tests/support/session_state.h"
+#include "tests/support/test_help.h"
 
 #include <gtest/gtest.h>
 
@@ -775,8 +776,7 @@ namespace surgery_session_test {
 
     void wait_for(const SurgeryWorker& worker)
     {
-        while (!worker.idle())
-            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        ASSERT_TRUE(test_support::wait_until([&] { return worker.idle(); }));
     }
 
     TEST(SurgeryWorker, CutsOnItsOwnThreadAndTellsWhatCameOfIt)

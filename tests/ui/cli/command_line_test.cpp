@@ -561,7 +561,8 @@ TEST_F(CommandLine, RefusalsNameTheOptionsOfTheirOwnCommand)
     const CommandRun both
         = run("--json plan " + case_file() + " --near 30 --contact --approach straight --out " + out("both"));
     EXPECT_EQ(both.exit_code, 2);
-    EXPECT_NE(both.error().find("let contact be auto, or remove near_mm (options --near, --contact)"), std::string::npos)
+    EXPECT_NE(
+        both.error().find("let contact be auto, or remove near_mm (options --near, --contact)"), std::string::npos)
         << both.out;
 }
 

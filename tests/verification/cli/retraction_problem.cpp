@@ -70,7 +70,7 @@ namespace {
         return chest;
     }
 
-    /// The materials of the wall: "bone 1000, cartilage 15, ... MPa".
+    /// The materials of the wall: "bone 4000, cartilage 28.5, ... MPa".
     std::string stiffness_text(const planner::Case& chest)
     {
         std::set<std::string> names;

@@ -39,7 +39,7 @@ namespace {
         if (!options.shared_data.empty())
             return options.shared_data;
         const char* set = std::getenv("RETRACTOR_SHARED_DATA");
-        return set != nullptr ? std::filesystem::path(set) : std::filesystem::path("../shared/data");
+        return set != nullptr ? std::filesystem::path(set) : std::filesystem::path();
     }
 
     struct Chosen {
@@ -246,7 +246,8 @@ void add_verification(ui::cli::Commands& commands)
     commands.app.add_option(
         "--out", options->out, "Folder for verify.json, verify.csv, stability.csv and error_against_time.png");
     commands.app.add_option("--data", options->shared_data,
-        "Folder with the published model files (default: $RETRACTOR_SHARED_DATA, else ../shared/data)");
+        "Folder with the published model files (default: $RETRACTOR_SHARED_DATA; without it their problems are "
+        "skipped)");
     commands.app.add_flag("--fine", options->fine, "One more refinement of each series");
     commands.app.callback(
         [&commands, options] { commands.run = [options](const Job& job) { return verify(*options, job); }; });

@@ -144,7 +144,7 @@ void set_condition(
     const ConditionWatch watch { row };
     fem::ElasticBody body = fem::tissue_body(problem.mesh, problem.material_of_label, { .elasticity = elasticity });
     if (!problem.supports.bedded.empty())
-        body.set_bed(fem::bed_stiffness(problem.mesh, problem.supports));
+        fem::set_springs(body, problem.supports);
     Eigen::VectorXd u = Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows());
     if (displacement.size() > 0)
         u = Eigen::Map<const Eigen::VectorXd>(displacement.data(), displacement.size());

@@ -49,8 +49,7 @@ ReleasedWound release_wound(const mesh::TetMesh& mesh, std::span<const mesh::Tet
     Stopwatch watch;
     fem::check_no_floating_component(mesh, supports.fixed);
     fem::ElasticBody body(mesh, fem::Elasticity::linear, fem::element_parameters(mesh, materials));
-    if (std::vector<double> bed = fem::bed_stiffness(mesh, supports); !bed.empty())
-        body.set_bed(std::move(bed));
+    fem::set_springs(body, supports);
     const fem::BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), 0.0);
     Eigen::VectorXd load = fem::traction_loads(mesh, fem::released_tractions(mesh, lips, stresses));
     result.assemble_seconds = watch.seconds();

@@ -138,7 +138,8 @@ namespace {
         request.sizing = patient.planned_case().sizing;
         request.sizing.corridor_edge_mm = options.edge_mm.value_or(request.sizing.corridor_edge_mm);
         request.sizing.coarse_edge_mm = options.coarse_mm.value_or(request.sizing.coarse_edge_mm);
-        request.sizing.region_mm = options.region_mm.value_or(request.sizing.region_mm);
+        if (options.region_mm)
+            request.sizing.region_mm = options.region_mm;
         if (options.points.empty()) {
             request.template_name = options.template_name;
             return planner::approach_from_template(*patient.labels(), *patient.anatomy(), request);
@@ -425,7 +426,7 @@ namespace {
             "Edge length of the mesh far from the incision, mm (default: the value of the case)");
         add_command->add_option("--region", options->region_mm,
             "Mesh only the wall within this distance of the incision, mm, and the bones there up to their ends; 0: the "
-            "whole wall");
+            "whole wall (default: plans find how far tissue moves)");
         commands.on(add_command, [options](const Job& job) { return add(*options, job); });
     }
 

@@ -88,8 +88,7 @@ namespace {
                 "--structure");
         const std::filesystem::path case_file = patient.planned_case().file();
         make_folder(options.out);
-        planner::Palpable made
-            = planner::make_palpable(*patient.labels(), patient.planned_case().materials, request, job);
+        planner::Palpable made = planner::make_palpable(patient, request, job);
         set_pulse(made.scene, pressures, options);
         const std::filesystem::path file = std::filesystem::path(options.out) / (file_stem(made.scene.name) + ".json");
         if (std::error_code none; std::filesystem::equivalent(file, case_file, none))

@@ -208,8 +208,7 @@ namespace {
                 options.scene);
         planner::PalpableRequest request;
         request.structure = split(options.structure, '+');
-        planner::Palpable made
-            = planner::make_palpable(*patient.labels(), patient.planned_case().materials, request, job);
+        planner::Palpable made = planner::make_palpable(patient, request, job);
         notes = std::move(made.notes);
         return std::move(made.scene);
     }

@@ -7,11 +7,14 @@
 #include "mesh/surface/wound_surface.h"
 #include "mesh/tetrahedra/mesh_io.h"
 #include "planner/measures/accuracy.h"
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/ball_strain.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/force_moments.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/region_text.h"
 #include "planner/measures/rupture.h"
+#include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"
 #include "ui/plan_scene/case_picture.h"
 #include "ui/plan_scene/plan_scene.h"
@@ -168,11 +171,15 @@ bool is_measured(const planner::PlannedField& field)
         || field.status == planner::PlanStatus::inverted;
 }
 
+bool is_answer(const planner::PlannedField& field)
+{
+    return field.status == planner::PlanStatus::done && planner::is_believable(field.metrics);
+}
+
 int exit_code_of(const std::vector<planner::PlannedField>& fields)
 {
     for (const planner::PlannedField& field : fields)
-        if (field.status != planner::PlanStatus::done
-            || (field.metrics.second_opinion && field.metrics.second_opinion->status != "agrees"))
+        if (!is_answer(field) || (field.metrics.second_opinion && field.metrics.second_opinion->status != "agrees"))
             return 1;
     return 0;
 }
@@ -291,8 +298,7 @@ std::vector<std::string> keep_earlier_metrics(const std::filesystem::path& folde
         const std::string name = word(approach, "name");
         const auto now = std::find_if(fields.begin(), fields.end(),
             [&](const planner::PlannedField& field) { return field.approach.name == name; });
-        if (now == fields.end()
-            || (now->status != planner::PlanStatus::done && word(approach, "mechanics_status") == "converged"))
+        if (now == fields.end() || (!is_answer(*now) && word(approach, "mechanics_status") == "converged"))
             lost.push_back(name);
     }
     if (!lost.empty())
@@ -360,7 +366,7 @@ std::string field_table(const std::vector<planner::PlannedField>& fields)
         text += right_aligned(std::to_string(m.tets), kTetsWidth) + "\n";
         if (field.status != planner::PlanStatus::done)
             text += "  " + m.mechanics_status + "\n"
-                + (planner::is_believable(m) ? "" : "  " + planner::volume_failure_text(m) + "\n");
+                + (planner::keeps_volume(m) ? "" : "  " + planner::volume_failure_text(m) + "\n");
         else if (!field.message.empty())
             text += "  " + field.message + "\n";
         for (const std::string& remark :
@@ -369,6 +375,8 @@ std::string field_table(const std::vector<planner::PlannedField>& fields)
                 text += "  " + remark + "\n";
         if (const std::string retractor = planner::retractor_text(m); !retractor.empty())
             text += "  " + retractor + "\n";
+        if (const std::string lips = planner::lips_text(m); !lips.empty())
+            text += "  " + lips + "\n";
         if (const std::string hooks = planner::hooks_text(m); !hooks.empty())
             text += "  " + hooks + "\n";
         if (const std::string moments = planner::force_moments_text(m); !moments.empty())
@@ -379,6 +387,13 @@ std::string field_table(const std::vector<planner::PlannedField>& fields)
         if (m.tension)
             text += "  " + planner::tension_text(m) + "\n";
         text += "  " + planner::error_text(m) + "\n";
+        if (const std::string parameters = planner::parameter_text(m); !parameters.empty())
+            text += "  " + parameters + "\n";
+        if (const std::string stiffness = planner::bone_stiffness_text(m); !stiffness.empty())
+            text += "  " + stiffness + "\n";
+        text += (planner::is_region_too_small(m) ? "  caution: " : "  ") + planner::region_text(m) + "\n";
+        if (const std::string piercing = planner::piercing_text(m); !piercing.empty())
+            text += "  " + piercing + "\n";
         if (const std::string accuracy = planner::accuracy_text(m); !accuracy.empty())
             text += "  " + accuracy + "\n";
         if (m.contact)
@@ -396,9 +411,13 @@ std::string field_table(const std::vector<planner::PlannedField>& fields)
         for (const std::string& implausible : m.implausible)
             text += "  caution: accepted although implausible: " + implausible + "\n";
         if (const std::string bones = planner::bones_text(m); !bones.empty())
-            text += (m.attainable == planner::Attainable::with_injury ? "  caution: " : "  ") + bones + "\n";
+            text += (planner::breaks_bone(m) ? "  caution: " : "  ") + bones + "\n";
         if (const std::string joints = planner::joints_text(m); !joints.empty())
             text += "  " + joints + "\n";
+        if (const std::string strain = planner::tissue_strain_text(m); !strain.empty())
+            text += "  " + strain + "\n";
+        if (const std::string tearing = planner::tearing_text(m); !tearing.empty())
+            text += "  caution: " + tearing + "\n";
         if (planner::may_rupture(m))
             text += "  caution: " + planner::rupture_text(m) + "\n";
         if (const std::string fast = planner::fast_opening_text(m); !fast.empty())

@@ -40,8 +40,8 @@ std::vector<planner::ReportPicture> render_case_views(const std::filesystem::pat
 planner::Provenance provenance_now(const planner::Case& planned_case);
 
 /// Saves an earlier metrics.json of `folder` before it is replaced, as metrics-earlier.json in `staged`. The copy is
-/// made when the file has approaches that are not among these fields, or approaches that were solved there and are not
-/// solved now.
+/// made when the file has approaches that are not among these fields, or approaches that were solved there and have no
+/// answer now.
 /// @return the names of these approaches; empty: no copy was needed
 std::vector<std::string> keep_earlier_metrics(const std::filesystem::path& folder, const std::filesystem::path& staged,
     const std::vector<planner::PlannedField>& fields);
@@ -64,8 +64,11 @@ Json refused_document(const std::vector<planner::PlannedField>& fields);
 /// Whether a field has numbers to show.
 bool is_measured(const planner::PlannedField& field);
 
-/// Exit code: 0 when every field is done; 1 when a field is refused or did not converge, or a requested second opinion
-/// does not agree.
+/// Whether a field opened as asked, with numbers that can be believed (planner/measures/volume_failures.h).
+bool is_answer(const planner::PlannedField& field);
+
+/// Exit code: 0 when every field is an answer; 1 when a field is refused, did not converge or is not to be believed, or
+/// a requested second opinion does not agree. Injury, of a rib or of skin, is an answer.
 int exit_code_of(const std::vector<planner::PlannedField>& fields);
 
 } // namespace retractor::ui::cli

@@ -51,6 +51,7 @@ namespace {
         unsigned mesh_seed = 0;
         bool check_far = false; ///< PlanChecks::linear_region
         bool draft = false;
+        bool injury_options = false; ///< PlanChecks::injury_options
         bool render = false;
         bool parallel = false;
     };
@@ -123,7 +124,11 @@ namespace {
 
     planner::PlanChecks checks_of(const PlanOptions& options)
     {
-        return { .linear_region = options.check_far, .error_bars = !options.draft, .draft = options.draft };
+        return { .linear_region = options.check_far,
+            .error_bars = !options.draft,
+            .draft = options.draft,
+            .injury_options = options.injury_options,
+            .find_region = !options.draft };
     }
 
     /// The accuracy of a plan: the option's, else the case's, else the default. Nothing where none is asked, and for a
@@ -231,14 +236,14 @@ namespace {
         const auto limit = std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * options.reference_limit_s));
         for (planner::PlannedField& field : fields)
             if (is_measured(field))
-                field.metrics.second_opinion
-                    = second_opinion(field.problem, ccx, options.out, field.approach.name, limit, job);
+                field.metrics.second_opinion = second_opinion(
+                    planner::problem_with_fixed_hooks(field), ccx, options.out, field.approach.name, limit, job);
     }
 
     /// The problem without the laws that its elasticity does not use.
     fem::ElasticProblem as_solved(const planner::PlannedField& field)
     {
-        fem::ElasticProblem problem = field.problem;
+        fem::ElasticProblem problem = planner::problem_with_fixed_hooks(field);
         if (field.metrics.solution.choice.elasticity != fem::Elasticity::hyperelastic)
             for (fem::Material& material : problem.material_of_label)
                 material.law.reset();
@@ -532,6 +537,9 @@ void add_plan_command(Commands& commands)
             "Time (s) for the meshes of one approach: a finer mesh that would take longer is not tried (default: the "
             "case's solution, else 600)")
         ->check(in_range(planner::kShortestSearchS, planner::kLongestSearchS));
+    command->add_flag("--injury-options", options->injury_options,
+        "Where a bone would break: also solve the largest opening without a fracture, and plan the approach once more "
+        "with this bone divided. Takes about as long again");
     command->add_flag("--render", options->render, "Also draw the views and write report.html");
     command
         ->add_option("--reference", options->reference,

@@ -4,11 +4,14 @@
 #include "planner/approach/retractors.h"
 #include "planner/case/opening_protocol.h"
 #include "planner/measures/accuracy.h"
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/ball_strain.h"
+#include "planner/measures/bones/bone_limits.h"
 #include "planner/measures/force_moments.h"
 #include "planner/measures/metric_table.h"
 #include "planner/measures/metrics.h"
+#include "planner/measures/region_text.h"
 #include "planner/measures/rupture.h"
+#include "planner/measures/tissue_values.h"
 #include "planner/measures/volume_failures.h"
 
 #include <algorithm>
@@ -92,7 +95,7 @@ namespace {
         const bool warning
             = field.attainable == planner::Attainable::with_injury || field.attainable == planner::Attainable::no;
         section.rows.push_back({ "Attainable", planner::attainable_text(field), planner::bones_text(field), warning });
-        if (field.attainable == planner::Attainable::with_injury)
+        if (planner::breaks_bone(field))
             section.rows.push_back(
                 { "Without a fracture", "about " + number(*field.largest_uninjured_opening_mm, 0, "mm"),
                     "Largest opening of the hooks at which no rib breaks: an estimate in proportion to the opening." });
@@ -101,6 +104,24 @@ namespace {
                 "Moment in " + planner::bone_in_words(field.bones.front().name)
                     + " over the moment at which tested ribs broke.",
                 field.bones.front().utilisation >= 1.0 });
+    }
+
+    /// What the ranges of the tissue values do to the force, beside the bar of the mesh.
+    void add_parameters(MetricSection& section, const planner::FieldMetrics& field)
+    {
+        if (field.parameters) {
+            const planner::ParameterInterval& interval = *field.parameters;
+            section.rows.push_back({ "... by tissue values",
+                interval.message.empty()
+                    ? number(interval.force_low_N, 0, "") + " to " + number(interval.force_high_N, 0, "N")
+                    : "not known",
+                interval.message.empty() ? planner::force_with_intervals(field)
+                        + ". One standard deviation of the tissues' published values."
+                                         : planner::parameter_text(field) + "." });
+        }
+        if (const std::string stiffness = planner::bone_stiffness_text(field); !stiffness.empty())
+            section.rows.push_back({ "Stiffness of bones", stiffness,
+                "Young's moduli of the ribs and cartilages in the wall; the report has a table." });
     }
 
     /// The force on a side at the last turn of the crank and minutes later, or why there is none.
@@ -121,10 +142,24 @@ namespace {
                     + number(moments.held_most_N, 0, "N") + " between animals; " + moments.source + "." });
     }
 
+    /// The largest strain of each tissue, averaged over balls, and whether skin would tear.
+    void add_tissue_strain(MetricSection& section, const planner::FieldMetrics& field)
+    {
+        for (const planner::TissueStrain& tissue : field.tissue_strain)
+            section.rows.push_back({ "Strain of " + readable(tissue.tissue), number(100.0 * tissue.strain, 0, "%"),
+                "Largest mean over balls of " + number(planner::kBallRadiusMm, 0, "mm")
+                    + " radius: " + planner::strain_text(tissue) + ".",
+                planner::may_tear(tissue) });
+        if (planner::any_may_tear(field))
+            section.rows.push_back({ "Tearing", planner::any_would_tear(field) ? "expected" : "possible",
+                planner::tearing_text(field) + ".", true });
+    }
+
     MetricSection force_section(const planner::FieldMetrics& field)
     {
         MetricSection section { "Force and strain", {} };
         add_rows(section, field, planner::MetricGroup::force);
+        add_parameters(section, field);
         add_moments(section, field);
         add_rows(section, field, planner::MetricGroup::strain);
         if (field.strain_p99_at) {
@@ -133,6 +168,7 @@ namespace {
                 { "... at", number(at.x(), 0, "") + ", " + number(at.y(), 0, "") + ", " + number(at.z(), 0, "mm"),
                     "Place of the strain: left, back, head (patient LPS), before opening." });
         }
+        add_tissue_strain(section, field);
         add_bones(section, field);
         if (planner::may_rupture(field))
             section.rows.push_back({ "Rupture", "possible", planner::rupture_text(field) + ".", true });
@@ -143,6 +179,11 @@ namespace {
                 section.rows.push_back({ "Retractor, " + readable(blade.name),
                     number(blade.force_N.norm(), 1, "N") + ", " + number(blade.moment_Nm.norm(), 2, "N m"),
                     planner::blade_text(blade) + "." });
+        for (const planner::LipDeviation& lip : field.lip_deviation)
+            section.rows.push_back({ lip.side > 0 ? "Left lip follows within" : "Right lip follows within",
+                number(lip.largest_mm, 1, "mm"),
+                "Largest distance of the skin's edge from the line of its hooks, in the middle part of the incision; "
+                    + number(lip.mean_mm, 1, "mm") + " in the mean." });
         for (std::size_t i = 0; i < field.hooks.size(); ++i) {
             const bool known = field.error && field.error->message.empty() && i < field.error->hook_forces_N.size();
             const double force = field.hooks[i].force_N;
@@ -191,11 +232,18 @@ namespace {
                         field.accuracy->ended_by != planner::AccuracyEnd::reached });
         if (field.volume_failures)
             section.rows.push_back({ "Soft tissue off its volume", number(100.0 * field.volume_failures->share, 2, "%"),
-                planner::is_believable(field)
+                planner::keeps_volume(field)
                     ? "Share of the soft tissue that shrinks or grows by more than a tenth. Soft tissue keeps its "
                       "volume, so the numbers near such tissue are wrong."
                     : "The plan " + planner::volume_failure_text(field) + ".",
-                !planner::is_believable(field) });
+                !planner::keeps_volume(field) });
+        section.rows.push_back(
+            { "Rim of the model", field.region.rim_place.empty() ? "none" : number(field.region.rim_motion_mm, 1, "mm"),
+                "Largest motion where the model ends. " + planner::region_text(field),
+                planner::is_region_too_small(field) });
+        if (const std::string piercing = planner::piercing_text(field); !piercing.empty())
+            section.rows.push_back({ "Bones through the skin", std::to_string(field.region.piercing.size()),
+                "The plan " + piercing + ".", true });
         if (field.contact)
             section.rows.push_back({ "Contact", contact_value(*field.contact), planner::contact_text(field) + ".",
                 planner::passes_through(field) });

@@ -85,9 +85,10 @@ namespace {
         setup.held = std::move(supports.fixed);
         setup.cut_off = planner::cut_off_vertices(model.wall, *labels);
         setup.bedded = std::move(supports.bedded);
+        setup.hinges = std::move(supports.hinges);
         setup.labels = planned_case.label_table;
         setup.journal = planner::cuts_journal(planned_case.file(), approach.name);
-        setup.materials = planner::materials_as_solved(planned_case, planner::ElementKind::p1);
+        setup.materials = planner::materials_as_solved(patient, planner::ElementKind::p1);
         setup.caution = not_as_planned(planned_case);
         if (approach.division.extent == planner::DivisionExtent::full)
             remark(setup.caution,

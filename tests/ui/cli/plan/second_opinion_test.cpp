@@ -1,7 +1,7 @@
 #include "ui/cli/plan/second_opinion.h"
 
 #include "mesh/base/error.h"
-#include "tests/support/hooked_block.h"
+#include "tests/support/wounds/hooked_block.h"
 #include "ui/cli/framework/run_program.h"
 
 #include <gtest/gtest.h>
@@ -54,6 +54,36 @@ namespace second_opinion_test {
             ASSERT_EQ(opinion.hook_forces_N.size(), 2u);
             EXPECT_GT(opinion.hook_forces_N[0], 0.1);
             EXPECT_FALSE(fs::exists(folder / "block-ccx"));
+        }
+    }
+
+    TEST(SecondOpinionTest, CalculixIsGivenTheHingesOfBones)
+    {
+        const fs::path ccx = program_on_path("ccx");
+        if (ccx.empty())
+            GTEST_SKIP() << "CalculiX (ccx) is not installed: apt install calculix-ccx";
+        for (const int nodes_per_tet : { 4, 10 }) {
+            fem::ElasticProblem problem = retractor::test_support::hooked_block(2, nodes_per_tet);
+            const planner::SecondOpinion free
+                = second_opinion(problem, ccx, empty_folder("hinges"), "block", kPlenty, {});
+            fem::Hinge hinge { .name = "rib", .axis = Vec3(0.6, 0.0, 0.8), .stiffness = 1e4, .toe = 0.01, .edges = {} };
+            for (TetId t = 0; t < static_cast<TetId>(problem.mesh.tet_count()); ++t)
+                for (const auto& [a, b] : { std::pair(0, 1), std::pair(2, 3) }) {
+                    const auto nodes = problem.mesh.tet(t);
+                    const VertexId from = nodes[static_cast<std::size_t>(a)], to = nodes[static_cast<std::size_t>(b)];
+                    const Vec3 d = point_at(problem.mesh.vertices, to) - point_at(problem.mesh.vertices, from);
+                    if (hinge.axis.cross(d).norm() > 0.5 * d.norm())
+                        hinge.edges.push_back({ from, to, 1.0 });
+                }
+            for (fem::HingeEdge& edge : hinge.edges)
+                edge.share = 1.0 / static_cast<double>(hinge.edges.size());
+            problem.supports.hinges = { hinge };
+            const planner::SecondOpinion opinion
+                = second_opinion(problem, ccx, empty_folder("hinges"), "block", kPlenty, {});
+            EXPECT_EQ(opinion.status, "agrees") << opinion.message << opinion.displacement_difference;
+            EXPECT_LE(opinion.displacement_difference, kReferenceAgreement);
+            EXPECT_LE(opinion.force_difference, kReferenceAgreement);
+            EXPECT_GT(std::abs(opinion.hook_forces_N[0] - free.hook_forces_N[0]), 0.01);
         }
     }
 

@@ -318,6 +318,25 @@ namespace session_model_test {
         EXPECT_EQ(row_of(field_rows(field), "Opening width").value, "57.9 mm");
     }
 
+    TEST(MetricRows, SayHowFarTissueIsStretchedAndTheLipsFollow)
+    {
+        planner::FieldMetrics field;
+        EXPECT_THROW((void)row_of(field_rows(field), "Strain of skin"), std::out_of_range);
+        field.tissue_strain = { { "skin", 0.5, Vec3::Zero(), "38 mm along the incision" },
+            { "muscle", 0.4, Vec3::Zero(), "12 mm along the incision" } };
+        field.lip_deviation = { { .side = -1, .largest_mm = 4.5, .mean_mm = 1.5 } };
+        const auto sections = field_rows(field);
+        EXPECT_EQ(row_of(sections, "Strain of skin").value, "50 %");
+        EXPECT_TRUE(row_of(sections, "Strain of skin").warning);
+        EXPECT_FALSE(row_of(sections, "Strain of muscle").warning) << "there is no published limit";
+        EXPECT_EQ(row_of(sections, "Tearing").value, "possible");
+        EXPECT_EQ(row_of(sections, "Right lip follows within").value, "4.5 mm");
+        field.tissue_strain.front().strain = 0.8;
+        EXPECT_EQ(row_of(field_rows(field), "Tearing").value, "expected");
+        field.tissue_strain.front().strain = 0.3;
+        EXPECT_THROW((void)row_of(field_rows(field), "Tearing"), std::out_of_range);
+    }
+
     TEST(MetricRows, SayTheAskedAndTheReachedAccuracy)
     {
         planner::FieldMetrics field;

@@ -1,8 +1,8 @@
-#include "planner/measures/section_moments.h"
+#include "planner/measures/bones/section_moments.h"
 
 #include "fem/statics/opening.h"
 #include "mesh/base/error.h"
-#include "planner/measures/bone_centreline.h"
+#include "planner/measures/bones/bone_centreline.h"
 #include "tests/support/reference_problems.h"
 
 #include <gtest/gtest.h>

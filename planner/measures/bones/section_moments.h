@@ -8,7 +8,7 @@
 // mesh leaves in error is the forces on the bone, not their sum: a bone with few elements across has the same moments.
 
 #include "mesh/base/geometry.h"
-#include "planner/measures/bone_forces.h"
+#include "planner/measures/bones/bone_forces.h"
 
 #include <vector>
 

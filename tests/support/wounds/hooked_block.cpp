@@ -1,4 +1,4 @@
-#include "tests/support/hooked_block.h"
+#include "tests/support/wounds/hooked_block.h"
 
 #include "fem/statics/nonlinear_region.h"
 

@@ -1,4 +1,4 @@
-#include "planner/measures/bone_forces.h"
+#include "planner/measures/bones/bone_forces.h"
 
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"

@@ -1,8 +1,8 @@
-#include "planner/measures/section_moments.h"
+#include "planner/measures/bones/section_moments.h"
 
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
-#include "planner/measures/bone_centreline.h"
+#include "planner/measures/bones/bone_centreline.h"
 
 #include <Eigen/Geometry>
 

@@ -1,4 +1,4 @@
-#include "planner/measures/bone_centreline.h"
+#include "planner/measures/bones/bone_centreline.h"
 
 #include "mesh/base/assert.h"
 

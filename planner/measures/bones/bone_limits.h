@@ -15,8 +15,8 @@
 //   2022, J Anat), but how old the tested bodies were per piece, and how thick their bone, is not known here.
 
 #include "planner/anatomy/anatomy.h"
+#include "planner/measures/bones/section_moments.h"
 #include "planner/measures/field_metrics.h"
-#include "planner/measures/section_moments.h"
 
 #include <span>
 #include <string>
@@ -55,10 +55,17 @@ double equivalent_moment_Nm(double bending_Nm, double torsion_Nm);
 BoneMetrics bone_limit(const std::string& name, std::span<const BoneBar> pieces, const AnatomicalFrame& frame);
 
 /// Sorts the bones, and sets the openings at which bones reach their capacity, `attainable` and
-/// `largest_uninjured_opening_mm`.
+/// `largest_uninjured_opening_mm`. Skin that would tear is an injury too (ball_strain.h); the uninjured opening is that
+/// of the bones alone.
 /// @param in_equilibrium false: the field is not attainable, whatever its bones bear
-/// @pre field.hooks and field.bones or field.bones_message are filled
+/// @pre field.hooks, field.tissue_strain, and field.bones or field.bones_message are filled
 void set_attainable(FieldMetrics& field, bool in_equilibrium);
+
+/// Whether the largest uninjured opening was solved; otherwise it is an estimate in proportion.
+bool is_uninjured_opening_solved(const FieldMetrics& field);
+
+/// Whether a bone is loaded beyond its capacity. @pre set_attainable() was called
+bool breaks_bone(const FieldMetrics& field);
 
 /// "yes", "with_injury", "no", "unknown": the words of metrics.json.
 std::string_view to_string(Attainable attainable);
@@ -66,7 +73,7 @@ std::string_view to_string(Attainable attainable);
 /// "rib 5 on the left", "the sternum".
 std::string bone_in_words(std::string_view label);
 
-/// Short: "yes", "with injury: rib 5 on the left", "no", "not known".
+/// Short: "yes", "with injury: rib 5 on the left, skin", "no", "not known".
 std::string attainable_text(const FieldMetrics& field);
 
 /// One or two sentences for people about the bone that is loaded most: "Rib 5 on the left would break ...".

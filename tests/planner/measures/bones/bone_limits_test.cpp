@@ -1,4 +1,4 @@
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/bones/bone_limits.h"
 
 #include <gtest/gtest.h>
 

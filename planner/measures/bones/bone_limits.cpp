@@ -1,7 +1,8 @@
-#include "planner/measures/bone_limits.h"
+#include "planner/measures/bones/bone_limits.h"
 
 #include "mesh/base/assert.h"
 #include "mesh/base/text_format.h"
+#include "planner/measures/ball_strain.h"
 #include "planner/measures/hook_opening.h"
 
 #include <algorithm>
@@ -82,6 +83,17 @@ namespace {
         return field.bones_rough ? " The elements of this mesh are too stiff, so these moments are rough." : "";
     }
 
+    std::string uninjured_text(const FieldMetrics& field)
+    {
+        const double opening = kWholeMm * std::floor(*field.largest_uninjured_opening_mm / kWholeMm);
+        if (!is_uninjured_opening_solved(field))
+            return formatted(" The largest opening without a fracture is about %.0f mm (estimate).", opening);
+        const UninjuredOpening& solved = *field.uninjured_opening;
+        return formatted(" The largest opening without a fracture is %.0f mm (solved), with %.0f N on the larger side; "
+                         "%s then bears %.0f %% of what tested ribs bore.",
+            opening, solved.hook_force_N, bone_in_words(solved.bone).c_str(), 100.0 * solved.utilisation);
+    }
+
     std::string place_text(const BoneMetrics& bone)
     {
         return formatted("in its %s part, %.0f mm from the spine", bone.part.c_str(), bone.at_mm);
@@ -139,11 +151,11 @@ void set_attainable(FieldMetrics& field, bool in_equilibrium)
         return;
     }
     if (!field.bones_message.empty()) {
-        field.attainable = Attainable::unknown;
+        field.attainable = any_would_tear(field) ? Attainable::with_injury : Attainable::unknown;
         return;
     }
     const double reached = hook_opening(field).reached_mm;
-    field.attainable = Attainable::yes;
+    field.attainable = any_would_tear(field) ? Attainable::with_injury : Attainable::yes;
     double largest = reached;
     for (BoneMetrics& bone : field.bones)
         if (bone.utilisation >= 1.0) {
@@ -152,6 +164,17 @@ void set_attainable(FieldMetrics& field, bool in_equilibrium)
             largest = std::min(largest, *bone.opening_at_limit_mm);
         }
     field.largest_uninjured_opening_mm = largest;
+}
+
+bool is_uninjured_opening_solved(const FieldMetrics& field)
+{
+    return field.uninjured_opening && field.uninjured_opening->message.empty();
+}
+
+bool breaks_bone(const FieldMetrics& field)
+{
+    return std::ranges::any_of(
+        field.bones, [](const BoneMetrics& bone) { return bone.opening_at_limit_mm.has_value(); });
 }
 
 std::string_view to_string(Attainable attainable)
@@ -191,11 +214,14 @@ std::string attainable_text(const FieldMetrics& field)
     case Attainable::with_injury:
         break;
     }
-    std::vector<std::string> broken;
+    std::vector<std::string> injured;
     for (const BoneMetrics& bone : field.bones)
         if (bone.opening_at_limit_mm)
-            broken.push_back(bone_in_words(bone.name));
-    return "with injury: " + joined(broken);
+            injured.push_back(bone_in_words(bone.name));
+    for (const TissueStrain& tissue : field.tissue_strain)
+        if (would_tear(tissue))
+            injured.push_back(readable(tissue.tissue));
+    return "with injury: " + joined(injured);
 }
 
 std::string bones_text(const FieldMetrics& field)
@@ -230,19 +256,20 @@ std::string bones_text(const FieldMetrics& field)
                 formatted("%s from about %.0f mm on", bone_in_words(other.name).c_str(), *other.opening_at_limit_mm));
     if (!others.empty())
         text += " Also " + joined(others) + ".";
-    return text
-        + formatted(" The largest opening without a fracture is about %.0f mm (estimate).",
-            kWholeMm * std::floor(*field.largest_uninjured_opening_mm / kWholeMm))
-        + rough_text(field);
+    return text + uninjured_text(field) + rough_text(field);
 }
 
 std::string joints_text(const FieldMetrics& field)
 {
     const BoneMetrics* joint = nullptr;
+    const BoneMetrics* turned = nullptr;
     const BoneMetrics* cartilage = nullptr;
     for (const BoneMetrics& bone : field.bones) {
         if (bone.spine_joint && (joint == nullptr || bone.spine_joint->force_N > joint->spine_joint->force_N))
             joint = &bone;
+        if (bone.spine_joint && bone.spine_joint->turn_deg
+            && (turned == nullptr || *bone.spine_joint->turn_deg > *turned->spine_joint->turn_deg))
+            turned = &bone;
         if (bone.cartilage && (cartilage == nullptr || bone.cartilage->force_N > cartilage->cartilage->force_N))
             cartilage = &bone;
     }
@@ -250,6 +277,10 @@ std::string joints_text(const FieldMetrics& field)
     if (joint != nullptr)
         text = formatted("The joint with the spine that bears most is that of %s, with %.0f N and %.1f N m.",
             bone_in_words(joint->name).c_str(), joint->spine_joint->force_N, joint->spine_joint->moment_Nm);
+    if (turned != nullptr)
+        text += formatted(" The rib that turns most about its joints is %s, by %.1f degrees%s.",
+            bone_in_words(turned->name).c_str(), *turned->spine_joint->turn_deg,
+            turned->spine_joint->at_stop ? ", beyond its stop" : "");
     if (cartilage != nullptr)
         text += formatted("%sThe cartilage that bears most is that of %s, with %.0f N and %.1f N m.",
             text.empty() ? "" : " ", bone_in_words(cartilage->name).c_str(), cartilage->cartilage->force_N,

@@ -1,0 +1,100 @@
+#include "planner/measures/region_text.h"
+#include "planner/plan/plan.h"
+#include "tests/support/block_case.h"
+
+#include "planner/approach/approach_templates.h"
+#include "planner/approach/hooks.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace retractor::planner {
+namespace region_plan_test {
+
+    /// A block with a bar of bone along x in its muscle, which is held by a spine at one end, 120 mm from the middle.
+    datasets::Phantom block_with_bar()
+    {
+        datasets::BlockParameters block;
+        block.size_mm = { 260.0, 60.0, 200.0 };
+        block.spacing_mm = { 2.5, 2.5, 2.5 };
+        block.bone_bar = true;
+        datasets::Phantom phantom = datasets::make_block_phantom(block);
+        mesh::LabelVolume& labels = phantom.labels;
+        const Label spine = 77;
+        for (int k = 0; k < labels.grid.size[2]; ++k)
+            for (int j = 0; j < labels.grid.size[1]; ++j)
+                for (int i = 0; i < labels.grid.size[0]; ++i) {
+                    Label& voxel = labels.voxels[labels.grid.offset(i, j, k)];
+                    const mesh::LabelInfo* info = mesh::find_label(labels.table, voxel);
+                    if (info != nullptr && info->role == mesh::Role::wall
+                        && labels.grid.world(Vec3(i, j, k)).x() < -118.0)
+                        voxel = spine;
+                }
+        labels.table.push_back({ spine, "spine", "bone", mesh::Role::wall });
+        return phantom;
+    }
+
+    /// A cut along the bar beside it, whose hook on the bar's side bears on the bar.
+    struct Cut {
+        Case planned_case;
+
+        explicit Cut(const std::string& name)
+            : planned_case(test_support::block_case(name, block_with_bar()))
+        {
+            planned_case.supports = { .labels = { "spine" }, .region_border = true };
+            Patient patient(planned_case);
+            ApproachRequest request;
+            request.name = "beside the bar";
+            request.target.label = "target";
+            request.sizing.corridor_edge_mm = 9.0;
+            request.sizing.coarse_edge_mm = 15.0;
+            request.view.eye_count = 1;
+            const std::vector<Vec3> points { { 15.3, 0.0, 11.0 }, { 40.0, 0.0, 11.4 }, { 65.3, 0.0, 11.0 } };
+            Approach approach = approach_from_points(*patient.labels(), points, request).approach;
+            approach.hooks = make_hooks(approach, "2", 24.0);
+            approach.retracted = { "cavity" };
+            planned_case.approaches = { approach };
+        }
+
+        PlannedField plan(std::optional<double> region_mm, unsigned seed)
+        {
+            planned_case.approaches.front().sizing.region_mm = region_mm;
+            planned_case.approaches.front().sizing.mesh_seed = seed;
+            Patient patient(planned_case);
+            return plan_all(patient, {}, { .error_bars = false, .find_region = true }).front();
+        }
+    };
+
+    TEST(RegionPlan, TheRimOfALargerRegionMovesLessAndAFoundRegionHoldsWhatMoves)
+    {
+        for (const unsigned seed : { 0U, 3U }) {
+            Cut cut("region" + std::to_string(seed));
+            const PlannedField near = cut.plan(20.0, seed), wide = cut.plan(60.0, seed), found = cut.plan({}, seed);
+            for (const PlannedField* field : { &near, &wide, &found })
+                ASSERT_EQ(field->status, PlanStatus::done) << field->message;
+            EXPECT_EQ(near.metrics.region.ended_by, RegionEnd::given);
+            EXPECT_EQ(near.metrics.region.region_mm, 20.0);
+            EXPECT_EQ(near.metrics.region.drafts, 0);
+            EXPECT_GT(near.metrics.region.rim_motion_mm, kStillRimMm);
+            EXPECT_FALSE(near.metrics.region.rim_place.empty());
+            EXPECT_LT(wide.metrics.region.rim_motion_mm, near.metrics.region.rim_motion_mm);
+            const RegionMetrics& region = found.metrics.region;
+            EXPECT_GT(region.region_mm, 60.0);
+            EXPECT_GE(region.drafts, 1);
+            EXPECT_TRUE(region.ended_by == RegionEnd::still || region.ended_by == RegionEnd::whole)
+                << to_string(region.ended_by);
+            EXPECT_LT(region.rim_motion_mm, 1.5 * kStillRimMm); // the draft's element is another one
+            EXPECT_TRUE(region.piercing.empty());
+            // A larger region changes the force by less than what the drafts say, and the chance of a mesh.
+            const PlannedField whole = cut.plan(1.3 * region.region_mm, seed);
+            constexpr double kMeshChance = 0.08; // between meshes of these edges
+            EXPECT_NEAR(found.metrics.hook_force_N, whole.metrics.hook_force_N,
+                (region.force_change.value_or(0.0) + kMeshChance) * whole.metrics.hook_force_N);
+        }
+    }
+
+} // namespace region_plan_test
+} // namespace retractor::planner

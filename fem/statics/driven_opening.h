@@ -25,8 +25,6 @@ namespace retractor::fem {
 /// Largest displacement of a hook (mm). Rib spreaders open to some 250 mm between their blades.
 constexpr double kFarthestHookMm = 150.0;
 
-};
-
 /// Linearises the tissue at a state. Surfaces that touch at this state resist; surfaces that would touch later do not.
 /// @param displacement n x 3, mm, a possible state of the body
 /// @throws InputError and SolverError as Opening does

@@ -416,6 +416,33 @@ fem::ElasticProblem problem_with_fixed_hooks(const PlannedField& field)
     return ten_node ? fem::with_midpoints(problem) : problem;
 }
 
+std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3>& forces_N)
+{
+    constexpr double kNothing = 1e-3; // share of the largest force: residual of a nonlinear equilibrium
+    double largest = 0.0;
+    for (const Vec3& force : forces_N)
+        largest = std::max(largest, force.norm());
+    std::vector<bool> pushing;
+    RETRACTOR_ASSERT(forces_N.size() <= approach.hooks.size());
+    for (std::size_t i = 0; i < forces_N.size(); ++i) {
+        const Vec3 direction = approach.hooks[i].direction.normalized();
+        const double along = forces_N[i].dot(direction), across = (forces_N[i] - along * direction).norm();
+        pushing.push_back(-along > std::max(across, kNothing * largest));
+    }
+    return pushing;
+}
+
+std::array<double, 2> side_forces(const PlannedField& field, const std::vector<Vec3>& forces_N)
+{
+    const std::vector<bool> pushing = pushing_hooks(field.approach, field.opening.hook_forces_N);
+    RETRACTOR_ASSERT(forces_N.size() <= pushing.size() && forces_N.size() <= field.hooks.size());
+    std::array<double, 2> of_side {};
+    for (std::size_t i = 0; i < forces_N.size(); ++i)
+        if (!pushing[i])
+            of_side[field.hooks[i].side > 0 ? 0 : 1] += forces_N[i].norm();
+    return of_side;
+}
+
 WoundMeasures measures_of(
     const PlannedField& field, const RigidPieces& rigid, Points& displacement, const std::vector<Vec3>& hook_forces_N)
 {

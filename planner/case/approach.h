@@ -34,7 +34,7 @@ void check_pull(const HookPull& pull, const std::string& where);
 /// - fixed: the tissue under the patch, and the bone on which it bears, moves with the patch as if glued to it. This is
 ///   the hold of hooks that grip, such as rakes.
 /// - contact: the patch pushes and never pulls. Tissue may lift off and, beyond friction, slide along the patch; bone
-///   rolls on it (fem/model/blade_contact.h). This is the hold of blades.
+///   rolls on it (fem/model/blade_contact.h). So a blade holds.
 enum class HookHold { fixed, contact };
 
 /// "fixed" or "contact", and back; nothing for another word.
@@ -70,7 +70,7 @@ struct RetractorSpec {
     double blade_depth_mm = 0.0; ///< from the arm at the skin into the wound; a thinner wall takes a part of the blade
     double play_deg = 0.0; ///< largest turn of a blade about its arm, to either side
     double greatest_opening_mm = 0.0;
-    HookHold hold = HookHold::contact; ///< of both blades
+    HookHold hold = HookHold::fixed; ///< of both blades
 };
 
 /// What the surgeon wants to see: a label, or a sphere where no label was drawn.

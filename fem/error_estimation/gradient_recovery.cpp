@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <set>
@@ -250,12 +251,19 @@ namespace {
     void check_corners(const mesh::TetMesh& mesh, const Eigen::VectorXd& four_node)
     {
         VertexId corners = 0;
-        for (std::size_t t = 0; t < mesh.tet_count(); ++t)
-            for (const VertexId v : mesh.tet(static_cast<TetId>(t)).first(4))
+        std::vector<std::uint8_t> used(mesh.vertex_count(), 0);
+        for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+            const auto nodes = mesh.tet(static_cast<TetId>(t));
+            for (const VertexId v : nodes)
+                used[static_cast<std::size_t>(v)] = 1;
+            for (const VertexId v : nodes.first(4))
                 corners = std::max(corners, v + 1);
+        }
         // The nodes of blades, which no element has, follow the corners.
-        if (four_node.size() % 3 != 0 || four_node.size() < 3 * static_cast<Eigen::Index>(corners)
-            || four_node.size() > 3 * mesh.vertices.rows() || !four_node.allFinite())
+        const auto of_blades = static_cast<Eigen::Index>(std::ranges::count(used, std::uint8_t { 0 }));
+        const bool fits = four_node.size() == 3 * static_cast<Eigen::Index>(corners)
+            || four_node.size() == 3 * (static_cast<Eigen::Index>(corners) + of_blades);
+        if (!fits || !four_node.allFinite())
             throw InputError("plain elements have three finite displacements per corner", "four_node");
     }
 

@@ -3,7 +3,7 @@
 #include "fem/model/blade_samples.h"
 #include "fem/statics/elastic_problem.h"
 #include "mesh/base/error.h"
-#include "tests/support/test_help.h"
+#include "tests/support/reference_problems.h"
 
 #include <gtest/gtest.h>
 
@@ -227,20 +227,20 @@ namespace blade_contact_test {
         std::vector<BladeSurface> blades = block.problem.blades;
         blades[0].friction = -1.0;
         EXPECT_EQ(message_of([&] { (void)BladeContact(block.problem.mesh, blades); }),
-            "the friction of a blade must be finite and not negative [blade 'blade']");
+            "blade 'blade': the friction of a blade must be finite and not negative");
         blades = block.problem.blades;
         blades[0].half_width_mm = 7.0;
         EXPECT_EQ(message_of([&] { (void)BladeContact(block.problem.mesh, blades); }),
-            "the nodes of the blade are not its middle and the ends of its half sides [blade 'blade']");
+            "blade 'blade': the nodes of the blade are not its middle and the ends of its half sides");
         EXPECT_EQ(message_of([] { (void)blade_nodes({ .name = "left", .width_mm = 0.0, .height_mm = 5.0 }); }),
-            "a blade needs a positive width and height [blade 'left']");
+            "blade 'left': a blade needs a positive width and height");
         EXPECT_EQ(message_of([&] {
             (void)make_blade_surface(block.problem.mesh,
                 std::vector<Lame>(block.problem.mesh.tet_count(), Lame { 1.0, 1.0 }),
                 mesh::boundary_faces(block.problem.mesh), {},
                 { .name = "left", .middle = Vec3(0.0, 0.0, 500.0), .width_mm = 5.0, .height_mm = 5.0 }, { 0, 1, 2 });
         }),
-            "no face of the lip looks at the blade [blade 'left']");
+            "blade 'left': no face of the lip looks at the blade");
     }
 
 } // namespace blade_contact_test

@@ -4,6 +4,7 @@
 #include "haptics/servo/servo.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_help.h"
+#include "tests/support/wait_until.h"
 #include "tests/support/walls.h"
 
 #include <gtest/gtest.h>

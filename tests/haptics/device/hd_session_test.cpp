@@ -5,6 +5,7 @@
 #include "haptics/servo/servo.h"
 #include "tests/haptics/device/simulated_hd.h"
 #include "tests/support/test_help.h"
+#include "tests/support/wait_until.h"
 #include "tests/support/walls.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 #include "mesh/base/serial_executor.h"
-#include "tests/support/test_help.h"
+#include "tests/support/wait_until.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include "mesh/base/error.h"
 #include "planner/session/surgery_worker.h"
 #include "tests/planner/session/layered_wall.h"
-#include "tests/support/test_help.h"
+#include "tests/support/wait_until.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include "planner/session/surgery_worker.h"
 #include "tests/planner/session/layered_wall.h"
 #include "tests/support/session_state.h"
-#include "tests/support/test_help.h"
+#include "tests/support/wait_until.h"
 
 #include <gtest/gtest.h>
 

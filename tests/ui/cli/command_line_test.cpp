@@ -282,8 +282,8 @@ TEST_F(CommandLine, APlanThatIsNotToBeBelievedEndsWithOneAndIsWritten)
             = run("--json plan " + case_file() + " --draft --elasticity " + elasticity + " --out " + out("doubtful"));
         std::ifstream file(fs::path(out("doubtful")) / "metrics.json");
         const Json field = Json::parse(file).at("approaches").at(0);
-        const bool is_answer = field.at("volume_failures").at("believable").get<bool>()
-            && field.at("mechanics_status") == "converged";
+        const bool is_answer
+            = field.at("volume_failures").at("believable").get<bool>() && field.at("mechanics_status") == "converged";
         EXPECT_EQ(draft.exit_code, is_answer ? 0 : 1) << elasticity << draft.out;
         EXPECT_EQ(draft.json().at("approaches").at(0).at("hook_force_N"), field.at("hook_force_N"));
     }

@@ -274,6 +274,21 @@ TEST_F(CommandLine, AnAccuracyIsReachedAndReported)
     EXPECT_NE(beyond.error().find("(option --accuracy)"), std::string::npos) << beyond.out;
 }
 
+TEST_F(CommandLine, APlanThatIsNotToBeBelievedEndsWithOneAndIsWritten)
+{
+    // Coarse four-node elements under hooks: many drafts fail, and say so.
+    for (const char* elasticity : { "linear", "corotational" }) {
+        const CommandRun draft
+            = run("--json plan " + case_file() + " --draft --elasticity " + elasticity + " --out " + out("doubtful"));
+        std::ifstream file(fs::path(out("doubtful")) / "metrics.json");
+        const Json field = Json::parse(file).at("approaches").at(0);
+        const bool is_answer
+            = field.at("volume_failures").at("believable").get<bool>() && field.at("mechanics_status") == "converged";
+        EXPECT_EQ(draft.exit_code, is_answer ? 0 : 1) << elasticity << draft.out;
+        EXPECT_EQ(draft.json().at("approaches").at(0).at("hook_force_N"), field.at("hook_force_N"));
+    }
+}
+
 TEST_F(CommandLine, HowWoundsAreSolvedIsChosenInTheCaseOrByOption)
 {
     std::ifstream in(case_file());

@@ -78,7 +78,8 @@ namespace hinge_test {
                 const auto here = hinge_torque(hinge, sign * at * kDegree);
                 const auto before = hinge_torque(hinge, sign * at * kDegree - kStep);
                 const auto after = hinge_torque(hinge, sign * at * kDegree + kStep);
-                EXPECT_NEAR((after.energy - before.energy) / (2.0 * kStep), here.torque, 1e-3 * (1.0 + here.torque));
+                EXPECT_NEAR(
+                    (after.energy - before.energy) / (2.0 * kStep), here.torque, 1e-3 * (1.0 + std::abs(here.torque)));
                 EXPECT_NEAR((after.torque - before.torque) / (2.0 * kStep), here.stiffness, 0.3) << sign * at;
             }
     }

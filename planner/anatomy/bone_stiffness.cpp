@@ -394,6 +394,8 @@ namespace {
         bone.words = formatted("15 MPa (5 to 25) times 1.9 for the perichondrium [Forman 2010] times %.2f for the "
                                "calcified share of %.1f %% [doi 10.1080/10255842.2012.671307]",
             bone.modulus_MPa / (kCartilageSubstanceMPa * kPerichondrium), 100.0 * *share);
+        if (bone.modulus_MPa == cartilage_modulus_MPa(1.0))
+            bone.words += ", cut off to the largest ratio measured";
     }
 
 } // namespace

@@ -323,7 +323,7 @@ SizingSpec with_scaled_edges(SizingSpec sizing, double factor)
 SizingSpec found_sizing(SizingSpec sizing, double region_mm)
 {
     sizing.region_mm = region_mm;
-    sizing.coarse_beyond_mm = region_mm > kFirstRegionMm ? kFirstRegionMm : 0.0;
+    sizing.coarse_beyond_mm = region_mm > kFirstRegionMm ? kCoarseBeyondMm : 0.0;
     return sizing;
 }
 

@@ -83,6 +83,8 @@ struct TargetSpec {
 
 /// The region of an approach for which none was given and none was found, mm.
 inline constexpr double kFirstRegionMm = 50.0;
+/// Beyond this distance from the incision a larger region that was found is a coarse model, mm.
+inline constexpr double kCoarseBeyondMm = 30.0;
 
 /// Mesh sizes of the wall round this incision; see MeshSizing.
 /// The defaults give 50,000 to 80,000 elements on an adult chest, in a few seconds. A new case has edges of 8 mm for
@@ -94,8 +96,7 @@ struct SizingSpec {
     /// The mesh holds tissue within this distance of the incision, and its whole bones; 0: all of the wall. Not set:
     /// kFirstRegionMm, and where a plan finds the region (PlanChecks::find_region) as far as tissue moves.
     std::optional<double> region_mm {};
-    double coarse_beyond_mm
-        = 0.0; ///< MeshSizing::coarse_beyond_mm, of a region that was found; not a part of case.json
+    double coarse_beyond_mm = 0.0; ///< MeshSizing::coarse_beyond_mm, of a found region; not a part of case.json
     unsigned mesh_seed = 0; ///< MeshSizing::seed; not a part of case.json
     double patch_edge_mm = 3.0; ///< MeshSizing::fine_edge_mm, round the hooks' patches; not a part of case.json
 };
@@ -103,7 +104,8 @@ struct SizingSpec {
 /// The same sizes with all edges multiplied by this factor. @pre factor > 0
 SizingSpec with_scaled_edges(SizingSpec sizing, double factor);
 
-/// The same sizes with a region that was found: beyond kFirstRegionMm it is a coarse model.
+/// The same sizes with a region that was found: a coarse model beyond kCoarseBeyondMm, where it is larger than
+/// kFirstRegionMm.
 SizingSpec found_sizing(SizingSpec sizing, double region_mm);
 
 /// The eye positions over which the visible fraction is averaged. The eyes lie in a cone about the view axis.

@@ -196,7 +196,6 @@ enum class RegionEnd {
     still, ///< the tissue beyond hardly moves in a draft of the whole wall
     whole, ///< the region is the whole wall in the image
     memory, ///< a larger region needs more memory than there is
-    time, ///< a plan of a larger region would take too long
     failure, ///< the draft of the whole wall gave no answer
 };
 

@@ -30,8 +30,6 @@ namespace {
         switch (region.ended_by) {
         case RegionEnd::memory:
             return " A larger region needs more memory than there is.";
-        case RegionEnd::time:
-            return " A plan of a larger region would take too long.";
         case RegionEnd::failure:
             return " A larger region gave no answer: " + region.message + ".";
         default:
@@ -55,7 +53,7 @@ namespace {
 
 std::string_view to_string(RegionEnd end)
 {
-    constexpr std::array<std::string_view, 7> kNames { "not_searched", "given", "still", "whole", "memory", "time",
+    constexpr std::array<std::string_view, 6> kNames { "not_searched", "given", "still", "whole", "memory",
         "failure" };
     return kNames.at(static_cast<std::size_t>(end)); // in the order of RegionEnd
 }

@@ -11,7 +11,7 @@ namespace retractor::planner {
 /// A rim that moves less is taken to be at rest, mm (ours).
 inline constexpr double kStillRimMm = 1.0;
 
-/// Names in files: "not_searched", "given", "still", "whole", "memory", "time", "failure".
+/// Names in files: "not_searched", "given", "still", "whole", "memory", "failure".
 std::string_view to_string(RegionEnd end);
 
 /// "The model holds the wall within 120 mm of the incision. Beyond it tissue moves by at most 0.8 mm (muscle, 118 mm

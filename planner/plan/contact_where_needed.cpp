@@ -173,9 +173,9 @@ Penetration find_penetration(
 {
     RETRACTOR_ASSERT(displacement.rows() == problem.mesh.vertices.rows());
     RETRACTOR_ASSERT(surfaces.names.size() == surfaces.options.fixed.size());
-    // A step moves two surfaces against each other by 4/3 of the reach at most. Contact sees a point from a reach in
-    // front of a face to half a reach behind it, and so at least once.
-    constexpr double kStepsPerReach = 1.5;
+    // A step moves two surfaces against each other by less than the reach. Contact then sees each point in front of a
+    // face before the point passes through; a point that is first seen behind a face counts as an overlap that is kept.
+    constexpr double kStepsPerReach = 2.5;
     fem::ContactOptions options = surfaces.options;
     options.reach = kTestReachMm;
     fem::Contact contact(

@@ -15,6 +15,9 @@ namespace {
     /// to a voxel inside.
     constexpr double kImageEndVoxels = 2.0;
 
+    /// Faces straddle the border of the region, whose tissue ends up to this distance inside it.
+    constexpr double kRimBandMm = 10.0;
+
     using Place = std::array<double, 3>;
 
     Place place_of(const Vec3& p) { return { p.x(), p.y(), p.z() }; }
@@ -32,11 +35,16 @@ namespace {
 
 } // namespace
 
-std::vector<Vec3> rim_places(const mesh::TetMesh& uncut, std::span<const VertexId> cut_off)
+std::vector<Vec3> rim_places(const mesh::TetMesh& uncut, std::span<const VertexId> cut_off, const RegionLimit& limit,
+    const mesh::ImageGrid& grid)
 {
+    const auto is_at_limit = [&](const Vec3& p) {
+        return limit.region_mm > 0.0 && polyline_distance(limit.line, p) >= limit.region_mm - kRimBandMm;
+    };
     std::vector<Vec3> places;
     for (const VertexId v : cut_off)
-        places.push_back(point_at(uncut.vertices, v));
+        if (const Vec3 p = point_at(uncut.vertices, v); is_at_limit(p) || is_at_image_end(grid, p))
+            places.push_back(p);
     return places;
 }
 

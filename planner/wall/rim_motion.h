@@ -11,10 +11,19 @@
 
 namespace retractor::planner {
 
+/// The limit of a meshed region (mesh::MeshSizing).
+struct RegionLimit {
+    std::vector<Vec3> line; ///< mesh::region_line()
+    double region_mm = 0.0; ///< 0: no limit
+};
+
 /// The rim of the model: places of the vertices where the wall goes on beyond the mesh or the image ends. Cuts leave
 /// these places where they are, so that the places name the rim's vertices in the cut wall too.
+/// Inside the region no wall was cut off. Vertices there that cut_off_vertices() names lie on long faces that run a
+/// little below the body's surface, and are left out.
 /// @param uncut the wall before any cut; @param cut_off its cut_off_vertices()
-std::vector<Vec3> rim_places(const mesh::TetMesh& uncut, std::span<const VertexId> cut_off);
+std::vector<Vec3> rim_places(const mesh::TetMesh& uncut, std::span<const VertexId> cut_off, const RegionLimit& limit,
+    const mesh::ImageGrid& grid);
 
 /// Per vertex of a wall, whether it lies at a place of the rim.
 std::vector<std::uint8_t> rim_flags(const mesh::TetMesh& wall, std::span<const Vec3> rim);

@@ -197,8 +197,8 @@ namespace contact_test {
         EXPECT_LT((exact.multiply(d) - wide.multiply(d)).norm(), 1e-12 * exact.multiply(d).norm());
         Eigen::VectorXd slid = p.u;
         for (Eigen::Index v = 0; v < p.mesh.vertices.rows(); ++v)
-            if (p.mesh.vertices(v, 2) > kLow + 0.1) { // the upper block alone, by a third of an edge
-                slid[3 * v] -= 0.3 * kEdge;
+            if (p.mesh.vertices(v, 2) > kLow + 0.1) { // the upper block alone, away from faces that it was not over
+                slid[3 * v] += 0.3 * kEdge;
                 slid[3 * v + 1] += 0.2 * kEdge;
             }
         EXPECT_TRUE(p.contact.find(slid));

@@ -127,23 +127,23 @@ namespace contact_where_needed_test {
             EXPECT_EQ(automatic.contact->touching, asked.contact->touching);
             EXPECT_EQ(automatic.contact->with, "");
             expect_same(automatic, asked);
-            EXPECT_GT(force_of(automatic), 1.2 * force_of(without)) << "harder to push";
+            EXPECT_GT(force_of(automatic), force_of(without)) << "harder to push";
         }
     }
 
     TEST(ContactWhereNeeded, AWallIsHeldOffARigidOrgan)
     {
         for (const double edge : { 3.0, 2.0 }) {
-            const PlannedField field = field_of(pushed_plate(3.0, edge));
+            const PlannedField field = field_of(pushed_plate(2.0, edge));
             const ContactOpening without = opened(field, ContactMode::never);
-            const double lowest = -without.opened.opening.displacement.col(2).minCoeff();
-            ASSERT_GT(lowest, 1.0);
+            ASSERT_TRUE(is_usable(without.opened.opening)) << without.opened.opening.message;
             // What the bottom, at z = 0, passes through a plane is known.
             double bottom = 0.0;
             for (Eigen::Index v = 0; v < field.wall.vertices.rows(); ++v)
                 if (field.wall.vertices(v, 2) == 0.0)
                     bottom = std::max(bottom, -without.opened.opening.displacement(v, 2));
-            const double gap = 0.6 * bottom;
+            ASSERT_GT(bottom, 0.5);
+            const double gap = 0.5 * bottom;
             const Penetration found
                 = find_penetration(field.problem, heart_at(-gap), without.opened.opening.displacement);
             EXPECT_NEAR(found.depth_mm, bottom - gap, 1e-9);
@@ -187,19 +187,19 @@ namespace contact_where_needed_test {
     TEST(ContactWhereNeeded, WithoutAnEquilibriumTheAnswerWithoutContactIsKeptAndMarked)
     {
         // The hook holds the bottom too, and no force keeps what is prescribed off the organ.
-        fem::ElasticProblem problem = pushed_plate(3.0, 3.0);
+        fem::ElasticProblem problem = pushed_plate(1.5, 3.0);
         for (VertexId v = 0; v < problem.mesh.vertices.rows(); ++v)
             if (problem.mesh.vertices(v, 2) == 0.0
                 && (problem.mesh.vertices.row(v).head<2>().transpose() - Eigen::Vector2d(15.0, 15.0)).norm() < 6.5)
                 problem.hooks[0].nodes.push_back(v);
         const PlannedField field = field_of(problem);
-        const ContactOpening automatic = opened(field, ContactMode::automatic, heart_at(-1.0)),
+        const ContactOpening automatic = opened(field, ContactMode::automatic, heart_at(-0.7)),
                              without = opened(field, ContactMode::never);
         ASSERT_TRUE(automatic.contact);
         EXPECT_EQ(automatic.contact->needed, true);
         EXPECT_FALSE(automatic.contact->computed);
         EXPECT_EQ(automatic.contact->touching, 0U);
-        EXPECT_NEAR(automatic.contact->largest_penetration_mm, 2.0, 1e-9);
+        EXPECT_NEAR(automatic.contact->largest_penetration_mm, 0.8, 1e-9);
         EXPECT_EQ(automatic.contact->with, "heart");
         EXPECT_NE(automatic.contact->message.find("collided"), std::string::npos) << automatic.contact->message;
         EXPECT_EQ(automatic.opened.opening.displacement, without.opened.opening.displacement);

@@ -127,8 +127,7 @@ namespace found_region_test {
         field.region = { .region_mm = 400.0, .ended_by = RegionEnd::whole, .image_end_motion_mm = 2.3 };
         EXPECT_EQ(region_text(field),
             "The model holds the whole wall in the image. Where the image ends, tissue moves by up to 2.3 mm: what "
-            "holds "
-            "it beyond the image is not known.");
+            "holds it beyond the image is not known.");
     }
 
 } // namespace found_region_test

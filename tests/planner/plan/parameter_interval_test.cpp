@@ -189,7 +189,7 @@ namespace parameter_interval_test {
     {
         const PlannedField near = plan({ .near_mm = 24.0 }, [](Case&, Approach& approach) {
             for (HookSpec& hook : approach.hooks)
-                hook.opening_mm = 0.1;
+                hook.opening_mm = 0.02; // the linear region is then exact enough to be kept
         });
         ASSERT_TRUE(near.metrics.parameters);
         ASSERT_TRUE(near.opening.far && near.opening.far->kept);

@@ -30,12 +30,20 @@ namespace rim_motion_test {
         std::vector<VertexId> cut_off = end_vertices(mesh, 40.0);
         const std::vector<VertexId> at_image = end_vertices(mesh, 0.0);
         cut_off.insert(cut_off.end(), at_image.begin(), at_image.end());
-        const std::vector<std::uint8_t> is_rim = rim_flags(mesh, rim_places(mesh, cut_off));
         Points displacement = Points::Zero(mesh.vertices.rows(), 3);
         displacement.col(1) = 0.1 * mesh.vertices.col(1) + 0.01 * mesh.vertices.col(0); // largest at y = 20
         mesh::ImageGrid grid;
         grid.size = { 100, 100, 100 };
         grid.origin = { -1.0, -30.0, -30.0 }; // the image ends beside x = 0
+        const std::vector<Vec3> line { { 0.0, 0.0, 10.0 }, { 0.0, 20.0, 10.0 } };
+        const std::vector<std::uint8_t> is_rim = rim_flags(mesh, rim_places(mesh, cut_off, { line, 40.0 }, grid));
+        // A region that goes on beyond the mesh has no rim inside the image, and neither has one without a limit.
+        for (const double beyond : { 80.0, 0.0 }) {
+            const auto flags = rim_flags(mesh, rim_places(mesh, cut_off, { line, beyond }, grid));
+            const RimMotions none = rim_motions(mesh, displacement, {}, flags, grid);
+            EXPECT_EQ(none.region.moved_mm, 0.0);
+            EXPECT_NEAR(none.image.moved_mm, 2.0, kRoundOff);
+        }
         const RimMotions free = rim_motions(mesh, displacement, {}, is_rim, grid);
         EXPECT_NEAR(free.region.moved_mm, 2.0 + 0.4, kRoundOff);
         EXPECT_NEAR(free.region.at.x(), 40.0, kRoundOff);

@@ -10,6 +10,7 @@
 #include "mesh/base/text_format.h"
 #include "mesh/tetrahedra/mesh_io.h"
 #include "planner/approach/space_division.h"
+#include "planner/plan/opened_wound.h"
 #include "planner/plan/plan.h"
 #include "planner/wall/wall_pressure.h"
 #include "planner/wall/wall_tension.h"

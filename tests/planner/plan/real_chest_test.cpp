@@ -4,6 +4,7 @@
 #include "planner/anatomy/bone_stiffness.h"
 #include "planner/approach/approach_templates.h"
 #include "planner/case/import_case.h"
+#include "planner/wall/joint_places.h"
 
 #include <gtest/gtest.h>
 
@@ -74,6 +75,20 @@ namespace real_chest_test {
                 EXPECT_GT(volume_ml(rib), 5.0) << rib;
                 EXPECT_LT(volume_ml(rib), 60.0) << rib;
             }
+    }
+
+    TEST_F(RealChest, MostRibsShowBothPlacesOfTheirJointWithTheSpine)
+    {
+        const mesh::LabelVolume& labels = *chest->labels;
+        const std::vector<Label> spine { mesh::label_named(labels.table, "spine").id };
+        int ribs = 0, both = 0;
+        for (const JointPlaces& joint : joint_places(labels, spine))
+            if (mesh::find_label(labels.table, joint.label)->name.starts_with("rib_")) {
+                ++ribs;
+                both += joint.tubercle ? 1 : 0;
+            }
+        EXPECT_EQ(ribs, 24);
+        EXPECT_GE(both, 16); // 20 by the present segmentation; ribs 11 and 12 have none
     }
 
     TEST_F(RealChest, RoughPartsSayThatTheyAreRough)

@@ -400,7 +400,7 @@ namespace case_io_test {
         }
         EXPECT_EQ(refused_at([](Json& j) { j["contact"] = "automatic"; }), "/contact");
         EXPECT_EQ(refused_at([](Json& j) { j["contact"] = 1; }), "/contact");
-        EXPECT_EQ(refused_at([](Json& j) { j["contact"] = "auto"; }), "");
+        EXPECT_EQ(refused_at([](Json& j) { j["contact"] = "auto"; }), "accepted");
     }
 
     TEST_F(CaseFile, HasTheNameItIsGiven)

@@ -163,7 +163,8 @@ namespace plan_test {
         EXPECT_EQ(field.metrics.error->message, "");
         EXPECT_FALSE(field.metrics.error->energy.has_value()); // which would be the penalty's as well
         const PlannedField without = plan_block("no contact", phantom, Eigen::Isometry3d::Identity(), 10.0);
-        EXPECT_FALSE(without.metrics.contact.has_value());
+        ASSERT_TRUE(without.metrics.contact.has_value());
+        EXPECT_FALSE(without.metrics.contact->computed) << "nothing touches";
         // Lips that are drawn apart are in each other's way only where the cut ends, if at all.
         EXPECT_NEAR(field.metrics.opening_width_mm, without.metrics.opening_width_mm, 0.5);
         EXPECT_NEAR(field.metrics.hook_force_N, without.metrics.hook_force_N, 0.1 * without.metrics.hook_force_N);

@@ -66,7 +66,8 @@ RimMotions rim_motions(const mesh::TetMesh& wall, const Points& displacement, st
     RETRACTOR_ASSERT(displacement.rows() == wall.vertices.rows());
     std::vector<std::uint8_t> counts(is_rim.begin(), is_rim.end());
     for (const VertexId v : fixed)
-        counts[static_cast<std::size_t>(v)] = 0;
+        if (static_cast<std::size_t>(v) < counts.size()) // midpoints of ten-node elements are no vertices of the wall
+            counts[static_cast<std::size_t>(v)] = 0;
     RimMotions motions;
     for (TetId t = 0; t < static_cast<TetId>(wall.tet_count()); ++t)
         for (const VertexId v : wall.tet(t)) {

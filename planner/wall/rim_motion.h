@@ -41,7 +41,7 @@ struct RimMotions {
 };
 
 /// @param displacement n x 3, mm, one row per vertex of the wall
-/// @param fixed vertices that are held, and do not count
+/// @param fixed vertices that are held, and do not count; midpoints of ten-node elements are passed over
 /// @param is_rim one per vertex of the wall, see rim_flags()
 RimMotions rim_motions(const mesh::TetMesh& wall, const Points& displacement, std::span<const VertexId> fixed,
     std::span<const std::uint8_t> is_rim, const mesh::ImageGrid& grid);

@@ -42,9 +42,11 @@ class CheckDocuments(unittest.TestCase):
         self.write("run", "case x in\n  test)\nesac\n")
         self.write("planner/case/case_io.cpp", next(SOURCES.glob("planner/**/case_io.cpp")).read_text())
         self.write("docs/user/case-json.md", (SOURCES / "docs/user/case-json.md").read_text())
-        for linked in ("approaches", "importing", "numbers", "planning"):
-            shutil.copy(SOURCES / f"docs/user/{linked}.md", self.root / "docs/user")
-            page = self.root / f"docs/user/{linked}.md"
+        for linked in ("user/approaches", "user/importing", "user/numbers", "user/planning", "method/meshing",
+                       "method/tissue-values"):
+            page = self.root / f"docs/{linked}.md"
+            page.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(SOURCES / f"docs/{linked}.md", page)
             headings = [line for line in page.read_text().splitlines() if line.startswith("#")]
             page.write_text("\n\n".join(headings) + "\n")
         self.write("docs/developer/style.md", "<!-- retired words: -->\n\n| `OldName` | `NewName` | |\n")

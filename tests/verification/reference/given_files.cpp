@@ -17,7 +17,7 @@ namespace {
         VerificationRow row;
         row.problem = problem;
         row.error = std::numeric_limits<double>::quiet_NaN();
-        row.note = "skipped: " + file.filename().string() + " is not in the folder of published model files";
+        row.note = "skipped: " + file.filename().string() + " is not there";
         return row;
     }
 

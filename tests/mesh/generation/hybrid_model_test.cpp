@@ -223,7 +223,7 @@ namespace hybrid_model_test {
     TEST(HybridModel, CorridorIsFineAndTheRestCoarse)
     {
         const LabelVolume block = test_support::sampled_labels({ 70, 50, 50 }, Vec3::Constant(2.0), one_label(),
-            [](const Vec3& p) { return static_cast<Label>(p.z() > 10.0 ? 7 : 0); }); // with air below
+            [](const Vec3& p) { return static_cast<Label>(p.z() > 30.0 ? 7 : 0); }); // with air below
         const Vec3 a(5, 50, 50), b(20, 50, 50); // one end of the block
         MeshSizing sizing = uniform(4.0);
         sizing.corridor = { a, b };
@@ -253,7 +253,7 @@ namespace hybrid_model_test {
     TEST(HybridModel, ACoarsePathExtendsTheRegionAndIsALittleFiner)
     {
         const LabelVolume block = test_support::sampled_labels({ 70, 50, 50 }, Vec3::Constant(2.0), one_label(),
-            [](const Vec3& p) { return static_cast<Label>(p.z() > 10.0 ? 7 : 0); }); // with air below
+            [](const Vec3& p) { return static_cast<Label>(p.z() > 30.0 ? 7 : 0); }); // with air below
         MeshSizing sizing = uniform(4.0);
         sizing.corridor = { Vec3(5, 50, 50), Vec3(20, 50, 50) };
         sizing.coarse_edge_mm = 14.0;

@@ -128,7 +128,9 @@ namespace {
             if (last < kLeastNeckMm)
                 continue;
             const Vec3 tubercle = middle(last - std::min(kJointLengthMm, last / 3.0), last, gap);
-            if ((tubercle - places.head).norm() >= kShortestAxisMm) {
+            // A rib that only leaves the spine is within the wider gap until this far from its head.
+            const double shortest = gap > kJointGapMm ? kTubercleGapMm : kShortestAxisMm;
+            if ((tubercle - places.head).norm() >= shortest) {
                 places.tubercle = tubercle;
                 break;
             }

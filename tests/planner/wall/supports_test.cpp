@@ -112,7 +112,8 @@ namespace supports_test {
             EXPECT_TRUE(wall_supports(rib, rib_and_spine(), spine, whole, false).empty()) << edge;
             double stiffness = 0.0;
             Vec3 centre = Vec3::Zero();
-            const std::vector<fem::BeddedVertex> joint = rib_joints(rib, rib_and_spine(), spine).springs;
+            const RibJoints joints = rib_joints(rib, rib_and_spine(), spine);
+            const std::vector<fem::BeddedVertex>& joint = joints.springs;
             for (const fem::BeddedVertex& spring : joint) {
                 const Vec3 place = point_at(rib.vertices, spring.vertex);
                 EXPECT_GT(spring.stiffness, 0.0);
@@ -125,6 +126,8 @@ namespace supports_test {
                 turning
                     += 2.0 / 3.0 * spring.stiffness * (point_at(rib.vertices, spring.vertex) - centre).squaredNorm();
             EXPECT_NEAR(stiffness, kJointN_per_mm, 1e-6 * kJointN_per_mm) << edge;
+            if (!joints.hinges.empty()) // so broad a block may have two places: see rib_joints_test.cpp
+                continue;
             // Springs that add less than a billionth are left out.
             EXPECT_NEAR(turning, kJointNmm_per_rad, 1e-6 * kJointNmm_per_rad) << edge;
             EXPECT_LT((centre.tail<2>() - Eigen::Vector2d(10.0, 10.0)).norm(), 0.15 * edge)

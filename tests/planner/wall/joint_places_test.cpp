@@ -124,10 +124,13 @@ namespace joint_places_test {
         EXPECT_LT((merged.head - apart.head).norm(), 4.0);
     }
 
-    TEST(JointPlaces, AFarBoneHasNoPlace)
+    TEST(JointPlaces, AShortContactHasOnePlaceAndAFarBoneHasNone)
     {
         const auto head = places_of(straight_rib(1.0, 300.0, 300.0));
         ASSERT_EQ(head.size(), 1U);
+        EXPECT_FALSE(head.at("rib_left_5").tubercle.has_value());
+        const auto beyond = places_of(straight_rib(1.0, 70.0, 80.0)); // a second contact far down the shaft
+        EXPECT_FALSE(beyond.at("rib_left_5").tubercle.has_value());
         mesh::LabelVolume labels = straight_rib(1.0, 300.0, 300.0);
         for (int k = 0; k < labels.grid.size[2]; ++k)
             for (int j = 0; j < labels.grid.size[1]; ++j)

@@ -10,6 +10,7 @@
 #include <limits>
 #include <map>
 #include <queue>
+#include <string>
 #include <unordered_map>
 #include <utility>
 
@@ -165,6 +166,35 @@ namespace {
         }
     }
 
+    /// "rib_left_" of "rib_left_5"; empty for ribs 11 and 12, which have no tubercle, and for other bones.
+    std::string side_of_rib(const mesh::LabelTable& table, Label label)
+    {
+        const mesh::LabelInfo* info = mesh::find_label(table, label);
+        if (info == nullptr || !info->name.starts_with("rib_") || info->name.ends_with("_11")
+            || info->name.ends_with("_12"))
+            return {};
+        return info->name.substr(0, info->name.rfind('_') + 1);
+    }
+
+    /// Gives ribs without a tubercle the axis of the nearest rib of their side.
+    void take_axes_of_neighbours(const mesh::LabelTable& table, std::vector<JointPlaces>& joints)
+    {
+        for (JointPlaces& joint : joints) {
+            const std::string side = side_of_rib(table, joint.label);
+            if (joint.tubercle || side.empty() || std::ranges::count(joints, joint.label, &JointPlaces::label) > 1)
+                continue; // a rib in pieces: which of them is its head is not known
+            const JointPlaces* nearest = nullptr;
+            for (const JointPlaces& other : joints)
+                if (other.tubercle && !other.axis_of_neighbour && side_of_rib(table, other.label) == side
+                    && (nearest == nullptr || (other.head - joint.head).norm() < (nearest->head - joint.head).norm()))
+                    nearest = &other;
+            if (nearest == nullptr)
+                continue;
+            joint.tubercle = joint.head + (*nearest->tubercle - nearest->head);
+            joint.axis_of_neighbour = true;
+        }
+    }
+
 } // namespace
 
 double distance_to_labels(
@@ -201,6 +231,7 @@ std::vector<JointPlaces> joint_places(const mesh::LabelVolume& labels, std::span
     std::vector<JointPlaces> joints;
     for (auto& [label, index] : voxels)
         add_joints(labels, spine, label, std::move(index), joints);
+    take_axes_of_neighbours(labels.table, joints);
     return joints;
 }
 

@@ -7,6 +7,8 @@
 // by their way along the rib from its other end. Those farthest from there are the head. The tubercle is the last place
 // along the rib, between kLeastNeckMm and kTubercleReachMm from the head, within kJointGapMm of the spine; or, where
 // labels lose the tip of the process, within kTubercleGapMm. Labels that merge along the neck change neither end.
+// Where the labels show no tubercle of one of ribs 1 to 10, the rib takes the axis of the nearest rib of its side that
+// shows one: the axes of neighbours are nearly parallel.
 
 #include "mesh/image/volume.h"
 
@@ -36,6 +38,7 @@ struct JointPlaces {
     Label label = 0; ///< of the rib
     Vec3 head = Vec3::Zero(); ///< middle of the rib's voxels near the spine at its head, mm
     std::optional<Vec3> tubercle {}; ///< the same at its tubercle; not set: the labels show no second place
+    bool axis_of_neighbour = false; ///< the tubercle stands beside the head as that of the nearest rib
 };
 
 /// The joints of all connected parts of bone in the wall that reach voxels with a label in `fixed_labels`, by rising

@@ -331,6 +331,8 @@ RibJoints rib_joints(const mesh::TetMesh& mesh, const mesh::LabelVolume& labels,
                 springs[joint.vertices[i].id] += joint.stiffness[i];
         if (joint.hinge && !joint.hinge->edges.empty()) {
             joint.hinge->name = name;
+            if (places.axis_of_neighbour)
+                joints.neighbours_axis.push_back(name);
             joints.hinges.push_back(std::move(*joint.hinge));
         } else if (!joint.vertices.empty()) {
             joints.one_point.push_back(name);
@@ -341,15 +343,22 @@ RibJoints rib_joints(const mesh::TetMesh& mesh, const mesh::LabelVolume& labels,
     return joints;
 }
 
-std::string one_point_text(const RibJoints& joints)
+std::string guessed_joints_text(const RibJoints& joints)
 {
-    if (joints.one_point.empty())
-        return {};
-    std::string names;
-    for (const std::string& name : joints.one_point)
-        names += (names.empty() ? "" : ", ") + name;
-    return "the labels show no joint of the tubercle with the spine for " + names
-        + ": these ribs turn about their heads, without an axis and without a stop";
+    const auto listed = [](const std::vector<std::string>& names) {
+        std::string text;
+        for (const std::string& name : names)
+            text += (text.empty() ? "" : ", ") + name;
+        return text;
+    };
+    std::string text;
+    if (!joints.neighbours_axis.empty())
+        text = "the labels show no joint of the tubercle with the spine for " + listed(joints.neighbours_axis)
+            + ": these ribs turn about the axis of the nearest rib that shows one";
+    if (!joints.one_point.empty())
+        text += (text.empty() ? "" : "; ") + std::string("the labels show one place of the joint with the spine for ")
+            + listed(joints.one_point) + ": these ribs turn about their heads, without an axis and without a stop";
+    return text;
 }
 
 } // namespace retractor::planner

@@ -43,13 +43,14 @@ struct RibJoints {
     std::vector<fem::BeddedVertex> springs; ///< each vertex once
     std::vector<fem::Hinge> hinges; ///< named as the labels of the ribs
     std::vector<std::string> one_point; ///< names of the labels whose joints have one place only
+    std::vector<std::string> neighbours_axis; ///< names of the labels that turn about the axis of the nearest rib
 };
 
 /// The joints of the bones that reach voxels with a label in `fixed_labels`, as far as the mesh has their heads.
 /// @param mesh the wall before any cut, four-node elements
 RibJoints rib_joints(const mesh::TetMesh& mesh, const mesh::LabelVolume& labels, std::span<const Label> fixed_labels);
 
-/// Text for people: the joints with one place; empty when there are none.
-std::string one_point_text(const RibJoints& joints);
+/// Text for people: the joints whose axis the labels do not show; empty when there are none.
+std::string guessed_joints_text(const RibJoints& joints);
 
 } // namespace retractor::planner

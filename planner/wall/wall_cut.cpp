@@ -528,7 +528,7 @@ fem::Supports supports_of(const mesh::TetMesh& wall, const mesh::LabelVolume& la
         if (!held.contains(spring.vertex))
             supports.bedded.push_back(spring);
     if (message != nullptr)
-        if (const std::string text = one_point_text(joints); !text.empty())
+        if (const std::string text = guessed_joints_text(joints); !text.empty())
             remark(*message, text);
     supports.hinges = std::move(joints.hinges);
     return supports;

@@ -1,7 +1,6 @@
 #include "tests/support/reference_problems.h"
 
 #include "fem/linear_algebra/constrained_solver.h"
-#include "mesh/base/error.h"
 
 namespace retractor::test_support {
 
@@ -31,16 +30,6 @@ Eigen::VectorXd solve_linear(fem::ElasticBody& body, const std::vector<std::uint
             u[static_cast<Eigen::Index>(i)] = values[static_cast<Eigen::Index>(i)];
     solver.factorise(K);
     return u + solver.solve(loads - K.multiply(u));
-}
-
-std::string message_of(const std::function<void()>& f)
-{
-    try {
-        f();
-    } catch (const Error& error) {
-        return error.where() + ": " + error.what();
-    }
-    return "nothing was thrown";
 }
 
 } // namespace retractor::test_support

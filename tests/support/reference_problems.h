@@ -1,17 +1,16 @@
 #pragma once
-// Shared by tests of mechanics: materials, a linear solve with prescribed unknowns, and the message of an error. Units
-// mm, N, MPa.
+// Shared by tests of mechanics: materials, and a linear solve with prescribed unknowns; includes the message of an
+// error. Units mm, N, MPa.
 
 #include "fem/material/material.h"
 #include "fem/model/elastic_body.h"
 #include "mesh/tetrahedra/tet_mesh.h"
+#include "tests/support/test_help.h"
 #include "tests/verification/framework/meshes.h"
 
 #include <Eigen/Core>
 
 #include <cstdint>
-#include <functional>
-#include <string>
 #include <vector>
 
 namespace retractor::test_support {
@@ -28,8 +27,5 @@ std::vector<std::uint8_t> boundary_unknowns(const mesh::TetMesh& mesh);
 /// All vectors have one entry per unknown.
 Eigen::VectorXd solve_linear(fem::ElasticBody& body, const std::vector<std::uint8_t>& prescribed,
     const Eigen::VectorXd& values, const Eigen::VectorXd& loads);
-
-/// The text "where: what" of the Error that f throws, or "nothing was thrown".
-std::string message_of(const std::function<void()>& f);
 
 } // namespace retractor::test_support

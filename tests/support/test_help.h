@@ -1,5 +1,5 @@
 #pragma once
-// Shared by the tests of haptics: the message of an error.
+// The message of an error.
 
 #include "mesh/base/error.h"
 
@@ -8,13 +8,14 @@
 
 namespace retractor::test_support {
 
-/// The text "what [where]" of the error that `f` throws; empty when `f` throws no Error.
+/// The text "where: what" of the error that `f` throws, or "what" where it names no place; empty when `f` throws no
+/// Error.
 inline std::string message_of(const std::function<void()>& f)
 {
     try {
         f();
     } catch (const Error& error) {
-        return std::string(error.what()) + " [" + error.where() + "]";
+        return error.where().empty() ? error.what() : error.where() + ": " + error.what();
     }
     return {};
 }

@@ -176,8 +176,7 @@ namespace element_fibres_test {
         // Through a corner, along an edge, through the middle, just beside.
         const auto refused = [&](const Vec3& point, const Vec3& axis) {
             materials[1].law = winding({ .point = point, .axis = axis });
-            return test_support::message_of([&] { (void)hyperelastic_tissue(mesh, materials); })
-                != "nothing was thrown";
+            return !test_support::message_of([&] { (void)hyperelastic_tissue(mesh, materials); }).empty();
         };
         EXPECT_TRUE(refused(Vec3(0.0, 0.0, 3.0), Vec3(1.0, -1.0, 0.0)));
         EXPECT_TRUE(refused(Vec3(20.0, 10.0, -7.0), Vec3::UnitZ()));

@@ -172,7 +172,7 @@ namespace bad_parameters_test {
             (void)verification::release_wound(
                 incision.mesh, lips, stresses, problem.material_of_label, problem.supports, {}, Job {});
         };
-        EXPECT_EQ(test_support::message_of(release), "nothing was thrown");
+        EXPECT_EQ(test_support::message_of(release), "");
         stresses[static_cast<std::size_t>(lips.front().tet)](1, 1) = kNan;
         EXPECT_NE(test_support::message_of(release).find("finite"), std::string::npos)
             << test_support::message_of(release);
@@ -187,7 +187,7 @@ namespace bad_parameters_test {
             mesh::CutSession session(uncut);
             const OnlineOpening opening(session, std::vector<Material>(2, tissue()), bottom, {}, options);
         };
-        EXPECT_EQ(test_support::message_of(prepare), "nothing was thrown");
+        EXPECT_EQ(test_support::message_of(prepare), "");
         options.stress_of_element.back()(0, 2) = kNan;
         EXPECT_NE(test_support::message_of(prepare).find("finite"), std::string::npos)
             << test_support::message_of(prepare);
@@ -200,7 +200,7 @@ namespace bad_parameters_test {
             verification::incise(verification::uncut_block(block), verification::incision_blade(block)), tissue(),
             Vec3(0.0, 2.0, 0.5));
         const auto open = [&] { open_whole(problem); };
-        EXPECT_EQ(test_support::message_of(open), "nothing was thrown");
+        EXPECT_EQ(test_support::message_of(open), "");
         constexpr TetId kTwice = 7;
         const auto nodes = problem.mesh.tet(kTwice);
         const std::vector<VertexId> copy(nodes.begin(), nodes.end());

@@ -534,7 +534,7 @@ namespace nonlinear_region_test {
         ElasticProblem loose = problem;
         loose.supports = {};
         loose.hooks.clear();
-        EXPECT_NE(test_support::message_of([&] { (void)nonlinear_region(loose, near); }), "nothing was thrown");
+        EXPECT_NE(test_support::message_of([&] { (void)nonlinear_region(loose, near); }), "");
         NonlinearRegion field = nonlinear_region(problem, near);
         EXPECT_EQ(test_support::message_of([&] { (void)field.drag(std::vector<Vec3>(1, Vec3::Zero())); }),
             "nonlinear region: there are 2 hooks");

@@ -78,7 +78,7 @@ namespace device_rig_test {
         EXPECT_EQ(second.devices()[0]->info().name, "right");
         EXPECT_EQ(second.devices()[0]->read(0.0, 1e-3).position.x(), 3.0);
         EXPECT_EQ(test_support::message_of([&] { DeviceRig rig(names, {}, kSecond); }),
-            "there must be one finger for each device []");
+            "there must be one finger for each device");
     }
 
     TEST(DeviceRig, KnowsWhatIsLiveAndRefusesTheRest)
@@ -94,7 +94,7 @@ namespace device_rig_test {
                 "replay:FILE ["
                     + name + "]");
         EXPECT_EQ(test_support::message_of([] { DeviceRig rig(std::span<const std::string> {}); }),
-            "no device was asked for []");
+            "no device was asked for");
     }
 
 } // namespace device_rig_test

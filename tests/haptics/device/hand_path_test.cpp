@@ -37,15 +37,15 @@ namespace hand_path_test {
 
     TEST(HandPath, RefusesWhatIsNoPath)
     {
-        EXPECT_EQ(test_support::message_of([] { HandPath({}); }), "a hand's path needs at least one key []");
+        EXPECT_EQ(test_support::message_of([] { HandPath({}); }), "a hand's path needs at least one key");
         EXPECT_EQ(test_support::message_of([] {
             HandPath({ { 0.0, Vec3::Zero() }, { 0.0, Vec3::Zero() } });
         }),
-            "the times of a hand's path do not increase [key 1]");
+            "key 1: the times of a hand's path do not increase");
         EXPECT_EQ(test_support::message_of([] {
             HandPath({ { 0.0, Vec3(NAN, 0.0, 0.0) } });
         }),
-            "a hand's path has a number that is not finite [key 0]");
+            "key 0: a hand's path has a number that is not finite");
     }
 
 } // namespace hand_path_test

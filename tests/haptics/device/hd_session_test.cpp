@@ -118,7 +118,7 @@ namespace hd_session_test {
                       .find("device 'Nobody' cannot be initialised: a call was wrong (HDAPI 0x0101"),
             std::string::npos);
         EXPECT_NE(message({ {}, {} }).find("already in use"), std::string::npos);
-        EXPECT_EQ(message({}), "no device was asked for []");
+        EXPECT_EQ(message({}), "no device was asked for");
     }
 
     TEST_F(HdSessionTest, ReadsPoseAndButtonsAndPushesTheHand)
@@ -143,7 +143,7 @@ namespace hd_session_test {
         EXPECT_TRUE(session.take_problems().empty()) << "clamped before the device could complain";
         pusher.forces[0].setZero();
         run(2);
-        EXPECT_EQ(test_support::message_of([&] { session.start(pusher); }), "the devices run already []");
+        EXPECT_EQ(test_support::message_of([&] { session.start(pusher); }), "the devices run already");
     }
 
     TEST_F(HdSessionTest, OneCallbackDrivesTwoDevicesEachWithItsForce)

@@ -84,11 +84,11 @@ namespace pointer_device_test {
             reading = device.read(i * kStep, kStep);
         EXPECT_NEAR((reading.position - Vec3(10.0, 3.0, 0.0)).norm(), 0.0, 1e-9);
         EXPECT_EQ(test_support::message_of([] { PointerDevice d({ .time_s = 0.0 }); }),
-            "the time constant must be positive [time_s]");
+            "time_s: the time constant must be positive");
         EXPECT_EQ(test_support::message_of([] {
             PointerDevice d({ .workspace = { Vec3::Zero(), Vec3::Zero() } });
         }),
-            "the workspace is empty [workspace]");
+            "workspace: the workspace is empty");
     }
 
 } // namespace pointer_device_test

@@ -164,11 +164,11 @@ namespace simulated_hand_test {
             change(options);
             return test_support::message_of([&] { SimulatedHand hand(options); });
         };
-        EXPECT_EQ(message([](auto& o) { o.hand.mass.y() = 0.0; }), "a hand's parameters must be positive [mass]");
-        EXPECT_EQ(message([](auto& o) { o.stylus_mass = NAN; }), "a hand's parameters must be positive [stylus_mass]");
-        EXPECT_EQ(message([](auto& o) { o.friction = -1.0; }), "must not be negative [friction]");
-        EXPECT_EQ(message([](auto& o) { o.delay_ticks = 9; }), "the delay is longer than 8 ticks [delay_ticks]");
-        EXPECT_EQ(message([](auto& o) { o.substeps = 0; }), "at least one step a tick is needed [substeps]");
+        EXPECT_EQ(message([](auto& o) { o.hand.mass.y() = 0.0; }), "mass: a hand's parameters must be positive");
+        EXPECT_EQ(message([](auto& o) { o.stylus_mass = NAN; }), "stylus_mass: a hand's parameters must be positive");
+        EXPECT_EQ(message([](auto& o) { o.friction = -1.0; }), "friction: must not be negative");
+        EXPECT_EQ(message([](auto& o) { o.delay_ticks = 9; }), "delay_ticks: the delay is longer than 8 ticks");
+        EXPECT_EQ(message([](auto& o) { o.substeps = 0; }), "substeps: at least one step a tick is needed");
     }
 
 } // namespace simulated_hand_test

@@ -50,14 +50,14 @@ namespace tick_thread_test {
         ordinary.start(counter);
         EXPECT_FALSE(ordinary.is_realtime());
         EXPECT_EQ(ordinary.realtime_note(), "SCHED_FIFO was not asked for");
-        EXPECT_EQ(test_support::message_of([&] { ordinary.start(counter); }), "the tick thread runs already []");
+        EXPECT_EQ(test_support::message_of([&] { ordinary.start(counter); }), "the tick thread runs already");
         ordinary.stop(); // a counter is for one thread
         counter.last = -1.0;
         TickThread best;
         best.start(counter);
         EXPECT_TRUE(best.is_realtime() || best.realtime_note().find("SCHED_FIFO") != std::string::npos);
         EXPECT_EQ(test_support::message_of([] { TickThread thread({ .period_s = 0.0 }); }),
-            "the period must be positive [period_s]");
+            "period_s: the period must be positive");
     }
 
 } // namespace tick_thread_test

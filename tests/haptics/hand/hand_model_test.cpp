@@ -79,13 +79,12 @@ TEST(HandModel, handsTakeThreeFingersEachAndFingersInOnePlaceOnce)
 
 TEST(HandModel, refusesHandsThatAreNone)
 {
-    EXPECT_EQ(
-        test_support::message_of([] { make_hand(false, 20.0); }), "a hand is 100 to 260 mm long, got 20.000000 []");
+    EXPECT_EQ(test_support::message_of([] { make_hand(false, 20.0); }), "a hand is 100 to 260 mm long, got 20.000000");
     const HandModel hand = make_hand(false);
     const auto placing = [&](const std::vector<Vec3>& tips) {
         return test_support::message_of([&] { place_hand(hand, Vec3::UnitZ(), -Vec3::UnitZ(), Vec3::UnitY(), tips); });
     };
-    EXPECT_EQ(placing({}), "a hand is placed by 1 to 5 fingertips, got 0 []");
-    EXPECT_EQ(placing(std::vector<Vec3>(6, Vec3::Zero())), "a hand is placed by 1 to 5 fingertips, got 6 []");
-    EXPECT_EQ(placing({ Vec3::Constant(std::nan("")) }), "its place is not finite [fingertip 0]");
+    EXPECT_EQ(placing({}), "a hand is placed by 1 to 5 fingertips, got 0");
+    EXPECT_EQ(placing(std::vector<Vec3>(6, Vec3::Zero())), "a hand is placed by 1 to 5 fingertips, got 6");
+    EXPECT_EQ(placing({ Vec3::Constant(std::nan("")) }), "fingertip 0: its place is not finite");
 }

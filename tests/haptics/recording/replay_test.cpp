@@ -68,11 +68,11 @@ namespace replay_test {
     TEST(Replay, RefusesWhatIsNotThere)
     {
         EXPECT_EQ(test_support::message_of([] { ReplayDevice(a_press(), 1); }),
-            "the recording has 1 devices, none of number 1 []");
+            "the recording has 1 devices, none of number 1");
         MotionRecording empty = a_press();
         empty.times_s.clear();
         empty.samples.clear();
-        EXPECT_EQ(test_support::message_of([&] { ReplayDevice(empty, 0); }), "the recording is empty []");
+        EXPECT_EQ(test_support::message_of([&] { ReplayDevice(empty, 0); }), "the recording is empty");
     }
 
 } // namespace replay_test

@@ -83,7 +83,7 @@ namespace device_mapping_test {
         EXPECT_DOUBLE_EQ(scale_to_cover(Workspace { Vec3::Zero(), Vec3::Constant(500.0) }, 400.0), 1.0);
         EXPECT_NE(test_support::message_of([] {
             scale_to_cover({ Vec3::Zero(), Vec3::Zero() }, 400.0);
-        }).find("[workspace]"),
+        }).find("workspace: "),
             std::string::npos);
     }
 
@@ -146,10 +146,10 @@ namespace device_mapping_test {
             return test_support::message_of([&] { DeviceMapping(options, Workspace {}); });
         };
         EXPECT_EQ(message({ .scene_from_device = Vec3(-1.0, 1.0, 1.0).asDiagonal() }),
-            "the device's orientation in the scene is no rotation [scene_from_device]");
-        EXPECT_EQ(message({ .scale = 0.0 }), "the scale must be positive [scale]");
-        EXPECT_EQ(message({ .force_scale = NAN }), "the force scale must be positive [force_scale]");
-        EXPECT_EQ(message({ .scene_centre = Vec3(0.0, NAN, 0.0) }), "the centre is not finite [scene_centre]");
+            "scene_from_device: the device's orientation in the scene is no rotation");
+        EXPECT_EQ(message({ .scale = 0.0 }), "scale: the scale must be positive");
+        EXPECT_EQ(message({ .force_scale = NAN }), "force_scale: the force scale must be positive");
+        EXPECT_EQ(message({ .scene_centre = Vec3(0.0, NAN, 0.0) }), "scene_centre: the centre is not finite");
     }
 
 } // namespace device_mapping_test

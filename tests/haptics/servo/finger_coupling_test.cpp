@@ -72,9 +72,9 @@ namespace finger_coupling_test {
             return test_support::message_of([&] { FingerCoupling(options, DeviceLimits {}, kStep, 1.0); });
         };
         EXPECT_EQ(
-            message({ .damping_share = 1.5 }), "a share of the device's range lies between 0 and 1 [damping_share]");
+            message({ .damping_share = 1.5 }), "damping_share: a share of the device's range lies between 0 and 1");
         EXPECT_EQ(
-            message({ .damping_share = NAN }), "a share of the device's range lies between 0 and 1 [damping_share]");
+            message({ .damping_share = NAN }), "damping_share: a share of the device's range lies between 0 and 1");
     }
 
 } // namespace finger_coupling_test

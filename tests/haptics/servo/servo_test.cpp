@@ -466,24 +466,24 @@ namespace servo_test {
             = [&](std::vector<ServoDevice> devices, test_support::Wall& wall, const ServoOptions& options = {}) {
                   return test_support::message_of([&] { Servo servo(std::move(devices), wall, options); });
               };
-        EXPECT_EQ(message({}, one), "a servo needs at least one device []");
-        EXPECT_EQ(message({ { .device = &puppet } }, two), "there are 1 fingers, but 'wall' takes 2 []");
+        EXPECT_EQ(message({}, one), "a servo needs at least one device");
+        EXPECT_EQ(message({ { .device = &puppet } }, two), "there are 1 fingers, but 'wall' takes 2");
         ServoOptions options;
         options.fingers = { { .device = 3 } };
-        EXPECT_EQ(message({ { .device = &puppet } }, one, options), "device 3 does not exist [finger 0]");
+        EXPECT_EQ(message({ { .device = &puppet } }, one, options), "finger 0: device 3 does not exist");
         options.fingers = { { .radius = 0.0 } };
         EXPECT_EQ(
-            message({ { .device = &puppet } }, one, options), "the fingertip's radius or place is wrong [finger 0]");
+            message({ { .device = &puppet } }, one, options), "finger 0: the fingertip's radius or place is wrong");
         const double infinite = std::numeric_limits<double>::infinity();
         options.fingers = { { .radius = infinite } };
         EXPECT_EQ(
-            message({ { .device = &puppet } }, one, options), "the fingertip's radius or place is wrong [finger 0]");
+            message({ { .device = &puppet } }, one, options), "finger 0: the fingertip's radius or place is wrong");
         options = {};
         options.step_s = infinite;
         EXPECT_EQ(message({ { .device = &puppet } }, one, options),
-            "the step must be positive, the force gain not negative, both finite []");
+            "the step must be positive, the force gain not negative, both finite");
         options.fingers.assign(9, {});
-        EXPECT_EQ(message({ { .device = &puppet } }, one, options), "there are 9 fingers, at most 8 are possible []");
+        EXPECT_EQ(message({ { .device = &puppet } }, one, options), "there are 9 fingers, at most 8 are possible");
     }
 
 } // namespace servo_test

@@ -179,7 +179,7 @@ TEST(SphereTissue, tickAllocatesNothing)
 TEST(SphereTissue, refusesANegativeBlend)
 {
     EXPECT_EQ(test_support::message_of([] { SphereTissue({ Touch::organ() }, {}, -1.0); }),
-        "the blend time must not be negative, got -1.000000 []");
+        "the blend time must not be negative, got -1.000000");
 }
 
 } // namespace sphere_tissue_test

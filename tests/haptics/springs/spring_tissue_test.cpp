@@ -214,9 +214,9 @@ TEST(SpringTissue, refusesSpringsTooStiffForTheirMass)
 {
     EXPECT_EQ(test_support::message_of([] { SpringTissue(make_spring_sheet({ .stiffness = 1e4 }), {}); }),
         "the springs are too stiff for their mass: their stability bound is 4.08248e-07 s, less than 1/1000 of a tick "
-        "of 0.005 s []");
+        "of 0.005 s");
     EXPECT_EQ(test_support::message_of([] { SpringTissue(make_spring_sheet(), {}, { .fingers = 0 }); }),
-        "a tissue is touched by 1 to 16 fingers, got 0 []");
+        "a tissue is touched by 1 to 16 fingers, got 0");
 }
 
 TEST(SpringTissue, aPulseIsALoadOfPressureTimesArea)
@@ -234,10 +234,10 @@ TEST(SpringTissue, aPulseIsALoadOfPressureTimesArea)
     EXPECT_NEAR(pulsed.tissue.motion().position(kMiddle).z(), loaded.tissue.motion().position(kMiddle).z(), kRoundOff);
     options.pulse.areas.clear();
     EXPECT_EQ(test_support::message_of([&] { SpringTissue(make_spring_sheet(), {}, options); }),
-        "there must be one area per particle [pulse]");
+        "pulse: there must be one area per particle");
     options.pulse = { PulsePressure::constant(120.0), 0.0, { 625 }, { area } };
     EXPECT_EQ(test_support::message_of([&] { SpringTissue(make_spring_sheet(), {}, options); }),
-        "presses on a particle that does not exist, or on an area that is not finite [pulse, entry 0]");
+        "pulse, entry 0: presses on a particle that does not exist, or on an area that is not finite");
 }
 
 TEST(SpringTissue, tellsNoStiffnessWhenAskedNotTo)

@@ -151,13 +151,13 @@ TEST(ElasticityTrial, refusesWhatIsNoTrial)
     ElasticityTrial trial { .trainee = "a", .date = "2026-01-31", .chosen_MPa = 1.0, .right_MPa = 1.0 };
     EXPECT_NO_THROW(check_trial(trial));
     trial.date = "31.1.2026";
-    EXPECT_EQ(test_support::message_of([&] { check_trial(trial); }), "a date is YYYY-MM-DD, got 31.1.2026 [date]");
+    EXPECT_EQ(test_support::message_of([&] { check_trial(trial); }), "date: a date is YYYY-MM-DD, got 31.1.2026");
     trial.date = "2026-01-31";
     trial.chosen_MPa = -1.0;
     EXPECT_EQ(test_support::message_of([&] { check_trial(trial); }),
-        "an elasticity must be positive, got -1.000000 [chosen_MPa]");
+        "chosen_MPa: an elasticity must be positive, got -1.000000");
     EXPECT_EQ(test_support::message_of([] { (void)instruction_of("loud"); }),
-        "the instruction is none, verbal or haptic, got loud []");
+        "the instruction is none, verbal or haptic, got loud");
 }
 
 } // namespace elasticity_trials_test

@@ -60,7 +60,7 @@ TEST(TrialStore, aBadTrialLeavesNothingBehind)
     TrialStore store(folder.path / "trials.sqlite");
     auto trials = simulate_modelling_study(1);
     trials.back().session = 0;
-    EXPECT_EQ(test_support::message_of([&] { store.add(trials); }), "sessions count from 1, got 0 [session]");
+    EXPECT_EQ(test_support::message_of([&] { store.add(trials); }), "session: sessions count from 1, got 0");
     EXPECT_TRUE(store.trials().empty());
 }
 

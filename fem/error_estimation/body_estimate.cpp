@@ -95,7 +95,7 @@ BodyEstimate estimate_error(ElasticBody& coarse_body, const std::vector<std::uin
     RETRACTOR_ASSERT(static_cast<std::size_t>(answer.size()) == coarse_held.size());
     job.report("error estimate", 0.0);
     (void)coarse_body.renew_follower_loads(answer);
-    (void)coarse_body.renew_blades(answer);
+    coarse_body.renew_blades(answer);
     if (!std::isfinite(coarse_body.response(answer).energy))
         return { .status = EstimateStatus::not_converged,
             .message = "no estimate: elements of the answer are turned over",
@@ -109,7 +109,7 @@ BodyEstimate estimate_error(ElasticBody& coarse_body, const std::vector<std::uin
     const Nesting nesting(fine_body.mesh(), coarse_body.mesh().vertex_count());
     const Eigen::VectorXd start = nesting.prolong(answer);
     (void)fine_body.renew_follower_loads(start);
-    (void)fine_body.renew_blades(start);
+    fine_body.renew_blades(start);
     ElasticBody::Response there = fine_body.response(start);
     AveragedContact contact(coarse_body, fine_body.mesh(), answer);
     contact.add_forces(there.forces);

@@ -16,6 +16,8 @@ namespace retractor::fem {
 
 namespace {
 
+    constexpr double kNeverMPa = 1e9; ///< no tissue bears this stress
+
     using Vec12 = Eigen::Matrix<double, 12, 1>; // the place of the sample, and the three nodes of the blade
     using Mat12 = Eigen::Matrix<double, 12, 12>;
 
@@ -131,6 +133,7 @@ namespace {
 BladeContact::BladeContact(const mesh::TetMesh& mesh, std::vector<BladeSurface> blades)
     : rest_(mesh.vertices)
     , blades_(std::move(blades))
+    , groups_(blades_.size())
 {
     constexpr double kNothing = 1e-12; // weight of a node that is not on the face of the sample
     first_.push_back(0);
@@ -156,14 +159,29 @@ BladeContact::BladeContact(const mesh::TetMesh& mesh, std::vector<BladeSurface> 
         const Place there = place(at_rest, all[static_cast<std::size_t>(samples_[i].blade)], i);
         samples_[i].along_at_rest = there.along;
         samples_[i].deep_at_rest = there.deep;
+        samples_[i].share = share_at(there, static_cast<std::size_t>(samples_[i].blade));
+        groups_[static_cast<std::size_t>(samples_[i].blade)][given(i).bone ? 1 : 0].area
+            += given(i).area * samples_[i].share;
     }
-    (void)renew(at_rest);
 }
 
 const BladeSample& BladeContact::given(std::size_t sample) const
 {
     const auto blade = static_cast<std::size_t>(samples_[sample].blade);
     return blades_[blade].samples[sample - first_[blade]];
+}
+
+const BladeContact::Group& BladeContact::group(std::size_t sample) const
+{
+    return groups_[static_cast<std::size_t>(samples_[sample].blade)][given(sample).bone ? 1 : 0];
+}
+
+double BladeContact::slips_at(std::size_t sample) const
+{
+    const Group& of = group(sample);
+    if (of.slips)
+        return of.slips_at;
+    return blades_[static_cast<std::size_t>(samples_[sample].blade)].friction > 0.0 ? kNeverMPa : 0.0;
 }
 
 Vec3 BladeContact::moved(VertexId v, const Eigen::VectorXd& u) const
@@ -224,41 +242,54 @@ Vec3 BladeContact::force_on(const Pose& pose, const Place& place, std::size_t sa
     const Sample& s = samples_[sample];
     const BladeSample& own = given(sample);
     const Stick stick(
-        { place.along - s.along_at_rest, place.deep - s.deep_at_rest }, kStickShare * own.stiffness, s.slips_at);
+        { place.along - s.along_at_rest, place.deep - s.deep_at_rest }, kStickShare * own.stiffness, slips_at(sample));
     return own.area * s.share
         * (own.stiffness * depth_of(place.gap, s.expected) * pose.normal + stick.stress[0] * pose.along
             + stick.stress[1] * pose.deep);
 }
 
-double BladeContact::renew(const Eigen::VectorXd& u)
+std::vector<std::array<double, 2>> BladeContact::group_forces(const Eigen::VectorXd& u) const
 {
     const std::vector<Pose> all = poses(u);
-    std::vector<std::pair<VertexId, Vec3>> changes;
+    std::vector<std::array<double, 2>> forces(blades_.size());
     for (std::size_t i = 0; i < samples_.size(); ++i) {
-        Sample& s = samples_[i];
-        const auto blade = static_cast<std::size_t>(s.blade);
-        const Place there = place(u, all[blade], i);
-        const double share = share_at(there, blade);
-        const double slips_at = blades_[blade].friction * given(i).stiffness * std::max(-there.gap, 0.0);
-        if (share == s.share && slips_at == s.slips_at)
-            continue;
-        const Vec3 before = force_on(all[blade], there, i);
-        s.share = share;
-        s.slips_at = slips_at;
-        const Vec3 change = force_on(all[blade], there, i) - before;
-        for (auto n = static_cast<std::size_t>(s.begin); n < static_cast<std::size_t>(s.end); ++n)
-            changes.emplace_back(node_[n], weight_[n] * change);
+        const auto blade = static_cast<std::size_t>(samples_[i].blade);
+        const BladeSample& own = given(i);
+        if (samples_[i].share > 0.0)
+            forces[blade][own.bone ? 1 : 0]
+                += own.area * samples_[i].share * own.stiffness * std::max(-place(u, all[blade], i).gap, 0.0);
     }
-    std::sort(changes.begin(), changes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    double largest = 0.0;
-    for (auto first = changes.begin(); first != changes.end();) {
-        Vec3 sum = Vec3::Zero();
-        const VertexId node = first->first;
-        for (; first != changes.end() && first->first == node; ++first)
-            sum += first->second;
-        largest = std::max(largest, sum.norm());
-    }
-    return largest;
+    return forces;
+}
+
+void BladeContact::renew(const Eigen::VectorXd& u, double share)
+{
+    const std::vector<std::array<double, 2>> forces = group_forces(u);
+    for (std::size_t b = 0; b < blades_.size(); ++b)
+        for (std::size_t k = 0; k < 2; ++k) {
+            Group& group = groups_[b][k];
+            const double whole = group.area > 0.0 ? blades_[b].friction * forces[b][k] / group.area : 0.0;
+            const bool at_once = !group.slips || group.slips_at == 0.0 || whole == 0.0;
+            group.slips_at += (at_once ? 1.0 : share) * (whole - group.slips_at);
+            group.slips = true;
+        }
+}
+
+double BladeContact::friction_error(const Eigen::VectorXd& u) const
+{
+    const std::vector<std::array<double, 2>> forces = group_forces(u);
+    double largest = 0.0, error = 0.0;
+    for (std::size_t b = 0; b < blades_.size(); ++b)
+        for (std::size_t k = 0; k < 2; ++k) {
+            const Group& group = groups_[b][k];
+            if (blades_[b].friction == 0.0 || group.area <= 0.0)
+                continue;
+            if (!group.slips || (forces[b][k] == 0.0 && group.slips_at > 0.0))
+                return std::numeric_limits<double>::infinity();
+            largest = std::max(largest, forces[b][0] + forces[b][1]);
+            error = std::max(error, std::abs(blades_[b].friction * forces[b][k] - group.slips_at * group.area));
+        }
+    return largest > 0.0 ? error / largest : 0.0;
 }
 
 void BladeContact::expect(const Eigen::VectorXd& u)
@@ -297,7 +328,7 @@ double BladeContact::energy_of(const Place& place, std::size_t sample) const
     const BladeSample& own = given(sample);
     const double depth = depth_of(place.gap, s.expected);
     const Stick stick(
-        { place.along - s.along_at_rest, place.deep - s.deep_at_rest }, kStickShare * own.stiffness, s.slips_at);
+        { place.along - s.along_at_rest, place.deep - s.deep_at_rest }, kStickShare * own.stiffness, slips_at(sample));
     return own.area * s.share * (0.5 * own.stiffness * depth * depth + stick.energy);
 }
 
@@ -381,16 +412,16 @@ void BladeContact::add_stiffness(const Eigen::VectorXd& u, double projected, Blo
             continue;
         const Place there = place(u, pose, i);
         const bool touches = s.expected || there.gap < 0.0;
-        if (!touches && s.slips_at <= 0.0)
+        if (!touches && slips_at(i) <= 0.0)
             continue;
         Mat12 K = Mat12::Zero();
         if (touches) {
             const PlaneDistance g = plane_distance(there.x, pose.node);
             K = own.stiffness * (g.gradient * g.gradient.transpose() + (1.0 - projected) * there.gap * g.hessian);
         }
-        if (s.slips_at > 0.0) {
+        if (slips_at(i) > 0.0) {
             const Stick stick({ there.along - s.along_at_rest, there.deep - s.deep_at_rest },
-                kStickShare * own.stiffness, s.slips_at);
+                kStickShare * own.stiffness, slips_at(i));
             const Vec3 from_middle = there.x - pose.node[0];
             const AxisWay along(from_middle, pose.along, pose.along_mm), deep(from_middle, pose.deep, pose.deep_mm);
             Eigen::Matrix<double, 12, 2> J;
@@ -479,6 +510,8 @@ std::vector<BladeBearing> BladeContact::bearing(const Eigen::VectorXd& u) const
         const double height = 2.0 * blade.half_height_mm / rows, width = 2.0 * blade.half_width_mm / columns;
         Eigen::Index row = 0, column = 0;
         bearing.pressure_largest_MPa = force.maxCoeff(&row, &column) / (width * height);
+        if (const auto bearing_squares = (force.array() > 0.0).count(); bearing_squares > 0)
+            bearing.pressure_mean_MPa = force.sum() / (static_cast<double>(bearing_squares) * width * height);
         bearing.largest_along_mm = (static_cast<double>(column) + 0.5) * width - blade.half_width_mm;
         bearing.largest_deep_mm = (static_cast<double>(row) + 0.5) * height - blade.half_height_mm;
         bearings.push_back(bearing);

@@ -10,16 +10,20 @@
 // (blade_samples.h). No pairs are searched for. A sample at the place x of a face has the energy
 //   area w ( k/2 min(0, g)^2 + h_c(s) ).
 // g is the distance of x from the plane of the blade less the distance at which the sample bears. So a blade pushes and
-// never pulls. w fades from 1 to 0 across the edges of the rectangle. s is the way of x along the blade since rest, and
-// h_c the energy of a spring of stiffness k_t that slips at the stress c (Huber 1964, doi 10.1214/aoms/1177703732).
-// With c equal to friction times pressure, this is the law of Coulomb for loads that only rise: the friction opposes
+// never pulls. w fades from 1 to 0 across the edges of the rectangle at rest: the same tissue stays under the blade. s
+// is the way of x along the blade since rest, and h_c the energy of a spring of stiffness k_t that slips at the stress
+// c (Huber 1964, doi 10.1214/aoms/1177703732; a given limit of slip is the friction of Tresca). The friction opposes
 // the whole way since rest, so the answer does not depend on the steps in which the blade was moved.
 //
-// Within a Newton step w and c are constant, and the energy is convex but for the turning of the blade. renew() takes
-// both from the present state. In equilibrium they belong to this state.
+// c is even over the soft tissue under a blade, and over the bone under it. Its sum is the friction coefficient times
+// the force that this tissue bears: the law of Coulomb for the sum. Coulomb's law at each sample has no equilibrium
+// where bone bears on an edge: there friction shifts the pressure, and pressure the friction, to and fro.
+//
+// Within Newton's method c is constant, and the energy is convex but for the turning of the blade. renew() takes c from
+// the present state.
 //
 // Error. The blade sinks by pressure over k into the tissue. k is set so that a pressure of a tenth of a tissue's
-// modulus sinks by a two-hundredth of an edge, and on bone by 0.01 mm for each MPa of pressure (kStiffestN_mm3). The
+// modulus sinks by a two-hundredth of an edge, and on bone by 0.1 mm for each MPa of pressure (kStiffestN_mm3). The
 // pattern of the stiffness has blocks between the nodes of a blade and those of its faces, and never changes.
 
 #include "fem/linear_algebra/block_matrix.h"
@@ -35,7 +39,7 @@
 namespace retractor::fem {
 
 /// Largest stiffness of the penalty, N/mm^3. By its modulus bone would get several hundred times more.
-inline constexpr double kStiffestN_mm3 = 100.0;
+inline constexpr double kStiffestN_mm3 = 10.0;
 /// Width of the band across the edges of a blade in which its pressure fades, mm: the rounding of a blade's edge.
 inline constexpr double kBladeFadeMm = 2.0;
 /// Stiffness of the spring along the blade, relative to the stiffness of the penalty.
@@ -75,7 +79,7 @@ struct BladeBearing {
     double largest_along_mm = 0.0, largest_deep_mm = 0.0;
     double penetration_mm = 0.0; ///< largest depth by which tissue passes into the blade: the error of the penalty
 
-    double pressure_mean_MPa() const { return area_mm2 > 0.0 ? force_N / area_mm2 : 0.0; }
+    double pressure_mean_MPa = 0.0; ///< mean over the squares that bear
 };
 
 class BladeContact {
@@ -85,9 +89,12 @@ public:
     /// not span its rectangle
     BladeContact(const mesh::TetMesh& mesh, std::vector<BladeSurface> blades);
 
-    /// Takes fading and friction from the state u.
-    /// @return the largest change of the force at a node of the tissue, N
-    double renew(const Eigen::VectorXd& u);
+    /// Moves the friction by a share of its way to the friction of the state u; all the way at first, and where there
+    /// was none or is to be none. A body at rest does not slip.
+    void renew(const Eigen::VectorXd& u, double share = 1.0);
+    /// The largest friction force that is missing or too much at the state u, relative to the largest force of a blade;
+    /// infinite where friction acts on a blade that bears nothing, and before the first renew().
+    double friction_error(const Eigen::VectorXd& u) const;
 
     /// From now on the samples that touch at `u` count as touching: their spring pushes and pulls. A step of the blade
     /// can so be linearised before the tissue has followed.
@@ -129,11 +136,20 @@ private:
         std::int32_t begin = 0, end = 0; ///< its nodes and their weights in node_ and weight_
         double along_at_rest = 0.0, deep_at_rest = 0.0;
         double share = 0.0; ///< w
-        double slips_at = 0.0; ///< c, MPa; 0: no friction
         bool expected = false;
     };
 
+    /// Soft tissue or bone under a blade.
+    struct Group {
+        double area = 0.0; ///< sum of area times w, mm^2
+        double slips_at = 0.0; ///< c, MPa; 0: no friction
+        bool slips = false; ///< false: as at rest, where nothing slips
+    };
+
     const BladeSample& given(std::size_t sample) const;
+    std::vector<std::array<double, 2>> group_forces(const Eigen::VectorXd& u) const; ///< normal forces, N
+    const Group& group(std::size_t sample) const;
+    double slips_at(std::size_t sample) const;
     Pose pose(const Eigen::VectorXd& u, std::size_t blade) const;
     std::vector<Pose> poses(const Eigen::VectorXd& u) const;
     Place place(const Eigen::VectorXd& u, const Pose& pose, std::size_t sample) const;
@@ -144,6 +160,7 @@ private:
 
     Points rest_; ///< of all nodes
     std::vector<BladeSurface> blades_;
+    std::vector<std::array<Group, 2>> groups_; ///< per blade: soft tissue and bone
     std::vector<std::size_t> first_; ///< index of the first sample of each blade, and their number
     std::vector<Sample> samples_;
     std::vector<VertexId> node_;

@@ -77,8 +77,12 @@ public:
     /// the blades' own nodes.
     void set_blades(BladeContact blades);
     const BladeContact* blades() const { return blades_ ? &*blades_ : nullptr; }
-    /// Calls BladeContact::renew(). @return the largest change of the force at a node, N
-    double renew_blades(const Eigen::VectorXd& displacement) { return blades_ ? blades_->renew(displacement) : 0.0; }
+    /// Calls BladeContact::renew().
+    void renew_blades(const Eigen::VectorXd& displacement, double share = 1.0)
+    {
+        if (blades_)
+            blades_->renew(displacement, share);
+    }
     /// Calls BladeContact::expect() or, without a displacement, expect_nothing().
     void expect_blades(const Eigen::VectorXd* displacement);
     /// Calls BladeContact::prepare_search().

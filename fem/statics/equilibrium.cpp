@@ -45,9 +45,8 @@ namespace {
             RETRACTOR_ASSERT(u.size() == 3 * body_.mesh().vertices.rows());
             u_ = u;
             reach_ = std::max(reach_, largest_length(u_));
-            // the body may hold the follower loads and the friction of a state that was given up
+            // the body may hold the follower loads of a state that was given up
             (void)body_.renew_follower_loads(u_);
-            (void)body_.renew_blades(u_);
             state_ = respond(u_);
         }
         /// Stores the largest nodal force of the body's whole loads at u. Loads that balance each other leave no other
@@ -76,6 +75,9 @@ namespace {
         double move(const Eigen::VectorXd& motion)
         {
             constexpr double kTrusted = 3.0, kSmallest = 1.0 / 32.0;
+            // What touches a blade changes with the step, which the prediction does not know.
+            constexpr double kOfBlades = 0.01; // share of the energy
+            const double slack = body_.blades() != nullptr ? kOfBlades * std::abs(state_.energy) : 0.0;
             // Blades move before the tissue follows: the step is linearised with the places that they will touch.
             const Eigen::VectorXd ahead = u_ + motion;
             body_.expect_blades(&ahead);
@@ -93,7 +95,7 @@ namespace {
                     const double predicted = state_.forces.dot(du) + 0.5 * du.dot(K.multiply(du));
                     Eigen::VectorXd u = u_ + du;
                     ElasticBody::Response there = respond(u);
-                    const double limit = kTrusted * std::max(predicted, 0.0) + energy_noise(u);
+                    const double limit = kTrusted * std::max(predicted, 0.0) + energy_noise(u) + slack;
                     const double risen = there.energy - state_.energy - (contact_energy(u) - contact_energy(u_));
                     if (std::isfinite(there.energy) && risen <= limit) {
                         u_ = std::move(u);
@@ -127,13 +129,13 @@ namespace {
             // A point that slides over some faces needs one round per face. Where two sets of pairs lead to each
             // other's equilibrium, further rounds do not end.
             constexpr int kRoundsAnew = 6, kRounds = 12;
-            Outcome outcome = iterate(tolerance, max_iterations);
+            Outcome outcome = settle_blades(iterate(tolerance, max_iterations), tolerance, max_iterations);
             for (int round = 0; outcome == Outcome::converged
                  && renew_contact(round < kRoundsAnew ? Contact::Pairing::all_anew : Contact::Pairing::new_only);
                  ++round) {
                 if (round == kRounds)
                     return Outcome::out_of_iterations;
-                outcome = iterate(tolerance, max_iterations);
+                outcome = settle_blades(iterate(tolerance, max_iterations), tolerance, max_iterations);
             }
             return outcome;
         }
@@ -141,7 +143,7 @@ namespace {
         Outcome iterate(double tolerance, int max_iterations)
         {
             for (int i = 0;; ++i) {
-                if (std::max(body_.renew_follower_loads(u_), body_.renew_blades(u_)) > 0.0)
+                if (body_.renew_follower_loads(u_) > 0.0)
                     state_ = respond(u_);
                 result_.residual = residual();
                 if (job_.cancelled())
@@ -155,6 +157,24 @@ namespace {
                 if (!step())
                     return Outcome::failed;
             }
+        }
+
+        /// Renews the friction of the blades until it belongs to the state, up to kFrictionError. Half of a change is
+        /// made at a time: friction changes the forces that it comes from.
+        Outcome settle_blades(Outcome outcome, double tolerance, int max_iterations)
+        {
+            constexpr double kShare = 0.5;
+            for (int round = 0; outcome == Outcome::converged && body_.blades() != nullptr; ++round) {
+                const double error = body_.blades()->friction_error(u_);
+                if (error <= kFrictionError)
+                    return outcome;
+                if (round == kFrictionRounds)
+                    return Outcome::out_of_iterations;
+                body_.renew_blades(u_, kShare);
+                state_ = respond(u_);
+                outcome = iterate(tolerance, max_iterations);
+            }
+            return outcome;
         }
 
         /// Largest residual force relative to the largest support force or nodal load. The load is part of the scale
@@ -173,6 +193,10 @@ namespace {
         }
 
     private:
+        /// Friction force that may be missing, relative to the force of a blade. The coefficient of friction is known
+        /// to no better than a factor of two.
+        static constexpr double kFrictionError = 0.02;
+        static constexpr int kFrictionRounds = 8;
         static constexpr double kNoForce = 1e-12; ///< relative round-off; no smaller residual is requested
 
         /// Contact energy is excluded from the prediction; Newton's method reduces it.

@@ -128,7 +128,7 @@ namespace {
                     return fail("");
                 if (const std::string why = beyond_tissue(); !why.empty())
                     return fail(why);
-                if (!has_stiffness_ || was_cut_ || found_.imbalance > kGoodStep * before)
+                if (!has_stiffness_ || was_cut_ || found_.imbalance > good_step() * before)
                     linearise(found_.opening.displacement);
                 before = found_.imbalance;
                 const FrameVector step = next_step();
@@ -307,7 +307,10 @@ namespace {
                 + why;
         }
 
-        static constexpr double kGoodStep = 0.3; ///< a step that leaves more of the imbalance was predicted badly
+        /// A step that leaves more of the imbalance than this share was predicted badly. Blades in contact slip, which
+        /// the linearised tissue does not: Broyden's update predicts their further steps better.
+        double good_step() const { return problem_.blades.empty() ? 0.3 : 0.7; }
+
         static constexpr double kNearStop = 1e-9; ///< rad, round-off of a turn
 
         const ElasticProblem& problem_;

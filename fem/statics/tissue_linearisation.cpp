@@ -64,7 +64,7 @@ TissueLinearisation::TissueLinearisation(const ElasticProblem& problem, const Ti
     }
     if (!problem.blades.empty()) {
         body_.set_blades(BladeContact(problem.mesh, problem.blades));
-        (void)body_.renew_blades(state_);
+        body_.renew_blades(state_);
         body_.prepare_blade_search(state_);
     }
     (void)body_.stiffness(state_, 0.0);

@@ -79,7 +79,7 @@ namespace blade_contact_test {
             const PressedBlock block(nodes_per_tet);
             BladeContact contact = block.contact();
             const Eigen::VectorXd u = block.state(0.4);
-            (void)contact.renew(u);
+            contact.renew(u);
             std::mt19937 random(7);
             std::uniform_real_distribution<double> some(-1.0, 1.0);
             BlockMatrix K { contact.pattern(block_pattern(block.problem.mesh)), {} };
@@ -107,7 +107,7 @@ namespace blade_contact_test {
         const PressedBlock block;
         BladeContact contact = block.contact();
         const Eigen::VectorXd u = block.state(0.4);
-        (void)contact.renew(u);
+        contact.renew(u);
         const Eigen::VectorXd forces = forces_of(contact, u);
         Vec3 sum = Vec3::Zero(), moment = Vec3::Zero();
         for (VertexId v = 0; v < block.problem.mesh.vertices.rows(); ++v) {
@@ -125,12 +125,12 @@ namespace blade_contact_test {
         const PressedBlock block;
         BladeContact contact = block.contact();
         const Eigen::VectorXd away = block.state(-1.0);
-        (void)contact.renew(away);
+        contact.renew(away);
         EXPECT_EQ(contact.energy(away), 0.0);
         EXPECT_EQ(forces_of(contact, away).norm(), 0.0);
         EXPECT_EQ(contact.bearing(away)[0].force_N, 0.0);
         const Eigen::VectorXd into = block.state(0.5);
-        (void)contact.renew(into);
+        contact.renew(into);
         const BladeBearing bearing = contact.bearing(into)[0];
         EXPECT_GT(bearing.force_N, 0.0);
         const Eigen::VectorXd forces = forces_of(contact, into);
@@ -148,8 +148,8 @@ namespace blade_contact_test {
         for (const VertexId v : with.problem.blades[0].nodes)
             u.segment<3>(3 * v) = Vec3(3.0, 0.0, -0.2); // slides far
         BladeContact rough = with.contact(), smooth = without.contact();
-        (void)rough.renew(u);
-        (void)smooth.renew(u);
+        rough.renew(u);
+        smooth.renew(u);
         const auto on_blade = [&](const BladeContact& contact) {
             const Eigen::VectorXd forces = forces_of(contact, u);
             Vec3 sum = Vec3::Zero();
@@ -160,6 +160,24 @@ namespace blade_contact_test {
         EXPECT_NEAR(on_blade(smooth).x(), 0.0, kRoundOff);
         EXPECT_NEAR(on_blade(rough).x(), 0.4 * std::abs(on_blade(rough).z()), 1e-6 * std::abs(on_blade(rough).z()));
         EXPECT_NEAR(on_blade(rough).z(), on_blade(smooth).z(), kRoundOff);
+    }
+
+    TEST(BladeContact, FrictionComesFromTheForceOfTheBlade)
+    {
+        const PressedBlock block(4, 0.4);
+        BladeContact contact = block.contact();
+        const Eigen::VectorXd light = block.state(0.2), firm = block.state(0.4), away = block.state(-1.0);
+        EXPECT_TRUE(std::isinf(contact.friction_error(light))); // nothing slips yet
+        contact.renew(light);
+        EXPECT_NEAR(contact.friction_error(light), 0.0, kRoundOff);
+        const double before = contact.friction_error(firm);
+        EXPECT_GT(before, 0.1); // about half of the friction is missing, which is 0.4 of the force
+        contact.renew(firm, 0.5);
+        EXPECT_NEAR(contact.friction_error(firm), 0.5 * before, kRoundOff);
+        EXPECT_TRUE(std::isinf(contact.friction_error(away)));
+        contact.renew(away, 0.5); // a blade that bears nothing has no friction at once
+        EXPECT_EQ(contact.friction_error(away), 0.0);
+        EXPECT_EQ(forces_of(contact, away).norm(), 0.0);
     }
 
     TEST(BladeContact, TheAreaUnderABladeDoesNotHangOnTheMesh)

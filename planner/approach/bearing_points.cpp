@@ -235,7 +235,7 @@ void find_bearing_points(Approach& approach, const mesh::LabelVolume& labels)
 void insert_bearing_points(mesh::TetMesh& wall, const mesh::LabelTable& table, const Approach& approach)
 {
     for (const HookSpec& hook : approach.hooks)
-        for (const Vec3& point : hook.hold == HookHold::fixed ? hook.bearing : std::vector<Vec3>()) {
+        for (const Vec3& point : hook.bearing) {
             // A vertex may divide the face that holds the next point, so each point is looked for in the present mesh.
             const std::vector<std::array<VertexId, 3>> surface = bone_surface(wall, table);
             const mesh::TriangleProximity proximity(wall.vertices, surface, kMeshMm);

@@ -23,7 +23,7 @@ std::vector<Vec3> bearing_points(const mesh::LabelVolume& labels, const Approach
 /// Sets HookSpec::bearing and bears_on of all hooks.
 void find_bearing_points(Approach& approach, const mesh::LabelVolume& labels);
 
-/// Inserts a vertex on a bone of the wall at each place on which a fixed hook (HookHold) bears, so that the cut wall
+/// Inserts a vertex on a bone of the wall at each place on which a hook bears, so that the cut wall
 /// has a node there. A place far from every bone of the wall is passed over.
 /// @param wall before the cut, four-node elements
 void insert_bearing_points(mesh::TetMesh& wall, const mesh::LabelTable& table, const Approach& approach);

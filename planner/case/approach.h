@@ -70,7 +70,7 @@ struct RetractorSpec {
     double blade_depth_mm = 0.0; ///< from the arm at the skin into the wound; a thinner wall takes a part of the blade
     double play_deg = 0.0; ///< largest turn of a blade about its arm, to either side
     double greatest_opening_mm = 0.0;
-    HookHold hold = HookHold::fixed; ///< of both blades
+    HookHold hold = HookHold::contact; ///< of both blades
 };
 
 /// What the surgeon wants to see: a label, or a sphere where no label was drawn.

@@ -297,7 +297,7 @@ namespace {
             io.required("along_mm", retractor.along_mm, "blade_width_mm", retractor.blade_width_mm, "blade_depth_mm",
                 retractor.blade_depth_mm, "play_deg", retractor.play_deg, "greatest_opening_mm",
                 retractor.greatest_opening_mm);
-            io.optional("hold", retractor.hold, retractor.hold != HookHold::fixed);
+            io.optional("hold", retractor.hold, retractor.hold != HookHold::contact);
         }
         static void of(auto& io, Is<OpeningProtocol> auto& protocol)
         {

@@ -81,6 +81,7 @@ struct RetractorMetrics {
     double residual_force_N = 0.0; ///< resultant of the blade forces; zero in balance
     double residual_moment_Nm = 0.0; ///< resultant moment; zero in balance
     double tilt_deg = 0.0; ///< by which the frame has turned as a whole
+    bool contact_was_lost = false; ///< the blades hold the tissue, because their contact had no equilibrium
 };
 
 /// The force on a side at two moments (force_moments.h).

@@ -262,6 +262,7 @@ namespace {
         put(json, field, "residual_force_N", retractor.residual_force_N);
         put(json, field, "residual_moment_Nm", retractor.residual_moment_Nm);
         put(json, field, "tilt_deg", retractor.tilt_deg);
+        json["contact_was_lost"] = retractor.contact_was_lost;
         return json;
     }
 
@@ -779,7 +780,11 @@ std::string retractor_text(const FieldMetrics& field)
         text += "; " + readable(blade.name) + ": " + blade_text(blade);
     return text
         + formatted("; the frame has tilted by %.1f degrees, and %.2g N of its blade forces are not balanced",
-            retractor.tilt_deg, retractor.residual_force_N);
+            retractor.tilt_deg, retractor.residual_force_N)
+        + (retractor.contact_was_lost
+                ? "; blades that only push found no equilibrium, so the blades hold the tissue as "
+                  "if glued to it, and the forces are too large"
+                : "");
 }
 
 std::string lips_text(const FieldMetrics& field)

@@ -25,6 +25,17 @@ namespace retractor::planner {
 
 namespace {
 
+    /// Lets blades hold the tissue whose contact has no equilibrium.
+    void hold_with_blades(PlannedField& field)
+    {
+        field.problem = problem_with_fixed_hooks(field);
+        if (field.approach.retractor)
+            field.approach.retractor->hold = HookHold::fixed;
+        for (HookSpec& hook : field.approach.hooks)
+            hook.hold = HookHold::fixed;
+        field.contact_was_lost = true;
+    }
+
     /// Makes blades of the hooks that are in contact.
     void add_blades(PlannedField& field, const mesh::LabelTable& table)
     {
@@ -190,6 +201,15 @@ namespace {
         opened.coarse = std::move(coarse);
     }
 
+    /// The problem with hooks that hold the tissue in place of blades in contact. @param problem four-node elements
+    fem::ElasticProblem holding_hooks(fem::ElasticProblem problem, const PlannedField& field)
+    {
+        problem.mesh.vertices.conservativeResize(field.wall.vertices.rows(), 3);
+        problem.blades.clear();
+        problem.hooks = field.hooks;
+        return problem;
+    }
+
     void take_retractor(OpenedWall& opened, const fem::BladeFrame& frame, fem::FrameOpening found)
     {
         opened.retractor = PlacedRetractor { .frame = frame,
@@ -204,6 +224,28 @@ namespace {
         opened.hooks = std::move(found.blades);
     }
 
+    /// Opens four-node elements with a retractor. Blades in contact begin where the retractor is in balance with blades
+    /// that hold the tissue: a frame that has not turned with its wound yet presses with many times the force.
+    fem::FrameOpening open_four_node(const fem::ElasticProblem& problem, const PlannedField& field,
+        const fem::RackDrive& drive, const fem::OpeningOptions& options, const fem::FrameOptions& how, const Job& job)
+    {
+        const fem::BladeFrame frame = blade_frame_of(field.approach);
+        if (problem.blades.empty())
+            return fem::open_with_frame(problem, frame, drive, options, how, job);
+        constexpr double kNear = 0.03; // a start needs no better balance
+        const Job named = as_stage(job, "opening, blades that hold");
+        fem::FrameOptions roughly = how;
+        roughly.tolerance = std::max(kNear, how.tolerance);
+        const fem::FrameOpening held
+            = fem::open_with_frame(holding_hooks(problem, field), frame, drive, options, roughly, named);
+        if (held.opening.status == fem::OpeningStatus::cancelled || !is_usable(held.opening))
+            return fem::open_with_frame(problem, frame, drive, options, how, job);
+        fem::ElasticProblem placed = problem;
+        placed.hooks = fem::blades_at(frame, held.state, problem.hooks);
+        return fem::open_with_frame(problem, frame, drive, options, how, job,
+            fem::FrameStart { held.state, fem::with_blade_nodes(placed, held.opening.displacement), held.stiffness });
+    }
+
     /// Opens a wall with a retractor. Ten-node elements begin where the retractor is in balance in four-node elements.
     void open_with_retractor(OpenedWall& opened, const PlannedField& field, fem::OpeningOptions options,
         const StageTest& goes_on, const Job& job)
@@ -215,11 +257,11 @@ namespace {
             drive.distance_mm = retractor.opening_mm;
         const fem::ElasticProblem& problem = field.problem;
         if (problem.mesh.nodes_per_tet != 10 || options.elasticity == fem::Elasticity::linear)
-            return take_retractor(opened, frame, fem::open_with_frame(problem, frame, drive, options, {}, job));
+            return take_retractor(opened, frame, open_four_node(problem, field, drive, options, {}, job));
         options.tolerance = std::max(options.tolerance, kTenNodeTolerance);
         const fem::FrameOptions how { .tolerance = kTenNodeBalance };
-        fem::FrameOpening coarse = fem::open_with_frame(
-            fem::without_midpoints(problem), frame, drive, options, how, as_stage(job, "opening, four-node elements"));
+        fem::FrameOpening coarse = open_four_node(
+            fem::without_midpoints(problem), field, drive, options, how, as_stage(job, "opening, four-node elements"));
         if (coarse.opening.status == fem::OpeningStatus::cancelled)
             return take_retractor(opened, frame, std::move(coarse));
         if (is_usable(coarse.opening) && goes_on && !goes_on(coarse.opening)) {
@@ -232,8 +274,10 @@ namespace {
             start = fem::FrameStart { coarse.state, at_midpoints(problem.mesh, coarse.opening.displacement),
                 coarse.stiffness };
         fem::FrameOpening fine = fem::open_with_frame(problem, frame, drive, options, how, job, start);
-        // As in open_from_corners(): from a start with elements turned over the search may go astray.
-        if (start && !is_usable(fine.opening) && fine.opening.status != fem::OpeningStatus::cancelled)
+        // As in open_from_corners(): from a start with elements turned over the search may go astray. Blades in contact
+        // do not converge from rest.
+        if (start && problem.blades.empty() && !is_usable(fine.opening)
+            && fine.opening.status != fem::OpeningStatus::cancelled)
             fine = fem::open_with_frame(problem, frame, drive, options, how, job);
         take_retractor(opened, frame, std::move(fine));
         if (start)
@@ -365,8 +409,15 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planne
     ContactSurfaces surfaces;
     if (planned_case.contact != ContactMode::never)
         surfaces = contact_surfaces(planned_case.label_table, field.approach, patient);
-    ContactOpening solved
-        = open_with_contact(field.problem, planned_case.contact, surfaces, open, choice.near_mm == 0.0, job);
+    const auto solve = [&] {
+        return open_with_contact(field.problem, planned_case.contact, surfaces, open, choice.near_mm == 0.0, job);
+    };
+    ContactOpening solved = solve();
+    if (!field.problem.blades.empty() && solved.opened.opening.status != fem::OpeningStatus::cancelled
+        && !is_usable(solved.opened.opening)) {
+        hold_with_blades(field);
+        solved = solve();
+    }
     OpenedWall& opened = solved.opened;
     field.metrics.contact = std::move(solved.contact);
     RETRACTOR_ASSERT(opened.hooks.size() == field.hooks.size());
@@ -408,12 +459,9 @@ fem::ElasticProblem problem_with_fixed_hooks(const PlannedField& field)
 {
     if (field.problem.blades.empty())
         return field.problem;
-    const bool ten_node = field.problem.mesh.nodes_per_tet == 10;
-    fem::ElasticProblem problem = ten_node ? fem::without_midpoints(field.problem) : field.problem;
-    problem.mesh.vertices.conservativeResize(field.wall.vertices.rows(), 3);
-    problem.blades.clear();
-    problem.hooks = field.hooks;
-    return ten_node ? fem::with_midpoints(problem) : problem;
+    if (field.problem.mesh.nodes_per_tet == 4)
+        return holding_hooks(field.problem, field);
+    return fem::with_midpoints(holding_hooks(fem::without_midpoints(field.problem), field));
 }
 
 std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3>& forces_N)

@@ -500,6 +500,8 @@ namespace {
         const auto labels = patient.labels();
         PlannedField field;
         field.approach = prepared;
+        for (HookSpec& hook : field.approach.hooks)
+            hook.hold = HookHold::fixed; // one linear solution
         field.approach.sizing = draft_sizing(prepared.sizing, region_mm);
         mesh::MeshSizing sizing = mesh_sizing_of(field.approach, planned_case.label_table);
         sizing.most_tetrahedra = tetrahedra_limit(memory_bytes, ElementKind::p1);

@@ -51,6 +51,7 @@ struct [[nodiscard]] PlannedField {
     Approach approach;
     mesh::MeshStatistics mesh_statistics;
 
+    bool contact_was_lost = false; ///< the blades hold the tissue, because their contact had no equilibrium
     mesh::TetMesh wall; ///< after the cut, at rest
     std::vector<mesh::LipFace> lips; ///< faces of `wall` on the two sides of the incision
     std::vector<Vec3> rim; ///< places at rest where the wall was cut off from the rest of the body (rim_motion.h)

@@ -62,7 +62,7 @@ namespace {
                 = (field.problem.mesh.vertices.row(blade.nodes[1]) - field.problem.mesh.vertices.row(blade.nodes[0]))
                       .transpose();
             const double sign = along.dot(place.along) < 0.0 ? -1.0 : 1.0;
-            return BladePressure { .mean_kPa = kKiloPascals * bearing.pressure_mean_MPa(),
+            return BladePressure { .mean_kPa = kKiloPascals * bearing.pressure_mean_MPa,
                 .largest_kPa = kKiloPascals * bearing.pressure_largest_MPa,
                 .largest_at = edge_of(sign * bearing.largest_along_mm / blade.half_width_mm,
                     bearing.largest_deep_mm / blade.half_height_mm),
@@ -87,7 +87,8 @@ std::optional<RetractorMetrics> retractor_metrics(const PlannedField& field)
         .rack_force_N = retractor.rack_force_N,
         .residual_force_N = retractor.residual_force_N,
         .residual_moment_Nm = kMPerMm * retractor.residual_moment_Nmm,
-        .tilt_deg = kDegrees * Eigen::AngleAxisd(retractor.state.rotation).angle() };
+        .tilt_deg = kDegrees * Eigen::AngleAxisd(retractor.state.rotation).angle(),
+        .contact_was_lost = field.contact_was_lost };
     const WoundEdges edges = wound_edges(field.wall, field.lips, mesh::SweptBlade(blade_of(field.approach)));
     constexpr double kAtStop = 1e-6; // rad
     for (std::size_t k = 0; k < retractor.loads.size(); ++k) {

@@ -782,8 +782,8 @@ std::string retractor_text(const FieldMetrics& field)
         + formatted("; the frame has tilted by %.1f degrees, and %.2g N of its blade forces are not balanced",
             retractor.tilt_deg, retractor.residual_force_N)
         + (retractor.contact_was_lost
-                ? "; blades that only push found no equilibrium, so the blades hold the tissue as "
-                  "if glued to it, and the forces are too large"
+                ? "; blades that only push found no equilibrium, so the blades hold the tissue as if glued to it: "
+                  "the force may be far off"
                 : "");
 }
 

@@ -269,13 +269,14 @@ namespace {
             opened.coarse = std::move(coarse.opening);
             return;
         }
+        if (!problem.blades.empty() && !is_usable(coarse.opening))
+            return take_retractor(opened, frame, std::move(coarse)); // contact does not converge from rest
         std::optional<fem::FrameStart> start;
         if (is_usable(coarse.opening))
             start = fem::FrameStart { coarse.state, at_midpoints(problem.mesh, coarse.opening.displacement),
                 coarse.stiffness };
         fem::FrameOpening fine = fem::open_with_frame(problem, frame, drive, options, how, job, start);
-        // As in open_from_corners(): from a start with elements turned over the search may go astray. Blades in contact
-        // do not converge from rest.
+        // As in open_from_corners(): from a start with elements turned over the search may go astray.
         if (start && problem.blades.empty() && !is_usable(fine.opening)
             && fine.opening.status != fem::OpeningStatus::cancelled)
             fine = fem::open_with_frame(problem, frame, drive, options, how, job);

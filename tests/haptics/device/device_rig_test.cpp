@@ -90,9 +90,9 @@ namespace device_rig_test {
         EXPECT_FALSE(is_live_device("touchpad"));
         for (const std::string name : { "mouse", "udp:", "udp:x", "udp:70000", "udp:127.0.0.1:", "touchpad" })
             EXPECT_EQ(test_support::message_of([&] { DeviceRig rig(std::array { name }); }),
-                "there is no such device; there are touch, touch:NAME, touch:#SERIAL, udp:PORT, udp:ADDRESS:PORT and "
-                "replay:FILE ["
-                    + name + "]");
+                name
+                    + ": there is no such device; there are touch, touch:NAME, touch:#SERIAL, udp:PORT, "
+                      "udp:ADDRESS:PORT and replay:FILE");
         EXPECT_EQ(test_support::message_of([] { DeviceRig rig(std::span<const std::string> {}); }),
             "no device was asked for");
     }

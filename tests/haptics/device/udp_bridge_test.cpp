@@ -283,7 +283,7 @@ namespace udp_bridge_test {
             "not an address: not a numeric IPv4 address");
         const DatagramSocket taken("127.0.0.1", 0);
         EXPECT_EQ(test_support::message_of([&] { DatagramSocket socket("127.0.0.1", taken.port()); }),
-            "a UDP socket cannot be bound: Address already in use [127.0.0.1:" + std::to_string(taken.port()) + "]");
+            "127.0.0.1:" + std::to_string(taken.port()) + ": a UDP socket cannot be bound: Address already in use");
     }
 
 } // namespace udp_bridge_test

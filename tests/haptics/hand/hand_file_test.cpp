@@ -59,9 +59,10 @@ namespace hand_file_test {
             add_fifth_tip(path, hand, edge);
             const std::string expected = std::string(radius).empty()
                 ? ""
-                : "fingertip-5 has a radius of " + std::string(radius) + ", no fingertip's";
+                : path.string() + ": fingertip-5 has a radius of " + std::string(radius) + ", no fingertip's";
             const std::string message = test_support::message_of([&] { read_hand(path, false); });
-            EXPECT_EQ(message.substr(0, message.find(" [")), expected);
+            EXPECT_EQ(message.substr(0, expected.size()), expected);
+            EXPECT_EQ(message.empty(), expected.empty()) << message;
         }
     }
 

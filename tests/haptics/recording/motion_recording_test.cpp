@@ -201,9 +201,9 @@ namespace motion_recording_test {
             return message_after(path, changed.replace(at, from.size(), to));
         };
         EXPECT_EQ(message_after(path, "hello\n"),
-            "not a motion recording: it does not begin with '# retractor motion recording, version 2' [" + path.string()
-                + "]");
-        EXPECT_EQ(message_after(path, ""), "not a motion recording: the file is empty [" + path.string() + "]");
+            path.string()
+                + ": not a motion recording: it does not begin with '# retractor motion recording, version 2'");
+        EXPECT_EQ(message_after(path, ""), path.string() + ": not a motion recording: the file is empty");
         EXPECT_NE(replaced("4026531841\n", "4026531841").find("cut off in line 10"), std::string::npos);
         EXPECT_NE(replaced("0.001,1,", "0.002,1,").find("different times in line 10"), std::string::npos);
         EXPECT_NE(replaced("0.001,1,", "0.001,0,").find("device 0 where 1 should be in line 10"), std::string::npos);
@@ -243,9 +243,9 @@ namespace motion_recording_test {
         MotionRecording recording = two_devices(2);
         recording.samples.pop_back();
         EXPECT_EQ(test_support::message_of([&] { write_motion(folder.path / "m.bin", recording); }),
-            "the recording has 3 samples for 2 ticks of 2 devices [" + (folder.path / "m.bin").string() + "]");
+            (folder.path / "m.bin").string() + ": the recording has 3 samples for 2 ticks of 2 devices");
         EXPECT_EQ(test_support::message_of([&] { read_motion(folder.path / "none.bin"); }),
-            "cannot be opened [" + (folder.path / "none.bin").string() + "]");
+            (folder.path / "none.bin").string() + ": cannot be opened");
         EXPECT_NE(test_support::message_of([] { MotionRecorder({}, 1000.0, 1); }), "");
         EXPECT_NE(test_support::message_of([] { MotionRecorder({ {} }, 1000.0, 0); }), "");
     }

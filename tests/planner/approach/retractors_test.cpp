@@ -154,8 +154,8 @@ namespace retractors_test {
         EXPECT_EQ(again.retractor->force_N, 12.0);
         EXPECT_EQ(again.retractor->opening_mm, 0.0);
         EXPECT_EQ(again.retractor->blade_width_mm, 30.0);
-        EXPECT_EQ(again.retractor->hold, HookHold::fixed); // where the file says nothing, as here
-        EXPECT_EQ(blades_of(again)[0].hold, HookHold::fixed);
+        EXPECT_EQ(again.retractor->hold, HookHold::contact); // where the file says nothing, as here
+        EXPECT_EQ(blades_of(again)[0].hold, HookHold::contact);
     }
 
     TEST(Retractors, ACaseKeepsHowBladesAndHooksHold)
@@ -171,15 +171,15 @@ namespace retractors_test {
         add_approach(planned_case, with_hooks);
         set_retractor(
             planned_case, with_retractor.name, find_retractor(built_in_retractors(), "midcab"), { .opening_mm = 12.0 });
-        find_approach(planned_case, with_retractor.name).retractor->hold = HookHold::contact;
+        find_approach(planned_case, with_retractor.name).retractor->hold = HookHold::fixed;
         const std::string text = case_to_json(planned_case);
         const Case read = case_from_json(text, planned_case.folder);
-        EXPECT_EQ(find_approach(read, with_retractor.name).retractor->hold, HookHold::contact);
-        EXPECT_EQ(blades_of(find_approach(read, with_retractor.name))[1].hold, HookHold::contact);
+        EXPECT_EQ(find_approach(read, with_retractor.name).retractor->hold, HookHold::fixed);
+        EXPECT_EQ(blades_of(find_approach(read, with_retractor.name))[1].hold, HookHold::fixed);
         EXPECT_EQ(find_approach(read, "hooks").hooks[0].hold, HookHold::fixed);
         EXPECT_EQ(find_approach(read, "hooks").hooks[1].hold, HookHold::contact);
         std::string bad = text;
-        bad.replace(bad.find("\"contact\"", bad.find("\"retractor\":")), 9, "\"glued\"");
+        bad.replace(bad.find("\"fixed\"", bad.find("\"retractor\":")), 7, "\"glued\"");
         try {
             (void)case_from_json(bad, planned_case.folder);
             FAIL() << "a hold that is not known must be refused";

@@ -99,7 +99,7 @@ namespace retractor_plan_test {
 
     TEST(RetractorPlan, TheForceOfBladesInContactHangsLittleOnTheMesh)
     {
-        // Three meshes of the same sizes: what differs is chance. A blade that is glued on bears more.
+        // Three meshes of the same sizes: what differs is chance.
         std::vector<double> forces;
         for (const unsigned seed : { 0U, 1U, 2U }) {
             const PlannedField field
@@ -111,10 +111,6 @@ namespace retractor_plan_test {
         const auto [least, most] = std::ranges::minmax(forces);
         constexpr double kByChance = 0.15; // the accuracy that plans promise for forces
         EXPECT_LT(most - least, kByChance * most) << least << " to " << most << " N";
-        const PlannedField glued
-            = plan_with({ .opening_mm = kOpeningMm }, { .element = ElementKind::p1 }, HookHold::fixed);
-        ASSERT_EQ(glued.status, PlanStatus::done) << glued.message;
-        EXPECT_GT(glued.metrics.retractor->blades[0].force_N.norm(), least);
     }
 
     TEST(RetractorPlan, ACondensedRegionIsRefused)

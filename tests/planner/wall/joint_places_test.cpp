@@ -132,17 +132,18 @@ namespace joint_places_test {
         mesh::LabelVolume labels = straight_rib(1.0, 22.0, 30.0);
         const mesh::LabelVolume lower = labels;
         const int n = labels.grid.size[2];
-        labels.grid.size[2] = 2 * n;
-        labels.voxels.insert(labels.voxels.end(), lower.voxels.begin(), lower.voxels.end());
+        labels.grid.size[2] = 3 * n; // the spine alone lies between the ribs
+        for (int copy = 0; copy < 2; ++copy)
+            labels.voxels.insert(labels.voxels.end(), lower.voxels.begin(), lower.voxels.end());
         const auto with_upper = [&](const std::string& name) {
             mesh::LabelVolume image = labels;
             image.table.push_back({ 3, name, "bone", mesh::Role::wall });
-            for (int k = n; k < 2 * n; ++k)
+            for (int k = n; k < 3 * n; ++k)
                 for (int j = 0; j < image.grid.size[1]; ++j)
                     for (int i = 0; i < image.grid.size[0]; ++i) {
                         Label& label = image.voxels[image.grid.offset(i, j, k)];
                         if (label == 1)
-                            label = 3;
+                            label = k < 2 * n ? 0 : 3;
                         else if (label == 2 && i > 12)
                             label = 0;
                     }

@@ -7,7 +7,7 @@
 #include "ui/cli/plan/field_files.h"
 
 #include "planner/approach/approach_templates.h"
-#include "planner/approach/hooks.h"
+#include "planner/approach/retractors.h"
 #include "planner/case/case_io.h"
 #include "planner/plan/plan.h"
 
@@ -22,14 +22,13 @@ namespace {
 
     struct DemoApproach {
         const char* template_name;
-        const char* hooks;
+        const char* retractor;
         double opening_mm;
     };
 
-    /// The three standard approaches to an aneurysm of the aortic arch. A rib spreader has one blade per lip, on which
-    /// a rib can turn. Two hooks hold each half of the sternum.
-    constexpr std::array<DemoApproach, 3> kDemoApproaches { { { "median", "4", 60.0 }, { "intercostal:4", "2", 45.0 },
-        { "distal", "2", 45.0 } } };
+    /// The three standard approaches to an aneurysm of the aortic arch, each with the retractor that surgeons use.
+    constexpr std::array<DemoApproach, 3> kDemoApproaches { { { "median", "sternal", 40.0 },
+        { "intercostal:4", "finochietto", 25.0 }, { "distal", "finochietto", 25.0 } } };
 
     /// Durations of stages outside the approaches, for the time table.
     using StageTimes = std::vector<std::pair<std::string, double>>;
@@ -47,6 +46,8 @@ namespace {
         }();
         watch = {};
         planner::Case planned_case = make_case(files.ct, files.labels, folder / "patient" / "case.json", job);
+        // Four-node elements: ten-node elements take more than a quarter of an hour for the three walls.
+        planned_case.solution.element = planner::ElementKind::p1;
         times.emplace_back("read DICOM, import", watch.seconds());
         return planned_case;
     }
@@ -62,7 +63,9 @@ namespace {
                 = planner::approach_from_template(*patient.labels(), *patient.anatomy(), request);
             const std::string name = approach.name;
             planner::add_approach(planned_case, std::move(approach));
-            planner::set_hooks(planned_case, name, demo.hooks, demo.opening_mm);
+            planner::set_retractor(planned_case, name,
+                planner::find_retractor(planner::built_in_retractors(), demo.retractor),
+                { .opening_mm = demo.opening_mm });
         }
     }
 

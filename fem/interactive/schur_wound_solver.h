@@ -55,7 +55,7 @@ private:
         std::future<CondensedState> result;
         ReferenceRows reference; ///< rows touched since the update was started
         std::vector<AddedVertices> added; ///< vertices retained in addition since then
-        int deltas_left = 0;
+        int deltas_left;
     };
     /// Loads near the wound, one column per case.
     struct NearLoads {

@@ -320,6 +320,7 @@ void BladeContact::expect_nothing()
 {
     for (Sample& s : samples_)
         s.expected = false;
+    secant_friction_ = false;
 }
 
 double BladeContact::energy_of(const Place& place, std::size_t sample) const

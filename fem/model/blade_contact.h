@@ -99,7 +99,7 @@ public:
     /// From now on the samples that touch at `u` count as touching: their spring pushes and pulls. A step of the blade
     /// can so be linearised before the tissue has followed.
     void expect(const Eigen::VectorXd& u);
-    void expect_nothing();
+    void expect_nothing(); ///< ends expect() and prepare_search()
     /// Prepares the stiffness for a search of the places of the blades, where the tissue follows them: on a blade that
     /// touches nothing at `u` the nearest samples count as touching, and a spring that slips has its secant stiffness,
     /// which does not vanish in the direction of the slip. A step with this stiffness does not go too far.

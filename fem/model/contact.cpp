@@ -378,6 +378,19 @@ bool Contact::find(const Eigen::VectorXd& u, Pairing pairing)
     return changed;
 }
 
+void Contact::follow(const Eigen::VectorXd& displacement)
+{
+    // A step moves two surfaces against each other by less than the reach. find() then sees each point in front of a
+    // face before the point passes through; a point that is first seen behind a face counts as an overlap that is kept.
+    constexpr double kStepsPerReach = 2.5;
+    double farthest = 0.0;
+    for (Eigen::Index i = 0; i < displacement.size(); i += 3)
+        farthest = std::max(farthest, displacement.segment<3>(i).norm());
+    const int steps = std::max(1, static_cast<int>(std::ceil(kStepsPerReach * farthest / options_.reach)));
+    for (int step = 1; step <= steps; ++step)
+        (void)find(static_cast<double>(step) / steps * displacement);
+}
+
 void Contact::note_overlaps()
 {
     const Eigen::VectorXd rest = Eigen::VectorXd::Zero(3 * body_.rest.rows());

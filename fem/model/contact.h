@@ -76,6 +76,9 @@ public:
     /// Pairs points with faces.
     /// @return whether the pairs differ from the pairs before.
     bool find(const Eigen::VectorXd& displacement, Pairing pairing = Pairing::all_anew);
+    /// Pairs points while the body moves from rest to `displacement` along straight lines, in steps that are short
+    /// beside the reach: a point that ends deep behind a face is seen to pass through it.
+    void follow(const Eigen::VectorXd& displacement);
     const std::vector<ContactPair>& pairs() const { return pairs_; }
 
     double energy(const Eigen::VectorXd& u) const; ///< N mm

@@ -1,6 +1,7 @@
 #include "fem/statics/equilibrium.h"
 
 #include "fem/linear_algebra/norm.h"
+#include "fem/statics/lifted_factor.h"
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
@@ -82,12 +83,16 @@ namespace {
             const Eigen::VectorXd ahead = u_ + motion;
             body_.expect_blades(&ahead);
             const BlockMatrix& K = body_.model() == Elasticity::hyperelastic ? factorise_least_lifted() : assemble(1.0);
-            if (body_.model() != Elasticity::hyperelastic)
+            bool fresh = body_.model() == Elasticity::hyperelastic;
+            if (!fresh && !is_near(motion)) {
                 factorise(K);
-            const Eigen::VectorXd rest
-                = solver_.solve(body_.blades() != nullptr ? Eigen::VectorXd(-respond(u_).forces) : -state_.forces);
+                fresh = true;
+            }
+            const Eigen::VectorXd rest = solve_projected(K,
+                body_.blades() != nullptr ? Eigen::VectorXd(-respond(u_).forces) : Eigen::VectorXd(-state_.forces),
+                fresh);
             body_.expect_blades(nullptr);
-            const Eigen::VectorXd follow = motion - solver_.solve(K.multiply(motion));
+            const Eigen::VectorXd follow = motion - solve_projected(K, K.multiply(motion), fresh);
             for (double share = 1.0; share >= kSmallest; share *= 0.5)
                 // A body that was not at rest settles too, unless this fails.
                 for (const double settled : { 1.0, 0.0 }) {
@@ -129,7 +134,7 @@ namespace {
             // A point that slides over some faces needs one round per face. Where two sets of pairs lead to each
             // other's equilibrium, further rounds do not end.
             constexpr int kRoundsAnew = 6, kRounds = 12;
-            Outcome outcome = settle_blades(iterate(tolerance, max_iterations), tolerance, max_iterations);
+            Outcome outcome = settle_blades(begin_friction(tolerance, max_iterations), tolerance, max_iterations);
             for (int round = 0; outcome == Outcome::converged
                  && renew_contact(round < kRoundsAnew ? Contact::Pairing::all_anew : Contact::Pairing::new_only);
                  ++round) {
@@ -159,18 +164,30 @@ namespace {
             }
         }
 
-        /// Renews the friction of the blades until it belongs to the state, up to kFrictionError. Half of a change is
+        /// Iterates as iterate(), and renews the friction of the blades on the way: the state before needs no rest.
+        Outcome begin_friction(double tolerance, int max_iterations)
+        {
+            constexpr double kRoughly = 0.05; // residual
+            if (body_.blades() != nullptr && tolerance < kRoughly) {
+                if (const Outcome outcome = iterate(kRoughly, max_iterations); outcome != Outcome::converged)
+                    return outcome;
+                body_.renew_blades(u_, kFrictionShare);
+                state_ = respond(u_);
+            }
+            return iterate(tolerance, max_iterations);
+        }
+
+        /// Renews the friction of the blades until it belongs to the state, up to kFrictionError. A part of a change is
         /// made at a time: friction changes the forces that it comes from.
         Outcome settle_blades(Outcome outcome, double tolerance, int max_iterations)
         {
-            constexpr double kShare = 0.5;
             for (int round = 0; outcome == Outcome::converged && body_.blades() != nullptr; ++round) {
                 const double error = body_.blades()->friction_error(u_);
                 if (error <= kFrictionError)
                     return outcome;
                 if (round == kFrictionRounds)
                     return Outcome::out_of_iterations;
-                body_.renew_blades(u_, kShare);
+                body_.renew_blades(u_, kFrictionShare);
                 state_ = respond(u_);
                 outcome = iterate(tolerance, max_iterations);
             }
@@ -193,10 +210,11 @@ namespace {
         }
 
     private:
-        /// Friction force that may be missing, relative to the force of a blade. The coefficient of friction is known
-        /// to no better than a factor of two.
-        static constexpr double kFrictionError = 0.02;
-        static constexpr int kFrictionRounds = 8;
+        /// Friction force that may be missing, relative to the force of a blade. The balance of a retractor is known no
+        /// better.
+        static constexpr double kFrictionError = 0.005;
+        static constexpr int kFrictionRounds = 12;
+        static constexpr double kFrictionShare = 0.5; ///< of a change of the friction that is made at a time
         static constexpr double kNoForce = 1e-12; ///< relative round-off; no smaller residual is requested
 
         /// Contact energy is excluded from the prediction; Newton's method reduces it.
@@ -226,6 +244,35 @@ namespace {
             return kRoundOff * (stiffest_ * size * size + std::abs(state_.energy));
         }
 
+        /// Number of iterations that take about as long as a factorisation.
+        int worth_a_factor() const
+        {
+            constexpr std::size_t kLarge = 100'000; // unknowns
+            return solver_.free_count() < kLarge ? 25 : 50;
+        }
+
+        /// Whether the factor at hand may precondition the step of a motion.
+        bool is_near(const Eigen::VectorXd& motion) const
+        {
+            constexpr double kNearMm = 0.5, kNearRest = 1e-2;
+            return solver_.factorised() && largest_length(motion) <= kNearMm && residual() <= kNearRest;
+        }
+
+        /// Solves with the projected stiffness K, the one last assembled. @param fresh whether the factor is that of K;
+        /// set when it was made here
+        Eigen::VectorXd solve_projected(const BlockMatrix& K, const Eigen::VectorXd& b, bool& fresh)
+        {
+            constexpr double kTolerance = 1e-3; // a start needs no more
+            if (!fresh) {
+                const ConstrainedSolver::Iterated iterated = iterate_linear(b, kTolerance, worth_a_factor());
+                if (iterated.converged)
+                    return iterated.solution;
+                factorise(K);
+                fresh = true;
+            }
+            return solver_.solve(b);
+        }
+
         /// Makes one Newton step. @return false when no descent is found
         bool step()
         {
@@ -241,22 +288,68 @@ namespace {
 
         bool search(const Eigen::VectorXd& du, double slope)
         {
-            constexpr double kArmijo = 1e-4, kShortest = 1e-4;
-            const double noise = 1e-13 * std::abs(state_.energy); // energies closer than this cannot be distinguished
             if (!(slope < 0.0))
                 return false;
-            for (double length = 1.0; length > kShortest; length *= 0.5) {
+            Eigen::VectorXd u = u_ + du;
+            ElasticBody::Response there = respond(u);
+            if (!is_lower(there, 1.0, slope))
+                return shorten(du, slope, there);
+            lengthen(du, slope, u, there);
+            u_ = std::move(u);
+            state_ = std::move(there);
+            return true;
+        }
+
+        /// Whether the energy falls enough along a step of this length (Armijo's rule).
+        bool is_lower(const ElasticBody::Response& there, double length, double slope) const
+        {
+            constexpr double kArmijo = 1e-4;
+            const double noise = 1e-13 * std::abs(state_.energy); // energies closer than this cannot be distinguished
+            return std::isfinite(there.energy) && there.energy <= state_.energy + kArmijo * length * slope + noise;
+        }
+
+        /// Goes along a step that is too long to about the least energy, by false position on the slope. Where a stiff
+        /// contact begins along the step, this goes just past its beginning, and the next step knows the contact;
+        /// halving the step stays before it. @return false when no length lowers the energy
+        bool shorten(const Eigen::VectorXd& du, double slope, const ElasticBody::Response& full)
+        {
+            constexpr double kShortest = 1e-4, kInside = 0.1, kFlat = 0.3;
+            constexpr int kTrials = 20, kTrialsBeyondTheFirst = 3;
+            double low = 0.0, at_low = slope, high = 1.0;
+            double at_high = std::isfinite(full.energy) ? full.forces.dot(du) : 0.0;
+            bool found = false;
+            Eigen::VectorXd best_u;
+            ElasticBody::Response best;
+            for (int trial = 0, beyond = 0; trial < kTrials && beyond <= kTrialsBeyondTheFirst; ++trial) {
+                const double share = at_high > 0.0 ? at_low / (at_low - at_high) : 0.5;
+                const double length = low + std::clamp(share, kInside, 1.0 - kInside) * (high - low);
+                if (length < kShortest)
+                    break;
                 Eigen::VectorXd u = u_ + length * du;
                 ElasticBody::Response there = respond(u);
-                if (std::isfinite(there.energy) && there.energy <= state_.energy + kArmijo * length * slope + noise) {
-                    if (length == 1.0)
-                        lengthen(du, slope, u, there);
-                    u_ = std::move(u);
-                    state_ = std::move(there);
-                    return true;
+                const double at = std::isfinite(there.energy) ? there.forces.dot(du) : 0.0;
+                const bool lower = is_lower(there, length, slope);
+                if (lower && (!found || there.energy < best.energy)) {
+                    found = true;
+                    best_u = std::move(u);
+                    best = std::move(there);
+                }
+                beyond += found ? 1 : 0;
+                if (lower && std::abs(at) <= kFlat * std::abs(slope))
+                    break;
+                if (lower && at < 0.0) {
+                    low = length;
+                    at_low = at;
+                } else {
+                    high = length;
+                    at_high = at;
                 }
             }
-            return false;
+            if (!found)
+                return false;
+            u_ = std::move(best_u);
+            state_ = std::move(best);
+            return true;
         }
 
         /// A lifted stiffness is too stiff and its steps are too short. This function goes to the minimum of a parabola
@@ -287,14 +380,14 @@ namespace {
                 (void)factorise_least_lifted();
                 return solver_.solve(b);
             }
-            constexpr int kWorthAFactor = 25; // a factorisation takes as long as about 20 iterations
             constexpr double kLeast = 1.0 / 16.0;
+            constexpr double kNearStable = 0.1; // residual near an equilibrium, where the lifted stiffness is too stiff
             lift_ = lift_ > kLeast ? 0.5 * lift_ : 0.0;
             bool fresh = false;
             for (;;) {
                 assemble(lift_);
                 if (solver_.factorised()) {
-                    const ConstrainedSolver::Iterated iterated = iterate_linear(b, tolerance, kWorthAFactor);
+                    const ConstrainedSolver::Iterated iterated = iterate_linear(b, tolerance, worth_a_factor());
                     if (iterated.converged || (fresh && !iterated.negative_curvature))
                         return iterated.solution;
                     if (iterated.negative_curvature && lift_ < 1.0) {
@@ -302,10 +395,23 @@ namespace {
                         continue;
                     }
                 }
+                if (lift_ < 1.0 && result_.residual <= kNearStable && is_definite())
+                    return solver_.solve(b);
                 factorise(assemble(1.0));
                 fresh = true;
                 if (lift_ == 1.0)
                     return solver_.solve(b);
+            }
+        }
+
+        /// Factors the stiffness last assembled. @return whether it is positive definite
+        bool is_definite()
+        {
+            try {
+                factorise(body_.last_stiffness());
+                return true;
+            } catch (const SolverError&) {
+                return false;
             }
         }
 
@@ -653,6 +759,25 @@ Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::u
     result.displacement = newton.displacement();
     result.forces = newton.forces();
     return result;
+}
+
+Eigen::MatrixXd EquilibriumSolver::response(
+    ElasticBody& body, const Eigen::VectorXd& displacement, const Eigen::MatrixXd& motions)
+{
+    RETRACTOR_ASSERT(solver_ && pattern_ == body.patterns_made() && motions.rows() == displacement.size());
+    body.prepare_blade_search(displacement);
+    factorise_least_lifted(body, displacement, *solver_);
+    const BlockMatrix& K = body.last_stiffness();
+    const auto forces_of = [&](const Eigen::MatrixXd& u) {
+        Eigen::MatrixXd forces(u.rows(), u.cols());
+        for (Eigen::Index c = 0; c < u.cols(); ++c)
+            forces.col(c) = K.multiply(u.col(c));
+        return forces;
+    };
+    const Eigen::MatrixXd follow = motions - solver_->solve_all(forces_of(motions));
+    const Eigen::MatrixXd R = follow.transpose() * forces_of(follow);
+    body.expect_blades(nullptr);
+    return 0.5 * (R + R.transpose());
 }
 
 } // namespace retractor::fem

@@ -14,6 +14,9 @@
 // factor the true stiffness at each Newton step where the whole matrix is positive definite, else the stiffness with
 // the smallest sufficient share.
 //
+// A motion of less than half a millimetre that starts near an equilibrium takes the factor at hand as a preconditioner,
+// and a fresh one only where this converges slowly.
+//
 // Work. Without loads, an intermediate state takes at most four Newton iterations and the last state at most
 // max_newton_iterations.
 //
@@ -81,6 +84,15 @@ public:
     /// finite
     Equilibrium solve(ElasticBody& body, const std::vector<std::uint8_t>& prescribed, const Eigen::VectorXd& target,
         const Eigen::VectorXd& start, const EquilibriumOptions& options, const Job& job);
+
+    /// The stiffness of the body against small motions of its prescribed unknowns, linearised at a state that solve()
+    /// found: the free unknowns follow. Takes the pattern and the ordering of that solve, and leaves the factor of the
+    /// stiffness at this state, from which the next solve begins.
+    /// @param motions one motion per column, three entries per node; zero at free unknowns
+    /// @return force of each motion (virtual work) per unit of each motion, symmetric
+    /// @pre solve() was called, and its contact has not been renewed since
+    /// @throws SolverError when the stiffness is not positive definite with all negative eigenvalues raised
+    Eigen::MatrixXd response(ElasticBody& body, const Eigen::VectorXd& displacement, const Eigen::MatrixXd& motions);
 
 private:
     std::optional<ConstrainedSolver> solver_;

@@ -93,11 +93,12 @@ namespace {
         {
             if (start) {
                 found_.state = start->state;
-                found_.stiffness = start->stiffness;
-                has_stiffness_ = true;
+                has_stiffness_ = start->stiffness.has_value();
+                if (has_stiffness_)
+                    found_.stiffness = *start->stiffness;
                 continue_from(start->displacement);
             } else if (drive_.force_N) {
-                linearise(Points::Zero(problem_.mesh.vertices.rows(), 3));
+                linearise();
                 found_.state = moved_by(found_.state, next_step(), lever_);
             }
             open(found_.state, start ? balancing_ : job_);
@@ -129,7 +130,7 @@ namespace {
                 if (const std::string why = beyond_tissue(); !why.empty())
                     return fail(why);
                 if (!has_stiffness_ || was_cut_ || found_.imbalance > good_step() * before)
-                    linearise(found_.opening.displacement);
+                    linearise();
                 before = found_.imbalance;
                 const FrameVector step = next_step();
                 const FrameOpening last = found_;
@@ -197,12 +198,18 @@ namespace {
             return { lever_ * std::min(0.0, -play - turn), lever_ * std::max(0.0, play - turn) };
         }
 
-        void linearise(const Points& displacement)
+        /// Takes the stiffness of the frame at rest, or where the last opening is.
+        void linearise()
         {
             // The blades of the problem name the nodes; the motions are those of the blades as they stand.
-            const HookResponse response = motion_response(problem_, { options_.elasticity, options_.locking_free },
-                displacement, blade_motions(problem_.mesh, found_.blades), options_.contact);
-            found_.stiffness = frame_stiffness(frame_, found_.state, found_.loads, response.stiffness, lever_);
+            const Eigen::MatrixXd motions = blade_motions(problem_.mesh, found_.blades);
+            const TissueModel model { options_.elasticity, options_.locking_free };
+            const Eigen::MatrixXd stiffness = found_.openings > 0
+                ? opening_.stiffness(found_.opening.displacement, motions)
+                : motion_response(
+                    problem_, model, Points::Zero(problem_.mesh.vertices.rows(), 3), motions, options_.contact)
+                      .stiffness;
+            found_.stiffness = frame_stiffness(frame_, found_.state, found_.loads, stiffness, lever_);
             has_stiffness_ = true;
             was_cut_ = false;
         }

@@ -45,7 +45,8 @@ struct FrameOptions {
 struct FrameStart {
     FrameState state;
     Points displacement; ///< n x 3, mm, all nodes
-    FrameMatrix stiffness; ///< FrameOpening::stiffness
+    /// FrameOpening::stiffness of the same elements and blades; empty: the tissue is linearised.
+    std::optional<FrameMatrix> stiffness {};
 };
 
 struct FrameOpening {

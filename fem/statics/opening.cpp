@@ -7,6 +7,7 @@
 #include "fem/statics/hooks_apart.h"
 #include "fem/statics/largest_force_left.h"
 #include "fem/statics/near_opening.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/statistics.h"
 
@@ -199,8 +200,12 @@ void Opening::State::make_body(const Job& job)
         loads.pressures.emplace_back(mesh, pressure.faces, pressure.pressure);
     if (!loads.empty())
         body->set_loads(std::move(loads));
-    if (options.contact)
-        body->set_contact(Contact(mesh, element_parameters(mesh, materials), *options.contact));
+    if (options.contact) {
+        Contact contact(mesh, element_parameters(mesh, materials), *options.contact);
+        if (warm.size() != 0)
+            contact.follow(warm);
+        body->set_contact(std::move(contact));
+    }
     if (!options.blades.empty())
         body->set_blades(BladeContact(mesh, options.blades));
     record_part(job, "solver", watch, body->bytes());
@@ -265,6 +270,14 @@ void Opening::start_from(const Points& displacement)
     if (displacement.rows() != state_->mesh.vertices.rows() || !displacement.allFinite())
         throw InputError("a start has three finite entries per node", "start");
     state_->warm = Eigen::Map<const Eigen::VectorXd>(displacement.data(), displacement.size());
+}
+
+Eigen::MatrixXd Opening::stiffness(const Points& displacement, const Eigen::MatrixXd& motions)
+{
+    State& s = *state_;
+    RETRACTOR_ASSERT(s.body && s.options.near.empty() && displacement.rows() == s.mesh.vertices.rows());
+    return s.solver.response(
+        *s.body, Eigen::Map<const Eigen::VectorXd>(displacement.data(), displacement.size()), motions);
 }
 
 void Opening::set_load_steps(int least)

@@ -46,7 +46,8 @@ public:
     OpeningResult open(std::span<const HookPatch> hooks, const Job& job = {});
 
     /// Takes a displacement as the last state: the next open() starts from there. The opening by four-node elements is
-    /// such a start for ten-node elements.
+    /// such a start for ten-node elements, and the opening without contact for one with contact: before the first
+    /// open(), surfaces that pass through each other on the straight way to this start are paired (Contact::follow()).
     /// @param displacement n x 3, mm, all nodes
     /// @throws InputError on a wrong number of rows, or a displacement that is not finite
     void start_from(const Points& displacement);
@@ -54,6 +55,15 @@ public:
     /// Changes OpeningOptions::load_steps for the openings that follow: a start near the answer needs fewer steps.
     /// @throws InputError on less than one step
     void set_load_steps(int least);
+
+    /// Stiffness against small motions of the hooks' nodes, linearised at the state of the last open(); cheaper than
+    /// motion_response(), because the ordering is there.
+    /// @param displacement n x 3, mm, all nodes: of the last open()
+    /// @param motions one motion per column, three entries per node; zero at nodes that are free
+    /// @return force of each motion (virtual work) per unit of each motion, N/mm for motions in mm, symmetric
+    /// @pre open() was called, without OpeningOptions::near
+    /// @throws SolverError when the stiffness cannot be factored
+    Eigen::MatrixXd stiffness(const Points& displacement, const Eigen::MatrixXd& motions);
 
 private:
     struct State;

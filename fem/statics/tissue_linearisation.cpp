@@ -1,5 +1,6 @@
 #include "fem/statics/tissue_linearisation.h"
 
+#include "fem/statics/lifted_factor.h"
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
@@ -10,22 +11,6 @@
 namespace retractor::fem {
 
 namespace {
-
-    /// Factors the true stiffness where it is positive definite, else the stiffness with the smallest sufficient lift
-    /// of negative eigenvalues.
-    void factorise(ElasticBody& body, const Eigen::VectorXd& u, ConstrainedSolver& solver)
-    {
-        constexpr double kLeast = 1.0 / 64.0, kMore = 4.0;
-        for (double lift = 0.0;; lift = std::min(1.0, std::max(kMore * lift, kLeast))) {
-            const BlockMatrix& K = body.stiffness(u, lift);
-            try {
-                return solver.factorise(K);
-            } catch (const SolverError&) {
-                if (lift == 1.0)
-                    throw;
-            }
-        }
-    }
 
     /// The hooks at rest: equal displacements, as hooks that share nodes require.
     std::vector<HookPatch> still(std::vector<HookPatch> hooks)
@@ -69,7 +54,7 @@ TissueLinearisation::TissueLinearisation(const ElasticProblem& problem, const Ti
     }
     (void)body_.stiffness(state_, 0.0);
     solver_.emplace(body_.last_stiffness().pattern, held_.flag);
-    factorise(body_, state_, *solver_);
+    factorise_least_lifted(body_, state_, *solver_);
 }
 
 HookResponse TissueLinearisation::response(const Eigen::MatrixXd& motions)

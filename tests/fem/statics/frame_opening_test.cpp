@@ -249,6 +249,35 @@ namespace frame_opening_test {
             kSame * first.opening.displacement.norm());
     }
 
+    TEST(FrameOpening, TheStiffnessOfAnOpeningIsTheDerivativeOfItsForces)
+    {
+        const FramedBlock block;
+        FrameState state;
+        state.distance = kOpeningMm;
+        const std::vector<HookPatch> blades = blades_at(block.frame, state, block.problem.hooks);
+        Opening opening(block.problem, kExactOpening);
+        const OpeningResult opened = opening.open(blades);
+        ASSERT_EQ(opened.status, OpeningStatus::converged) << opened.message;
+        const Eigen::MatrixXd motions = blade_motions(block.problem.mesh, blades);
+        const Eigen::MatrixXd stiffness = opening.stiffness(opened.displacement, motions);
+        const Eigen::MatrixXd afresh
+            = motion_response(block.problem, { Elasticity::corotational, {} }, opened.displacement, motions).stiffness;
+        EXPECT_LT((stiffness - afresh).norm(), 1e-8 * afresh.norm());
+
+        // Central differences of the forces, for translations of the first blade.
+        constexpr double kStepMm = 0.01, kDifference = 1e-3;
+        for (int axis = 0; axis < 3; ++axis) {
+            std::array<Vec3, 2> forces;
+            for (const std::size_t k : { 0U, 1U }) {
+                std::vector<HookPatch> moved = blades;
+                moved[0].displacement += (k == 0 ? -kStepMm : kStepMm) * Vec3::Unit(axis);
+                forces[k] = opening.open(moved).hook_forces_N[0];
+            }
+            const Vec3 slope = (forces[1] - forces[0]) / (2.0 * kStepMm);
+            EXPECT_LT((slope - stiffness.block<3, 1>(0, axis)).norm(), kDifference * slope.norm()) << axis;
+        }
+    }
+
     TEST(FrameOpening, AFrameThatFindsNoBalanceSaysHowFarItCame)
     {
         const FrameOpening opened = FramedBlock().open(

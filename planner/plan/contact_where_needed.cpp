@@ -72,7 +72,7 @@ namespace {
 
         ContactOpening run()
         {
-            OpenedWall without = open_({}, can_touch_ ? goes_on() : StageTest(), job_);
+            OpenedWall without = open_({}, nullptr, can_touch_ ? goes_on() : StageTest(), job_);
             const bool finished = !without.ended_by_test;
             if (finished) {
                 if (without.opening.status == fem::OpeningStatus::cancelled)
@@ -82,13 +82,13 @@ namespace {
                     return { .opened = std::move(without), .contact = std::move(metrics_) };
             }
             std::string failure;
-            if (std::optional<OpenedWall> touching = open_touching(failure)) {
+            if (std::optional<OpenedWall> touching = open_touching(finished ? &without : nullptr, failure)) {
                 ContactMetrics metrics = of_solution(touching->opening, surfaces_);
                 metrics.needed = true;
                 return { .opened = *std::move(touching), .contact = std::move(metrics) };
             }
             if (!finished) {
-                without = open_({}, {}, job_);
+                without = open_({}, nullptr, {}, job_);
                 test(without.opening);
             }
             if (is_needed())
@@ -124,8 +124,10 @@ namespace {
             }
         }
 
-        /// Solves the wound with contact, from rest. @returns nothing, and the reason as `failure`, without an answer
-        std::optional<OpenedWall> open_touching(std::string& failure) const
+        /// Solves the wound with contact: from the solution without contact where there is one, else or where this
+        /// fails, from rest.
+        /// @returns nothing, and the reason as `failure`, without an answer
+        std::optional<OpenedWall> open_touching(const OpenedWall* without, std::string& failure) const
         {
             if (!can_touch_) {
                 failure = "the tissue far from the lips is linear and has no surface for contact";
@@ -134,7 +136,9 @@ namespace {
             const TimeLimit limit(job_, std::max(kLeastContactS, kContactTimes * watch_.seconds()));
             const Stopwatch watch;
             try {
-                OpenedWall opened = open_(surfaces_.options, {}, limit.job());
+                OpenedWall opened = open_(surfaces_.options, without, {}, limit.job());
+                if (without != nullptr && !is_usable(opened.opening) && !limit.job().cancelled())
+                    opened = open_(surfaces_.options, nullptr, {}, limit.job());
                 if (is_usable(opened.opening))
                     return opened;
                 failure = "no equilibrium with contact was found: " + opened.opening.message;
@@ -173,19 +177,13 @@ Penetration find_penetration(
 {
     RETRACTOR_ASSERT(displacement.rows() == problem.mesh.vertices.rows());
     RETRACTOR_ASSERT(surfaces.names.size() == surfaces.options.fixed.size());
-    // A step moves two surfaces against each other by less than the reach. Contact then sees each point in front of a
-    // face before the point passes through; a point that is first seen behind a face counts as an overlap that is kept.
-    constexpr double kStepsPerReach = 2.5;
     fem::ContactOptions options = surfaces.options;
     options.reach = kTestReachMm;
     fem::Contact contact(
         problem.mesh, fem::element_parameters(problem.mesh, problem.material_of_label), std::move(options));
     const Eigen::VectorXd u = Eigen::Map<const Eigen::VectorXd>(displacement.data(), displacement.size());
-    const double farthest = displacement.rows() > 0 ? displacement.rowwise().norm().maxCoeff() : 0.0;
-    const int steps = std::max(1, static_cast<int>(std::ceil(kStepsPerReach * farthest / kTestReachMm)));
     const double overlap_at_rest = contact.overlap_at_rest();
-    for (int step = 1; step <= steps; ++step)
-        (void)contact.find(static_cast<double>(step) / steps * u);
+    contact.follow(u);
     const fem::Contact::State state = contact.state(u);
     return { .depth_mm = state.penetration,
         .at = state.place,
@@ -200,7 +198,7 @@ ContactOpening open_with_contact(const fem::ElasticProblem& problem, ContactMode
     case ContactMode::automatic:
         return AutomaticContact(problem, surfaces, open, can_touch, job).run();
     case ContactMode::always: {
-        ContactOpening solved { .opened = open(surfaces.options, {}, job) };
+        ContactOpening solved { .opened = open(surfaces.options, nullptr, {}, job) };
         if (solved.opened.opening.status != fem::OpeningStatus::cancelled)
             solved.contact = of_solution(solved.opened.opening, surfaces);
         return solved;
@@ -208,7 +206,7 @@ ContactOpening open_with_contact(const fem::ElasticProblem& problem, ContactMode
     case ContactMode::never:
         break;
     }
-    return { .opened = open({}, {}, job) };
+    return { .opened = open({}, nullptr, {}, job) };
 }
 
 } // namespace retractor::planner

@@ -2,9 +2,11 @@
 // Opens a wound with contact where its surfaces would pass through each other, and without contact elsewhere.
 //
 // The wound is first solved without contact: by four-node elements where ten-node elements begin with them. Where
-// surfaces then pass through each other by more than kPenetrationToleranceMm, the wound is solved again with contact,
-// from rest: contact that begins with a point deep behind a face takes the point to have been inside all along. The
-// solution by ten-node elements is tested as well. Where contact finds no equilibrium in its time, the solution without
+// surfaces then pass through each other by more than kPenetrationToleranceMm, the wound is solved again with contact.
+// The solution begins at the solution without contact: the pairs are followed from rest to there, since contact that
+// begins with a point deep behind a face takes the point to have been inside all along. Where this finds no
+// equilibrium, or where only four-node elements were solved of ten-node elements, it begins at rest. The solution by
+// ten-node elements is tested as well. Where contact finds no equilibrium in its time, the solution without
 // contact is kept, and the deepest place is reported.
 //
 // Error. Penetration is found by the points of both surfaces (fem/model/contact.h). An edge that passes through an edge
@@ -64,9 +66,9 @@ Penetration find_penetration(
 
 /// Opens the wound once.
 /// @param contact empty: without contact
-/// @param goes_on as open_wall() (opened_wound.h)
-using OpenOnce = std::function<OpenedWall(
-    const std::optional<fem::ContactOptions>& contact, const StageTest& goes_on, const Job& job)>;
+/// @param start, goes_on as open_wall() (opened_wound.h)
+using OpenOnce = std::function<OpenedWall(const std::optional<fem::ContactOptions>& contact, const OpenedWall* start,
+    const StageTest& goes_on, const Job& job)>;
 
 struct ContactOpening {
     OpenedWall opened;

@@ -152,7 +152,29 @@ namespace {
     /// Residual of ten-node elements. It leaves 0.1 % of the hook forces (fem::OpeningOptions::tolerance), which is
     /// little beside the discretisation error of several percent, and takes half of the Newton steps of the default.
     constexpr double kTenNodeTolerance = 1e-3;
-    constexpr double kTenNodeBalance = 2e-3; ///< above the error that this residual leaves in the forces of blades
+
+    /// Blades in contact bear small forces on many nodes. The residual above would leave 2 % of them.
+    constexpr double kTenNodeContactTolerance = 3e-4;
+
+    /// Balance of a retractor: above the error that the residual, or friction known to 0.5 % (equilibrium.h), leaves in
+    /// the forces of its blades, and a seventh of the bar that a plan is asked for.
+    constexpr double kTenNodeBalance = 5e-3, kContactBalance = 2e-2;
+    constexpr double kStartBalance = 0.03; ///< a state from which other elements begin
+
+    double tolerance_of(const fem::ElasticProblem& problem, const fem::OpeningOptions& options)
+    {
+        if (problem.mesh.nodes_per_tet != 10)
+            return options.tolerance;
+        return std::max(options.tolerance, problem.blades.empty() ? kTenNodeTolerance : kTenNodeContactTolerance);
+    }
+
+    fem::FrameOptions balance_of(const fem::ElasticProblem& problem)
+    {
+        if (!problem.blades.empty())
+            return { .tolerance = kContactBalance };
+        return problem.mesh.nodes_per_tet == 10 ? fem::FrameOptions { .tolerance = kTenNodeBalance }
+                                                : fem::FrameOptions {};
+    }
 
     /// A displacement at the corners of ten-node elements, and its means at their midpoints.
     Points at_midpoints(const mesh::TetMesh& mesh, const Points& corners)
@@ -175,7 +197,7 @@ namespace {
     void open_from_corners(OpenedWall& opened, const fem::ElasticProblem& problem, fem::OpeningOptions options,
         const StageTest& goes_on, const Job& job)
     {
-        options.tolerance = std::max(options.tolerance, kTenNodeTolerance);
+        options.tolerance = tolerance_of(problem, options);
         const fem::ElasticProblem corners = fem::without_midpoints(problem);
         fem::OpeningResult coarse
             = fem::Opening(corners, options).open(corners.hooks, as_stage(job, "opening, four-node elements"));
@@ -210,6 +232,13 @@ namespace {
         return problem;
     }
 
+    fem::RackDrive rack_drive_of(const RetractorSpec& retractor)
+    {
+        if (retractor.force_N)
+            return { .force_N = retractor.force_N };
+        return { .distance_mm = retractor.opening_mm };
+    }
+
     void take_retractor(OpenedWall& opened, const fem::BladeFrame& frame, fem::FrameOpening found)
     {
         opened.retractor = PlacedRetractor { .frame = frame,
@@ -232,10 +261,9 @@ namespace {
         const fem::BladeFrame frame = blade_frame_of(field.approach);
         if (problem.blades.empty())
             return fem::open_with_frame(problem, frame, drive, options, how, job);
-        constexpr double kNear = 0.03; // a start needs no better balance
         const Job named = as_stage(job, "opening, blades that hold");
         fem::FrameOptions roughly = how;
-        roughly.tolerance = std::max(kNear, how.tolerance);
+        roughly.tolerance = std::max(kStartBalance, how.tolerance);
         const fem::FrameOpening held
             = fem::open_with_frame(holding_hooks(problem, field), frame, drive, options, roughly, named);
         if (held.opening.status == fem::OpeningStatus::cancelled || !is_usable(held.opening))
@@ -243,7 +271,7 @@ namespace {
         fem::ElasticProblem placed = problem;
         placed.hooks = fem::blades_at(frame, held.state, problem.hooks);
         return fem::open_with_frame(problem, frame, drive, options, how, job,
-            fem::FrameStart { held.state, fem::with_blade_nodes(placed, held.opening.displacement), held.stiffness });
+            fem::FrameStart { held.state, fem::with_blade_nodes(placed, held.opening.displacement) });
     }
 
     /// Opens a wall with a retractor. Ten-node elements begin where the retractor is in balance in four-node elements.
@@ -251,17 +279,15 @@ namespace {
         const StageTest& goes_on, const Job& job)
     {
         const fem::BladeFrame frame = blade_frame_of(field.approach);
-        const RetractorSpec& retractor = *field.approach.retractor;
-        fem::RackDrive drive { .force_N = retractor.force_N };
-        if (!retractor.force_N)
-            drive.distance_mm = retractor.opening_mm;
+        const fem::RackDrive drive = rack_drive_of(*field.approach.retractor);
         const fem::ElasticProblem& problem = field.problem;
         if (problem.mesh.nodes_per_tet != 10 || options.elasticity == fem::Elasticity::linear)
-            return take_retractor(opened, frame, open_four_node(problem, field, drive, options, {}, job));
-        options.tolerance = std::max(options.tolerance, kTenNodeTolerance);
-        const fem::FrameOptions how { .tolerance = kTenNodeBalance };
-        fem::FrameOpening coarse = open_four_node(
-            fem::without_midpoints(problem), field, drive, options, how, as_stage(job, "opening, four-node elements"));
+            return take_retractor(
+                opened, frame, open_four_node(problem, field, drive, options, balance_of(problem), job));
+        options.tolerance = tolerance_of(problem, options);
+        const fem::FrameOptions how = balance_of(problem);
+        fem::FrameOpening coarse = open_four_node(fem::without_midpoints(problem), field, drive, options,
+            { .tolerance = kStartBalance }, as_stage(job, "opening, four-node elements"));
         if (coarse.opening.status == fem::OpeningStatus::cancelled)
             return take_retractor(opened, frame, std::move(coarse));
         if (is_usable(coarse.opening) && goes_on && !goes_on(coarse.opening)) {
@@ -273,8 +299,7 @@ namespace {
             return take_retractor(opened, frame, std::move(coarse)); // contact does not converge from rest
         std::optional<fem::FrameStart> start;
         if (is_usable(coarse.opening))
-            start = fem::FrameStart { coarse.state, at_midpoints(problem.mesh, coarse.opening.displacement),
-                coarse.stiffness };
+            start = fem::FrameStart { coarse.state, at_midpoints(problem.mesh, coarse.opening.displacement) };
         fem::FrameOpening fine = fem::open_with_frame(problem, frame, drive, options, how, job, start);
         // As in open_from_corners(): from a start with elements turned over the search may go astray.
         if (start && problem.blades.empty() && !is_usable(fine.opening)
@@ -285,10 +310,33 @@ namespace {
             opened.coarse = std::move(coarse.opening);
     }
 
+    /// Opens a wall from a solution of the same problem.
+    void open_from(OpenedWall& opened, const PlannedField& field, const OpenedWall& start, fem::OpeningOptions options,
+        const Job& job)
+    {
+        const fem::ElasticProblem& problem = field.problem;
+        options.tolerance = tolerance_of(problem, options);
+        fem::ElasticProblem placed = problem;
+        placed.hooks = start.hooks;
+        const Points from = start.ten_node.size() != 0
+            ? Points(Eigen::Map<const Points>(start.ten_node.data(), start.ten_node.size() / 3, 3))
+            : fem::with_blade_nodes(placed, start.opening.displacement);
+        if (start.retractor) {
+            const PlacedRetractor& retractor = *start.retractor;
+            take_retractor(opened, retractor.frame,
+                fem::open_with_frame(problem, retractor.frame, rack_drive_of(*field.approach.retractor), options,
+                    balance_of(problem), job, fem::FrameStart { retractor.state, from, retractor.stiffness }));
+            return;
+        }
+        fem::Opening opening(problem, options);
+        opening.start_from(from);
+        opened.opening = opening.open(problem.hooks, job);
+    }
+
 } // namespace
 
 OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const fem::HookDrive> drives,
-    fem::OpeningOptions options, const Job& job, const StageTest& goes_on)
+    fem::OpeningOptions options, const Job& job, const OpenedWall* start, const StageTest& goes_on)
 {
     OpenedWall opened;
     if (near_mm > 0.0) {
@@ -299,7 +347,9 @@ OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const 
     const fem::ElasticProblem& problem = field.problem;
     opened.hooks = problem.hooks;
     const bool linear = options.elasticity == fem::Elasticity::linear; // one solve, with any start
-    if (field.approach.retractor && !problem.hooks.empty()) {
+    if (start != nullptr && drives.empty() && near_mm == 0.0) {
+        open_from(opened, field, *start, options, job);
+    } else if (field.approach.retractor && !problem.hooks.empty()) {
         open_with_retractor(opened, field, options, goes_on, job);
     } else if (drives.empty() && problem.mesh.nodes_per_tet == 10 && near_mm == 0.0 && !linear) {
         open_from_corners(opened, problem, options, goes_on, job);
@@ -363,13 +413,12 @@ OpenedWall reopen_wall(
                              .toRotationMatrix();
         const fem::RackDrive drive { .distance_mm = state.distance };
         take_retractor(opened, field.retractor->frame,
-            fem::open_with_frame(problem, field.retractor->frame, drive, options, { .tolerance = kTenNodeBalance },
-                named, fem::FrameStart { state, std::move(start), field.retractor->stiffness }));
+            fem::open_with_frame(problem, field.retractor->frame, drive, options, balance_of(problem), named,
+                fem::FrameStart { state, std::move(start), field.retractor->stiffness }));
     } else {
         for (fem::HookPatch& hook : opened.hooks)
             hook.displacement *= share;
-        if (problem.mesh.nodes_per_tet == 10)
-            options.tolerance = std::max(options.tolerance, kTenNodeTolerance);
+        options.tolerance = tolerance_of(problem, options);
         fem::Opening opening(problem, options);
         opening.start_from(start);
         opened.opening = opening.open(opened.hooks, named);
@@ -378,6 +427,16 @@ OpenedWall reopen_wall(
     if (problem.mesh.nodes_per_tet == 10 && result.displacement.rows() > 0)
         opened.ten_node = Eigen::Map<const Eigen::VectorXd>(result.displacement.data(), result.displacement.size());
     return opened;
+}
+
+ContactOpening solve_or_hold(PlannedField& field, const std::function<ContactOpening()>& solve)
+{
+    ContactOpening solved = solve();
+    if (field.problem.blades.empty() || solved.opened.opening.status == fem::OpeningStatus::cancelled
+        || is_usable(solved.opened.opening))
+        return solved;
+    hold_with_blades(field);
+    return solve();
 }
 
 OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planned_case, const mesh::LabelVolume& labels,
@@ -400,25 +459,19 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planne
         field.problem = with_midpoints(field.problem);
     field.metrics.solution = solution_metrics(field, choice);
     const std::vector<fem::HookDrive> drives = drives_of(field.approach);
-    const OpenOnce open
-        = [&](const std::optional<fem::ContactOptions>& contact, const StageTest& goes_on, const Job& part) {
-              fem::OpeningOptions options = opening_options(choice);
-              options.contact = contact;
-              const Job named = contact ? as_stage(part, "opening with contact") : part;
-              return open_wall(field, choice.near_mm, drives, std::move(options), named, goes_on);
-          };
+    const OpenOnce open = [&](const std::optional<fem::ContactOptions>& contact, const OpenedWall* start,
+                              const StageTest& goes_on, const Job& part) {
+        fem::OpeningOptions options = opening_options(choice);
+        options.contact = contact;
+        const Job named = contact ? as_stage(part, "opening with contact") : part;
+        return open_wall(field, choice.near_mm, drives, std::move(options), named, start, goes_on);
+    };
     ContactSurfaces surfaces;
     if (planned_case.contact != ContactMode::never)
         surfaces = contact_surfaces(planned_case.label_table, field.approach, patient);
-    const auto solve = [&] {
+    ContactOpening solved = solve_or_hold(field, [&] {
         return open_with_contact(field.problem, planned_case.contact, surfaces, open, choice.near_mm == 0.0, job);
-    };
-    ContactOpening solved = solve();
-    if (!field.problem.blades.empty() && solved.opened.opening.status != fem::OpeningStatus::cancelled
-        && !is_usable(solved.opened.opening)) {
-        hold_with_blades(field);
-        solved = solve();
-    }
+    });
     OpenedWall& opened = solved.opened;
     field.metrics.contact = std::move(solved.contact);
     RETRACTOR_ASSERT(opened.hooks.size() == field.hooks.size());

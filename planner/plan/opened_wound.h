@@ -5,12 +5,14 @@
 #include "fem/statics/driven_opening.h"
 #include "fem/statics/opening_types.h"
 #include "planner/case/patient.h"
+#include "planner/plan/contact_where_needed.h"
 #include "planner/plan/opened_wall.h"
 #include "planner/plan/planned_field.h"
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -69,11 +71,13 @@ fem::OpeningOptions opening_options(const SolverSettings& choice);
 /// Opens the wall of field.problem once, with the approach's retractor where it has one and the problem has hooks.
 /// @param near_mm tissue within this distance of the lips is nonlinear, and linear beyond; 0: the same law everywhere
 /// @param drives empty: the hooks have the displacements of field.problem
+/// @param start a solution of the same problem without contact, from which the opening begins; nullptr: it begins at
+/// rest. Not used with drives and with near_mm
 /// @param goes_on asked between four-node and ten-node elements, where the opening begins with four-node elements;
 /// empty: the opening goes on
 /// @throws as fem::Opening
 OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const fem::HookDrive> drives,
-    fem::OpeningOptions options, const Job& job, const StageTest& goes_on = {});
+    fem::OpeningOptions options, const Job& job, const OpenedWall* start = nullptr, const StageTest& goes_on = {});
 
 /// The solution at all nodes of field.problem, before loose pieces were moved, three per node.
 Eigen::VectorXd displacement_at_nodes(const PlannedField& field, const OpenedWound& wound);
@@ -85,6 +89,12 @@ Eigen::VectorXd displacement_at_nodes(const OpenedWall& opened);
 /// @throws as open_wall(); @pre the whole wall has the same law (SolverSettings::near_mm is 0)
 OpenedWall reopen_wall(
     const PlannedField& field, const OpenedWound& wound, double share, const SolverSettings& choice, const Job& job);
+
+/// Solves the wound of field.problem. Where blades in contact find no equilibrium, they hold the tissue and the wound
+/// is solved once more; the field's problem, its approach and PlannedField::contact_was_lost then say so.
+/// @param solve of field.problem as it is when called
+/// @throws as `solve`
+ContactOpening solve_or_hold(PlannedField& field, const std::function<ContactOpening()>& solve);
 
 /// Opens the cut wall with the case's solver settings, and with contact where it is asked for or needed
 /// (contact_where_needed.h). Fills in the field's problem, opening, final hook places,

@@ -1,6 +1,8 @@
 #include "planner/plan/contact_where_needed.h"
 
 #include "fem/error_estimation/error_estimate.h"
+#include "fem/statics/elastic_problem.h"
+#include "fem/statics/opening.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 #include "planner/plan/opened_wound.h"
 #include "planner/plan/plan.h"
@@ -16,6 +18,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace retractor::planner {
 namespace contact_where_needed_test {
@@ -73,12 +76,12 @@ namespace contact_where_needed_test {
     ContactOpening opened(
         const PlannedField& field, ContactMode mode, const ContactSurfaces& surfaces = {}, const Job& job = {})
     {
-        const OpenOnce open
-            = [&](const std::optional<fem::ContactOptions>& contact, const StageTest& goes_on, const Job& part) {
-                  fem::OpeningOptions options = opening_options(SolverSettings {});
-                  options.contact = contact;
-                  return open_wall(field, 0.0, {}, options, part, goes_on);
-              };
+        const OpenOnce open = [&](const std::optional<fem::ContactOptions>& contact, const OpenedWall* start,
+                                  const StageTest& goes_on, const Job& part) {
+            fem::OpeningOptions options = opening_options(SolverSettings {});
+            options.contact = contact;
+            return open_wall(field, 0.0, {}, options, part, start, goes_on);
+        };
         return open_with_contact(field.problem, mode, surfaces, open, true, job);
     }
 
@@ -204,6 +207,42 @@ namespace contact_where_needed_test {
         EXPECT_NE(automatic.contact->message.find("collided"), std::string::npos) << automatic.contact->message;
         EXPECT_EQ(automatic.opened.opening.displacement, without.opened.opening.displacement);
         EXPECT_EQ(automatic.opened.opening.status, fem::OpeningStatus::converged);
+    }
+
+    TEST(ContactWhereNeeded, BladesThatFindNoEquilibriumHoldTheTissueAndSaySo)
+    {
+        PlannedField field = field_of(pushed_plate(1.0, 3.0));
+        field.approach.hooks = { HookSpec { .name = "push", .side = 1, .hold = HookHold::contact } };
+        const std::vector<VertexId> held = field.hooks[0].nodes;
+        add_blade(field.problem, 0, mesh::boundary_faces(field.wall), {},
+            { .name = "push",
+                .middle = Vec3(15.0, 15.0, 6.0),
+                .along = Vec3::UnitX(),
+                .deep = Vec3::UnitY(),
+                .outward = -Vec3::UnitZ(),
+                .width_mm = 8.0,
+                .height_mm = 8.0 });
+        ASSERT_FALSE(field.problem.blades.empty());
+        for (const bool found : { true, false }) {
+            int solved = 0;
+            const ContactOpening answer = solve_or_hold(field, [&] {
+                ++solved;
+                ContactOpening opening;
+                opening.opened.opening.status = field.problem.blades.empty() || found
+                    ? fem::OpeningStatus::converged
+                    : fem::OpeningStatus::not_converged;
+                return opening;
+            });
+            EXPECT_EQ(answer.opened.opening.status, fem::OpeningStatus::converged);
+            EXPECT_EQ(solved, found ? 1 : 2);
+            EXPECT_EQ(field.contact_was_lost, !found);
+            EXPECT_EQ(field.problem.blades.empty(), !found);
+            EXPECT_EQ(field.approach.hooks[0].hold, found ? HookHold::contact : HookHold::fixed);
+        }
+        EXPECT_EQ(field.problem.hooks[0].nodes, held);
+        EXPECT_EQ(field.problem.mesh.vertices.rows(), field.wall.vertices.rows());
+        const fem::OpeningResult opened = fem::Opening(field.problem, {}).open(field.problem.hooks);
+        EXPECT_EQ(opened.status, fem::OpeningStatus::converged) << opened.message;
     }
 
     TEST(ContactWhereNeeded, ACancelledJobEndsIt)

@@ -213,6 +213,7 @@ namespace {
         /// Friction force that may be missing, relative to the force of a blade. The balance of a retractor is known no
         /// better.
         static constexpr double kFrictionError = 0.005;
+        static constexpr double kShortest = 1e-4; ///< share of a step below which no length is tried
         static constexpr int kFrictionRounds = 12;
         static constexpr double kFrictionShare = 0.5; ///< of a change of the friction that is made at a time
         static constexpr double kNoForce = 1e-12; ///< relative round-off; no smaller residual is requested
@@ -251,11 +252,13 @@ namespace {
             return solver_.free_count() < kLarge ? 25 : 50;
         }
 
-        /// Whether the factor at hand may precondition the step of a motion.
+        /// Whether the factor at hand may precondition the step of a motion: a single step from near its end. Load
+        /// steps take fresh factors; on flat elements an old factor leaves an error that the next steps keep.
         bool is_near(const Eigen::VectorXd& motion) const
         {
             constexpr double kNearMm = 0.5, kNearRest = 1e-2;
-            return solver_.factorised() && largest_length(motion) <= kNearMm && residual() <= kNearRest;
+            return options_.load_steps == 1 && solver_.factorised() && largest_length(motion) <= kNearMm
+                && residual() <= kNearRest;
         }
 
         /// Solves with the projected stiffness K, the one last assembled. @param fresh whether the factor is that of K;
@@ -293,7 +296,8 @@ namespace {
             Eigen::VectorXd u = u_ + du;
             ElasticBody::Response there = respond(u);
             if (!is_lower(there, 1.0, slope))
-                return shorten(du, slope, there);
+                return body_.contact() != nullptr || body_.blades() != nullptr ? shorten(du, slope, there)
+                                                                               : halve(du, slope);
             lengthen(du, slope, u, there);
             u_ = std::move(u);
             state_ = std::move(there);
@@ -308,12 +312,27 @@ namespace {
             return std::isfinite(there.energy) && there.energy <= state_.energy + kArmijo * length * slope + noise;
         }
 
+        /// Halves a step that is too long until the energy falls. @return false when no length lowers the energy
+        bool halve(const Eigen::VectorXd& du, double slope)
+        {
+            for (double length = 0.5; length > kShortest; length *= 0.5) {
+                Eigen::VectorXd u = u_ + length * du;
+                ElasticBody::Response there = respond(u);
+                if (!is_lower(there, length, slope))
+                    continue;
+                u_ = std::move(u);
+                state_ = std::move(there);
+                return true;
+            }
+            return false;
+        }
+
         /// Goes along a step that is too long to about the least energy, by false position on the slope. Where a stiff
         /// contact begins along the step, this goes just past its beginning, and the next step knows the contact;
         /// halving the step stays before it. @return false when no length lowers the energy
         bool shorten(const Eigen::VectorXd& du, double slope, const ElasticBody::Response& full)
         {
-            constexpr double kShortest = 1e-4, kInside = 0.1, kFlat = 0.3;
+            constexpr double kInside = 0.1, kFlat = 0.3;
             constexpr int kTrials = 20, kTrialsBeyondTheFirst = 3;
             double low = 0.0, at_low = slope, high = 1.0;
             double at_high = std::isfinite(full.energy) ? full.forces.dot(du) : 0.0;

@@ -14,8 +14,8 @@
 // factor the true stiffness at each Newton step where the whole matrix is positive definite, else the stiffness with
 // the smallest sufficient share.
 //
-// A motion of less than half a millimetre that starts near an equilibrium takes the factor at hand as a preconditioner,
-// and a fresh one only where this converges slowly.
+// A single step (EquilibriumOptions::load_steps is 1) of less than half a millimetre from near an equilibrium takes the
+// factor at hand as a preconditioner, and a fresh one only where this converges slowly.
 //
 // Work. Without loads, an intermediate state takes at most four Newton iterations and the last state at most
 // max_newton_iterations.

@@ -5,9 +5,9 @@
 // surfaces then pass through each other by more than kPenetrationToleranceMm, the wound is solved again with contact.
 // The solution begins at the solution without contact: the pairs are followed from rest to there, since contact that
 // begins with a point deep behind a face takes the point to have been inside all along. Where this finds no
-// equilibrium, or where only four-node elements were solved of ten-node elements, it begins at rest. The solution by
-// ten-node elements is tested as well. Where contact finds no equilibrium in its time, the solution without
-// contact is kept, and the deepest place is reported.
+// equilibrium, where only four-node elements were solved of ten-node elements, or where hooks hold nodes of the surface
+// (these may collide on their way), it begins at rest. The solution by ten-node elements is tested as well. Where
+// contact finds no equilibrium in its time, the solution without contact is kept, and the deepest place is reported.
 //
 // Error. Penetration is found by the points of both surfaces (fem/model/contact.h). An edge that passes through an edge
 // between the points is not seen. Units mm, N, s; frame patient LPS.

@@ -347,7 +347,8 @@ OpenedWall open_wall(const PlannedField& field, double near_mm, std::span<const 
     const fem::ElasticProblem& problem = field.problem;
     opened.hooks = problem.hooks;
     const bool linear = options.elasticity == fem::Elasticity::linear; // one solve, with any start
-    if (start != nullptr && drives.empty() && near_mm == 0.0) {
+    const bool all_blades = problem.blades.size() == problem.hooks.size();
+    if (start != nullptr && all_blades && drives.empty() && near_mm == 0.0) {
         open_from(opened, field, *start, options, job);
     } else if (field.approach.retractor && !problem.hooks.empty()) {
         open_with_retractor(opened, field, options, goes_on, job);

@@ -73,6 +73,22 @@ namespace contact_where_needed_test {
         return problem;
     }
 
+    /// The plate with a blade in contact in place of its hook.
+    PlannedField plate_under_blade(double down_mm)
+    {
+        PlannedField field = field_of(pushed_plate(down_mm, 3.0));
+        field.approach.hooks = { HookSpec { .name = "push", .side = 1, .hold = HookHold::contact } };
+        add_blade(field.problem, 0, mesh::boundary_faces(field.wall), {},
+            { .name = "push",
+                .middle = Vec3(15.0, 15.0, 6.0),
+                .along = Vec3::UnitX(),
+                .deep = Vec3::UnitY(),
+                .outward = -Vec3::UnitZ(),
+                .width_mm = 8.0,
+                .height_mm = 8.0 });
+        return field;
+    }
+
     ContactOpening opened(
         const PlannedField& field, ContactMode mode, const ContactSurfaces& surfaces = {}, const Job& job = {})
     {
@@ -170,6 +186,21 @@ namespace contact_where_needed_test {
         }
     }
 
+    /// With contact the plate begins where the blade has pressed it through the organ.
+    TEST(ContactWhereNeeded, AWallUnderABladeIsHeldOffAnOrganAsFromRest)
+    {
+        const PlannedField field = plate_under_blade(1.5);
+        ASSERT_FALSE(field.problem.blades.empty());
+        const ContactSurfaces heart = heart_at(-0.5);
+        const ContactOpening automatic = opened(field, ContactMode::automatic, heart),
+                             from_rest = opened(field, ContactMode::always, heart);
+        ASSERT_TRUE(automatic.contact && from_rest.contact);
+        EXPECT_EQ(automatic.contact->needed, true);
+        EXPECT_TRUE(automatic.contact->computed) << automatic.contact->message;
+        EXPECT_GT(automatic.contact->touching, 0U);
+        expect_same(automatic, from_rest);
+    }
+
     /// One search at the end would take a point so deep behind a face to have been there all along.
     TEST(ContactWhereNeeded, ABodyIsSeenToPassDeepIntoAnOrgan)
     {
@@ -211,17 +242,8 @@ namespace contact_where_needed_test {
 
     TEST(ContactWhereNeeded, BladesThatFindNoEquilibriumHoldTheTissueAndSaySo)
     {
-        PlannedField field = field_of(pushed_plate(1.0, 3.0));
-        field.approach.hooks = { HookSpec { .name = "push", .side = 1, .hold = HookHold::contact } };
+        PlannedField field = plate_under_blade(1.0);
         const std::vector<VertexId> held = field.hooks[0].nodes;
-        add_blade(field.problem, 0, mesh::boundary_faces(field.wall), {},
-            { .name = "push",
-                .middle = Vec3(15.0, 15.0, 6.0),
-                .along = Vec3::UnitX(),
-                .deep = Vec3::UnitY(),
-                .outward = -Vec3::UnitZ(),
-                .width_mm = 8.0,
-                .height_mm = 8.0 });
         ASSERT_FALSE(field.problem.blades.empty());
         for (const bool found : { true, false }) {
             int solved = 0;

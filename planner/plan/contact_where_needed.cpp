@@ -137,7 +137,9 @@ namespace {
             const Stopwatch watch;
             try {
                 OpenedWall opened = open_(surfaces_.options, without, {}, limit.job());
-                if (without != nullptr && !is_usable(opened.opening) && !limit.job().cancelled())
+                // Where hooks hold nodes, open_wall() has begun at rest already.
+                const bool was_at_rest = corners_.blades.size() != corners_.hooks.size();
+                if (without != nullptr && !was_at_rest && !is_usable(opened.opening) && !limit.job().cancelled())
                     opened = open_(surfaces_.options, nullptr, {}, limit.job());
                 if (is_usable(opened.opening))
                     return opened;

@@ -36,6 +36,11 @@ double scale_to_cover(const Workspace& workspace, double extent)
     return std::max(1.0, extent / narrowest);
 }
 
+Mat3 standing_on(const Vec3& outward)
+{
+    return Eigen::Quaterniond::FromTwoVectors(Vec3::UnitY(), outward).toRotationMatrix();
+}
+
 MappingOptions mapping_of(const SceneFrame& frame, const Workspace& workspace)
 {
     if (const std::string problem = problem_of(frame); !problem.empty())

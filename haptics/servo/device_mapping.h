@@ -17,6 +17,10 @@ struct MappingOptions {
     std::uint32_t clutch_buttons = 2;
 };
 
+/// Rotation that turns the device's up (its y axis) to the outward direction of the body.
+/// @param outward of any length but zero
+Mat3 standing_on(const Vec3& outward);
+
 /// Options that map a device with this workspace by `frame`. @throws InputError as problem_of()
 MappingOptions mapping_of(const SceneFrame& frame, const Workspace& workspace);
 

@@ -4,11 +4,10 @@
 #include "haptics/device/hand_path.h"
 #include "haptics/device/simulated_hand.h"
 #include "haptics/recording/replay.h"
+#include "haptics/servo/device_mapping.h"
 #include "haptics/spheres/sphere_tissue.h"
 #include "haptics/springs/spring_tissue.h"
 #include "mesh/base/error.h"
-
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <chrono>
@@ -217,9 +216,7 @@ std::unique_ptr<PalpationSession::Hands> PalpationSession::open_hands(
                 .hand = name == "simulated" ? haptics::relaxed_grip() : haptics::firm_grip(),
                 .path = pressing_path(radius, setup.press_mm) }));
             hands->devices.push_back({ hands->begin_now(*hands->simulated.back()),
-                { .scene_centre = site.point,
-                    .scene_from_device
-                    = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitY(), site.outward).toRotationMatrix() } });
+                { .scene_centre = site.point, .scene_from_device = haptics::standing_on(site.outward) } });
             continue;
         }
         haptics::Device* device = hands->rig->devices()[rigged++];

@@ -11,6 +11,8 @@
 #include "planner/case/case_io.h"
 #include "planner/plan/plan.h"
 
+#include <CLI/CLI.hpp>
+
 #include <array>
 #include <memory>
 

@@ -6,7 +6,7 @@ namespace {
 void add_commands(retractor::ui::cli::Commands& commands)
 {
     using namespace retractor::ui::cli;
-    commands.app.require_subcommand(1);
+    commands.require_one();
     add_demo_command(commands);
     add_phantom_command(commands);
     add_import_command(commands);

@@ -5,6 +5,7 @@
 #include "haptics/condensed/sneddon.h"
 #include "haptics/device/simulated_hand.h"
 #include "haptics/device/tick_thread.h"
+#include "haptics/servo/device_mapping.h"
 #include "haptics/servo/servo.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
@@ -375,9 +376,7 @@ namespace {
             hands.push_back(
                 std::make_unique<haptics::SimulatedHand>(haptics::SimulatedHandOptions { .path = path(seconds) }));
             devices.push_back({ hands.back().get(),
-                { .scene_centre = site.point,
-                    .scene_from_device
-                    = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitY(), site.outward).toRotationMatrix() } });
+                { .scene_centre = site.point, .scene_from_device = haptics::standing_on(site.outward) } });
         }
         haptics::Servo servo(devices, tissue);
         haptics::TickThread thread;

@@ -4,6 +4,7 @@
 #include "haptics/condensed/condensed_tissue.h"
 #include "haptics/device/simulated_hand.h"
 #include "haptics/device/tick_thread.h"
+#include "haptics/servo/device_mapping.h"
 #include "haptics/servo/servo.h"
 #include "haptics/springs/spring_tissue.h"
 #include "mesh/base/atomic_file.h"
@@ -11,8 +12,6 @@
 #include "tests/benchmarks/palpation/servo_load.h"
 #include "tests/support/haptics/tick_statistics.h"
 #include "ui/scene/vtk/render.h"
-
-#include <Eigen/Geometry>
 
 #include <array>
 #include <chrono>
@@ -93,8 +92,8 @@ namespace {
     /// The device's y axis points along `outward`; a fingertip just touches at the middle of the device.
     haptics::MappingOptions standing_on(const Vec3& point, const Vec3& outward)
     {
-        const Mat3 turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitY(), outward).toRotationMatrix();
-        return { .scene_centre = point + haptics::FingerMount {}.radius * outward, .scene_from_device = turn };
+        return { .scene_centre = point + haptics::FingerMount {}.radius * outward,
+            .scene_from_device = haptics::standing_on(outward) };
     }
 
     Bench make_springs()

@@ -405,7 +405,7 @@ namespace autosegment_test {
         plate.grid.size = { 100, 100, 1 };
         plate.grid.spacing = { 10.0, 10.0, 0.6 };
         plate.grid.direction
-            = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), Vec3::Ones().normalized()).toRotationMatrix();
+            = Eigen::AngleAxisd(std::acos(1.0 / std::sqrt(3.0)), Vec3(-1.0, 1.0, 0.0).normalized()).toRotationMatrix();
         plate.voxels.assign(plate.grid.voxel_count(), 40);
         EXPECT_NE(message_of([&] { autosegment(plate); }).find("more than 120 million voxels"), std::string::npos);
         plate.grid.direction.setIdentity(); // the same voxels, straight: refused for another reason

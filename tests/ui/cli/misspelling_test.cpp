@@ -1,5 +1,6 @@
 #include "ui/cli/framework/misspelling.h"
 
+#include <CLI/CLI.hpp>
 #include <gtest/gtest.h>
 
 #include <string>

@@ -4,14 +4,13 @@
 #include "haptics/condensed/condensed_tissue.h"
 #include "haptics/device/simulated_hand.h"
 #include "haptics/device/udp_bridge.h"
+#include "haptics/servo/device_mapping.h"
 #include "haptics/servo/servo.h"
 #include "haptics/spheres/sphere_tissue.h"
 #include "haptics/springs/spring_tissue.h"
 #include "tests/support/haptics/pressed_check.h"
 #include "tests/verification/cli/touch_cases.h"
 #include "ui/cli/framework/ball_mesh.h"
-
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <array>
@@ -215,8 +214,7 @@ namespace {
         static haptics::MappingOptions mapping_onto(const Touched& touched)
         {
             return { .scene_centre = touched.point + kTip * touched.outward,
-                .scene_from_device
-                = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitY(), touched.outward).toRotationMatrix() };
+                .scene_from_device = haptics::standing_on(touched.outward) };
         }
         static haptics::ServoOptions quick_servo()
         {

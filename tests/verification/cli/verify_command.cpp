@@ -15,6 +15,8 @@
 #include "ui/cli/plan/field_files.h"
 #include "ui/scene/vtk/render.h"
 
+#include <CLI/CLI.hpp>
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>

@@ -1,6 +1,7 @@
 #include "mesh/base/text_format.h"
 #include "ui/cli/commands.h"
 #include "ui/cli/framework/arguments.h"
+#include "ui/cli/framework/number_range.h"
 
 #include "fem/statics/driven_opening.h"
 #include "mesh/base/error.h"
@@ -11,6 +12,8 @@
 #include "planner/case/opening_protocol.h"
 #include "planner/case/patient.h"
 #include "ui/cli/framework/open_case.h"
+
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <memory>

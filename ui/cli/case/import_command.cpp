@@ -1,5 +1,6 @@
 #include "ui/cli/case/case_files.h"
 #include "ui/cli/commands.h"
+#include "ui/cli/framework/number_range.h"
 #include "ui/cli/framework/out_folder.h"
 
 #include "datasets/labels/label_presets.h"
@@ -9,6 +10,8 @@
 #include "ui/cli/framework/arguments.h"
 #include "ui/plan_scene/contact_sheet.h"
 #include "ui/scene/vtk/render.h"
+
+#include <CLI/CLI.hpp>
 
 #include <memory>
 #include <optional>

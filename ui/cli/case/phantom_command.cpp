@@ -9,6 +9,7 @@
 #include "ui/cli/framework/arguments.h"
 #include "ui/cli/framework/out_folder.h"
 
+#include <CLI/CLI.hpp>
 #include <Eigen/Geometry>
 
 #include <memory>

@@ -1,11 +1,14 @@
 #include "ui/cli/commands.h"
 #include "ui/cli/framework/arguments.h"
+#include "ui/cli/framework/number_range.h"
 
 #include "fem/model/pre_strain.h"
 #include "mesh/base/error.h"
 #include "planner/case/case_io.h"
 #include "planner/wall/wall_tension.h"
 #include "ui/cli/framework/open_case.h"
+
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <memory>

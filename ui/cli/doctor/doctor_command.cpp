@@ -2,6 +2,8 @@
 #include "ui/cli/commands.h"
 #include "ui/cli/doctor/doctor_checks.h"
 
+#include <CLI/CLI.hpp>
+
 #include <memory>
 
 namespace retractor::ui::cli {

@@ -5,8 +5,6 @@
 #include "planner/case/approach.h"
 #include "planner/case/solver_settings.h"
 
-#include <CLI/CLI.hpp>
-
 #include <optional>
 #include <string>
 #include <utility>
@@ -29,8 +27,5 @@ std::pair<int, int> parse_size(const std::string& text);
 std::optional<planner::AccuracyGoal> parse_accuracy(const std::string& text, const planner::AccuracyGoal& otherwise);
 /// Splits "a,b,c" at the separator.
 std::vector<std::string> split(const std::string& text, char separator);
-
-/// Accepts a number from low to high. Unlike CLI::Range, this validator refuses NaN.
-CLI::Validator in_range(double low, double high);
 
 } // namespace retractor::ui::cli

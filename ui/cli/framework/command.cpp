@@ -1,4 +1,5 @@
 #include "ui/cli/framework/command.h"
+#include "ui/cli/framework/number_range.h"
 
 #include "fem/linear_algebra/parallel.h"
 #include "mesh/base/error.h"
@@ -6,6 +7,8 @@
 #include "ui/cli/framework/field_options.h"
 #include "ui/cli/framework/misspelling.h"
 #include "ui/cli/framework/progress_line.h"
+
+#include <CLI/CLI.hpp>
 
 #include <tbb/global_control.h>
 
@@ -108,6 +111,13 @@ namespace {
     }
 
 } // namespace
+
+void Commands::on(CLI::App* command, const std::function<Outcome(const Job&)>& action)
+{
+    command->callback([this, action] { run = action; });
+}
+
+void Commands::require_one() { app.require_subcommand(1); }
 
 int run_command_line(const Program& program, int argc, char** argv)
 {

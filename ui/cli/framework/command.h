@@ -4,11 +4,15 @@
 
 #include "mesh/base/job.h"
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <functional>
 #include <string>
+
+// CLI11 defines its checks in every source that includes it, which takes 5 s each: only what adds options includes it.
+namespace CLI {
+class App;
+}
 
 namespace retractor::ui::cli {
 
@@ -38,10 +42,9 @@ struct Commands {
     std::function<Outcome(const Job&)> run; ///< action of the chosen subcommand
 
     /// Makes this the action when the user chooses `command`.
-    void on(CLI::App* command, const std::function<Outcome(const Job&)>& action)
-    {
-        command->callback([this, action] { run = action; });
-    }
+    void on(CLI::App* command, const std::function<Outcome(const Job&)>& action);
+    /// The user must choose a command.
+    void require_one();
 };
 
 /// One program of the command line.

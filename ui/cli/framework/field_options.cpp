@@ -1,5 +1,7 @@
 #include "ui/cli/framework/field_options.h"
 
+#include <CLI/CLI.hpp>
+
 #include <algorithm>
 #include <cstddef>
 #include <iterator>

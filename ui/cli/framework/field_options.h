@@ -2,10 +2,12 @@
 // Finds the options of the command line that set the fields of a request. Libraries name fields; only the command line
 // names options.
 
-#include <CLI/CLI.hpp>
-
 #include <string>
 #include <vector>
+
+namespace CLI {
+class App;
+}
 
 namespace retractor::ui::cli {
 

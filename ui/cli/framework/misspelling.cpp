@@ -1,5 +1,7 @@
 #include "ui/cli/framework/misspelling.h"
 
+#include <CLI/CLI.hpp>
+
 #include <algorithm>
 #include <cctype>
 #include <cstddef>

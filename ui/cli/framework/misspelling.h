@@ -1,10 +1,12 @@
 #pragma once
 // Writes the message for a command or an option that does not exist.
 
-#include <CLI/CLI.hpp>
-
 #include <string>
 #include <vector>
+
+namespace CLI {
+class App;
+}
 
 namespace retractor::ui::cli {
 

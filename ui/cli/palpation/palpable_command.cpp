@@ -5,8 +5,11 @@
 #include "planner/case/patient.h"
 #include "planner/palpation/palpable.h"
 #include "ui/cli/framework/arguments.h"
+#include "ui/cli/framework/number_range.h"
 #include "ui/cli/framework/open_case.h"
 #include "ui/cli/framework/out_folder.h"
+
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <filesystem>

@@ -10,9 +10,12 @@
 #include "planner/case/patient.h"
 #include "planner/palpation/palpable.h"
 #include "ui/cli/framework/arguments.h"
+#include "ui/cli/framework/number_range.h"
 #include "ui/cli/framework/open_case.h"
 #include "ui/cli/palpation/palpate_pictures.h"
 #include "ui/cli/palpation/palpate_run.h"
+
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <array>

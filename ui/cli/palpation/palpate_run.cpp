@@ -1,11 +1,10 @@
 #include "ui/cli/palpation/palpate_run.h"
 
 #include "haptics/device/udp_bridge.h"
+#include "haptics/servo/device_mapping.h"
 #include "haptics/servo/servo.h"
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
-
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <atomic>
@@ -22,12 +21,6 @@ namespace {
     constexpr double kLiveClear = 2.0; // mm above the surface at which the middle of a real device's workspace lies
     constexpr double kApproach = 1.0, kRelease = 0.5; // s
     constexpr int kFollowEvery = 16; // ticks: a display's 60 Hz
-
-    /// Rotation that turns the device's up to the outward direction of the body.
-    Mat3 scene_from_device(const Vec3& outward)
-    {
-        return Eigen::Quaterniond::FromTwoVectors(Vec3::UnitY(), outward).toRotationMatrix();
-    }
 
     double cycle(const PressPlan& plan) { return kApproach + plan.seconds + kRelease; }
 
@@ -221,7 +214,7 @@ namespace {
             }
             line.devices.push_back({ hands.devices()[f],
                 { .scene_centre = site.point + above * site.outward,
-                    .scene_from_device = scene_from_device(site.outward),
+                    .scene_from_device = haptics::standing_on(site.outward),
                     .mirrored = hands.is_mirrored(f) } });
         }
         line.options.force_gain = gain;

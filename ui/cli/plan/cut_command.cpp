@@ -17,6 +17,8 @@
 #include "planner/measures/metrics.h"
 #include "planner/wall/wall_cut.h"
 
+#include <CLI/CLI.hpp>
+
 #include <algorithm>
 #include <memory>
 #include <system_error>

@@ -1,6 +1,7 @@
 #include "mesh/generation/hybrid_model.h"
 #include "ui/cli/commands.h"
 #include "ui/cli/framework/arguments.h"
+#include "ui/cli/framework/number_range.h"
 #include "ui/cli/framework/out_folder.h"
 #include "ui/cli/framework/staged_results.h"
 #include "ui/cli/plan/field_files.h"
@@ -18,6 +19,8 @@
 #include "ui/cli/plan/second_opinion.h"
 #include "ui/plan_scene/case_picture.h"
 #include "ui/scene/vtk/offscreen.h"
+
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cerrno>

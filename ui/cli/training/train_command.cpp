@@ -9,8 +9,11 @@
 #include "mesh/base/text_format.h"
 #include "ui/cli/framework/arguments.h"
 #include "ui/cli/framework/command.h"
+#include "ui/cli/framework/number_range.h"
 #include "ui/cli/palpation/palpate_run.h"
 #include "ui/cli/training/train_report.h"
+
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <array>

@@ -101,10 +101,10 @@ namespace {
                 linearise();
                 found_.state = moved_by(found_.state, next_step(), lever_);
             }
-            open(found_.state, start ? balancing_ : job_);
-            if (!is_open())
-                return std::move(found_);
-            balance();
+            const bool is_answer = start && start->stiffness; // of the same elements
+            open(found_.state, start ? balancing_ : job_, is_answer ? options_.tolerance : tolerance_for(1.0));
+            if (is_open())
+                balance();
             return std::move(found_);
         }
 
@@ -120,11 +120,27 @@ namespace {
                 || !problem_.blades.empty();
         }
 
+        /// Residual of an opening on the way from this imbalance: the forces need not be known much better.
+        double tolerance_for(double imbalance) const
+        {
+            constexpr double kShare = 0.02, kRoughest = 0.02;
+            if (!is_nonlinear())
+                return options_.tolerance;
+            return std::max(options_.tolerance, std::min(kRoughest, kShare * imbalance));
+        }
+
         void balance()
         {
             int halvings = 0;
             double before = std::numeric_limits<double>::infinity();
-            while (found_.imbalance > how_.tolerance) {
+            while (found_.imbalance > how_.tolerance || tolerance_ > options_.tolerance) {
+                if (found_.imbalance <= how_.tolerance) {
+                    continue_from(found_.opening.displacement);
+                    open(found_.state, balancing_, options_.tolerance);
+                    if (!is_open())
+                        return;
+                    continue;
+                }
                 if (found_.openings >= how_.most_openings)
                     return fail("");
                 if (const std::string why = beyond_tissue(); !why.empty())
@@ -138,7 +154,7 @@ namespace {
                 double share = 1.0;
                 for (;;) {
                     continue_from(last.opening.displacement);
-                    open(moved_by(last.state, share * step, lever_), balancing_);
+                    open(moved_by(last.state, share * step, lever_), balancing_, tolerance_for(last.imbalance));
                     if (is_open() || found_.opening.status == OpeningStatus::cancelled)
                         break;
                     if (++halvings > kMostHalvings || found_.openings >= how_.most_openings)
@@ -159,8 +175,10 @@ namespace {
             opening_.set_load_steps(1); // the frame moves a little; steps of more than 3 mm are still divided
         }
 
-        void open(const FrameState& state, const Job& job)
+        void open(const FrameState& state, const Job& job, double tolerance)
         {
+            tolerance_ = tolerance;
+            opening_.set_tolerance(tolerance);
             found_.state = state;
             found_.blades = blades_at(frame_, state, std::move(found_.blades));
             found_.opening = opening_.open(found_.blades, job);
@@ -331,6 +349,7 @@ namespace {
         Opening opening_;
         FrameOpening found_;
         FrameVector forces_ = FrameVector::Zero(); ///< generalised forces at the present state
+        double tolerance_ = 0.0; ///< residual of the present state, as OpeningOptions::tolerance
         bool has_stiffness_ = false;
         bool was_cut_ = false; ///< the last step ended before the predicted balance
     };

@@ -5,7 +5,8 @@
 // The first opening holds the frame where it was placed and moves the blades straight apart. Its forces are seldom in
 // balance: one lip is stiffer, or the bone under a blade is farther to one end. Newton's method then moves the frame
 // and turns the blades until resultant force and moment vanish; each evaluation is an opening that starts from the last
-// one. The first stiffness of the frame comes from the linearised tissue. Broyden's update (Broyden 1965,
+// one. While much force is missing an opening is solved roughly; the last one is solved to the full tolerance. The
+// first stiffness of the frame comes from the linearised tissue. Broyden's update (Broyden 1965,
 // doi 10.1090/S0025-5718-1965-0198670-6) corrects the stiffness from step to step, and the tissue is linearised again
 // where the updated stiffness predicts badly.
 //
@@ -38,7 +39,7 @@ struct FrameOptions {
     /// Largest resultant force, or moment over the lever of the frame, relative to the larger blade force. The
     /// discretisation error of a blade force is ten times larger.
     double tolerance = 1e-3;
-    int most_openings = 15; ///< the first one included
+    int most_openings = 20; ///< the first one included
 };
 
 /// A state from which a further search begins: the answer of other elements.

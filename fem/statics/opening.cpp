@@ -20,12 +20,17 @@ namespace retractor::fem {
 
 namespace {
 
+    void check_tolerance(double tolerance)
+    {
+        if (!(tolerance > 0.0 && tolerance < 1.0))
+            throw InputError("the tolerance " + std::to_string(tolerance) + " is not between 0 and 1");
+    }
+
     void check_options(const OpeningOptions& options)
     {
         if (options.load_steps < 1 || options.max_newton_iterations < 1)
             throw InputError("opening needs at least one load step and one Newton iteration");
-        if (!(options.tolerance > 0.0 && options.tolerance < 1.0))
-            throw InputError("the tolerance " + std::to_string(options.tolerance) + " is not between 0 and 1");
+        check_tolerance(options.tolerance);
         if (!(options.far_tolerance >= 0.0))
             throw InputError(
                 "the tolerance " + std::to_string(options.far_tolerance) + " is not zero or more", "condensed region");
@@ -285,6 +290,12 @@ void Opening::set_load_steps(int least)
     if (least < 1)
         throw InputError("opening needs at least one load step");
     state_->options.load_steps = least;
+}
+
+void Opening::set_tolerance(double tolerance)
+{
+    check_tolerance(tolerance);
+    state_->options.tolerance = tolerance;
 }
 
 OpeningResult Opening::open(std::span<const HookPatch> hooks, const Job& job)

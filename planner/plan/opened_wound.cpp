@@ -159,7 +159,7 @@ namespace {
     /// Balance of a retractor: above the error that the residual, or friction known to 0.5 % (equilibrium.h), leaves in
     /// the forces of its blades, and a seventh of the bar that a plan is asked for.
     constexpr double kTenNodeBalance = 5e-3, kContactBalance = 2e-2;
-    constexpr double kStartBalance = 0.03; ///< a state from which other elements begin
+    constexpr double kStartBalance = 0.1; ///< a state from which other elements begin
 
     double tolerance_of(const fem::ElasticProblem& problem, const fem::OpeningOptions& options)
     {

@@ -13,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -247,6 +248,19 @@ namespace frame_opening_test {
         EXPECT_EQ(again.openings, 1);
         EXPECT_LT((again.opening.displacement - first.opening.displacement).norm(),
             kSame * first.opening.displacement.norm());
+    }
+
+    TEST(FrameOpening, ARoughBalanceIsSolvedToTheFullTolerance)
+    {
+        const FramedBlock block;
+        const FrameOptions rough { .tolerance = 0.05 };
+        const FrameOpening found = block.open({ .distance_mm = kOpeningMm }, kExactOpening, rough);
+        ASSERT_EQ(found.opening.status, OpeningStatus::converged) << found.opening.message;
+        EXPECT_LE(found.imbalance, rough.tolerance);
+        EXPECT_LE(found.opening.residual, kExactOpening.tolerance);
+        Opening opening(block.problem, kExactOpening);
+        EXPECT_THROW(opening.set_tolerance(0.0), InputError);
+        EXPECT_THROW(opening.set_tolerance(std::numeric_limits<double>::quiet_NaN()), InputError);
     }
 
     TEST(FrameOpening, TheStiffnessOfAnOpeningIsTheDerivativeOfItsForces)

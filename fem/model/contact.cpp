@@ -288,7 +288,7 @@ void Contact::pair_points(const Side& points, const Side& faces, const mesh::Tri
 const std::array<VertexId, 3>* Contact::best_face(
     const Side& points, const Side& faces, const mesh::TriangleProximity& near, const Seeker& seeker) const
 {
-    constexpr double kAsGood = 1.25;
+    constexpr double kAsGood = 1.25, kRoundOffMm = 1e-9;
     // Where tissue folds at the rim of a hook's patch, the faces next to a point look towards it.
     std::vector<VertexId> ring;
     if (points.of_body && faces.of_body)
@@ -298,6 +298,8 @@ const std::array<VertexId, 3>* Contact::best_face(
     const std::array<VertexId, 3>* best = nullptr;
     double nearest = 0.0;
     for (const mesh::TriangleProximity::Nearby& candidate : near.within(seeker.place, options_.reach)) {
+        if (best != nullptr && candidate.point.distance > kAsGood * nearest + kRoundOffMm)
+            break;
         const auto& triangle = faces.surface.triangles[static_cast<std::size_t>(candidate.triangle)];
         if (std::find_first_of(triangle.begin(), triangle.end(), ring.begin(), ring.end()) != triangle.end()
             || !can_meet(points, faces, seeker, triangle))
@@ -306,7 +308,7 @@ const std::array<VertexId, 3>* Contact::best_face(
             && seeker.before->node
                 == std::array<std::int32_t, 4> { points.number(seeker.vertex), faces.number(triangle[0]),
                        faces.number(triangle[1]), faces.number(triangle[2]) };
-        if (best == nullptr || (same && candidate.point.distance <= kAsGood * nearest + 1e-9)) {
+        if (best == nullptr || same) {
             if (best == nullptr)
                 nearest = candidate.point.distance;
             best = &triangle;

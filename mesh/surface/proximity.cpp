@@ -78,6 +78,13 @@ TriangleProximity::TriangleProximity(Points vertices, std::vector<std::array<Ver
     }
     // With cells as large as the reach, a search visits 27 cells. Cells smaller than the triangles would only be more
     // cells.
+    radii_.reserve(triangles_.size());
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
+        double radius = 0.0;
+        for (const VertexId v : triangles_[t])
+            radius = std::max(radius, (point_at(vertices_, v) - centroid(t)).norm());
+        radii_.push_back(radius);
+    }
     size_ = std::max({ reach, extent, whole.sizes().maxCoeff() / ((1 << kBits) - 4) });
     origin_ = whole.min() - Vec3::Constant(size_);
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
@@ -99,6 +106,12 @@ std::array<std::int64_t, 3> TriangleProximity::cell(const Vec3& point) const
     return place;
 }
 
+Vec3 TriangleProximity::centroid(std::size_t triangle) const
+{
+    const auto [a, b, c] = triangle_corners(vertices_, triangles_[triangle]);
+    return (a + b + c) / 3.0;
+}
+
 std::vector<TriangleProximity::Nearby> TriangleProximity::within(const Vec3& point, double distance) const
 {
     std::vector<Nearby> nearby;
@@ -106,13 +119,17 @@ std::vector<TriangleProximity::Nearby> TriangleProximity::within(const Vec3& poi
         return nearby;
     distance = std::min(distance, reach_);
     const auto first = cell(point - Vec3::Constant(distance)), last = cell(point + Vec3::Constant(distance));
+    constexpr double kAboveRoundOff = 1.0 + 1e-9;
     std::vector<std::int32_t> met;
     for (std::int64_t z = first[2]; z <= last[2]; ++z)
         for (std::int64_t y = first[1]; y <= last[1]; ++y) {
             // The cells of a row are successive in the list.
             const auto from = std::lower_bound(cells_.begin(), cells_.end(), std::pair(key(first[0], y, z), 0));
-            for (auto at = from; at != cells_.end() && at->first <= key(last[0], y, z); ++at)
-                met.push_back(at->second);
+            for (auto at = from; at != cells_.end() && at->first <= key(last[0], y, z); ++at) {
+                const auto t = static_cast<std::size_t>(at->second);
+                if ((point - centroid(t)).norm() <= (distance + radii_[t]) * kAboveRoundOff)
+                    met.push_back(at->second);
+            }
         }
     std::sort(met.begin(), met.end());
     met.erase(std::unique(met.begin(), met.end()), met.end());

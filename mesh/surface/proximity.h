@@ -36,9 +36,11 @@ public:
 
 private:
     std::array<std::int64_t, 3> cell(const Vec3& point) const;
+    Vec3 centroid(std::size_t triangle) const;
 
     Points vertices_;
     std::vector<std::array<VertexId, 3>> triangles_;
+    std::vector<double> radii_; ///< of each triangle round its centroid, mm
     double reach_ = 0.0, size_ = 1.0;
     Vec3 origin_ = Vec3::Zero();
     std::vector<std::pair<std::uint64_t, std::int32_t>> cells_; ///< cell and triangle, ascending

@@ -18,8 +18,9 @@ namespace retractor::planner {
 
 namespace {
 
-    /// Most bones lie this near to the skin, and few lie up to the second distance below it. Deeper bone is inside.
-    constexpr std::array kSearchesMm { 15.0, 60.0 };
+    /// Searches for the skin, the nearest first: a wide search meets many triangles. Bone deeper than the last is
+    /// inside.
+    constexpr std::array kSearchesMm { 4.0, 8.0, 15.0, 30.0, 60.0 };
     /// Triangles within this distance of the nearest one meet at the nearest point.
     constexpr double kSamePlaceMm = 1e-6;
 

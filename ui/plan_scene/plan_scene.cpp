@@ -181,7 +181,7 @@ namespace {
             std::nullopt });
         lines.push_back({ "working distance", number(m.working_distance_mm, 0, "mm"), std::nullopt });
         lines.push_back({ "incision", number(m.incision_length_mm, 0, "mm"), std::nullopt });
-        lines.push_back({ "hook force, one side",
+        lines.push_back({ m.retractor ? "retractor force, one side" : "hook force, one side",
             number(
                 m.hook_force_N, 0, planner::forces_are_known(m) ? "N" : bar(bars ? m.error->hook_force_N : 0.0) + "N"),
             std::nullopt });

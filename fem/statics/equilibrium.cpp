@@ -247,9 +247,8 @@ namespace {
             return kRoundOff * (stiffest_ * size * size + std::abs(state_.energy));
         }
 
-        /// Number of iterations that take about half as long as a factorisation; the next steps gain from its factor.
-        /// On n unknowns a factorisation takes n^2 operations, an iteration n^(4/3) (nested dissection in space); on
-        /// 390,000 they take 17 and 0.09 s.
+        /// Number of iterations that take about as long as a factorisation. On n unknowns a factorisation takes n^2
+        /// operations, an iteration n^(4/3) (nested dissection in space); on some 430,000 they take 16 and 0.14 s.
         int worth_a_factor() const
         {
             constexpr double kPerUnknown = 0.018;

@@ -475,7 +475,7 @@ const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double proje
         if (bed_[v] > 0.0) { // a node with a spring has elements, so its row ends with the diagonal block
             double* diagonal
                 = stiffness_.values.data() + 9 * static_cast<std::size_t>(stiffness_.pattern.row_start[v + 1] - 1);
-            for (const std::size_t axis : { 0, 4, 8 })
+            for (const std::size_t axis : { 0U, 4U, 8U })
                 diagonal[axis] += bed_[v];
         }
     for (const Hinge& hinge : hinges_)

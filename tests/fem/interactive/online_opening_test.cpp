@@ -905,7 +905,7 @@ namespace online_opening_test {
         answer = whole_answer(wound.opening);
         EXPECT_LT((kGrip * (target - answer.hook_displacements[1]) - answer.hook_forces_N[1]).norm(), 1e-9);
         // Dragging knows of grips, limits and forces as well.
-        EXPECT_THROW(wound.opening.drag_answer(), InputError);
+        EXPECT_THROW((void)wound.opening.drag_answer(), InputError);
         EXPECT_LT(wound.opening.prepare_drag(), kResidual);
         for (const HookDrive& drive : { HookDrive { .displacement = target, .grip_N_per_mm = kGrip },
                  HookDrive { .displacement = target, .force_limit_N = 0.5 * unlimited }, HookDrive { .force_N = force },

@@ -8,7 +8,6 @@
 #include "tests/benchmarks/palpation/bench_servo.h"
 #include "tests/benchmarks/palpation/bench_spheres.h"
 #include "tests/benchmarks/palpation/bench_springs.h"
-#include "ui/cli/framework/arguments.h"
 #include "ui/cli/framework/number_range.h"
 
 #include <CLI/CLI.hpp>

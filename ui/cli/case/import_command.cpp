@@ -7,7 +7,6 @@
 #include "mesh/base/error.h"
 #include "planner/case/case_io.h"
 #include "planner/case/import_case.h"
-#include "ui/cli/framework/arguments.h"
 #include "ui/plan_scene/contact_sheet.h"
 #include "ui/scene/vtk/render.h"
 

@@ -2,7 +2,6 @@
 
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
-#include "mesh/base/text_format.h"
 
 #include <algorithm>
 #include <array>

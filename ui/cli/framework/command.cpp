@@ -1,11 +1,10 @@
 #include "ui/cli/framework/command.h"
-#include "ui/cli/framework/number_range.h"
 
 #include "fem/linear_algebra/parallel.h"
 #include "mesh/base/error.h"
-#include "ui/cli/framework/arguments.h"
 #include "ui/cli/framework/field_options.h"
 #include "ui/cli/framework/misspelling.h"
+#include "ui/cli/framework/number_range.h"
 #include "ui/cli/framework/progress_line.h"
 
 #include <CLI/CLI.hpp>

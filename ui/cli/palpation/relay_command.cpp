@@ -2,7 +2,6 @@
 #include "haptics/device/udp_bridge.h"
 #include "mesh/base/error.h"
 #include "ui/cli/commands.h"
-#include "ui/cli/framework/arguments.h"
 #include "ui/cli/framework/number_range.h"
 #include "ui/cli/palpation/palpate_devices.h"
 #include "ui/cli/palpation/palpate_run.h"

@@ -61,8 +61,8 @@ public:
     CutSession& operator=(CutSession&&) noexcept;
 
     /// Cuts. After a status other than `done`, or an exception, the session is unchanged.
-    /// @throws InputError on a malformed blade; CutQualityError when no attempt keeps the guarantees of cut_retry.h;
-    /// SolverError when the element limit is exceeded
+    /// @throws InputError on a malformed blade, an option out of range, or an open stroke; CutQualityError when no
+    /// attempt keeps the guarantees of cut_retry.h; SolverError when the element limit is exceeded
     CutResult cut(const Blade& blade, const CutOptions& options = {}, const Job& job = {});
 
     /// Extends a freehand cut while the hand moves. `so_far` is the blade drawn up to now: the blade of the previous

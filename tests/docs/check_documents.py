@@ -25,6 +25,7 @@ TOP = (*SOURCE_FOLDERS, "docs", "cmake")
 STYLE, GLOSSARY = "docs/developer/style.md", "docs/developer/glossary.md"
 CASE_PAGE, COMMANDS_PAGE = "docs/user/case-json.md", "docs/user/commands.md"
 RETIRED_MARK = "<!-- retired words:"
+EXAMPLE_MARK = re.compile(r"<!-- the text of (\S+) -->")  # the line before a block of code
 
 
 def documents(root):
@@ -100,6 +101,22 @@ def check_paths(root, text, sources):
                     yield number, f"there is no {code}"
             elif re.fullmatch(r"[a-z0-9_]+\.(h|cpp|cmake|py)", code) and code not in sources:
                 yield number, f"there is no source {code}"
+
+
+def check_examples(root, text):
+    """A block of code below the mark of an example must be the file that the mark names, which a test builds."""
+    lines = text.splitlines()
+    for number, line in enumerate(lines, 1):
+        if not (match := EXAMPLE_MARK.fullmatch(line)):
+            continue
+        file = root / match.group(1)
+        fences = [n for n, other in enumerate(lines[number:], number) if other.startswith("```")][:2]
+        if not file.is_file():
+            yield number, f"there is no {match.group(1)}"
+        elif len(fences) < 2 or fences[0] != number:
+            yield number, "no block of code follows"
+        elif lines[number + 1:fences[1]] != file.read_text().splitlines():
+            yield number, f"the block of code is not the text of {match.group(1)}"
 
 
 def retired_words(root):
@@ -230,7 +247,8 @@ def check_all(root, binaries):
     sources = {path.name for folder in TOP for path in (root / folder).rglob("*") if path.is_file()}
     for page in documents(root):
         name, text = page.relative_to(root).as_posix(), page.read_text()
-        checks = [check_widths(name, text), check_links(root, page, text), check_words(name, text, words)]
+        checks = [check_widths(name, text), check_links(root, page, text), check_examples(root, text),
+                  check_words(name, text, words)]
         if name != COMMANDS_PAGE:
             checks += [check_paths(root, text, sources), check_commands(root, text, programs)]
         for check in checks:

@@ -129,6 +129,17 @@ class CheckDocuments(unittest.TestCase):
         self.plant("case_io.cpp", "case_oi.cpp")
         self.expect("README.md:3: there is no planner/cases/", "README.md:3: there is no source case_oi.cpp")
 
+    def test_an_example_that_is_not_its_file(self):
+        self.write("tests/package/example/main.cpp", "int main() { }\n")
+        self.write("docs/page.md", "<!-- the text of tests/package/example/main.cpp -->\n```cpp\nint main() { }\n```\n")
+        self.expect()
+        self.plant("{ }", "{ return 1; }", "docs/page.md")
+        self.expect("docs/page.md:1: the block of code is not the text of tests/package/example/main.cpp")
+        self.plant("```cpp\n", "\n", "docs/page.md")
+        self.expect("docs/page.md:1: no block of code follows")
+        (self.root / "tests/package/example/main.cpp").unlink()
+        self.expect("docs/page.md:1: there is no tests/package/example/main.cpp")
+
     def test_retired_words(self):
         self.plant("# Title", "# Title with an OldName")
         self.expect('README.md:1: the word "OldName" is retired')

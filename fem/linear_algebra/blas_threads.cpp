@@ -4,6 +4,13 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <string_view>
+
+// OpenBLAS exports how it chooses its kernels, but declares it in no header. Without these functions nothing is chosen.
+extern "C" {
+[[gnu::weak]] void gotoblas_dynamic_quit();
+[[gnu::weak]] void gotoblas_dynamic_init();
+}
 
 namespace retractor::fem {
 
@@ -15,6 +22,22 @@ std::string blas_description()
 {
     return std::string(openblas_get_config()) + ", core " + openblas_get_corename() + ", "
         + std::to_string(blas_threads()) + " thread(s)";
+}
+
+bool use_known_blas_kernels_unless_asked()
+{
+#if defined(__x86_64__)
+    constexpr const char* kVariable = "OPENBLAS_CORETYPE";
+    const bool unknown = std::string_view(openblas_get_corename()) == "Prescott";
+    if (!unknown || std::getenv(kVariable) != nullptr || !__builtin_cpu_supports("avx2")
+        || !__builtin_cpu_supports("fma") || gotoblas_dynamic_quit == nullptr || gotoblas_dynamic_init == nullptr)
+        return true;
+    setenv(kVariable, "Haswell", 1);
+    gotoblas_dynamic_quit();
+    gotoblas_dynamic_init(); // reads the variable
+    unsetenv(kVariable);
+#endif
+    return true;
 }
 
 bool use_one_blas_thread_unless_asked()

@@ -60,5 +60,28 @@ namespace {
         EXPECT_EQ(blas_threads(), expected);
     }
 
+    constexpr const char* kKernels = "OPENBLAS_CORETYPE";
+
+    bool is_of_a_pentium() { return blas_description().find("core Prescott") != std::string::npos; }
+
+    TEST(BlasKernels, FitTheProcessorUnlessAsked)
+    {
+        ASSERT_EQ(std::getenv(kKernels), nullptr) << "run this test through ctest";
+#if defined(__x86_64__)
+        const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+        EXPECT_FALSE(has_avx2 && is_of_a_pentium()) << blas_description();
+#endif
+        use_the_solver();
+    }
+
+    TEST(BlasKernels, TheEnvironmentMayAskForOthers)
+    {
+        ASSERT_STREQ(std::getenv(kKernels), "Prescott") << "run this test through ctest";
+#if defined(__x86_64__)
+        EXPECT_TRUE(is_of_a_pentium()) << blas_description();
+#endif
+        use_the_solver();
+    }
+
 } // namespace
 } // namespace retractor::fem

@@ -77,4 +77,46 @@ ShapeGradients shape_gradients(const NodeGradients& nodes, const QuadraturePoint
     return shape;
 }
 
+namespace {
+
+    template <class Rows> void add_straight_edges_to_ends(std::span<const VertexId> nodes, Rows& rows)
+    {
+        for (std::size_t e = 0; nodes.size() == 10 && e < mesh::kTetEdges.size(); ++e)
+            if (mesh::is_straight(nodes, e)) {
+                auto own = rows.row(static_cast<Eigen::Index>(4 + e));
+                for (const int end : mesh::kTetEdges[e])
+                    rows.row(end) += 0.5 * own;
+                own.setZero();
+            }
+    }
+
+} // namespace
+
+NodeGradients rest_positions(const mesh::TetMesh& mesh, TetId t)
+{
+    const auto nodes = mesh.tet(t);
+    NodeGradients positions(static_cast<Eigen::Index>(nodes.size()), 3);
+    for (std::size_t a = 0; a < nodes.size(); ++a)
+        positions.row(static_cast<Eigen::Index>(a)) = mesh.vertices.row(nodes[a]);
+    for (std::size_t e = 0; nodes.size() == 10 && e < mesh::kTetEdges.size(); ++e)
+        if (mesh::is_straight(nodes, e))
+            positions.row(static_cast<Eigen::Index>(4 + e))
+                = 0.5 * (positions.row(mesh::kTetEdges[e][0]) + positions.row(mesh::kTetEdges[e][1]));
+    return positions;
+}
+
+Eigen::VectorXd shape_values(const mesh::TetMesh& mesh, TetId t, const std::array<double, 4>& barycentric)
+{
+    Eigen::VectorXd values = shape_values(mesh.nodes_per_tet, barycentric);
+    add_straight_edges_to_ends(mesh.tet(t), values);
+    return values;
+}
+
+ShapeGradients shape_gradients(const mesh::TetMesh& mesh, TetId t, const QuadraturePoint& point)
+{
+    ShapeGradients shape = shape_gradients(rest_positions(mesh, t), point);
+    add_straight_edges_to_ends(mesh.tet(t), shape.gradients);
+    return shape;
+}
+
 } // namespace retractor::fem

@@ -35,4 +35,12 @@ struct ShapeGradients {
 /// inverted.
 ShapeGradients shape_gradients(const NodeGradients& nodes, const QuadraturePoint& point);
 
+/// Rest positions of an element's nodes, n x 3, mm. A straight edge (tet_mesh.h) has its middle in place of its
+/// midpoint.
+NodeGradients rest_positions(const mesh::TetMesh& mesh, TetId t);
+/// As above, for an element of a mesh. A straight edge adds half of its function to each of its ends; its own row is
+/// zero.
+Eigen::VectorXd shape_values(const mesh::TetMesh& mesh, TetId t, const std::array<double, 4>& barycentric);
+ShapeGradients shape_gradients(const mesh::TetMesh& mesh, TetId t, const QuadraturePoint& point);
+
 } // namespace retractor::fem

@@ -70,17 +70,18 @@ namespace {
 
 } // namespace
 
-ElasticProblem with_midpoints(const ElasticProblem& problem)
+ElasticProblem with_midpoints(const ElasticProblem& problem, std::span<const std::uint8_t> elements)
 {
     ElasticProblem fine = problem;
-    fine.mesh = with_midpoints(problem.mesh);
+    fine.mesh = with_midpoints(problem.mesh, elements);
     const auto corners = static_cast<VertexId>(problem.mesh.vertex_count());
     const std::vector<int> holder = holders(problem);
     std::vector<int> midpoint_holder(fine.mesh.vertex_count() - problem.mesh.vertex_count(), kNobody);
     const auto hold = [&](TetId t, int by, int but_corner) {
         const auto nodes = fine.mesh.tet(t);
         for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e)
-            if (mesh::kTetEdges[e][0] != but_corner && mesh::kTetEdges[e][1] != but_corner)
+            if (mesh::kTetEdges[e][0] != but_corner && mesh::kTetEdges[e][1] != but_corner
+                && !mesh::is_straight(nodes, e))
                 midpoint_holder[static_cast<std::size_t>(nodes[4 + e] - corners)] = by;
     };
     for (TetId t = 0; t < static_cast<TetId>(problem.mesh.tet_count()); ++t)

@@ -24,7 +24,9 @@
 #include "fem/statics/elastic_problem.h"
 #include "mesh/base/job.h"
 
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -81,7 +83,8 @@ double ten_node_share(
 
 /// The same problem with ten-node elements. A midpoint is held where one hook, or the supports, hold a whole boundary
 /// face or a whole element.
-ElasticProblem with_midpoints(const ElasticProblem& problem);
+/// @param elements as with_midpoints() of tet_mesh.h
+ElasticProblem with_midpoints(const ElasticProblem& problem, std::span<const std::uint8_t> elements = {});
 
 /// The same problem with four-node elements at the corners of ten-node elements.
 /// @pre corners come first, then the nodes of blades, midpoints last

@@ -32,15 +32,6 @@ namespace {
     /// quadratic is 9.
     constexpr double kMostWeight = 12.0;
 
-    NodeGradients rest_positions(const mesh::TetMesh& mesh, TetId t)
-    {
-        const auto nodes = mesh.tet(t);
-        NodeGradients x(static_cast<Eigen::Index>(nodes.size()), 3);
-        for (std::size_t a = 0; a < nodes.size(); ++a)
-            x.row(static_cast<Eigen::Index>(a)) = mesh.vertices.row(nodes[a]);
-        return x;
-    }
-
     Mat3 gradient(const mesh::TetMesh& mesh, TetId t, const ShapeGradients& shape, const Eigen::VectorXd& u)
     {
         const auto nodes = mesh.tet(t);
@@ -172,7 +163,7 @@ namespace {
             for (std::size_t i = 0; i < tets_.size(); ++i) {
                 const NodeGradients x = rest_positions(mesh_, tets_[i]);
                 for (const QuadraturePoint& q : quadrature(10)) {
-                    const ShapeGradients shape = shape_gradients(x, q);
+                    const ShapeGradients shape = shape_gradients(mesh_, tets_[i], q);
                     const Mat3 H = gradient(mesh_, tets_[i], shape, u);
                     samples_.push_back({ x.transpose() * shape_values(10, q.barycentric),
                         Eigen::Map<const Gradient>(H.data()), shape.volume });
@@ -180,9 +171,12 @@ namespace {
                 const auto nodes = mesh_.tet(tets_[i]);
                 for (const VertexId v : nodes.first(4))
                     round_[v].push_back(i);
+                for (const VertexId v : nodes.first(4))
+                    midpoints_.try_emplace(v);
                 for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e)
                     for (const int end : mesh::kTetEdges[e])
-                        midpoints_[nodes[static_cast<std::size_t>(end)]].insert(nodes[4 + e]);
+                        if (!mesh::is_straight(nodes, e))
+                            midpoints_[nodes[static_cast<std::size_t>(end)]].insert(nodes[4 + e]);
             }
             for (const auto& [vertex, near] : round_)
                 fit(vertex);
@@ -197,6 +191,10 @@ namespace {
             const auto nodes = mesh_.tet(t);
             for (std::size_t a = 0; a < nodes.size(); ++a)
                 at_nodes.col(static_cast<Eigen::Index>(a)) = recovered_.at(nodes[a]);
+            for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e)
+                if (mesh::is_straight(nodes, e))
+                    at_nodes.col(static_cast<Eigen::Index>(4 + e))
+                        = 0.5 * (at_nodes.col(mesh::kTetEdges[e][0]) + at_nodes.col(mesh::kTetEdges[e][1]));
             return at_nodes;
         }
 
@@ -281,10 +279,9 @@ double recovered_energy(
     for (auto& [label, tets] : of_label) {
         const Tissue tissue(mesh, std::move(tets), u);
         for (const TetId t : tissue.tets()) {
-            const NodeGradients x = rest_positions(mesh, t);
             const auto at_nodes = tissue.recovered(t);
             for (const QuadraturePoint& q : rule) {
-                const ShapeGradients shape = shape_gradients(x, q);
+                const ShapeGradients shape = shape_gradients(mesh, t, q);
                 const Mat3 H = gradient(mesh, t, shape, u);
                 const Gradient there = at_nodes * shape_values(10, q.barycentric);
                 sum += shape.volume
@@ -304,9 +301,8 @@ double energy_between(const mesh::TetMesh& mesh, Elasticity model, std::span<con
     double sum = 0.0;
     for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
         const auto id = static_cast<TetId>(t);
-        const NodeGradients x = rest_positions(mesh, id);
         for (const QuadraturePoint& q : quadrature(10)) {
-            const ShapeGradients shape = shape_gradients(x, q);
+            const ShapeGradients shape = shape_gradients(mesh, id, q);
             const Mat3 H = gradient(mesh, id, shape, u);
             sum += shape.volume * twice_density(model, lame[t], H, gradient(mesh, id, shape, other) - H);
         }
@@ -325,9 +321,10 @@ double share_left(const mesh::TetMesh& mesh, Elasticity model, std::span<const L
     for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
         const auto nodes = mesh.tet(static_cast<TetId>(t));
         for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e)
-            straight.segment<3>(3 * nodes[4 + e]) = 0.5
-                * (straight.segment<3>(3 * nodes[static_cast<std::size_t>(mesh::kTetEdges[e][0])])
-                    + straight.segment<3>(3 * nodes[static_cast<std::size_t>(mesh::kTetEdges[e][1])]));
+            if (!mesh::is_straight(nodes, e))
+                straight.segment<3>(3 * nodes[4 + e]) = 0.5
+                    * (straight.segment<3>(3 * nodes[static_cast<std::size_t>(mesh::kTetEdges[e][0])])
+                        + straight.segment<3>(3 * nodes[static_cast<std::size_t>(mesh::kTetEdges[e][1])]));
     }
     const double gained = energy_between(mesh, model, lame, ten_node, straight);
     const double lacking = recovered_energy(mesh, model, lame, ten_node);

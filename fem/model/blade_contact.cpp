@@ -142,7 +142,7 @@ BladeContact::BladeContact(const mesh::TetMesh& mesh, std::vector<BladeSurface> 
         check(mesh, blades_[b]);
         for (const BladeSample& given : blades_[b].samples) {
             Sample sample { .blade = static_cast<std::int32_t>(b), .begin = static_cast<std::int32_t>(node_.size()) };
-            const Eigen::VectorXd weights = shape_values(mesh.nodes_per_tet, given.barycentric);
+            const Eigen::VectorXd weights = shape_values(mesh, given.tet, given.barycentric);
             const auto nodes = mesh.tet(given.tet);
             for (std::size_t a = 0; a < nodes.size(); ++a)
                 if (const double weight = weights[static_cast<Eigen::Index>(a)]; std::abs(weight) > kNothing) {

@@ -46,30 +46,13 @@ namespace {
         return (point - face[0]).dot(unit_normal(face));
     }
 
-    /// Triangles of the boundary. Each face of a ten-node element gives four triangles.
+    /// The triangles between the nodes of the boundary.
     std::vector<std::array<VertexId, 3>> boundary_triangles(const mesh::TetMesh& mesh)
     {
         std::vector<std::array<VertexId, 3>> triangles;
         for (const mesh::TetFace& face : mesh::boundary_faces(mesh)) {
-            const auto corners = mesh::face_vertices(mesh, face);
-            if (mesh.nodes_per_tet == 4) {
-                triangles.push_back(corners);
-                continue;
-            }
-            const auto nodes = mesh.tet(face.tet);
-            const auto middle = [&](VertexId a, VertexId b) {
-                for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e) {
-                    const VertexId c = nodes[static_cast<std::size_t>(mesh::kTetEdges[e][0])],
-                                   d = nodes[static_cast<std::size_t>(mesh::kTetEdges[e][1])];
-                    if ((a == c && b == d) || (a == d && b == c))
-                        return nodes[4 + e];
-                }
-                return a; // unreachable: corners of an element are always joined by an edge
-            };
-            const VertexId ab = middle(corners[0], corners[1]), bc = middle(corners[1], corners[2]),
-                           ca = middle(corners[2], corners[0]);
-            triangles.insert(triangles.end(),
-                { { corners[0], ab, ca }, { ab, corners[1], bc }, { ca, bc, corners[2] }, { ab, bc, ca } });
+            const auto of_face = mesh::face_triangles(mesh, face);
+            triangles.insert(triangles.end(), of_face.begin(), of_face.end());
         }
         return triangles;
     }

@@ -78,6 +78,15 @@ namespace {
         return block;
     }
 
+    bool all_edges_are_straight(const mesh::TetMesh& mesh, TetId t)
+    {
+        const auto nodes = mesh.tet(t);
+        std::size_t straight = 0;
+        for (std::size_t e = 0; nodes.size() == 10 && e < mesh::kTetEdges.size(); ++e)
+            straight += mesh::is_straight(nodes, e) ? 1 : 0;
+        return straight == mesh::kTetEdges.size();
+    }
+
     void check_fibres(const std::vector<FibreDirections>& fibres)
     {
         constexpr double kUnit = 1e-6; // error of the length of a unit direction that was read from text
@@ -135,13 +144,11 @@ void ElasticBody::measure_elements()
     points_per_tet_ = rule.size();
     gradients_.reserve(mesh_.tet_count() * points_per_tet_ * nodes_per_tet_ * 3);
     weights_.reserve(mesh_.tet_count() * points_per_tet_);
-    NodeGradients rest(mesh_.nodes_per_tet, 3);
     for (std::size_t t = 0; t < mesh_.tet_count(); ++t) {
-        const auto nodes = mesh_.tet(static_cast<TetId>(t));
-        for (std::size_t a = 0; a < nodes.size(); ++a)
-            rest.row(static_cast<Eigen::Index>(a)) = mesh_.vertices.row(nodes[a]);
+        const auto id = static_cast<TetId>(t);
+        is_straight_.push_back(all_edges_are_straight(mesh_, id) ? 1 : 0);
         for (const QuadraturePoint& point : rule) {
-            const ShapeGradients shape = shape_gradients(rest, point);
+            const ShapeGradients shape = shape_gradients(mesh_, id, point);
             if (!(shape.volume > 0.0))
                 throw InputError("the element is turned over in part: its edge midpoints are too far off",
                     "element " + std::to_string(t));
@@ -149,6 +156,8 @@ void ElasticBody::measure_elements()
                 gradients_.end(), shape.gradients.data(), shape.gradients.data() + shape.gradients.size());
             weights_.push_back(shape.volume);
         }
+        if (is_straight_.back() != 0) // the gradients are equal at all points
+            weights_[t * points_per_tet_] = mesh::tet_volume(mesh_, id);
     }
     if (model_ == Elasticity::corotational_linear && nodes_per_tet_ == 4)
         corotational_linear_.emplace(mesh_, gradients_, weights_, lame_);
@@ -293,6 +302,13 @@ void ElasticBody::avoid_locking(const AveragingScheme& scheme)
     map_.clear();
 }
 
+std::size_t ElasticBody::points_of(std::size_t element) const
+{
+    return is_straight_[element] != 0 ? 1 : points_per_tet_;
+}
+
+std::size_t ElasticBody::nodes_of(std::size_t element) const { return is_straight_[element] != 0 ? 4 : nodes_per_tet_; }
+
 const double* ElasticBody::gradients(std::size_t element, std::size_t point) const
 {
     RETRACTOR_ASSERT(element < mesh_.tet_count() && point < points_per_tet_);
@@ -304,7 +320,7 @@ Mat3 ElasticBody::deformation_gradient(const Eigen::VectorXd& u, std::size_t ele
     const double* g = gradients(element, point);
     const auto nodes = mesh_.tet(static_cast<TetId>(element));
     Mat3 F = Mat3::Identity();
-    for (std::size_t a = 0; a < nodes_per_tet_; ++a)
+    for (std::size_t a = 0; a < nodes_of(element); ++a)
         F.noalias()
             += u.segment<3>(3 * static_cast<Eigen::Index>(nodes[a])) * Eigen::Map<const Eigen::RowVector3d>(g + 3 * a);
     return F;
@@ -314,7 +330,7 @@ template <class F>
 void ElasticBody::for_each_point(const Eigen::VectorXd& u, std::size_t begin, std::size_t end, const F& f) const
 {
     for (std::size_t t = begin; t < end; ++t)
-        for (std::size_t q = 0; q < points_per_tet_; ++q) {
+        for (std::size_t q = 0; q < points_of(t); ++q) {
             const Mat3 gradient = deformation_gradient(u, t, q);
             if (model_ == Elasticity::hyperelastic) {
                 const auto law = static_cast<std::size_t>(tissue_.law_of_element[t]);
@@ -349,7 +365,7 @@ ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
                 sum.energy += weight * energy;
                 const Mat3 P = weight * stress;
                 const double* g = gradients(t, q);
-                for (std::size_t a = 0; a < nodes_per_tet_; ++a)
+                for (std::size_t a = 0; a < nodes_of(t); ++a)
                     sum.forces.segment<3>(3 * static_cast<Eigen::Index>(nodes[a])).noalias()
                         += P * Eigen::Map<const Vec3>(g + 3 * a);
             });
@@ -376,13 +392,14 @@ void ElasticBody::add_corotational(
     const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const
 {
     for (std::size_t t = begin; t < end; ++t)
-        for (std::size_t q = 0; q < points_per_tet_; ++q) {
+        for (std::size_t q = 0; q < points_of(t); ++q) {
             const Mat3 F = deformation_gradient(u, t, q);
             const Tangent c = tangent(model_, lame_[t], F, projected);
             const Eigen::Matrix<double, Nodes, 3> g = FixedGradients<Nodes>(gradients(t, q)) * c.V;
             const Mat3 U = c.U * weights_[t * points_per_tet_ + q];
             const std::int32_t* target = map_.data() + t * kPairs<Nodes>;
-            for (int a = 0; a < Nodes; ++a)
+            const auto count = static_cast<int>(nodes_of(t));
+            for (int a = 0; a < count; ++a)
                 for (int b = 0; b <= a; ++b)
                     add_block(values, *target++,
                         U * pair_block(c, g.row(a).transpose(), g.row(b).transpose()) * c.U.transpose());
@@ -392,12 +409,13 @@ void ElasticBody::add_corotational(
 template <int Nodes> void ElasticBody::add_linear(std::size_t begin, std::size_t end, double* values) const
 {
     for (std::size_t t = begin; t < end; ++t)
-        for (std::size_t q = 0; q < points_per_tet_; ++q) {
+        for (std::size_t q = 0; q < points_of(t); ++q) {
             const FixedGradients<Nodes> g(gradients(t, q));
             const double weight = weights_[t * points_per_tet_ + q];
             const double mu = weight * lame_[t].mu, lambda = weight * lame_[t].lambda;
             const std::int32_t* target = map_.data() + t * kPairs<Nodes>;
-            for (int a = 0; a < Nodes; ++a) {
+            const auto count = static_cast<int>(nodes_of(t));
+            for (int a = 0; a < count; ++a) {
                 const Vec3 ga = g.row(a).transpose();
                 for (int b = 0; b <= a; ++b) {
                     const Vec3 gb = g.row(b).transpose();
@@ -414,7 +432,7 @@ void ElasticBody::add_hyperelastic(
     const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const
 {
     for (std::size_t t = begin; t < end; ++t)
-        for (std::size_t q = 0; q < points_per_tet_; ++q) {
+        for (std::size_t q = 0; q < points_of(t); ++q) {
             const auto law = static_cast<std::size_t>(tissue_.law_of_element[t]);
             HyperelasticPoint point
                 = evaluate_point(tissue_.laws[law], tissue_.fibres[t], deformation_gradient(u, t, q), true);
@@ -422,7 +440,8 @@ void ElasticBody::add_hyperelastic(
             point.tangent *= weights_[t * points_per_tet_ + q];
             const FixedGradients<Nodes> g(gradients(t, q));
             const std::int32_t* target = map_.data() + t * kPairs<Nodes>;
-            for (int a = 0; a < Nodes; ++a) {
+            const auto count = static_cast<int>(nodes_of(t));
+            for (int a = 0; a < count; ++a) {
                 const TangentRows rows = contract(g.row(a).transpose(), point.tangent);
                 for (int b = 0; b <= a; ++b)
                     add_block(values, *target++, contract(rows, g.row(b).transpose()));
@@ -496,7 +515,7 @@ ElasticBody::Deformation ElasticBody::deformation(const Eigen::VectorXd& u) cons
     Deformation d;
     for (std::size_t t = 0; t < mesh_.tet_count(); ++t) {
         double strain = 0.0, volume = 0.0, deformed = 0.0, smallest = 0.0, largest = 0.0;
-        for (std::size_t q = 0; q < points_per_tet_; ++q) {
+        for (std::size_t q = 0; q < points_of(t); ++q) {
             const Mat3 F = deformation_gradient(u, t, q);
             const double weight = weights_[t * points_per_tet_ + q], ratio = F.determinant();
             const double stretch = signed_svd(F).sigma[0];

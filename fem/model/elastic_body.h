@@ -139,6 +139,8 @@ private:
     void add_loads(const Eigen::VectorXd& u, Response& response) const;
     Mat3 deformation_gradient(const Eigen::VectorXd& u, std::size_t element, std::size_t point) const;
     const double* gradients(std::size_t element, std::size_t point) const;
+    std::size_t points_of(std::size_t element) const; ///< quadrature points
+    std::size_t nodes_of(std::size_t element) const; ///< nodes whose functions are not zero: they come first
     HingeAngle hinge_angle() const { return model_ == Elasticity::linear ? HingeAngle::linear : HingeAngle::swept; }
 
     mesh::TetMesh mesh_;
@@ -152,7 +154,10 @@ private:
     double load_share_ = 1.0;
     std::size_t nodes_per_tet_ = 0, points_per_tet_ = 0;
     std::vector<double> gradients_; ///< ordered by element, quadrature point, node, axis; 1/mm
-    std::vector<double> weights_; ///< rest volume by element and quadrature point, mm^3
+    /// rest volume by element and quadrature point, mm^3; an element whose edges are straight has all at its first
+    /// point
+    std::vector<double> weights_;
+    std::vector<std::uint8_t> is_straight_; ///< one per element: 1 where ten entries have no midpoint (tet_mesh.h)
     std::optional<CorotationalElements>
         corotational_linear_; ///< set for four-node elements of the corotational_linear model
     std::optional<LockingFree> locking_free_;

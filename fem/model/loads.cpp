@@ -10,6 +10,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -67,6 +68,19 @@ namespace {
         return all;
     }
 
+    /// The same point on a face whose straight edges (tet_mesh.h) add half of their function to each of their ends.
+    FacePoint on_face(FacePoint point, std::span<const VertexId> nodes)
+    {
+        for (std::size_t i = 0; nodes.size() == 6 && i < 3; ++i)
+            if (const std::size_t j = (i + 1) % 3; nodes[3 + i] == nodes[i] || nodes[3 + i] == nodes[j])
+                for (auto* of : { &point.N, &point.ds, &point.dt }) {
+                    (*of)[i] += 0.5 * (*of)[3 + i];
+                    (*of)[j] += 0.5 * (*of)[3 + i];
+                    (*of)[3 + i] = 0.0;
+                }
+        return point;
+    }
+
     void check_faces(const mesh::TetMesh& mesh, const std::vector<mesh::TetFace>& faces)
     {
         if (faces.empty())
@@ -110,7 +124,8 @@ Eigen::VectorXd traction_loads(const mesh::TetMesh& mesh, std::span<const FaceTr
         if (!traction.allFinite())
             throw InputError("the traction is not finite", "load");
         const std::vector<VertexId> nodes = face_nodes(mesh, face);
-        for (const FacePoint& point : rule) {
+        for (const FacePoint& reference : rule) {
+            const FacePoint point = on_face(reference, nodes);
             Vec3 s = Vec3::Zero(), t = Vec3::Zero();
             for (std::size_t a = 0; a < nodes.size(); ++a) {
                 s += point.ds[a] * mesh.vertices.row(nodes[a]).transpose();
@@ -149,6 +164,18 @@ namespace {
                 { 4 * s - 3, 4 * s - 1, 4 - 8 * s }, weight }
                                   : SidePoint { { 1 - s, s }, { -1, 1 }, weight };
         return rule;
+    }
+
+    /// As on_face().
+    SidePoint on_side(SidePoint point, std::span<const VertexId> nodes)
+    {
+        if (nodes.size() == 3 && (nodes[2] == nodes[0] || nodes[2] == nodes[1]))
+            for (auto* of : { &point.N, &point.dN }) {
+                (*of)[0] += 0.5 * (*of)[2];
+                (*of)[1] += 0.5 * (*of)[2];
+                (*of)[2] = 0.0;
+            }
+        return point;
     }
 
     /// The nodes of the sides that belong to one face only, in the order of FollowerPressure::rim_.
@@ -210,7 +237,8 @@ template <class F> void FollowerPressure::for_each_point(const Eigen::VectorXd& 
     const auto rule = face_rule(nodes_per_face_ == 6);
     for (std::size_t begin = 0; begin < nodes_.size(); begin += nodes_per_face_) {
         const std::span<const VertexId> nodes(nodes_.data() + begin, nodes_per_face_);
-        for (const FacePoint& point : rule) {
+        for (const FacePoint& reference : rule) {
+            const FacePoint point = on_face(reference, nodes);
             SurfacePoint at, moved;
             for (std::size_t a = 0; a < nodes.size(); ++a) {
                 const Vec3 by = u.segment<3>(3 * static_cast<Eigen::Index>(nodes[a]));
@@ -236,7 +264,8 @@ template <class F> void FollowerPressure::for_each_rim_point(const Eigen::Vector
     const std::size_t nodes_per_side = nodes_per_face_ == 6 ? 3 : 2;
     for (std::size_t begin = 0; begin < rim_.size(); begin += nodes_per_side) {
         const std::span<const VertexId> nodes(rim_.data() + begin, nodes_per_side);
-        for (const SidePoint& point : rule) {
+        for (const SidePoint& reference : rule) {
+            const SidePoint point = on_side(reference, nodes);
             Vec3 x = Vec3::Zero(), motion = Vec3::Zero(), along = Vec3::Zero();
             for (std::size_t a = 0; a < nodes.size(); ++a) {
                 const auto i = 3 * static_cast<Eigen::Index>(nodes[a]);

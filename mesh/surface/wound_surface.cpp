@@ -1,6 +1,5 @@
 #include "mesh/surface/wound_surface.h"
 
-#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 
 #include <string>
@@ -19,29 +18,6 @@ namespace {
         for (Eigen::Index v = 0; v < displacement.rows(); ++v)
             if (!displacement.row(v).allFinite())
                 throw InputError("the displacement is not finite", "vertex " + std::to_string(v));
-    }
-
-    VertexId midpoint(std::span<const VertexId> nodes, int a, int b)
-    {
-        for (std::size_t e = 0; e < kTetEdges.size(); ++e)
-            if ((kTetEdges[e][0] == a && kTetEdges[e][1] == b) || (kTetEdges[e][0] == b && kTetEdges[e][1] == a))
-                return nodes[4 + e];
-        return -1; // not reached: any two of the four corners form an edge
-    }
-
-    /// The triangle of a linear face, or the four triangles of a quadratic face.
-    std::vector<std::array<VertexId, 3>> face_triangles(const TetMesh& mesh, const TetFace& face)
-    {
-        const auto corner = face_vertices(mesh, face);
-        if (mesh.nodes_per_tet == 4)
-            return { corner };
-        const auto nodes = mesh.tet(face.tet);
-        RETRACTOR_ASSERT(nodes.size() == 10);
-        const auto& local = kTetFaces[static_cast<std::size_t>(face.corner)];
-        const VertexId m01 = midpoint(nodes, local[0], local[1]);
-        const VertexId m12 = midpoint(nodes, local[1], local[2]);
-        const VertexId m20 = midpoint(nodes, local[2], local[0]);
-        return { { corner[0], m01, m20 }, { m01, corner[1], m12 }, { m20, m12, corner[2] }, { m01, m12, m20 } };
     }
 
     TetSurface surface_of_faces(const TetMesh& mesh, const Points& displacement, const std::vector<TetFace>& faces)

@@ -17,7 +17,7 @@ struct TetSurface {
 };
 
 /// All faces with tissue on one side only (skin, inner side, lips, border of the region), at rest position +
-/// displacement. A P1 face gives one triangle. A P2 face gives four triangles through the edge midpoints.
+/// displacement. A P1 face gives one triangle. A P2 face gives one triangle more for each edge with a midpoint.
 /// @param displacement n x 3 (mm), one row per mesh vertex; without rows: the rest configuration
 /// @throws InputError on a wrong number of rows or on NaN
 TetSurface boundary_surface(const TetMesh& mesh, const Points& displacement);

@@ -89,6 +89,36 @@ std::array<VertexId, 3> face_vertices(const TetMesh& mesh, const TetFace& face)
         n[static_cast<std::size_t>(local[2])] };
 }
 
+std::vector<std::array<VertexId, 3>> face_triangles(const TetMesh& mesh, const TetFace& face)
+{
+    const auto corner = face_vertices(mesh, face);
+    const auto& local = kTetFaces[static_cast<std::size_t>(face.corner)];
+    const auto nodes = mesh.tet(face.tet);
+    constexpr VertexId kStraight = -1;
+    std::array<VertexId, 3> middle { kStraight, kStraight, kStraight }; // behind each corner
+    for (std::size_t i = 0; mesh.nodes_per_tet == 10 && i < 3; ++i)
+        for (std::size_t e = 0; e < kTetEdges.size(); ++e)
+            if (std::minmax(local[i], local[(i + 1) % 3]) == std::minmax(kTetEdges[e][0], kTetEdges[e][1])
+                && !is_straight(nodes, e))
+                middle[i] = nodes[4 + e];
+    const auto straight = std::ranges::count(middle, kStraight);
+    if (straight == 3)
+        return { corner };
+    if (straight == 0)
+        return { { corner[0], middle[0], middle[2] }, { middle[0], corner[1], middle[1] },
+            { middle[2], middle[1], corner[2] }, { middle[0], middle[1], middle[2] } };
+    // From the edge that differs from the two others.
+    const bool differs_by_middle = straight == 2;
+    std::size_t i = 0;
+    while ((middle[i] != kStraight) != differs_by_middle)
+        ++i;
+    const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+    if (differs_by_middle)
+        return { { corner[i], middle[i], corner[k] }, { middle[i], corner[j], corner[k] } };
+    return { { middle[j], corner[k], middle[k] }, { corner[i], corner[j], middle[j] },
+        { corner[i], middle[j], middle[k] } };
+}
+
 std::vector<FaceRecord> sorted_faces(const TetMesh& mesh)
 {
     RETRACTOR_ASSERT(mesh.nodes.size() == mesh.tet_count() * static_cast<std::size_t>(mesh.nodes_per_tet));
@@ -186,27 +216,37 @@ void check_mesh(const TetMesh& mesh)
     }
 }
 
-TetMesh with_midpoints(const TetMesh& mesh)
+TetMesh with_midpoints(const TetMesh& mesh, std::span<const std::uint8_t> elements)
 {
     if (mesh.nodes_per_tet != 4)
         throw InputError("midpoints can be added to four-node elements only");
+    if (!elements.empty() && elements.size() != mesh.tet_count())
+        throw InputError("midpoints are chosen for each element, or for none", "elements");
     TetMesh quadratic;
     quadratic.nodes_per_tet = 10;
     quadratic.labels = mesh.labels;
     quadratic.nodes.reserve(mesh.tet_count() * 10);
     std::map<std::pair<VertexId, VertexId>, VertexId> midpoint;
     std::vector<Vec3> added;
+    const auto ends_of = [&](TetId t, const std::array<int, 2>& edge) {
+        const auto n = mesh.tet(t);
+        return std::pair { n[static_cast<std::size_t>(edge[0])], n[static_cast<std::size_t>(edge[1])] };
+    };
+    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+        if (elements.empty() || elements[static_cast<std::size_t>(t)] != 0)
+            for (const auto& edge : kTetEdges) {
+                const auto [a, b] = ends_of(t, edge);
+                const auto next = static_cast<VertexId>(mesh.vertices.rows()) + static_cast<VertexId>(added.size());
+                if (midpoint.try_emplace(std::minmax(a, b), next).second)
+                    added.push_back(0.5 * (point_at(mesh.vertices, a) + point_at(mesh.vertices, b)));
+            }
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
         const auto n = mesh.tet(t);
         quadratic.nodes.insert(quadratic.nodes.end(), n.begin(), n.end());
         for (const auto& edge : kTetEdges) {
-            const VertexId a = n[static_cast<std::size_t>(edge[0])];
-            const VertexId b = n[static_cast<std::size_t>(edge[1])];
-            const auto [it, inserted] = midpoint.try_emplace(
-                std::minmax(a, b), static_cast<VertexId>(mesh.vertices.rows()) + static_cast<VertexId>(added.size()));
-            if (inserted)
-                added.push_back(0.5 * (point_at(mesh.vertices, a) + point_at(mesh.vertices, b)));
-            quadratic.nodes.push_back(it->second);
+            const auto [a, b] = ends_of(t, edge);
+            const auto found = midpoint.find(std::minmax(a, b));
+            quadratic.nodes.push_back(found == midpoint.end() ? a : found->second);
         }
     }
     quadratic.vertices.resize(mesh.vertices.rows() + static_cast<Eigen::Index>(added.size()), 3);

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
@@ -12,7 +13,8 @@
 namespace retractor::mesh {
 
 /// An element's nodes begin with its four corners v0 to v3, with det(v1-v0, v2-v0, v3-v0) > 0. With ten nodes the edge
-/// midpoints follow in VTK's order: 01, 12, 02, 03, 13, 23.
+/// midpoints follow in VTK's order: 01, 12, 02, 03, 13, 23. In a mesh of both kinds some edges are straight: they have
+/// no midpoint, and their entry repeats the first corner of the edge. Displacements are linear along a straight edge.
 struct TetMesh {
     Points vertices; ///< n x 3, mm
     int nodes_per_tet = 4; ///< 4 (P1) or 10 (P2)
@@ -33,6 +35,12 @@ inline constexpr std::array<std::array<int, 3>, 4> kTetFaces { { { 1, 2, 3 }, { 
 /// Local corner indices of the six edges, in the order of the P2 midpoints.
 inline constexpr std::array<std::array<int, 2>, 6> kTetEdges { { { 0, 1 }, { 1, 2 }, { 0, 2 }, { 0, 3 }, { 1, 3 },
     { 2, 3 } } };
+
+/// Whether an edge of an element with ten entries has no midpoint.
+inline bool is_straight(std::span<const VertexId> element, std::size_t edge)
+{
+    return element[4 + edge] == element[static_cast<std::size_t>(kTetEdges[edge][0])];
+}
 
 /// The corners of the face opposite a corner, counter-clockwise seen from outside. The corners of the element may be
 /// ids or points.
@@ -63,6 +71,9 @@ struct TetFace {
 /// The three corners of a face, counter-clockwise seen from outside its element.
 std::array<VertexId, 3> face_vertices(const TetMesh& mesh, const TetFace& face);
 
+/// The triangles between the nodes of a face, counter-clockwise seen from outside: one, and one more for each midpoint.
+std::vector<std::array<VertexId, 3>> face_triangles(const TetMesh& mesh, const TetFace& face);
+
 /// A face of an element with its corners in ascending order.
 struct FaceRecord {
     std::array<VertexId, 3> key;
@@ -87,8 +98,10 @@ TetMesh part_with_labels(const TetMesh& mesh, std::span<const Label> labels, std
 void check_mesh(const TetMesh& mesh);
 
 /// The quadratic mesh of a linear mesh: adds the edge midpoints; corners keep their ids.
-/// @pre mesh.nodes_per_tet == 4
-TetMesh with_midpoints(const TetMesh& mesh);
+/// @param elements one per element: 1 where all edges get midpoints; the other edges are straight. Empty: all edges get
+/// midpoints.
+/// @throws InputError when the elements are not four-node elements, or `elements` has another number of entries
+TetMesh with_midpoints(const TetMesh& mesh, std::span<const std::uint8_t> elements = {});
 
 /// Kuhn box: nx x ny x nz cubes of `spacing` mm, each divided into six tetrahedra, with a corner at the origin.
 TetMesh kuhn_box(int nx, int ny, int nz, double spacing, Label label = 1);

@@ -33,6 +33,7 @@
 #include "planner/plan/uninjured_opening.h"
 #include "planner/plan/wound_view.h"
 #include "planner/wall/bones_through_skin.h"
+#include "planner/wall/parted_bones.h"
 #include "planner/wall/rim_motion.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/unmeshed_wall.h"
@@ -293,6 +294,7 @@ namespace {
         field.mesh_statistics = model.statistics;
         field.message = std::move(model.message);
         field.wall = std::move(model.wall);
+        part_ribs_from_other_bones(field.wall, labels.table);
         if (model.status != mesh::MeshStatus::done)
             field.status
                 = model.status == mesh::MeshStatus::cancelled ? PlanStatus::cancelled : PlanStatus::nothing_to_mesh;

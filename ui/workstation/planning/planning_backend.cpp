@@ -9,6 +9,7 @@
 #include "planner/case/patient.h"
 #include "planner/plan/plan.h"
 #include "planner/session/saved_cuts.h"
+#include "planner/wall/parted_bones.h"
 #include "planner/wall/supports.h"
 #include "planner/wall/wall_cut.h"
 #include "ui/plan_scene/plan_scene.h"
@@ -44,7 +45,7 @@ namespace {
         std::string text;
         if (planner::under_pressure(planned_case))
             remark(text, "plans include the pressure on the wall, cutting by hand does not");
-        if (planned_case.solution.element == planner::ElementKind::p2) {
+        if (planner::has_ten_nodes(planned_case.solution.element)) {
             remark(text,
                 "hook forces in cutting by hand may be twice those of plans of this case, which are solved more "
                 "finely and with less compressible tissue");
@@ -76,6 +77,7 @@ namespace {
         if (model.status != mesh::MeshStatus::done)
             throw InputError(
                 model.message.empty() ? "there is no wall to cut" : model.message, "approach " + approach.name);
+        planner::part_ribs_from_other_bones(model.wall, planned_case.label_table);
         SurgeryInput input;
         planner::SurgerySetup& setup = input.setup;
         setup.approach = approach;

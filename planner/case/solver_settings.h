@@ -15,7 +15,14 @@ enum class ElementKind {
     p1, ///< four nodes; Poisson's ratios at most 0.45, because these elements lock above
     locking_free, ///< four nodes, strain averaged over neighbours (fem/element/locking_free.h)
     p2, ///< ten nodes
+    p2_at_bone, ///< ten nodes in bone and cartilage and in what touches them, four nodes elsewhere; ratios as p1
 };
+
+/// Whether all or some elements have ten nodes.
+inline bool has_ten_nodes(ElementKind element)
+{
+    return element == ElementKind::p2 || element == ElementKind::p2_at_bone;
+}
 
 /// Whether the lips of the wound, and wall and organs that stay, hold each other off (fem/model/contact.h). Without
 /// contact they pass through each other.
@@ -50,7 +57,8 @@ struct SolverSettings {
     bool operator==(const SolverSettings&) const = default;
 };
 
-/// Names in files: "linear", "corotational", "hyperelastic"; "p1", "locking-free", "p2"; "auto", "on", "off".
+/// Names in files: "linear", "corotational", "hyperelastic"; "p1", "locking-free", "p2",
+/// "p2-bone"; "auto", "on", "off".
 std::string_view to_string(fem::Elasticity elasticity);
 std::string_view to_string(ElementKind element);
 std::string_view to_string(ContactMode contact);

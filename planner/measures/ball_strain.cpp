@@ -33,15 +33,14 @@ namespace {
     {
         const auto ids = wall.tet(t);
         const auto n = static_cast<Eigen::Index>(ids.size());
-        fem::NodeGradients nodes(n, 3), moved(n, 3);
-        for (Eigen::Index a = 0; a < n; ++a) {
-            const VertexId v = ids[static_cast<std::size_t>(a)];
-            nodes.row(a) = wall.vertices.row(v);
-            moved.row(a) = displacement.segment<3>(3 * static_cast<Eigen::Index>(v)).transpose();
-        }
-        StretchedElement element { nodes.topRows(4).colwise().mean().transpose(), 0.0, Mat3::Zero() };
+        fem::NodeGradients moved(n, 3);
+        for (Eigen::Index a = 0; a < n; ++a)
+            moved.row(a)
+                = displacement.segment<3>(3 * static_cast<Eigen::Index>(ids[static_cast<std::size_t>(a)])).transpose();
+        StretchedElement element { fem::rest_positions(wall, t).topRows(4).colwise().mean().transpose(), 0.0,
+            Mat3::Zero() };
         for (const fem::QuadraturePoint& point : fem::quadrature(wall.nodes_per_tet)) {
-            const fem::ShapeGradients shape = fem::shape_gradients(nodes, point);
+            const fem::ShapeGradients shape = fem::shape_gradients(wall, t, point);
             if (!(shape.volume > 0.0))
                 continue; // a flat element
             const Mat3 F = Mat3::Identity() + moved.transpose() * shape.gradients;

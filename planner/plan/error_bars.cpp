@@ -200,7 +200,7 @@ ErrorBars estimate_errors(const PlannedField& field, const OpenedWound& wound, c
     }
     const Stopwatch watch;
     try {
-        ComparisonSolutions solutions = choice.element == ElementKind::p2 ? coarser_solution(field, wound, choice, job)
+        ComparisonSolutions solutions = has_ten_nodes(choice.element) ? coarser_solution(field, wound, choice, job)
                                                                           : finer_solution(field, wound, choice, job);
         bars.message = solutions.message;
         if (bars.message.empty())

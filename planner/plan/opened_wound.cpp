@@ -184,12 +184,41 @@ namespace {
         all.topRows(corners.rows()) = corners;
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
             for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e) {
+                if (mesh::is_straight(mesh.tet(t), e))
+                    continue;
                 const auto& [a, b] = mesh::kTetEdges[e];
                 all.row(mesh.tet(t)[4 + e]) = 0.5
                     * (corners.row(mesh.tet(t)[static_cast<std::size_t>(a)])
                         + corners.row(mesh.tet(t)[static_cast<std::size_t>(b)]));
             }
         return all;
+    }
+
+    /// Marks the elements of bone and cartilage, and those that share a vertex with one.
+    std::vector<std::uint8_t> elements_at_bone(const mesh::TetMesh& wall, const mesh::LabelTable& table)
+    {
+        std::vector<std::uint8_t> marked(wall.tet_count(), 0), at_bone(wall.vertex_count(), 0);
+        for (TetId t = 0; t < static_cast<TetId>(wall.tet_count()); ++t) {
+            const mesh::LabelInfo* info = mesh::find_label(table, wall.labels[static_cast<std::size_t>(t)]);
+            if (info != nullptr && mesh::is_skeleton(*info))
+                for (const VertexId v : wall.tet(t))
+                    at_bone[static_cast<std::size_t>(v)] = 1;
+        }
+        for (TetId t = 0; t < static_cast<TetId>(wall.tet_count()); ++t)
+            for (const VertexId v : wall.tet(t))
+                marked[static_cast<std::size_t>(t)] |= at_bone[static_cast<std::size_t>(v)];
+        return marked;
+    }
+
+    /// Marks the elements all of whose edges have midpoints.
+    std::vector<std::uint8_t> elements_with_midpoints(const mesh::TetMesh& mesh)
+    {
+        std::vector<std::uint8_t> marked(mesh.tet_count(), 1);
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+            for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e)
+                if (mesh::is_straight(mesh.tet(t), e))
+                    marked[static_cast<std::size_t>(t)] = 0;
+        return marked;
     }
 
     /// Opens a wall of ten-node elements from the solution of four-node elements at their corners. Most Newton steps
@@ -458,6 +487,8 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planne
     add_blades(field, planned_case.label_table);
     if (choice.element == ElementKind::p2)
         field.problem = with_midpoints(field.problem);
+    else if (choice.element == ElementKind::p2_at_bone)
+        field.problem = with_midpoints(field.problem, elements_at_bone(field.wall, planned_case.label_table));
     field.metrics.solution = solution_metrics(field, choice);
     const std::vector<fem::HookDrive> drives = drives_of(field.approach);
     const OpenOnce open = [&](const std::optional<fem::ContactOptions>& contact, const OpenedWall* start,
@@ -516,7 +547,8 @@ fem::ElasticProblem problem_with_fixed_hooks(const PlannedField& field)
         return field.problem;
     if (field.problem.mesh.nodes_per_tet == 4)
         return holding_hooks(field.problem, field);
-    return fem::with_midpoints(holding_hooks(fem::without_midpoints(field.problem), field));
+    return fem::with_midpoints(
+        holding_hooks(fem::without_midpoints(field.problem), field), elements_with_midpoints(field.problem.mesh));
 }
 
 std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3>& forces_N)

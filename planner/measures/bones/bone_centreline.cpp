@@ -177,6 +177,8 @@ namespace {
             for (TetId t = 0; t < static_cast<TetId>(bone.tet_count()); ++t)
                 for (std::size_t e = 0; e < mesh::kTetEdges.size(); ++e) {
                     const auto nodes = bone.tet(t);
+                    if (mesh::is_straight(nodes, e))
+                        continue;
                     const auto& [a, b] = mesh::kTetEdges[e];
                     along[static_cast<std::size_t>(nodes[4 + e])] = 0.5
                         * (along[static_cast<std::size_t>(nodes[static_cast<std::size_t>(a)])]

@@ -6,6 +6,7 @@
 #include "ui/cli/framework/staged_results.h"
 #include "ui/cli/plan/field_files.h"
 
+#include "fem/error_estimation/error_estimate.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
@@ -234,6 +235,15 @@ namespace {
         std::vector<planner::PlannedField> fields;
     };
 
+    /// The field's problem for programs without contact and without elements of which some edges are straight.
+    fem::ElasticProblem problem_for_other_programs(const planner::PlannedField& field)
+    {
+        const fem::ElasticProblem problem = planner::problem_with_fixed_hooks(field);
+        return field.metrics.solution.choice.element == planner::ElementKind::p2_at_bone
+            ? with_midpoints(fem::without_midpoints(problem))
+            : problem;
+    }
+
     void ask_for_second_opinions(
         const PlanOptions& options, const fs::path& ccx, std::vector<planner::PlannedField>& fields, const Job& job)
     {
@@ -241,13 +251,13 @@ namespace {
         for (planner::PlannedField& field : fields)
             if (is_measured(field))
                 field.metrics.second_opinion = second_opinion(
-                    planner::problem_with_fixed_hooks(field), ccx, options.out, field.approach.name, limit, job);
+                    problem_for_other_programs(field), ccx, options.out, field.approach.name, limit, job);
     }
 
     /// The problem without the laws that its elasticity does not use.
     fem::ElasticProblem as_solved(const planner::PlannedField& field)
     {
-        fem::ElasticProblem problem = planner::problem_with_fixed_hooks(field);
+        fem::ElasticProblem problem = problem_for_other_programs(field);
         if (field.metrics.solution.choice.elasticity != fem::Elasticity::hyperelastic)
             for (fem::Material& material : problem.material_of_label)
                 material.law.reset();
@@ -458,8 +468,9 @@ namespace {
         command
             .add_option("--element", options.element,
                 "Finite element: p1 (four nodes, limits Poisson's ratios to 0.45), locking-free (four nodes, any "
-                "ratio) or p2 (ten nodes, any ratio) (default: the case's solution; a new case has p2)")
-            ->check(CLI::IsMember({ "p1", "locking-free", "p2" }));
+                "ratio), p2 (ten nodes, any ratio) or p2-bone (ten nodes in bone and what touches it, four elsewhere, "
+                "ratios as p1) (default: the case's solution; a new case has p2-bone)")
+            ->check(CLI::IsMember({ "p1", "locking-free", "p2", "p2-bone" }));
         command
             .add_option("--near", options.near_mm,
                 "Distance from the lips, mm, within which the tissue is computed nonlinearly; tissue beyond is "

@@ -20,7 +20,7 @@ namespace {
         { ElementKind::p1, "p1" },
         { ElementKind::locking_free, "locking-free" },
         { ElementKind::p2, "p2" },
-        { ElementKind::p2_at_bone, "p2-bone" },
+        { ElementKind::mixed, "mixed" },
     } };
     constexpr std::array<std::pair<ContactMode, std::string_view>, 3> kContactModes { {
         { ContactMode::automatic, "auto" },
@@ -65,7 +65,7 @@ std::optional<ContactMode> contact_mode_from_string(std::string_view text)
 double largest_poissons_ratio(ElementKind element)
 {
     constexpr double kFourNodes = 0.45, kAny = 0.5;
-    return element == ElementKind::p1 || element == ElementKind::p2_at_bone ? kFourNodes : kAny;
+    return element == ElementKind::p1 || element == ElementKind::mixed ? kFourNodes : kAny;
 }
 
 fem::Material as_solved(fem::Material material, ElementKind element)
@@ -88,8 +88,9 @@ std::string solution_text(const SolverSettings& choice)
         return text + "; locking-free four-node elements";
     case ElementKind::p2:
         return text + "; ten-node elements";
-    case ElementKind::p2_at_bone:
-        return text + "; ten-node elements at bone, four-node elements elsewhere, Poisson's ratios at most 0.45";
+    case ElementKind::mixed:
+        return text
+            + "; ten-node elements at bone and lips, four-node elements elsewhere, Poisson's ratios at most 0.45";
     }
     return text;
 }

@@ -15,14 +15,11 @@ enum class ElementKind {
     p1, ///< four nodes; Poisson's ratios at most 0.45, because these elements lock above
     locking_free, ///< four nodes, strain averaged over neighbours (fem/element/locking_free.h)
     p2, ///< ten nodes
-    p2_at_bone, ///< ten nodes in bone and cartilage and in what touches them, four nodes elsewhere; ratios as p1
+    mixed, ///< ten nodes where elements touch bone, cartilage or the lips, four elsewhere; ratios as p1
 };
 
 /// Whether all or some elements have ten nodes.
-inline bool has_ten_nodes(ElementKind element)
-{
-    return element == ElementKind::p2 || element == ElementKind::p2_at_bone;
-}
+inline bool has_ten_nodes(ElementKind element) { return element == ElementKind::p2 || element == ElementKind::mixed; }
 
 /// Whether the lips of the wound, and wall and organs that stay, hold each other off (fem/model/contact.h). Without
 /// contact they pass through each other.
@@ -58,7 +55,7 @@ struct SolverSettings {
 };
 
 /// Names in files: "linear", "corotational", "hyperelastic"; "p1", "locking-free", "p2",
-/// "p2-bone"; "auto", "on", "off".
+/// "mixed"; "auto", "on", "off".
 std::string_view to_string(fem::Elasticity elasticity);
 std::string_view to_string(ElementKind element);
 std::string_view to_string(ContactMode contact);

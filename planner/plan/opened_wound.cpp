@@ -194,19 +194,25 @@ namespace {
         return all;
     }
 
-    /// Marks the elements of bone and cartilage, and those that share a vertex with one.
-    std::vector<std::uint8_t> elements_at_bone(const mesh::TetMesh& wall, const mesh::LabelTable& table)
+    /// Marks the elements that touch bone, cartilage or a lip: four-node elements bend bone too stiffly, and fold where
+    /// hooks and blades bear on soft tissue. In a wall without bone hooks bear on soft tissue alone: all are marked.
+    std::vector<std::uint8_t> elements_at_bone_and_lips(const PlannedField& field, const mesh::LabelTable& table)
     {
-        std::vector<std::uint8_t> marked(wall.tet_count(), 0), at_bone(wall.vertex_count(), 0);
-        for (TetId t = 0; t < static_cast<TetId>(wall.tet_count()); ++t) {
-            const mesh::LabelInfo* info = mesh::find_label(table, wall.labels[static_cast<std::size_t>(t)]);
-            if (info != nullptr && mesh::is_skeleton(*info))
+        const mesh::TetMesh& wall = field.wall;
+        const mesh::LabelFlags is_bone = mesh::flagged_labels(table, mesh::is_skeleton);
+        if (std::ranges::none_of(wall.labels, [&](Label label) { return is_bone[label] != 0; }))
+            return std::vector<std::uint8_t>(wall.tet_count(), 1);
+        std::vector<std::uint8_t> marked(wall.tet_count(), 0), touched(wall.vertex_count(), 0);
+        for (TetId t = 0; t < static_cast<TetId>(wall.tet_count()); ++t)
+            if (is_bone[wall.labels[static_cast<std::size_t>(t)]] != 0)
                 for (const VertexId v : wall.tet(t))
-                    at_bone[static_cast<std::size_t>(v)] = 1;
-        }
+                    touched[static_cast<std::size_t>(v)] = 1;
+        for (const mesh::LipFace& lip : field.lips)
+            for (const VertexId v : mesh::face_vertices(wall, lip.face))
+                touched[static_cast<std::size_t>(v)] = 1;
         for (TetId t = 0; t < static_cast<TetId>(wall.tet_count()); ++t)
             for (const VertexId v : wall.tet(t))
-                marked[static_cast<std::size_t>(t)] |= at_bone[static_cast<std::size_t>(v)];
+                marked[static_cast<std::size_t>(t)] |= touched[static_cast<std::size_t>(v)];
         return marked;
     }
 
@@ -487,8 +493,8 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const Case& planne
     add_blades(field, planned_case.label_table);
     if (choice.element == ElementKind::p2)
         field.problem = with_midpoints(field.problem);
-    else if (choice.element == ElementKind::p2_at_bone)
-        field.problem = with_midpoints(field.problem, elements_at_bone(field.wall, planned_case.label_table));
+    else if (choice.element == ElementKind::mixed)
+        field.problem = with_midpoints(field.problem, elements_at_bone_and_lips(field, planned_case.label_table));
     field.metrics.solution = solution_metrics(field, choice);
     const std::vector<fem::HookDrive> drives = drives_of(field.approach);
     const OpenOnce open = [&](const std::optional<fem::ContactOptions>& contact, const OpenedWall* start,

@@ -239,7 +239,7 @@ namespace {
     fem::ElasticProblem problem_for_other_programs(const planner::PlannedField& field)
     {
         const fem::ElasticProblem problem = planner::problem_with_fixed_hooks(field);
-        return field.metrics.solution.choice.element == planner::ElementKind::p2_at_bone
+        return field.metrics.solution.choice.element == planner::ElementKind::mixed
             ? with_midpoints(fem::without_midpoints(problem))
             : problem;
     }
@@ -468,9 +468,9 @@ namespace {
         command
             .add_option("--element", options.element,
                 "Finite element: p1 (four nodes, limits Poisson's ratios to 0.45), locking-free (four nodes, any "
-                "ratio), p2 (ten nodes, any ratio) or p2-bone (ten nodes in bone and what touches it, four elsewhere, "
-                "ratios as p1) (default: the case's solution; a new case has p2-bone)")
-            ->check(CLI::IsMember({ "p1", "locking-free", "p2", "p2-bone" }));
+                "ratio), p2 (ten nodes, any ratio) or mixed (ten nodes in bone and what touches it, four elsewhere, "
+                "ratios as p1) (default: the case's solution; a new case has mixed)")
+            ->check(CLI::IsMember({ "p1", "locking-free", "p2", "mixed" }));
         command
             .add_option("--near", options.near_mm,
                 "Distance from the lips, mm, within which the tissue is computed nonlinearly; tissue beyond is "

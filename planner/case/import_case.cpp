@@ -489,7 +489,7 @@ Case write_import(const ImportedCase& imported, const fs::path& case_file)
     made.patient = imported.patient;
     made.accept_implausible = imported.accept_implausible;
     // For one wound of a patient, forces of four-node elements are about twice too large and stay so when the mesh is
-    // refined. Ten nodes at bone give the forces of ten nodes everywhere in less than half of the time
+    // refined. Ten nodes at bone and lips give the forces of ten nodes everywhere in about half of the time
     // (docs/method/verification.md).
     made.solution.element = ElementKind::mixed;
     made.sizing.corridor_edge_mm = 8.0;

@@ -468,7 +468,7 @@ namespace {
         command
             .add_option("--element", options.element,
                 "Finite element: p1 (four nodes, limits Poisson's ratios to 0.45), locking-free (four nodes, any "
-                "ratio), p2 (ten nodes, any ratio) or mixed (ten nodes in bone and what touches it, four elsewhere, "
+                "ratio), p2 (ten nodes, any ratio) or mixed (ten nodes at bone and lips, four elsewhere, "
                 "ratios as p1) (default: the case's solution; a new case has mixed)")
             ->check(CLI::IsMember({ "p1", "locking-free", "p2", "mixed" }));
         command

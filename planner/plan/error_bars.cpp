@@ -201,7 +201,7 @@ ErrorBars estimate_errors(const PlannedField& field, const OpenedWound& wound, c
     const Stopwatch watch;
     try {
         ComparisonSolutions solutions = has_ten_nodes(choice.element) ? coarser_solution(field, wound, choice, job)
-                                                                          : finer_solution(field, wound, choice, job);
+                                                                      : finer_solution(field, wound, choice, job);
         bars.message = solutions.message;
         if (bars.message.empty())
             fill_bars(bars, field, wound, std::move(solutions), seen_share);

@@ -313,10 +313,8 @@ namespace {
                 "only the hooks hold this wall: name supports in case.json, \"supports\" (the spine, or the border of "
                 "the region)");
         std::vector<VertexId> cut_off = cut_off_vertices(field.wall, labels);
-        field.rim
-            = rim_places(field.wall, cut_off, { mesh::region_line(sizing), sizing.region_mm }, labels.grid);
-        const WallTension tension
-            = tension_of(field.wall, patient, field.approach, supports, std::move(cut_off));
+        field.rim = rim_places(field.wall, cut_off, { mesh::region_line(sizing), sizing.region_mm }, labels.grid);
+        const WallTension tension = tension_of(field.wall, patient, field.approach, supports, std::move(cut_off));
         cut = cut_wall(std::move(field.wall), field.approach, planned_case.label_table, std::move(supports), job);
         if (!take_cut(field, cut))
             return false;

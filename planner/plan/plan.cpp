@@ -290,11 +290,10 @@ namespace {
             forecast = " (" + forecast_text(expected) + ")";
             check_memory(expected, memory_bytes);
         };
-        mesh::HybridModel model = mesh::build_hybrid_model(labels, sizing, meshing, on_forecast);
+        mesh::HybridModel model = build_wall(labels, sizing, meshing, on_forecast);
         field.mesh_statistics = model.statistics;
         field.message = std::move(model.message);
         field.wall = std::move(model.wall);
-        part_ribs_from_other_bones(field.wall, labels.table);
         if (model.status != mesh::MeshStatus::done)
             field.status
                 = model.status == mesh::MeshStatus::cancelled ? PlanStatus::cancelled : PlanStatus::nothing_to_mesh;

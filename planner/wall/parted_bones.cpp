@@ -76,4 +76,12 @@ std::size_t part_ribs_from_other_bones(mesh::TetMesh& mesh, const mesh::LabelTab
     return changes.size();
 }
 
+mesh::HybridModel build_wall(const mesh::LabelVolume& labels, const mesh::MeshSizing& sizing, const Job& job,
+    const std::function<void(double expected)>& on_forecast)
+{
+    mesh::HybridModel model = mesh::build_hybrid_model(labels, sizing, job, on_forecast);
+    part_ribs_from_other_bones(model.wall, labels.table);
+    return model;
+}
+
 } // namespace retractor::planner

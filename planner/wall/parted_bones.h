@@ -1,10 +1,13 @@
 #pragma once
-// Parts bones that touch each other in a mesh. Units mm; frame patient LPS.
+// Meshes a wall in which bones that touch ribs are parted from them. Units mm; frame patient LPS.
 
+#include "mesh/base/job.h"
+#include "mesh/generation/hybrid_model.h"
 #include "mesh/image/volume.h"
 #include "mesh/tetrahedra/tet_mesh.h"
 
 #include <cstddef>
+#include <functional>
 
 namespace retractor::planner {
 
@@ -17,5 +20,11 @@ namespace retractor::planner {
 /// @param mesh the wall before any cut
 /// @return the number of elements with a new label; 0 where no such rib touches soft tissue
 std::size_t part_ribs_from_other_bones(mesh::TetMesh& mesh, const mesh::LabelTable& table);
+
+/// mesh::build_hybrid_model() with parted bones: the wall that is planned, cut, exported and shown. The statistics are
+/// those of the mesher, before the bones are parted.
+/// @throws as mesh::build_hybrid_model()
+mesh::HybridModel build_wall(const mesh::LabelVolume& labels, const mesh::MeshSizing& sizing, const Job& job = {},
+    const std::function<void(double expected)>& on_forecast = {});
 
 } // namespace retractor::planner

@@ -10,11 +10,11 @@
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "mesh/cutting/cut_journal.h"
-#include "mesh/generation/hybrid_model.h"
 #include "mesh/tetrahedra/mesh_io.h"
 #include "planner/approach/space_division.h"
 #include "planner/case/patient.h"
 #include "planner/measures/metrics.h"
+#include "planner/wall/parted_bones.h"
 #include "planner/wall/wall_cut.h"
 
 #include <CLI/CLI.hpp>
@@ -240,7 +240,7 @@ namespace {
         planner::Patient patient(planned_case, job);
         planner::find_space_division(approach, patient);
         const mesh::MeshSizing sizing = planner::mesh_sizing_of(approach, table);
-        const mesh::HybridModel model = mesh::build_hybrid_model(*patient.labels(), sizing, job);
+        const mesh::HybridModel model = planner::build_wall(*patient.labels(), sizing, job);
         refuse_if_cancelled(job);
         if (model.status != mesh::MeshStatus::done)
             throw SolverError(model.message, "approach " + approach.name);

@@ -1,4 +1,3 @@
-#include "mesh/generation/hybrid_model.h"
 #include "ui/cli/commands.h"
 #include "ui/cli/framework/arguments.h"
 #include "ui/cli/framework/number_range.h"
@@ -14,6 +13,7 @@
 #include "planner/approach/space_division.h"
 #include "planner/plan/opened_wound.h"
 #include "planner/plan/plan.h"
+#include "planner/wall/parted_bones.h"
 #include "planner/wall/wall_pressure.h"
 #include "planner/wall/wall_tension.h"
 #include "ui/cli/framework/open_case.h"
@@ -436,7 +436,7 @@ namespace {
             sizing.coarse_edge_mm = planned_case.sizing.coarse_edge_mm;
         }
         sizing.deterministic = !options.parallel;
-        const mesh::HybridModel model = mesh::build_hybrid_model(*patient.labels(), sizing, job);
+        const mesh::HybridModel model = planner::build_wall(*patient.labels(), sizing, job);
         Outcome outcome;
         if (model.status != mesh::MeshStatus::done) {
             outcome.document = { { "error", model.message }, { "where", options.case_file } };

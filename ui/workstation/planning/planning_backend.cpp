@@ -2,7 +2,6 @@
 
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
-#include "mesh/generation/hybrid_model.h"
 #include "mesh/tetrahedra/mesh_io.h"
 #include "planner/approach/bearing_points.h"
 #include "planner/case/case.h"
@@ -73,11 +72,10 @@ namespace {
         const planner::Case& planned_case = patient.planned_case();
         const auto labels = patient.labels();
         const mesh::MeshSizing sizing = planner::mesh_sizing_of(approach, planned_case.label_table);
-        mesh::HybridModel model = mesh::build_hybrid_model(*labels, sizing, job);
+        mesh::HybridModel model = planner::build_wall(*labels, sizing, job);
         if (model.status != mesh::MeshStatus::done)
             throw InputError(
                 model.message.empty() ? "there is no wall to cut" : model.message, "approach " + approach.name);
-        planner::part_ribs_from_other_bones(model.wall, planned_case.label_table);
         SurgeryInput input;
         planner::SurgerySetup& setup = input.setup;
         setup.approach = approach;

@@ -482,6 +482,27 @@ TEST_F(CommandLine, TheDivisionOfAnApproachIsChosenAndListed)
     EXPECT_EQ(run("approach remove " + case_file() + " --name divided").exit_code, 0);
 }
 
+TEST_F(CommandLine, BothDivisionsAreAddedSideBySide)
+{
+    const Json added = run("--json approach add " + case_file()
+        + " --points 1,0,-20 1,0,20 --target target --name divided --division both --backwards 15 --hooks 2 --opening "
+          "10")
+                           .json();
+    ASSERT_EQ(added.at("approaches").size(), 2U);
+    const Json &full = added.at("approaches")[0], &skin = added.at("approaches")[1];
+    EXPECT_EQ(full.at("name"), "divided");
+    EXPECT_EQ(full.at("division").at("extent"), "full");
+    EXPECT_DOUBLE_EQ(full.at("division").at("backwards_mm").get<double>(), 15.0);
+    EXPECT_EQ(skin.at("name"), "divided_skin");
+    EXPECT_EQ(skin.at("division"), (Json { { "extent", "skin" } }));
+    EXPECT_EQ(skin.at("hooks"), 2);
+    EXPECT_EQ(full.at("hooks"), 2);
+    for (const char* name : { "divided", "divided_skin" })
+        EXPECT_EQ(run("approach remove " + case_file() + " --name " + name).exit_code, 0);
+    // An extent is one of an existing approach.
+    EXPECT_EQ(run("approach divide " + case_file() + " --name nobody --division both").exit_code, 2);
+}
+
 TEST_F(CommandLine, AblationsAreAddedListedAndCut)
 {
     const std::string add = "--json approach add " + case_file()

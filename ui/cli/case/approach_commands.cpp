@@ -25,6 +25,7 @@ namespace retractor::ui::cli {
 namespace {
 
     constexpr double kLongestSpaceMm = 500.0; // of a division; as in check_division()
+    constexpr const char* kBothDivisions = "both"; ///< value of --division
     constexpr double kLongestWaitS = 3600.0; // between two turns; as in check_opening_protocol()
     constexpr double kLongestMm = 2000.0; // length of an incision or a depth; longer than any patient
 
@@ -73,10 +74,10 @@ namespace {
 
     std::string approach_line(const planner::Approach& approach)
     {
-        std::string text
-            = formatted("%-18s %-16s incision %4.0f mm, depth %3.0f mm, %zu hooks, target %s\n", approach.name.c_str(),
-                approach.template_name.c_str(), planner::incision_length(approach), approach.depth_mm,
-                approach.hooks.size(), approach.target.is_sphere() ? "sphere" : approach.target.label.c_str());
+        std::string text = formatted("%-18s %-16s incision %4.0f mm, depth %3.0f mm, %starget %s\n",
+            approach.name.c_str(), approach.template_name.c_str(), planner::incision_length(approach),
+            approach.depth_mm, approach.retractor ? "" : formatted("%zu hooks, ", approach.hooks.size()).c_str(),
+            approach.target.is_sphere() ? "sphere" : approach.target.label.c_str());
         if (const planner::Division& division = approach.division; division.extent == planner::DivisionExtent::full)
             text += "  divides intercostal muscle and pleura beyond the skin: forwards "
                 + distance_text(division.forwards_mm) + ", backwards " + distance_text(division.backwards_mm) + "\n";
@@ -162,7 +163,8 @@ namespace {
     /// The division that the options give; nothing where --division is not given.
     std::optional<planner::Division> division_from_options(const ApproachOptions& options)
     {
-        const auto extent = planner::division_extent_from_string(options.division);
+        const auto extent
+            = planner::division_extent_from_string(options.division == kBothDivisions ? "full" : options.division);
         const bool has_distance = options.forwards_mm.has_value() || options.backwards_mm.has_value();
         if (has_distance && extent != planner::DivisionExtent::full)
             throw InputError(
@@ -174,15 +176,21 @@ namespace {
         };
     }
 
-    CLI::Option* add_division_options(CLI::App& command, ApproachOptions& options)
+    /// @param both whether the command can add an approach for each extent
+    CLI::Option* add_division_options(CLI::App& command, ApproachOptions& options, bool both)
     {
+        std::vector<std::string> extents { "skin", "full" };
+        if (both)
+            extents.emplace_back(kBothDivisions);
         CLI::Option* division
             = command
                   .add_option("--division", options.division,
-                      "Extent of the division between the ribs: skin (every layer as far as the skin) or full "
-                      "(intercostal muscle and pleura also beyond both ends of the incision). Default: full for "
-                      "templates between ribs, else skin")
-                  ->check(CLI::IsMember({ "skin", "full" }));
+                      std::string("Extent of the division between the ribs: skin (every layer as far as the skin) or "
+                                  "full (intercostal muscle and pleura also beyond both ends of the incision)")
+                          + (both ? "; both adds two approaches, NAME and NAME_skin, whose forces and openings the "
+                                    "report compares. Default: full for templates between ribs, else skin"
+                                  : ""))
+                  ->check(CLI::IsMember(extents));
         command
             .add_option("--forwards", options.forwards_mm,
                 "With --division full: distance beyond the incision towards the sternum, mm (default: as far as is "
@@ -280,6 +288,20 @@ namespace {
             "Stiffness of the grip between each hook and its lip, N/mm (default: the lip follows the hook completely)");
     }
 
+    /// Adds the approach with the hooks or the retractor of the options.
+    const planner::Approach& add_opened(
+        planner::Case& planned_case, planner::Approach approach, const ApproachOptions& options)
+    {
+        const std::string name = approach.name;
+        planner::add_approach(planned_case, std::move(approach));
+        if (!options.retractor.empty())
+            set_retractor(planned_case, name, options);
+        else if (options.opening_mm > 0.0 || !options.pull.prescribes())
+            planner::set_hooks(planned_case, name, options.hooks, options.opening_mm, options.pull);
+        set_opening_protocol(planned_case, name, options.turn_every_s);
+        return planner::find_approach(planned_case, name);
+    }
+
     Outcome add(const ApproachOptions& options, const Job& job)
     {
         if (options.points.empty() == options.template_name.empty())
@@ -297,19 +319,23 @@ namespace {
         approach.ablations = std::move(ablations);
         approach.loose_pieces = planner::loose_pieces_from_string(options.loose).value();
         check_ablations_along(options, approach);
-        const std::string name = approach.name;
         for (const std::string& organ : options.retracted)
             if (std::find(approach.retracted.begin(), approach.retracted.end(), organ) == approach.retracted.end())
                 approach.retracted.push_back(organ);
-        planner::add_approach(planned_case, std::move(approach));
-        if (!options.retractor.empty())
-            set_retractor(planned_case, name, options);
-        else if (options.opening_mm > 0.0 || !options.pull.prescribes())
-            planner::set_hooks(planned_case, name, options.hooks, options.opening_mm, options.pull);
-        set_opening_protocol(planned_case, name, options.turn_every_s);
+        std::vector<planner::Approach> approaches { std::move(approach) };
+        if (options.division == kBothDivisions) {
+            approaches.push_back(approaches.front());
+            approaches.back().name += "_skin";
+            approaches.back().division = { .extent = planner::DivisionExtent::skin };
+        }
+        Json documents = Json::array();
+        for (planner::Approach& each : approaches) {
+            const planner::Approach& added = add_opened(planned_case, std::move(each), options);
+            documents.push_back(approach_document(added));
+            outcome.text += approach_line(added);
+        }
         planner::write_case(planned_case);
-        outcome.document = approach_document(planner::find_approach(planned_case, name));
-        outcome.text += approach_line(planner::find_approach(planned_case, name));
+        outcome.document = documents.size() == 1 ? documents[0] : Json { { "approaches", documents } };
         return outcome;
     }
 
@@ -379,7 +405,7 @@ namespace {
             "         retractor approach add case.json --template intercostal:5 --target aneurysm --opening 50 "
             "--ablate rib_left_6:2,22:40,90 --loose removed\n"
             "         retractor approach add case.json --template intercostal:4 --target aneurysm --opening 50 "
-            "--division skin --name intercostal_4_skin");
+            "--division both");
         add_command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
         add_command->add_option(
             "--template", options->template_name, "Template of the approach: median, intercostal:N, distal or midcab");
@@ -413,7 +439,7 @@ namespace {
                 "the tissue beside them)")
             ->capture_default_str()
             ->check(CLI::IsMember({ "held", "removed", "rigid" }));
-        add_division_options(*add_command, *options);
+        add_division_options(*add_command, *options, true);
         add_command->add_flag("--right", options->right, "Intercostal: on the patient's right");
         CLI::Option* hooks = add_command->add_option("--hooks", options->hooks, "Hook template: 2, 4, 8 or blade")
                                  ->capture_default_str();
@@ -450,7 +476,7 @@ void add_approach_commands(Commands& commands)
                            "--backwards 30");
     divide_command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     divide_command->add_option("--name", options->name, "Name of the approach")->required();
-    add_division_options(*divide_command, *options)->required();
+    add_division_options(*divide_command, *options, false)->required();
     commands.on(divide_command, [options](const Job&) { return divide(*options); });
 
     CLI::App* list_command = approach->add_subcommand("list", "List the approaches of a case");

@@ -205,6 +205,17 @@ Tangent tangent(Elasticity model, const Lame& l, const Mat3& F, double projected
     return model == Elasticity::linear ? linear_tangent(l) : rotating_tangent(model, l, signed_svd(F), projected);
 }
 
+Tangent tangent_raised_at_extremes(Elasticity model, const Lame& l, const Mat3& F, double projected)
+{
+    constexpr double kLongest = 2.0, kShortest = 0.5; // singular values
+    RETRACTOR_ASSERT(model != Elasticity::hyperelastic && projected >= 0.0 && projected <= 1.0);
+    if (model == Elasticity::linear)
+        return linear_tangent(l);
+    const SignedSvd svd = signed_svd(F);
+    const bool extreme = svd.sigma[0] > kLongest || svd.sigma[2] < kShortest;
+    return rotating_tangent(model, l, svd, extreme ? 1.0 : projected);
+}
+
 TangentMatrix tangent_matrix(const Tangent& t)
 {
     TangentMatrix matrix;

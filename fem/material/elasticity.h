@@ -60,6 +60,10 @@ using TangentMatrix = Eigen::Matrix<double, 9, 9>;
 /// nearest positive semidefinite one. On the measure-zero set sigma1 + sigma2 = 0, where the energy has a kink, the
 /// true tangent is bounded at a large finite value.
 Tangent tangent(Elasticity model, const Lame& lame, const Mat3& F, double projected);
+/// As above, but with all negative eigenvalues raised where F stretches an axis to more than twice its length or
+/// presses it to less than half. Slivers at the tip of a cut do so. They bear little force, and their negative
+/// eigenvalues make the stiffness of a whole wall indefinite.
+Tangent tangent_raised_at_extremes(Elasticity model, const Lame& lame, const Mat3& F, double projected);
 TangentMatrix tangent_matrix(const Tangent& tangent);
 
 /// Energy, stress and tangent, computed from one singular value decomposition.

@@ -388,13 +388,14 @@ ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
 }
 
 template <int Nodes>
-void ElasticBody::add_corotational(
-    const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const
+void ElasticBody::add_corotational(const Eigen::VectorXd& u, double projected, Extremes extremes, std::size_t begin,
+    std::size_t end, double* values) const
 {
+    const auto& tangent_of = extremes == Extremes::raised ? tangent_raised_at_extremes : tangent;
     for (std::size_t t = begin; t < end; ++t)
         for (std::size_t q = 0; q < points_of(t); ++q) {
             const Mat3 F = deformation_gradient(u, t, q);
-            const Tangent c = tangent(model_, lame_[t], F, projected);
+            const Tangent c = tangent_of(model_, lame_[t], F, projected);
             const Eigen::Matrix<double, Nodes, 3> g = FixedGradients<Nodes>(gradients(t, q)) * c.V;
             const Mat3 U = c.U * weights_[t * points_per_tet_ + q];
             const std::int32_t* target = map_.data() + t * kPairs<Nodes>;
@@ -450,8 +451,8 @@ void ElasticBody::add_hyperelastic(
 }
 
 template <int Nodes>
-void ElasticBody::add_stiffness(
-    const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const
+void ElasticBody::add_stiffness(const Eigen::VectorXd& u, double projected, Extremes extremes, std::size_t begin,
+    std::size_t end, double* values) const
 {
     switch (model_) {
     case Elasticity::linear:
@@ -459,7 +460,7 @@ void ElasticBody::add_stiffness(
         break;
     case Elasticity::corotational:
     case Elasticity::corotational_linear:
-        add_corotational<Nodes>(u, projected, begin, end, values);
+        add_corotational<Nodes>(u, projected, extremes, begin, end, values);
         break;
     case Elasticity::hyperelastic:
         add_hyperelastic<Nodes>(u, projected, begin, end, values);
@@ -467,7 +468,7 @@ void ElasticBody::add_stiffness(
     }
 }
 
-const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double projected)
+const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double projected, Extremes extremes)
 {
     RETRACTOR_ASSERT(u.size() == 3 * mesh_.vertices.rows() && projected >= 0.0 && projected <= 1.0);
     if (map_.empty())
@@ -484,9 +485,9 @@ const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double proje
         parallel_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
             double* values = which == 0 ? stiffness_.values.data() : second_half_.data();
             if (nodes_per_tet_ == 4)
-                add_stiffness<4>(u, projected, begin, end, values);
+                add_stiffness<4>(u, projected, extremes, begin, end, values);
             else
-                add_stiffness<10>(u, projected, begin, end, values);
+                add_stiffness<10>(u, projected, extremes, begin, end, values);
         });
     for (std::size_t i = 0; i < second_half_.size(); ++i)
         stiffness_.values[i] += second_half_[i];

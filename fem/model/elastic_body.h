@@ -30,6 +30,9 @@ struct HyperelasticTissue {
     std::vector<FibreDirections> fibres {}; ///< one per element; empty: along x, which only laws with fibres use
 };
 
+/// Treatment of points that are stretched or pressed beyond twice.
+enum class Extremes { as_they_are, raised };
+
 class ElasticBody {
 public:
     /// A body of the linear, corotational or corotational_linear model.
@@ -105,7 +108,10 @@ public:
     /// overwrites the result.
     /// @param projected the share of their size by which negative eigenvalues are raised, element by element: 0 gives
     /// the true stiffness, 1 the nearest positive semidefinite one.
-    const BlockMatrix& stiffness(const Eigen::VectorXd& displacement, double projected);
+    /// @param extremes as they are, or with tangent_raised_at_extremes(): a stiffness for iterations. Locking-free and
+    /// hyperelastic elements are always taken as they are.
+    const BlockMatrix& stiffness(
+        const Eigen::VectorXd& displacement, double projected, Extremes extremes = Extremes::as_they_are);
     const BlockMatrix& last_stiffness() const { return stiffness_; }
 
     /// Deformation of each element.
@@ -124,12 +130,12 @@ private:
     void measure_elements();
     void make_pattern();
     template <int Nodes>
-    void add_stiffness(
-        const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const;
+    void add_stiffness(const Eigen::VectorXd& u, double projected, Extremes extremes, std::size_t begin,
+        std::size_t end, double* values) const;
     template <int Nodes> void add_linear(std::size_t begin, std::size_t end, double* values) const;
     template <int Nodes>
-    void add_corotational(
-        const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const;
+    void add_corotational(const Eigen::VectorXd& u, double projected, Extremes extremes, std::size_t begin,
+        std::size_t end, double* values) const;
     template <int Nodes>
     void add_hyperelastic(
         const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const;

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <utility>
 
 namespace retractor::fem {
@@ -82,17 +84,10 @@ namespace {
             // Blades move before the tissue follows: the step is linearised with the places that they will touch.
             const Eigen::VectorXd ahead = u_ + motion;
             body_.expect_blades(&ahead);
-            const BlockMatrix& K = body_.model() == Elasticity::hyperelastic ? factorise_least_lifted() : assemble(1.0);
-            bool fresh = body_.model() == Elasticity::hyperelastic;
-            if (!fresh && !is_single_step()) {
-                factorise(K);
-                fresh = true;
-            }
-            const Eigen::VectorXd rest = solve_projected(K,
-                body_.blades() != nullptr ? Eigen::VectorXd(-respond(u_).forces) : Eigen::VectorXd(-state_.forces),
-                fresh);
+            const Eigen::VectorXd unbalanced = body_.blades() != nullptr ? -respond(u_).forces : -state_.forces;
+            const auto [rest, follow] = predict(unbalanced, motion);
+            const BlockMatrix& K = body_.last_stiffness();
             body_.expect_blades(nullptr);
-            const Eigen::VectorXd follow = motion - solve_projected(K, K.multiply(motion), fresh);
             for (double share = 1.0; share >= kSmallest; share *= 0.5)
                 // A body that was not at rest settles too, unless this fails.
                 for (const double settled : { 1.0, 0.0 }) {
@@ -147,13 +142,14 @@ namespace {
 
         Outcome iterate(double tolerance, int max_iterations)
         {
+            last_ = {};
             for (int i = 0;; ++i) {
                 if (body_.renew_follower_loads(u_) > 0.0)
                     state_ = respond(u_);
                 result_.residual = residual();
                 if (job_.cancelled())
                     return Outcome::cancelled;
-                if (result_.residual <= std::max(tolerance, kNoForce))
+                if (result_.residual <= std::max(tolerance, kNoForce) || has_settled())
                     return Outcome::converged;
                 if (!std::isfinite(result_.residual))
                     return Outcome::failed;
@@ -215,6 +211,7 @@ namespace {
         static constexpr double kFrictionError = 0.005;
         /// The same for a residual of 1: a rough state has a rough friction.
         static constexpr double kFrictionPerResidual = 4.0;
+        static constexpr double kStartTolerance = 1e-3; ///< of a linear solve that a step begins with
         static constexpr double kShortest = 1e-4; ///< share of a step below which no length is tried
         static constexpr int kFrictionRounds = 12;
         static constexpr double kFrictionShare = 0.5; ///< of a change of the friction that is made at a time
@@ -240,6 +237,16 @@ namespace {
             return std::max(largest_length(forces), body_.blades()->largest_nodal_force(u_));
         }
 
+        /// Whether the last step ended the iteration by EquilibriumOptions::energy_tolerance.
+        bool has_settled() const
+        {
+            constexpr double kRough = 0.02; // residual
+            const double limit = options_.energy_tolerance;
+            return limit > 0.0 && body_.blades() != nullptr && result_.residual <= kRough
+                && last_.fall <= limit * std::abs(state_.energy)
+                && last_.contact_change <= std::sqrt(limit) * contact_energy(u_);
+        }
+
         double energy_noise(const Eigen::VectorXd& u) const
         {
             constexpr double kRoundOff = 1e-10;
@@ -261,15 +268,53 @@ namespace {
         /// Load steps take fresh factors; on flat elements an old factor leaves an error that the next steps keep.
         bool is_single_step() const { return options_.load_steps == 1 && solver_.factorised(); }
 
+        struct Prediction {
+            Eigen::VectorXd rest; ///< displacement to the equilibrium of the present state
+            Eigen::VectorXd follow; ///< displacement with the motion of the prescribed unknowns
+        };
+
+        /// Solves with the linearised stiffness, which is left in ElasticBody::last_stiffness(). A single step takes
+        /// the true stiffness where that is positive definite: the projected one is much stiffer where tissue is
+        /// stretched, and its steps turn elements over.
+        Prediction predict(const Eigen::VectorXd& unbalanced, const Eigen::VectorXd& motion)
+        {
+            if (body_.model() == Elasticity::hyperelastic) {
+                const BlockMatrix& K = factorise_least_lifted();
+                return { solver_.solve(unbalanced), motion - solver_.solve(K.multiply(motion)) };
+            }
+            bool fresh = false;
+            if (is_single_step()) {
+                const BlockMatrix& K = assemble(lift_);
+                if (auto rest = iterate_linearised(unbalanced))
+                    if (const auto back = iterate_linearised(K.multiply(motion)))
+                        return { std::move(*rest), motion - *back };
+            }
+            const BlockMatrix& K = assemble(1.0);
+            if (!is_single_step()) {
+                factorise(K);
+                fresh = true;
+            }
+            Eigen::VectorXd rest = solve_projected(K, unbalanced, fresh);
+            return { std::move(rest), motion - solve_projected(K, K.multiply(motion), fresh) };
+        }
+
+        /// Solves with the stiffness last assembled; nothing where this takes longer than a factorisation, or where the
+        /// stiffness is not positive definite.
+        std::optional<Eigen::VectorXd> iterate_linearised(const Eigen::VectorXd& b)
+        {
+            ConstrainedSolver::Iterated iterated = iterate_linear(b, kStartTolerance, worth_a_factor());
+            if (!iterated.converged)
+                return std::nullopt;
+            return std::move(iterated.solution);
+        }
+
         /// Solves with the projected stiffness K, the one last assembled. @param fresh whether the factor is that of K;
         /// set when it was made here
         Eigen::VectorXd solve_projected(const BlockMatrix& K, const Eigen::VectorXd& b, bool& fresh)
         {
-            constexpr double kTolerance = 1e-3; // a start needs no more
             if (!fresh) {
-                const ConstrainedSolver::Iterated iterated = iterate_linear(b, kTolerance, worth_a_factor());
-                if (iterated.converged)
-                    return iterated.solution;
+                if (auto iterated = iterate_linearised(b))
+                    return std::move(*iterated);
                 factorise(K);
                 fresh = true;
             }
@@ -286,7 +331,11 @@ namespace {
             const double forcing = std::clamp(result_.residual, 1e-2, 0.1);
             const Eigen::VectorXd du = solve(-r, forcing);
             ++result_.newton_iterations;
-            return search(du, r.dot(du));
+            const double before = state_.energy, contact_before = contact_energy(u_), slope = r.dot(du);
+            const bool found = search(du, slope);
+            last_ = { .fall = std::max(-0.5 * slope, before - state_.energy),
+                .contact_change = std::abs(contact_energy(u_) - contact_before) };
+            return found;
         }
 
         bool search(const Eigen::VectorXd& du, double slope)
@@ -409,7 +458,9 @@ namespace {
                     const ConstrainedSolver::Iterated iterated = iterate_linear(b, tolerance, worth_a_factor());
                     if (iterated.converged || (fresh && !iterated.negative_curvature))
                         return iterated.solution;
-                    if (iterated.negative_curvature && lift_ < 1.0) {
+                    // A factor that needed many iterations to find this would need them again.
+                    const bool is_poor = !fresh && 2 * iterated.iterations > worth_a_factor();
+                    if (iterated.negative_curvature && lift_ < 1.0 && !is_poor) {
                         lift_ = std::min(1.0, std::max(4.0 * lift_, kLeast));
                         continue;
                     }
@@ -478,7 +529,7 @@ namespace {
         const BlockMatrix& assemble(double projected)
         {
             const Stopwatch watch;
-            const BlockMatrix& K = body_.stiffness(u_, projected);
+            const BlockMatrix& K = body_.stiffness(u_, projected, Extremes::raised);
             result_.assemble_seconds += watch.seconds();
             if (!std::exchange(assembled_, true))
                 record_part(job_, "assembly", watch, body_.bytes());
@@ -506,6 +557,11 @@ namespace {
         Eigen::VectorXd u_;
         double lift_ = 0.0; ///< share of the negative eigenvalues that was last removed from the element stiffness
         ElasticBody::Response state_;
+        struct LastStep {
+            double fall = std::numeric_limits<double>::infinity(); ///< of the energy, predicted or found, N mm
+            double contact_change = std::numeric_limits<double>::infinity(); ///< of the energy at blades, N mm
+        };
+        LastStep last_;
     };
 
     Eigen::VectorXd prescribed_part(const std::vector<std::uint8_t>& prescribed, const Eigen::VectorXd& vector)

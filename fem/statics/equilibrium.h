@@ -52,6 +52,12 @@ struct EquilibriumOptions {
     int load_steps = 4; ///< least number of load steps; no node moves more than 3 mm in one step
     int max_newton_iterations = 40; ///< at full load; intermediate states take a few iterations
     double tolerance = 1e-5; ///< largest residual force of a free node over the largest force or load of any node
+    /// With blades: an iteration also ends where its last step lowers the energy by at most this share, and changes the
+    /// energy between blades and tissue by at most the square root of it. 0: only the residual counts. Forces of
+    /// prescribed nodes are then known to about the square root: an error of the state with the energy e changes them
+    /// by at most sqrt(e / energy) in a linear body (Cauchy's and Schwarz's inequality). Slivers at the tip of a cut
+    /// keep a residual over many steps that change no force of a blade.
+    double energy_tolerance = 0.0;
     double load_at_start = 0.0; ///< share of the body's loads that acts on the start state
 };
 

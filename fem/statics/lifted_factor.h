@@ -8,9 +8,9 @@
 
 namespace retractor::fem {
 
-/// Factors the true stiffness where the whole matrix is positive definite, else the stiffness with the smallest
-/// sufficient share of its negative eigenvalues raised (ElasticBody::stiffness()). The matrix is then
-/// ElasticBody::last_stiffness().
+/// Factors the true stiffness where the whole matrix is positive definite; else the stiffness with raised extremes;
+/// else that with the smallest sufficient share of its negative eigenvalues raised too (ElasticBody::stiffness()). The
+/// matrix is then ElasticBody::last_stiffness().
 /// @throws SolverError when the stiffness is not positive definite with all negative eigenvalues raised
 void factorise_least_lifted(ElasticBody& body, const Eigen::VectorXd& displacement, ConstrainedSolver& solver);
 

@@ -31,6 +31,8 @@ namespace {
         if (options.load_steps < 1 || options.max_newton_iterations < 1)
             throw InputError("opening needs at least one load step and one Newton iteration");
         check_tolerance(options.tolerance);
+        if (!(options.energy_tolerance >= 0.0 && options.energy_tolerance < 1.0))
+            throw InputError("the tolerance of the energy is not between 0 and 1");
         if (!(options.far_tolerance >= 0.0))
             throw InputError(
                 "the tolerance " + std::to_string(options.far_tolerance) + " is not zero or more", "condensed region");
@@ -222,6 +224,7 @@ OpeningResult Opening::State::open_all(const Prescribed& prescribed, std::size_t
     const EquilibriumOptions newton { .load_steps = options.load_steps,
         .max_newton_iterations = options.max_newton_iterations,
         .tolerance = options.tolerance,
+        .energy_tolerance = options.energy_tolerance,
         .load_at_start = warm.size() != 0 ? 1.0 : 0.0 };
     const Equilibrium equilibrium = solver.solve(*body, prescribed.flag, prescribed.value, start, newton, job);
     OpeningResult result;

@@ -34,6 +34,7 @@ struct OpeningOptions {
     /// (77,000 elements), 1e-3 leaves an error of 0.04 mm (root mean square; 1.6 mm at the worst node) and of 0.1 % in
     /// hook forces, compared with 5e-5.
     double tolerance = 1e-4;
+    double energy_tolerance = 0.0; ///< as EquilibriumOptions::energy_tolerance
     /// Contact of the wound with itself and with fixed surfaces; none: surfaces pass through.
     std::optional<ContactOptions> contact {};
     /// Rigid blades that push (ElasticProblem::blades); not allowed with `near`.

@@ -209,6 +209,24 @@ namespace elasticity_test {
             }
     }
 
+    TEST(Elasticity, OnlyExtremesAreRaised)
+    {
+        std::mt19937 random(13);
+        const Elasticity model = Elasticity::corotational;
+        for (const Vec3& s : { Vec3(1.9, 0.8, 0.6), Vec3(1.0, 0.9, 0.55) }) {
+            const Mat3 F = with_stretches(random, s);
+            EXPECT_EQ(tangent_matrix(tangent_raised_at_extremes(model, kSoft, F, 0.0)),
+                tangent_matrix(tangent(model, kSoft, F, 0.0)));
+        }
+        for (const Vec3& s : { Vec3(2.1, 0.8, 0.7), Vec3(1.0, 0.9, 0.45), Vec3(1.0, 0.9, -0.3) }) {
+            const Mat3 F = with_stretches(random, s);
+            EXPECT_EQ(tangent_matrix(tangent_raised_at_extremes(model, kSoft, F, 0.0)),
+                tangent_matrix(tangent(model, kSoft, F, 1.0)));
+        }
+        EXPECT_EQ(tangent_matrix(tangent_raised_at_extremes(Elasticity::linear, kSoft, 3.0 * Mat3::Identity(), 0.0)),
+            tangent_matrix(tangent(Elasticity::linear, kSoft, Mat3::Identity(), 0.0)));
+    }
+
     TEST(Elasticity, TangentAtRestIsLinearElasticity)
     {
         const TangentMatrix linear = tangent_matrix(tangent(Elasticity::linear, kSoft, Mat3::Identity(), false));

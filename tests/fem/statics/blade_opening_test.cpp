@@ -3,6 +3,7 @@
 #include "fem/model/blade_contact.h"
 #include "fem/statics/frame_opening.h"
 #include "fem/statics/opening.h"
+#include "mesh/base/error.h"
 
 #include <gtest/gtest.h>
 
@@ -254,6 +255,29 @@ namespace blade_opening_test {
         // The accuracy that plans promise for forces. Ten-node elements of 5 mm, four-node elements of 2.5 mm.
         constexpr double kSpread = 0.15;
         EXPECT_LT(*most / *least - 1.0, kSpread) << *least << " to " << *most << " N";
+    }
+
+    TEST(BladeOpening, AnEnergyToleranceLeavesAboutItsRootInTheForces)
+    {
+        const SlottedBlock block(5.0);
+        ElasticProblem problem = with_midpoints(block.problem);
+        for (std::size_t k = 0; k < 2; ++k)
+            problem.hooks[k].displacement = Vec3(k == 0 ? -4.0 : 4.0, 0.0, 0.0);
+        const auto opened = [&](double energy_tolerance) {
+            const OpeningResult result = Opening(problem,
+                { .elasticity = Elasticity::corotational, .tolerance = 1e-7, .energy_tolerance = energy_tolerance })
+                                             .open(problem.hooks);
+            EXPECT_EQ(result.status, OpeningStatus::converged) << result.message;
+            return result;
+        };
+        constexpr double kEnergyTolerance = 1e-4;
+        const OpeningResult exact = opened(0.0), rough = opened(kEnergyTolerance);
+        EXPECT_LE(exact.residual, 1e-7);
+        EXPECT_GT(rough.residual, 1e-7); // it ended earlier
+        EXPECT_LT(rough.newton_iterations, exact.newton_iterations);
+        EXPECT_NEAR(rough.hook_forces_N[1].x(), exact.hook_forces_N[1].x(),
+            std::sqrt(kEnergyTolerance) * exact.hook_forces_N[1].x());
+        EXPECT_THROW((void)opened(-1.0), InputError);
     }
 
     TEST(BladeOpening, TheErrorEstimateUsesTheSameContact)

@@ -16,6 +16,8 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
+#include <functional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -156,16 +158,21 @@ namespace {
     /// Blades in contact bear small forces on many nodes. The residual above would leave 2 % of them.
     constexpr double kTenNodeContactTolerance = 3e-4;
 
+    /// Blades in contact: the error of their forces that this leaves is about 1 % (EquilibriumOptions).
+    constexpr double kTenNodeEnergyTolerance = 1e-4;
+
     /// Balance of a retractor: above the error that the residual, or friction known to 0.5 % (equilibrium.h), leaves in
     /// the forces of its blades, and a seventh of the bar that a plan is asked for.
     constexpr double kTenNodeBalance = 5e-3, kContactBalance = 2e-2;
     constexpr double kStartBalance = 0.1; ///< a state from which other elements begin
 
-    double tolerance_of(const fem::ElasticProblem& problem, const fem::OpeningOptions& options)
+    void set_tolerances(fem::OpeningOptions& options, const fem::ElasticProblem& problem)
     {
         if (problem.mesh.nodes_per_tet != 10)
-            return options.tolerance;
-        return std::max(options.tolerance, problem.blades.empty() ? kTenNodeTolerance : kTenNodeContactTolerance);
+            return;
+        const bool contact = !problem.blades.empty();
+        options.tolerance = std::max(options.tolerance, contact ? kTenNodeContactTolerance : kTenNodeTolerance);
+        options.energy_tolerance = contact ? kTenNodeEnergyTolerance : 0.0;
     }
 
     fem::FrameOptions balance_of(const fem::ElasticProblem& problem)
@@ -194,25 +201,62 @@ namespace {
         return all;
     }
 
+    /// Marks the vertices of the front of the cut, where the two lips meet.
+    std::vector<std::uint8_t> vertices_of_cut_front(const PlannedField& field)
+    {
+        std::array<std::vector<std::uint8_t>, 2> on_lip;
+        on_lip.fill(std::vector<std::uint8_t>(field.wall.vertex_count(), 0));
+        for (const mesh::LipFace& lip : field.lips)
+            if (lip.side != 0)
+                for (const VertexId v : mesh::face_vertices(field.wall, lip.face))
+                    on_lip[lip.side > 0 ? 1 : 0][static_cast<std::size_t>(v)] = 1;
+        std::vector<std::uint8_t> front(field.wall.vertex_count(), 0);
+        std::ranges::transform(on_lip[0], on_lip[1], front.begin(), std::bit_and<>());
+        return front;
+    }
+
+    /// Marks the elements that have a marked vertex.
+    std::vector<std::uint8_t> elements_touching(const mesh::TetMesh& mesh, const std::vector<std::uint8_t>& vertices)
+    {
+        std::vector<std::uint8_t> marked(mesh.tet_count(), 0);
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+            for (const VertexId v : mesh.tet(t))
+                marked[static_cast<std::size_t>(t)] |= vertices[static_cast<std::size_t>(v)];
+        return marked;
+    }
+
+    /// Marks the vertices of marked elements.
+    std::vector<std::uint8_t> vertices_of(const mesh::TetMesh& mesh, const std::vector<std::uint8_t>& elements)
+    {
+        std::vector<std::uint8_t> marked(mesh.vertex_count(), 0);
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+            if (elements[static_cast<std::size_t>(t)] != 0)
+                for (const VertexId v : mesh.tet(t))
+                    marked[static_cast<std::size_t>(v)] = 1;
+        return marked;
+    }
+
     /// Marks the elements that touch bone, cartilage or a lip: four-node elements bend bone too stiffly, and fold where
-    /// hooks and blades bear on soft tissue. In a wall without bone hooks bear on soft tissue alone: all are marked.
+    /// hooks and blades bear on soft tissue. Soft elements at the front of the cut are not marked: slivers that the
+    /// blade left there stretch many times over, and with midpoints Newton's method takes dozens of steps for them. In
+    /// a wall without bone hooks bear on soft tissue alone: all elements are marked.
     std::vector<std::uint8_t> elements_at_bone_and_lips(const PlannedField& field, const mesh::LabelTable& table)
     {
         const mesh::TetMesh& wall = field.wall;
         const mesh::LabelFlags is_bone = mesh::flagged_labels(table, mesh::is_skeleton);
-        if (std::ranges::none_of(wall.labels, [&](Label label) { return is_bone[label] != 0; }))
+        std::vector<std::uint8_t> bone(wall.tet_count(), 0);
+        std::ranges::transform(wall.labels, bone.begin(), [&](Label label) { return is_bone[label]; });
+        if (std::ranges::none_of(bone, [](std::uint8_t flag) { return flag != 0; }))
             return std::vector<std::uint8_t>(wall.tet_count(), 1);
-        std::vector<std::uint8_t> marked(wall.tet_count(), 0), touched(wall.vertex_count(), 0);
-        for (TetId t = 0; t < static_cast<TetId>(wall.tet_count()); ++t)
-            if (is_bone[wall.labels[static_cast<std::size_t>(t)]] != 0)
-                for (const VertexId v : wall.tet(t))
-                    touched[static_cast<std::size_t>(v)] = 1;
+        std::vector<std::uint8_t> touched = vertices_of(wall, bone);
         for (const mesh::LipFace& lip : field.lips)
             for (const VertexId v : mesh::face_vertices(wall, lip.face))
                 touched[static_cast<std::size_t>(v)] = 1;
-        for (TetId t = 0; t < static_cast<TetId>(wall.tet_count()); ++t)
-            for (const VertexId v : wall.tet(t))
-                marked[static_cast<std::size_t>(t)] |= touched[static_cast<std::size_t>(v)];
+        std::vector<std::uint8_t> marked = elements_touching(wall, touched);
+        const std::vector<std::uint8_t> around = elements_touching(wall, vertices_of_cut_front(field));
+        for (std::size_t t = 0; t < marked.size(); ++t)
+            if (around[t] != 0 && bone[t] == 0)
+                marked[t] = 0;
         return marked;
     }
 
@@ -232,7 +276,7 @@ namespace {
     void open_from_corners(OpenedWall& opened, const fem::ElasticProblem& problem, fem::OpeningOptions options,
         const StageTest& goes_on, const Job& job)
     {
-        options.tolerance = tolerance_of(problem, options);
+        set_tolerances(options, problem);
         const fem::ElasticProblem corners = fem::without_midpoints(problem);
         fem::OpeningResult coarse
             = fem::Opening(corners, options).open(corners.hooks, as_stage(job, "opening, four-node elements"));
@@ -319,7 +363,7 @@ namespace {
         if (problem.mesh.nodes_per_tet != 10 || options.elasticity == fem::Elasticity::linear)
             return take_retractor(
                 opened, frame, open_four_node(problem, field, drive, options, balance_of(problem), job));
-        options.tolerance = tolerance_of(problem, options);
+        set_tolerances(options, problem);
         const fem::FrameOptions how = balance_of(problem);
         fem::FrameOpening coarse = open_four_node(fem::without_midpoints(problem), field, drive, options,
             { .tolerance = kStartBalance }, as_stage(job, "opening, four-node elements"));
@@ -350,7 +394,7 @@ namespace {
         const Job& job)
     {
         const fem::ElasticProblem& problem = field.problem;
-        options.tolerance = tolerance_of(problem, options);
+        set_tolerances(options, problem);
         fem::ElasticProblem placed = problem;
         placed.hooks = start.hooks;
         const Points from = start.ten_node.size() != 0
@@ -454,7 +498,7 @@ OpenedWall reopen_wall(
     } else {
         for (fem::HookPatch& hook : opened.hooks)
             hook.displacement *= share;
-        options.tolerance = tolerance_of(problem, options);
+        set_tolerances(options, problem);
         fem::Opening opening(problem, options);
         opening.start_from(start);
         opened.opening = opening.open(opened.hooks, named);

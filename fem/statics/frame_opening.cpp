@@ -96,13 +96,15 @@ namespace {
                 has_stiffness_ = start->stiffness.has_value();
                 if (has_stiffness_)
                     found_.stiffness = *start->stiffness;
-                continue_from(start->displacement);
+                if (start->displacement.size() != 0)
+                    continue_from(start->displacement);
             } else if (drive_.force_N) {
                 linearise();
                 found_.state = moved_by(found_.state, next_step(), lever_);
             }
             const bool is_answer = start && start->stiffness; // of the same elements
-            open(found_.state, start ? balancing_ : job_, is_answer ? options_.tolerance : tolerance_for(1.0));
+            const bool at_rest = !start || start->displacement.size() == 0;
+            open(found_.state, at_rest ? job_ : balancing_, is_answer ? options_.tolerance : tolerance_for(1.0));
             if (is_open())
                 balance();
             return std::move(found_);

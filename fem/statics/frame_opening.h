@@ -42,10 +42,10 @@ struct FrameOptions {
     int most_openings = 20; ///< the first one included
 };
 
-/// A state from which a further search begins: the answer of other elements.
+/// A state from which a further search begins: the answer of other elements, or a place for the frame.
 struct FrameStart {
     FrameState state;
-    Points displacement; ///< n x 3, mm, all nodes
+    Points displacement; ///< n x 3, mm, all nodes; empty: the tissue is at rest, and the frame is placed first
     /// FrameOpening::stiffness of the same elements and blades; empty: the tissue is linearised.
     std::optional<FrameMatrix> stiffness {};
 };

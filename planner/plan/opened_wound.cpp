@@ -164,7 +164,7 @@ namespace {
     /// Balance of a retractor: above the error that the residual, or friction known to 0.5 % (equilibrium.h), leaves in
     /// the forces of its blades, and a seventh of the bar that a plan is asked for.
     constexpr double kTenNodeBalance = 5e-3, kContactBalance = 2e-2;
-    constexpr double kStartBalance = 0.1; ///< a state from which other elements begin
+    constexpr double kStartBalance = 0.1, kStartTolerance = 0.01; ///< of a state from which other elements begin
 
     void set_tolerances(fem::OpeningOptions& options, const fem::ElasticProblem& problem)
     {
@@ -332,25 +332,48 @@ namespace {
         opened.hooks = std::move(found.blades);
     }
 
+    /// The balance of the retractor in tissue that is linear and held by the blades: one factorisation finds it. The
+    /// nonlinear balance lies within a few degrees of it, and hardly lies nearer to where the retractor was at rest.
+    /// Nothing where linear tissue finds none, or lets the retractor turn too far to believe it.
+    std::optional<fem::FrameStart> linear_start(
+        const fem::ElasticProblem& held, const fem::BladeFrame& frame, const fem::RackDrive& drive, const Job& job)
+    {
+        constexpr double kMostTurned = 0.35; // rad
+        const fem::OpeningOptions linear { .elasticity = fem::Elasticity::linear };
+        const fem::FrameOpening found
+            = fem::open_with_frame(held, frame, drive, linear, { .tolerance = kStartBalance }, job);
+        const bool is_found = found.opening.status == fem::OpeningStatus::converged
+            || found.opening.status == fem::OpeningStatus::inverted;
+        if (!is_found || std::abs(Eigen::AngleAxisd(found.state.rotation).angle()) > kMostTurned)
+            return std::nullopt;
+        return fem::FrameStart { .state = found.state, .displacement = {}, .stiffness = {} };
+    }
+
     /// Opens four-node elements with a retractor. Blades in contact begin where the retractor is in balance with blades
     /// that hold the tissue: a frame that has not turned with its wound yet presses with many times the force.
     fem::FrameOpening open_four_node(const fem::ElasticProblem& problem, const PlannedField& field,
         const fem::RackDrive& drive, const fem::OpeningOptions& options, const fem::FrameOptions& how, const Job& job)
     {
         const fem::BladeFrame frame = blade_frame_of(field.approach);
-        if (problem.blades.empty())
+        if (problem.blades.empty() && options.elasticity == fem::Elasticity::linear)
             return fem::open_with_frame(problem, frame, drive, options, how, job);
+        const fem::ElasticProblem hold = problem.blades.empty() ? problem : holding_hooks(problem, field);
+        const std::optional<fem::FrameStart> linear
+            = linear_start(hold, frame, drive, as_stage(job, "opening, linear"));
+        if (problem.blades.empty())
+            return fem::open_with_frame(problem, frame, drive, options, how, job, linear);
         const Job named = as_stage(job, "opening, blades that hold");
         fem::FrameOptions roughly = how;
         roughly.tolerance = std::max(kStartBalance, how.tolerance);
-        const fem::FrameOpening held
-            = fem::open_with_frame(holding_hooks(problem, field), frame, drive, options, roughly, named);
+        fem::OpeningOptions rough = options;
+        rough.tolerance = std::max(kStartTolerance, options.tolerance);
+        const fem::FrameOpening held = fem::open_with_frame(hold, frame, drive, rough, roughly, named, linear);
         if (held.opening.status == fem::OpeningStatus::cancelled || !is_usable(held.opening))
             return fem::open_with_frame(problem, frame, drive, options, how, job);
         fem::ElasticProblem placed = problem;
         placed.hooks = fem::blades_at(frame, held.state, problem.hooks);
         return fem::open_with_frame(problem, frame, drive, options, how, job,
-            fem::FrameStart { held.state, fem::with_blade_nodes(placed, held.opening.displacement) });
+            fem::FrameStart { held.state, fem::with_blade_nodes(placed, held.opening.displacement), {} });
     }
 
     /// Opens a wall with a retractor. Ten-node elements begin where the retractor is in balance in four-node elements.

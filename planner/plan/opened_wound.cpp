@@ -156,10 +156,10 @@ namespace {
     constexpr double kTenNodeTolerance = 1e-3;
 
     /// Blades in contact bear small forces on many nodes. The residual above would leave 2 % of them.
-    constexpr double kTenNodeContactTolerance = 3e-4;
+    constexpr double kContactTolerance = 3e-4;
 
     /// Blades in contact: the error of their forces that this leaves is about 1 % (EquilibriumOptions).
-    constexpr double kTenNodeEnergyTolerance = 1e-4;
+    constexpr double kContactEnergyTolerance = 1e-4;
 
     /// Balance of a retractor: above the error that the residual, or friction known to 0.5 % (equilibrium.h), leaves in
     /// the forces of its blades, and a seventh of the bar that a plan is asked for.
@@ -168,11 +168,11 @@ namespace {
 
     void set_tolerances(fem::OpeningOptions& options, const fem::ElasticProblem& problem)
     {
-        if (problem.mesh.nodes_per_tet != 10)
-            return;
         const bool contact = !problem.blades.empty();
-        options.tolerance = std::max(options.tolerance, contact ? kTenNodeContactTolerance : kTenNodeTolerance);
-        options.energy_tolerance = contact ? kTenNodeEnergyTolerance : 0.0;
+        if (!contact && problem.mesh.nodes_per_tet != 10)
+            return;
+        options.tolerance = std::max(options.tolerance, contact ? kContactTolerance : kTenNodeTolerance);
+        options.energy_tolerance = contact ? kContactEnergyTolerance : 0.0;
     }
 
     fem::FrameOptions balance_of(const fem::ElasticProblem& problem)
@@ -383,10 +383,10 @@ namespace {
         const fem::BladeFrame frame = blade_frame_of(field.approach);
         const fem::RackDrive drive = rack_drive_of(*field.approach.retractor);
         const fem::ElasticProblem& problem = field.problem;
+        set_tolerances(options, problem);
         if (problem.mesh.nodes_per_tet != 10 || options.elasticity == fem::Elasticity::linear)
             return take_retractor(
                 opened, frame, open_four_node(problem, field, drive, options, balance_of(problem), job));
-        set_tolerances(options, problem);
         const fem::FrameOptions how = balance_of(problem);
         fem::FrameOpening coarse = open_four_node(fem::without_midpoints(problem), field, drive, options,
             { .tolerance = kStartBalance }, as_stage(job, "opening, four-node elements"));

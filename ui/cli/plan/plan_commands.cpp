@@ -41,7 +41,7 @@ namespace {
 
     constexpr double kFarthestMm = 1e4; // from the lips: no patient reaches beyond
 
-    constexpr double kDraftEdgeMm = 8.0; ///< edges of a draft's mesh round the incision
+    constexpr double kDraftEdgeMm = 12.0, kDraftCoarseEdgeMm = 24.0; ///< of a draft's mesh, round the incision and far
 
     struct PlanOptions {
         std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity, element;
@@ -170,14 +170,18 @@ namespace {
         if (!options.element.empty())
             solution.element = planner::element_from_string(options.element).value();
         solution.near_mm = options.near_mm.value_or(solution.near_mm);
-        if (options.draft)
+        if (options.draft) {
             solution.element = planner::ElementKind::p1;
+            if (options.contact.empty()) // contact takes several times as long as the plan without it
+                planned_case.contact = planner::ContactMode::never;
+        }
         set_pressures(planned_case, options.pressures);
         for (planner::Approach& approach : planned_case.approaches) {
             planner::SizingSpec& sizing = approach.sizing;
             sizing.corridor_edge_mm = options.edge_mm.value_or(
                 options.draft ? std::max(sizing.corridor_edge_mm, kDraftEdgeMm) : sizing.corridor_edge_mm);
-            sizing.coarse_edge_mm = std::max(sizing.coarse_edge_mm, sizing.corridor_edge_mm);
+            sizing.coarse_edge_mm = std::max(
+                { sizing.coarse_edge_mm, sizing.corridor_edge_mm, options.draft ? kDraftCoarseEdgeMm : 0.0 });
             sizing.mesh_seed = options.mesh_seed;
         }
         planner::check_plan(planned_case, checks_of(options));
@@ -478,7 +482,8 @@ namespace {
                 "\"solution\" in case.json)")
             ->check(in_range(0.0, kFarthestMm));
         command.add_flag("--draft", options.draft,
-            "A quick look: four-node elements on a coarse mesh, without error bars. Forces may be twice too large");
+            "A quick look: four-node elements on a coarse mesh, without error bars, and without contact between wall "
+            "and organs unless --contact is given. Forces may be twice too large");
         command
             .add_option(
                 "--edge", options.edge_mm, "Edge length (mm) of the mesh round the incision (default: the approach's)")

@@ -500,6 +500,7 @@ std::vector<BladeBearing> BladeContact::bearing(const Eigen::VectorXd& u) const
             const BladeSample& own = given(i);
             const double area = own.area * samples_[i].share, push = -area * own.stiffness * there.gap;
             bearing.force_N += push;
+            bearing.thirds_N[static_cast<std::size_t>(cell(there.along, blade.half_width_mm, 3))] += push;
             if (own.bone)
                 bearing.bone_force_N += push;
             else

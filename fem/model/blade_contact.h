@@ -80,6 +80,8 @@ struct BladeBearing {
     double penetration_mm = 0.0; ///< largest depth by which tissue passes into the blade: the error of the penalty
 
     double pressure_mean_MPa = 0.0; ///< mean over the squares that bear
+    /// Sum of the normal forces on each third of the blade's width, from the end that faces away from its second node.
+    std::array<double, 3> thirds_N {};
 };
 
 class BladeContact {

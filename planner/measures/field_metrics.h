@@ -12,6 +12,7 @@
 #include "planner/wall/removed_tissue.h"
 #include "planner/wall/wall_pressure.h"
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -55,6 +56,7 @@ struct BladePressure {
     std::string largest_at {};
     double touching_mm2 = 0.0; ///< area of the lip that touches
     double on_bone_N = 0.0; ///< part of the normal force on bone behind soft tissue
+    std::array<double, 3> thirds_N {}; ///< normal force on each third of the blade, in the direction of the incision
     double penetration_mm = 0.0; ///< depth to which tissue passes into the blade: an error of the computation
 };
 

@@ -255,6 +255,7 @@ namespace {
                 of_blade["pressure_largest_at"] = blade.pressure->largest_at;
                 put(of_blade, field, "touching_mm2", blade.pressure->touching_mm2);
                 put(of_blade, field, "on_bone_N", blade.pressure->on_bone_N);
+                of_blade["thirds_N"] = blade.pressure->thirds_N;
                 put(of_blade, field, "penetration_mm", blade.pressure->penetration_mm);
             }
             json["blades"].push_back(std::move(of_blade));
@@ -758,6 +759,15 @@ std::string hooks_text(const FieldMetrics& field)
     return text;
 }
 
+std::string thirds_text(const BladePressure& pressure)
+{
+    const auto& [first, middle, last] = pressure.thirds_N;
+    if (!(first + middle + last > 0.0))
+        return {};
+    return formatted(
+        "%.0f, %.0f and %.0f N on its first, middle and last third along the incision", first, middle, last);
+}
+
 std::string blade_text(const BladeMetrics& blade)
 {
     return formatted(
@@ -766,7 +776,8 @@ std::string blade_text(const BladeMetrics& blade)
         + formatted(", the lip follows within %.1f mm", blade.lip_deviation_mm)
         + (blade.pressure ? formatted(", pressure %.0f kPa on average and %.0f kPa at most (%s)",
                blade.pressure->mean_kPa, blade.pressure->largest_kPa, blade.pressure->largest_at.c_str())
-                          : "");
+                          : "")
+        + (blade.pressure && !thirds_text(*blade.pressure).empty() ? ", " + thirds_text(*blade.pressure) : "");
 }
 
 std::string retractor_text(const FieldMetrics& field)

@@ -6,8 +6,10 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace retractor::planner {
 
@@ -62,12 +64,16 @@ namespace {
                 = (field.problem.mesh.vertices.row(blade.nodes[1]) - field.problem.mesh.vertices.row(blade.nodes[0]))
                       .transpose();
             const double sign = along.dot(place.along) < 0.0 ? -1.0 : 1.0;
+            std::array<double, 3> thirds = bearing.thirds_N;
+            if (sign < 0.0)
+                std::swap(thirds.front(), thirds.back());
             return BladePressure { .mean_kPa = kKiloPascals * bearing.pressure_mean_MPa,
                 .largest_kPa = kKiloPascals * bearing.pressure_largest_MPa,
                 .largest_at = edge_of(sign * bearing.largest_along_mm / blade.half_width_mm,
                     bearing.largest_deep_mm / blade.half_height_mm),
                 .touching_mm2 = bearing.area_mm2,
                 .on_bone_N = bearing.bone_force_N,
+                .thirds_N = thirds,
                 .penetration_mm = bearing.penetration_mm };
         }
         return std::nullopt;

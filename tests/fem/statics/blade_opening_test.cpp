@@ -65,6 +65,12 @@ namespace blade_opening_test {
             ASSERT_EQ(opened.blades.size(), 1U);
             EXPECT_NEAR(opened.blades[0].force_N, expected, kSolved * expected);
             EXPECT_NEAR(opened.blades[0].area_mm2, kSide * kSide, kSolved * kSide * kSide);
+            // The pressure is even, and the blade is 3 mm wider than the column on each side.
+            const auto& [first, middle, last] = opened.blades[0].thirds_N;
+            EXPECT_NEAR(first + middle + last, expected, kSolved * expected);
+            constexpr double kOuterThird = (16.0 / 3.0 - 3.0) / kSide, kSampled = 0.05;
+            EXPECT_NEAR(first / expected, kOuterThird, kSampled);
+            EXPECT_NEAR(last / expected, kOuterThird, kSampled);
             // What the penalty gives way is a small share of the depth.
             EXPECT_LT(opened.blades[0].penetration_mm, 0.02 * kDepth);
         }

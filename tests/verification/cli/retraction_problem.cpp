@@ -3,8 +3,9 @@
 #include "datasets/io/volume_io.h"
 #include "datasets/phantoms/phantom.h"
 #include "planner/approach/approach_templates.h"
-#include "planner/approach/hooks.h"
+#include "planner/approach/retractors.h"
 #include "planner/case/case_io.h"
+#include "planner/measures/force_moments.h"
 #include "planner/measures/metrics.h"
 #include "planner/measures/volume_failures.h"
 #include "planner/plan/plan.h"
@@ -29,16 +30,17 @@ namespace {
         const char* approach; ///< name of the approach's template
         const char* name; ///< name of the approach
         planner::DivisionExtent division;
+        const char* retractor; ///< of planner::built_in_retractors()
         double opening_mm;
         MeasuredForces measured;
     };
     constexpr Spread kSpreads[] = {
-        { "measured forces, sternotomy spread to 100 mm", "median", "median", planner::DivisionExtent::skin, 100.0,
-            kSternotomyForces },
-        { "measured forces, thoracotomy spread to 50 mm", "intercostal:5", "skin", planner::DivisionExtent::skin, 50.0,
-            kThoracotomyForces },
+        { "measured forces, sternotomy spread to 100 mm", "median", "median", planner::DivisionExtent::skin, "sternal",
+            100.0, kSternotomyForces },
+        { "measured forces, thoracotomy spread to 50 mm", "intercostal:5", "skin", planner::DivisionExtent::skin,
+            "finochietto", 50.0, kThoracotomyForces },
         { "measured forces, thoracotomy spread to 50 mm, divided beyond the skin", "intercostal:5", "full",
-            planner::DivisionExtent::full, 50.0, kThoracotomyForces },
+            planner::DivisionExtent::full, "finochietto", 50.0, kThoracotomyForces },
     };
 
     planner::Case chest(const fs::path& folder, bool fine, const Job& job)
@@ -49,23 +51,25 @@ namespace {
         const datasets::Phantom phantom = datasets::make_thorax_phantom(thorax, job);
         planner::Case chest;
         chest.folder = folder;
-        chest.solution.element = planner::ElementKind::p2; // as new cases have it
+        chest.solution.element = planner::ElementKind::mixed; // as new cases have it
         datasets::write_label_volume(folder / "labels.nrrd", phantom.labels);
         chest.labels = planner::make_reference(folder, folder / "labels.nrrd");
         chest.label_table = phantom.labels.table;
+        chest.contact = planner::ContactMode::never; // with organs; blades are in contact
         for (const Spread& spread : kSpreads) {
             planner::ApproachRequest request;
             request.template_name = spread.approach;
             request.name = spread.name;
             request.division = spread.division;
             request.target.label = "aneurysm";
-            request.sizing.corridor_edge_mm = fine ? 5.5 : 8.0;
-            request.sizing.coarse_edge_mm = fine ? 18.0 : 22.0;
-            request.sizing.region_mm = 25.0;
+            request.sizing.corridor_edge_mm = fine ? 12.0 : 16.0;
+            request.sizing.coarse_edge_mm = fine ? 24.0 : 30.0;
             request.view.eye_count = 1; // this problem does not use the view
             planner::Approach approach = planner::approach_from_template(phantom.labels, request);
-            approach.hooks = planner::make_hooks(approach, "blade", spread.opening_mm);
             planner::add_approach(chest, std::move(approach));
+            planner::set_retractor(chest, spread.name,
+                planner::find_retractor(planner::built_in_retractors(), spread.retractor),
+                { .opening_mm = spread.opening_mm });
         }
         return chest;
     }
@@ -92,7 +96,7 @@ namespace {
         const planner::FieldMetrics& m = field.metrics;
         VerificationRow row;
         row.problem = spread.problem;
-        row.element = element_name(VerificationElement::p2);
+        row.element = planner::to_string(chest.solution.element);
         row.law = planner::to_string(chest.solution.elasticity);
         row.nodes = field.wall.vertex_count();
         row.tets = field.wall.tet_count();
@@ -112,8 +116,8 @@ namespace {
                 + (m.error && !has_bar ? "; " + m.error->message : std::string())
                 + (m.division ? "; divided beyond the skin incision, " + planner::division_cell(m)
                               : std::string("; divided along the skin incision only"))
-                + ", two blades held to the lips, elastic force without a time; " + stiffness_text(chest)
-                + (failed.empty() ? "" : "; " + failed)
+                + "; " + planner::force_moments_text(m) + "; " + planner::retractor_text(m) + "; "
+                + stiffness_text(chest) + (failed.empty() ? "" : "; " + failed)
                           : field.message + " " + m.mechanics_status;
         return row;
     }
@@ -144,7 +148,7 @@ VerificationProblem retraction_problem()
                 return rows;
             const test_support::TemporaryFolder folder; // for the labels, which are read from files like a patient's
             planner::Patient patient(chest(folder.path, options.fine, job), job);
-            const std::vector<planner::PlannedField> fields = planner::plan_all(patient, job);
+            const std::vector<planner::PlannedField> fields = planner::plan_all(patient, job, { .find_region = true });
             for (std::size_t i = 0; i < fields.size() && !job.cancelled(); ++i)
                 rows.push_back(row_of(kSpreads[i], fields[i], patient.planned_case()));
             return rows;

@@ -14,11 +14,11 @@ namespace retractor::fem {
 namespace {
 
     // Tissue at half its volume is crushed: no measurement supports the model there. Without the penalty, elements at
-    // the rim of a hook patch turn over at little cost in energy. Three hundred times the P-wave modulus keeps det F
+    // the rim of a hook patch turn over at little cost in energy. A hundred times the P-wave modulus keeps det F
     // above zero where hooks pull fat across a neighbouring rib, and at the tip of a cut that is opened by 50 mm;
     // thirty times left four elements inside out there, with as many Newton steps.
     constexpr double kCrushed = 0.5;
-    constexpr double kCrushPenalty = 300.0;
+    constexpr double kCrushPenalty = 100.0;
 
     /// The volumetric energy and its derivatives by J = det F: lambda/2 (J - 1)^2, and below kCrushed a cubic penalty.
     struct Volumetric {

@@ -3,7 +3,7 @@
 //
 // linear:       mu eps:eps + lambda/2 tr(eps)^2, eps = sym(F) - I.
 // corotational: mu |F - R|^2 + lambda/2 (det F - 1)^2, with R the rotation nearest to F [Stomakhin, Howes, Schroeder,
-//               Teran 2012, eq. 4.2]. Below det F = 1/2 a cubic penalty, 100 (lambda + 2 mu) (1/2 - det F)^3, keeps
+//               Teran 2012, eq. 4.2]. Below det F = 1/2 a cubic penalty, 33 (lambda + 2 mu) (1/2 - det F)^3, keeps
 //               crushed elements from turning over. The energy is written by singular values with signs that make both
 //               bases rotations; the energy therefore also holds for inverted F.
 // corotational_linear: mu |F - R|^2 + lambda/2 tr(S - I)^2, S = R^T F: the linear model in a frame that turns with the

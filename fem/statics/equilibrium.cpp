@@ -420,12 +420,13 @@ namespace {
             return true;
         }
 
-        /// A lifted stiffness is too stiff and its steps are too short. This function goes to the minimum of a parabola
-        /// through the energies when the minimum lies well beyond the full step and the energy there is lower.
+        /// A stiffness with raised eigenvalues is too stiff and its steps are too short. This function goes to the
+        /// minimum of a parabola through the energies when the minimum lies well beyond the full step and the energy
+        /// there is lower.
         void lengthen(const Eigen::VectorXd& du, double slope, Eigen::VectorXd& u, ElasticBody::Response& there)
         {
             constexpr double kWorthATry = 1.5, kFarthest = 4.0;
-            if (lift_ == 0.0)
+            if (lift_ == 0.0 && raised_steps_ == 0)
                 return;
             const double bend = there.energy - state_.energy - slope;
             const double best = bend > 0.0 ? std::min(-0.5 * slope / bend, kFarthest) : kFarthest;
@@ -439,9 +440,10 @@ namespace {
             }
         }
 
-        /// Solves by conjugate gradients with the true stiffness and the present factor. The stiffness is lifted by the
-        /// smallest share that makes it positive definite along the way. When the iterations cost more than a
-        /// factorisation, the projected stiffness is factored anew.
+        /// Solves by conjugate gradients with the true stiffness and the present factor. Where that is not positive
+        /// definite along the way, this step and the next ones take it with raised extremes (elastic_body.h), lifted by
+        /// the smallest share that makes it so. When the iterations cost more than a factorisation, the projected
+        /// stiffness is factored anew.
         Eigen::VectorXd solve(const Eigen::VectorXd& b, double tolerance)
         {
             if (body_.model() == Elasticity::hyperelastic) {
@@ -449,8 +451,10 @@ namespace {
                 return solver_.solve(b);
             }
             constexpr double kLeast = 1.0 / 16.0;
+            constexpr int kRaisedSteps = 4; // until the true stiffness is tried again
             constexpr double kNearStable = 0.1; // residual near an equilibrium, where the lifted stiffness is too stiff
             lift_ = lift_ > kLeast ? 0.5 * lift_ : 0.0;
+            raised_steps_ = std::max(0, raised_steps_ - 1);
             bool fresh = false;
             for (;;) {
                 assemble(lift_);
@@ -460,9 +464,11 @@ namespace {
                         return iterated.solution;
                     // A factor that needed many iterations to find this would need them again.
                     const bool is_poor = !fresh && 2 * iterated.iterations > worth_a_factor();
-                    if (iterated.negative_curvature && lift_ < 1.0 && !is_poor) {
-                        lift_ = std::min(1.0, std::max(4.0 * lift_, kLeast));
-                        continue;
+                    if (iterated.negative_curvature && lift_ < 1.0) {
+                        if (std::exchange(raised_steps_, std::max(raised_steps_, kRaisedSteps)) > 0 && !is_poor)
+                            lift_ = std::min(1.0, std::max(4.0 * lift_, kLeast));
+                        if (!is_poor)
+                            continue;
                     }
                 }
                 if (lift_ < 1.0 && result_.residual <= kNearStable && is_definite())
@@ -529,7 +535,8 @@ namespace {
         const BlockMatrix& assemble(double projected)
         {
             const Stopwatch watch;
-            const BlockMatrix& K = body_.stiffness(u_, projected, Extremes::raised);
+            const BlockMatrix& K
+                = body_.stiffness(u_, projected, raised_steps_ > 0 ? Extremes::raised : Extremes::as_they_are);
             result_.assemble_seconds += watch.seconds();
             if (!std::exchange(assembled_, true))
                 record_part(job_, "assembly", watch, body_.bytes());
@@ -556,6 +563,7 @@ namespace {
         double largest_load_ = 0.0; ///< largest nodal load, N
         Eigen::VectorXd u_;
         double lift_ = 0.0; ///< share of the negative eigenvalues that was last removed from the element stiffness
+        int raised_steps_ = 0; ///< so many steps more take the stiffness with raised extremes
         ElasticBody::Response state_;
         struct LastStep {
             double fall = std::numeric_limits<double>::infinity(); ///< of the energy, predicted or found, N mm

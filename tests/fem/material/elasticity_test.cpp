@@ -132,8 +132,8 @@ namespace elasticity_test {
         const auto energy
             = [&](double s) { return energy_density(Elasticity::corotational, l, Vec3(s, 1, 1).asDiagonal()); };
         EXPECT_NEAR(energy(0.5), without(0.5), 1e-14);
-        EXPECT_NEAR(energy(0.2), without(0.2) + 100.0 * 7.0 * 0.027, 1e-12);
-        EXPECT_NEAR(energy(-0.5), without(-0.5) + 100.0 * 7.0, 1e-12);
+        EXPECT_NEAR(energy(0.2), without(0.2) + 100.0 / 3.0 * 7.0 * 0.027, 1e-12);
+        EXPECT_NEAR(energy(-0.5), without(-0.5) + 100.0 / 3.0 * 7.0, 1e-12);
     }
 
     TEST(Elasticity, RotationCostsNothingInCorotationalAndDoesInLinear)

@@ -151,7 +151,7 @@ struct EnergyBars {
 struct ErrorBars {
     std::string message; ///< reason for a missing estimate; empty: the estimate is there
     double opening_width_mm = 0.0, opening_area_mm2 = 0.0;
-    double visible_fraction = 0.0; ///< of FieldMetrics::visible_fraction
+    double seen_best_eye = 0.0; ///< of FieldMetrics::seen_best_eye
     std::vector<double> hook_forces_N; ///< in the order of the hooks; 0 where the force is prescribed
     std::vector<double> hook_moved_mm; ///< in the order of the hooks; 0 where the place of the hook is prescribed
     double side_forces_N[2] = { 0.0, 0.0 }; ///< sides +1 and -1
@@ -335,10 +335,30 @@ struct UninjuredOpening {
     double seconds = 0.0;
 };
 
+/// The best place of the surgeon's eye (sight/surgeon_eye.h).
+struct BestEye {
+    Vec3 at = Vec3::Zero(), aim = Vec3::Zero(); ///< the eye, and where it looks on the target, mm
+    double distance_mm = 0.0; ///< from the middle of the opening
+    double incidence_deg = 0.0; ///< mean angle between line of sight and normal, over what is seen
+    double bound_area_mm2 = 0.0; ///< area that FieldMetrics::seen_best_eye is a share of
+    std::vector<SightBlocker> hidden_by; ///< what hides the target from here, largest share first
+};
+
 struct FieldMetrics {
     std::string name; ///< name of the approach
     std::string target;
 
+    // Shares of the largest area that the wall's removal would show to an eye, at less than 60 degrees of incidence.
+    double seen_best_eye = 0.0; ///< from the best place of the eye
+    double seen_two_eyes = 0.0; ///< with two eyes round this place, and light from between them
+    double reached_by_two_instruments = 0.0; ///< seen, and within reach of two straight shafts at once
+    double best_eye_picture = 0.0; ///< projected area seen from the best place, over that of the target alone
+    BestEye best_eye;
+    // The direction from the target to the middle of the opening.
+    double access_horizontal_deg = 0.0; ///< in the axial plane, from straight ahead towards the patient's left
+    double access_vertical_deg = 0.0; ///< out of the axial plane, towards the head
+    double coaxiality_deg = 0.0; ///< angle between the best eye's line of sight and the axis of the opening
+    // Shares of the target's whole area.
     double visible_fraction = 0.0; ///< share of the target's area that is seen from at least one eye of the cone
     double visible_fraction_mean_eye = 0.0; ///< mean over the eyes of the cone
     double visible_fraction_central_eye = 0.0; ///< from the eye on the axis

@@ -12,24 +12,53 @@ namespace retractor::planner {
 namespace {
 
     constexpr std::array kMetricFields {
-        MetricField { .key = "visible_fraction",
+        MetricField { .key = "seen_best_eye",
             .group = MetricGroup::sight,
             .unit = MetricUnit::percent,
-            .caption = "Target seen, whole cone",
-            .meaning = "Share of the target's area that is seen from at least one eye position of the cone.",
-            .member = &FieldMetrics::visible_fraction,
+            .caption = "Target seen, best eye",
+            .meaning
+            = "Seen from the best place of the surgeon's eye, at less than 60 degrees of incidence; share of what "
+              "an eye would see with the wall removed.",
+            .member = &FieldMetrics::seen_best_eye,
             .better = 1,
             .bar = MetricBar::estimated,
-            .error = &ErrorBars::visible_fraction,
+            .error = &ErrorBars::seen_best_eye,
             .compared = true },
+        MetricField { .key = "seen_two_eyes",
+            .group = MetricGroup::sight,
+            .unit = MetricUnit::percent,
+            .caption = "... with two eyes and a lamp",
+            .meaning = "Seen by both of two eyes 64 mm apart, with light from between them.",
+            .member = &FieldMetrics::seen_two_eyes,
+            .better = 1,
+            .bar = MetricBar::of_opening,
+            .compared = true },
+        MetricField { .key = "reached_by_two_instruments",
+            .group = MetricGroup::sight,
+            .unit = MetricUnit::percent,
+            .caption = "... and reached by two instruments",
+            .meaning = "Seen, and within reach of two straight shafts of 8 mm at once, at least 15 degrees apart.",
+            .member = &FieldMetrics::reached_by_two_instruments,
+            .better = 1,
+            .bar = MetricBar::of_opening,
+            .compared = true },
+        MetricField { .key = "best_eye_picture",
+            .group = MetricGroup::sight,
+            .unit = MetricUnit::percent,
+            .caption = "Target in the picture",
+            .meaning
+            = "Share of the target's picture that the best eye sees: area as it appears, over that of the target "
+              "alone.",
+            .member = &FieldMetrics::best_eye_picture },
         MetricField { .key = "visible_fraction_mean_eye",
             .group = MetricGroup::sight,
             .unit = MetricUnit::percent,
-            .caption = "... averaged over the eyes",
-            .meaning = "The same share, averaged over the eye positions.",
+            .caption = "Target's area seen, mean eye",
+            .meaning = "Share of the target's whole area that an eye of the cone sees, averaged over the cone.",
             .member = &FieldMetrics::visible_fraction_mean_eye,
             .better = 1,
-            .bar = MetricBar::of_opening },
+            .bar = MetricBar::of_opening,
+            .compared = true },
         MetricField { .key = "visible_fraction_central_eye",
             .group = MetricGroup::sight,
             .unit = MetricUnit::percent,
@@ -37,13 +66,21 @@ namespace {
             .meaning = "The same share, seen from the middle of the cone alone.",
             .member = &FieldMetrics::visible_fraction_central_eye,
             .better = 1,
-            .bar = MetricBar::of_opening,
+            .bar = MetricBar::of_opening },
+        MetricField { .key = "visible_fraction",
+            .group = MetricGroup::sight,
+            .unit = MetricUnit::percent,
+            .caption = "... from any eye of the cone (union)",
+            .meaning
+            = "Share of the target's whole area that at least one eye of the cone sees. No single eye sees all "
+              "of it.",
+            .member = &FieldMetrics::visible_fraction,
             .compared = true },
         MetricField { .key = "visible_fraction_wall_removed",
             .group = MetricGroup::sight,
             .unit = MetricUnit::percent,
-            .caption = "... with the wall removed (upper bound)",
-            .meaning = "The same cone with no chest wall in the way: no retractor can show more.",
+            .caption = "... the same with the wall removed",
+            .meaning = "The union with no chest wall in the way: no retractor can show more.",
             .member = &FieldMetrics::visible_fraction_wall_removed,
             .compared = true },
         MetricField { .key = "opening_area_mm2",
@@ -74,6 +111,27 @@ namespace {
             .member = &FieldMetrics::working_distance_mm,
             .better = -1,
             .compared = true },
+        MetricField { .key = "access_horizontal_deg",
+            .group = MetricGroup::distances,
+            .unit = MetricUnit::degree,
+            .caption = "Access angle, horizontal",
+            .meaning = "Direction from the target to the opening: in the axial plane, from straight ahead towards the "
+                       "patient's left.",
+            .member = &FieldMetrics::access_horizontal_deg,
+            .compared = true },
+        MetricField { .key = "access_vertical_deg",
+            .group = MetricGroup::distances,
+            .unit = MetricUnit::degree,
+            .caption = "Access angle, vertical",
+            .meaning = "Direction from the target to the opening: out of the axial plane, towards the head.",
+            .member = &FieldMetrics::access_vertical_deg,
+            .compared = true },
+        MetricField { .key = "coaxiality_deg",
+            .group = MetricGroup::distances,
+            .unit = MetricUnit::degree,
+            .caption = "Best eye off the opening's axis",
+            .meaning = "Angle between the best eye's line of sight and the axis of the opening. 0: straight in.",
+            .member = &FieldMetrics::coaxiality_deg },
         MetricField { .key = "incision_length_mm",
             .group = MetricGroup::distances,
             .unit = MetricUnit::mm,
@@ -142,6 +200,7 @@ std::string metric_number(const MetricField& metric, double value, int digits)
         return in_words(kPercent * value, digits);
     case MetricUnit::cm2:
         return in_words(value / kMm2PerCm2, digits);
+    case MetricUnit::degree:
     case MetricUnit::mm:
     case MetricUnit::N:
     case MetricUnit::none:
@@ -152,7 +211,7 @@ std::string metric_number(const MetricField& metric, double value, int digits)
 
 std::string metric_text(const MetricField& metric, double value, int digits)
 {
-    constexpr std::array kUnits { " %", " cm²", " mm", " N", "" }; // in the order of MetricUnit
+    constexpr std::array kUnits { " %", " cm²", "°", " mm", " N", "" }; // in the order of MetricUnit
     return metric_number(metric, value, digits) + kUnits.at(static_cast<std::size_t>(metric.unit));
 }
 

@@ -18,6 +18,7 @@ enum class MetricGroup { sight, opening, distances, force, strain, soundness };
 enum class MetricUnit {
     percent, ///< the stored value is a fraction
     cm2, ///< the stored value is in mm2
+    degree,
     mm,
     N,
     none,

@@ -47,7 +47,7 @@ namespace {
         } else {
             put(json, field, "opening_width_mm", error.opening_width_mm);
             put(json, field, "opening_area_mm2", error.opening_area_mm2);
-            put(json, field, "visible_fraction", error.visible_fraction);
+            put(json, field, "seen_best_eye", error.seen_best_eye);
             json["hook_forces_N"] = error.hook_forces_N;
             json["hook_moved_mm"] = error.hook_moved_mm;
             json["side_forces_N"] = { error.side_forces_N[0], error.side_forces_N[1] };
@@ -541,12 +541,32 @@ namespace {
         return json;
     }
 
+    Json blockers_document(const std::vector<SightBlocker>& blockers)
+    {
+        Json all = Json::array();
+        for (const SightBlocker& blocker : blockers)
+            all.push_back({ { "name", blocker.name }, { "share", blocker.share }, { "bone", blocker.bone } });
+        return all;
+    }
+
+    Json best_eye_document(const FieldMetrics& field, const BestEye& eye)
+    {
+        Json json { { "at_mm", { eye.at.x(), eye.at.y(), eye.at.z() } },
+            { "aim_mm", { eye.aim.x(), eye.aim.y(), eye.aim.z() } } };
+        put(json, field, "distance_mm", eye.distance_mm);
+        put(json, field, "incidence_deg", eye.incidence_deg);
+        put(json, field, "bound_area_mm2", eye.bound_area_mm2);
+        json["hidden_by"] = blockers_document(eye.hidden_by);
+        return json;
+    }
+
     Json field_document(const FieldMetrics& field)
     {
         Json json;
         json["name"] = field.name;
         json["target"] = field.target;
         put(json, field, MetricGroup::sight);
+        json["best_eye"] = best_eye_document(field, field.best_eye);
         json["cone"] = { { "eye_distance_mm", field.eye_distance_mm }, { "half_angle_deg", field.cone_half_angle_deg },
             { "eyes", field.eyes }, { "target_samples", field.target_samples } };
         put(json, field, MetricGroup::opening);
@@ -591,10 +611,7 @@ namespace {
         if (field.second_opinion)
             json["second_opinion"] = opinion_document(field, *field.second_opinion);
         json["bone_in_sight"] = field.bone_in_sight;
-        json["blockers"] = Json::array();
-        for (const SightBlocker& blocker : field.blockers)
-            json["blockers"].push_back(
-                { { "name", blocker.name }, { "share", blocker.share }, { "bone", blocker.bone } });
+        json["blockers"] = blockers_document(field.blockers);
         json["at_risk"] = Json::array();
         for (const RiskDistance& risk : field.at_risk)
             json["at_risk"].push_back({ { "name", risk.name }, { "distance_mm", risk.distance_mm },
@@ -683,7 +700,7 @@ std::string error_text(const FieldMetrics& field)
     return formatted("opening %.1f mm +- %.1f", field.opening_width_mm, error.opening_width_mm)
         + (forces_are_known(field) ? formatted(" under a known force of %.1f N", field.hook_force_N)
                                    : formatted(", force %.1f N +- %.1f", field.hook_force_N, error.hook_force_N))
-        + formatted(", seen %.1f %% +- %.1f", 100.0 * field.visible_fraction, 100.0 * error.visible_fraction)
+        + formatted(", seen %.1f %% +- %.1f", 100.0 * field.seen_best_eye, 100.0 * error.seen_best_eye)
         + formatted(" (discretisation error, estimated in %.1f s)", error.seconds);
 }
 

@@ -154,18 +154,18 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         return best;
     }
 
-    /// Explains the marks, and how certain the share from the central eye is.
+    /// Explains the marks, and how certain the shares without a bar of their own are.
     void write_reading(std::ostream& out, const std::vector<FieldMetrics>& fields)
     {
         out << "<p class=\"reading\">Green: better than every other approach by more than both error bars together. "
-               "Without a mark the lead is within the error, or the error is unknown. The share seen from the central "
-               "eye has no error bar of its own: this share is at least as uncertain as the opening, whose bar is ";
+               "Without a mark the lead is within the error, or the error is unknown. The other shares of the target "
+               "have no error bars of their own: they are at least as uncertain as the opening, whose bar is ";
         for (std::size_t i = 0; i < fields.size(); ++i) {
             const std::optional<double> relative = relative_opening_bar(fields[i]);
             out << (i == 0 ? "" : ", ") << (relative ? percent(*relative) : std::string("not estimated"))
                 << (fields.size() > 1 ? " (" + escaped(fields[i].name) + ")" : std::string());
         }
-        out << " of its width. The leads of the central eye are compared with this bar.</p>";
+        out << " of its width. Their leads are compared with this bar.</p>";
     }
 
     /// The hooks that yielded, with their force and the reached part of the prescribed motion.
@@ -464,9 +464,12 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 out << " &plusmn; " << in_words(field.error->hook_forces_N[i], 1);
             out << " N";
         }
-        out << ". Seen from " << field.eyes << " eyes within " << in_words(field.cone_half_angle_deg, 0) << " degrees, "
-            << in_words(field.eye_distance_mm, 0) << " mm from the target; " << field.target_samples
-            << " samples on the target.</p>";
+        out << ". The best eye is " << in_words(field.best_eye.distance_mm, 0)
+            << " mm from the opening and meets what it "
+            << "sees at " << in_words(field.best_eye.incidence_deg, 0) << " degrees on average; it was searched within "
+            << in_words(field.cone_half_angle_deg, 0) << " degrees of the axis. The mean and the union are over "
+            << field.eyes << " eyes " << in_words(field.eye_distance_mm, 0) << " mm from the target; "
+            << field.target_samples << " samples on the target.</p>";
         if (const std::string retractor = retractor_text(field); !retractor.empty())
             out << "<p>" << escaped(retractor) << ".</p>";
         if (const std::string lips = lips_text(field); !lips.empty())
@@ -529,7 +532,7 @@ void write_report(const std::filesystem::path& path, const Report& report)
     write_comparison(out, report.fields);
     write_reading(out, report.fields);
     out << "<div class=\"bars\">";
-    for (const char* key : { "visible_fraction", "opening_width_mm", "hook_force_N" })
+    for (const char* key : { "seen_best_eye", "opening_width_mm", "hook_force_N" })
         write_bars(out, report.fields, metric_field(key));
     out << "</div>";
     for (const FieldMetrics& field : report.fields)

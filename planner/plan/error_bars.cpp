@@ -108,7 +108,7 @@ namespace {
 
     /// The numbers that a solution gives the opened wound.
     struct OpeningNumbers {
-        double width_mm = 0.0, area_mm2 = 0.0, visible_fraction = 0.0;
+        double width_mm = 0.0, area_mm2 = 0.0, seen = 0.0;
     };
 
     /// Measures a comparison solution. The function moves the rigid pieces in its displacement.
@@ -132,8 +132,7 @@ namespace {
     {
         bars.opening_width_mm += factor * bar_of_opening(a.width_mm, b.width_mm, b_held.width_mm);
         bars.opening_area_mm2 += factor * bar_of_opening(a.area_mm2, b.area_mm2, b_held.area_mm2);
-        bars.visible_fraction
-            += factor * bar_of_opening(a.visible_fraction, b.visible_fraction, b_held.visible_fraction);
+        bars.seen_best_eye += factor * bar_of_opening(a.seen, b.seen, b_held.seen);
     }
 
     void add_hooks(
@@ -163,8 +162,7 @@ namespace {
         const auto numbers
             = [&](WoundSolution& solution) { return numbers_of(field, wound.rigid, solution, seen_share); };
         const WoundSolution own { field.opening.displacement, field.opening.hook_forces_N };
-        const OpeningNumbers of_own { field.geometry.width_mm, field.geometry.area_mm2,
-            field.exposure.visible_fraction };
+        const OpeningNumbers of_own { field.geometry.width_mm, field.geometry.area_mm2, field.best_eye.seen_fraction };
         const OpeningNumbers held = numbers(solutions.other);
         if (!correct_hook_equilibrium(solutions.held, solutions.other)
             || (solutions.plain && !correct_hook_equilibrium(solutions.held, *solutions.plain))) {

@@ -11,7 +11,7 @@
 namespace retractor::planner {
 
 /// The share of the target that is seen through the wound under a displacement of the wall's vertices, n x 3, mm: the
-/// measure of FieldMetrics::visible_fraction.
+/// measure of FieldMetrics::seen_best_eye.
 using SeenShare = std::function<double(const Points& displacement)>;
 
 /// Computes the error bars, or the reason why there are none (ErrorBars::message). A failed estimate does not change

@@ -61,9 +61,13 @@ namespace {
 
     std::string sight_sentence(const FieldMetrics& metrics)
     {
-        return percent(metrics.visible_fraction) + " of the " + readable(metrics.target)
-            + "'s surface is seen through the opening, of " + percent(metrics.visible_fraction_wall_removed)
-            + " that these eyes would see with the wall removed. ";
+        const std::string target = readable(metrics.target);
+        if (!(metrics.seen_best_eye > 0.0))
+            return "No eye sees the " + target + " through the opening at less than 60 degrees of incidence. ";
+        return "From the best place of the eye, " + percent(metrics.seen_best_eye)
+            + " is seen of what an eye would see of the " + target + " with the wall removed; "
+            + percent(metrics.seen_two_eyes) + " with both eyes and a lamp between them, and two instruments reach "
+            + percent(metrics.reached_by_two_instruments) + ". ";
     }
 
     /// Names with their shares, the largest first.
@@ -76,10 +80,10 @@ namespace {
         return listed(words);
     }
 
-    std::string blocker_sentence(const Exposure& exposure)
+    std::string blocker_sentence(const SurgeonEye& eye)
     {
-        const std::string words = named_shares(exposure.blocked_by, 4);
-        return words.empty() ? words : "Lines of sight that end early meet first " + words + ". ";
+        const std::string words = named_shares(eye.hidden_by, 4);
+        return words.empty() ? words : "From there the target is hidden by " + words + ". ";
     }
 
     std::string bone_sentence(const Exposure& exposure)
@@ -108,7 +112,7 @@ std::string explain_field(const PlannedField& field, const AnatomicalFrame& fram
     text += sight_sentence(field.metrics);
     if (const std::string side = hidden_side(field.exposure, frame); !side.empty())
         text += "What stays hidden is its " + side + " part. ";
-    text += blocker_sentence(field.exposure) + bone_sentence(field.exposure) + opening_sentence(field.metrics);
+    text += blocker_sentence(field.best_eye) + bone_sentence(field.exposure) + opening_sentence(field.metrics);
     return text;
 }
 

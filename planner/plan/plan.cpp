@@ -46,6 +46,7 @@
 #include <cmath>
 #include <cstdint>
 #include <exception>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -176,6 +177,39 @@ namespace {
         return middle;
     }
 
+    std::vector<SightBlocker> sight_blockers(const std::vector<SightShare>& shares, const mesh::LabelTable& table)
+    {
+        std::vector<SightBlocker> blockers;
+        for (const SightShare& blocker : shares) {
+            const mesh::LabelInfo* info = mesh::find_label(table, blocker.name);
+            blockers.push_back({ blocker.name, blocker.share, info != nullptr && is_skeleton(*info) });
+        }
+        return blockers;
+    }
+
+    void fill_best_eye(
+        FieldMetrics& m, const PlannedField& field, const AnatomicalFrame& frame, const mesh::LabelTable& table)
+    {
+        constexpr double kDegrees = 180.0 / std::numbers::pi;
+        const SurgeonEye& best = field.best_eye;
+        m.seen_best_eye = best.seen_fraction;
+        m.seen_two_eyes = best.two_eyes_fraction;
+        m.reached_by_two_instruments = best.two_instruments_fraction;
+        m.best_eye_picture = best.picture_share;
+        m.best_eye = { .at = best.eye,
+            .aim = best.aim,
+            .distance_mm = (best.eye - field.geometry.centre).norm(),
+            .incidence_deg = best.incidence_deg,
+            .bound_area_mm2 = best.bound_area_mm2,
+            .hidden_by = sight_blockers(best.hidden_by, table) };
+        const Vec3 access = field.geometry.centre - best.aim;
+        const double left = access.dot(frame.left), ahead = access.dot(frame.anterior);
+        m.access_horizontal_deg = kDegrees * std::atan2(left, ahead);
+        m.access_vertical_deg = kDegrees * std::atan2(access.dot(frame.superior), std::hypot(left, ahead));
+        const double cosine = (best.eye - best.aim).normalized().dot(field.geometry.normal);
+        m.coaxiality_deg = kDegrees * std::acos(std::clamp(cosine, -1.0, 1.0));
+    }
+
     void fill_sight(FieldMetrics& m, const Exposure& seen, const mesh::LabelTable& table)
     {
         m.visible_fraction = seen.visible_fraction;
@@ -186,10 +220,7 @@ namespace {
         m.cone_half_angle_deg = seen.cone.half_angle_deg;
         m.eyes = seen.cone.eyes;
         m.target_samples = static_cast<int>(seen.samples);
-        for (const SightShare& blocker : seen.blocked_by) {
-            const mesh::LabelInfo* info = mesh::find_label(table, blocker.name);
-            m.blockers.push_back({ blocker.name, blocker.share, info != nullptr && is_skeleton(*info) });
-        }
+        m.blockers = sight_blockers(seen.blocked_by, table);
         for (const SightShare& bone : seen.bone_in_sight)
             if (bone.share >= kSmallestBoneShare)
                 m.bone_in_sight.push_back(bone.name);
@@ -246,6 +277,7 @@ namespace {
         FieldMetrics& m = field.metrics;
         m.name = field.approach.name;
         m.target = field.approach.target.is_sphere() ? "sphere" : field.approach.target.label;
+        fill_best_eye(m, field, patient.frame(), patient.planned_case().label_table);
         fill_sight(m, field.exposure, patient.planned_case().label_table);
         m.at_risk = risks_of(field.approach, patient);
         m.retracted = field.approach.retracted;
@@ -382,10 +414,11 @@ namespace {
         measure_region(field, labels, sizing, patient);
         WoundView view = look_through(field, field.opening.displacement, patient, job);
         field.geometry = std::move(view.geometry);
+        field.best_eye = std::move(view.best);
         field.exposure = std::move(view.exposure);
         field.metrics.working_distance_mm = view.working_distance_mm;
         remark(field.message, view.message);
-        if (field.exposure.status == ExposureStatus::cancelled)
+        if (field.exposure.status == ExposureStatus::cancelled || field.best_eye.status == ExposureStatus::cancelled)
             field.status = PlanStatus::cancelled;
         return field.status != PlanStatus::cancelled;
     }
@@ -410,8 +443,7 @@ namespace {
         if (checks.error_bars) {
             const StageTimer timer(field.metrics, "estimate error");
             const SeenShare seen_share = [&](const Points& displacement) {
-                return look_through(field, displacement, patient, as_stage(job, "expose, other elements"))
-                    .exposure.visible_fraction;
+                return seen_from_best_eye(field, displacement, patient, as_stage(job, "expose, other elements"));
             };
             field.metrics.error = estimate_errors(field, wound, choice, seen_share, job);
             if (!goes_on())

@@ -9,7 +9,8 @@
 #include "mesh/cutting/cut_session.h"
 #include "mesh/generation/hybrid_model.h"
 #include "planner/case/approach.h"
-#include "planner/measures/exposure.h"
+#include "planner/measures/sight/exposure.h"
+#include "planner/measures/sight/surgeon_eye.h"
 #include "planner/measures/field_metrics.h"
 #include "planner/wall/field_geometry.h"
 #include "planner/wall/wall_cut.h"
@@ -65,7 +66,8 @@ struct [[nodiscard]] PlannedField {
     std::optional<PlacedRetractor> retractor {}; ///< where approach.retractor is set; its blades are the hooks
     fem::OpeningResult opening; ///< with displacements of the vertices of `wall`
     OpeningGeometry geometry; ///< shape of the opened wound
-    Exposure exposure;
+    SurgeonEye best_eye;
+    Exposure exposure; ///< of all eyes of the cone
 
     TriMesh remaining_wall; ///< the wall outside the meshed region, see unmeshed_wall_region(); may be empty
     FieldMetrics metrics;

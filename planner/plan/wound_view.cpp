@@ -1,5 +1,6 @@
 #include "planner/plan/wound_view.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/image/skeleton.h"
 #include "mesh/surface/wound_surface.h"
 
@@ -26,7 +27,8 @@ namespace {
         return info != nullptr && info->role != mesh::Role::wall ? info : nullptr;
     }
 
-    std::vector<Occluder> occluders(const PlannedField& field, const Points& displacement, Patient& patient)
+    std::vector<Occluder> occluders(
+        const PlannedField& field, const Points& displacement, const OpeningGeometry& opening, Patient& patient)
     {
         const Case& planned_case = patient.planned_case();
         const mesh::LabelTable& table = planned_case.label_table;
@@ -50,39 +52,100 @@ namespace {
             .labels = {},
             .material = {},
             .wall = true });
-        const mesh::LabelInfo* operated_on = organ_of_sphere(patient, field.approach.target);
-        for (const mesh::LabelInfo& info : table) {
-            const bool operated
-                = info.name == field.approach.target.label || (operated_on != nullptr && info.id == operated_on->id);
-            if (!operated && stays_in_place(info, field.approach, patient))
+        for (const HookShape& hook : placed_hooks(field, displacement, opening))
+            all.push_back(
+                { .name = hook.name, .surface = hook_mesh(hook), .labels = {}, .material = "steel", .wall = true });
+        for (const mesh::LabelInfo& info : table)
+            if (blocks_view(info, field.approach, patient))
                 all.push_back({ .name = info.name,
                     .surface = *patient.organ(info.name),
                     .labels = {},
                     .material = info.material,
                     .wall = false });
-        }
         return all;
     }
 
+    /// Distance from the middle of ViewSpec::eye_distance_mm by which a surgeon leans in and back, mm (ours).
+    constexpr double kLeanMm = 100.0;
+
+    /// The rays' scene of a wound, and where to look from.
+    struct Outlook {
+        OpeningGeometry geometry;
+        RayScene scene;
+        std::vector<SurfaceSample> samples;
+        EyePlaces places;
+
+        Outlook(const PlannedField& field, const Points& displacement, Patient& patient, const Job& job)
+            : geometry(opening_geometry(wound_edges(field.wall, field.lips, mesh::SweptBlade(blade_of(field.approach))),
+                field.wall, displacement))
+            , scene(*patient.target(field.approach.target), occluders(field, displacement, geometry, patient), job)
+            , samples(surface_samples(scene.target(), kTargetSamples))
+        {
+            const Vec3 aim = aim_through(scene, geometry, samples);
+            const ViewSpec& eyes = field.approach.view;
+            const double to_opening = (geometry.centre - aim).norm();
+            const double lean = std::min(kLeanMm, 0.5 * eyes.eye_distance_mm);
+            places.cone = cone_through_opening(
+                geometry, aim, to_opening + eyes.eye_distance_mm, eyes.half_angle_deg, eyes.eye_count);
+            places.nearest_mm = places.cone.eye_distance_mm - lean;
+            places.farthest_mm = places.cone.eye_distance_mm + lean;
+        }
+    };
+
 } // namespace
+
+bool blocks_view(const mesh::LabelInfo& label, const Approach& approach, Patient& patient)
+{
+    const mesh::LabelInfo* operated_on = organ_of_sphere(patient, approach.target);
+    return label.name != approach.target.label && (operated_on == nullptr || label.id != operated_on->id)
+        && stays_in_place(label, approach, patient);
+}
+
+std::vector<HookShape> placed_hooks(
+    const PlannedField& field, const Points& displacement, const OpeningGeometry& opening)
+{
+    RETRACTOR_ASSERT(field.hooks.size() <= field.approach.hooks.size());
+    std::vector<HookShape> shapes;
+    for (std::size_t i = 0; i < field.hooks.size(); ++i) {
+        const fem::HookPatch& patch = field.hooks[i];
+        Vec3 centre = Vec3::Zero();
+        for (const VertexId v : patch.nodes)
+            centre += (field.wall.vertices.row(v) + displacement.row(v)).transpose();
+        const HookSpec& spec = field.approach.hooks[i];
+        shapes.push_back({ .name = patch.name,
+            .position = centre / static_cast<double>(patch.nodes.size()),
+            .pull = patch.rotation * spec.direction,
+            .outward = patch.rotation * opening.normal,
+            .width_mm = spec.patch_width_mm,
+            .depth_mm = spec.patch_height_mm,
+            .height_mm = std::max(spec.depth_mm, spec.patch_height_mm / 2.0),
+            .shaft_mm = 60.0 });
+    }
+    return shapes;
+}
 
 WoundView look_through(const PlannedField& field, const Points& displacement, Patient& patient, const Job& job)
 {
+    Outlook outlook(field, displacement, patient, job);
+    const ViewCone& cone = outlook.places.cone;
     WoundView view;
-    const WoundEdges edges = wound_edges(field.wall, field.lips, mesh::SweptBlade(blade_of(field.approach)));
-    view.geometry = opening_geometry(edges, field.wall, displacement);
-    const std::shared_ptr<const TriMesh> target = patient.target(field.approach.target);
-    const Vec3 aim = surface_centre(*target);
-    const ViewSpec& eyes = field.approach.view;
-    const double to_aim = (view.geometry.centre - aim).norm();
-    const ViewCone cone
-        = cone_through_opening(view.geometry, aim, to_aim + eyes.eye_distance_mm, eyes.half_angle_deg, eyes.eye_count);
-    view.exposure = measure_exposure(*target, occluders(field, displacement, patient), cone, kTargetSamples, job);
-    view.working_distance_mm = working_distance_mm(view.geometry, *target, aim, cone.axis).value_or(to_aim);
+    view.best = best_eye(outlook.scene, outlook.places, outlook.samples, job);
+    if (view.best.status == ExposureStatus::done)
+        add_two_eyes_and_instruments(view.best, outlook.scene, outlook.geometry, outlook.samples, job);
+    view.exposure = measure_exposure(outlook.scene, cone, kTargetSamples, job);
+    view.working_distance_mm = working_distance_mm(outlook.geometry, outlook.scene.target(), cone.aim, cone.axis)
+                                   .value_or((outlook.geometry.centre - cone.aim).norm());
     if (const mesh::LabelInfo* organ = organ_of_sphere(patient, field.approach.target))
         view.message = "the target sphere lies in the " + organ->name
             + "; this organ does not count as blocking the view of the target";
+    view.geometry = std::move(outlook.geometry);
     return view;
+}
+
+double seen_from_best_eye(const PlannedField& field, const Points& displacement, Patient& patient, const Job& job)
+{
+    const Outlook outlook(field, displacement, patient, job);
+    return best_eye(outlook.scene, outlook.places, outlook.samples, job).seen_fraction;
 }
 
 } // namespace retractor::planner

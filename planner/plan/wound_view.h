@@ -3,29 +3,43 @@
 
 #include "mesh/base/geometry.h"
 #include "mesh/base/job.h"
+#include "planner/approach/hook_mesh.h"
 #include "planner/case/patient.h"
-#include "planner/measures/exposure.h"
+#include "planner/measures/sight/exposure.h"
+#include "planner/measures/sight/surgeon_eye.h"
 #include "planner/plan/planned_field.h"
 #include "planner/wall/field_geometry.h"
 
 #include <string>
+#include <vector>
 
 namespace retractor::planner {
 
 /// What the surgeon sees through the opened wound.
 struct WoundView {
     OpeningGeometry geometry;
-    Exposure exposure;
+    SurgeonEye best; ///< the best place of the eye
+    Exposure exposure; ///< all eyes of the cone
     double working_distance_mm = 0.0;
     std::string message; ///< a remark
 };
 
-/// Measures the view of the target through the field's wound under a displacement: the field's own solution, or another
-/// solution that the field is compared with. The samples on the target are the same for all of them, so that two views
-/// differ by the wound and not by the samples.
-/// @param displacement of the wall's vertices, n x 3, mm
+/// Whether a label is of an organ that stays in place and blocks the view. The target does not, and neither does the
+/// organ that contains a spherical target, because this organ is operated on.
+bool blocks_view(const mesh::LabelInfo& label, const Approach& approach, Patient& patient);
+
+/// The hooks or blades of a field where they stand under a displacement.
+std::vector<HookShape> placed_hooks(
+    const PlannedField& field, const Points& displacement, const OpeningGeometry& opening);
+
+/// Measures the view of the target through the field's wound under a displacement of the wall's vertices (n x 3, mm).
+/// Wall, hooks and organs that stay block it.
 /// @pre the field's remaining wall is known
-/// @throws as measure_exposure() and wound_edges()
+/// @throws as measure_exposure(), best_eye() and wound_edges()
 WoundView look_through(const PlannedField& field, const Points& displacement, Patient& patient, const Job& job);
+
+/// SurgeonEye::seen_fraction alone, through the wound under another solution that the field is compared with. The
+/// samples on the target are the same for all solutions, so that two views differ by the wound and not by the samples.
+double seen_from_best_eye(const PlannedField& field, const Points& displacement, Patient& patient, const Job& job);
 
 } // namespace retractor::planner

@@ -78,7 +78,7 @@ namespace {
         ui::FieldPictures field;
         field.metrics.name = approach.name;
         field.metrics.target = "target";
-        field.metrics.visible_fraction = 0.456;
+        field.metrics.seen_best_eye = 0.456;
         field.metrics.opening_area_mm2 = 3200.0;
         field.metrics.hook_force_N = 38.0;
         field.metrics.mechanics_status = "converged";

@@ -3,10 +3,10 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
-#include "mesh/image/plane_holes.h"
 #include "mesh/surface/wound_surface.h"
 #include "planner/measures/metrics.h"
 #include "planner/measures/volume_failures.h"
+#include "planner/plan/wound_view.h"
 #include "planner/wall/unmeshed_wall.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/simplify_surface.h"
@@ -30,6 +30,8 @@ namespace {
     constexpr double kSurroundingsShare = 0.2;
     /// Longest edge of the surroundings, much shorter than the region's width.
     constexpr double kLongestSurroundingMm = 8.0;
+    /// Opacity of the organ that is operated on, so that a target inside it shows.
+    constexpr double kOperatedOpacity = 0.4;
     /// Opacity of the target where it shines through the wall.
     constexpr double kGlow = 0.3;
     /// Height of the drawn incision over the skin. The skin surfaces of image and mesh lie up to a voxel apart.
@@ -40,54 +42,6 @@ namespace {
     std::string number(double value, int digits, const std::string& unit)
     {
         return formatted("%.*f %s", digits, value, unit.c_str());
-    }
-
-    std::vector<bool> wall_flags(const mesh::LabelTable& table)
-    {
-        std::vector<bool> flags(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
-        for (const mesh::LabelInfo& info : table)
-            flags[info.id] = info.role == mesh::Role::wall;
-        return flags;
-    }
-
-    /// Marks the voxels outside the body (air, table, leads): unlabelled voxels that are connected to the border of
-    /// their slice. Slices are taken across the body, because its unlabelled inside may be open at the ends of the
-    /// image.
-    std::vector<std::uint8_t> outside_body(const mesh::LabelVolume& labels)
-    {
-        RETRACTOR_ASSERT(labels.voxels.size() == labels.grid.voxel_count());
-        const auto& size = labels.grid.size;
-        std::size_t along = 0;
-        for (std::size_t axis = 1; axis < 3; ++axis)
-            if (std::abs(labels.grid.direction(2, static_cast<Eigen::Index>(axis)))
-                > std::abs(labels.grid.direction(2, static_cast<Eigen::Index>(along))))
-                along = axis;
-        std::vector<std::uint8_t> outside(labels.voxels.size());
-        std::transform(labels.voxels.begin(), labels.voxels.end(), outside.begin(),
-            [](Label voxel) { return static_cast<std::uint8_t>(voxel != 0); });
-        outside = mesh::holes_filled_in_planes(size, outside, static_cast<int>(along));
-        for (std::uint8_t& voxel : outside)
-            voxel = voxel == 0 ? 1 : 0;
-        return outside;
-    }
-
-    /// Hides the whole wall (which tetrahedra and surfaces replace), the organs that the approach holds aside, and the
-    /// voxels outside the body.
-    std::shared_ptr<const VoxelMask> hidden_voxels(
-        const mesh::LabelVolume& labels, const std::vector<std::string>& retracted)
-    {
-        std::vector<bool> hide = wall_flags(labels.table);
-        for (const std::string& name : retracted)
-            if (const mesh::LabelInfo* info = mesh::find_label(labels.table, name))
-                hide[info->id] = true;
-        auto mask = std::make_shared<VoxelMask>();
-        mask->grid = labels.grid;
-        mask->hidden = outside_body(labels);
-        RETRACTOR_ASSERT(mask->hidden.size() == labels.voxels.size());
-        for (std::size_t i = 0; i < labels.voxels.size(); ++i)
-            if (hide[labels.voxels[i]])
-                mask->hidden[i] = 1;
-        return mask;
     }
 
     SurfaceItem target_item(planner::Patient& patient, const planner::TargetSpec& target)
@@ -112,54 +66,39 @@ namespace {
         return item;
     }
 
-    /// Adds the anatomy that stays in place: the CT as a volume, or the organs' surfaces when the case has no CT.
+    /// Adds the wall beyond the model and the organs that stay in place: what blocks the rays of the exposure, too.
     void add_remaining_anatomy(Scene& scene, planner::Patient& patient, const planner::PlannedField& field)
     {
+        const mesh::LabelTable& table = patient.planned_case().label_table;
         if (!field.remaining_wall.triangles.empty()) {
             SurfaceItem rest;
             rest.name = "chest wall beyond the model";
             rest.mesh = std::make_shared<const TriMesh>(field.remaining_wall);
-            rest.look_of_label = tissue_looks(patient.planned_case().label_table);
+            rest.look_of_label = tissue_looks(table);
             scene.surfaces.push_back(std::move(rest));
         }
-        if (patient.has_ct()) {
-            VolumeItem volume;
-            volume.name = "CT";
-            volume.image = patient.ct();
-            volume.mask = hidden_voxels(*patient.labels(), field.approach.retracted);
-            scene.volumes.push_back(std::move(volume));
-            return;
-        }
-        for (const mesh::LabelInfo& info : patient.planned_case().label_table) {
-            const auto& retracted = field.approach.retracted;
-            if (info.role == mesh::Role::wall || info.name == field.approach.target.label
-                || std::find(retracted.begin(), retracted.end(), info.name) != retracted.end()
-                || !patient.has_voxels(info.name))
+        for (const mesh::LabelInfo& info : table) {
+            if (info.name == field.approach.target.label || !planner::stays_in_place(info, field.approach, patient))
                 continue;
             SurfaceItem organ;
             organ.name = info.name;
             organ.mesh = patient.organ(info.name);
-            organ.look = tissue_look(info.material);
+            organ.look = organ_look(info.name, info.material);
+            if (!planner::blocks_view(info, field.approach, patient))
+                organ.opacity = kOperatedOpacity;
             scene.surfaces.push_back(std::move(organ));
         }
     }
 
     void add_hooks(Scene& scene, const planner::PlannedField& field)
     {
-        for (std::size_t i = 0; i < field.hooks.size(); ++i) {
-            const fem::HookPatch& patch = field.hooks[i];
-            Vec3 centre = Vec3::Zero();
-            for (const VertexId v : patch.nodes)
-                centre += (field.wall.vertices.row(v) + field.opening.displacement.row(v)).transpose();
-            const planner::HookSpec& spec = field.approach.hooks[i];
-            scene.hooks.push_back({ .name = patch.name,
-                .position = centre / static_cast<double>(patch.nodes.size()),
-                .pull = spec.direction,
-                .outward = field.geometry.normal,
-                .width_mm = spec.patch_width_mm,
-                .depth_mm = spec.patch_height_mm,
-                .height_mm = std::max(spec.depth_mm, spec.patch_height_mm / 2.0),
-                .shaft_mm = 60.0 });
+        for (const planner::HookShape& hook :
+            planner::placed_hooks(field, field.opening.displacement, field.geometry)) {
+            SurfaceItem steel;
+            steel.name = hook.name;
+            steel.mesh = std::make_shared<const TriMesh>(planner::hook_mesh(hook));
+            steel.look = steel_look();
+            scene.surfaces.push_back(std::move(steel));
         }
     }
 
@@ -171,10 +110,11 @@ namespace {
             = [&](double value) { return bars ? "± " + number(value, value < 9.95 ? 1 : 0, "") : std::string(); };
         std::vector<LegendLine> lines;
         lines.push_back({ "target: " + m.target,
-            number(100.0 * m.visible_fraction, 0, bar(bars ? 100.0 * m.error->visible_fraction : 0.0) + "% seen"),
+            number(100.0 * m.seen_best_eye, 0, bar(bars ? 100.0 * m.error->seen_best_eye : 0.0) + "% seen from here"),
             target_color() });
+        lines.push_back({ "  with two eyes and a lamp", number(100.0 * m.seen_two_eyes, 0, "%"), std::nullopt });
         lines.push_back(
-            { "  bound, wall removed", number(100.0 * m.visible_fraction_wall_removed, 0, "%"), std::nullopt });
+            { "  reached by two instruments", number(100.0 * m.reached_by_two_instruments, 0, "%"), std::nullopt });
         lines.push_back({ "opening",
             number(m.opening_width_mm, 0, bar(bars ? m.error->opening_width_mm : 0.0) + "mm") + " / "
                 + number(m.opening_area_mm2 / 100.0, 1, "cm2"),
@@ -298,10 +238,9 @@ Scene surgeon_scene(planner::Patient& patient, const planner::PlannedField& fiel
 {
     Scene scene = field_scene(patient, field);
     scene.title = field.approach.name + ": through the incision";
-    const planner::ViewCone& cone = field.exposure.cone;
-    scene.camera.aim = cone.aim;
-    scene.camera.eye = cone.aim + cone.eye_distance_mm * cone.axis.normalized();
-    scene.camera.up = up_for(patient.frame(), cone.axis);
+    scene.camera.eye = field.best_eye.eye;
+    scene.camera.aim = field.best_eye.aim;
+    scene.camera.up = up_for(patient.frame(), field.best_eye.eye - field.best_eye.aim);
     const double half_size = 0.5 * std::max(field.geometry.length_mm, field.geometry.width_mm) / kOpeningShare;
     const double distance = (scene.camera.eye - field.geometry.centre).norm();
     scene.camera.view_angle_deg = 2.0 * std::atan(half_size / distance) * 180.0 / std::numbers::pi;

@@ -12,7 +12,7 @@
 
 namespace retractor::ui {
 
-/// The view through the opening, from the central eye of the cone with which the exposure was measured.
+/// The view through the opening from the best place of the eye, for which the share seen is measured.
 Scene surgeon_scene(planner::Patient& patient, const planner::PlannedField& field);
 
 /// The opened patient from outside.

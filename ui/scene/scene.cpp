@@ -87,18 +87,6 @@ namespace {
         check_color(item.color, where);
     }
 
-    void check_hook(const HookItem& item)
-    {
-        const std::string where = "hook " + item.name;
-        refuse(!item.position.allFinite() || !item.pull.allFinite() || !item.outward.allFinite(),
-            "a hook is not finite", where);
-        refuse(!(item.width_mm > 0.0 && item.depth_mm > 0.0 && item.shaft_mm > 0.0 && item.height_mm >= 0.0),
-            "a hook's sizes must be positive", where);
-        const double cross = item.pull.cross(item.outward).norm();
-        refuse(!(cross > 1e-6 * item.pull.norm() * item.outward.norm() && cross > 0.0),
-            "a hook's pull must be a direction and not lie along its outward direction", where);
-    }
-
     void check_slice(const SliceItem& item)
     {
         const std::string where = "slice";
@@ -162,8 +150,6 @@ void check_scene(const Scene& scene)
         check_volume(item);
     for (const LineItem& item : scene.lines)
         check_line(item);
-    for (const HookItem& item : scene.hooks)
-        check_hook(item);
     for (const SliceItem& item : scene.slices)
         check_slice(item);
     for (const TextItem& item : scene.words) {
@@ -212,8 +198,6 @@ std::optional<Box> scene_bounds(const Scene& scene)
     for (const LineItem& item : scene.lines)
         for (const Vec3& p : item.points)
             bounds.add(p);
-    for (const HookItem& item : scene.hooks)
-        bounds.add(item.position);
     for (const SliceItem& item : scene.slices)
         if (item.image != nullptr)
             bounds.add(item.image->grid);

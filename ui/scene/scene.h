@@ -81,19 +81,6 @@ struct LineItem {
     bool on_top = false; ///< drawn even where something is in front of it
 };
 
-/// A retractor hook: a steel blade whose patch lies against a lip, with its shaft over the skin.
-struct HookItem {
-    std::string name {};
-    Vec3 position = Vec3::Zero(); ///< centre of the patch, on the lip
-    Vec3 pull = Vec3::UnitX(); ///< direction of the pull; need not be unit
-    /// Out of the body; need not be unit or normal to `pull`, but must not be parallel to it.
-    Vec3 outward = -Vec3::UnitY();
-    double width_mm = 15.0; ///< width of the patch, along the incision
-    double depth_mm = 10.0; ///< height of the patch, into the body
-    double height_mm = 0.0; ///< from the patch centre to the skin, over which the blade bends; 0: depth_mm / 2
-    double shaft_mm = 60.0;
-};
-
 /// An anatomical plane. Shown as radiologists do: axial from the feet, coronal from the front, sagittal from
 /// the patient's left (front to the left of the picture).
 enum class SlicePlane { axial, coronal, sagittal };
@@ -138,7 +125,6 @@ struct Scene {
     std::vector<SurfaceItem> surfaces {};
     std::vector<VolumeItem> volumes {};
     std::vector<LineItem> lines {};
-    std::vector<HookItem> hooks {};
     std::vector<SliceItem> slices {};
     std::vector<TextItem> words {};
     std::vector<LegendLine> legend {};
@@ -170,7 +156,7 @@ void check_scene(const Scene& scene);
 /// Checks all viewports, their rectangles and the size of the picture. @throws InputError as check_scene() does
 void check_picture(const Picture& picture);
 
-/// The box round a scene's surfaces, lines, volumes (their images), hooks and slices; nothing when the scene is empty.
+/// The box round a scene's surfaces, lines, volumes (their images) and slices; nothing when the scene is empty.
 std::optional<Box> scene_bounds(const Scene& scene);
 
 /// A camera that sees all of `box` along `direction` (from the eye into the scene) and fills the picture's height.

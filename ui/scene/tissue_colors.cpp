@@ -21,6 +21,12 @@ namespace {
         { "liver", { { 0.42, 0.15, 0.11 }, Finish::wet, 0.4 } },
     } };
 
+    // Colours of surgical atlases: blue for vessels whose blood lacks oxygen, yellow-white for the sac of the heart.
+    constexpr Look kVein { { 0.33, 0.38, 0.66 }, Finish::wet, 0.3 };
+    constexpr Look kPulmonaryArtery { { 0.45, 0.42, 0.68 }, Finish::wet, 0.3 };
+    constexpr Look kPericardium { { 0.88, 0.76, 0.62 }, Finish::wet, 0.4 };
+    constexpr Look kDiaphragm { { 0.62, 0.30, 0.22 }, Finish::wet, 0.6 };
+
     constexpr Look kHollowOrgan { { 0.87, 0.62, 0.55 }, Finish::wet, 0.3 };
 
     /// Parts of organ names and the tissue of each look. The first match counts.
@@ -51,18 +57,24 @@ namespace {
 
 } // namespace
 
-Look organ_look(std::string_view organ)
+Look organ_look(std::string_view organ, std::string_view material)
 {
     for (const auto& [name, look] : kLooks)
         if (name == organ)
             return look;
+    const std::array<std::pair<std::string_view, Look>, 7> own { { { "pulmonary_vein", tissue_look("vessel") },
+        { "pulmonary_artery", kPulmonaryArtery }, { "pulmonary_trunk", kPulmonaryArtery }, { "vein", kVein },
+        { "vena_cava", kVein }, { "pericardium", kPericardium }, { "diaphragm", kDiaphragm } } };
+    for (const auto& [part, look] : own)
+        if (organ.find(part) != std::string_view::npos)
+            return look;
     for (const std::string_view hollow : { "stomach", "bowel", "colon", "esophagus", "duodenum" })
         if (organ.find(hollow) != std::string_view::npos)
             return kHollowOrgan;
-    for (const auto& [part, material] : kOrgans)
+    for (const auto& [part, tissue] : kOrgans)
         if (organ.find(part) != std::string_view::npos)
-            return tissue_look(material);
-    return tissue_look(organ);
+            return tissue_look(tissue);
+    return tissue_look(material.empty() ? organ : material);
 }
 
 Look tissue_look(std::string_view material)
@@ -80,6 +92,8 @@ std::map<Label, Look> tissue_looks(const mesh::LabelTable& table)
         looks[info.id] = tissue_look(info.material);
     return looks;
 }
+
+Look steel_look() { return { { 0.72, 0.74, 0.77 }, Finish::metal, 0.0 }; }
 
 Color target_color() { return { 0.10, 0.95, 0.30 }; }
 Color incision_color() { return { 0.20, 0.10, 0.75 }; }

@@ -32,9 +32,10 @@ namespace metric_table_test {
 
     TEST(MetricTable, NumbersAreReadInTheirUnits)
     {
-        EXPECT_EQ(metric_text(metric_field("visible_fraction"), 0.6234), "62.3 %");
+        EXPECT_EQ(metric_text(metric_field("seen_best_eye"), 0.6234), "62.3 %");
         EXPECT_EQ(metric_text(metric_field("opening_area_mm2"), 4210.0), "42.1 cm²");
         EXPECT_EQ(metric_text(metric_field("working_distance_mm"), 80.6, 0), "81 mm");
+        EXPECT_EQ(metric_text(metric_field("access_vertical_deg"), -12.4, 0), "-12°");
         EXPECT_EQ(metric_text(metric_field("hook_force_N"), 41.26), "41.3 N");
         EXPECT_EQ(metric_text(metric_field("max_volume_ratio"), 1.256, 2), "1.26");
         EXPECT_EQ(metric_number(metric_field("opening_area_mm2"), 4210.0), "42.1");
@@ -47,8 +48,8 @@ namespace metric_table_test {
         ErrorBars& bars = field.error.emplace();
         bars.opening_width_mm = 1.25;
         EXPECT_EQ(metric_error(metric_field("opening_width_mm"), field), 1.25);
-        bars.visible_fraction = 0.03;
-        EXPECT_EQ(metric_error(metric_field("visible_fraction"), field), 0.03);
+        bars.seen_best_eye = 0.03;
+        EXPECT_EQ(metric_error(metric_field("seen_best_eye"), field), 0.03);
         EXPECT_FALSE(metric_error(metric_field("strain_p99"), field)) << "it has no bar";
         bars.message = "the wall was not solved";
         EXPECT_FALSE(metric_error(metric_field("opening_width_mm"), field));

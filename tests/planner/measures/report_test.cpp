@@ -22,7 +22,7 @@ namespace report_test {
         FieldMetrics m;
         m.name = name;
         m.target = "aneurysm";
-        m.visible_fraction = 0.25;
+        m.seen_best_eye = 0.25;
         m.mechanics_status = "converged";
         m.hooks = { { "left 1", 1, 10.0 }, { "left 2", 1, 12.5 }, { "right 1", -1, 7.0 } };
         m.hook_force_N = 22.5;
@@ -36,7 +36,7 @@ namespace report_test {
         field.opening_width_mm = 40.0;
         ErrorBars& error = field.error.emplace();
         error.opening_width_mm = opening_mm;
-        error.visible_fraction = share;
+        error.seen_best_eye = share;
         error.hook_force_N = force_N;
         error.hook_forces_N.assign(field.hooks.size(), force_N);
         error.hook_moved_mm.assign(field.hooks.size(), 0.0);
@@ -53,7 +53,7 @@ namespace report_test {
         const auto document = metrics_document({ sample_field("median") });
         const auto& field = document.at("approaches").at(0);
         for (const char* key :
-            { "name", "visible_fraction", "opening_area_mm2", "opening_width_mm", "working_distance_mm",
+            { "name", "seen_best_eye", "best_eye", "visible_fraction", "opening_area_mm2", "opening_width_mm", "working_distance_mm",
                 "incision_length_mm", "hook_force_N", "hook_forces_N", "strain_p99", "inverted_elements",
                 "max_volume_ratio", "bone_in_sight", "tets", "seconds", "solution", "residual", "mechanics_status" })
             EXPECT_TRUE(field.contains(key)) << key;
@@ -72,7 +72,7 @@ namespace report_test {
         field.opening_width_mm = 62.1;
         ErrorBars& error = field.error.emplace();
         error.opening_width_mm = 1.3;
-        error.visible_fraction = 0.021;
+        error.seen_best_eye = 0.021;
         error.hook_forces_N = { 1.0, 1.5, 0.5 };
         error.side_forces_N[0] = 2.5;
         error.hook_force_N = 2.5;
@@ -82,7 +82,7 @@ namespace report_test {
         opinion.displacement_difference = 2e-7;
         const auto document = metrics_document({ field }).at("approaches").at(0);
         EXPECT_DOUBLE_EQ(document.at("error_estimate").at("opening_width_mm").get<double>(), 1.3);
-        EXPECT_DOUBLE_EQ(document.at("error_estimate").at("visible_fraction").get<double>(), 0.021);
+        EXPECT_DOUBLE_EQ(document.at("error_estimate").at("seen_best_eye").get<double>(), 0.021);
         EXPECT_DOUBLE_EQ(document.at("error_estimate").at("hook_forces_N").at(1).get<double>(), 1.5);
         EXPECT_DOUBLE_EQ(document.at("error_estimate").at("side_forces_N").at(0).get<double>(), 2.5);
         EXPECT_EQ(document.at("second_opinion").at("status"), "agrees");
@@ -274,7 +274,7 @@ namespace report_test {
         Report report;
         report.title = "Fields <1 & 2>";
         report.fields = { sample_field("median"), sample_field("distal") };
-        report.fields[1].visible_fraction = 0.5;
+        report.fields[1].seen_best_eye = 0.5;
         for (FieldMetrics& field : report.fields)
             add_bars(field, 2.0, 1.0, 0.014);
         report.pictures = { { "median", "The surgeon's eye", folder / "a.png" } };
@@ -318,8 +318,8 @@ namespace report_test {
     TEST(Report, MarksOnlyALeadBeyondBothErrorBars)
     {
         FieldMetrics a = sample_field("a"), b = sample_field("b");
-        a.visible_fraction = 0.50, b.visible_fraction = 0.46;
-        a.visible_fraction_central_eye = 0.40, b.visible_fraction_central_eye = 0.37;
+        a.seen_best_eye = 0.50, b.seen_best_eye = 0.46;
+        a.seen_two_eyes = 0.40, b.seen_two_eyes = 0.37;
         add_bars(a, 2.0, 1.0, 0.022); // 5 % of the opening
         add_bars(b, 2.0, 1.0, 0.022);
         a.hook_force_N = 20.0, b.hook_force_N = 21.9;
@@ -327,7 +327,7 @@ namespace report_test {
         EXPECT_EQ(html.find("class=\"best\">50.0 %"), std::string::npos) << "4 points are within 2.2 + 2.2";
         EXPECT_EQ(html.find("class=\"best\">40.0 %"), std::string::npos) << "0.03 is within 5 % of either";
         EXPECT_EQ(html.find("class=\"best\">20.0 N"), std::string::npos) << "1.9 N is within 1 + 1 N";
-        b.hook_force_N = 22.1, b.visible_fraction = 0.45, b.visible_fraction_central_eye = 0.36;
+        b.hook_force_N = 22.1, b.seen_best_eye = 0.45, b.seen_two_eyes = 0.36;
         html = html_of({ a, b });
         EXPECT_NE(html.find("class=\"best\">20.0 N"), std::string::npos);
         EXPECT_NE(html.find("class=\"best\">50.0 %"), std::string::npos);

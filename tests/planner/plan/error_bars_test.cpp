@@ -92,11 +92,11 @@ namespace error_bars_test {
                     ++calls;
                     return kSharePerMm * opening_geometry(edges, field.wall, displacement).width_mm;
                 };
-                field.exposure.visible_fraction = kSharePerMm * field.geometry.width_mm;
+                field.best_eye.seen_fraction = kSharePerMm * field.geometry.width_mm;
                 const ErrorBars bars = estimate_errors(field, {}, choice, share_of_width, {});
                 ASSERT_EQ(bars.message, "");
                 EXPECT_GT(bars.opening_width_mm, 0.0);
-                EXPECT_NEAR(bars.visible_fraction, kSharePerMm * bars.opening_width_mm, kRoundOff);
+                EXPECT_NEAR(bars.seen_best_eye, kSharePerMm * bars.opening_width_mm, kRoundOff);
                 EXPECT_EQ(calls, (driven ? 2 : 1) + (element == ElementKind::locking_free ? 1 : 0));
             }
     }

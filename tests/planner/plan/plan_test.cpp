@@ -48,6 +48,11 @@ namespace plan_test {
         }
         EXPECT_LT(closed.metrics.visible_fraction, 0.01); // about nothing is seen through closed lips
         EXPECT_NEAR(closed.metrics.hook_force_N, 0.0, 1e-9);
+        EXPECT_EQ(closed.metrics.seen_best_eye, 0.0);
+        EXPECT_GT(open.metrics.seen_best_eye, half.metrics.seen_best_eye);
+        EXPECT_LE(open.metrics.seen_two_eyes, open.metrics.seen_best_eye);
+        EXPECT_LE(open.metrics.reached_by_two_instruments, open.metrics.seen_best_eye);
+        EXPECT_NEAR(open.metrics.best_eye.distance_mm, 400.0, 120.0); // a surgeon leans in and back by 100 mm
         EXPECT_GT(half.metrics.visible_fraction, closed.metrics.visible_fraction);
         EXPECT_GT(open.metrics.visible_fraction, half.metrics.visible_fraction);
         EXPECT_GT(open.metrics.opening_area_mm2, half.metrics.opening_area_mm2);
@@ -63,8 +68,8 @@ namespace plan_test {
         EXPECT_LT(bars.hook_force_N, open.metrics.hook_force_N);
         EXPECT_GT(bars.opening_width_mm, 0.0);
         EXPECT_LT(bars.opening_width_mm, open.metrics.opening_width_mm);
-        EXPECT_GT(bars.visible_fraction, 0.0);
-        EXPECT_LT(bars.visible_fraction, open.metrics.visible_fraction);
+        EXPECT_GT(bars.seen_best_eye, 0.0);
+        EXPECT_LT(bars.seen_best_eye, open.metrics.seen_best_eye);
         ASSERT_TRUE(bars.energy.has_value());
         EXPECT_LT(bars.energy->algebraic_error, 0.1 * bars.energy->energy_error);
         // The target's near pole lies 40 mm below the skin.
@@ -127,8 +132,8 @@ namespace plan_test {
         EXPECT_LT(accuracy.edge_mm, 0.81 * edge);
         EXPECT_EQ(accuracy.ended_by == AccuracyEnd::reached, accuracy.reached_force.value() <= goal.force);
         constexpr double kSamples = 0.01; // of the target's samples, at the rim of what is seen
-        EXPECT_NEAR(finer.front().metrics.visible_fraction, once.front().metrics.visible_fraction,
-            finer.front().metrics.error->visible_fraction + bars.visible_fraction + kSamples);
+        EXPECT_NEAR(finer.front().metrics.seen_best_eye, once.front().metrics.seen_best_eye,
+            finer.front().metrics.error->seen_best_eye + bars.seen_best_eye + kSamples);
         EXPECT_EQ(finer.front().approach.sizing.corridor_edge_mm, finer.front().metrics.solution.mesh.corridor_edge_mm);
     }
 
@@ -530,6 +535,9 @@ namespace plan_test {
         const auto same = [](double a, double b, const char* what) {
             EXPECT_NEAR(a, b, kFrameTolerance * std::max(std::abs(a), 1.0)) << what;
         };
+        same(here.metrics.seen_best_eye, there.metrics.seen_best_eye, "seen from the best eye");
+        same(here.metrics.seen_two_eyes, there.metrics.seen_two_eyes, "two eyes");
+        same(here.metrics.reached_by_two_instruments, there.metrics.reached_by_two_instruments, "instruments");
         same(here.metrics.visible_fraction, there.metrics.visible_fraction, "visible fraction");
         same(here.metrics.visible_fraction_wall_removed, there.metrics.visible_fraction_wall_removed, "bound");
         same(here.metrics.opening_area_mm2, there.metrics.opening_area_mm2, "area");

@@ -2,7 +2,7 @@
 #include "planner/wall/field_geometry.h"
 
 #include "mesh/base/error.h"
-#include "planner/measures/exposure.h"
+#include "planner/measures/sight/exposure.h"
 #include "tests/support/cutting/cut_mesh.h"
 
 #include <Eigen/Geometry>

@@ -249,7 +249,7 @@ TEST_F(CommandLine, PlanWithoutRenderBuildsNoRenderer)
     EXPECT_FALSE(parts.count("renderer"));
     EXPECT_FALSE(parts.count("volume rendering"));
     EXPECT_FALSE(parts.count("voxels"));
-    EXPECT_GT(document.at("approaches").at(0).at("visible_fraction").get<double>(), 0.0);
+    EXPECT_GT(document.at("approaches").at(0).at("seen_best_eye").get<double>(), 0.0);
     std::ifstream file(fs::path(out("plan")) / "metrics.json");
     EXPECT_EQ(Json::parse(file).at("approaches").at(0).at("name"), "straight");
 }

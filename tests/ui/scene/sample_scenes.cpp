@@ -2,6 +2,7 @@
 
 #include "ui/scene/tissue_colors.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -170,14 +171,13 @@ Scene little_chest(bool with_volume)
         wall.mesh = std::make_shared<TriMesh>(lip(side));
         wall.look_of_label = looks;
         scene.surfaces.push_back(std::move(wall));
-        scene.hooks.push_back({ .name = "hook",
-            .position = { side * kOpening, kSkin + 5.0, 0.0 },
-            .pull = side * Vec3::UnitX(),
-            .outward = -Vec3::UnitY(),
-            .width_mm = 18.0,
-            .depth_mm = 12.0,
-            .height_mm = 6.0,
-            .shaft_mm = 40.0 });
+        SurfaceItem blade;
+        blade.name = "blade";
+        const double inner = side * (kOpening - 2.0), outer = side * kOpening;
+        blade.mesh = std::make_shared<TriMesh>(
+            box_mesh({ std::min(inner, outer), kSkin - 1.0, -9.0 }, { std::max(inner, outer), kSkin + 11.0, 9.0 }));
+        blade.look = steel_look();
+        scene.surfaces.push_back(std::move(blade));
     }
     SurfaceItem target;
     target.name = "target";

@@ -13,7 +13,7 @@ TriMesh sphere_mesh(const Vec3& centre, double radius, int rings = 48);
 Scene box_scene(const Vec3& low, const Vec3& high, const Color& color);
 SurfaceItem unlit(TriMesh mesh, const Color& color);
 
-/// A chest in miniature, 120 mm wide: a layered wall with an opening, two hooks, a target, organs as a CT.
+/// A chest in miniature, 120 mm wide: a layered wall with an opening, two blades, a target, organs as a CT.
 /// Everything a picture can hold.
 Scene little_chest(bool with_volume = true);
 /// The CT of little_chest, before its wall is hidden, and the wall's mask.

@@ -2,7 +2,6 @@
 
 #include "mesh/base/error.h"
 #include "tests/ui/scene/sample_scenes.h"
-#include "ui/scene/hook_mesh.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/annotations.h"
 #include "ui/scene/vtk/slice_actor.h"
@@ -21,15 +20,6 @@ namespace scene_test {
     constexpr double kRoundOff = 1e-9;
 
     Scene box() { return samples::box_scene({ -10, -10, -10 }, { 10, 10, 10 }, { 1, 0, 0 }); }
-
-    double signed_volume(const TriMesh& mesh)
-    {
-        double sum = 0.0;
-        for (const auto& t : mesh.triangles)
-            sum += Vec3(mesh.vertices.row(t[0])).dot(Vec3(mesh.vertices.row(t[1])).cross(Vec3(mesh.vertices.row(t[2]))))
-                / 6.0;
-        return sum;
-    }
 
     TEST(SceneBounds, AreThoseOfItsItems)
     {
@@ -66,29 +56,6 @@ namespace scene_test {
         EXPECT_DOUBLE_EQ(round_length(50.0), 50.0);
         EXPECT_DOUBLE_EQ(round_length(1.5), 1.0);
         EXPECT_DOUBLE_EQ(round_length(0.3), 0.2);
-    }
-
-    TEST(HookMesh, IsClosedOrientedOutwardsAndHasItsPatchAtTheGivenPlace)
-    {
-        const HookItem hook { .name = "h", .position = { 5, 6, 7 }, .pull = { 2, 0, 0 }, .outward = { 0, -3, 0 } };
-        const TriMesh mesh = hook_mesh(hook);
-        EXPECT_GT(signed_volume(mesh), 0.0);
-        std::map<std::pair<VertexId, VertexId>, int> directed;
-        for (const auto& t : mesh.triangles)
-            for (std::size_t e = 0; e < 3; ++e)
-                ++directed[{ t[e], t[(e + 1) % 3] }];
-        for (const auto& [edge, count] : directed) {
-            EXPECT_EQ(count, 1);
-            EXPECT_TRUE(directed.contains({ edge.second, edge.first }));
-        }
-        // The lip's side of the patch is the plane through the position, and the steel lies on the wound's side of it.
-        double nearest = 1e9;
-        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
-            if (mesh.vertices(v, 1) > hook.position.y()) {
-                EXPECT_LE(mesh.vertices(v, 0), hook.position.x() + kRoundOff);
-                nearest = std::min(nearest, std::abs(mesh.vertices(v, 0) - hook.position.x()));
-            }
-        EXPECT_NEAR(nearest, 0.0, kRoundOff);
     }
 
     TEST(SampleSlice, ReadsALinearImageExactlyOnMirroredAxes)
@@ -197,8 +164,6 @@ namespace scene_test {
             Refusal { "view angle must be", [](Scene& s) { s.camera.view_angle_deg = 180.0; } },
             Refusal { "at least two points", [](Scene& s) { s.lines[0].points.resize(1); } },
             Refusal { "point that is not finite", [](Scene& s) { s.lines[0].points[0].z() = kNaN; } },
-            Refusal { "not lie along its outward", [](Scene& s) { s.hooks[0].pull = s.hooks[0].outward; } },
-            Refusal { "sizes must be positive", [](Scene& s) { s.hooks[0].width_mm = 0.0; } },
             Refusal { "has no image", [](Scene& s) { s.volumes.emplace_back(); } },
             Refusal { "does not match its size",
                 [](Scene& s) {

@@ -1,7 +1,6 @@
 #pragma once
-// Counts the pixels of a scene's target, to compare them with the rays of planner/measures/exposure.h.
+// Counts the pixels of a scene's target, to compare them with the rays of planner/measures/sight/exposure.h.
 
-#include "ui/scene/hook_mesh.h"
 #include "ui/scene/vtk/render.h"
 
 #include <cstddef>
@@ -18,8 +17,8 @@ struct TargetPixels {
     }
 };
 
-/// Counts pixels of surfaces marked `target`. All other surfaces and the hooks hide them, except surfaces that are
-/// drawn on top; volumes, lines and slices do not.
+/// Counts pixels of surfaces marked `target`. All other surfaces hide them, except surfaces that are
+/// drawn on top or translucent; volumes, lines and slices do not.
 inline TargetPixels target_pixels(OffscreenRenderer& renderer, const Scene& scene, int width, int height)
 {
     Scene bare;
@@ -46,10 +45,8 @@ inline TargetPixels target_pixels(OffscreenRenderer& renderer, const Scene& scen
             add(bare, item.mesh, { 1.0, 1.0, 1.0 });
     Scene full = bare;
     for (const SurfaceItem& item : scene.surfaces)
-        if (!item.target && !item.on_top && !item.mesh->triangles.empty())
+        if (!item.target && !item.on_top && item.opacity >= 1.0 && !item.mesh->triangles.empty())
             add(full, item.mesh, { 0.0, 0.0, 0.0 });
-    for (const HookItem& item : scene.hooks)
-        add(full, std::make_shared<TriMesh>(hook_mesh(item)), { 0.0, 0.0, 0.0 });
     return { .visible = lit(full), .unobstructed = lit(bare) };
 }
 

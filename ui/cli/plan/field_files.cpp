@@ -52,8 +52,9 @@ namespace {
     };
 
     constexpr Column kColumns[] = {
-        { "visible_fraction", "seen", 7 },
-        { "visible_fraction_wall_removed", "bound", 7 },
+        { "seen_best_eye", "seen", 7 },
+        { "seen_two_eyes", "2 eyes", 7 },
+        { "reached_by_two_instruments", "2 tools", 7 },
         { "opening_area_mm2", "area cm2", 9 },
         { "opening_width_mm", "width mm", 9 },
         { "working_distance_mm", "depth mm", 9 },
@@ -103,7 +104,8 @@ namespace {
                         "gap at the border of the region is not a wound."
                       : "The border of the meshed region is held, so the hook forces are upper estimates.",
             contact_limit(planned_case.contact)
-                + "; organs do not move. Organs that an approach holds aside are removed from the view.",
+                + "; organs do not move. Organs that an approach holds aside are removed from the view. "
+                  "Tissue without a label is not drawn and hides nothing.",
             "Fractures are foretold for ribs only, from the mean moments at which 52 tested pieces of ribs broke; "
             "single ribs differ from the mean. Age, thin bone and earlier fractures are not considered. The sternum, "
             "the joints, the cartilages and the neck of a rib at the spine are not judged.",

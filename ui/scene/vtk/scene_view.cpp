@@ -92,8 +92,6 @@ struct SceneView::State {
             for (const auto& actor : surface_actors(item))
                 (item.on_top ? overlay : main)->AddActor(actor);
         }
-        for (const HookItem& item : scene.hooks)
-            main->AddActor(hook_actor(item));
         for (const LineItem& item : scene.lines)
             (item.on_top ? overlay : main)->AddActor(line_actor(item, window->GetSize()[1]));
         for (const SliceItem& item : scene.slices)

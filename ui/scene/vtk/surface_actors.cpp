@@ -1,6 +1,5 @@
 #include "ui/scene/vtk/surface_actors.h"
 
-#include "ui/scene/hook_mesh.h"
 #include "ui/scene/vtk/poly_data.h"
 #include "ui/scene/vtk/surface_shader.h"
 
@@ -158,14 +157,6 @@ vtkSmartPointer<vtkActor> line_actor(const LineItem& item, double picture_height
     // Draws a line before the skin on which it lies.
     actor->GetMapper()->SetRelativeCoincidentTopologyLineOffsetParameters(-4.0, -4.0);
     return actor;
-}
-
-vtkSmartPointer<vtkActor> hook_actor(const HookItem& item)
-{
-    SurfaceItem surface;
-    surface.mesh = std::make_shared<TriMesh>(hook_mesh(item));
-    surface.look = { { 0.72, 0.74, 0.77 }, Finish::metal, 0.0 };
-    return surface_actors(surface).front();
 }
 
 } // namespace retractor::ui

@@ -1,5 +1,5 @@
 #pragma once
-// Makes VTK actors of surfaces, lines and hooks.
+// Makes VTK actors of surfaces and lines.
 
 #include "ui/scene/scene.h"
 
@@ -14,6 +14,5 @@ namespace retractor::ui {
 /// One actor per look of the surface.
 std::vector<vtkSmartPointer<vtkActor>> surface_actors(const SurfaceItem& item);
 vtkSmartPointer<vtkActor> line_actor(const LineItem& item, double picture_height_px);
-vtkSmartPointer<vtkActor> hook_actor(const HookItem& item);
 
 } // namespace retractor::ui

@@ -1,6 +1,6 @@
 #include "ui/workstation/cutting/knife_tool.h"
 
-#include "ui/scene/hook_mesh.h"
+#include "planner/approach/hook_mesh.h"
 #include "ui/scene/tissue_colors.h"
 
 #include <QLineF>
@@ -40,7 +40,7 @@ namespace {
 
     TriMesh steel_of(const planner::HookState& hook, const planner::WallPicture& picture)
     {
-        return hook_mesh({ .name = hook.name,
+        return planner::hook_mesh({ .name = hook.name,
             .position = shown_centre(hook, picture),
             .pull = hook.placement.pull,
             .outward = -hook.placement.inward,

@@ -328,7 +328,7 @@ std::string field_summary(const planner::FieldMetrics& field)
     const auto text = [&](const char* key) {
         return planner::metric_text(planner::metric_field(key), planner::metric_field(key).of(field), 0);
     };
-    return text("visible_fraction") + " seen, " + text("hook_force_N") + ", " + text("opening_area_mm2");
+    return text("seen_best_eye") + " seen, " + text("hook_force_N") + ", " + text("opening_area_mm2");
 }
 
 std::string approach_summary(const planner::Approach& approach)

@@ -290,13 +290,13 @@ namespace session_model_test {
     TEST(MetricRows, SayTheNumbersWithTheirUnits)
     {
         planner::FieldMetrics field;
-        field.visible_fraction = 0.6234;
+        field.seen_best_eye = 0.6234;
         field.opening_area_mm2 = 4210.0;
         field.hook_force_N = 41.26;
         field.hooks = { { .name = "left 1", .side = 1, .force_N = 20.0 } };
         field.mechanics_status = "converged";
         const auto sections = field_rows(field);
-        EXPECT_EQ(row_of(sections, "Target seen, whole cone").value, "62.3 %");
+        EXPECT_EQ(row_of(sections, "Target seen, best eye").value, "62.3 %");
         EXPECT_EQ(row_of(sections, "Opening area").value, "42.1 cm²");
         EXPECT_EQ(row_of(sections, "Hook force, larger side").value, "41.3 N");
         EXPECT_EQ(row_of(sections, "Hook left 1").value, "20.0 N");
@@ -305,11 +305,11 @@ namespace session_model_test {
         field.strain_p99_at = Vec3(12.4, -80.6, 33.0);
         planner::ErrorBars& bars = field.error.emplace();
         bars.opening_width_mm = 1.24;
-        bars.visible_fraction = 0.0234;
+        bars.seen_best_eye = 0.0234;
         bars.hook_force_N = 10.5;
         bars.hook_forces_N = { 5.25 };
         const auto estimated = field_rows(field);
-        EXPECT_EQ(row_of(estimated, "Target seen, whole cone").value, "62.3 ± 2.3 %");
+        EXPECT_EQ(row_of(estimated, "Target seen, best eye").value, "62.3 ± 2.3 %");
         EXPECT_EQ(row_of(estimated, "Opening width").value, "57.9 ± 1.2 mm");
         EXPECT_EQ(row_of(estimated, "Hook force, larger side").value, "41.3 ± 10.5 N");
         EXPECT_EQ(row_of(estimated, "Hook left 1").value, "20.0 ± 5.2 N");

@@ -1,13 +1,15 @@
-#include "ui/scene/hook_mesh.h"
+#include "planner/approach/hook_mesh.h"
 
 #include "mesh/base/assert.h"
+#include "mesh/base/error.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <vector>
 
-namespace retractor::ui {
+namespace retractor::planner {
 
 namespace {
 
@@ -21,7 +23,19 @@ namespace {
         double half_width = 0.0;
     };
 
-    std::vector<CrossSection> profile(const HookItem& hook)
+    void check(const HookShape& hook)
+    {
+        const std::string where = "hook " + hook.name;
+        if (!hook.position.allFinite() || !hook.pull.allFinite() || !hook.outward.allFinite())
+            throw InputError("a hook is not finite", where);
+        if (!(hook.width_mm > 0.0 && hook.depth_mm > 0.0 && hook.shaft_mm > 0.0 && hook.height_mm >= 0.0))
+            throw InputError("a hook's sizes must be positive", where);
+        const double cross = hook.pull.cross(hook.outward).norm();
+        if (!(cross > 1e-6 * hook.pull.norm() * hook.outward.norm() && cross > 0.0))
+            throw InputError("a hook's pull must be a direction and not lie along its outward direction", where);
+    }
+
+    std::vector<CrossSection> profile(const HookShape& hook)
     {
         const double half = 0.5 * hook.width_mm;
         const double narrow = std::max(0.35 * half, 2.0);
@@ -54,12 +68,9 @@ namespace {
 
 } // namespace
 
-TriMesh hook_mesh(const HookItem& hook)
+TriMesh hook_mesh(const HookShape& hook)
 {
-    Scene alone;
-    alone.hooks.push_back(hook);
-    check_scene(alone);
-
+    check(hook);
     const Vec3 outward = hook.outward.normalized();
     const Vec3 pull = (hook.pull - outward * outward.dot(hook.pull)).normalized();
     const Vec3 across = outward.cross(pull);
@@ -99,4 +110,4 @@ TriMesh hook_mesh(const HookItem& hook)
     return mesh;
 }
 
-} // namespace retractor::ui
+} // namespace retractor::planner

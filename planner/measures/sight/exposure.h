@@ -1,13 +1,10 @@
 #pragma once
 // Measures the share of the target that a surgeon sees through the opening. Rays run from a cone of eye positions to
 // points on the target, and are tested against everything that can block them. Units mm, degrees; frame patient LPS.
-//
-// Rays are traced in single precision (Embree), in coordinates relative to the centre of the scene. Under rigid motion
-// the numbers agree to about 1e-3, because a sample at an edge of the opening may fall to the other side.
 
 #include "mesh/base/geometry.h"
 #include "mesh/base/job.h"
-#include "mesh/image/volume.h"
+#include "planner/measures/sight/ray_scene.h"
 #include "planner/wall/field_geometry.h"
 
 #include <string>
@@ -15,27 +12,9 @@
 
 namespace retractor::planner {
 
-/// Something that blocks the view. Organs that are held aside are left out.
-struct Occluder {
-    std::string name; ///< name of triangles whose label is not in `labels`
-    TriMesh surface;
-    mesh::LabelTable labels; ///< names and materials of the surface's triangle labels; may be empty
-    std::string material; ///< material of triangles whose label is not in `labels`; may be empty
-    /// True for the wall that is opened, which the upper bound removes. False for organs that stay in the way.
-    /// Bone inside the wall (tissue_surface() of the ribs) is a wall occluder of its own. The wall round the bone
-    /// blocks the same rays, so the bone only gives the rib in the line of sight its name.
-    bool wall = true;
-};
-
 /// The eye positions of a cone, the central eye first. All eyes stand for equal areas of the cap.
 /// @throws InputError on NaN, a zero axis, an up vector along the axis, or values out of range
 std::vector<Vec3> eye_positions(const ViewCone& cone);
-
-/// A point on the target. All samples of a target stand for equal areas.
-struct SurfaceSample {
-    Vec3 position;
-    int triangle = 0;
-};
 
 /// What one eye sees. Fractions are of the target's surface area, 0 to 1.
 struct EyeView {
@@ -51,6 +30,11 @@ struct SightShare {
     std::string name;
     double share = 0.0;
 };
+
+/// Shares of a total by name, the largest first; names with a count of zero are left out.
+/// @param counts one per tissue
+std::vector<SightShare> sorted_shares(
+    const std::vector<RayScene::Tissue>& tissues, const std::vector<std::size_t>& counts, std::size_t total);
 
 enum class ExposureStatus { done, cancelled };
 
@@ -79,13 +63,12 @@ struct [[nodiscard]] Exposure {
     std::vector<float> sample_seen; ///< share of the eyes that see each sample, 0 to 1
 };
 
-/// Measures what the eyes of a cone see of the target, which also hides parts of itself. The target is sampled at
-/// points: deterministic, weighted by area and stratified. Equal steps along the cumulated area pick the triangle, and
-/// the R2 low-discrepancy sequence (M. Roberts 2018) picks the place in the triangle. The samples move with the target
-/// under rigid motion. The ledger records the part "ray tracer".
+/// Measures what the eyes of a cone see of the target, which also hides parts of itself.
 /// @param samples number of points on the target
-/// @throws InputError on an empty or malformed target, a malformed occluder (named), a bad cone, or when the central
-/// eye is inside a closed occluder or the target. An occluder without triangles is allowed.
+/// @throws InputError on a bad cone, or when the central eye is inside a closed occluder or the target
+Exposure measure_exposure(const RayScene& scene, const ViewCone& cone, int samples, const Job& job = {});
+
+/// The same, with a scene of its own. @throws InputError also as RayScene does
 Exposure measure_exposure(
     TriMesh target, std::vector<Occluder> occluders, const ViewCone& cone, int samples, const Job& job = {});
 

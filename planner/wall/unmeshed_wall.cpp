@@ -15,15 +15,16 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <utility>
 
 namespace retractor::planner {
 
 namespace {
 
-    constexpr double kOverlapMm = 4.0; ///< length of the surface under the meshed tissue
+    constexpr double kOverlapMm = 4.0; ///< length of the surface under the meshed tissue that is drawn
     /// Depth below the meshed tissue, so that the two surfaces do not flicker through each other.
-    constexpr double kSunkMm = 0.4;
+    constexpr double kSunkMm = 0.2;
     constexpr double kCoverMm = 1.0; ///< tissue over the bones that are meshed outside the region
     constexpr double kFadeMm = 40.0; ///< beyond this distance from the rim only points carried by bones move
     constexpr double kTouchMm = 1.5; ///< points nearer than this to the tetrahedra move exactly with them
@@ -36,7 +37,7 @@ namespace {
 
     /// A point of the displaced surface of the tetrahedra, at or outside the rim.
     struct MovedPoint {
-        Vec3 rest, moved_by;
+        Vec3 rest, moved_by, normal;
         bool is_bone;
     };
     using MovedPoints = SpatialHash<MovedPoint>;
@@ -75,6 +76,7 @@ namespace {
             }
             if (polyline_distance(corridor, (at[0] + at[1] + at[2]) / 3.0) < from_mm)
                 continue;
+            const Vec3 normal = unit_normal(at[0], at[1], at[2]);
             const double longest = std::max({ (at[0] - at[1]).norm(), (at[1] - at[2]).norm(), (at[2] - at[0]).norm() });
             const int n = std::max(1, static_cast<int>(std::ceil(longest / kSampleMm)));
             for (int a = 0; a <= n; ++a)
@@ -84,10 +86,116 @@ namespace {
                     points.add(rest_point,
                         { .rest = rest_point,
                             .moved_by = s * by[0] + t * by[1] + (1.0 - s - t) * by[2],
+                            .normal = normal,
                             .is_bone = is_bone });
                 }
         }
         return points;
+    }
+
+    /// How far the tetrahedra's surface lies above a point of the body's surface, along its normal, mm; nothing when no
+    /// surface with a like normal is near. The two surfaces are made from the same voxels in two ways.
+    std::optional<double> step_to_tetrahedra(const Vec3& p, const Vec3& normal, const MovedPoints& points)
+    {
+        constexpr double kLikeNormal = 0.95; // the tetrahedra end in a ragged slope
+        std::optional<double> step;
+        double least = kReachMm * kReachMm;
+        points.visit_near(p, kReachMm, [&](const MovedPoint& point) {
+            const Vec3 line = point.rest - p;
+            const double height = line.dot(normal);
+            const double beside = (line - height * normal).norm();
+            if (point.normal.dot(normal) > kLikeNormal && beside < kSampleMm && line.squaredNorm() < least) {
+                least = line.squaredNorm();
+                step = height;
+            }
+            return true;
+        });
+        return step;
+    }
+
+    /// A place under the rim, and how far the tetrahedra's surface lies above it.
+    struct RimStep {
+        Vec3 at, normal;
+        double step;
+    };
+    using RimSteps = SpatialHash<RimStep>;
+
+    /// The median of the steps within a distance, on the same side of the wall; nothing when there is none.
+    std::optional<double> median_step(const Vec3& p, const Vec3& normal, double within_mm, const RimSteps& steps)
+    {
+        std::vector<double> found;
+        steps.visit_near(p, within_mm, [&](const RimStep& step) {
+            if (step.normal.dot(normal) > 0.0 && (step.at - p).norm() <= within_mm)
+                found.push_back(step.step);
+            return true;
+        });
+        if (found.empty())
+            return std::nullopt;
+        const auto middle = found.begin() + static_cast<std::ptrdiff_t>(found.size() / 2);
+        std::nth_element(found.begin(), middle, found.end());
+        return *middle;
+    }
+
+    /// Heights by which the surface is lifted along its normals, so that it meets the tetrahedra at the rim without a
+    /// step: a little below them up to the distance where they end in the picture, and fading to zero beyond it.
+    std::vector<double> lifts_to_meet(const TriMesh& rest, const Points& normals, const CorridorDistance& corridor,
+        double end_mm, const MovedPoints& moved)
+    {
+        constexpr double kMeetMm = 25.0; // beyond this distance from the rim nothing is lifted
+        constexpr double kBlurMm = 8.0; // over which the steps at the rim are averaged
+        const auto count = static_cast<std::size_t>(rest.vertices.rows());
+        std::vector<double> lifts(count, 0.0);
+        const auto place = [&](std::size_t v) -> Vec3 { return rest.vertices.row(static_cast<Eigen::Index>(v)); };
+        const auto normal = [&](std::size_t v) -> Vec3 { return normals.row(static_cast<Eigen::Index>(v)); };
+        std::vector<char> under(count, 0);
+        std::vector<std::optional<double>> own(count);
+        RimSteps raw(kBlurMm), smooth(kMeetMm);
+        for (std::size_t v = 0; v < count; ++v) {
+            under[v] = corridor.within(place(v), end_mm) ? 1 : 0;
+            if (under[v] != 0)
+                own[v] = step_to_tetrahedra(place(v), normal(v), moved);
+            if (own[v])
+                raw.add(place(v), { place(v), normal(v), *own[v] });
+        }
+        for (std::size_t v = 0; v < count; ++v)
+            if (under[v] != 0) {
+                const double step = median_step(place(v), normal(v), kBlurMm, raw).value_or(0.0);
+                lifts[v] = std::min(step, own[v].value_or(step)) - kSunkMm;
+                smooth.add(place(v), { place(v), normal(v), step - kSunkMm });
+            }
+        for (std::size_t v = 0; v < count; ++v) {
+            if (under[v] != 0)
+                continue;
+            const Vec3 p = place(v), n = normal(v);
+            const auto distance = [&](const RimStep& step) {
+                return step.normal.dot(n) > 0.0 ? (step.at - p).norm() : kMeetMm + kBlurMm;
+            };
+            double nearest = kMeetMm, sum = 0.0, weight = 0.0;
+            smooth.visit_near(p, kMeetMm, [&](const RimStep& step) {
+                nearest = std::min(nearest, distance(step));
+                return true;
+            });
+            if (nearest >= kMeetMm)
+                continue;
+            smooth.visit_near(p, kMeetMm + kBlurMm, [&](const RimStep& step) {
+                const double share = std::max(0.0, 1.0 - (distance(step) - nearest) / kBlurMm);
+                sum += share * step.step;
+                weight += share;
+                return true;
+            });
+            const double t = 1.0 - nearest / kMeetMm;
+            lifts[v] = t * t * (3.0 - 2.0 * t) * sum / weight;
+        }
+        return lifts;
+    }
+
+    /// Below the tetrahedra of a whole rim, whose slopes nothing can be fitted to; unchanged beyond it.
+    std::vector<double> lifts_under(const TriMesh& rest, const CorridorDistance& corridor, double region_mm)
+    {
+        std::vector<double> lifts;
+        for (Eigen::Index v = 0; v < rest.vertices.rows(); ++v)
+            lifts.push_back(corridor.within(rest.vertices.row(v).transpose(), region_mm) ? -2.0 * kSunkMm : 0.0);
+        return lifts;
     }
 
     /// The part of the surface farther than `limit_mm` from the corridor. Triangles across this limit are cut there,
@@ -260,8 +368,41 @@ namespace {
 
 } // namespace
 
+double rim_left_out_mm(const mesh::MeshSizing& sizing)
+{
+    constexpr double kLeftOutMm = 15.0, kShareOfRegion = 0.3;
+    return std::min(kLeftOutMm, kShareOfRegion * sizing.region_mm);
+}
+
+TriMesh without_rim(TriMesh boundary, const TriMesh& at_rest, const mesh::MeshSizing& sizing)
+{
+    RETRACTOR_ASSERT(boundary.triangles == at_rest.triangles && boundary.labels.size() == boundary.triangles.size());
+    if (sizing.region_mm <= 0.0)
+        return boundary;
+    const std::vector<Vec3> line = mesh::region_line(sizing);
+    const double limit = sizing.region_mm - rim_left_out_mm(sizing);
+    std::vector<char> inside(static_cast<std::size_t>(at_rest.vertices.rows()));
+    for (std::size_t v = 0; v < inside.size(); ++v)
+        inside[v]
+            = polyline_distance(line, at_rest.vertices.row(static_cast<Eigen::Index>(v)).transpose()) < limit ? 1 : 0;
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
+        const auto& corners = boundary.triangles[t];
+        const bool is_rim = std::none_of(
+            corners.begin(), corners.end(), [&](VertexId v) { return inside[static_cast<std::size_t>(v)] != 0; });
+        const auto& whole = sizing.whole_labels; // bones beyond the region are meshed, too
+        if (is_rim && std::find(whole.begin(), whole.end(), boundary.labels[t]) == whole.end())
+            continue;
+        boundary.triangles[kept] = corners;
+        boundary.labels[kept++] = boundary.labels[t];
+    }
+    boundary.triangles.resize(kept);
+    boundary.labels.resize(kept);
+    return boundary;
+}
+
 TriMesh unmeshed_wall_region(const TriMesh& body, const mesh::LabelVolume& labels, const mesh::MeshSizing& sizing,
-    const mesh::TetMesh& wall, const Points& displacement, const Job& job)
+    const mesh::TetMesh& wall, const Points& displacement, double inside_mm, const Job& job)
 {
     if (sizing.region_mm <= 0.0 || body.triangles.empty())
         return {};
@@ -269,27 +410,31 @@ TriMesh unmeshed_wall_region(const TriMesh& body, const mesh::LabelVolume& label
     const std::vector<Vec3> line = mesh::region_line(sizing);
     const CorridorDistance corridor(
         line, body.vertices.colwise().minCoeff().transpose(), body.vertices.colwise().maxCoeff().transpose());
-    TriMesh rest = part_beyond(body, corridor, sizing.region_mm - kOverlapMm);
+    const double begin_mm = sizing.region_mm - inside_mm - kOverlapMm;
+    TriMesh rest = part_beyond(body, corridor, begin_mm);
     if (rest.triangles.empty() || job.cancelled())
         return {};
     label_triangles(rest, labels);
 
     const MovedPoints moved
-        = moved_points(wall, displacement, line, sizing.region_mm - kRimBandMm, sizing.whole_labels);
+        = moved_points(wall, displacement, line, sizing.region_mm - inside_mm - kRimBandMm, sizing.whole_labels);
     const FadingField field(moved, corridor, sizing.region_mm + kFadeMm);
     const Points normals = mesh::vertex_normals(rest);
+    const std::vector<double> lifts = inside_mm > 0.0
+        ? lifts_to_meet(rest, normals, corridor, sizing.region_mm - 0.5 * inside_mm, moved)
+        : lifts_under(rest, corridor, sizing.region_mm);
     for (Eigen::Index row = 0; row < rest.vertices.rows(); ++row) {
         const Vec3 p = rest.vertices.row(row), normal = normals.row(row);
         Vec3 by = field.at(p);
-        double lift = corridor.within(p, sizing.region_mm) ? -kSunkMm : 0.0;
+        double lift = lifts[static_cast<std::size_t>(row)];
         if (const MovedPoint* sample = nearest_to(p, moved)) {
             const double off = (sample->rest - p).norm();
             const double share = std::clamp((off - kTouchMm) / (kReachMm - kTouchMm), 0.0, 1.0);
             by = share * by + (1.0 - share) * sample->moved_by;
-            if (lift == 0.0 && sample->is_bone) {
+            if (sample->is_bone && !corridor.within(p, sizing.region_mm)) {
                 const double above = (p - sample->rest).dot(normal);
                 const double beside = (p - sample->rest - above * normal).norm();
-                lift = std::max(0.0, kCoverMm - above) * std::clamp(2.0 - beside / kSampleMm, 0.0, 1.0);
+                lift += std::max(0.0, kCoverMm - above) * std::clamp(2.0 - beside / kSampleMm, 0.0, 1.0);
             }
         }
         rest.vertices.row(row) += (by + lift * normal).transpose();
@@ -305,7 +450,7 @@ std::vector<Label> drawn_labels(
 {
     RETRACTOR_ASSERT(boundary.labels.size() == boundary.triangles.size());
     const auto skin = std::ranges::find(labels.table, "skin", &mesh::LabelInfo::material);
-    if (sizing.coarse_beyond_mm <= 0.0 || skin == labels.table.end())
+    if (skin == labels.table.end())
         return boundary.labels;
     const std::vector<Vec3> line = mesh::region_line(sizing);
     std::vector<Label> drawn = boundary.labels;
@@ -313,11 +458,17 @@ std::vector<Label> drawn_labels(
         const auto [a, b, c] = triangle_corners(boundary.vertices, boundary.triangles[t]);
         const Vec3 middle = (a + b + c) / 3.0, out = unit_normal(a, b, c);
         const mesh::LabelInfo* info = mesh::find_label(labels.table, drawn[t]);
-        if (info == nullptr || is_skeleton(*info) || polyline_distance(line, middle) <= sizing.coarse_beyond_mm)
+        if (info == nullptr || is_skeleton(*info))
             continue;
-        // A flat face lies up to this distance under the skin.
-        constexpr double kDeepestMm = 8.0, kStepMm = 1.0;
-        for (double d = kStepMm; d <= kDeepestMm; d += kStepMm)
+        const bool is_coarse
+            = sizing.coarse_beyond_mm > 0.0 && polyline_distance(line, middle) > sizing.coarse_beyond_mm;
+        if (!is_coarse && info->material != "fat")
+            continue;
+        // A flat face of the coarse model lies up to this distance under the skin; where the mesh has a layer of skin,
+        // single elements of it may be missing.
+        constexpr double kDeepestMm = 8.0, kDeepestUnderLayerMm = 3.0, kStepMm = 1.0;
+        const double deepest = is_coarse ? kDeepestMm : kDeepestUnderLayerMm;
+        for (double d = kStepMm; d <= deepest; d += kStepMm)
             if (mesh::label_at(labels, middle + d * out) == 0) {
                 drawn[t] = skin->id;
                 break;

@@ -58,10 +58,11 @@ namespace {
     {
         SurfaceItem item;
         item.name = "chest wall";
+        const TriMesh at_rest = mesh::deformed_boundary(field.wall, {});
+        const mesh::MeshSizing sizing = planner::mesh_sizing_of(field.approach, patient.planned_case().label_table);
         TriMesh boundary = mesh::deformed_boundary(field.wall, field.opening.displacement);
-        boundary.labels = planner::drawn_labels(mesh::deformed_boundary(field.wall, {}), *patient.labels(),
-            planner::mesh_sizing_of(field.approach, patient.planned_case().label_table));
-        item.mesh = std::make_shared<const TriMesh>(std::move(boundary));
+        boundary.labels = planner::drawn_labels(at_rest, *patient.labels(), sizing);
+        item.mesh = std::make_shared<const TriMesh>(planner::without_rim(std::move(boundary), at_rest, sizing));
         item.look_of_label = tissue_looks(patient.planned_case().label_table);
         return item;
     }
@@ -351,7 +352,7 @@ TriMesh body_beyond(
     job.report("surroundings", 0.5);
     const mesh::LabelTable& table = patient.planned_case().label_table;
     return planner::unmeshed_wall_region(
-        body, *patient.labels(), planner::mesh_sizing_of(approach, table), wall, Points(), job);
+        body, *patient.labels(), planner::mesh_sizing_of(approach, table), wall, Points(), 0.0, job);
 }
 
 Picture view_picture(

@@ -165,7 +165,7 @@ namespace {
         ui::SurfaceItem rest;
         rest.name = "chest wall beyond the model";
         rest.mesh = std::make_shared<const TriMesh>(
-            planner::unmeshed_wall_region(body, chest.phantom.labels, chest.sizing, cut, displacement));
+            planner::unmeshed_wall_region(body, chest.phantom.labels, chest.sizing, cut, displacement, 0.0));
         rest.look_of_label = looks;
         if (!rest.mesh->triangles.empty())
             scene.surfaces.push_back(std::move(rest));

@@ -2,6 +2,7 @@
 #include "planner/wall/unmeshed_wall.h"
 
 #include "mesh/surface/label_surface.h"
+#include "mesh/surface/wound_surface.h"
 
 #include <gtest/gtest.h>
 
@@ -65,7 +66,7 @@ namespace unmeshed_wall_test {
     {
         const Sample& s = sample();
         const Points displacement = Points(u.transpose().replicate(s.wall.vertices.rows(), 1));
-        return unmeshed_wall_region(s.body, s.labels, sizing(), s.wall, displacement);
+        return unmeshed_wall_region(s.body, s.labels, sizing(), s.wall, displacement, 0.0);
     }
 
     double from_corridor(const Vec3& p) { return (p - Vec3(std::clamp(p.x(), -20.0, 20.0), 10.0, 0.0)).norm(); }
@@ -97,7 +98,7 @@ namespace unmeshed_wall_test {
         for (std::size_t v = 0; v < labels.voxels.size(); ++v)
             if (labels.voxels[v] == 1 && v % 110 > 90) // all of one end
                 labels.voxels[v] = 3;
-        const TriMesh rest = unmeshed_wall_region(sample().body, labels, sizing(), sample().wall, {});
+        const TriMesh rest = unmeshed_wall_region(sample().body, labels, sizing(), sample().wall, {}, 0.0);
         EXPECT_EQ(std::count(rest.labels.begin(), rest.labels.end(), Label { 3 }), 0);
         EXPECT_GT(std::count(rest.labels.begin(), rest.labels.end(), Label { 2 }), 0);
     }
@@ -127,12 +128,69 @@ namespace unmeshed_wall_test {
         EXPECT_GT(middle, 10);
     }
 
+    TEST(WallBeyond, MeetsTheTetrahedraWithoutAStep)
+    {
+        // A body's surface that lies 1.5 mm inside that of the tetrahedra on both sides.
+        constexpr double kStepMm = 1.5, kSunkMm = 0.2, kMeetMm = 25.0;
+        TriMesh body = sample().body;
+        for (Eigen::Index v = 0; v < body.vertices.rows(); ++v)
+            body.vertices(v, 1) += body.vertices(v, 1) < 0.5 * kThickness ? kStepMm : -kStepMm;
+        const double inside = rim_left_out_mm(sizing()), end = kRegion - 0.5 * inside;
+        const TriMesh rest = unmeshed_wall_region(body, sample().labels, sizing(), sample().wall, {}, inside);
+        // The tetrahedra's own surface lies up to half a voxel, 1 mm, off the slab's, so means are compared.
+        constexpr double kMeanMm = 0.3;
+        double under = 0.0, beside = 0.0, far = 0.0;
+        int count_under = 0, count_beside = 0, count_far = 0;
+        for (Eigen::Index v = 0; v < rest.vertices.rows(); ++v) {
+            const Vec3 p = rest.vertices.row(v).transpose();
+            if (std::abs(p.x()) > 80 || std::abs(p.z()) > 80) // the slab's edges
+                continue;
+            const double deep = std::min(p.y(), kThickness - p.y()), d = from_corridor(p);
+            if (d < end - 0.5) {
+                under += deep;
+                ++count_under;
+            } else if (d > end + 0.5 && d < end + 3.0) {
+                beside += deep;
+                ++count_beside;
+            } else if (d > end + kMeetMm + 1.0) {
+                far += deep;
+                ++count_far;
+            }
+        }
+        EXPECT_NEAR(under / count_under, kSunkMm, kMeanMm);
+        EXPECT_NEAR(beside / count_beside, 0.0, kMeanMm);
+        EXPECT_NEAR(far / count_far, kStepMm, kMeanMm);
+    }
+
+    TEST(WallBeyond, StandsBesideAWallWithoutItsRim)
+    {
+        const TriMesh boundary = mesh::deformed_boundary(sample().wall, {});
+        const TriMesh drawn = without_rim(boundary, boundary, sizing());
+        EXPECT_LT(drawn.triangles.size(), boundary.triangles.size());
+        ASSERT_EQ(drawn.labels.size(), drawn.triangles.size());
+        const double limit = kRegion - rim_left_out_mm(sizing());
+        for (const auto& triangle : drawn.triangles) {
+            double nearest = kRegion;
+            for (const VertexId v : triangle)
+                nearest = std::min(nearest, from_corridor(drawn.vertices.row(v).transpose()));
+            ASSERT_LT(nearest, limit);
+        }
+        // The surface beyond begins under the wall that is drawn: no gap.
+        const TriMesh rest = unmeshed_wall_region(
+            sample().body, sample().labels, sizing(), sample().wall, {}, rim_left_out_mm(sizing()));
+        double begin = kRegion;
+        for (Eigen::Index v = 0; v < rest.vertices.rows(); ++v)
+            begin = std::min(begin, from_corridor(rest.vertices.row(v).transpose()));
+        EXPECT_LT(begin, limit - 2.0);
+    }
+
     TEST(WallBeyond, IsEmptyWhereTheTetrahedraAreAll)
     {
         mesh::MeshSizing whole = sizing();
         whole.region_mm = 0.0;
-        EXPECT_TRUE(unmeshed_wall_region(sample().body, sample().labels, whole, sample().wall, {}).triangles.empty());
-        EXPECT_TRUE(unmeshed_wall_region({}, sample().labels, sizing(), sample().wall, {}).triangles.empty());
+        EXPECT_TRUE(
+            unmeshed_wall_region(sample().body, sample().labels, whole, sample().wall, {}, 0.0).triangles.empty());
+        EXPECT_TRUE(unmeshed_wall_region({}, sample().labels, sizing(), sample().wall, {}, 0.0).triangles.empty());
     }
 
 } // namespace unmeshed_wall_test

@@ -409,8 +409,8 @@ namespace {
         const mesh::MeshSizing& sizing, const Job& job)
     {
         const StageTimer timer(field.metrics, "expose");
-        field.remaining_wall = unmeshed_wall_region(
-            *patient.body(), labels, sizing, field.wall, field.opening.displacement, rim_left_out_mm(sizing), job);
+        field.remaining_wall = unmeshed_wall_region(*patient.body(), labels, sizing, field.wall,
+            field.opening.displacement, rim_left_out_mm(sizing.region_mm, field.approach.depth_mm), job);
         measure_region(field, labels, sizing, patient);
         WoundView view = look_through(field, field.opening.displacement, patient, job);
         field.geometry = std::move(view.geometry);

@@ -368,19 +368,21 @@ namespace {
 
 } // namespace
 
-double rim_left_out_mm(const mesh::MeshSizing& sizing)
+double rim_left_out_mm(double region_mm, double cut_depth_mm)
 {
-    constexpr double kLeftOutMm = 15.0, kShareOfRegion = 0.3;
-    return std::min(kLeftOutMm, kShareOfRegion * sizing.region_mm);
+    // The region's line runs along the incision and half way down the cut, so that the cut ends this far from it.
+    const double cut_mm = 0.5 * cut_depth_mm;
+    constexpr double kLeftOutMm = 15.0, kShareOfRegion = 0.3, kBesideCutMm = 10.0;
+    return std::max(0.0, std::min({ kLeftOutMm, kShareOfRegion * region_mm, region_mm - cut_mm - kBesideCutMm }));
 }
 
-TriMesh without_rim(TriMesh boundary, const TriMesh& at_rest, const mesh::MeshSizing& sizing)
+TriMesh without_rim(TriMesh boundary, const TriMesh& at_rest, const mesh::MeshSizing& sizing, double rim_mm)
 {
     RETRACTOR_ASSERT(boundary.triangles == at_rest.triangles && boundary.labels.size() == boundary.triangles.size());
-    if (sizing.region_mm <= 0.0)
+    if (sizing.region_mm <= 0.0 || rim_mm <= 0.0)
         return boundary;
     const std::vector<Vec3> line = mesh::region_line(sizing);
-    const double limit = sizing.region_mm - rim_left_out_mm(sizing);
+    const double limit = sizing.region_mm - rim_mm;
     std::vector<char> inside(static_cast<std::size_t>(at_rest.vertices.rows()));
     for (std::size_t v = 0; v < inside.size(); ++v)
         inside[v]
@@ -402,7 +404,7 @@ TriMesh without_rim(TriMesh boundary, const TriMesh& at_rest, const mesh::MeshSi
 }
 
 TriMesh unmeshed_wall_region(const TriMesh& body, const mesh::LabelVolume& labels, const mesh::MeshSizing& sizing,
-    const mesh::TetMesh& wall, const Points& displacement, double inside_mm, const Job& job)
+    const mesh::TetMesh& wall, const Points& displacement, double rim_mm, const Job& job)
 {
     if (sizing.region_mm <= 0.0 || body.triangles.empty())
         return {};
@@ -410,18 +412,18 @@ TriMesh unmeshed_wall_region(const TriMesh& body, const mesh::LabelVolume& label
     const std::vector<Vec3> line = mesh::region_line(sizing);
     const CorridorDistance corridor(
         line, body.vertices.colwise().minCoeff().transpose(), body.vertices.colwise().maxCoeff().transpose());
-    const double begin_mm = sizing.region_mm - inside_mm - kOverlapMm;
+    const double begin_mm = sizing.region_mm - rim_mm - kOverlapMm;
     TriMesh rest = part_beyond(body, corridor, begin_mm);
     if (rest.triangles.empty() || job.cancelled())
         return {};
     label_triangles(rest, labels);
 
     const MovedPoints moved
-        = moved_points(wall, displacement, line, sizing.region_mm - inside_mm - kRimBandMm, sizing.whole_labels);
+        = moved_points(wall, displacement, line, sizing.region_mm - rim_mm - kRimBandMm, sizing.whole_labels);
     const FadingField field(moved, corridor, sizing.region_mm + kFadeMm);
     const Points normals = mesh::vertex_normals(rest);
-    const std::vector<double> lifts = inside_mm > 0.0
-        ? lifts_to_meet(rest, normals, corridor, sizing.region_mm - 0.5 * inside_mm, moved)
+    const std::vector<double> lifts = rim_mm > 0.0
+        ? lifts_to_meet(rest, normals, corridor, sizing.region_mm - 0.5 * rim_mm, moved)
         : lifts_under(rest, corridor, sizing.region_mm);
     for (Eigen::Index row = 0; row < rest.vertices.rows(); ++row) {
         const Vec3 p = rest.vertices.row(row), normal = normals.row(row);

@@ -11,12 +11,14 @@
 
 namespace retractor::planner {
 
-/// Depth of the region's rim that pictures leave out, mm: the tetrahedra end there in slopes of about an element.
-double rim_left_out_mm(const mesh::MeshSizing& sizing);
+/// Width of the region's rim that pictures leave out, mm: the tetrahedra end there in slopes of about an element. 0
+/// where the cut may reach into the rim.
+double rim_left_out_mm(double region_mm, double cut_depth_mm);
 
 /// The boundary of the meshed wall without the faces of soft tissue in the rim of the region.
 /// @param boundary displaced or not, with a label per triangle; @param at_rest the same triangles at rest
-TriMesh without_rim(TriMesh boundary, const TriMesh& at_rest, const mesh::MeshSizing& sizing);
+/// @param rim_mm rim_left_out_mm()
+TriMesh without_rim(TriMesh boundary, const TriMesh& at_rest, const mesh::MeshSizing& sizing, double rim_mm);
 
 /// The part of the body's surface that the tetrahedra do not cover. The surface is open round the region, and ends a
 /// little below the region's tissue, to which it is fitted.
@@ -24,11 +26,10 @@ TriMesh without_rim(TriMesh boundary, const TriMesh& at_rest, const mesh::MeshSi
 /// harmonic function in between: smooth, no mechanics). Each triangle has the label of the wall tissue just inside it.
 /// @param body surface of all wall labels, see Patient::body()
 /// @param displacement n x 3 (mm), one row per vertex of `wall`
-/// @param inside_mm how far inside the rim the surface begins: rim_left_out_mm() beside a wall without its rim, 0
-/// beside a whole one
+/// @param rim_mm width of the rim that the picture of the tetrahedra leaves out; 0: none, and the surface is not fitted
 /// @returns an empty surface when the region has no limit, because the tetrahedra are then the whole wall
 TriMesh unmeshed_wall_region(const TriMesh& body, const mesh::LabelVolume& labels, const mesh::MeshSizing& sizing,
-    const mesh::TetMesh& wall, const Points& displacement, double inside_mm, const Job& job = {});
+    const mesh::TetMesh& wall, const Points& displacement, double rim_mm, const Job& job = {});
 
 /// The labels with which the boundary of the meshed wall is drawn. In its coarse model (MeshSizing::coarse_beyond_mm),
 /// which has no layer of skin, faces at the outside of the body are skin, and so are faces of fat that lie there where

@@ -62,7 +62,8 @@ namespace {
         const mesh::MeshSizing sizing = planner::mesh_sizing_of(field.approach, patient.planned_case().label_table);
         TriMesh boundary = mesh::deformed_boundary(field.wall, field.opening.displacement);
         boundary.labels = planner::drawn_labels(at_rest, *patient.labels(), sizing);
-        item.mesh = std::make_shared<const TriMesh>(planner::without_rim(std::move(boundary), at_rest, sizing));
+        item.mesh = std::make_shared<const TriMesh>(planner::without_rim(
+            std::move(boundary), at_rest, sizing, planner::rim_left_out_mm(sizing.region_mm, field.approach.depth_mm)));
         item.look_of_label = tissue_looks(patient.planned_case().label_table);
         return item;
     }

@@ -14,7 +14,7 @@ namespace retractor::planner {
 namespace unmeshed_wall_test {
 
     constexpr double kThickness = 20.0;
-    constexpr double kRegion = 30.0;
+    constexpr double kRegion = 30.0, kCutDepth = 20.0;
     // It is sunk by 0.4 mm towards a corridor that lies 10 mm deep: 0.4 * 10 / 26 = 0.15 nearer; and an edge of 2.5 mm
     // is a chord of the region's border: 2.5^2 / (8 * 26) = 0.03 mm.
     constexpr double kSagMm = 0.2;
@@ -135,7 +135,7 @@ namespace unmeshed_wall_test {
         TriMesh body = sample().body;
         for (Eigen::Index v = 0; v < body.vertices.rows(); ++v)
             body.vertices(v, 1) += body.vertices(v, 1) < 0.5 * kThickness ? kStepMm : -kStepMm;
-        const double inside = rim_left_out_mm(sizing()), end = kRegion - 0.5 * inside;
+        const double inside = rim_left_out_mm(kRegion, kCutDepth), end = kRegion - 0.5 * inside;
         const TriMesh rest = unmeshed_wall_region(body, sample().labels, sizing(), sample().wall, {}, inside);
         // The tetrahedra's own surface lies up to half a voxel, 1 mm, off the slab's, so means are compared.
         constexpr double kMeanMm = 0.3;
@@ -162,13 +162,21 @@ namespace unmeshed_wall_test {
         EXPECT_NEAR(far / count_far, kStepMm, kMeanMm);
     }
 
+    TEST(WallBeyond, LeavesNoRimOutWhereTheCutMayReach)
+    {
+        EXPECT_EQ(rim_left_out_mm(50.0, 40.0), 15.0);
+        EXPECT_EQ(rim_left_out_mm(50.0, 60.0), 10.0);
+        EXPECT_EQ(rim_left_out_mm(50.0, 90.0), 0.0);
+        EXPECT_NEAR(rim_left_out_mm(20.0, 10.0), 5.0, 1e-12);
+    }
+
     TEST(WallBeyond, StandsBesideAWallWithoutItsRim)
     {
         const TriMesh boundary = mesh::deformed_boundary(sample().wall, {});
-        const TriMesh drawn = without_rim(boundary, boundary, sizing());
+        const TriMesh drawn = without_rim(boundary, boundary, sizing(), rim_left_out_mm(kRegion, kCutDepth));
         EXPECT_LT(drawn.triangles.size(), boundary.triangles.size());
         ASSERT_EQ(drawn.labels.size(), drawn.triangles.size());
-        const double limit = kRegion - rim_left_out_mm(sizing());
+        const double limit = kRegion - rim_left_out_mm(kRegion, kCutDepth);
         for (const auto& triangle : drawn.triangles) {
             double nearest = kRegion;
             for (const VertexId v : triangle)
@@ -177,7 +185,7 @@ namespace unmeshed_wall_test {
         }
         // The surface beyond begins under the wall that is drawn: no gap.
         const TriMesh rest = unmeshed_wall_region(
-            sample().body, sample().labels, sizing(), sample().wall, {}, rim_left_out_mm(sizing()));
+            sample().body, sample().labels, sizing(), sample().wall, {}, rim_left_out_mm(kRegion, kCutDepth));
         double begin = kRegion;
         for (Eigen::Index v = 0; v < rest.vertices.rows(); ++v)
             begin = std::min(begin, from_corridor(rest.vertices.row(v).transpose()));

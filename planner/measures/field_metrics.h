@@ -353,6 +353,8 @@ struct FieldMetrics {
     double seen_two_eyes = 0.0; ///< with two eyes round this place, and light from between them
     double reached_by_two_instruments = 0.0; ///< seen, and within reach of two straight shafts at once
     double best_eye_picture = 0.0; ///< projected area seen from the best place, over that of the target alone
+    /// The same share, counted in the picture that is drawn from there; not set: no picture was drawn.
+    std::optional<double> best_eye_pixels;
     BestEye best_eye;
     // The direction from the target to the middle of the opening.
     double access_horizontal_deg = 0.0; ///< in the axial plane, from straight ahead towards the patient's left

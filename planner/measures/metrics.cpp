@@ -566,6 +566,8 @@ namespace {
         json["name"] = field.name;
         json["target"] = field.target;
         put(json, field, MetricGroup::sight);
+        if (field.best_eye_pixels)
+            put(json, field, "best_eye_pixels", *field.best_eye_pixels);
         json["best_eye"] = best_eye_document(field, field.best_eye);
         json["cone"] = { { "eye_distance_mm", field.eye_distance_mm }, { "half_angle_deg", field.cone_half_angle_deg },
             { "eyes", field.eyes }, { "target_samples", field.target_samples } };

@@ -470,6 +470,13 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             << in_words(field.cone_half_angle_deg, 0) << " degrees of the axis. The mean and the union are over "
             << field.eyes << " eyes " << in_words(field.eye_distance_mm, 0) << " mm from the target; "
             << field.target_samples << " samples on the target.</p>";
+        if (field.best_eye_pixels) {
+            constexpr double kAgrees = 0.02; // half a pixel along the outlines, and the samples of the rays
+            const double off = std::abs(*field.best_eye_pixels - field.best_eye_picture);
+            out << (off > kAgrees ? "<p class=\"notice\">" : "<p>") << "From there the picture shows "
+                << percent(*field.best_eye_pixels) << " of the target, counted in pixels; the number says "
+                << percent(field.best_eye_picture) << ".</p>";
+        }
         if (const std::string retractor = retractor_text(field); !retractor.empty())
             out << "<p>" << escaped(retractor) << ".</p>";
         if (const std::string lips = lips_text(field); !lips.empty())

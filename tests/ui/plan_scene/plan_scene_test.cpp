@@ -3,7 +3,7 @@
 #include "mesh/base/error.h"
 #include "planner/plan/plan.h"
 #include "tests/support/block_case.h"
-#include "tests/ui/scene/target_pixels.h"
+#include "ui/scene/vtk/identifier_picture.h"
 
 #include <gtest/gtest.h>
 
@@ -39,8 +39,8 @@ namespace plan_scene_test {
         ASSERT_EQ(field->status, planner::PlanStatus::done) << field->message;
         const Scene scene = surgeon_scene(*patient, *field);
         OffscreenRenderer renderer(make_offscreen_context());
-        const samples::TargetPixels pixels = samples::target_pixels(renderer, scene, 960, 960);
-        ASSERT_GT(pixels.unobstructed, 5000U);
+        const TargetPixels pixels = target_pixels(renderer, scene);
+        ASSERT_GT(pixels.alone, 5000U);
         const double rays = field->best_eye.picture_share;
         EXPECT_GT(rays, 0.05); // partly hidden, or the comparison says nothing
         EXPECT_LT(rays, 0.95);

@@ -6,7 +6,7 @@
 #include "tests/ui/scene/pictures.h"
 #include "tests/ui/scene/png_files.h"
 #include "tests/ui/scene/sample_scenes.h"
-#include "tests/ui/scene/target_pixels.h"
+#include "ui/scene/vtk/identifier_picture.h"
 #include "ui/scene/vtk/vtk_errors.h"
 
 #include <gtest/gtest.h>
@@ -28,8 +28,6 @@ namespace render_test {
     using samples::Pixel;
     using samples::psnr_db;
     using samples::read_png;
-    using samples::target_pixels;
-    using samples::TargetPixels;
 
     /// Unlit colours come back as given, but for rounding.
     void expect_color(const samples::Pixel& p, int r, int g, int b, int tolerance = 1)
@@ -341,29 +339,65 @@ namespace render_test {
         scene.surfaces
             = { sphere, samples::unlit(samples::box_mesh({ -100, -60, -100 }, { 0, -50, 100 }), { 1, 0, 0 }) };
         scene.camera.eye = { 0, -400, 0 };
-        const TargetPixels pixels = target_pixels(samples::renderer(), scene, 640, 480);
-        // The sphere's outline is a circle of the tangent cone: its area in pixels in closed form.
-        const double tangent = std::tan(std::asin(30.0 / 400.0)) / std::tan(std::numbers::pi / 12.0) * 240.0;
-        const double area = std::numbers::pi * tangent * tangent;
+        const TargetPixels pixels = target_pixels(samples::renderer(), scene, 640);
+        // The sphere's outline is a circle, and the picture is 1.05 times as high as it.
+        const double radius = 320.0 / 1.05;
+        const double area = std::numbers::pi * radius * radius;
         constexpr double kPolygon = 0.005; // the sphere's 96 sides and its outline's pixels
-        EXPECT_NEAR(static_cast<double>(pixels.unobstructed) / area, 1.0, kPolygon);
+        EXPECT_NEAR(static_cast<double>(pixels.alone) / area, 1.0, kPolygon);
         EXPECT_NEAR(pixels.share(), 0.5, kPolygon);
         scene.surfaces[1].on_top = true;
-        EXPECT_DOUBLE_EQ(target_pixels(samples::renderer(), scene, 640, 480).share(), 1.0);
+        EXPECT_DOUBLE_EQ(target_pixels(samples::renderer(), scene, 640).share(), 1.0);
         scene.surfaces.resize(1);
         scene.surfaces[0].target = false;
-        EXPECT_DOUBLE_EQ(target_pixels(samples::renderer(), scene, 640, 480).share(), 0.0);
+        EXPECT_DOUBLE_EQ(target_pixels(samples::renderer(), scene, 640).share(), 0.0);
     }
 
     TEST_F(Pictures, TargetShareIgnoresVolumesLinesAndWords)
     {
         Scene scene = samples::little_chest(false);
-        const TargetPixels bare = target_pixels(samples::renderer(), scene, 320, 240);
+        const TargetPixels bare = target_pixels(samples::renderer(), scene, 320);
         scene = samples::little_chest(true);
-        const TargetPixels full = target_pixels(samples::renderer(), scene, 320, 240);
-        EXPECT_GT(bare.unobstructed, 100U);
+        const TargetPixels full = target_pixels(samples::renderer(), scene, 320);
+        EXPECT_GT(bare.alone, 100U);
         EXPECT_EQ(bare.visible, full.visible);
-        EXPECT_EQ(bare.unobstructed, full.unobstructed);
+        EXPECT_EQ(bare.alone, full.alone);
+    }
+
+    TEST_F(Pictures, EveryPixelKnowsItsStructure)
+    {
+        // A box with two labels behind a smaller box, and one that is drawn on top and so hides nothing.
+        Scene scene = samples::box_scene({ -20, -60, -20 }, { 20, -50, 20 }, { 0.3, 0.2, 0.9 });
+        scene.surfaces[0].name = "aorta";
+        SurfaceItem wall = samples::unlit(samples::box_mesh({ -80, 0, -80 }, { 80, 10, 80 }, 3), { 1, 1, 1 });
+        wall.name = "wall";
+        wall.look_of_label = { { 3, wall.look }, { 4, wall.look } };
+        scene.surfaces.push_back(wall);
+        SurfaceItem glow = samples::unlit(samples::box_mesh({ -80, -90, -80 }, { 80, -80, 80 }), { 1, 1, 1 });
+        glow.on_top = true;
+        scene.surfaces.push_back(glow);
+        scene.camera.eye = { 0, -400, 0 };
+        scene.camera.aim = { 0, 0, 0 };
+        constexpr int kSize = 200;
+        const IdentifierPicture picture
+            = identifier_picture(samples::renderer(), scene, { { 3, "sternum" } }, kSize, kSize);
+        ASSERT_EQ(picture.structure.size(), static_cast<std::size_t>(kSize * kSize));
+        const auto name_at = [&](int x, int y) {
+            const int structure = picture.structure[static_cast<std::size_t>(y * kSize + x)];
+            return structure < 0 ? std::string() : picture.names[static_cast<std::size_t>(structure)];
+        };
+        EXPECT_EQ(name_at(kSize / 2, kSize / 2), "aorta");
+        EXPECT_EQ(name_at(kSize / 2, kSize * 3 / 4), "sternum");
+        EXPECT_EQ(name_at(1, 1), "");
+
+        add_names(scene, picture);
+        ASSERT_EQ(scene.words.size(), 2U);
+        for (const TextItem& word : scene.words) {
+            const Vec3 at = word.position; // in the plane of the aim
+            EXPECT_NEAR(at.y(), 0.0, 1e-9);
+            const bool in_front = std::abs(at.x()) < 20.0 * 400.0 / 340.0 && std::abs(at.z()) < 20.0 * 400.0 / 340.0;
+            EXPECT_EQ(word.text, in_front ? "aorta" : "sternum");
+        }
     }
 
     // Bookkeeping, files and failures.

@@ -18,6 +18,7 @@
 #include "planner/measures/volume_failures.h"
 #include "ui/plan_scene/case_picture.h"
 #include "ui/plan_scene/plan_scene.h"
+#include "ui/scene/vtk/identifier_picture.h"
 #include "ui/scene/vtk/render.h"
 
 #include <algorithm>
@@ -28,6 +29,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <set>
 
 namespace retractor::ui::cli {
@@ -209,6 +211,24 @@ void write_field_meshes(
     }
 }
 
+namespace {
+
+    /// Counts the target's pixels in the surgeon's view, and names the structures in it.
+    void check_and_name(Picture& picture, planner::PlannedField& field, OffscreenRenderer& renderer,
+        planner::Patient& patient, const PictureRequest& request)
+    {
+        Scene& scene = picture.viewports.front().scene;
+        field.metrics.best_eye_pixels = target_pixels(renderer, scene).share();
+        if (!request.names)
+            return;
+        std::map<Label, std::string> names;
+        for (const mesh::LabelInfo& info : patient.planned_case().label_table)
+            names[info.id] = info.name;
+        add_names(scene, identifier_picture(renderer, scene, names, picture.width, picture.height));
+    }
+
+} // namespace
+
 std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& folder, planner::Patient& patient,
     std::vector<planner::PlannedField>& fields, const PictureRequest& request, const Job& job)
 {
@@ -226,7 +246,10 @@ std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& f
                 continue;
             job.report("render", static_cast<double>(pictures.size()) / total);
             const std::filesystem::path file = folder / (field.approach.name + "-" + view + ".png");
-            write_png(file, renderer.render(view_picture(patient, field, view, request.width, request.height)));
+            Picture picture = view_picture(patient, field, view, request.width, request.height);
+            if (view == "surgeon")
+                check_and_name(picture, field, renderer, patient, request);
+            write_png(file, renderer.render(picture));
             pictures.push_back({ .approach = field.approach.name, .caption = caption_of(view), .file = file });
         }
         field.metrics.seconds.emplace_back("render", watch.seconds());

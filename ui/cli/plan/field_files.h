@@ -16,6 +16,7 @@ namespace retractor::ui::cli {
 struct PictureRequest {
     std::vector<std::string> views; ///< "surgeon", "overview", "slices"
     int width = 1280, height = 960;
+    bool names = true; ///< the surgeon's view names the structures in it
 };
 
 /// Writes the meshes of every measured field: <name>.vtu (cut wall with displacement, strain and material labels),
@@ -23,8 +24,9 @@ struct PictureRequest {
 void write_field_meshes(
     const std::filesystem::path& folder, planner::Patient& patient, const std::vector<planner::PlannedField>& fields);
 
-/// Renders the views of every measured field to <name>-<view>.png, slices only when the case has a CT.
-/// Adds the time to each field's seconds ("render").
+/// Renders the views of every measured field to <name>-<view>.png, slices only when the case has a CT. Counts the
+/// pixels of the target in the surgeon's view (FieldMetrics::best_eye_pixels). Adds the time to each field's seconds
+/// ("render").
 std::vector<planner::ReportPicture> render_fields(const std::filesystem::path& folder, planner::Patient& patient,
     std::vector<planner::PlannedField>& fields, const PictureRequest& request, const Job& job);
 

@@ -45,6 +45,7 @@ namespace {
 
     struct PlanOptions {
         std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity, element;
+        bool without_names = false;
         std::string reference, contact;
         std::vector<std::string> pressures;
         std::optional<std::string> export_formats;
@@ -197,7 +198,8 @@ namespace {
         const auto [width, height] = parse_size(options.size);
         PictureRequest request { .views = options.views.empty() ? planned_case.views : split(options.views, ','),
             .width = width,
-            .height = height };
+            .height = height,
+            .names = !options.without_names };
         for (const std::string& view : request.views)
             if (std::find(std::begin(planner::kViewNames), std::end(planner::kViewNames), view)
                 == std::end(planner::kViewNames))
@@ -592,6 +594,7 @@ void add_render_command(Commands& commands)
     command->add_option(
         "--views", options->views, "surgeon, overview, slices, separated by commas (default: the case's)");
     command->add_option("--size", options->size, "Width x height in pixels")->capture_default_str();
+    command->add_flag("--no-names", options->without_names, "Leave out the names of structures in the surgeon's view");
     add_solution_options(*command, *options);
     command->add_option("--backend", options->backend, "osmesa or egl")->check(CLI::IsMember({ "osmesa", "egl" }));
     commands.on(command, [&commands, options](const Job& job) {

@@ -4,6 +4,7 @@
 #include "mesh/base/error.h"
 #include "mesh/image/skeleton.h"
 #include "mesh/surface/label_surface.h"
+#include "planner/wall/image_end.h"
 
 #include <algorithm>
 #include <array>
@@ -131,6 +132,17 @@ std::shared_ptr<const TriMesh> Patient::body()
         record_part(job_, "surface body", watch, bytes_of(*body_));
     }
     return body_;
+}
+
+std::shared_ptr<const TriMesh> Patient::image_end()
+{
+    const std::lock_guard lock(mutex_);
+    if (!image_end_) {
+        const Stopwatch watch;
+        image_end_ = std::make_shared<const TriMesh>(image_end_faces(*labels()));
+        record_part(job_, "surface image end", watch, bytes_of(*image_end_));
+    }
+    return image_end_;
 }
 
 std::shared_ptr<const TriMesh> Patient::target(const TargetSpec& target)

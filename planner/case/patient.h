@@ -45,6 +45,8 @@ public:
     std::shared_ptr<const TriMesh> organ(std::string_view name);
     /// Surface of the whole wall before any cut, with the skin outside and the cavity inside.
     std::shared_ptr<const TriMesh> body();
+    /// The faces that close the body where the image ends, see image_end_faces().
+    std::shared_ptr<const TriMesh> image_end();
     /// Surface of a target: the surface of its label, or a sphere.
     std::shared_ptr<const TriMesh> target(const TargetSpec& target);
 
@@ -57,7 +59,7 @@ private:
     std::shared_ptr<const Anatomy> anatomy_;
     std::shared_ptr<const std::vector<BoneStiffness>> bone_stiffness_;
     std::map<std::string, std::shared_ptr<const TriMesh>, std::less<>> organs_;
-    std::shared_ptr<const TriMesh> body_;
+    std::shared_ptr<const TriMesh> body_, image_end_;
     mesh::LabelFlags label_occurs_; ///< one flag per label id; empty until first needed
 };
 

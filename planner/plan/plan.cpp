@@ -410,7 +410,7 @@ namespace {
     {
         const StageTimer timer(field.metrics, "expose");
         field.remaining_wall = unmeshed_wall_region(*patient.body(), labels, sizing, field.wall,
-            field.opening.displacement, rim_left_out_mm(sizing.region_mm, field.approach.depth_mm), job);
+            field.opening.displacement, drawn_rim_width_mm(sizing.region_mm, field.approach.depth_mm), job);
         measure_region(field, labels, sizing, patient);
         WoundView view = look_through(field, field.opening.displacement, patient, job);
         field.geometry = std::move(view.geometry);

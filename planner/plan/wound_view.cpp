@@ -55,6 +55,11 @@ namespace {
         for (const HookShape& hook : placed_hooks(field, displacement, opening))
             all.push_back(
                 { .name = hook.name, .surface = hook_mesh(hook), .labels = {}, .material = "steel", .wall = true });
+        all.push_back({ .name = "end of the image",
+            .surface = *patient.image_end(),
+            .labels = {},
+            .material = {},
+            .wall = false });
         for (const mesh::LabelInfo& info : table)
             if (blocks_view(info, field.approach, patient))
                 all.push_back({ .name = info.name,

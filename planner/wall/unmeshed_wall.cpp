@@ -368,7 +368,7 @@ namespace {
 
 } // namespace
 
-double rim_left_out_mm(double region_mm, double cut_depth_mm)
+double drawn_rim_width_mm(double region_mm, double cut_depth_mm)
 {
     // The region's line runs along the incision and half way down the cut, so that the cut ends this far from it.
     const double cut_mm = 0.5 * cut_depth_mm;

@@ -13,11 +13,11 @@ namespace retractor::planner {
 
 /// Width of the region's rim that pictures leave out, mm: the tetrahedra end there in slopes of about an element. 0
 /// where the cut may reach into the rim.
-double rim_left_out_mm(double region_mm, double cut_depth_mm);
+double drawn_rim_width_mm(double region_mm, double cut_depth_mm);
 
 /// The boundary of the meshed wall without the faces of soft tissue in the rim of the region.
 /// @param boundary displaced or not, with a label per triangle; @param at_rest the same triangles at rest
-/// @param rim_mm rim_left_out_mm()
+/// @param rim_mm drawn_rim_width_mm()
 TriMesh without_rim(TriMesh boundary, const TriMesh& at_rest, const mesh::MeshSizing& sizing, double rim_mm);
 
 /// The part of the body's surface that the tetrahedra do not cover. The surface is open round the region, and ends a

@@ -30,6 +30,8 @@ namespace {
     constexpr double kSurroundingsShare = 0.2;
     /// Longest edge of the surroundings, much shorter than the region's width.
     constexpr double kLongestSurroundingMm = 8.0;
+    /// Grey, as no tissue is: here the CT ends.
+    constexpr Color kImageEnd { 0.36, 0.38, 0.40 };
     /// Opacity of the organ that is operated on, so that a target inside it shows.
     constexpr double kOperatedOpacity = 0.4;
     /// Opacity of the target where it shines through the wall.
@@ -62,8 +64,8 @@ namespace {
         const mesh::MeshSizing sizing = planner::mesh_sizing_of(field.approach, patient.planned_case().label_table);
         TriMesh boundary = mesh::deformed_boundary(field.wall, field.opening.displacement);
         boundary.labels = planner::drawn_labels(at_rest, *patient.labels(), sizing);
-        item.mesh = std::make_shared<const TriMesh>(planner::without_rim(
-            std::move(boundary), at_rest, sizing, planner::rim_left_out_mm(sizing.region_mm, field.approach.depth_mm)));
+        item.mesh = std::make_shared<const TriMesh>(planner::without_rim(std::move(boundary), at_rest, sizing,
+            planner::drawn_rim_width_mm(sizing.region_mm, field.approach.depth_mm)));
         item.look_of_label = tissue_looks(patient.planned_case().label_table);
         return item;
     }
@@ -79,6 +81,11 @@ namespace {
             rest.look_of_label = tissue_looks(table);
             scene.surfaces.push_back(std::move(rest));
         }
+        if (const auto end = patient.image_end(); !end->triangles.empty())
+            scene.surfaces.push_back({ .name = "end of the image",
+                .mesh = end,
+                .look = { kImageEnd, Finish::matte, 0.0 },
+                .smooth = false });
         for (const mesh::LabelInfo& info : table) {
             if (info.name == field.approach.target.label || !planner::stays_in_place(info, field.approach, patient))
                 continue;

@@ -135,7 +135,7 @@ namespace unmeshed_wall_test {
         TriMesh body = sample().body;
         for (Eigen::Index v = 0; v < body.vertices.rows(); ++v)
             body.vertices(v, 1) += body.vertices(v, 1) < 0.5 * kThickness ? kStepMm : -kStepMm;
-        const double inside = rim_left_out_mm(kRegion, kCutDepth), end = kRegion - 0.5 * inside;
+        const double inside = drawn_rim_width_mm(kRegion, kCutDepth), end = kRegion - 0.5 * inside;
         const TriMesh rest = unmeshed_wall_region(body, sample().labels, sizing(), sample().wall, {}, inside);
         // The tetrahedra's own surface lies up to half a voxel, 1 mm, off the slab's, so means are compared.
         constexpr double kMeanMm = 0.3;
@@ -164,19 +164,19 @@ namespace unmeshed_wall_test {
 
     TEST(WallBeyond, LeavesNoRimOutWhereTheCutMayReach)
     {
-        EXPECT_EQ(rim_left_out_mm(50.0, 40.0), 15.0);
-        EXPECT_EQ(rim_left_out_mm(50.0, 60.0), 10.0);
-        EXPECT_EQ(rim_left_out_mm(50.0, 90.0), 0.0);
-        EXPECT_NEAR(rim_left_out_mm(20.0, 10.0), 5.0, 1e-12);
+        EXPECT_EQ(drawn_rim_width_mm(50.0, 40.0), 15.0);
+        EXPECT_EQ(drawn_rim_width_mm(50.0, 60.0), 10.0);
+        EXPECT_EQ(drawn_rim_width_mm(50.0, 90.0), 0.0);
+        EXPECT_NEAR(drawn_rim_width_mm(20.0, 10.0), 5.0, 1e-12);
     }
 
     TEST(WallBeyond, StandsBesideAWallWithoutItsRim)
     {
         const TriMesh boundary = mesh::deformed_boundary(sample().wall, {});
-        const TriMesh drawn = without_rim(boundary, boundary, sizing(), rim_left_out_mm(kRegion, kCutDepth));
+        const TriMesh drawn = without_rim(boundary, boundary, sizing(), drawn_rim_width_mm(kRegion, kCutDepth));
         EXPECT_LT(drawn.triangles.size(), boundary.triangles.size());
         ASSERT_EQ(drawn.labels.size(), drawn.triangles.size());
-        const double limit = kRegion - rim_left_out_mm(kRegion, kCutDepth);
+        const double limit = kRegion - drawn_rim_width_mm(kRegion, kCutDepth);
         for (const auto& triangle : drawn.triangles) {
             double nearest = kRegion;
             for (const VertexId v : triangle)
@@ -185,7 +185,7 @@ namespace unmeshed_wall_test {
         }
         // The surface beyond begins under the wall that is drawn: no gap.
         const TriMesh rest = unmeshed_wall_region(
-            sample().body, sample().labels, sizing(), sample().wall, {}, rim_left_out_mm(kRegion, kCutDepth));
+            sample().body, sample().labels, sizing(), sample().wall, {}, drawn_rim_width_mm(kRegion, kCutDepth));
         double begin = kRegion;
         for (Eigen::Index v = 0; v < rest.vertices.rows(); ++v)
             begin = std::min(begin, from_corridor(rest.vertices.row(v).transpose()));

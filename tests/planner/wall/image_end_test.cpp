@@ -1,0 +1,54 @@
+#include "planner/wall/image_end.h"
+
+#include "mesh/base/triangle.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace retractor::planner {
+namespace image_end_test {
+
+    constexpr int kSize = 20;
+
+    /// A tube along k with 3 x 2 x 2 mm voxels: labelled where 4 <= i < 12 and 5 <= j < 15, hollow in the middle.
+    mesh::LabelVolume tube(int from_k, int to_k)
+    {
+        mesh::LabelVolume labels;
+        labels.grid = { .size = { kSize, kSize, kSize }, .spacing = { 3, 2, 2 }, .origin = { 1, 2, 3 } };
+        labels.table = { { 1, "muscle", "muscle", mesh::Role::wall } };
+        labels.voxels.assign(labels.grid.voxel_count(), 0);
+        for (int k = from_k; k < to_k; ++k)
+            for (int j = 5; j < 15; ++j)
+                for (int i = 4; i < 12; ++i)
+                    if (i < 6 || i >= 10 || j < 7 || j >= 13)
+                        labels.voxels[labels.grid.offset(i, j, k)] = 1;
+        return labels;
+    }
+
+    double area(const TriMesh& mesh)
+    {
+        double sum = 0.0;
+        for (const auto& triangle : mesh.triangles)
+            sum += triangle_area(mesh.vertices, triangle);
+        return sum;
+    }
+
+    TEST(ImageEnd, ClosesTheBodyWithItsCavityWhereTheImageEnds)
+    {
+        const double section = (8 * 3.0) * (10 * 2.0); // with the cavity
+        const TriMesh both = image_end_faces(tube(0, kSize));
+        EXPECT_NEAR(area(both), 2.0 * section, 1e-9);
+        double low = 1e9, high = -1e9;
+        for (Eigen::Index v = 0; v < both.vertices.rows(); ++v) {
+            low = std::min(low, both.vertices(v, 2));
+            high = std::max(high, both.vertices(v, 2));
+        }
+        EXPECT_NEAR(low, 3.0 - 2.0, 1e-9); // a voxel outside
+        EXPECT_NEAR(high, 3.0 + 2.0 * kSize, 1e-9);
+        EXPECT_NEAR(area(image_end_faces(tube(2, kSize - 5))), section, 1e-9) << "two empty slices are a margin";
+        EXPECT_TRUE(image_end_faces(tube(5, kSize - 5)).triangles.empty()) << "the body ends inside the image";
+    }
+
+} // namespace image_end_test
+} // namespace retractor::planner

@@ -4,6 +4,7 @@
 #include "mesh/base/corridor.h"
 #include "mesh/base/spatial_hash.h"
 #include "mesh/base/triangle.h"
+#include "mesh/image/plane_holes.h"
 #include "mesh/image/skeleton.h"
 #include "mesh/surface/surface_normals.h"
 #include "mesh/surface/wound_surface.h"
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <optional>
@@ -328,8 +330,33 @@ namespace {
         std::vector<Vec3> values_;
     };
 
-    /// Gives each triangle the label of the wall voxel slightly inside it. Bone is only bare where the image ends.
-    /// Elsewhere bare bone means that the labels lack one voxel of skin or pleura.
+    /// Tells the air round the body from cavities without a label: what axial slices do not enclose.
+    struct OutsideOfBody {
+        const mesh::ImageGrid& grid;
+        std::vector<std::uint8_t> enclosed; ///< per voxel
+
+        explicit OutsideOfBody(const mesh::LabelVolume& labels)
+            : grid(labels.grid)
+        {
+            Eigen::Index along = 0; // the image axis along the body; an unlabelled cavity may be open at its ends
+            grid.direction.row(2).cwiseAbs().maxCoeff(&along);
+            std::vector<std::uint8_t> mask(labels.voxels.size());
+            std::transform(labels.voxels.begin(), labels.voxels.end(), mask.begin(),
+                [](Label voxel) { return static_cast<std::uint8_t>(voxel != 0); });
+            enclosed = mesh::holes_filled_in_planes(grid.size, mask, static_cast<int>(along));
+        }
+
+        bool contains(const Vec3& p) const
+        {
+            const Vec3 at = grid.index(p);
+            const int i = static_cast<int>(std::lround(at.x())), j = static_cast<int>(std::lround(at.y())),
+                      k = static_cast<int>(std::lround(at.z()));
+            return grid.contains(i, j, k) && enclosed[grid.offset(i, j, k)] == 0;
+        }
+    };
+
+    /// Gives each triangle the label of the wall voxel slightly inside it. Bone is only bare, and soft tissue without
+    /// skin, where the image ends. Elsewhere this means that the labels lack one voxel of skin or pleura.
     void label_triangles(TriMesh& surface, const mesh::LabelVolume& labels)
     {
         const mesh::LabelFlags is_wall = mesh::flagged_labels(labels.table, mesh::is_wall),
@@ -341,6 +368,7 @@ namespace {
             skin = info.material == "skin" || skin == 0 ? info.id : skin;
             muscle = info.material == "muscle" || muscle == 0 ? info.id : muscle;
         }
+        const OutsideOfBody outside(labels);
         const double voxel = labels.grid.spacing.maxCoeff();
         const auto ends_here = [&](const Vec3& p) {
             const Vec3 at = labels.grid.index(p);
@@ -359,6 +387,8 @@ namespace {
             }
             const Vec3 beyond = middle - 2.0 * voxel * inward;
             if (is_wall[label] == 0)
+                label = skin;
+            else if (outside.contains(beyond))
                 label = skin;
             else if (is_skeleton[label] != 0 && !ends_here(beyond))
                 label = mesh::label_at(labels, beyond) == 0 ? skin : muscle;
@@ -455,6 +485,7 @@ std::vector<Label> drawn_labels(
     if (skin == labels.table.end())
         return boundary.labels;
     const std::vector<Vec3> line = mesh::region_line(sizing);
+    const OutsideOfBody outside(labels);
     std::vector<Label> drawn = boundary.labels;
     for (std::size_t t = 0; t < drawn.size(); ++t) {
         const auto [a, b, c] = triangle_corners(boundary.vertices, boundary.triangles[t]);
@@ -464,14 +495,12 @@ std::vector<Label> drawn_labels(
             continue;
         const bool is_coarse
             = sizing.coarse_beyond_mm > 0.0 && polyline_distance(line, middle) > sizing.coarse_beyond_mm;
-        if (!is_coarse && info->material != "fat")
-            continue;
         // A flat face of the coarse model lies up to this distance under the skin; where the mesh has a layer of skin,
         // single elements of it may be missing.
         constexpr double kDeepestMm = 8.0, kDeepestUnderLayerMm = 3.0, kStepMm = 1.0;
         const double deepest = is_coarse ? kDeepestMm : kDeepestUnderLayerMm;
         for (double d = kStepMm; d <= deepest; d += kStepMm)
-            if (mesh::label_at(labels, middle + d * out) == 0) {
+            if (outside.contains(middle + d * out)) {
                 drawn[t] = skin->id;
                 break;
             }

@@ -32,8 +32,8 @@ TriMesh unmeshed_wall_region(const TriMesh& body, const mesh::LabelVolume& label
     const mesh::TetMesh& wall, const Points& displacement, double rim_mm, const Job& job = {});
 
 /// The labels with which the boundary of the meshed wall is drawn. In its coarse model (MeshSizing::coarse_beyond_mm),
-/// which has no layer of skin, faces at the outside of the body are skin, and so are faces of fat that lie there where
-/// the layer has a gap. All other faces keep their label.
+/// which has no layer of skin, faces at the outside of the body are skin, and so are faces of soft tissue that lie
+/// there where the layer has a gap. All other faces keep their label.
 /// @param boundary of the wall at rest, one label per triangle
 std::vector<Label> drawn_labels(
     const TriMesh& boundary, const mesh::LabelVolume& labels, const mesh::MeshSizing& sizing);

@@ -119,7 +119,7 @@ namespace {
             = [&](double value) { return bars ? "± " + number(value, value < 9.95 ? 1 : 0, "") : std::string(); };
         std::vector<LegendLine> lines;
         lines.push_back({ "target: " + m.target,
-            number(100.0 * m.seen_best_eye, 0, bar(bars ? 100.0 * m.error->seen_best_eye : 0.0) + "% seen from here"),
+            number(100.0 * m.seen_best_eye, 0, bar(bars ? 100.0 * m.error->seen_best_eye : 0.0) + "% seen by the best eye"),
             target_color() });
         lines.push_back({ "  with two eyes and a lamp", number(100.0 * m.seen_two_eyes, 0, "%"), std::nullopt });
         lines.push_back(

@@ -9,6 +9,7 @@
 #include "planner/plan/wound_view.h"
 #include "planner/wall/unmeshed_wall.h"
 #include "ui/scene/tissue_colors.h"
+#include "ui/scene/vtk/identifier_picture.h"
 #include "ui/scene/vtk/simplify_surface.h"
 
 #include <Eigen/Geometry>
@@ -38,8 +39,13 @@ namespace {
     constexpr double kGlow = 0.3;
     /// Height of the drawn incision over the skin. The skin surfaces of image and mesh lie up to a voxel apart.
     constexpr double kInkMm = 1.0;
-    /// Height over width of three slices side by side, for a chest about as high as wide and its letters.
-    constexpr double kSlicesHeightPerWidth = 0.47;
+    /// Height over width of a picture of slices, for a chest about as high as wide and its letters, with the slices
+    /// along and across the incision below; and the share of its height for the lower row.
+    constexpr double kSlicesHeightPerWidth = 0.85, kLowerRow = 0.45;
+    /// Tissue shown beyond the ends of the incision, beside it, and above and below the cut, mm.
+    constexpr double kBeyondEndsMm = 40.0, kBesideMm = 75.0, kBeyondCutMm = 45.0;
+    /// A skin marker's blue is hard to see on a dark image.
+    constexpr Color kCutOnSlice { 0.25, 0.90, 1.00 };
 
     std::string number(double value, int digits, const std::string& unit)
     {
@@ -119,7 +125,8 @@ namespace {
             = [&](double value) { return bars ? "± " + number(value, value < 9.95 ? 1 : 0, "") : std::string(); };
         std::vector<LegendLine> lines;
         lines.push_back({ "target: " + m.target,
-            number(100.0 * m.seen_best_eye, 0, bar(bars ? 100.0 * m.error->seen_best_eye : 0.0) + "% seen by the best eye"),
+            number(100.0 * m.seen_best_eye, 0,
+                bar(bars ? 100.0 * m.error->seen_best_eye : 0.0) + "% seen by the best eye"),
             target_color() });
         lines.push_back({ "  with two eyes and a lamp", number(100.0 * m.seen_two_eyes, 0, "%"), std::nullopt });
         lines.push_back(
@@ -195,7 +202,7 @@ namespace {
         LineItem line = incision_line(approach, true);
         for (Vec3& p : line.points)
             p[across] = point[across];
-        line.color = { 0.25, 0.90, 1.00 }; // a skin marker's blue is hard to see on a dark image
+        line.color = kCutOnSlice;
         line.width_px = 6.0;
         return line;
     }
@@ -242,6 +249,14 @@ namespace {
     }
 
 } // namespace
+
+std::map<Label, std::string> label_names(const mesh::LabelTable& table)
+{
+    std::map<Label, std::string> names;
+    for (const mesh::LabelInfo& info : table)
+        names[info.id] = info.name;
+    return names;
+}
 
 Scene surgeon_scene(planner::Patient& patient, const planner::PlannedField& field)
 {
@@ -305,16 +320,84 @@ std::vector<Scene> slice_scenes(planner::Patient& patient, const planner::Approa
     return scenes;
 }
 
+std::vector<Scene> incision_slice_scenes(planner::Patient& patient, const planner::Approach& approach)
+{
+    RETRACTOR_ASSERT(approach.incision.size() >= 2 && approach.directions.size() == approach.incision.size());
+    std::map<Label, Color> outlines;
+    for (const mesh::LabelInfo& info : patient.planned_case().label_table)
+        outlines[info.id] = info.name == approach.target.label ? target_color() : tissue_look(info.material).color;
+    const auto scene_of
+        = [&](const char* title, const Vec3& middle, const Vec3& along, const Vec3& inward, double half_width_mm) {
+              const Vec3 up = -inward.normalized(), right = (along - along.dot(up) * up).normalized();
+              Scene scene;
+              scene.title = title;
+              scene.slices.push_back({ .image = patient.ct(),
+                  .point = middle - 0.5 * approach.depth_mm * up,
+                  .oblique = ObliqueSlice { .right = right,
+                      .up = up,
+                      .half_width_mm = half_width_mm,
+                      .half_height_mm = 0.5 * approach.depth_mm + kBeyondCutMm },
+                  .labels = patient.labels(),
+                  .outline_of_label = outlines });
+              return scene;
+          };
+    const auto add_cut = [&](Scene& scene, std::vector<Vec3> points) {
+        const SliceItem& slice = scene.slices.front();
+        const Vec3 normal = slice.oblique->right.cross(slice.oblique->up);
+        for (Vec3& p : points)
+            p -= normal.dot(p - slice.point) * normal;
+        scene.lines.push_back(
+            { .name = "cut", .points = std::move(points), .color = kCutOnSlice, .width_px = 5.0, .on_top = true });
+    };
+    Vec3 middle = Vec3::Zero();
+    for (const Vec3& p : approach.incision)
+        middle += p / static_cast<double>(approach.incision.size());
+    const Vec3 chord = approach.incision.back() - approach.incision.front();
+    std::vector<Scene> scenes { scene_of(
+        "along the incision", middle, chord, mean_direction(approach), 0.5 * chord.norm() + kBeyondEndsMm) };
+    std::vector<Vec3> outline = approach.incision; // of the cut: along the skin, and back at its depth
+    for (std::size_t n = approach.incision.size(); n-- > 0;)
+        outline.push_back(approach.incision[n] + approach.depth_mm * approach.directions[n].normalized());
+    outline.push_back(approach.incision.front());
+    add_cut(scenes.back(), std::move(outline));
+
+    const planner::IncisionPlace place = planner::incision_place(approach, 0.5 * planner::incision_length(approach));
+    const Vec3 at = place.of(approach.incision), inward = place.of(approach.directions).normalized();
+    const Vec3 across = (approach.incision[place.segment + 1] - approach.incision[place.segment]).cross(inward);
+    scenes.push_back(scene_of("across its middle", at, across, inward, kBesideMm));
+    const Vec3 deep = at + approach.depth_mm * inward;
+    add_cut(scenes.back(), { at, deep });
+    scenes.back().words.push_back({ .text = number(approach.depth_mm, 0, "mm deep"),
+        .position = deep + 0.2 * kBeyondCutMm * inward,
+        .color = kCutOnSlice });
+    return scenes;
+}
+
 Picture slices_picture(planner::Patient& patient, const planner::Approach& approach, int width, int height)
 {
-    Picture picture { .width = width, .height = height, .viewports = {} };
-    std::vector<Scene> scenes = slice_scenes(patient, approach);
-    const double share = 1.0 / static_cast<double>(scenes.size());
-    picture.height = std::min(height, static_cast<int>(std::lround(kSlicesHeightPerWidth * width)));
-    for (std::size_t i = 0; i < scenes.size(); ++i) {
-        const double left = static_cast<double>(i) * share;
-        scenes[i].camera = camera_for_slice(scenes[i].slices.front(), share * width / picture.height);
-        picture.viewports.push_back({ .left = left, .right = left + share, .scene = std::move(scenes[i]) });
+    Picture picture { .width = width,
+        .height = std::min(height, static_cast<int>(std::lround(kSlicesHeightPerWidth * width))),
+        .viewports = {} };
+    const auto add = [&](Scene scene, double left, double right, double bottom, double top) {
+        scene.camera = camera_for_slice(
+            scene.slices.front(), (right - left) * picture.width / ((top - bottom) * picture.height));
+        picture.viewports.push_back(
+            { .left = left, .bottom = bottom, .right = right, .top = top, .scene = std::move(scene) });
+    };
+    std::vector<Scene> upper = slice_scenes(patient, approach), lower = incision_slice_scenes(patient, approach);
+    const double share = 1.0 / static_cast<double>(upper.size());
+    for (std::size_t i = 0; i < upper.size(); ++i)
+        add(std::move(upper[i]), static_cast<double>(i) * share, static_cast<double>(i + 1) * share, kLowerRow, 1.0);
+    const std::map<Label, std::string> names = label_names(patient.planned_case().label_table);
+    const double middle = 2.0 / 3.0;
+    for (Scene& scene : lower) {
+        const bool is_first = &scene == &lower.front();
+        add(std::move(scene), is_first ? 0.0 : middle, is_first ? middle : 1.0, 0.0, kLowerRow);
+        Viewport& view = picture.viewports.back();
+        add_names(view.scene,
+            identifier_picture(view.scene.slices.front(), view.scene.camera, names,
+                static_cast<int>((view.right - view.left) * picture.width),
+                static_cast<int>(kLowerRow * picture.height)));
     }
     return picture;
 }

@@ -7,10 +7,14 @@
 #include "ui/scene/scene.h"
 
 #include <map>
+#include <string>
 #include <string_view>
 #include <vector>
 
 namespace retractor::ui {
+
+/// The name of each label.
+std::map<Label, std::string> label_names(const mesh::LabelTable& table);
 
 /// The view through the opening from the best place of the eye, for which the share seen is measured.
 Scene surgeon_scene(planner::Patient& patient, const planner::PlannedField& field);
@@ -22,6 +26,10 @@ Scene overview_scene(planner::Patient& patient, const planner::PlannedField& fie
 /// @throws InputError when the case has no CT
 std::vector<Scene> slice_scenes(planner::Patient& patient, const planner::Approach& approach);
 
+/// The plane along the incision and the plane across its middle, with the cut to its depth. @throws InputError when the
+/// case has no CT
+std::vector<Scene> incision_slice_scenes(planner::Patient& patient, const planner::Approach& approach);
+
 /// Slices without an approach. Labels are outlined in the given colours. A spherical target is drawn as its outline.
 std::vector<Scene> slice_scenes(
     planner::Patient& patient, const planner::TargetSpec& target, const std::map<Label, Color>& colors);
@@ -29,7 +37,8 @@ std::vector<Scene> slice_scenes(
 /// Slices through a point, without a target.
 std::vector<Scene> slice_scenes(planner::Patient& patient, const Vec3& point, const std::map<Label, Color>& colors);
 
-/// The slices of an approach side by side, as view_picture() makes them for "slices"; no planned field is needed.
+/// The slices of an approach side by side, through the target above and through the incision below, as view_picture()
+/// makes them for "slices"; no planned field is needed.
 Picture slices_picture(planner::Patient& patient, const planner::Approach& approach, int width, int height);
 
 /// The patient before any cut, with the incision on the skin and the target shining through.

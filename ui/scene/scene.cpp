@@ -90,6 +90,16 @@ namespace {
     void check_slice(const SliceItem& item)
     {
         const std::string where = "slice";
+        if (item.oblique) {
+            constexpr double kUnit = 1e-6;
+            const ObliqueSlice& frame = *item.oblique;
+            refuse(!(std::abs(frame.right.norm() - 1.0) < kUnit && std::abs(frame.up.norm() - 1.0) < kUnit
+                       && std::abs(frame.right.dot(frame.up)) < kUnit),
+                "the directions of an oblique slice must be unit vectors at right angles", where);
+            refuse(!(frame.half_width_mm > 0.0 && frame.half_height_mm > 0.0 && std::isfinite(frame.half_width_mm)
+                       && std::isfinite(frame.half_height_mm)),
+                "the size of an oblique slice must be positive", where);
+        }
         refuse(item.image == nullptr, "a slice has no image", where);
         mesh::check_grid(item.image->grid);
         refuse(item.image->voxels.size() != item.image->grid.voxel_count(),
@@ -231,9 +241,18 @@ Camera camera_for_slice(const SliceItem& slice, const Box& box, double aspect)
 {
     if (!(aspect > 0.0))
         throw InputError("the aspect must be positive", "slice");
+    constexpr double kMargin = 1.06;
     const Vec3 extent = box.high - box.low;
     Camera camera;
     camera.parallel = true;
+    if (slice.oblique) {
+        const ObliqueSlice& frame = *slice.oblique;
+        camera.aim = slice.point;
+        camera.up = frame.up;
+        camera.eye = camera.aim + frame.right.cross(frame.up) * (extent.norm() + 10.0);
+        camera.half_height_mm = std::max(frame.half_height_mm, frame.half_width_mm / aspect);
+        return camera;
+    }
     camera.aim = 0.5 * (box.low + box.high);
     int normal = 2, across = 0, upward = 1;
     Vec3 toward_eye = -Vec3::UnitZ(); // axial: seen from the feet
@@ -252,7 +271,6 @@ Camera camera_for_slice(const SliceItem& slice, const Box& box, double aspect)
     }
     camera.aim[normal] = slice.point[normal];
     camera.eye = camera.aim + toward_eye * (extent.norm() + 10.0);
-    constexpr double kMargin = 1.06;
     camera.half_height_mm = kMargin * 0.5 * std::max(extent[upward], extent[across] / aspect);
     return camera;
 }

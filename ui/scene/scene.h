@@ -85,11 +85,18 @@ struct LineItem {
 /// the patient's left (front to the left of the picture).
 enum class SlicePlane { axial, coronal, sagittal };
 
-/// A grey image on an anatomical plane, with label outlines.
+/// A rectangle in any direction.
+struct ObliqueSlice {
+    Vec3 right = Vec3::UnitX(), up = Vec3::UnitZ(); ///< unit and at right angles, along the picture's sides
+    double half_width_mm = 100.0, half_height_mm = 100.0;
+};
+
+/// A grey image on a plane, with label outlines.
 struct SliceItem {
     std::shared_ptr<const mesh::Volume> image {};
     SlicePlane plane = SlicePlane::axial;
-    Vec3 point = Vec3::Zero(); ///< a point of the plane
+    Vec3 point = Vec3::Zero(); ///< a point of the plane; the middle of an oblique slice
+    std::optional<ObliqueSlice> oblique = std::nullopt; ///< instead of `plane`
     double window_hu = 500.0, level_hu = 40.0;
     std::shared_ptr<const mesh::LabelVolume> labels = nullptr; ///< may be null
     std::map<Label, Color> outline_of_label {}; ///< labels to outline, in these colours
@@ -163,7 +170,7 @@ std::optional<Box> scene_bounds(const Scene& scene);
 Camera camera_for_box(const Box& box, const Vec3& direction, const Vec3& up, double view_angle_deg = 30.0);
 /// A parallel camera straight in front of a slice, with the whole image in a picture of `aspect` = width / height.
 Camera camera_for_slice(const SliceItem& slice, double aspect);
-/// The same camera with only `box` in the picture.
+/// The same camera with only `box` in the picture. An oblique slice fills the picture whatever the box.
 Camera camera_for_slice(const SliceItem& slice, const Box& box, double aspect);
 
 } // namespace retractor::ui

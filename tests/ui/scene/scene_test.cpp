@@ -4,6 +4,7 @@
 #include "tests/ui/scene/sample_scenes.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/annotations.h"
+#include "ui/scene/vtk/identifier_picture.h"
 #include "ui/scene/vtk/slice_actor.h"
 
 #include <gtest/gtest.h>
@@ -11,6 +12,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
 
 namespace retractor::ui {
 namespace scene_test {
@@ -56,6 +58,45 @@ namespace scene_test {
         EXPECT_DOUBLE_EQ(round_length(50.0), 50.0);
         EXPECT_DOUBLE_EQ(round_length(1.5), 1.0);
         EXPECT_DOUBLE_EQ(round_length(0.3), 0.2);
+    }
+
+    TEST(SampleSlice, ReadsALinearImageExactlyOnAnObliquePlane)
+    {
+        auto image = std::make_shared<mesh::Volume>();
+        image->grid = { .size = { 30, 30, 30 }, .spacing = { 2, 2, 2 }, .origin = { -29, -29, -29 } };
+        for (int k = 0; k < 30; ++k)
+            for (int j = 0; j < 30; ++j)
+                for (int i = 0; i < 30; ++i) {
+                    const Vec3 p = image->grid.world(Vec3(i, j, k));
+                    image->voxels.push_back(static_cast<std::int16_t>(std::lround(p.x() + p.y() + p.z())));
+                }
+        const Vec3 right = Vec3(1, 1, 0).normalized(), up = Vec3(-1, 1, 1).normalized();
+        SliceItem slice { .image = image, .point = { 1, 2, 3 }, .window_hu = 255.0, .level_hu = 0.0 };
+        slice.oblique = ObliqueSlice { .right = right, .up = up, .half_width_mm = 12.0, .half_height_mm = 8.0 };
+        const SliceImage picture = sample_slice(slice);
+        EXPECT_NEAR((picture.columns * picture.across - 24.0 * right).norm(), 0.0, kRoundOff);
+        EXPECT_NEAR((picture.rows * picture.upward - 16.0 * up).norm(), 0.0, kRoundOff);
+        for (int row = 0; row < picture.rows; ++row)
+            for (int column = 0; column < picture.columns; ++column) {
+                const Vec3 p = picture.corner + column * picture.across + row * picture.upward;
+                const int got = picture.rgb[static_cast<std::size_t>(3 * (row * picture.columns + column))];
+                ASSERT_NEAR(got, p.sum() + 127.5, 0.5 + kRoundOff);
+            }
+        // The camera looks straight at it, with the same right and up.
+        const Camera camera = camera_for_slice(slice, 2.0);
+        EXPECT_NEAR((camera.aim - slice.point).norm(), 0.0, kRoundOff);
+        EXPECT_NEAR((camera.aim - camera.eye).normalized().cross(camera.up).dot(right), 1.0, kRoundOff);
+        EXPECT_DOUBLE_EQ(camera.half_height_mm, 8.0);
+        // Each pixel of the picture knows its label: one half of the plane is labelled.
+        auto labels = std::make_shared<mesh::LabelVolume>();
+        labels->grid = image->grid;
+        for (const std::int16_t value : image->voxels)
+            labels->voxels.push_back(value > 0 ? 5 : 0);
+        slice.labels = labels;
+        const IdentifierPicture named = identifier_picture(slice, camera, { { 5, "heart" } }, 80, 40);
+        ASSERT_EQ(named.structure.size(), 3200U);
+        EXPECT_EQ(named.structure[20 * 80 + 75], 0); // x + y + z grows to the right
+        EXPECT_EQ(named.structure[20 * 80 + 5], -1);
     }
 
     TEST(SampleSlice, ReadsALinearImageExactlyOnMirroredAxes)
@@ -170,6 +211,11 @@ namespace scene_test {
                     auto ct = std::make_shared<mesh::Volume>(*samples::little_ct());
                     ct->voxels.pop_back();
                     s.volumes.emplace_back().image = ct;
+                } },
+            Refusal { "unit vectors at right angles",
+                [](Scene& s) {
+                    s.slices.push_back({ .image = samples::little_ct() });
+                    s.slices.back().oblique = ObliqueSlice { .right = Vec3::UnitX(), .up = Vec3(1, 1, 0) };
                 } },
             Refusal { "window must be positive",
                 [](Scene& s) { s.slices.push_back({ .image = samples::little_ct(), .window_hu = 0.0 }); } }));

@@ -29,7 +29,6 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <map>
 #include <set>
 
 namespace retractor::ui::cli {
@@ -80,7 +79,9 @@ namespace {
             return "The surgeon's eye: through the opened incision, target highlighted.";
         if (view == "overview")
             return "Overview of the opened patient.";
-        return "Slices through the target, with the incision projected onto them (cyan).";
+        return "Slices through the target, with the incision projected onto them (cyan), and along and across the "
+               "incision, "
+               "with the cut to its depth.";
     }
 
     std::string contact_limit(planner::ContactMode contact)
@@ -221,10 +222,9 @@ namespace {
         field.metrics.best_eye_pixels = target_pixels(renderer, scene).share();
         if (!request.names)
             return;
-        std::map<Label, std::string> names;
-        for (const mesh::LabelInfo& info : patient.planned_case().label_table)
-            names[info.id] = info.name;
-        add_names(scene, identifier_picture(renderer, scene, names, picture.width, picture.height));
+        add_names(scene,
+            identifier_picture(
+                renderer, scene, label_names(patient.planned_case().label_table), picture.width, picture.height));
     }
 
 } // namespace

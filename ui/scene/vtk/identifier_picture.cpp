@@ -110,6 +110,16 @@ namespace {
         return distance;
     }
 
+    /// The place of a pixel's middle in the plane of the camera's aim.
+    Vec3 place_of(const Camera& camera, double column, double row, int width, int height)
+    {
+        const Vec3 sight = (camera.aim - camera.eye).normalized(), right = sight.cross(camera.up).normalized();
+        const double slope = std::tan(0.5 * camera.view_angle_deg * std::numbers::pi / 180.0);
+        const double half_height = camera.parallel ? camera.half_height_mm : slope * (camera.aim - camera.eye).norm();
+        const double x = (2.0 * column + 1.0 - width) / height, y = 1.0 - (2.0 * row + 1.0) / height;
+        return camera.aim + half_height * (x * right + y * right.cross(sight));
+    }
+
     struct Word {
         int x = 0, y = 0, width_px = 0, structure = 0, room = 0;
     };
@@ -150,6 +160,26 @@ IdentifierPicture identifier_picture(OffscreenRenderer& renderer, const Scene& s
     for (std::size_t p = 0; p + 2 < image.rgb.size(); p += 3)
         picture.structure.push_back(structure_of(&image.rgb[p]));
     RETRACTOR_ASSERT(picture.structure.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    return picture;
+}
+
+IdentifierPicture identifier_picture(const SliceItem& slice, const Camera& camera,
+    const std::map<Label, std::string>& label_names, int width, int height)
+{
+    IdentifierPicture picture { .width = width, .height = height, .names = {}, .structure = {} };
+    std::map<Label, int> number_of;
+    for (const auto& [label, name] : label_names) {
+        number_of[label] = static_cast<int>(picture.names.size());
+        picture.names.push_back(name);
+    }
+    for (int row = 0; row < height; ++row)
+        for (int column = 0; column < width; ++column) {
+            const Label label = slice.labels == nullptr
+                ? Label { 0 }
+                : mesh::label_at(*slice.labels, place_of(camera, column, row, width, height));
+            const auto number = number_of.find(label);
+            picture.structure.push_back(number != number_of.end() ? number->second : -1);
+        }
     return picture;
 }
 
@@ -196,11 +226,6 @@ void add_names(Scene& scene, const IdentifierPicture& picture)
                 .room = distance[p] };
     }
     std::sort(words.begin(), words.end(), [](const Word& a, const Word& b) { return a.room > b.room; });
-    const Camera& camera = scene.camera;
-    const Vec3 sight = (camera.aim - camera.eye).normalized(), right = sight.cross(camera.up).normalized();
-    const Vec3 up = right.cross(sight);
-    const double slope = std::tan(0.5 * camera.view_angle_deg * std::numbers::pi / 180.0);
-    const double distance_mm = (camera.aim - camera.eye).norm();
     std::vector<Word> placed;
     for (Word& word : words) {
         if (word.room < kRoom * picture.height)
@@ -214,10 +239,8 @@ void add_names(Scene& scene, const IdentifierPicture& picture)
         if (covers)
             continue;
         placed.push_back(word);
-        const double x = (2.0 * word.x + 1.0 - picture.width) / picture.height;
-        const double y = 1.0 - (2.0 * word.y + 1.0) / picture.height;
         scene.words.push_back({ .text = text,
-            .position = camera.eye + distance_mm * (sight + slope * (x * right + y * up)),
+            .position = place_of(scene.camera, word.x, word.y, picture.width, picture.height),
             .color = { 1.0, 1.0, 1.0 } });
     }
 }

@@ -25,6 +25,10 @@ struct IdentifierPicture {
 IdentifierPicture identifier_picture(OffscreenRenderer& renderer, const Scene& scene,
     const std::map<Label, std::string>& label_names, int width, int height);
 
+/// The label at each pixel of a slice.
+IdentifierPicture identifier_picture(const SliceItem& slice, const Camera& camera,
+    const std::map<Label, std::string>& label_names, int width, int height);
+
 /// The number of pixels of a scene's target, with everything that hides it and alone.
 struct TargetPixels {
     std::size_t visible = 0, alone = 0;

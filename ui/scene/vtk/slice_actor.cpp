@@ -54,9 +54,26 @@ namespace {
         return sum;
     }
 
-    /// The rectangle of the plane that covers the grid, divided into pixels.
+    SliceImage oblique_frame(const SliceItem& slice, const ObliqueSlice& frame)
+    {
+        const double wanted
+            = slice.pixel_mm > 0.0 ? slice.pixel_mm : slice.image->grid.spacing.minCoeff() / kPixelsPerVoxel;
+        const double pixel = std::max(wanted, 2.0 * std::max(frame.half_width_mm, frame.half_height_mm) / kLargestSide);
+        SliceImage image;
+        image.columns = std::max(1, static_cast<int>(std::lround(2.0 * frame.half_width_mm / pixel)));
+        image.rows = std::max(1, static_cast<int>(std::lround(2.0 * frame.half_height_mm / pixel)));
+        image.across = frame.right * (2.0 * frame.half_width_mm / image.columns);
+        image.upward = frame.up * (2.0 * frame.half_height_mm / image.rows);
+        image.corner = slice.point - frame.half_width_mm * frame.right - frame.half_height_mm * frame.up
+            + 0.5 * image.across + 0.5 * image.upward;
+        return image;
+    }
+
+    /// The rectangle of the plane that covers the grid, divided into pixels; an oblique slice has its own.
     SliceImage frame_of(const SliceItem& slice)
     {
+        if (slice.oblique)
+            return oblique_frame(slice, *slice.oblique);
         const mesh::ImageGrid& grid = slice.image->grid;
         Vec3 low = grid.world(Vec3(-0.5, -0.5, -0.5)), high = low;
         for (int corner = 1; corner < 8; ++corner) {

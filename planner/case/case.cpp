@@ -201,6 +201,12 @@ void check_pressures(const Case& planned_case)
             "/solution/near_mm, pressures", { "near_mm", "pressures" });
 }
 
+bool is_estimated(const Case& planned_case, std::string_view label)
+{
+    const std::vector<std::string>& estimated = planned_case.estimated_labels;
+    return std::find(estimated.begin(), estimated.end(), label) != estimated.end();
+}
+
 void check_case(const Case& planned_case)
 {
     if (planned_case.ct)
@@ -209,6 +215,7 @@ void check_case(const Case& planned_case)
     check_materials(planned_case);
     check_labels(planned_case);
     check_label_names(planned_case, planned_case.supports.labels, "/supports/labels");
+    check_label_names(planned_case, planned_case.estimated_labels, "/labels/estimated");
     check_sizing(planned_case.sizing, "/sizing");
     check_solution(planned_case.solution, planned_case.contact);
     check_pressures(planned_case);

@@ -48,6 +48,8 @@ struct Case {
     std::optional<FileReference> ct; ///< may be missing: a scene can do without a CT
     FileReference labels;
     mesh::LabelTable label_table; ///< the whole table of the label volume: names, materials, roles
+    /// Labels that were estimated from their surroundings, because the image does not show the structure.
+    std::vector<std::string> estimated_labels;
     fem::MaterialTable materials = fem::default_materials();
     SupportSpec supports;
     ContactMode contact = ContactMode::automatic; ///< of all approaches
@@ -86,6 +88,8 @@ void add_approach(Case& planned_case, Approach approach);
 
 /// @throws InputError when there is no approach of this name
 void remove_approach(Case& planned_case, std::string_view name);
+
+bool is_estimated(const Case& planned_case, std::string_view label);
 
 /// Whether any of the pressures is other than 0.
 bool under_pressure(const Case& planned_case);

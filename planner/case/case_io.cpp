@@ -345,6 +345,7 @@ namespace {
             io.section("labels", [&](auto& labels) {
                 Fields::of(labels, whole.labels);
                 labels.required("table", whole.label_table);
+                labels.optional("estimated", whole.estimated_labels, !whole.estimated_labels.empty());
             });
             io.required("materials", whole.materials, "supports", whole.supports);
             io.optional("contact", whole.contact, whole.contact != ContactMode::automatic);

@@ -485,6 +485,9 @@ Case write_import(const ImportedCase& imported, const fs::path& case_file)
     made.folder = case_file.has_parent_path() ? case_file.parent_path() : fs::path(".");
     made.file_name = case_file.filename().string();
     made.label_table = imported.labels->table;
+    for (const datasets::FoundStructure& structure : imported.structures)
+        if (structure.rough && mesh::find_label(made.label_table, structure.name) != nullptr)
+            made.estimated_labels.push_back(structure.name);
     made.supports.labels = supporting_labels(made.label_table);
     made.patient = imported.patient;
     made.accept_implausible = imported.accept_implausible;

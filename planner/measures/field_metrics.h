@@ -344,6 +344,12 @@ struct BestEye {
     std::vector<SightBlocker> hidden_by; ///< what hides the target from here, largest share first
 };
 
+/// FieldMetrics::seen_best_eye with all organs shifted towards the head.
+struct ShiftedSight {
+    double shift_mm = 0.0;
+    double seen_best_eye = 0.0;
+};
+
 struct FieldMetrics {
     std::string name; ///< name of the approach
     std::string target;
@@ -369,6 +375,11 @@ struct FieldMetrics {
     int eyes = 0, target_samples = 0;
     std::vector<SightBlocker> blockers; ///< largest share first
     std::vector<std::string> bone_in_sight;
+    /// What the best eye would see if heart, diaphragm and all other organs stood higher: the CT is taken in
+    /// inspiration. Smallest shift first.
+    std::vector<ShiftedSight> if_organs_shift;
+    /// Labels among target, what hides it and what is at risk that were estimated, not seen in the image.
+    std::vector<std::string> estimated;
     std::vector<RiskDistance> at_risk; ///< nearest first; structures beyond kFarthestRiskMm are not listed
     std::vector<std::string> retracted; ///< organs that this approach holds aside
 

@@ -569,6 +569,11 @@ namespace {
         if (field.best_eye_pixels)
             put(json, field, "best_eye_pixels", *field.best_eye_pixels);
         json["best_eye"] = best_eye_document(field, field.best_eye);
+        json["if_organs_shift"] = Json::array();
+        for (const ShiftedSight& shifted : field.if_organs_shift)
+            json["if_organs_shift"].push_back(
+                { { "shift_mm", shifted.shift_mm }, { "seen_best_eye", shifted.seen_best_eye } });
+        json["estimated"] = field.estimated;
         json["cone"] = { { "eye_distance_mm", field.eye_distance_mm }, { "half_angle_deg", field.cone_half_angle_deg },
             { "eyes", field.eyes }, { "target_samples", field.target_samples } };
         put(json, field, MetricGroup::opening);
@@ -675,6 +680,26 @@ std::string division_text(const FieldMetrics& field)
     return (division.words.empty() ? "divided beyond the skin: " + division_cell(field) : division.words)
         + formatted("; the division is %.0f mm long with the incision, and severs %.1f cm2 beyond it",
             division.length_mm, 1e-2 * division.severed_mm2);
+}
+
+std::string estimated_text(const FieldMetrics& field)
+{
+    if (field.estimated.empty())
+        return {};
+    std::vector<std::string> names;
+    for (const std::string& name : field.estimated)
+        names.push_back(readable(name));
+    return "estimated, not seen in the image: " + joined(names);
+}
+
+std::string shifted_sight_text(const FieldMetrics& field)
+{
+    std::string text;
+    for (const ShiftedSight& shifted : field.if_organs_shift)
+        text += (text.empty() ? "with the organs " : ", ") + formatted("%.0f mm", shifted.shift_mm)
+            + (text.empty() ? " nearer to the head the best eye sees " : " ")
+            + formatted("%.1f %%", 100.0 * shifted.seen_best_eye);
+    return text;
 }
 
 std::string division_cell(const FieldMetrics& field)

@@ -53,8 +53,7 @@ namespace {
 
 std::string_view to_string(RegionEnd end)
 {
-    constexpr std::array<std::string_view, 6> kNames { "not_searched", "given", "still", "whole", "memory",
-        "failure" };
+    constexpr std::array<std::string_view, 6> kNames { "not_searched", "given", "still", "whole", "memory", "failure" };
     return kNames.at(static_cast<std::size_t>(end)); // in the order of RegionEnd
 }
 
@@ -62,6 +61,10 @@ std::string region_text(const FieldMetrics& field)
 {
     const RegionMetrics& region = field.region;
     std::string text = size_text(region) + end_text(region) + rim_text(region);
+    if (is_region_too_small(field) && !region.force_change)
+        text += " What the wall beyond would add to the force is in no bar: on phantoms the force with the whole wall "
+                "was "
+                "up to twice as large.";
     if (region.force_change)
         text += formatted(" By drafts, the wall beyond changes the force by %.1f %%.", 100.0 * *region.force_change);
     return text;

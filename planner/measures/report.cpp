@@ -470,6 +470,10 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             << in_words(field.cone_half_angle_deg, 0) << " degrees of the axis. The mean and the union are over "
             << field.eyes << " eyes " << in_words(field.eye_distance_mm, 0) << " mm from the target; "
             << field.target_samples << " samples on the target.</p>";
+        if (const std::string estimated = estimated_text(field); !estimated.empty())
+            out << "<p class=\"notice\">" << escaped(field.name) << ": " << escaped(estimated) << ".</p>";
+        if (const std::string shifted = shifted_sight_text(field); !shifted.empty())
+            out << "<p>The CT is taken in inspiration: " << escaped(shifted) << ".</p>";
         if (field.best_eye_pixels) {
             constexpr double kAgrees = 0.02; // half a pixel along the outlines, and the samples of the rays
             const double off = std::abs(*field.best_eye_pixels - field.best_eye_picture);

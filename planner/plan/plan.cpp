@@ -272,6 +272,22 @@ namespace {
         return nearest_risks(std::move(risks));
     }
 
+    /// The estimated labels that the field's numbers rest on: target, what hides it, and what is at risk.
+    std::vector<std::string> estimated_among(const FieldMetrics& m, const Case& planned_case)
+    {
+        std::vector<std::string> names;
+        const auto add = [&](const std::string& name) {
+            if (is_estimated(planned_case, name) && std::find(names.begin(), names.end(), name) == names.end())
+                names.push_back(name);
+        };
+        add(m.target);
+        for (const SightBlocker& blocker : m.best_eye.hidden_by)
+            add(blocker.name);
+        for (const RiskDistance& risk : m.at_risk)
+            add(risk.name);
+        return names;
+    }
+
     void fill_metrics(PlannedField& field, Patient& patient)
     {
         FieldMetrics& m = field.metrics;
@@ -281,6 +297,7 @@ namespace {
         fill_sight(m, field.exposure, patient.planned_case().label_table);
         m.at_risk = risks_of(field.approach, patient);
         m.retracted = field.approach.retracted;
+        m.estimated = estimated_among(m, patient.planned_case());
         m.opening_area_mm2 = field.geometry.area_mm2;
         m.opening_width_mm = field.geometry.width_mm;
         m.incision_length_mm = field.geometry.incision_length_mm;
@@ -423,6 +440,21 @@ namespace {
         return field.status != PlanStatus::cancelled;
     }
 
+    /// What the best eye would see with the organs nearer to the head, as under anaesthesia in expiration.
+    std::vector<ShiftedSight> sight_if_organs_shift(const PlannedField& field, Patient& patient, const Job& job)
+    {
+        constexpr std::array kShiftsMm { 10.0, 20.0 }; // xiphoid to pericardium grows by 12 mm on expiration
+        std::vector<ShiftedSight> sights;
+        for (const double shift_mm : kShiftsMm) {
+            if (job.cancelled())
+                return {};
+            sights.push_back({ .shift_mm = shift_mm,
+                .seen_best_eye = seen_from_best_eye(field, field.opening.displacement, patient,
+                    as_stage(job, "expose, organs higher"), shift_mm * patient.frame().superior) });
+        }
+        return sights;
+    }
+
     /// Estimates gape and errors of the field from further solutions of the wound.
     bool estimate(
         PlannedField& field, const OpenedWound& wound, Patient& patient, const PlanChecks& checks, const Job& job)
@@ -446,6 +478,12 @@ namespace {
                 return seen_from_best_eye(field, displacement, patient, as_stage(job, "expose, other elements"));
             };
             field.metrics.error = estimate_errors(field, wound, choice, seen_share, job);
+            if (!goes_on())
+                return false;
+        }
+        if (checks.error_bars) {
+            const StageTimer timer(field.metrics, "organs higher");
+            field.metrics.if_organs_shift = sight_if_organs_shift(field, patient, job);
             if (!goes_on())
                 return false;
         }

@@ -27,8 +27,14 @@ namespace {
         return info != nullptr && info->role != mesh::Role::wall ? info : nullptr;
     }
 
-    std::vector<Occluder> occluders(
-        const PlannedField& field, const Points& displacement, const OpeningGeometry& opening, Patient& patient)
+    TriMesh moved(TriMesh surface, const Vec3& by)
+    {
+        surface.vertices.rowwise() += by.transpose();
+        return surface;
+    }
+
+    std::vector<Occluder> occluders(const PlannedField& field, const Points& displacement,
+        const OpeningGeometry& opening, Patient& patient, const Vec3& organs_by)
     {
         const Case& planned_case = patient.planned_case();
         const mesh::LabelTable& table = planned_case.label_table;
@@ -63,7 +69,7 @@ namespace {
         for (const mesh::LabelInfo& info : table)
             if (blocks_view(info, field.approach, patient))
                 all.push_back({ .name = info.name,
-                    .surface = *patient.organ(info.name),
+                    .surface = moved(*patient.organ(info.name), organs_by),
                     .labels = {},
                     .material = info.material,
                     .wall = false });
@@ -80,10 +86,12 @@ namespace {
         std::vector<SurfaceSample> samples;
         EyePlaces places;
 
-        Outlook(const PlannedField& field, const Points& displacement, Patient& patient, const Job& job)
+        Outlook(const PlannedField& field, const Points& displacement, Patient& patient, const Job& job,
+            const Vec3& organs_by = Vec3::Zero())
             : geometry(opening_geometry(wound_edges(field.wall, field.lips, mesh::SweptBlade(blade_of(field.approach))),
                 field.wall, displacement))
-            , scene(*patient.target(field.approach.target), occluders(field, displacement, geometry, patient), job)
+            , scene(moved(*patient.target(field.approach.target), organs_by),
+                  occluders(field, displacement, geometry, patient, organs_by), job)
             , samples(surface_samples(scene.target(), kTargetSamples))
         {
             const Vec3 aim = aim_through(scene, geometry, samples);
@@ -147,9 +155,10 @@ WoundView look_through(const PlannedField& field, const Points& displacement, Pa
     return view;
 }
 
-double seen_from_best_eye(const PlannedField& field, const Points& displacement, Patient& patient, const Job& job)
+double seen_from_best_eye(
+    const PlannedField& field, const Points& displacement, Patient& patient, const Job& job, const Vec3& organs_by)
 {
-    const Outlook outlook(field, displacement, patient, job);
+    const Outlook outlook(field, displacement, patient, job, organs_by);
     return best_eye(outlook.scene, outlook.places, outlook.samples, job).seen_fraction;
 }
 

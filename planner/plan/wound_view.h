@@ -40,6 +40,8 @@ WoundView look_through(const PlannedField& field, const Points& displacement, Pa
 
 /// SurgeonEye::seen_fraction alone, through the wound under another solution that the field is compared with. The
 /// samples on the target are the same for all solutions, so that two views differ by the wound and not by the samples.
-double seen_from_best_eye(const PlannedField& field, const Points& displacement, Patient& patient, const Job& job);
+/// @param organs_by motion of the target and of all organs, mm
+double seen_from_best_eye(const PlannedField& field, const Points& displacement, Patient& patient, const Job& job,
+    const Vec3& organs_by = Vec3::Zero());
 
 } // namespace retractor::planner

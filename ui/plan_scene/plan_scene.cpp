@@ -52,10 +52,15 @@ namespace {
         return formatted("%.*f %s", digits, value, unit.c_str());
     }
 
+    std::string name_in_picture(const planner::Case& planned_case, const std::string& label)
+    {
+        return planner::is_estimated(planned_case, label) ? label + " (estimated)" : label;
+    }
+
     SurfaceItem target_item(planner::Patient& patient, const planner::TargetSpec& target)
     {
         SurfaceItem item;
-        item.name = target.is_sphere() ? "target" : target.label;
+        item.name = target.is_sphere() ? "target" : name_in_picture(patient.planned_case(), target.label);
         item.mesh = patient.target(target);
         item.look.color = target_color();
         item.target = true;
@@ -96,7 +101,7 @@ namespace {
             if (info.name == field.approach.target.label || !planner::stays_in_place(info, field.approach, patient))
                 continue;
             SurfaceItem organ;
-            organ.name = info.name;
+            organ.name = name_in_picture(patient.planned_case(), info.name);
             organ.mesh = patient.organ(info.name);
             organ.look = organ_look(info.name, info.material);
             if (!planner::blocks_view(info, field.approach, patient))
@@ -124,7 +129,8 @@ namespace {
         const auto bar
             = [&](double value) { return bars ? "± " + number(value, value < 9.95 ? 1 : 0, "") : std::string(); };
         std::vector<LegendLine> lines;
-        lines.push_back({ "target: " + m.target,
+        const bool is_estimated = std::find(m.estimated.begin(), m.estimated.end(), m.target) != m.estimated.end();
+        lines.push_back({ "target: " + m.target + (is_estimated ? " (estimated)" : ""),
             number(100.0 * m.seen_best_eye, 0,
                 bar(bars ? 100.0 * m.error->seen_best_eye : 0.0) + "% seen by the best eye"),
             target_color() });
@@ -250,11 +256,11 @@ namespace {
 
 } // namespace
 
-std::map<Label, std::string> label_names(const mesh::LabelTable& table)
+std::map<Label, std::string> label_names(const planner::Case& planned_case)
 {
     std::map<Label, std::string> names;
-    for (const mesh::LabelInfo& info : table)
-        names[info.id] = info.name;
+    for (const mesh::LabelInfo& info : planned_case.label_table)
+        names[info.id] = name_in_picture(planned_case, info.name);
     return names;
 }
 
@@ -388,7 +394,7 @@ Picture slices_picture(planner::Patient& patient, const planner::Approach& appro
     const double share = 1.0 / static_cast<double>(upper.size());
     for (std::size_t i = 0; i < upper.size(); ++i)
         add(std::move(upper[i]), static_cast<double>(i) * share, static_cast<double>(i + 1) * share, kLowerRow, 1.0);
-    const std::map<Label, std::string> names = label_names(patient.planned_case().label_table);
+    const std::map<Label, std::string> names = label_names(patient.planned_case());
     const double middle = 2.0 / 3.0;
     for (Scene& scene : lower) {
         const bool is_first = &scene == &lower.front();

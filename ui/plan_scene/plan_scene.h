@@ -13,8 +13,8 @@
 
 namespace retractor::ui {
 
-/// The name of each label.
-std::map<Label, std::string> label_names(const mesh::LabelTable& table);
+/// The name of each label, with "(estimated)" behind those that the image does not show.
+std::map<Label, std::string> label_names(const planner::Case& planned_case);
 
 /// The view through the opening from the best place of the eye, for which the share seen is measured.
 Scene surgeon_scene(planner::Patient& patient, const planner::PlannedField& field);

@@ -403,6 +403,20 @@ namespace case_io_test {
         EXPECT_EQ(refused_at([](Json& j) { j["contact"] = "auto"; }), "accepted");
     }
 
+    TEST_F(CaseFile, EstimatedLabelsComeBackAndMustBeInTheTable)
+    {
+        Case c = sample();
+        EXPECT_EQ(case_to_json(c).find("estimated"), std::string::npos);
+        const std::string name = c.label_table.front().name;
+        c.estimated_labels = { name };
+        const Case again = case_from_json(case_to_json(c), folder_);
+        EXPECT_EQ(again.estimated_labels, c.estimated_labels);
+        EXPECT_TRUE(is_estimated(again, name));
+        EXPECT_FALSE(is_estimated(again, c.label_table.back().name));
+        EXPECT_EQ(refused_at([](Json& j) { j["labels"]["estimated"] = { "nobody" }; }), "/labels/estimated/0");
+        EXPECT_EQ(refused_at([](Json& j) { j["labels"]["estimated"] = true; }), "/labels/estimated");
+    }
+
     TEST_F(CaseFile, HasTheNameItIsGiven)
     {
         Case second = sample();

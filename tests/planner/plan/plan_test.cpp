@@ -53,6 +53,8 @@ namespace plan_test {
         EXPECT_LE(open.metrics.seen_two_eyes, open.metrics.seen_best_eye);
         EXPECT_LE(open.metrics.reached_by_two_instruments, open.metrics.seen_best_eye);
         EXPECT_NEAR(open.metrics.best_eye.distance_mm, 400.0, 120.0); // a surgeon leans in and back by 100 mm
+        ASSERT_EQ(open.metrics.if_organs_shift.size(), 2U);
+        EXPECT_LT(open.metrics.if_organs_shift[1].seen_best_eye, open.metrics.seen_best_eye); // the target moves away
         EXPECT_GT(half.metrics.visible_fraction, closed.metrics.visible_fraction);
         EXPECT_GT(open.metrics.visible_fraction, half.metrics.visible_fraction);
         EXPECT_GT(open.metrics.opening_area_mm2, half.metrics.opening_area_mm2);

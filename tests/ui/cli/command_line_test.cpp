@@ -400,7 +400,7 @@ TEST_F(CommandLine, ImplausibleNumbersAreRefusedWithTheUnitThatExplainsThem)
     EXPECT_NE(run(in_metres).error().find("is it in m (30 mm)?"), std::string::npos) << run(in_metres).out;
 }
 
-TEST_F(CommandLine, RenderDrawsTheViewsAndLoadsTheVolumeOnce)
+TEST_F(CommandLine, RenderDrawsTheViewsAndReadsTheCtForItsSlices)
 {
     const CommandRun render
         = run("--json --profile render " + case_file() + " --out " + out("render") + " --size 320x240");
@@ -408,7 +408,7 @@ TEST_F(CommandLine, RenderDrawsTheViewsAndLoadsTheVolumeOnce)
     EXPECT_EQ(render.json().at("pictures").size(), 3u);
     for (const Json& picture : render.json().at("pictures"))
         EXPECT_GT(fs::file_size(picture.at("file").get<std::string>()), 5000u);
-    EXPECT_TRUE(parts_of(render.json()).count("volume rendering"));
+    EXPECT_TRUE(parts_of(render.json()).count("voxels"));
 }
 
 TEST_F(CommandLine, ASceneWithoutACtBuildsNoVolume)

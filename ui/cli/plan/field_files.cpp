@@ -223,8 +223,7 @@ namespace {
         if (!request.names)
             return;
         add_names(scene,
-            identifier_picture(
-                renderer, scene, label_names(patient.planned_case().label_table), picture.width, picture.height));
+            identifier_picture(renderer, scene, label_names(patient.planned_case()), picture.width, picture.height));
     }
 
 } // namespace
@@ -425,6 +424,10 @@ std::string field_table(const std::vector<planner::PlannedField>& fields)
             text += (planner::passes_through(m) ? "  caution: " : "  ") + planner::contact_text(m) + "\n";
         if (m.second_opinion)
             text += "  " + planner::opinion_text(*m.second_opinion) + "\n";
+        if (const std::string shifted = planner::shifted_sight_text(m); !shifted.empty())
+            text += "  " + shifted + "\n";
+        if (const std::string estimated = planner::estimated_text(m); !estimated.empty())
+            text += "  caution: " + estimated + "\n";
         if (!m.at_risk.empty())
             text += "  " + planner::risks_text(m) + "\n";
         if (!m.hooks.empty()) {

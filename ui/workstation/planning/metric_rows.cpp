@@ -67,6 +67,13 @@ namespace {
     {
         MetricSection section { "Sight", { { "Target", field.target, "Structure that the surgeon wants to see." } } };
         add_rows(section, field, planner::MetricGroup::sight);
+        if (const std::string estimated = planner::estimated_text(field); !estimated.empty())
+            section.rows.push_back({ "Estimated", joined(field.estimated),
+                "Labels that the image does not show. They were estimated from their surroundings.", true });
+        for (const planner::ShiftedSight& shifted : field.if_organs_shift)
+            section.rows.push_back(
+                { "... organs " + number(shifted.shift_mm, 0, "mm higher"), percent(shifted.seen_best_eye),
+                    "Seen by the best eye with the organs nearer to the head, as in expiration." });
         section.rows.push_back(
             { "Bone in sight", joined(field.bone_in_sight), "Bones that block the view of the target." });
         section.rows.push_back(

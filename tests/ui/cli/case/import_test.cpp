@@ -370,6 +370,9 @@ namespace import_test {
             rough = rough || structure.at("rough").get<bool>();
         }
         EXPECT_TRUE(rough); // the skin of a 3 mm grid is no layer that was seen
+        std::ifstream written(folder / "chest" / "case.json");
+        const Json estimated = Json::parse(written).at("labels").at("estimated");
+        EXPECT_NE(std::find(estimated.begin(), estimated.end(), "skin"), estimated.end()) << estimated;
         // A target where no label is: a sphere.
         const test_support::CommandRun add
             = run("approach add " + at("chest/case.json") + " --template median --target 40,-20,60,15");

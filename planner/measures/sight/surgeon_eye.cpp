@@ -169,10 +169,12 @@ namespace {
     void describe(
         SurgeonEye& best, const RayScene& scene, const std::vector<SurfaceSample>& samples, const Sight& sight)
     {
+        constexpr double kLeastOffAxis = 0.1; // no flat picture holds what lies more than 84 degrees off its axis
         const double least_cosine = std::cos(kLargestIncidenceDeg * kDegree);
         std::vector<std::size_t> hidden(scene.tissues().size(), 0);
         std::size_t facing = 0;
-        double picture = 0.0, alone = 0.0; // solid angle per area of sample
+        double picture = 0.0, alone = 0.0; // area in a flat picture per area of sample
+        const Vec3 axis = (best.aim - best.eye).normalized();
         for (const SurfaceSample& sample : samples) {
             const Vec3 line = sample.position - best.eye;
             const double distance = line.norm();
@@ -181,8 +183,10 @@ namespace {
                 continue;
             const double cosine = cosine_of_incidence(scene, sample, direction);
             const auto hit = scene.first(best.eye, direction, 0.0, distance - kTouchingMm, kOrganMask | kWallMask);
-            alone += cosine / (distance * distance);
-            picture += hit ? 0.0 : cosine / (distance * distance);
+            const double off_axis = std::max(direction.dot(axis), kLeastOffAxis);
+            const double area = cosine / (distance * distance * off_axis * off_axis * off_axis);
+            alone += area;
+            picture += hit ? 0.0 : area;
             if (cosine < least_cosine)
                 continue;
             ++facing;

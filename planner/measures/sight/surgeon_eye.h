@@ -32,7 +32,8 @@ struct SurgeonEye {
     Vec3 aim = Vec3::Zero(); ///< a place on the target: the middle of what is seen; cone.aim where nothing is
     double seen_fraction = 0.0; ///< of the bound
     double bound_area_mm2 = 0.0; ///< the largest area that any place shows with the wall removed
-    /// Share of the target's picture: projected area that is seen, at any incidence, over that of the target alone.
+    /// Share of the target in a flat picture from here towards `aim`: projected area that is seen, at any incidence, over
+    /// that of the target alone.
     double picture_share = 0.0;
     double incidence_deg = 0.0; ///< mean over what is seen
     /// Seen by two eyes round this place, with light from between them; the better of several turns of the head.

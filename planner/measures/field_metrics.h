@@ -365,7 +365,8 @@ struct FieldMetrics {
     // The direction from the target to the middle of the opening.
     double access_horizontal_deg = 0.0; ///< in the axial plane, from straight ahead towards the patient's left
     double access_vertical_deg = 0.0; ///< out of the axial plane, towards the head
-    double coaxiality_deg = 0.0; ///< angle between the best eye's line of sight and the axis of the opening
+    double coaxiality_deg
+        = 0.0; ///< angle between the best eye's line of sight and the normal of the opening's skin plane
     // Shares of the target's whole area.
     double visible_fraction = 0.0; ///< share of the target's area that is seen from at least one eye of the cone
     double visible_fraction_mean_eye = 0.0; ///< mean over the eyes of the cone

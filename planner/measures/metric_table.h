@@ -29,6 +29,7 @@ enum class MetricBar {
     unknown,
     estimated, ///< has its own bar, when errors were estimated
     exact, ///< does not depend on the discretisation
+    of_sight, ///< has no bar of its own, and is at least as uncertain as the opening and the best eye's share
     of_opening, ///< has no bar of its own, and is at least as uncertain as the opening
 };
 

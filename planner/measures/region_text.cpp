@@ -62,9 +62,8 @@ std::string region_text(const FieldMetrics& field)
     const RegionMetrics& region = field.region;
     std::string text = size_text(region) + end_text(region) + rim_text(region);
     if (is_region_too_small(field) && !region.force_change)
-        text += " What the wall beyond would add to the force is in no bar: on phantoms the force with the whole wall "
-                "was "
-                "up to twice as large.";
+        text += " No bar contains the force that the wall beyond would add: on phantoms the force with the whole wall "
+                "was up to twice as large.";
     if (region.force_change)
         text += formatted(" By drafts, the wall beyond changes the force by %.1f %%.", 100.0 * *region.force_change);
     return text;

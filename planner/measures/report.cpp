@@ -122,6 +122,10 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             if (const auto relative = relative_opening_bar(field))
                 return *relative * metric.of(field);
             return std::nullopt;
+        case MetricBar::of_sight:
+            if (const auto relative = relative_opening_bar(field))
+                return std::max(*relative * metric.of(field), field.error->seen_best_eye);
+            return std::nullopt;
         case MetricBar::unknown:
             break;
         }
@@ -165,7 +169,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             out << (i == 0 ? "" : ", ") << (relative ? percent(*relative) : std::string("not estimated"))
                 << (fields.size() > 1 ? " (" + escaped(fields[i].name) + ")" : std::string());
         }
-        out << " of its width. Their leads are compared with this bar.</p>";
+        out << " of its width. Leads in the shares for two eyes and two instruments are compared with this bar or that "
+               "of the best eye, whichever is larger.</p>";
     }
 
     /// The hooks that yielded, with their force and the reached part of the prescribed motion.
@@ -464,12 +469,13 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 out << " &plusmn; " << in_words(field.error->hook_forces_N[i], 1);
             out << " N";
         }
-        out << ". The best eye is " << in_words(field.best_eye.distance_mm, 0)
-            << " mm from the opening and meets what it "
-            << "sees at " << in_words(field.best_eye.incidence_deg, 0) << " degrees on average; it was searched within "
-            << in_words(field.cone_half_angle_deg, 0) << " degrees of the axis. The mean and the union are over "
-            << field.eyes << " eyes " << in_words(field.eye_distance_mm, 0) << " mm from the target; "
-            << field.target_samples << " samples on the target.</p>";
+        out << ". The best eye is " << in_words(field.best_eye.distance_mm, 0) << " mm from the opening";
+        if (field.seen_best_eye > 0.0)
+            out << " and meets what it sees at " << in_words(field.best_eye.incidence_deg, 0) << " degrees on average";
+        out << "; it was searched within " << in_words(field.cone_half_angle_deg, 0)
+            << " degrees of the cone's axis. The mean and the union are over " << field.eyes << " eyes "
+            << in_words(field.eye_distance_mm, 0) << " mm from the target; " << field.target_samples
+            << " samples on the target.</p>";
         if (const std::string estimated = estimated_text(field); !estimated.empty())
             out << "<p class=\"notice\">" << escaped(field.name) << ": " << escaped(estimated) << ".</p>";
         if (const std::string shifted = shifted_sight_text(field); !shifted.empty())
@@ -477,8 +483,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         if (field.best_eye_pixels) {
             constexpr double kAgrees = 0.02; // half a pixel along the outlines, and the samples of the rays
             const double off = std::abs(*field.best_eye_pixels - field.best_eye_picture);
-            out << (off > kAgrees ? "<p class=\"notice\">" : "<p>") << "From there the picture shows "
-                << percent(*field.best_eye_pixels) << " of the target, counted in pixels; the number says "
+            out << (off > kAgrees ? "<p class=\"notice\">" : "<p>") << "The picture from the best eye shows "
+                << percent(*field.best_eye_pixels) << " of the target, counted in pixels; rays give "
                 << percent(field.best_eye_picture) << ".</p>";
         }
         if (const std::string retractor = retractor_text(field); !retractor.empty())

@@ -63,11 +63,13 @@ namespace {
     {
         const std::string target = readable(metrics.target);
         if (!(metrics.seen_best_eye > 0.0))
-            return "No eye sees the " + target + " through the opening at less than 60 degrees of incidence. ";
-        return "From the best place of the eye, " + percent(metrics.seen_best_eye)
-            + " is seen of what an eye would see of the " + target + " with the wall removed; "
-            + percent(metrics.seen_two_eyes) + " with both eyes and a lamp between them, and two instruments reach "
-            + percent(metrics.reached_by_two_instruments) + ". ";
+            return !(metrics.best_eye.bound_area_mm2 > 0.0)
+                ? "Organs hide the " + target + " even with the wall removed. "
+                : formatted("No eye sees the %s through the opening at less than %.0f degrees of incidence. ",
+                    target.c_str(), kLargestIncidenceDeg);
+        return "The best eye sees " + percent(metrics.seen_best_eye) + " of what an eye would see of the " + target
+            + " with the wall removed. Both eyes with a lamp see " + percent(metrics.seen_two_eyes)
+            + ". Two instruments reach " + percent(metrics.reached_by_two_instruments) + ". ";
     }
 
     /// Names with their shares, the largest first.
@@ -83,7 +85,10 @@ namespace {
     std::string blocker_sentence(const SurgeonEye& eye)
     {
         const std::string words = named_shares(eye.hidden_by, 4);
-        return words.empty() ? words : "From there the target is hidden by " + words + ". ";
+        if (words.empty())
+            return words;
+        return std::string(eye.seen_fraction > 0.0 ? "From there" : "From the middle of the cone")
+            + " the target is hidden by " + words + ". ";
     }
 
     std::string bone_sentence(const Exposure& exposure)

@@ -443,7 +443,8 @@ namespace {
     /// What the best eye would see with the organs nearer to the head, as under anaesthesia in expiration.
     std::vector<ShiftedSight> sight_if_organs_shift(const PlannedField& field, Patient& patient, const Job& job)
     {
-        constexpr std::array kShiftsMm { 10.0, 20.0 }; // xiphoid to pericardium grows by 12 mm on expiration
+        constexpr std::array kShiftsMm { 10.0,
+            20.0 }; // on expiration xiphoid to pericardium grows by 12 mm [PMC12310301]
         std::vector<ShiftedSight> sights;
         for (const double shift_mm : kShiftsMm) {
             if (job.cancelled())

@@ -62,7 +62,7 @@ namespace {
             all.push_back(
                 { .name = hook.name, .surface = hook_mesh(hook), .labels = {}, .material = "steel", .wall = true });
         all.push_back({ .name = "end of the image",
-            .surface = *patient.image_end(),
+            .surface = moved(*patient.image_end(), organs_by),
             .labels = {},
             .material = {},
             .wall = false });
@@ -125,10 +125,18 @@ std::vector<HookShape> placed_hooks(
         for (const VertexId v : patch.nodes)
             centre += (field.wall.vertices.row(v) + displacement.row(v)).transpose();
         const HookSpec& spec = field.approach.hooks[i];
+        // A blade that turns stood square to the skin; a hook stands on the opened wound.
+        const Vec3 outward = patch.turns()
+            ? Vec3(-(patch.rotation * incision_place(field.approach, spec.along_mm).of(field.approach.directions)))
+            : opening.normal;
+        const Vec3 pull = patch.rotation * spec.direction;
+        constexpr double kStraightOut = 1e-3;
+        if (pull.cross(outward).norm() < kStraightOut) // a hook that lifts has no blade beside the wound
+            continue;
         shapes.push_back({ .name = patch.name,
             .position = centre / static_cast<double>(patch.nodes.size()),
-            .pull = patch.rotation * spec.direction,
-            .outward = patch.rotation * opening.normal,
+            .pull = pull,
+            .outward = outward,
             .width_mm = spec.patch_width_mm,
             .depth_mm = spec.patch_height_mm,
             .height_mm = std::max(spec.depth_mm, spec.patch_height_mm / 2.0),

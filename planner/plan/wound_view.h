@@ -40,7 +40,7 @@ WoundView look_through(const PlannedField& field, const Points& displacement, Pa
 
 /// SurgeonEye::seen_fraction alone, through the wound under another solution that the field is compared with. The
 /// samples on the target are the same for all solutions, so that two views differ by the wound and not by the samples.
-/// @param organs_by motion of the target and of all organs, mm
+/// @param organs_by motion of the target, of all organs and of the faces where the image ends, mm
 double seen_from_best_eye(const PlannedField& field, const Points& displacement, Patient& patient, const Job& job,
     const Vec3& organs_by = Vec3::Zero());
 

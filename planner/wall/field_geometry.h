@@ -77,7 +77,7 @@ Vec3 surface_centre(const TriMesh& surface);
 /// Possible positions of the surgeon's eye: a spherical cap round `aim`. The eyes are spread evenly over the cap's area
 /// in a sunflower pattern, the first on the axis. The eyes turn with aim, axis and up.
 struct ViewCone {
-    Vec3 aim = Vec3::Zero(); ///< point that is looked at, usually the target's centre
+    Vec3 aim = Vec3::Zero(); ///< point that is looked at, on the target (aim_through())
     Vec3 axis = Vec3::UnitZ(); ///< from the aim to the central eye, of any length
     Vec3 up = Vec3::UnitY(); ///< fixes the rotation of the pattern about the axis; not parallel to the axis
     double eye_distance_mm = 400.0; ///< distance of the eyes from the aim

@@ -42,6 +42,14 @@ namespace {
         return slice;
     }
 
+    /// Whether the body ends at a slice because it grows thin there, and not because the image cuts it off.
+    bool ends_by_itself(const Slice& outermost, const Slice& further_in)
+    {
+        constexpr std::ptrdiff_t kShrinks = 2;
+        const auto area = [](const Slice& slice) { return std::count(slice.mask.begin(), slice.mask.end(), 1); };
+        return kShrinks * area(outermost) < area(further_in);
+    }
+
     /// Adds one rectangle for each run of the mask along a row. @param outside_at coordinate across the slice, voxels
     void add_faces(const mesh::ImageGrid& grid, const Slice& slice, double outside_at, std::vector<Vec3>& corners)
     {
@@ -83,6 +91,9 @@ TriMesh image_end_faces(const mesh::LabelVolume& labels)
                 const Slice slice = slice_of(labels, across, at);
                 if (std::find(slice.mask.begin(), slice.mask.end(), std::uint8_t { 1 }) == slice.mask.end())
                     continue;
+                const int further_in = std::clamp(at_end ? at - kBorderVoxels : at + kBorderVoxels, 0, count - 1);
+                if (ends_by_itself(slice, slice_of(labels, across, further_in)))
+                    break;
                 add_faces(labels.grid, slice, at_end ? at + kOutsideVoxels : at - kOutsideVoxels, corners);
                 break;
             }

@@ -83,12 +83,11 @@ std::vector<Vec3> eye_positions(const ViewCone& cone)
 
 namespace {
 
-    /// Follows the lines of sight from one eye to all samples. Fills the view's shares and adds to the tally.
+    /// Follows the lines of sight from one eye to all samples. Fills the view's share and adds to the tally.
     void look(const RayScene& scene, EyeView& view, const std::vector<SurfaceSample>& samples,
         const std::vector<bool>& is_bone, Tally& tally)
     {
         std::size_t seen = 0;
-        double picture = 0.0, picture_without_wall = 0.0; // solid angle per area of sample
         for (std::size_t s = 0; s < samples.size(); ++s) {
             const Vec3 line = samples[s].position - view.eye;
             const double distance = line.norm(), far = distance - kTouchingMm;
@@ -101,9 +100,7 @@ namespace {
                 ++tally.blocked[hit->tissue];
             if (hit && !scene.clear(view.eye, direction, 0.0, far, kOrganMask))
                 continue; // hidden even with the wall removed
-            const double solid_angle = std::abs(scene.normal(samples[s]).dot(direction)) / (distance * distance);
             ++tally.seen_without_wall[s];
-            picture_without_wall += solid_angle;
             if (hit) {
                 for (const std::size_t tissue : scene.tissues_along(view.eye, direction, far, kWallMask))
                     if (is_bone[tissue])
@@ -111,11 +108,9 @@ namespace {
             } else {
                 ++seen;
                 ++tally.seen[s];
-                picture += solid_angle;
             }
         }
         view.visible_fraction = share(seen, samples.size());
-        view.picture_share = picture_without_wall > 0.0 ? picture / picture_without_wall : 0.0;
     }
 
     /// Computes the numbers over all eyes from the single views and the tally.

@@ -20,9 +20,6 @@ std::vector<Vec3> eye_positions(const ViewCone& cone);
 struct EyeView {
     Vec3 eye = Vec3::Zero();
     double visible_fraction = 0.0; ///< seen past all occluders
-    /// The seen part divided by the part seen when the wall is removed, by solid angle: the share of target pixels in
-    /// this eye's picture. 0 when nothing is seen with the wall removed.
-    double picture_share = 0.0;
 };
 
 /// A share of the lines of sight (eye, sample) that reach the sample when the target stands alone.

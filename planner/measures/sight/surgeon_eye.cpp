@@ -81,9 +81,8 @@ namespace {
 
         bool is_allowed(const Place& place) const
         {
-            const double angle = std::acos(std::clamp(axis.dot(place.direction), -1.0, 1.0));
             constexpr double kRoundOff = 1e-9;
-            return angle <= places.cone.half_angle_deg * kDegree + kRoundOff
+            return axis.dot(place.direction) >= std::cos(places.cone.half_angle_deg * kDegree) - kRoundOff
                 && place.distance_mm >= places.nearest_mm - kRoundOff
                 && place.distance_mm <= places.farthest_mm + kRoundOff;
         }

@@ -2,9 +2,9 @@
 // What a surgeon sees from the best place that the eye can take, with one eye and with two, and what two instruments
 // reach. Units mm, degrees; frame patient LPS.
 //
-// A part of the target counts as seen where its surface is met at less than kLargestIncidenceDeg: what is seen more
-// obliquely cannot be operated on. All shares are of the largest area that any of the places shows at this incidence
-// when the wall is removed, so that 1 means: the wall hides nothing.
+// A part of the target counts as seen where the (middle) eye meets its surface at less than kLargestIncidenceDeg: what
+// is seen more obliquely cannot be operated on. The three fractions are of the largest area that any of the places
+// shows at this incidence when the wall is removed, so that 1 means: the wall hides nothing.
 
 #include "planner/measures/sight/exposure.h"
 #include "planner/wall/field_geometry.h"
@@ -32,8 +32,8 @@ struct SurgeonEye {
     Vec3 aim = Vec3::Zero(); ///< a place on the target: the middle of what is seen; cone.aim where nothing is
     double seen_fraction = 0.0; ///< of the bound
     double bound_area_mm2 = 0.0; ///< the largest area that any place shows with the wall removed
-    /// Share of the target in a flat picture from here towards `aim`: projected area that is seen, at any incidence, over
-    /// that of the target alone.
+    /// Share of the target in a flat picture from here towards `aim`: projected area that is seen, at any incidence,
+    /// over that of the target alone.
     double picture_share = 0.0;
     double incidence_deg = 0.0; ///< mean over what is seen
     /// Seen by two eyes round this place, with light from between them; the better of several turns of the head.

@@ -122,12 +122,12 @@ namespace found_region_test {
         EXPECT_TRUE(piercing_text(field).empty());
         field.region.force_change.reset();
         EXPECT_NE(
-            region_text(field).find("What the wall beyond would add to the force is in no bar"), std::string::npos);
+            region_text(field).find("No bar contains the force that the wall beyond would add"), std::string::npos);
         field.region.piercing = { { .name = "rib_left_6", .out_mm = 32.6 } };
         EXPECT_NE(piercing_text(field).find("rib 6 on the left by 33 mm"), std::string::npos) << piercing_text(field);
         field.region = { .region_mm = 120.0, .ended_by = RegionEnd::still, .rim_motion_mm = 0.7, .rim_place = "fat" };
         EXPECT_FALSE(is_region_too_small(field));
-        EXPECT_EQ(region_text(field).find("in no bar"), std::string::npos);
+        EXPECT_EQ(region_text(field).find("No bar contains"), std::string::npos);
         field.region = { .region_mm = 400.0, .ended_by = RegionEnd::whole, .image_end_motion_mm = 2.3 };
         EXPECT_EQ(region_text(field),
             "The model holds the whole wall in the image. Where the image ends, tissue moves by up to 2.3 mm: what "

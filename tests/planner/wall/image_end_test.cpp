@@ -50,5 +50,17 @@ namespace image_end_test {
         EXPECT_TRUE(image_end_faces(tube(5, kSize - 5)).triangles.empty()) << "the body ends inside the image";
     }
 
+    TEST(ImageEnd, LeavesABodyOpenThatEndsByItselfNearTheBorder)
+    {
+        mesh::LabelVolume ball = tube(0, 0);
+        const Vec3 middle = ball.grid.world(Vec3(9.5, 9.5, 9.5));
+        for (int k = 0; k < kSize; ++k)
+            for (int j = 0; j < kSize; ++j)
+                for (int i = 0; i < kSize; ++i)
+                    if ((ball.grid.world(Vec3(i, j, k)) - middle).norm() < 18.0) // a voxel of air along j and k
+                        ball.voxels[ball.grid.offset(i, j, k)] = 1;
+        EXPECT_TRUE(image_end_faces(ball).triangles.empty());
+    }
+
 } // namespace image_end_test
 } // namespace retractor::planner

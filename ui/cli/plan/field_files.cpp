@@ -80,8 +80,7 @@ namespace {
         if (view == "overview")
             return "Overview of the opened patient.";
         return "Slices through the target, with the incision projected onto them (cyan), and along and across the "
-               "incision, "
-               "with the cut to its depth.";
+               "incision, with the cut to its depth.";
     }
 
     std::string contact_limit(planner::ContactMode contact)

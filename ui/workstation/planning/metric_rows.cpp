@@ -78,9 +78,10 @@ namespace {
             { "Bone in sight", joined(field.bone_in_sight), "Bones that block the view of the target." });
         section.rows.push_back(
             { "Held aside", joined(field.retracted), "Organs that are held aside in this approach." });
-        for (std::size_t i = 0; i < std::min<std::size_t>(3, field.blockers.size()); ++i)
-            section.rows.push_back({ "Blocked by " + field.blockers[i].name, percent(field.blockers[i].share),
-                "Share of the lines of sight that this structure blocks first." });
+        for (std::size_t i = 0; i < std::min<std::size_t>(3, field.best_eye.hidden_by.size()); ++i)
+            section.rows.push_back(
+                { "Hidden by " + readable(field.best_eye.hidden_by[i].name), percent(field.best_eye.hidden_by[i].share),
+                    "Share of the target that this structure hides first from the best eye." });
         return section;
     }
 

@@ -94,19 +94,6 @@ namespace exposure_test {
         EXPECT_EQ(wide.visible_fraction, wide.visible_fraction_unobstructed);
     }
 
-    TEST(Exposure, PictureShareIsTheShareOfProjectedArea)
-    {
-        // A sphere half behind a screen that ends in the plane x = 0, seen from the axis: half of its picture, by
-        // symmetry.
-        const TriMesh screen = box(Vec3(0, -200, 50), Vec3(200, 200, 51));
-        const Exposure half = measure_exposure(sphere(15.0, 80), { wall(screen) }, from_above(kEye, 0.0, 1), 4000);
-        EXPECT_NEAR(half.eyes[0].picture_share, 0.5, 2.0 * kSampling);
-        // A disc at right angles to the line of sight: area and picture agree but for perspective.
-        const Exposure disc = measure_exposure(
-            ring(0.0, kDisc, 0.0), { wall(ring(10.0, 200.0, kPlate)) }, from_above(kEye, 0.0, 1), 4000);
-        EXPECT_NEAR(disc.eyes[0].picture_share, disc.eyes[0].visible_fraction, 0.005);
-    }
-
     TEST(Exposure, BarIsNamedWithItsShare)
     {
         // A bar of bone, 10 mm wide, across the disc at half the eye's height: it covers a strip twice as wide. It lies

@@ -69,6 +69,14 @@ namespace surgeon_eye_test {
         EXPECT_LT(best.aim.head<2>().norm(), kDisc);
     }
 
+    TEST(SurgeonEye, ThePictureHoldsTheShareOfProjectedArea)
+    {
+        // A sphere half behind a screen that ends in the plane x = 0, seen from the axis: half of its picture, by
+        // symmetry, but for the sight that turns to the half that is seen.
+        const RayScene scene(sphere(15.0, 80), { wall(box(Vec3(0, -200, 50), Vec3(200, 200, 51))) }, {});
+        EXPECT_NEAR(best_of(scene, above(0.0, 1)).picture_share, 0.5, 2.0 * kSampling);
+    }
+
     TEST(SurgeonEye, ZeroIsZero)
     {
         const RayScene scene(sphere(15.0, 40), { wall(ring(0.0, 400.0, kPlate)) }, {});

@@ -72,7 +72,7 @@ namespace {
                 "Labels that the image does not show. They were estimated from their surroundings.", true });
         for (const planner::ShiftedSight& shifted : field.if_organs_shift)
             section.rows.push_back(
-                { "... organs " + number(shifted.shift_mm, 0, "mm higher"), percent(shifted.seen_best_eye),
+                { "Seen with organs " + number(shifted.shift_mm, 0, "mm higher"), percent(shifted.seen_best_eye),
                     "Seen by the best eye with the organs nearer to the head, as in expiration." });
         section.rows.push_back(
             { "Bone in sight", joined(field.bone_in_sight), "Bones that block the view of the target." });

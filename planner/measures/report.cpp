@@ -169,8 +169,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             out << (i == 0 ? "" : ", ") << (relative ? percent(*relative) : std::string("not estimated"))
                 << (fields.size() > 1 ? " (" + escaped(fields[i].name) + ")" : std::string());
         }
-        out << " of its width. Leads in the shares for two eyes and two instruments are compared with this bar or that "
-               "of the best eye, whichever is larger.</p>";
+        out << " of its width. Leads in these shares are compared with this bar or that of the best eye, whichever is "
+               "larger.</p>";
     }
 
     /// The hooks that yielded, with their force and the reached part of the prescribed motion.

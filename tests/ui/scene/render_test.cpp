@@ -19,6 +19,8 @@
 #include <filesystem>
 #include <fstream>
 #include <numbers>
+#include <string>
+#include <thread>
 
 namespace retractor::ui {
 namespace render_test {
@@ -321,6 +323,23 @@ namespace render_test {
         expect_color(pixel(image, 1.0 / 3.0, 0.05), 0, 0, 0);
     }
 
+    TEST_F(Pictures, ScenesThatAreKeptAreDrawnFromOtherPlacesAsNewOnesWouldBe)
+    {
+        Picture picture { .width = 320, .height = 240, .viewports = {} };
+        picture.viewports.emplace_back();
+        picture.viewports[0].scene = samples::little_chest(false);
+        OffscreenRenderer& renderer = samples::renderer();
+        renderer.show(picture);
+        Camera camera = picture.viewports[0].scene.camera;
+        const Image first = renderer.draw({ camera });
+        camera.eye += Vec3(60.0, 10.0, 40.0);
+        const Image turned = renderer.draw({ camera });
+        EXPECT_NE(first.rgb, turned.rgb);
+        EXPECT_EQ(first.rgb, renderer.render(picture).rgb);
+        picture.viewports[0].scene.camera = camera;
+        EXPECT_EQ(turned.rgb, renderer.render(picture).rgb);
+    }
+
     TEST_F(Pictures, TheSameSceneGivesTheSamePicture)
     {
         const Scene scene = samples::little_chest();
@@ -500,6 +519,21 @@ namespace render_test {
             }
         }
         EXPECT_EQ(vtkOutputWindow::GetInstance(), before);
+    }
+
+    TEST(VtkErrorTrap, EachThreadHasItsOwnAndTheOldestTakesTheRest)
+    {
+        const VtkErrorTrap oldest;
+        std::string of_other;
+        std::thread([&] {
+            const VtkErrorTrap other;
+            vtkOutputWindow::GetInstance()->DisplayErrorText("from a thread with a trap");
+            of_other = other.errors();
+        }).join();
+        EXPECT_NE(of_other.find("with a trap"), std::string::npos);
+        EXPECT_EQ(oldest.errors(), "");
+        std::thread([] { vtkOutputWindow::GetInstance()->DisplayErrorText("from a thread without"); }).join();
+        EXPECT_NE(oldest.errors().find("without"), std::string::npos);
     }
 
     TEST_F(Pictures, WhatCannotBeDrawnIsRefusedAndTheRendererGoesOn)

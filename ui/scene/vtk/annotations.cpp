@@ -7,6 +7,7 @@
 #include <vtkCellArray.h>
 #include <vtkCommand.h>
 #include <vtkCoordinate.h>
+#include <vtkObjectFactory.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataMapper2D.h>
@@ -20,6 +21,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 #include <numbers>
 #include <string>
 
@@ -44,9 +46,30 @@ namespace {
         return std::max(kSmallestFont, static_cast<int>(std::lround(size)));
     }
 
-    vtkSmartPointer<vtkTextActor> text_actor(const std::string& text, int size, const Color& color, bool bold)
+    /// VTK turns letters into pixels with one FreeType library for the process, which serves one thread at a time.
+    std::mutex letters_mutex;
+
+    class TextActor : public vtkTextActor {
+    public:
+        static TextActor* New();
+        vtkTypeMacro(TextActor, vtkTextActor)
+
+            bool RenderImage(vtkTextProperty* property, vtkViewport* viewport) override
+        {
+            const std::lock_guard lock(letters_mutex);
+            return vtkTextActor::RenderImage(property, viewport);
+        }
+        bool GetImageBoundingBox(vtkTextProperty* property, vtkViewport* viewport, int box[4]) override
+        {
+            const std::lock_guard lock(letters_mutex);
+            return vtkTextActor::GetImageBoundingBox(property, viewport, box);
+        }
+    };
+    vtkStandardNewMacro(TextActor)
+
+        vtkSmartPointer<vtkTextActor> text_actor(const std::string& text, int size, const Color& color, bool bold)
     {
-        auto actor = vtkSmartPointer<vtkTextActor>::New();
+        const vtkSmartPointer<vtkTextActor> actor = vtkSmartPointer<TextActor>::New();
         actor->SetInput(text.c_str());
         actor->SetTextScaleModeToNone();
         vtkTextProperty& property = *actor->GetTextProperty();

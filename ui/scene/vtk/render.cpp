@@ -1,5 +1,6 @@
 #include "ui/scene/vtk/render.h"
 
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "ui/scene/vtk/scene_view.h"
 #include "ui/scene/vtk/vtk_errors.h"
@@ -36,7 +37,8 @@ namespace {
         {
             if (!this->Initialized) {
                 constexpr GLenum kNoGlxDisplay = 4; // GLEW_ERROR_NO_GLX_DISPLAY, from GLEW 2.2 on
-                const GLenum code = glewInit();
+                // The functions serve the whole process. Another thread may be drawing with them already.
+                const GLenum code = GLEW_VERSION_3_2 == GL_TRUE ? static_cast<GLenum>(GLEW_OK) : glewInit();
                 if (code != GLEW_OK && code != kNoGlxDisplay)
                     throw IoError("the OpenGL functions cannot be loaded (GLEW code " + std::to_string(code) + ")",
                         std::string(context->backend()));
@@ -76,11 +78,13 @@ struct OffscreenRenderer::State {
     std::unique_ptr<OffscreenContext> context;
     vtkSmartPointer<ContextWindow> window;
     std::unique_ptr<VolumeCache> volumes;
+    std::vector<SceneView> views; ///< of the last show()
 
     void resize(int width, int height) const { window->SetSize(width, height); }
 
     ~State()
     {
+        views.clear();
         volumes.reset();
         if (window != nullptr) {
             const VtkErrorTrap silent; // nobody can receive an error here
@@ -121,15 +125,35 @@ OffscreenRenderer::~OffscreenRenderer() = default;
 
 Image OffscreenRenderer::render(const Picture& picture)
 {
+    show(picture);
+    std::vector<Camera> cameras;
+    for (const Viewport& viewport : picture.viewports)
+        cameras.push_back(viewport.scene.camera);
+    Image image = draw(cameras);
+    state_->views.clear();
+    return image;
+}
+
+void OffscreenRenderer::show(const Picture& picture)
+{
     check_picture(picture);
     const VtkErrorTrap trap;
+    state_->views.clear();
     state_->resize(picture.width, picture.height);
-    std::vector<SceneView> views;
     for (const Viewport& viewport : picture.viewports) {
-        views.emplace_back(*state_->window, viewport, *state_->volumes);
-        views.back().show(viewport.scene);
+        state_->views.emplace_back(*state_->window, viewport, *state_->volumes);
+        state_->views.back().show(viewport.scene);
     }
     state_->volumes->sweep();
+    trap.throw_if_error("preparing a picture");
+}
+
+Image OffscreenRenderer::draw(const std::vector<Camera>& cameras)
+{
+    RETRACTOR_ASSERT(cameras.size() == state_->views.size());
+    const VtkErrorTrap trap;
+    for (std::size_t i = 0; i < cameras.size(); ++i)
+        state_->views[i].set_camera(cameras[i]);
     state_->window->Render();
     Image image = read_pixels(*state_->window);
     trap.throw_if_error("drawing a picture");
@@ -141,6 +165,7 @@ Image OffscreenRenderer::render(const ChartPicture& picture)
     if (picture.panels.empty() || picture.columns < 1 || picture.panel_width < 1 || picture.panel_height < 1)
         throw InputError("a picture of charts needs panels with a size");
     const VtkErrorTrap trap;
+    state_->views.clear();
     const int columns = std::min(picture.columns, static_cast<int>(picture.panels.size()));
     state_->resize(columns * picture.panel_width, picture.rows() * picture.panel_height);
     const ChartView view(*state_->window, picture);

@@ -30,6 +30,13 @@ public:
     /// error is never returned.
     Image render(const Picture& picture);
 
+    /// Prepares scenes that draw() draws, so that each picture after the first costs only its drawing.
+    /// @throws InputError as check_picture() does
+    void show(const Picture& picture);
+    /// Draws the scenes of the last show() from other places; render() ends them. @pre one camera for each viewport
+    /// @throws IoError when the drawing library reports an error
+    Image draw(const std::vector<Camera>& cameras);
+
     /// @throws InputError when there is nothing to draw; IoError as above
     Image render(const ChartPicture& picture);
 

@@ -9,6 +9,7 @@
 #include <vtkCamera.h>
 #include <vtkCommand.h>
 #include <vtkLight.h>
+#include <vtkProperty.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
 #include <vtkVolume.h>
@@ -46,6 +47,17 @@ namespace {
         add_light(renderer, { 1.0, -0.2, 0.3 }, { 0.85, 0.92, 1.0 }, 0.18);
     }
 
+    /// Draws the near side of a translucent surface with the opaque ones, without passes over the whole picture of its
+    /// own. The near side covers as much as both sides together would.
+    void blend_at_once(vtkActor& actor)
+    {
+        vtkProperty& property = *actor.GetProperty();
+        const double through = 1.0 - property.GetOpacity();
+        property.SetOpacity(1.0 - through * through);
+        property.SetBackfaceCulling(1);
+        actor.ForceOpaqueOn();
+    }
+
     void place_camera(vtkCamera& vtk, const Camera& camera)
     {
         vtk.SetPosition(camera.eye.data());
@@ -66,6 +78,7 @@ struct SceneView::State {
     vtkSmartPointer<vtkRenderer> words = vtkSmartPointer<vtkRenderer>::New();
     vtkSmartPointer<vtkRenderer> marker = vtkSmartPointer<vtkRenderer>::New();
     std::array<double, 4> rectangle { 0.0, 0.0, 1.0, 1.0 };
+    DrawingQuality quality = DrawingQuality::full;
 
     int width() const
     {
@@ -88,17 +101,27 @@ struct SceneView::State {
     {
         bool translucent = false;
         for (const SurfaceItem& item : scene.surfaces) {
-            translucent = translucent || (item.opacity < 1.0 && !item.on_top);
-            for (const auto& actor : surface_actors(item))
-                (item.on_top ? overlay : main)->AddActor(actor);
+            if (item.opacity < 1.0 && !item.on_top)
+                translucent = true;
+            else
+                for (const auto& actor : surface_actors(item))
+                    (item.on_top ? overlay : main)->AddActor(actor);
         }
+        // Behind translucent surfaces stands what was drawn before them.
+        for (const SurfaceItem& item : scene.surfaces)
+            if (item.opacity < 1.0 && !item.on_top)
+                for (const auto& actor : surface_actors(item)) {
+                    if (quality == DrawingQuality::fast)
+                        blend_at_once(*actor);
+                    main->AddActor(actor);
+                }
         for (const LineItem& item : scene.lines)
             (item.on_top ? overlay : main)->AddActor(line_actor(item, window->GetSize()[1]));
         for (const SliceItem& item : scene.slices)
             main->AddActor(slice_actor(item));
         for (const VolumeItem& item : scene.volumes)
             main->AddVolume(volumes->volume(item));
-        main->SetUseDepthPeeling(translucent ? 1 : 0);
+        main->SetUseDepthPeeling(translucent && quality == DrawingQuality::full ? 1 : 0);
         main->SetMaximumNumberOfPeels(4);
     }
 
@@ -122,12 +145,13 @@ struct SceneView::State {
     }
 };
 
-SceneView::SceneView(vtkRenderWindow& window, const Viewport& viewport, VolumeCache& volumes)
+SceneView::SceneView(vtkRenderWindow& window, const Viewport& viewport, VolumeCache& volumes, DrawingQuality quality)
     : state_(std::make_unique<State>())
 {
     State& s = *state_;
     s.window = &window;
     s.volumes = &volumes;
+    s.quality = quality;
     s.rectangle = { viewport.left, viewport.bottom, viewport.right, viewport.top };
     window.SetNumberOfLayers(kLayers);
     int layer = 0;
@@ -140,7 +164,7 @@ SceneView::SceneView(vtkRenderWindow& window, const Viewport& viewport, VolumeCa
     }
     s.overlay->SetActiveCamera(s.main->GetActiveCamera());
     s.words->SetActiveCamera(s.main->GetActiveCamera());
-    s.main->SetUseFXAA(true);
+    s.main->SetUseFXAA(quality == DrawingQuality::full);
     light_theatre(*s.main);
 }
 

@@ -11,12 +11,17 @@ class vtkRenderWindow;
 
 namespace retractor::ui {
 
+/// full: translucent surfaces are sorted by depth, and edges are smoothed. fast: neither; of a translucent surface only
+/// the faces towards the eye are drawn.
+enum class DrawingQuality { full, fast };
+
 /// One rectangle of a window. The window must have a size, and its context must exist when a scene is shown.
 class SceneView {
 public:
     /// @param viewport only its rectangle is used
     /// @pre window and cache outlive the view
-    SceneView(vtkRenderWindow& window, const Viewport& viewport, VolumeCache& volumes);
+    SceneView(vtkRenderWindow& window, const Viewport& viewport, VolumeCache& volumes,
+        DrawingQuality quality = DrawingQuality::full);
     ~SceneView();
     SceneView(SceneView&&) noexcept;
 

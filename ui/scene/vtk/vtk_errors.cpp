@@ -9,68 +9,95 @@
 
 #include <algorithm>
 #include <mutex>
+#include <thread>
+#include <vector>
 
 namespace retractor::ui {
 
+struct VtkErrorTrap::State {
+    const std::thread::id thread = std::this_thread::get_id();
+    std::string errors {};
+};
+
 namespace {
 
+    /// Receives the messages of all threads and hands each to the newest trap of its thread; a message from a thread
+    /// without a trap goes to the oldest trap of all. It is VTK's output window while there is a trap.
     class CollectingWindow : public vtkOutputWindow {
     public:
         static CollectingWindow* New();
         vtkTypeMacro(CollectingWindow, vtkOutputWindow)
 
-            void DisplayErrorText(const char* text) override
-        {
-            const std::lock_guard lock(mutex_);
-            errors_ += text;
-        }
+            void DisplayErrorText(const char* text) override;
         void DisplayText(const char*) override { }
         void DisplayWarningText(const char*) override { }
         void DisplayGenericWarningText(const char*) override { }
         void DisplayDebugText(const char*) override { }
-
-        std::string errors() const
-        {
-            const std::lock_guard lock(mutex_);
-            std::string line = errors_;
-            std::replace(line.begin(), line.end(), '\n', ' ');
-            return line;
-        }
-
-    private:
-        mutable std::mutex mutex_;
-        std::string errors_;
     };
 
     vtkStandardNewMacro(CollectingWindow)
 
-} // namespace
+        struct Traps {
+        std::mutex mutex;
+        std::vector<VtkErrorTrap::State*> oldest_first;
+        vtkSmartPointer<vtkOutputWindow> window_before;
+        vtkLogger::Verbosity log_before
+            = vtkLogger::VERBOSITY_OFF; ///< VTK's log would repeat every error on standard error
+    };
 
-struct VtkErrorTrap::State {
-    vtkSmartPointer<vtkOutputWindow> before;
-    vtkSmartPointer<CollectingWindow> window;
-    vtkLogger::Verbosity log_before
-        = vtkLogger::VERBOSITY_OFF; ///< VTK's log would repeat every error on standard error
-};
+    Traps& traps()
+    {
+        static Traps all;
+        return all;
+    }
+
+    void CollectingWindow::DisplayErrorText(const char* text)
+    {
+        Traps& all = traps();
+        const std::lock_guard lock(all.mutex);
+        if (all.oldest_first.empty())
+            return;
+        const auto of_thread = std::find_if(all.oldest_first.rbegin(), all.oldest_first.rend(),
+            [](const VtkErrorTrap::State* state) { return state->thread == std::this_thread::get_id(); });
+        (of_thread == all.oldest_first.rend() ? all.oldest_first.front() : *of_thread)->errors += text;
+    }
+
+} // namespace
 
 VtkErrorTrap::VtkErrorTrap()
     : state_(new State)
 {
-    state_->before = vtkOutputWindow::GetInstance();
-    state_->window = vtkSmartPointer<CollectingWindow>::New();
-    vtkOutputWindow::SetInstance(state_->window);
-    state_->log_before = vtkLogger::GetCurrentVerbosityCutoff();
-    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+    Traps& all = traps();
+    const std::lock_guard lock(all.mutex);
+    if (all.oldest_first.empty()) {
+        all.window_before = vtkOutputWindow::GetInstance();
+        vtkOutputWindow::SetInstance(vtkSmartPointer<CollectingWindow>::New());
+        all.log_before = vtkLogger::GetCurrentVerbosityCutoff();
+        vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+    }
+    all.oldest_first.push_back(state_);
 }
 
 VtkErrorTrap::~VtkErrorTrap()
 {
-    vtkLogger::SetStderrVerbosity(state_->log_before);
-    vtkOutputWindow::SetInstance(state_->before);
+    Traps& all = traps();
+    const std::lock_guard lock(all.mutex);
+    std::erase(all.oldest_first, state_);
+    if (all.oldest_first.empty()) {
+        vtkLogger::SetStderrVerbosity(all.log_before);
+        vtkOutputWindow::SetInstance(all.window_before);
+        all.window_before = nullptr;
+    }
     delete state_;
 }
 
-std::string VtkErrorTrap::errors() const { return state_->window->errors(); }
+std::string VtkErrorTrap::errors() const
+{
+    const std::lock_guard lock(traps().mutex);
+    std::string line = state_->errors;
+    std::replace(line.begin(), line.end(), '\n', ' ');
+    return line;
+}
 
 void VtkErrorTrap::throw_if_error(const std::string& doing) const
 {

@@ -1,5 +1,6 @@
 #pragma once
-// Collects VTK's error messages during its lifetime. VTK would print them and carry on.
+// Collects VTK's error messages of its thread during its lifetime. VTK would print them and carry on. A message from a
+// thread without a trap goes to the oldest trap.
 
 #include <string>
 
@@ -18,8 +19,9 @@ public:
     /// @param doing name of the step, for the message
     void throw_if_error(const std::string& doing) const;
 
-private:
     struct State;
+
+private:
     State* state_;
 };
 

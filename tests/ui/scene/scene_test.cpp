@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 #include "tests/ui/scene/sample_scenes.h"
+#include "ui/scene/moving_scene.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/annotations.h"
 #include "ui/scene/vtk/identifier_picture.h"
@@ -13,6 +14,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <numbers>
 
 namespace retractor::ui {
 namespace scene_test {
@@ -219,6 +221,74 @@ namespace scene_test {
                 } },
             Refusal { "window must be positive",
                 [](Scene& s) { s.slices.push_back({ .image = samples::little_ct(), .window_hu = 0.0 }); } }));
+
+    TEST(Clustered, KeepsTheShapeWithinACubeAndTheLabelsOfItsTriangles)
+    {
+        TriMesh sphere = samples::sphere_mesh(Vec3(3.0, -20.0, 11.0), 40.0, 96);
+        for (const auto& t : sphere.triangles)
+            sphere.labels.push_back(sphere.vertices(t[0], 2) > 11.0 ? 1 : 2);
+        constexpr double kCube = 5.0;
+        const TriMesh fewer = clustered(sphere, kCube);
+        EXPECT_LT(fewer.triangles.size(), sphere.triangles.size() / 3);
+        EXPECT_GT(fewer.triangles.size(), 500U);
+        ASSERT_EQ(fewer.labels.size(), fewer.triangles.size());
+        for (Eigen::Index v = 0; v < fewer.vertices.rows(); ++v) {
+            const double off
+                = std::abs((point_at(fewer.vertices, static_cast<VertexId>(v)) - Vec3(3.0, -20.0, 11.0)).norm() - 40.0);
+            EXPECT_LT(off, kCube * std::sqrt(3.0));
+        }
+        for (std::size_t t = 0; t < fewer.triangles.size(); ++t) {
+            const double z = point_at(fewer.vertices, fewer.triangles[t][0]).z();
+            EXPECT_TRUE(fewer.labels[t] == 1 ? z > 11.0 - 2.0 * kCube : z < 11.0 + 2.0 * kCube);
+        }
+        // The enclosed volume, by the divergence theorem: triangles keep their orientation.
+        double volume = 0.0;
+        for (const auto& t : fewer.triangles)
+            volume += point_at(fewer.vertices, t[0])
+                          .dot(point_at(fewer.vertices, t[1]).cross(point_at(fewer.vertices, t[2])))
+                / 6.0;
+        const double whole = 4.0 / 3.0 * std::numbers::pi * std::pow(40.0, 3);
+        EXPECT_NEAR(volume, whole, 0.05 * whole) << "a mean of vertices lies a little inside";
+    }
+
+    TEST(Clustered, ACubeSmallerThanEveryEdgeLeavesTheSurfaceAsItIs)
+    {
+        const TriMesh box = samples::box_mesh(Vec3(1.0, 1.0, 1.0), Vec3(9.0, 9.0, 9.0));
+        const TriMesh same = clustered(box, 0.1);
+        EXPECT_EQ(same.triangles, box.triangles);
+        EXPECT_TRUE(same.vertices.isApprox(box.vertices, 1e-12));
+        EXPECT_TRUE(clustered(box, 100.0).triangles.empty()) << "one cube holds the box";
+        EXPECT_TRUE(clustered(TriMesh {}, 1.0).triangles.empty());
+        for (const double cube :
+            { 0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity() })
+            EXPECT_THROW(clustered(box, cube), InputError);
+        TriMesh broken = box;
+        broken.vertices(0, 0) = std::numeric_limits<double>::quiet_NaN();
+        EXPECT_THROW(clustered(broken, 1.0), InputError);
+    }
+
+    TEST(MovingScene, HasAboutTheAskedTrianglesAndNoTextures)
+    {
+        Scene scene = samples::little_chest(false);
+        SurfaceItem sphere;
+        sphere.mesh = std::make_shared<const TriMesh>(samples::sphere_mesh(Vec3::Zero(), 60.0, 300));
+        sphere.look.texture = 1.0;
+        scene.surfaces.push_back(sphere);
+        constexpr std::size_t kAsked = 8000;
+        const Scene moving = moving_scene(scene, kAsked);
+        ASSERT_EQ(moving.surfaces.size(), scene.surfaces.size());
+        std::size_t triangles = 0;
+        for (const SurfaceItem& item : moving.surfaces) {
+            triangles += item.mesh->triangles.size();
+            EXPECT_EQ(item.look.texture, 0.0);
+            for (const auto& [label, look] : item.look_of_label)
+                EXPECT_EQ(look.texture, 0.0);
+        }
+        EXPECT_NEAR(static_cast<double>(triangles), kAsked, 0.5 * kAsked);
+        EXPECT_NO_THROW(check_scene(moving));
+        EXPECT_EQ(moving_scene(scene, 10'000'000).surfaces.back().mesh, sphere.mesh)
+            << "a small scene keeps its meshes";
+    }
 
     TEST(CheckPicture, RefusesEmptySizesAndViewports)
     {

@@ -14,6 +14,7 @@
 #include "ui/scene/tissue_colors.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/planning/approach_list.h"
+#include "ui/workstation/view/arrange_scenes.h"
 #include "ui/workstation/view/picture_view.h"
 #include "ui/workstation/view/theme.h"
 
@@ -24,6 +25,7 @@
 #include <QProgressBar>
 #include <QSurfaceFormat>
 #include <QTest>
+#include <QWheelEvent>
 
 #include <QVTKInteractor.h>
 #include <algorithm>
@@ -274,6 +276,43 @@ namespace main_window_test {
         ASSERT_TRUE(QTest::qWaitFor([&] { return !view.coarse(); }, test_support::kPatienceMs));
         EXPECT_GT((view.camera().eye - eye).norm(), 1.0) << "the camera has turned (mm)";
         EXPECT_EQ(view.drawing_errors(), "");
+    }
+
+    TEST_F(MainWindowTest, NotchesOfTheWheelShareAPicture)
+    {
+        open_synthetic();
+        PictureView& view = window_.view();
+        ASSERT_TRUE(QTest::qWaitFor([&] { return !view.coarse(); }, test_support::kPatienceMs));
+        const int pictures = view.pictures();
+        const double before = (view.camera().eye - view.camera().aim).norm();
+        constexpr int kNotches = 5;
+        const QPointF middle = view.rect().center();
+        for (int i = 0; i < kNotches; ++i) {
+            QWheelEvent notch(middle, view.mapToGlobal(middle.toPoint()), {}, { 0, 120 }, Qt::NoButton, Qt::NoModifier,
+                Qt::NoScrollPhase, false);
+            QApplication::sendEvent(&view, &notch);
+        }
+        EXPECT_EQ(view.pictures(), pictures) << "an event does not wait for a picture";
+        EXPECT_LT((view.camera().eye - view.camera().aim).norm(), 0.8 * before) << "every notch counts";
+        EXPECT_TRUE(view.coarse());
+        ASSERT_TRUE(QTest::qWaitFor([&] { return !view.coarse(); }, test_support::kPatienceMs));
+        EXPECT_GE(view.pictures(), pictures + 1);
+        EXPECT_LT(view.pictures(), pictures + kNotches);
+    }
+
+    TEST_F(MainWindowTest, TheFullPictureLiesWhereTheCoarseOneWas)
+    {
+        open_synthetic();
+        PictureView& view = window_.view();
+        const QImage full = view.picture().convertToFormat(QImage::Format_RGB32);
+        const QImage coarse = view.grabFramebuffer().convertToFormat(QImage::Format_RGB32);
+        ASSERT_EQ(full.size(), coarse.size());
+        double difference = 0.0;
+        for (int y = 0; y < full.height(); ++y)
+            for (int x = 0; x < full.width(); ++x)
+                difference += std::abs(qGray(full.pixel(x, y)) - qGray(coarse.pixel(x, y)));
+        constexpr double kMeanGrey = 12.0; // of 255: shading differs, outlines do not
+        EXPECT_LT(difference / (full.width() * full.height()), kMeanGrey);
     }
 
     TEST_F(MainWindowTest, SavesThePictureAsSeen)

@@ -2,8 +2,10 @@
 
 #include "mesh/base/assert.h"
 #include "mesh/base/job.h"
+#include "ui/scene/moving_scene.h"
 #include "ui/scene/vtk/live_surface.h"
 #include "ui/scene/vtk/scene_view.h"
+#include "ui/workstation/view/arrange_scenes.h"
 #include "ui/workstation/view/turn_style.h"
 
 #include <vtkCallbackCommand.h>
@@ -24,12 +26,21 @@ namespace retractor::ui {
 
 namespace {
 
-    /// A shorter pause in turning starts no full-quality picture, which takes up to a second.
-    constexpr int kRestMs = 300;
+    /// A shorter pause in turning starts no full picture, which takes up to some seconds of a processor.
+    constexpr int kRestMs = 200;
     constexpr int kResizeMs = 150;
     /// Changes within this time are drawn in one picture.
     constexpr int kFrameMs = 12;
     constexpr double kNotch = 120.0; ///< Qt's angle of one notch of a mouse wheel
+    /// Of the coarse scenes together. Software drawing on two cores shows about 20 such pictures a second; most of the
+    /// time then goes into pixels.
+    constexpr std::size_t kCoarseTriangles = 30000;
+    /// When two pictures after one another take longer than this, coarse pictures get fewer pixels.
+    constexpr double kSlowMs = 55.0;
+    constexpr int kSlowPictures = 2;
+    /// The sides of a picture with fewer pixels, as a share of the view's.
+    constexpr double kLowResolution = 0.5;
+    constexpr double kDotsPerInch = 72.0; ///< VTK's letters then have the size in pixels that scenes ask for
 
     void call(void* function) { (*static_cast<std::function<void()>*>(function))(); }
 
@@ -57,6 +68,10 @@ struct PictureView::Drawn {
 PictureView::PictureView(QWidget* parent)
     : QVTKOpenGLNativeWidget(parent)
     , drawn_(std::make_unique<Drawn>())
+    , background_([this](PictureAnswer answer) {
+        QMetaObject::invokeMethod(
+            this, [this, answer = std::move(answer)] { show_full(answer); }, Qt::QueuedConnection);
+    })
 {
     drawn_->window->SetMultiSamples(0);
     const Scene empty;
@@ -67,14 +82,22 @@ PictureView::PictureView(QWidget* parent)
     setMinimumSize(320, 240);
     setAccessibleName("Picture");
 
-    const auto style = vtkSmartPointer<TurnStyle>::New();
-    style->AddObserver(vtkCommand::StartInteractionEvent, command([this] { camera_moves(); }));
-    style->AddObserver(vtkCommand::EndInteractionEvent, command([this] { rest_timer_.start(); }));
-    interactor()->SetInteractorStyle(style);
+    interactor()->SetInteractorStyle(vtkSmartPointer<TurnStyle>::New());
+    // VTK would draw at once for every event, and events would queue up behind slow pictures. While Qt paints the
+    // widget, VTK asks for a drawing in the same way, and needs it then.
+    interactor()->EnableRenderOff();
+    interactor()->AddObserver(vtkCommand::RenderEvent, command([this] {
+        if (painting_)
+            drawn_->window->Render();
+        else
+            change();
+    }));
+    drawn_->window->AddObserver(vtkCommand::EndEvent, command([this] { ++pictures_; }));
+    connect(this, &QOpenGLWidget::frameSwapped, this, [this] { note_speed(); });
 
     rest_timer_.setSingleShot(true);
     rest_timer_.setInterval(kRestMs);
-    connect(&rest_timer_, &QTimer::timeout, this, [this] { camera_rests(); });
+    connect(&rest_timer_, &QTimer::timeout, this, [this] { rest(); });
     resize_timer_.setSingleShot(true);
     resize_timer_.setInterval(kResizeMs);
     connect(&resize_timer_, &QTimer::timeout, this, [this] { build(true); });
@@ -83,6 +106,9 @@ PictureView::PictureView(QWidget* parent)
     draw_timer_.setInterval(kFrameMs);
     connect(&draw_timer_, &QTimer::timeout, this, [this] { draw_now(); });
 
+    full_ = new QLabel(this);
+    full_->setAttribute(Qt::WA_TransparentForMouseEvents);
+    full_->hide();
     note_ = new QLabel(this);
     note_->setTextFormat(Qt::PlainText);
     note_->setStyleSheet("background: rgba(20, 24, 28, 210); color: #e4e8eb; padding: 10px 18px; border-radius: 5px;");
@@ -100,7 +126,13 @@ void PictureView::show_scenes(std::vector<Scene> scenes)
 {
     for (const Scene& scene : scenes)
         check_scene(scene);
-    scenes_ = std::move(scenes);
+    // Each scene gets its share of the triangles.
+    coarse_scenes_.clear();
+    for (const Scene& scene : scenes)
+        coarse_scenes_.push_back(full_error_.empty() ? moving_scene(scene, kCoarseTriangles / scenes.size()) : scene);
+    scenes_ = std::make_shared<const std::vector<Scene>>(std::move(scenes));
+    resolution_ = 1.0;
+    slow_pictures_ = 0;
     build(false);
 }
 
@@ -113,9 +145,14 @@ void PictureView::build(bool keep_cameras)
     for (const SceneView& view : drawn_->views)
         cameras.push_back(view.camera());
     drawn_->views.clear();
-    const double ratio = devicePixelRatioF();
-    for (Viewport& viewport : arrange_scenes(scenes_, ratio * width(), ratio * height())) {
-        drawn_->views.emplace_back(*drawn_->window, viewport, drawn_->volumes);
+    const double ratio = resolution_ * devicePixelRatioF();
+    setUnscaledDPI(static_cast<int>(std::lround(kDotsPerInch / ratio)));
+    setCustomDevicePixelRatio(ratio);
+    resizeGL(width(), height());
+    drawn_->volumes.set_interactive(full_error_.empty());
+    const DrawingQuality quality = full_error_.empty() ? DrawingQuality::fast : DrawingQuality::full;
+    for (Viewport& viewport : arrange_scenes(coarse_scenes_, ratio * width(), ratio * height())) {
+        drawn_->views.emplace_back(*drawn_->window, viewport, drawn_->volumes, quality);
         const std::size_t index = drawn_->views.size() - 1;
         if (keep_cameras && index < cameras.size() && viewport.scene.slices.empty())
             viewport.scene.camera = cameras[index];
@@ -123,8 +160,54 @@ void PictureView::build(bool keep_cameras)
     }
     add_live();
     drawn_->volumes.sweep();
-    drawn_->window->Render();
-    update();
+    change();
+    rest_timer_.start(0);
+}
+
+void PictureView::change()
+{
+    ++number_;
+    coarse_ = true;
+    full_->hide();
+    draw_soon();
+    rest_timer_.start(kRestMs);
+}
+
+bool PictureView::can_rest() const { return live_ == nullptr && full_error_.empty(); }
+
+PictureRequest PictureView::request() const
+{
+    PictureRequest request { .scenes = scenes_, .number = number_ };
+    for (const SceneView& view : drawn_->views)
+        request.cameras.push_back(view.camera());
+    request.width = static_cast<int>(std::lround(devicePixelRatioF() * width()));
+    request.height = static_cast<int>(std::lround(devicePixelRatioF() * height()));
+    return request;
+}
+
+void PictureView::rest()
+{
+    if (can_rest() && is_drawn())
+        background_.request(request());
+    else
+        coarse_ = false;
+}
+
+void PictureView::show_full(const PictureAnswer& answer)
+{
+    if (answer.image.isNull()) {
+        full_error_ = answer.error;
+        show_scenes(*scenes_); // the window draws the whole scenes itself
+        return;
+    }
+    if (answer.number != number_ || live_ != nullptr)
+        return;
+    coarse_ = false;
+    QPixmap pixmap = QPixmap::fromImage(answer.image);
+    pixmap.setDevicePixelRatio(devicePixelRatioF());
+    full_->setPixmap(pixmap);
+    full_->setGeometry(rect());
+    full_->show();
 }
 
 void PictureView::add_live()
@@ -148,7 +231,11 @@ void PictureView::set_live(const LiveProps* live)
         }
     }
     live_ = live;
-    draw_soon();
+    if (resolution_ < 1.0) {
+        resolution_ = 1.0;
+        build(true);
+    }
+    change();
 }
 
 void PictureView::draw_soon()
@@ -157,9 +244,25 @@ void PictureView::draw_soon()
         draw_timer_.start();
 }
 
+/// Called when a picture has reached the screen. A driver in software has drawn it only then.
+void PictureView::note_speed()
+{
+    if (!drawing_)
+        return;
+    const double ms = 1e3 * drawing_->seconds();
+    drawing_.reset();
+    slow_pictures_ = ms > kSlowMs ? slow_pictures_ + 1 : 0;
+    if (slow_pictures_ < kSlowPictures || resolution_ < 1.0 || !can_rest())
+        return;
+    resolution_ = kLowResolution;
+    build(true);
+    change(); // the full picture waits for rest
+}
+
 void PictureView::draw_now()
 {
     const Stopwatch watch;
+    drawing_ = watch;
     makeCurrent();
     add_live();
     drawn_->window->Render();
@@ -246,27 +349,20 @@ void PictureView::initializeGL()
     resize_timer_.start(0);
 }
 
+void PictureView::paintGL()
+{
+    painting_ = true;
+    QVTKOpenGLNativeWidget::paintGL();
+    painting_ = false;
+}
+
 void PictureView::resizeEvent(QResizeEvent* event)
 {
     QVTKOpenGLNativeWidget::resizeEvent(event);
     place_note();
+    full_->hide();
     // Words and scale bars depend on the size. They are made again when the size has settled.
     resize_timer_.start(kResizeMs);
-}
-
-void PictureView::camera_moves()
-{
-    rest_timer_.stop();
-    coarse_ = true;
-    drawn_->volumes.set_interactive(true);
-}
-
-void PictureView::camera_rests()
-{
-    coarse_ = false;
-    drawn_->volumes.set_interactive(false);
-    drawn_->window->Render();
-    update();
 }
 
 QImage PictureView::picture()
@@ -275,9 +371,21 @@ QImage PictureView::picture()
         resize_timer_.stop();
         build(true);
     }
-    rest_timer_.stop();
-    camera_rests();
+    if (can_rest() && is_drawn()) {
+        const PictureAnswer answer = background_.draw(request());
+        show_full(answer);
+        if (!answer.image.isNull())
+            return answer.image;
+    }
+    draw_timer_.stop();
+    draw_now();
     return grabFramebuffer();
+}
+
+std::string PictureView::drawing_errors() const
+{
+    const std::string errors = errors_.errors();
+    return errors.empty() || full_error_.empty() ? errors + full_error_ : errors + "; " + full_error_;
 }
 
 bool PictureView::is_drawn() const { return !drawn_->views.empty(); }
@@ -295,28 +403,6 @@ void PictureView::place_note()
 {
     note_->adjustSize();
     note_->move((width() - note_->width()) / 2, (height() - note_->height()) / 2);
-}
-
-std::vector<Viewport> arrange_scenes(const std::vector<Scene>& scenes, double width_px, double height_px)
-{
-    std::vector<Viewport> viewports;
-    const std::size_t columns = scenes.size() > 1 ? 2 : 1;
-    const std::size_t rows = (scenes.size() + columns - 1) / columns;
-    for (std::size_t i = 0; i < scenes.size(); ++i) {
-        const auto column = static_cast<double>(i % columns), row = static_cast<double>(i / columns);
-        Viewport viewport;
-        viewport.left = column / static_cast<double>(columns);
-        viewport.right = (column + 1.0) / static_cast<double>(columns);
-        viewport.top = 1.0 - row / static_cast<double>(rows);
-        viewport.bottom = 1.0 - (row + 1.0) / static_cast<double>(rows);
-        viewport.scene = scenes[i];
-        const double aspect
-            = (viewport.right - viewport.left) * width_px / ((viewport.top - viewport.bottom) * height_px);
-        if (viewport.scene.slices.size() == 1)
-            viewport.scene.camera = camera_for_slice(viewport.scene.slices.front(), aspect);
-        viewports.push_back(std::move(viewport));
-    }
-    return viewports;
 }
 
 } // namespace retractor::ui

@@ -1,16 +1,20 @@
 #pragma once
-// The picture in the window: the same plain scenes as off-screen, with a camera that the mouse turns. Volumes are
-// sampled coarsely while the camera moves, and in full quality at rest.
+// The picture in the window: the same plain scenes as off-screen, with a camera that the mouse turns. The window draws
+// coarse copies of the scenes, one picture a frame. When the picture rests, another thread draws it in full quality,
+// and the window shows that picture until something moves again.
 
+#include "mesh/base/job.h"
 #include "planner/session/wall_picture.h"
 #include "ui/scene/scene.h"
 #include "ui/scene/vtk/vtk_errors.h"
+#include "ui/workstation/view/background_picture.h"
 
 #include <QVTKOpenGLNativeWidget.h>
 
 #include <QTimer>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,7 +47,7 @@ public:
     /// cameras, but slices are fitted into their rectangles. No scene: the view is empty.
     /// @throws InputError as check_scene() does; the view then keeps its scenes
     void show_scenes(std::vector<Scene> scenes);
-    const std::vector<Scene>& scenes() const { return scenes_; }
+    const std::vector<Scene>& scenes() const { return *scenes_; }
 
     /// Props drawn with the first scene. Their owner changes them between pictures and then calls draw_soon(). Null:
     /// none. Remove the props before they end.
@@ -51,6 +55,8 @@ public:
     bool has_live() const { return live_ != nullptr; }
     /// Draws after about one frame; calls until then share this drawing.
     void draw_soon();
+    /// Number of the window's own pictures drawn so far.
+    int pictures() const { return pictures_; }
     /// Duration of the last drawing by draw_soon() (ms); 0 before the first.
     double draw_ms() const { return draw_ms_; }
 
@@ -63,13 +69,14 @@ public:
     /// Shows a line over the picture, e.g. the work that is awaited; empty: none.
     void show_note(const QString& note);
 
-    /// Draws now, in full quality, and returns the picture.
+    /// Draws in full quality and returns the picture. Waits for it.
     QImage picture();
 
     /// Errors of the drawing library since the view was made; empty: none.
-    std::string drawing_errors() const { return errors_.errors(); }
+    std::string drawing_errors() const;
 
-    /// Whether volumes are sampled coarsely now.
+    /// Whether the coarse picture is shown now, because something moves or the full picture is not drawn yet. Props
+    /// drawn with the first scene are always shown in the window's own, coarse picture.
     bool coarse() const { return coarse_; }
     bool is_drawn() const; ///< there is a scene, and a window for it
     /// Whether there is an OpenGL context and the pictures have the view's present size.
@@ -80,33 +87,47 @@ public:
 protected:
     bool event(QEvent* event) override;
     void initializeGL() override;
+    void paintGL() override;
     void resizeEvent(QResizeEvent* event) override;
 
 private:
     /// @param keep_cameras keep the cameras of scenes in space; slices are fitted anew
     void build(bool keep_cameras);
-    void camera_moves();
-    void camera_rests();
+    /// The picture changes: shows the coarse picture and draws it soon.
+    void change();
+    /// Asks for the full picture where there can be one.
+    void rest();
+    bool can_rest() const;
+    PictureRequest request() const;
+    void show_full(const PictureAnswer& answer);
     void place_note();
     bool handle_mouse(QMouseEvent& event);
     void add_live();
     void draw_now();
+    void note_speed();
 
     VtkErrorTrap errors_;
-    std::vector<Scene> scenes_;
+    std::shared_ptr<const std::vector<Scene>> scenes_ = std::make_shared<const std::vector<Scene>>();
+    std::vector<Scene> coarse_scenes_;
     struct Drawn;
     std::unique_ptr<Drawn> drawn_;
     QTimer rest_timer_, resize_timer_, draw_timer_;
     QLabel* note_ = nullptr;
+    QLabel* full_ = nullptr; ///< the full picture, over the coarse picture
+    std::string full_error_; ///< why no full picture can be drawn; the window then draws whole scenes itself
     const LiveProps* live_ = nullptr;
     PictureTool* tool_ = nullptr;
     bool turning_ = false; ///< the camera is being turned while there is a tool
     double draw_ms_ = 0.0;
+    int pictures_ = 0;
+    std::optional<Stopwatch> drawing_; ///< since the beginning of a picture that is not on the screen yet
+    int slow_pictures_ = 0;
+    double resolution_ = 1.0; ///< of the coarse picture, as a share of the view's
     bool coarse_ = false;
     bool ready_ = false; ///< there is an OpenGL context
+    bool painting_ = false; ///< Qt paints the widget
+    int number_ = 0; ///< of the picture; a full picture with an older number is dropped
+    BackgroundPicture background_; ///< ends first
 };
-
-/// Arranges scenes in a grid: one scene fills everything; more fill rows of two from the top left. Slices are fitted.
-std::vector<Viewport> arrange_scenes(const std::vector<Scene>& scenes, double width_px, double height_px);
 
 } // namespace retractor::ui

@@ -6,6 +6,7 @@
 #include "planner/case/case_io.h"
 #include "planner/case/patient.h"
 #include "planner/palpation/palpable.h"
+#include "ui/workstation/benchmark/window_benchmark.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/palpation/palpation_window.h"
 #include "ui/workstation/view/picture_view.h"
@@ -40,6 +41,7 @@ struct Options {
     bool plan = false;
     bool before = false;
     bool palpate = false;
+    bool benchmark = false;
 };
 
 /// Parses the arguments. @returns the exit code when the program ends here; nothing when it continues
@@ -72,6 +74,10 @@ std::optional<int> parse(int argc, char** argv, Options& options)
         ->type_name("LABEL");
     auto* before = app.add_flag(
         "--before", options.before, "With --screenshot: show the patient before opening, without planning");
+    auto* benchmark = app.add_flag("--benchmark", options.benchmark,
+                             "Measure how the picture follows mouse and wheel, print pictures a second and delays as "
+                             "JSON, and quit; with --plan, measure the opened field too")
+                          ->excludes("--screenshot");
     app.footer("Example: retractor-workstation patient/case.json --approach median --view overview\n"
                "Keys: 1 surgeon's eye, 2 overview, 3 slices, O opened field or patient before, P plan, Shift+P plan\n"
                "all, Esc cancel.\n"
@@ -84,13 +90,13 @@ std::optional<int> parse(int argc, char** argv, Options& options)
                "finger and leave this finger pressed; Esc lifts all fingers.");
     try {
         app.parse(argc, argv);
-        if (options.case_file.empty() && !(options.approach.empty() && options.screenshot.empty() && !options.plan))
-            throw CLI::RequiredError("CASE.json with --approach, --plan or --screenshot");
+        if (options.case_file.empty() && !(options.approach.empty() && options.screenshot.empty() && !options.plan && !options.benchmark))
+            throw CLI::RequiredError("CASE.json with --approach, --plan, --screenshot or --benchmark");
         options.palpate = datasets::is_palpation_scene(options.case_file) || !options.structure.empty();
         if (!options.structure.empty()
             && (options.case_file.empty() || datasets::is_palpation_scene(options.case_file)))
             throw CLI::ValidationError("--palpate", "needs a case, not a palpation scene");
-        for (const CLI::Option* option : { approach, view, plan, before })
+        for (const CLI::Option* option : { approach, view, plan, before, benchmark })
             if (options.palpate && option->count() > 0)
                 throw CLI::ValidationError(option->get_name(),
                     options.structure.empty() ? "needs a case, but the file is a palpation scene"
@@ -146,6 +152,17 @@ void take_screenshot(MainWindow& window, QTimer& timer, const Options& options)
         QApplication::exit(window.error_line().empty() ? 0 : fail(window.error_line(), 1));
     });
     timer.start(kPollMs);
+}
+
+/// Measures the window and prints the figures. @returns the exit code
+int run_benchmark(MainWindow& window, bool plan)
+{
+    try {
+        std::fputs(to_json(measure_window(window, plan), window).c_str(), stdout);
+        return 0;
+    } catch (const Error& error) {
+        return fail(error.what(), 1);
+    }
 }
 
 /// Waits until the tissue is ready and has been felt for a while, saves the window and quits.
@@ -204,6 +221,8 @@ int run_planning(std::optional<planner::Case> planned_case, const Options& optio
         if (!options.approach.empty())
             window.select(options.approach);
         window.set_view(*view_from_string(options.view));
+        if (options.benchmark)
+            return run_benchmark(window, options.plan);
         if (options.plan || (!options.screenshot.empty() && !options.before))
             window.plan_selected();
     }

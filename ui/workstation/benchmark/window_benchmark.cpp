@@ -1,0 +1,245 @@
+#include "ui/workstation/benchmark/window_benchmark.h"
+
+#include "mesh/base/error.h"
+#include "ui/workstation/main_window.h"
+#include "ui/workstation/view/picture_view.h"
+
+#include <QCoreApplication>
+#include <QMouseEvent>
+#include <QTimer>
+#include <QWheelEvent>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <numbers>
+#include <thread>
+#include <utility>
+
+namespace retractor::ui {
+
+namespace {
+
+    using Clock = std::chrono::steady_clock;
+    using namespace std::chrono_literals;
+
+    constexpr auto kHandInterval = 16ms; ///< a mouse reports about 60 times a second
+    constexpr auto kNotchInterval = 100ms;
+    constexpr auto kMotion = 3s;
+    constexpr auto kRest = 2s; ///< long enough for the picture at rest to begin
+    constexpr int kPollMs = 5;
+    constexpr int kNotch = 120; ///< Qt's angle of one notch of a mouse wheel
+    constexpr int kNotchesToAndFro = 5;
+
+    double ms_between(Clock::time_point from, Clock::time_point to)
+    {
+        return std::chrono::duration<double, std::milli>(to - from).count();
+    }
+
+    void run_until(const std::function<bool()>& done)
+    {
+        QTimer wake; // without it, a loop without events would not look again
+        wake.start(kPollMs);
+        while (!done())
+            QCoreApplication::processEvents(QEventLoop::WaitForMoreEvents);
+    }
+
+    /// Notes when events were sent and handled, and when pictures reached the screen.
+    class Notes : public QObject {
+    public:
+        explicit Notes(PictureView& view)
+            : view_(view)
+        {
+            view_.installEventFilter(this);
+            connect(&view_, &QOpenGLWidget::frameSwapped, this, [this] {
+                if (std::exchange(drawn_, view_.pictures()) != view_.pictures())
+                    pictures_.push_back(Clock::now());
+            });
+        }
+
+        /// Called on the sending thread.
+        void send(QEvent* event)
+        {
+            {
+                const std::lock_guard lock(mutex_);
+                sent_.push_back(Clock::now());
+            }
+            QCoreApplication::postEvent(&view_, event);
+        }
+
+        std::vector<double> delays_ms() const { return delays_ms_; }
+        const std::vector<Clock::time_point>& pictures() const { return pictures_; }
+        bool all_handled()
+        {
+            const std::lock_guard lock(mutex_);
+            return sent_.empty();
+        }
+
+    protected:
+        bool eventFilter(QObject*, QEvent* event) override
+        {
+            const bool of_hand = event->type() == QEvent::MouseMove || event->type() == QEvent::MouseButtonPress
+                || event->type() == QEvent::MouseButtonRelease || event->type() == QEvent::Wheel;
+            const std::lock_guard lock(mutex_);
+            if (of_hand && !sent_.empty()) {
+                delays_ms_.push_back(ms_between(sent_.front(), Clock::now()));
+                sent_.pop_front();
+            }
+            return false;
+        }
+
+    private:
+        PictureView& view_;
+        int drawn_ = view_.pictures(); ///< pictures when the last one reached the screen
+        std::vector<Clock::time_point> pictures_;
+        std::vector<double> delays_ms_;
+        std::mutex mutex_;
+        std::deque<Clock::time_point> sent_;
+    };
+
+    QEvent* mouse_event(QEvent::Type type, const QPointF& at, Qt::MouseButton button, Qt::MouseButtons held)
+    {
+        return new QMouseEvent(type, at, at, at, button, held, Qt::NoModifier);
+    }
+
+    /// A circle round the middle of the view.
+    QPointF hand_at(const QSizeF& size, double seconds)
+    {
+        const double angle = std::numbers::pi * seconds, radius = 0.2 * size.height();
+        return { 0.5 * size.width() + radius * std::cos(angle), 0.5 * size.height() + radius * std::sin(angle) };
+    }
+
+    using Send = std::function<void(Notes&, const QSizeF&, double seconds, int number)>;
+
+    void send_turn(Notes& notes, const QSizeF& size, double seconds, int number)
+    {
+        const QPointF at = hand_at(size, seconds);
+        notes.send(number == 0 ? mouse_event(QEvent::MouseButtonPress, at, Qt::LeftButton, Qt::LeftButton)
+                               : mouse_event(QEvent::MouseMove, at, Qt::NoButton, Qt::LeftButton));
+    }
+
+    void send_notch(Notes& notes, const QSizeF& size, double, int number)
+    {
+        const QPointF at(0.5 * size.width(), 0.5 * size.height());
+        const int notch = (number / kNotchesToAndFro) % 2 == 0 ? kNotch : -kNotch;
+        notes.send(new QWheelEvent(at, at, {}, { 0, notch }, Qt::NoButton, Qt::NoModifier, Qt::NoScrollPhase, false));
+    }
+
+    /// The window's own picture, under the full one. @throws InputError when it has one colour
+    void check_not_empty(const QImage& picture)
+    {
+        const QRgb first = picture.pixel(0, 0);
+        for (int y = 0; y < picture.height(); ++y)
+            for (int x = 0; x < picture.width(); ++x)
+                if (picture.pixel(x, y) != first)
+                    return;
+        throw InputError("the window has drawn nothing");
+    }
+
+    /// Sends the motion and then, while the hand rests, moves without a button.
+    MotionFigures measure(PictureView& view, const Send& send, Clock::duration interval, bool releases)
+    {
+        Notes notes(view);
+        const QSizeF size = view.size();
+        std::atomic<bool> moved = false, finished = false;
+        MotionFigures figures;
+        const Clock::time_point begin = Clock::now();
+        Clock::time_point end = begin;
+        std::thread hand([&] {
+            for (Clock::time_point at = begin; at - begin < kMotion; at += interval) {
+                std::this_thread::sleep_until(at);
+                send(notes, size, 1e-3 * ms_between(begin, at), figures.events++);
+            }
+            end = Clock::now();
+            moved = true;
+            if (releases)
+                notes.send(mouse_event(
+                    QEvent::MouseButtonRelease, hand_at(size, 1e-3 * ms_between(begin, end)), Qt::LeftButton, {}));
+            for (Clock::time_point at = end; at - end < kRest; at += kHandInterval) {
+                std::this_thread::sleep_until(at);
+                notes.send(mouse_event(QEvent::MouseMove, hand_at(size, 0.0), Qt::NoButton, {}));
+            }
+            finished = true;
+        });
+        run_until([&] {
+            if (moved && figures.full_ms == 0.0 && !view.coarse())
+                figures.full_ms = ms_between(end, Clock::now());
+            return finished && notes.all_handled() && figures.full_ms > 0.0;
+        });
+        hand.join();
+        check_not_empty(view.grabFramebuffer());
+
+        figures.seconds = 1e-3 * ms_between(begin, end);
+        for (const Clock::time_point picture : notes.pictures())
+            figures.pictures += picture <= end ? 1 : 0;
+        figures.pictures_per_s = figures.pictures / figures.seconds;
+        std::vector<double> delays = notes.delays_ms();
+        std::sort(delays.begin(), delays.end());
+        figures.delay_median_ms = delays.at(delays.size() / 2);
+        figures.delay_p99_ms = delays.at(std::min(delays.size() - 1, delays.size() * 99 / 100));
+        figures.delay_largest_ms = delays.back();
+        return figures;
+    }
+
+    void append(std::vector<MotionFigures>& all, std::vector<MotionFigures> more)
+    {
+        all.insert(all.end(), more.begin(), more.end());
+    }
+
+} // namespace
+
+std::vector<MotionFigures> measure_motions(MainWindow& window, const std::string& picture)
+{
+    std::vector<MotionFigures> figures = { measure(window.view(), send_turn, kHandInterval, true),
+        measure(window.view(), send_notch, kNotchInterval, false) };
+    figures[0].motion = "turn";
+    figures[1].motion = "wheel";
+    for (MotionFigures& motion : figures)
+        motion.picture = picture;
+    return figures;
+}
+
+std::vector<MotionFigures> measure_window(MainWindow& window, bool plan)
+{
+    const auto settle = [&] {
+        run_until([&] { return window.idle() && window.view().ready(); });
+        if (!window.view().is_drawn())
+            throw InputError("the window shows no picture to measure: " + window.error_line());
+    };
+    std::vector<MotionFigures> figures;
+    const auto measure_view = [&](const std::string& field, const std::string& view) {
+        window.set_view(*view_from_string(view));
+        settle();
+        append(figures, measure_motions(window, field + ", " + view));
+    };
+    for (const char* view : { "surgeon", "overview" })
+        measure_view("closed", view);
+    if (!plan)
+        return figures;
+    window.plan_selected();
+    settle();
+    for (const char* view : { "surgeon", "overview", "slices" })
+        measure_view("opened", view);
+    return figures;
+}
+
+std::string to_json(const std::vector<MotionFigures>& figures, const MainWindow& window)
+{
+    nlohmann::json motions = nlohmann::json::array();
+    for (const MotionFigures& f : figures)
+        motions.push_back({ { "picture", f.picture }, { "motion", f.motion }, { "events", f.events },
+            { "seconds", f.seconds }, { "pictures", f.pictures }, { "pictures_per_s", f.pictures_per_s },
+            { "delay_median_ms", f.delay_median_ms }, { "delay_p99_ms", f.delay_p99_ms },
+            { "delay_largest_ms", f.delay_largest_ms }, { "full_ms", f.full_ms } });
+    const nlohmann::json document { { "width", window.width() }, { "height", window.height() },
+        { "motions", motions } };
+    return document.dump(2) + "\n";
+}
+
+} // namespace retractor::ui

@@ -1,5 +1,5 @@
 #pragma once
-// The commands of `retractor`. Every command registers itself in its own source file.
+// The commands of `retractor`. Each function adds a command, or commands that belong together.
 
 #include "ui/cli/framework/command.h"
 

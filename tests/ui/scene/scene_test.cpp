@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 #include "tests/ui/scene/sample_scenes.h"
+#include "ui/scene/linked_slices.h"
 #include "ui/scene/moving_scene.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/annotations.h"
@@ -10,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -265,6 +267,77 @@ namespace scene_test {
         TriMesh broken = box;
         broken.vertices(0, 0) = std::numeric_limits<double>::quiet_NaN();
         EXPECT_THROW(clustered(broken, 1.0), InputError);
+    }
+
+    /// Three slices of an image of 40 x 60 x 80 mm with a ball and a line.
+    std::vector<Scene> linked_slices()
+    {
+        auto image = std::make_shared<mesh::Volume>();
+        image->grid.size = { 21, 31, 41 };
+        image->grid.spacing = { 2.0, 2.0, 2.0 };
+        image->grid.origin = { -20.0, -30.0, -40.0 };
+        image->voxels.assign(image->grid.voxel_count(), 55);
+        auto labels = std::make_shared<mesh::LabelVolume>();
+        labels->grid = image->grid;
+        labels->voxels.assign(image->grid.voxel_count(), 3);
+        std::vector<Scene> scenes;
+        for (const SlicePlane plane : { SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal }) {
+            Scene scene;
+            scene.slices.push_back({ .image = image, .plane = plane, .labels = labels });
+            LineItem ball { .name = "target" };
+            const int axis = axis_across(plane);
+            for (int n = 0; n <= 32; ++n) {
+                Vec3 p = Vec3::Zero();
+                p[(axis + 1) % 3] = 10.0 * std::cos(2.0 * std::numbers::pi * n / 32);
+                p[(axis + 2) % 3] = 10.0 * std::sin(2.0 * std::numbers::pi * n / 32);
+                ball.points.push_back(p);
+            }
+            LineItem cut { .name = "incision", .points = { Vec3(1.0, 2.0, 3.0), Vec3(4.0, 5.0, 6.0) } };
+            scene.lines = { ball, cut };
+            scene.camera = camera_for_slice(scene.slices.front(), 1.0);
+            scenes.push_back(std::move(scene));
+        }
+        return scenes;
+    }
+
+    TEST(LinkedSlices, LieThroughThePointWithTheirLinesAndSayWhatIsThere)
+    {
+        const Vec3 point(2.0, -4.0, 6.0);
+        const std::vector<Scene> moved = slices_at(linked_slices(), point, { { 3, "aorta (estimated)" } });
+        const std::array<double, 3> off { 6.0, 4.0, 2.0 };
+        for (std::size_t i = 0; i < 3; ++i) {
+            const SliceItem& slice = moved[i].slices.front();
+            EXPECT_EQ(slice.point, point);
+            const int axis = axis_across(slice.plane);
+            ASSERT_EQ(moved[i].lines.size(), 4U) << "ball, cut and the two other planes";
+            const LineItem& ball = moved[i].lines[0];
+            Vec3 centre = Vec3::Zero();
+            centre[axis] = point[axis];
+            for (const Vec3& p : ball.points)
+                EXPECT_NEAR((p - centre).norm(), std::sqrt(100.0 - off[i] * off[i]), kRoundOff);
+            for (const LineItem& line : moved[i].lines)
+                for (const Vec3& p : line.points)
+                    EXPECT_NEAR(p[axis], point[axis], kRoundOff);
+            EXPECT_NO_THROW(check_scene(moved[i]));
+        }
+        ASSERT_EQ(moved[0].notes.size(), 1U);
+        EXPECT_EQ(moved[0].notes[0], "LPS 2, -4, 6 mm: 55 HU, aorta (estimated)");
+        EXPECT_TRUE(moved[1].notes.empty());
+        EXPECT_EQ(slices_at(linked_slices(), Vec3(0.0, 0.0, 30.0), {})[0].lines.size(), 3U) << "no ball there";
+    }
+
+    TEST(LinkedSlices, StepsGoTowardsHeadFrontAndLeftAndStayWithinTheImage)
+    {
+        const std::vector<Scene> scenes = linked_slices();
+        EXPECT_EQ(stepped(scenes[0].slices[0], 1.0), Vec3(0.0, 0.0, 2.0));
+        EXPECT_EQ(stepped(scenes[1].slices[0], 1.0), Vec3(0.0, -2.0, 0.0));
+        EXPECT_EQ(stepped(scenes[2].slices[0], -0.5), Vec3(-1.0, 0.0, 0.0));
+        EXPECT_EQ(stepped(scenes[0].slices[0], 1e6), Vec3(0.0, 0.0, 40.0));
+        // The middle of a picture is the middle of the image; its upper edge lies beyond the head's end.
+        EXPECT_NEAR(place_on_slice(scenes[1].slices[0], scenes[1].camera, 0.5, 0.5, 1.0).norm(), 0.0, kRoundOff);
+        EXPECT_NEAR(place_on_slice(scenes[1].slices[0], scenes[1].camera, 0.5, 1.0, 1.0).z(), 40.0, kRoundOff);
+        // Right in the picture is the patient's left from the front.
+        EXPECT_GT(place_on_slice(scenes[1].slices[0], scenes[1].camera, 0.6, 0.5, 1.0).x(), 1.0);
     }
 
     TEST(MovingScene, HasAboutTheAskedTrianglesAndNoTextures)

@@ -1,6 +1,7 @@
 #include "ui/scene/vtk/scene_view.h"
 
 #include "mesh/base/assert.h"
+#include "ui/scene/linked_slices.h"
 #include "ui/scene/vtk/annotations.h"
 #include "ui/scene/vtk/slice_actor.h"
 #include "ui/scene/vtk/surface_actors.h"
@@ -16,6 +17,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace retractor::ui {
 
@@ -58,6 +61,27 @@ namespace {
         actor.ForceOpaqueOn();
     }
 
+    struct SampledSlice {
+        SliceItem item;
+        vtkSmartPointer<vtkActor> actor;
+    };
+
+    /// Whether two slices give the same pixels. A slice along an axis of the patient may have another point in its
+    /// plane.
+    bool same_pixels(const SliceItem& a, const SliceItem& b)
+    {
+        const auto same_color = [](const auto& x, const auto& y) {
+            return x.first == y.first && x.second.r == y.second.r && x.second.g == y.second.g
+                && x.second.b == y.second.b;
+        };
+        const int axis = axis_across(a.plane);
+        return !a.oblique && !b.oblique && a.image == b.image && a.plane == b.plane && a.point[axis] == b.point[axis]
+            && a.window_hu == b.window_hu && a.level_hu == b.level_hu && a.labels == b.labels && a.fill == b.fill
+            && a.pixel_mm == b.pixel_mm
+            && std::equal(a.outline_of_label.begin(), a.outline_of_label.end(), b.outline_of_label.begin(),
+                b.outline_of_label.end(), same_color);
+    }
+
     void place_camera(vtkCamera& vtk, const Camera& camera)
     {
         vtk.SetPosition(camera.eye.data());
@@ -79,6 +103,7 @@ struct SceneView::State {
     vtkSmartPointer<vtkRenderer> marker = vtkSmartPointer<vtkRenderer>::New();
     std::array<double, 4> rectangle { 0.0, 0.0, 1.0, 1.0 };
     DrawingQuality quality = DrawingQuality::full;
+    std::vector<SampledSlice> slices; ///< of the last scene, so that one that has not moved is not sampled again
 
     int width() const
     {
@@ -97,7 +122,7 @@ struct SceneView::State {
         }
     }
 
-    void add_items(const Scene& scene) const
+    void add_items(const Scene& scene)
     {
         bool translucent = false;
         for (const SurfaceItem& item : scene.surfaces) {
@@ -117,8 +142,14 @@ struct SceneView::State {
                 }
         for (const LineItem& item : scene.lines)
             (item.on_top ? overlay : main)->AddActor(line_actor(item, window->GetSize()[1]));
-        for (const SliceItem& item : scene.slices)
-            main->AddActor(slice_actor(item));
+        std::vector<SampledSlice> sampled;
+        for (const SliceItem& item : scene.slices) {
+            const auto known = std::find_if(
+                slices.begin(), slices.end(), [&](const SampledSlice& s) { return same_pixels(s.item, item); });
+            sampled.push_back({ item, known != slices.end() ? known->actor : slice_actor(item) });
+            main->AddActor(sampled.back().actor);
+        }
+        slices = std::move(sampled);
         for (const VolumeItem& item : scene.volumes)
             main->AddVolume(volumes->volume(item));
         main->SetUseDepthPeeling(translucent && quality == DrawingQuality::full ? 1 : 0);

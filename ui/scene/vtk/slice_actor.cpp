@@ -24,11 +24,23 @@ namespace {
     /// Samples are finer than the voxels, so that outlines stay thin.
     constexpr double kPixelsPerVoxel = 2.0;
 
-    /// Trilinear interpolation; nothing outside the grid.
-    std::optional<double> value_at(const mesh::Volume& image, const Vec3& world)
+    /// The continuous index of each pixel of a slice: it grows by the same steps along rows and columns.
+    struct PixelIndices {
+        Vec3 first, across, upward;
+
+        PixelIndices(const mesh::ImageGrid& grid, const SliceImage& image)
+            : first(grid.index(image.corner))
+            , across(grid.index(image.corner + image.across) - first)
+            , upward(grid.index(image.corner + image.upward) - first)
+        {
+        }
+        Vec3 at(int column, int row) const { return first + column * across + row * upward; }
+    };
+
+    /// Trilinear interpolation at a continuous index; nothing outside the grid.
+    std::optional<double> value_at(const mesh::Volume& image, const Vec3& at)
     {
         const mesh::ImageGrid& grid = image.grid;
-        const Vec3 at = grid.index(world);
         std::array<int, 3> low {};
         std::array<double, 3> share {};
         for (int a = 0; a < 3; ++a) {
@@ -39,19 +51,18 @@ namespace {
             low[axis] = std::min(static_cast<int>(inside), std::max(grid.size[axis] - 2, 0));
             share[axis] = inside - low[axis];
         }
-        double sum = 0.0;
-        for (int corner = 0; corner < 8; ++corner) {
-            double weight = 1.0;
-            std::array<int, 3> v {};
-            for (std::size_t a = 0; a < 3; ++a) {
-                const int up = (corner >> a) & 1;
-                v[a] = std::min(low[a] + up, grid.size[a] - 1);
-                weight *= up != 0 ? share[a] : 1.0 - share[a];
-            }
-            if (weight > 0.0)
-                sum += weight * image.voxels[grid.offset(v[0], v[1], v[2])];
-        }
-        return sum;
+        const std::size_t along_i = grid.size[0] > 1 ? 1 : 0;
+        const std::size_t along_j = grid.size[1] > 1 ? static_cast<std::size_t>(grid.size[0]) : 0;
+        const std::size_t along_k
+            = grid.size[2] > 1 ? static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[1]) : 0;
+        const std::int16_t* const corner = &image.voxels[grid.offset(low[0], low[1], low[2])];
+        const auto along_row = [&](std::size_t offset) {
+            return (1.0 - share[0]) * corner[offset] + share[0] * corner[offset + along_i];
+        };
+        const auto in_plane = [&](std::size_t offset) {
+            return (1.0 - share[1]) * along_row(offset) + share[1] * along_row(offset + along_j);
+        };
+        return (1.0 - share[2]) * in_plane(0) + share[2] * in_plane(along_k);
     }
 
     SliceImage oblique_frame(const SliceItem& slice, const ObliqueSlice& frame)
@@ -108,16 +119,28 @@ namespace {
     {
         std::vector<Label> labels;
         labels.reserve(static_cast<std::size_t>(image.columns) * static_cast<std::size_t>(image.rows));
+        const mesh::ImageGrid& grid = slice.labels->grid;
+        const PixelIndices indices(grid, image);
         for (int row = 0; row < image.rows; ++row)
-            for (int column = 0; column < image.columns; ++column)
-                labels.push_back(
-                    mesh::label_at(*slice.labels, image.corner + column * image.across + row * image.upward));
+            for (int column = 0; column < image.columns; ++column) {
+                const Vec3 at = indices.at(column, row);
+                const auto i = std::lround(at[0]), j = std::lround(at[1]), k = std::lround(at[2]);
+                const bool inside
+                    = i >= 0 && j >= 0 && k >= 0 && i < grid.size[0] && j < grid.size[1] && k < grid.size[2];
+                labels.push_back(inside
+                        ? slice.labels
+                              ->voxels[grid.offset(static_cast<int>(i), static_cast<int>(j), static_cast<int>(k))]
+                        : Label { 0 });
+            }
         return labels;
     }
 
     void paint_labels(const SliceItem& slice, SliceImage& image)
     {
         const std::vector<Label> labels = sample_labels(slice, image);
+        std::vector<const Color*> color_of(slice.outline_of_label.rbegin()->first + 1U, nullptr);
+        for (const auto& [label, color] : slice.outline_of_label)
+            color_of[label] = &color;
         RETRACTOR_ASSERT(image.rgb.size() == 3 * labels.size());
         const auto at = [&](int column, int row) {
             return labels[static_cast<std::size_t>(row) * static_cast<std::size_t>(image.columns)
@@ -126,14 +149,14 @@ namespace {
         for (int row = 0; row < image.rows; ++row)
             for (int column = 0; column < image.columns; ++column) {
                 const Label here = at(column, row);
-                const auto color = slice.outline_of_label.find(here);
-                if (color == slice.outline_of_label.end())
+                const Color* const color = here < color_of.size() ? color_of[here] : nullptr;
+                if (color == nullptr)
                     continue;
                 const bool border = column == 0 || row == 0 || column + 1 == image.columns || row + 1 == image.rows
                     || at(column - 1, row) != here || at(column + 1, row) != here || at(column, row - 1) != here
                     || at(column, row + 1) != here;
                 const double share = border ? 1.0 : slice.fill;
-                const std::array<double, 3> rgb { color->second.r, color->second.g, color->second.b };
+                const std::array<double, 3> rgb { color->r, color->g, color->b };
                 const std::size_t first = 3
                     * (static_cast<std::size_t>(row) * static_cast<std::size_t>(image.columns)
                         + static_cast<std::size_t>(column));
@@ -151,9 +174,10 @@ SliceImage sample_slice(const SliceItem& slice)
     SliceImage image = frame_of(slice);
     RETRACTOR_ASSERT(image.columns > 0 && image.rows > 0);
     image.rgb.reserve(3 * static_cast<std::size_t>(image.columns) * static_cast<std::size_t>(image.rows));
+    const PixelIndices indices(slice.image->grid, image);
     for (int row = 0; row < image.rows; ++row)
         for (int column = 0; column < image.columns; ++column) {
-            const auto hu = value_at(*slice.image, image.corner + column * image.across + row * image.upward);
+            const auto hu = value_at(*slice.image, indices.at(column, row));
             const double grey = hu ? std::clamp((*hu - slice.level_hu) / slice.window_hu + 0.5, 0.0, 1.0) : 0.0;
             image.rgb.insert(image.rgb.end(), 3, static_cast<std::uint8_t>(std::lround(255.0 * grey)));
         }

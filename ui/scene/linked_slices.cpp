@@ -1,0 +1,183 @@
+#include "ui/scene/linked_slices.h"
+
+#include "mesh/base/assert.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace retractor::ui {
+
+namespace {
+
+    /// The colours of the planes, as 3D Slicer has them: red axial, green coronal, yellow sagittal.
+    Color color_of(SlicePlane plane)
+    {
+        switch (plane) {
+        case SlicePlane::axial:
+            return { 0.95, 0.29, 0.20 };
+        case SlicePlane::coronal:
+            return { 0.43, 0.69, 0.29 };
+        case SlicePlane::sagittal:
+            break;
+        }
+        return { 0.93, 0.84, 0.30 };
+    }
+
+    Box box_of(const mesh::ImageGrid& grid)
+    {
+        Box box { Vec3::Constant(std::numeric_limits<double>::max()),
+            Vec3::Constant(std::numeric_limits<double>::lowest()) };
+        for (int corner = 0; corner < 8; ++corner) {
+            Vec3 index;
+            for (int axis = 0; axis < 3; ++axis)
+                index[axis] = (corner >> axis & 1) != 0 ? grid.size[static_cast<std::size_t>(axis)] - 1 : 0;
+            box.low = box.low.cwiseMin(grid.world(index));
+            box.high = box.high.cwiseMax(grid.world(index));
+        }
+        return box;
+    }
+
+    /// Where another plane meets this one, from one side of the image to the other.
+    LineItem trace_of(SlicePlane other, SlicePlane here, const Vec3& point, const Box& box)
+    {
+        const int along = 3 - axis_across(other) - axis_across(here);
+        LineItem line {
+            .name = "plane", .points = { point, point }, .color = color_of(other), .width_px = 1.0, .on_top = true
+        };
+        line.points[0][along] = box.low[along];
+        line.points[1][along] = box.high[along];
+        return line;
+    }
+
+    /// The outline of a ball in a plane at `at` along an axis, from its outline through the centre; nothing beyond it.
+    std::optional<LineItem> ball_outline_at(LineItem circle, int axis, double at)
+    {
+        Vec3 centre = Vec3::Zero();
+        for (std::size_t i = 0; i + 1 < circle.points.size(); ++i) // the last point is the first again
+            centre += circle.points[i] / static_cast<double>(circle.points.size() - 1);
+        const double radius = (circle.points.front() - centre).norm(), off = at - centre[axis];
+        if (std::abs(off) >= radius)
+            return std::nullopt;
+        const double share = std::sqrt(1.0 - off * off / (radius * radius));
+        for (Vec3& p : circle.points) {
+            p = centre + share * (p - centre);
+            p[axis] = at;
+        }
+        return circle;
+    }
+
+    bool is_ball_outline(const LineItem& line)
+    {
+        return line.name == "target" && line.points.size() > 3
+            && (line.points.front() - line.points.back()).norm() < 1e-6;
+    }
+
+    std::vector<LineItem> lines_at(const std::vector<LineItem>& lines, int axis, double at)
+    {
+        std::vector<LineItem> moved;
+        for (const LineItem& line : lines) {
+            if (is_ball_outline(line)) {
+                if (auto outline = ball_outline_at(line, axis, at))
+                    moved.push_back(*std::move(outline));
+                continue;
+            }
+            moved.push_back(line);
+            for (Vec3& p : moved.back().points)
+                p[axis] = at;
+        }
+        return moved;
+    }
+
+    /// "LPS 12, -30, 104 mm: 54 HU, aorta"
+    std::string probe(const SliceItem& slice, const Vec3& point, const std::map<Label, std::string>& names)
+    {
+        std::string text = "LPS";
+        for (int axis = 0; axis < 3; ++axis)
+            text += (axis == 0 ? " " : ", ") + std::to_string(std::lround(point[axis]));
+        text += " mm";
+        const mesh::ImageGrid& grid = slice.image->grid;
+        const Vec3 index = grid.index(point);
+        const int i = static_cast<int>(std::lround(index[0])), j = static_cast<int>(std::lround(index[1])),
+                  k = static_cast<int>(std::lround(index[2]));
+        if (grid.contains(i, j, k))
+            text += ": " + std::to_string(slice.image->voxels[grid.offset(i, j, k)]) + " HU";
+        if (slice.labels != nullptr)
+            if (const auto name = names.find(mesh::label_at(*slice.labels, point)); name != names.end())
+                text += ", " + name->second;
+        return text;
+    }
+
+} // namespace
+
+int axis_across(SlicePlane plane)
+{
+    switch (plane) {
+    case SlicePlane::axial:
+        return 2;
+    case SlicePlane::coronal:
+        return 1;
+    case SlicePlane::sagittal:
+        break;
+    }
+    return 0;
+}
+
+double slice_step(const SliceItem& slice)
+{
+    RETRACTOR_ASSERT(slice.image != nullptr);
+    Eigen::Index nearest = 0; // the image's axis nearest to the plane's normal
+    slice.image->grid.direction.row(axis_across(slice.plane)).cwiseAbs().maxCoeff(&nearest);
+    return slice.image->grid.spacing[nearest];
+}
+
+Vec3 stepped(const SliceItem& slice, double planes)
+{
+    const int axis = axis_across(slice.plane);
+    const double sign = slice.plane == SlicePlane::coronal ? -1.0 : 1.0; // y points to the back
+    const Box box = box_of(slice.image->grid);
+    Vec3 point = slice.point;
+    point[axis] = std::clamp(point[axis] + sign * planes * slice_step(slice), box.low[axis], box.high[axis]);
+    return point;
+}
+
+Vec3 place_on_slice(const SliceItem& slice, const Camera& camera, double across, double up, double aspect)
+{
+    RETRACTOR_ASSERT(camera.parallel);
+    const Vec3 sight = (camera.aim - camera.eye).normalized();
+    const Vec3 right = sight.cross(camera.up).normalized(), upward = right.cross(sight);
+    Vec3 place
+        = camera.aim + camera.half_height_mm * ((2.0 * across - 1.0) * aspect * right + (2.0 * up - 1.0) * upward);
+    const Box box = box_of(slice.image->grid);
+    place = place.cwiseMax(box.low).cwiseMin(box.high);
+    const int axis = axis_across(slice.plane);
+    place[axis] = slice.point[axis];
+    return place;
+}
+
+bool is_linked_slice(const Scene& scene) { return scene.slices.size() == 1 && !scene.slices.front().oblique; }
+
+std::vector<Scene> slices_at(std::vector<Scene> scenes, const Vec3& point, const std::map<Label, std::string>& names)
+{
+    bool said = false;
+    for (Scene& scene : scenes) {
+        if (!is_linked_slice(scene))
+            continue;
+        SliceItem& slice = scene.slices.front();
+        const int axis = axis_across(slice.plane);
+        scene.lines = lines_at(scene.lines, axis, point[axis]);
+        slice.point = point;
+        const Box box = box_of(slice.image->grid);
+        for (const SlicePlane other : { SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal })
+            if (other != slice.plane)
+                scene.lines.push_back(trace_of(other, slice.plane, point, box));
+        if (!said)
+            scene.notes.push_back(probe(slice, point, names));
+        said = true;
+    }
+    return scenes;
+}
+
+} // namespace retractor::ui

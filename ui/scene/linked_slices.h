@@ -1,0 +1,36 @@
+#pragma once
+// Axial, coronal and sagittal slices that share a point, as radiologists read them: moving the point in one slice moves
+// the other slices. Units mm; frame patient LPS.
+
+#include "ui/scene/scene.h"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace retractor::ui {
+
+/// The axis across a plane of the patient: 0 sagittal, 1 coronal, 2 axial.
+int axis_across(SlicePlane plane);
+
+/// The distance between the planes of the image that lie closest to this plane.
+double slice_step(const SliceItem& slice);
+
+/// The point moved by a number of planes: axial towards the head, coronal to the front, sagittal to the patient's left.
+/// The point stays within the image.
+Vec3 stepped(const SliceItem& slice, double planes);
+
+/// The place in the slice's plane that lies at a place of its picture: fractions of width and height from the lower
+/// left corner. @pre the camera is parallel
+Vec3 place_on_slice(const SliceItem& slice, const Camera& camera, double across, double up, double aspect);
+
+/// Whether a scene is a slice that slices_at() moves.
+bool is_linked_slice(const Scene& scene);
+
+/// The same scenes with the slices through another point: lines are projected onto the new planes, the outline of a
+/// ball (a closed circle named "target") shrinks with the distance from its centre, thin lines show where the other
+/// planes lie, and the first slice says place, Hounsfield value and label at the point.
+/// @param names how labels are named; a label without a name is left out
+std::vector<Scene> slices_at(std::vector<Scene> scenes, const Vec3& point, const std::map<Label, std::string>& names);
+
+} // namespace retractor::ui

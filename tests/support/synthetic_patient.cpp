@@ -89,18 +89,24 @@ namespace {
         volume.name = "CT";
         volume.image = ct();
         field.overview.volumes.push_back(volume);
+        return field;
+    }
+
+    std::vector<ui::Scene> slices()
+    {
+        std::vector<ui::Scene> slices;
         for (const ui::SlicePlane plane :
             { ui::SlicePlane::axial, ui::SlicePlane::coronal, ui::SlicePlane::sagittal }) {
             ui::Scene scene;
             ui::SliceItem slice;
-            slice.image = volume.image;
+            slice.image = ct();
             slice.plane = plane;
             slice.point = { 0.0, kTargetDepthMm, 0.0 };
             scene.slices.push_back(slice);
             scene.camera = ui::camera_for_slice(slice, 1.0);
-            field.slices.push_back(scene);
+            slices.push_back(scene);
         }
-        return field;
+        return slices;
     }
 
 } // namespace
@@ -126,9 +132,9 @@ planner::Case synthetic_case()
 ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& control)
 {
     ui::PlanningBackend backend;
-    backend.closed_scene = [control](const planner::Approach& approach, const Job&) {
+    backend.closed_pictures = [control](const planner::Approach& approach, const Job&) {
         ++control->closed_made;
-        return patient_scene(approach, false);
+        return ui::ClosedPictures { .patient = patient_scene(approach, false), .slices = slices(), .label_names = {} };
     };
     backend.surgery_input = [control](const planner::Approach& approach, const Job& job) -> ui::SurgeryInput {
         job.report("mesh", 0.5);

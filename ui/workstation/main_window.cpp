@@ -5,6 +5,7 @@
 #include "planner/case/case_io.h"
 #include "planner/case/patient.h"
 #include "planner/palpation/palpable.h"
+#include "ui/scene/linked_slices.h"
 #include "ui/workstation/planning/approach_list.h"
 #include "ui/workstation/planning/metrics_panel.h"
 #include "ui/workstation/view/picture_view.h"
@@ -74,6 +75,7 @@ void MainWindow::make_panes()
     list_ = new ApproachList;
     view_ = new PictureView;
     panel_ = new MetricsPanel;
+    view_->on_slice_point = [this](const Vec3& point) { move_slices(point); };
     auto* panes = new QSplitter;
     panes->addWidget(titled("Approaches", list_));
     panes->addWidget(view_);
@@ -215,8 +217,8 @@ void MainWindow::make_actions()
         = add(view, "Surgeon's eye", Qt::Key_1, "View through the incision", [this] { set_view(ViewPreset::surgeon); });
     overview_ = add(
         view, "Overview", Qt::Key_2, "View of the patient from outside", [this] { set_view(ViewPreset::overview); });
-    slices_ = add(view, "Slices", Qt::Key_3, "Three planes of the CT and the overview (available after planning)",
-        [this] { set_view(ViewPreset::slices); });
+    slices_ = add(
+        view, "Slices", Qt::Key_3, "Three planes of the CT and the overview", [this] { set_view(ViewPreset::slices); });
     auto* presets = new QActionGroup(this);
     for (QAction* action : { surgeon_, overview_, slices_ }) {
         action->setCheckable(true);
@@ -408,8 +410,8 @@ void MainWindow::make_closed(std::size_t index)
         [this, generation = generation_, backend = backend_, approach = model_->approach(index)](const Job&) {
             std::function<void()> deliver;
             try {
-                auto scene = std::make_shared<Scene>(backend.closed_scene(approach, Job {}));
-                deliver = [this, scene] { model_->closed_done(std::move(*scene)); };
+                auto pictures = std::make_shared<ClosedPictures>(backend.closed_pictures(approach, Job {}));
+                deliver = [this, pictures] { model_->closed_done(std::move(*pictures)); };
             } catch (...) {
                 deliver = [this, failure = with_controls(current_failure())] {
                     model_->closed_failed(failure);
@@ -526,6 +528,17 @@ void MainWindow::show_picture()
     }
     if (const std::string errors = view_->drawing_errors(); !errors.empty())
         show_error({ errors, "drawing" });
+}
+
+void MainWindow::move_slices(const Vec3& point)
+{
+    if (!model_ || model_->view() != ViewPreset::slices)
+        return;
+    model_->set_slice_point(point);
+    const std::vector<Scene> scenes = model_->shown_scenes();
+    for (std::size_t i = 0; i < scenes.size(); ++i)
+        if (is_linked_slice(scenes[i]))
+            view_->replace_scene(i, scenes[i]);
 }
 
 /// The scene for the knife. The camera stays in place when only the knife was taken or put away.

@@ -103,6 +103,7 @@ private:
 
     void show_all(); ///< list, numbers, actions, picture
     void show_picture(); ///< keeps a picture that is still valid, with its camera
+    void move_slices(const Vec3& point);
     void show_knife(); ///< starts the session of the selected approach while the knife's tab is open
     bool knife_tab_open() const;
     Scene knife_scene(const Scene& surroundings, const ShownSource& source) const;

@@ -11,6 +11,7 @@
 #include "planner/case/case_io.h"
 #include "planner/case/import_case.h"
 #include "planner/palpation/palpable.h"
+#include "ui/scene/linked_slices.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/planning/approach_list.h"
@@ -181,7 +182,9 @@ namespace main_window_test {
     {
         open_synthetic();
         press(Qt::Key_3);
-        EXPECT_EQ(window_.model()->view(), ViewPreset::surgeon) << "no slices before planning";
+        EXPECT_EQ(window_.model()->view(), ViewPreset::slices) << "slices need no plan";
+        EXPECT_EQ(window_.view().scenes().size(), 4U);
+        press(Qt::Key_1);
         press(Qt::Key_P);
         ASSERT_TRUE(QTest::qWaitFor([&] { return status(0) == FieldStatus::planned; }, test_support::kPatienceMs));
         const QImage surgeon = window_.view().picture();
@@ -275,6 +278,45 @@ namespace main_window_test {
         QTest::mouseRelease(&view, Qt::LeftButton, {}, middle + QPoint(40, 10));
         ASSERT_TRUE(QTest::qWaitFor([&] { return !view.coarse(); }, test_support::kPatienceMs));
         EXPECT_GT((view.camera().eye - eye).norm(), 1.0) << "the camera has turned (mm)";
+        EXPECT_EQ(view.drawing_errors(), "");
+    }
+
+    TEST_F(MainWindowTest, WheelAndLeftButtonMoveTheSlicesTogether)
+    {
+        open_synthetic();
+        press(Qt::Key_3);
+        PictureView& view = window_.view();
+        const auto point = [&](std::size_t slice) { return view.scenes().at(slice).slices.front().point; };
+        const Vec3 before = point(0);
+        const double step = slice_step(view.scenes().at(0).slices.front());
+        const auto turn = [&](const QPointF& at, int notches, Qt::KeyboardModifiers keys) {
+            QWheelEvent event(at, view.mapToGlobal(at.toPoint()), {}, { 0, 120 * notches }, Qt::NoButton, keys,
+                Qt::NoScrollPhase, false);
+            QApplication::sendEvent(&view, &event);
+        };
+        const QPointF axial(0.25 * view.width(), 0.25 * view.height());
+        const auto wait_for_z = [&](double z) {
+            ASSERT_TRUE(QTest::qWaitFor([&] { return std::abs(point(0).z() - z) < 1e-9; }, test_support::kPatienceMs))
+                << point(0).z() << " instead of " << z;
+        };
+        turn(axial, 1, Qt::NoModifier);
+        turn(axial, 1, Qt::NoModifier); // before the first notch is shown
+        wait_for_z(before.z() + 2.0 * step);
+        for (std::size_t slice = 0; slice < 3; ++slice)
+            EXPECT_NEAR((point(slice) - before - Vec3(0.0, 0.0, 2.0 * step)).norm(), 0.0, 1e-9);
+        const double height_mm = view.camera().half_height_mm;
+        turn(axial, 1, Qt::ControlModifier);
+        EXPECT_LT(view.camera().half_height_mm, height_mm) << "Ctrl and the wheel zoom";
+        const mesh::ImageGrid grid = view.scenes().at(0).slices.front().image->grid;
+        turn(axial, 100000, Qt::NoModifier);
+        wait_for_z(std::max(grid.world(Vec3::Zero()).z(), grid.world(Vec3(0.0, 0.0, grid.size[2] - 1)).z()));
+        // A place left of the middle of the axial slice is on the patient's right.
+        QTest::mousePress(&view, Qt::LeftButton, {}, (axial - QPointF(0.05 * view.width(), 0.0)).toPoint());
+        QTest::mouseRelease(&view, Qt::LeftButton, {}, (axial - QPointF(0.05 * view.width(), 0.0)).toPoint());
+        ASSERT_TRUE(QTest::qWaitFor([&] { return point(0).x() < before.x(); }, test_support::kPatienceMs));
+        EXPECT_LT(point(0).x(), before.x() - 1.0);
+        EXPECT_EQ(point(2).x(), point(0).x());
+        EXPECT_GT(distinct_colours(view.picture()), kColoursOfAPicture);
         EXPECT_EQ(view.drawing_errors(), "");
     }
 

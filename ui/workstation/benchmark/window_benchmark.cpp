@@ -108,27 +108,41 @@ namespace {
         return new QMouseEvent(type, at, at, at, button, held, Qt::NoModifier);
     }
 
-    /// A circle round the middle of the view.
-    QPointF hand_at(const QSizeF& size, double seconds)
+    /// A place in the view and how far the hand goes from it, pixels.
+    struct Place {
+        QPointF middle;
+        double radius = 0.0;
+    };
+
+    /// The middle of the view, or of the first slice.
+    Place place_of(const PictureView& view)
     {
-        const double angle = std::numbers::pi * seconds, radius = 0.2 * size.height();
-        return { 0.5 * size.width() + radius * std::cos(angle), 0.5 * size.height() + radius * std::sin(angle) };
+        const bool one = view.scenes().size() == 1;
+        const double share = one ? 0.5 : 0.25;
+        return { { share * view.width(), share * view.height() }, 0.4 * share * view.height() };
     }
 
-    using Send = std::function<void(Notes&, const QSizeF&, double seconds, int number)>;
-
-    void send_turn(Notes& notes, const QSizeF& size, double seconds, int number)
+    /// A circle, once in two seconds.
+    QPointF hand_at(const Place& place, double seconds)
     {
-        const QPointF at = hand_at(size, seconds);
+        const double angle = std::numbers::pi * seconds;
+        return place.middle + place.radius * QPointF(std::cos(angle), std::sin(angle));
+    }
+
+    using Send = std::function<void(Notes&, const Place&, double seconds, int number)>;
+
+    void send_drag(Notes& notes, const Place& place, double seconds, int number)
+    {
+        const QPointF at = hand_at(place, seconds);
         notes.send(number == 0 ? mouse_event(QEvent::MouseButtonPress, at, Qt::LeftButton, Qt::LeftButton)
                                : mouse_event(QEvent::MouseMove, at, Qt::NoButton, Qt::LeftButton));
     }
 
-    void send_notch(Notes& notes, const QSizeF& size, double, int number)
+    void send_notch(Notes& notes, const Place& place, double, int number)
     {
-        const QPointF at(0.5 * size.width(), 0.5 * size.height());
         const int notch = (number / kNotchesToAndFro) % 2 == 0 ? kNotch : -kNotch;
-        notes.send(new QWheelEvent(at, at, {}, { 0, notch }, Qt::NoButton, Qt::NoModifier, Qt::NoScrollPhase, false));
+        notes.send(new QWheelEvent(
+            place.middle, place.middle, {}, { 0, notch }, Qt::NoButton, Qt::NoModifier, Qt::NoScrollPhase, false));
     }
 
     /// The window's own picture, under the full one. @throws InputError when it has one colour
@@ -146,7 +160,7 @@ namespace {
     MotionFigures measure(PictureView& view, const Send& send, Clock::duration interval, bool releases)
     {
         Notes notes(view);
-        const QSizeF size = view.size();
+        const Place place = place_of(view);
         std::atomic<bool> moved = false, finished = false;
         MotionFigures figures;
         const Clock::time_point begin = Clock::now();
@@ -154,16 +168,16 @@ namespace {
         std::thread hand([&] {
             for (Clock::time_point at = begin; at - begin < kMotion; at += interval) {
                 std::this_thread::sleep_until(at);
-                send(notes, size, 1e-3 * ms_between(begin, at), figures.events++);
+                send(notes, place, 1e-3 * ms_between(begin, at), figures.events++);
             }
             end = Clock::now();
             moved = true;
             if (releases)
                 notes.send(mouse_event(
-                    QEvent::MouseButtonRelease, hand_at(size, 1e-3 * ms_between(begin, end)), Qt::LeftButton, {}));
+                    QEvent::MouseButtonRelease, hand_at(place, 1e-3 * ms_between(begin, end)), Qt::LeftButton, {}));
             for (Clock::time_point at = end; at - end < kRest; at += kHandInterval) {
                 std::this_thread::sleep_until(at);
-                notes.send(mouse_event(QEvent::MouseMove, hand_at(size, 0.0), Qt::NoButton, {}));
+                notes.send(mouse_event(QEvent::MouseMove, hand_at(place, 0.0), Qt::NoButton, {}));
             }
             finished = true;
         });
@@ -196,9 +210,9 @@ namespace {
 
 std::vector<MotionFigures> measure_motions(MainWindow& window, const std::string& picture)
 {
-    std::vector<MotionFigures> figures = { measure(window.view(), send_turn, kHandInterval, true),
+    std::vector<MotionFigures> figures = { measure(window.view(), send_drag, kHandInterval, true),
         measure(window.view(), send_notch, kNotchInterval, false) };
-    figures[0].motion = "turn";
+    figures[0].motion = "drag";
     figures[1].motion = "wheel";
     for (MotionFigures& motion : figures)
         motion.picture = picture;
@@ -214,17 +228,18 @@ std::vector<MotionFigures> measure_window(MainWindow& window, bool plan)
     };
     std::vector<MotionFigures> figures;
     const auto measure_view = [&](const std::string& field, const std::string& view) {
+        settle();
         window.set_view(*view_from_string(view));
         settle();
         append(figures, measure_motions(window, field + ", " + view));
     };
-    for (const char* view : { "surgeon", "overview" })
+    for (const char* view : { "surgeon", "overview", "slices" })
         measure_view("closed", view);
     if (!plan)
         return figures;
     window.plan_selected();
     settle();
-    for (const char* view : { "surgeon", "overview", "slices" })
+    for (const char* view : { "surgeon", "overview" })
         measure_view("opened", view);
     return figures;
 }

@@ -30,8 +30,6 @@ namespace {
         outcome.field.warning = field.message;
         outcome.field.surgeon = surgeon_scene(patient, field);
         outcome.field.overview = overview_scene(patient, field);
-        if (patient.has_ct())
-            outcome.field.slices = slice_scenes(patient, field.approach);
         // No legend: the numbers stand beside the picture.
         outcome.field.surgeon.legend.clear();
         outcome.field.overview.legend.clear();
@@ -114,8 +112,13 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case)
 {
     const auto patient = std::make_shared<planner::Patient>(planned_case);
     PlanningBackend backend;
-    backend.closed_scene
-        = [patient](const planner::Approach& approach, const Job&) { return planning_scene(*patient, approach); };
+    backend.closed_pictures = [patient](const planner::Approach& approach, const Job&) {
+        ClosedPictures pictures { .patient = planning_scene(*patient, approach) };
+        if (patient->has_ct())
+            pictures.slices = slice_scenes(*patient, approach);
+        pictures.label_names = label_names(patient->planned_case());
+        return pictures;
+    };
     backend.surgery_input = [patient](const planner::Approach& approach, const Job& job) {
         return make_surgery_input(*patient, approach, job);
     };

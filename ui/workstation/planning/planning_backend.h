@@ -24,8 +24,8 @@ struct SurgeryInput {
 };
 
 struct PlanningBackend {
-    /// The patient with the incision drawn on the closed skin.
-    std::function<Scene(const planner::Approach&, const Job&)> closed_scene;
+    /// The patient with the incision drawn on the closed skin, and slices where there is a CT.
+    std::function<ClosedPictures(const planner::Approach&, const Job&)> closed_pictures;
     std::function<PlanOutcome(const planner::Approach&, const Job&)> plan;
     /// The wall round the approach's incision, uncut, for the knife. The function throws when there is no wall.
     std::function<SurgeryInput(const planner::Approach&, const Job&)> surgery_input;

@@ -1,6 +1,7 @@
 #include "ui/workstation/planning/session_model.h"
 
 #include "mesh/base/assert.h"
+#include "ui/scene/linked_slices.h"
 
 #include <algorithm>
 #include <array>
@@ -102,8 +103,8 @@ bool SessionModel::view_available(ViewPreset view) const
 {
     if (!selected_)
         return false;
-    const auto& field = states_[*selected_].field;
-    return view != ViewPreset::slices || (field != nullptr && !field->slices.empty());
+    const auto& closed = states_[*selected_].closed;
+    return view != ViewPreset::slices || (closed != nullptr && !closed->slices.empty());
 }
 
 void SessionModel::request_plan(std::size_t index)
@@ -175,16 +176,23 @@ std::optional<std::size_t> SessionModel::begin_closed()
     return std::nullopt;
 }
 
-void SessionModel::closed_done(Scene scene)
+void SessionModel::closed_done(ClosedPictures pictures)
 {
     RETRACTOR_ASSERT(making_closed_);
-    states_[*std::exchange(making_closed_, std::nullopt)].closed = std::make_shared<const Scene>(std::move(scene));
+    states_[*std::exchange(making_closed_, std::nullopt)].closed
+        = std::make_shared<const ClosedPictures>(std::move(pictures));
 }
 
 void SessionModel::closed_failed(Failure failure)
 {
     RETRACTOR_ASSERT(making_closed_);
     states_[*std::exchange(making_closed_, std::nullopt)].failure = std::move(failure);
+}
+
+void SessionModel::set_slice_point(const Vec3& point)
+{
+    RETRACTOR_ASSERT(selected_);
+    states_[*selected_].slice_point = point;
 }
 
 ShownSource SessionModel::shown_source() const
@@ -209,17 +217,17 @@ std::vector<Scene> SessionModel::shown_scenes() const
     if (source.pictures == nullptr)
         return {};
     const ApproachState& state = states_[*selected_];
-    if (source.opened) {
-        const FieldPictures& field = *state.field;
-        if (view_ == ViewPreset::surgeon)
-            return { field.surgeon };
-        if (view_ == ViewPreset::overview || field.slices.empty())
-            return { field.overview };
-        std::vector<Scene> scenes = field.slices;
-        scenes.push_back(field.overview);
+    const Scene& overview = source.opened ? state.field->overview : state.closed->patient;
+    if (view_ == ViewPreset::slices && view_available(ViewPreset::slices)) {
+        const std::vector<Scene>& slices = state.closed->slices;
+        std::vector<Scene> scenes = slices_at(
+            slices, state.slice_point.value_or(slices.front().slices.front().point), state.closed->label_names);
+        scenes.push_back(overview);
         return scenes;
     }
-    Scene scene = *state.closed;
+    if (source.opened)
+        return { view_ == ViewPreset::surgeon ? state.field->surgeon : overview };
+    Scene scene = overview;
     if (view_ == ViewPreset::surgeon)
         scene.camera = surgeon_camera(case_.approaches[*selected_], scene.camera.up);
     return { std::move(scene) };

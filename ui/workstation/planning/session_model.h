@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <deque>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,8 +29,14 @@ std::optional<ViewPreset> view_from_string(std::string_view text);
 struct FieldPictures {
     planner::FieldMetrics metrics;
     Scene surgeon, overview;
-    std::vector<Scene> slices;
     std::string warning; ///< limits of the result, e.g. "not converged"; empty: none
+};
+
+/// The patient before any cut.
+struct ClosedPictures {
+    Scene patient; ///< with the incision
+    std::vector<Scene> slices {}; ///< axial, coronal and sagittal; empty without a CT
+    std::map<Label, std::string> label_names {};
 };
 
 /// Adds the controls that set the failing fields to the text of the failure: " (see Tissue: Model)".
@@ -49,7 +56,8 @@ enum class FieldStatus {
 
 struct ApproachState {
     FieldStatus status = FieldStatus::closed;
-    std::shared_ptr<const Scene> closed; ///< picture of the patient before any cut, with the incision; null until made
+    std::shared_ptr<const ClosedPictures> closed; ///< null until made
+    std::optional<Vec3> slice_point {}; ///< where the slices meet, mm LPS; nothing: as they were made
     std::shared_ptr<const FieldPictures> field; ///< null unless planned
     std::optional<Failure> failure; ///< failure of the plan, or of the closed picture
     bool closed_tried = false; ///< the closed picture was started
@@ -57,7 +65,7 @@ struct ApproachState {
 
 /// Identifies the shown picture without its scenes. Two equal values mean that the picture is still valid.
 struct ShownSource {
-    std::shared_ptr<const void> pictures; ///< the closed Scene or the FieldPictures; null: nothing yet
+    std::shared_ptr<const void> pictures; ///< the ClosedPictures or the FieldPictures; null: nothing yet
     bool opened = false;
     ViewPreset view = ViewPreset::surgeon;
     std::optional<std::size_t> approach;
@@ -81,7 +89,7 @@ public:
 
     ViewPreset view() const { return view_; }
     void set_view(ViewPreset view) { view_ = view; }
-    /// Whether the view can be shown: slices need a planned field and a CT.
+    /// Whether the view can be shown: slices need a CT.
     bool view_available(ViewPreset view) const;
 
     /// Whether a planned approach is shown opened, or as before the cut.
@@ -104,8 +112,11 @@ public:
 
     /// The approach whose closed picture is to be made now: first the selected approach, then the others.
     std::optional<std::size_t> begin_closed();
-    void closed_done(Scene scene);
+    void closed_done(ClosedPictures pictures);
     void closed_failed(Failure failure);
+
+    /// Moves the slices of the selected approach. @pre an approach is selected
+    void set_slice_point(const Vec3& point);
 
     ShownSource shown_source() const;
     /// The scenes to draw now; empty while the first picture is being made. Slices give four scenes: the three planes

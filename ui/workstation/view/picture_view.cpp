@@ -2,6 +2,7 @@
 
 #include "mesh/base/assert.h"
 #include "mesh/base/job.h"
+#include "ui/scene/linked_slices.h"
 #include "ui/scene/moving_scene.h"
 #include "ui/scene/vtk/live_surface.h"
 #include "ui/scene/vtk/scene_view.h"
@@ -18,7 +19,9 @@
 #include <QMouseEvent>
 #include <QWheelEvent>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <utility>
 
@@ -41,6 +44,21 @@ namespace {
     /// The sides of a picture with fewer pixels, as a share of the view's.
     constexpr double kLowResolution = 0.5;
     constexpr double kDotsPerInch = 72.0; ///< VTK's letters then have the size in pixels that scenes ask for
+
+    /// The triangles of each of several scenes. A picture of slices is drawn again, scene in space included, for every
+    /// step of a slice.
+    std::size_t coarse_share(const std::vector<Scene>& scenes)
+    {
+        return scenes.size() > 1 ? kCoarseTriangles / 2 : kCoarseTriangles;
+    }
+
+    /// Samples slices about once for two pixels of a view of this height.
+    void sample_at_pixels(Scene& scene, double height_px)
+    {
+        constexpr double kPixelsPerSample = 1.5; // along each side
+        for (SliceItem& slice : scene.slices)
+            slice.pixel_mm = std::max(slice.pixel_mm, kPixelsPerSample * 2.0 * scene.camera.half_height_mm / height_px);
+    }
 
     void call(void* function) { (*static_cast<std::function<void()>*>(function))(); }
 
@@ -126,14 +144,34 @@ void PictureView::show_scenes(std::vector<Scene> scenes)
 {
     for (const Scene& scene : scenes)
         check_scene(scene);
-    // Each scene gets its share of the triangles.
     coarse_scenes_.clear();
     for (const Scene& scene : scenes)
-        coarse_scenes_.push_back(full_error_.empty() ? moving_scene(scene, kCoarseTriangles / scenes.size()) : scene);
+        coarse_scenes_.push_back(full_error_.empty() ? moving_scene(scene, coarse_share(scenes)) : scene);
     scenes_ = std::make_shared<const std::vector<Scene>>(std::move(scenes));
     resolution_ = 1.0;
     slow_pictures_ = 0;
     build(false);
+}
+
+void PictureView::replace_scene(std::size_t index, Scene scene)
+{
+    check_scene(scene);
+    if (is_drawn()) {
+        makeCurrent();
+        scene.camera = drawn_->views.at(index).camera();
+    }
+    auto scenes = std::make_shared<std::vector<Scene>>(*scenes_);
+    scenes->at(index) = scene;
+    coarse_scenes_.at(index) = full_error_.empty() ? moving_scene(scene, coarse_share(*scenes)) : std::move(scene);
+    scenes_ = std::move(scenes);
+    if (is_drawn()) {
+        Scene shown = coarse_scenes_.at(index);
+        const Viewport place = arrange_scenes(*scenes_, width(), height()).at(index);
+        if (full_error_.empty())
+            sample_at_pixels(shown, (place.top - place.bottom) * height());
+        drawn_->views.at(index).show(shown);
+    }
+    change();
 }
 
 void PictureView::build(bool keep_cameras)
@@ -156,6 +194,8 @@ void PictureView::build(bool keep_cameras)
         const std::size_t index = drawn_->views.size() - 1;
         if (keep_cameras && index < cameras.size() && viewport.scene.slices.empty())
             viewport.scene.camera = cameras[index];
+        if (full_error_.empty())
+            sample_at_pixels(viewport.scene, (viewport.top - viewport.bottom) * height());
         drawn_->views.back().show(viewport.scene);
     }
     add_live();
@@ -263,6 +303,9 @@ void PictureView::draw_now()
 {
     const Stopwatch watch;
     drawing_ = watch;
+    if (const auto point = std::exchange(wanted_point_, std::nullopt); point && on_slice_point)
+        on_slice_point(*point);
+    draw_timer_.stop(); // this picture shows all changes
     makeCurrent();
     add_live();
     drawn_->window->Render();
@@ -298,17 +341,69 @@ bool PictureView::event(QEvent* event)
     case QEvent::MouseButtonRelease:
         if (tool_ != nullptr && handle_mouse(*static_cast<QMouseEvent*>(event)))
             return true;
+        if (tool_ == nullptr && point_on_slice(*static_cast<QMouseEvent*>(event)))
+            return true;
         break;
     case QEvent::Wheel:
         if (tool_ != nullptr && tool_->wheel(static_cast<QWheelEvent*>(event)->angleDelta().y() / kNotch)) {
             event->accept();
             return true;
         }
+        if (step_slice(*static_cast<QWheelEvent*>(event)))
+            return true;
         break;
     default:
         break;
     }
     return QVTKOpenGLNativeWidget::event(event);
+}
+
+std::optional<std::size_t> PictureView::slice_at(const QPointF& at) const
+{
+    if (!on_slice_point || !is_drawn())
+        return std::nullopt;
+    const double across = at.x() / width(), up = 1.0 - at.y() / height();
+    const std::vector<Viewport> viewports = arrange_scenes(*scenes_, width(), height());
+    for (std::size_t i = 0; i < viewports.size(); ++i) {
+        const Viewport& v = viewports[i];
+        if (is_linked_slice(v.scene) && across >= v.left && across < v.right && up >= v.bottom && up < v.top)
+            return i;
+    }
+    return std::nullopt;
+}
+
+void PictureView::want_point(const Vec3& point)
+{
+    wanted_point_ = point;
+    draw_soon();
+}
+
+bool PictureView::step_slice(const QWheelEvent& event)
+{
+    const auto index = slice_at(event.position());
+    if (!index || (event.modifiers() & Qt::ControlModifier) != 0)
+        return false;
+    SliceItem slice = (*scenes_)[*index].slices.front();
+    slice.point = wanted_point_.value_or(slice.point);
+    want_point(stepped(slice, event.angleDelta().y() / kNotch));
+    return true;
+}
+
+bool PictureView::point_on_slice(const QMouseEvent& event)
+{
+    if (event.type() == QEvent::MouseButtonRelease && event.button() == Qt::LeftButton)
+        return std::exchange(pointing_, std::nullopt).has_value();
+    if (event.type() == QEvent::MouseButtonPress && event.button() == Qt::LeftButton
+        && event.modifiers() == Qt::NoModifier)
+        pointing_ = slice_at(event.localPos());
+    if (!pointing_ || *pointing_ >= scenes_->size() || !is_linked_slice((*scenes_)[*pointing_]))
+        return false;
+    const Viewport v = arrange_scenes(*scenes_, width(), height())[*pointing_];
+    const double wide = v.right - v.left, high = v.top - v.bottom;
+    want_point(place_on_slice((*scenes_)[*pointing_].slices.front(), drawn_->views.at(*pointing_).camera(),
+        (event.localPos().x() / width() - v.left) / wide, (1.0 - event.localPos().y() / height() - v.bottom) / high,
+        wide * width() / (high * height())));
+    return true;
 }
 
 bool PictureView::handle_mouse(QMouseEvent& event)

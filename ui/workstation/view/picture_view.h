@@ -13,6 +13,7 @@
 
 #include <QTimer>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,6 +21,7 @@
 
 class QLabel;
 class QMouseEvent;
+class QWheelEvent;
 
 namespace retractor::ui {
 
@@ -48,6 +50,14 @@ public:
     /// @throws InputError as check_scene() does; the view then keeps its scenes
     void show_scenes(std::vector<Scene> scenes);
     const std::vector<Scene>& scenes() const { return *scenes_; }
+
+    /// Shows another scene in place of one of those shown, from the same place.
+    /// @throws InputError as check_scene() does; the view then keeps its scenes
+    void replace_scene(std::size_t index, Scene scene);
+
+    /// Called where the mouse asks for slices through another point (mm, LPS): the wheel steps through the planes of
+    /// the slice under it, the left button names a place on a slice. Empty: the mouse moves the cameras of slices.
+    std::function<void(const Vec3&)> on_slice_point;
 
     /// Props drawn with the first scene. Their owner changes them between pictures and then calls draw_soon(). Null:
     /// none. Remove the props before they end.
@@ -102,6 +112,12 @@ private:
     void show_full(const PictureAnswer& answer);
     void place_note();
     bool handle_mouse(QMouseEvent& event);
+    /// The scene whose linked slice lies under a place of the widget.
+    std::optional<std::size_t> slice_at(const QPointF& at) const;
+    /// Asks for slices through a point with the next picture.
+    void want_point(const Vec3& point);
+    bool step_slice(const QWheelEvent& event);
+    bool point_on_slice(const QMouseEvent& event);
     void add_live();
     void draw_now();
     void note_speed();
@@ -112,11 +128,13 @@ private:
     struct Drawn;
     std::unique_ptr<Drawn> drawn_;
     QTimer rest_timer_, resize_timer_, draw_timer_;
+    std::optional<Vec3> wanted_point_; ///< of the slices, not asked for yet
     QLabel* note_ = nullptr;
     QLabel* full_ = nullptr; ///< the full picture, over the coarse picture
     std::string full_error_; ///< why no full picture can be drawn; the window then draws whole scenes itself
     const LiveProps* live_ = nullptr;
     PictureTool* tool_ = nullptr;
+    std::optional<std::size_t> pointing_; ///< the slice on which the left button went down
     bool turning_ = false; ///< the camera is being turned while there is a tool
     double draw_ms_ = 0.0;
     int pictures_ = 0;

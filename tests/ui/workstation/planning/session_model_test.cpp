@@ -41,18 +41,29 @@ namespace session_model_test {
         field.metrics.name = name;
         field.surgeon.title = name + " surgeon";
         field.overview.title = name + " overview";
-        for (const char* plane : { "axial", "coronal", "sagittal" }) {
-            field.slices.emplace_back();
-            field.slices.back().title = plane;
-        }
         return field;
     }
 
-    Scene titled(const std::string& title)
+    ClosedPictures titled(const std::string& title)
     {
-        Scene scene;
-        scene.title = title;
-        return scene;
+        ClosedPictures pictures;
+        pictures.patient.title = title;
+        return pictures;
+    }
+
+    ClosedPictures with_slices(ClosedPictures pictures)
+    {
+        auto image = std::make_shared<mesh::Volume>();
+        image->grid.size = { 10, 20, 30 };
+        image->voxels.assign(image->grid.voxel_count(), 40);
+        for (const auto& [plane, title] : { std::pair { SlicePlane::axial, "axial" },
+                 std::pair { SlicePlane::coronal, "coronal" }, std::pair { SlicePlane::sagittal, "sagittal" } }) {
+            Scene scene;
+            scene.title = title;
+            scene.slices.push_back({ .image = image, .plane = plane, .point = Vec3(3.0, 4.0, 5.0) });
+            pictures.slices.push_back(std::move(scene));
+        }
+        return pictures;
     }
 
     TEST(SessionModel, SelectsTheFirstApproachAndAnyByName)
@@ -195,10 +206,18 @@ namespace session_model_test {
         SessionModel model(three_approaches());
         EXPECT_TRUE(model.shown_scenes().empty());
         model.begin_closed();
-        model.closed_done(titled("closed"));
+        model.closed_done(with_slices(titled("closed")));
         ASSERT_EQ(model.shown_scenes().size(), 1U);
         EXPECT_EQ(model.shown_scenes()[0].title, "closed");
-        EXPECT_FALSE(model.view_available(ViewPreset::slices));
+        EXPECT_TRUE(model.view_available(ViewPreset::slices));
+        model.set_view(ViewPreset::slices);
+        ASSERT_EQ(model.shown_scenes().size(), 4U);
+        EXPECT_EQ(model.shown_scenes()[3].title, "closed");
+        const ShownSource before = model.shown_source();
+        model.set_slice_point(Vec3(3.0, 4.0, 9.0));
+        EXPECT_EQ(model.shown_scenes()[0].slices.front().point.z(), 9.0);
+        EXPECT_EQ(model.shown_source(), before) << "the view moves the slices it shows";
+        model.set_view(ViewPreset::surgeon);
 
         model.request_plan(0);
         model.begin_plan();
@@ -237,14 +256,14 @@ namespace session_model_test {
         EXPECT_EQ(model.shown_source(), first);
     }
 
-    TEST(SessionModel, AFieldWithoutSlicesOffersNone)
+    TEST(SessionModel, APatientWithoutACtHasNoSlices)
     {
         SessionModel model(three_approaches());
+        model.begin_closed();
+        model.closed_done(titled("closed"));
         model.request_plan(0);
         model.begin_plan();
-        FieldPictures field = field_of("median");
-        field.slices.clear();
-        model.plan_done(std::move(field));
+        model.plan_done(field_of("median"));
         EXPECT_FALSE(model.view_available(ViewPreset::slices));
         EXPECT_TRUE(model.view_available(ViewPreset::overview));
     }

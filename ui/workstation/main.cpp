@@ -11,6 +11,7 @@
 #include "ui/workstation/palpation/palpation_window.h"
 #include "ui/workstation/view/picture_view.h"
 #include "ui/workstation/view/theme.h"
+#include "ui/workstation/view/window_place.h"
 
 #include <CLI/CLI.hpp>
 
@@ -18,12 +19,14 @@
 #include <QSurfaceFormat>
 #include <QTimer>
 
+#include <chrono>
 #include <clocale>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <thread>
 
 namespace {
 
@@ -90,7 +93,8 @@ std::optional<int> parse(int argc, char** argv, Options& options)
                "finger and leave this finger pressed; Esc lifts all fingers.");
     try {
         app.parse(argc, argv);
-        if (options.case_file.empty() && !(options.approach.empty() && options.screenshot.empty() && !options.plan && !options.benchmark))
+        if (options.case_file.empty()
+            && !(options.approach.empty() && options.screenshot.empty() && !options.plan && !options.benchmark))
             throw CLI::RequiredError("CASE.json with --approach, --plan, --screenshot or --benchmark");
         options.palpate = datasets::is_palpation_scene(options.case_file) || !options.structure.empty();
         if (!options.structure.empty()
@@ -187,6 +191,30 @@ void take_screenshot(PalpationWindow& window, QTimer& timer, const std::string& 
     timer.start(kPollMs);
 }
 
+/// Ends the process if its threads do not end soon after the last window was closed. A step of a plan, such as a
+/// factorisation, cannot be interrupted. Files are whole all the same, because each is written aside and then renamed.
+void end_soon(int exit_code)
+{
+    static constexpr auto kPatience = std::chrono::seconds(4);
+    std::thread([exit_code] {
+        std::this_thread::sleep_for(kPatience);
+        std::_Exit(exit_code);
+    }).detach();
+}
+
+/// Whether a person uses the window. A picture of the window and its speed do not depend on where it last was.
+bool for_a_person(const Options& options) { return options.screenshot.empty() && !options.benchmark; }
+
+/// Runs the application until its last window is closed, and keeps the window's place. @returns the exit code
+int run_window(const QWidget& window, const QString& name, const Options& options)
+{
+    const int exit_code = QApplication::exec();
+    if (for_a_person(options))
+        keep_place(window, name);
+    end_soon(exit_code);
+    return exit_code;
+}
+
 /// A new window for palpation, which is deleted when it is closed.
 PalpationWindow& new_palpation()
 {
@@ -201,12 +229,14 @@ int run_palpation(planner::Palpable palpable, const std::optional<ShownHands>& h
     PalpationWindow window(planner::PalpationBackend {});
     if (hands)
         window.show_hands(*hands);
+    if (for_a_person(options))
+        restore_place(window, "palpation", window.size());
     window.show();
     window.open(std::move(palpable.scene), { .model = options.model }, std::move(palpable.notes));
     QTimer screenshot_timer;
     if (!options.screenshot.empty())
         take_screenshot(window, screenshot_timer, options.screenshot);
-    return QApplication::exec();
+    return run_window(window, "palpation", options);
 }
 
 int run_planning(std::optional<planner::Case> planned_case, const Options& options)
@@ -215,6 +245,8 @@ int run_planning(std::optional<planner::Case> planned_case, const Options& optio
     window.on_palpation_scene = [](const std::filesystem::path& file) { new_palpation().open_file(file); };
     window.on_palpable
         = [](planner::Palpable made) { new_palpation().open(std::move(made.scene), {}, std::move(made.notes)); };
+    if (for_a_person(options))
+        restore_place(window, "planning", window.size());
     window.show();
     if (planned_case) {
         window.open(std::move(*planned_case));
@@ -229,7 +261,7 @@ int run_planning(std::optional<planner::Case> planned_case, const Options& optio
     QTimer screenshot_timer;
     if (!options.screenshot.empty())
         take_screenshot(window, screenshot_timer, options);
-    return QApplication::exec();
+    return run_window(window, "planning", options);
 }
 
 /// The input of the program.

@@ -13,6 +13,7 @@
 #include "ui/workstation/view/theme.h"
 
 #include <QActionGroup>
+#include <QCloseEvent>
 #include <QFileDialog>
 #include <QInputDialog>
 #include <QLabel>
@@ -68,6 +69,22 @@ MainWindow::MainWindow(BackendFactory factory, QWidget* parent)
 MainWindow::~MainWindow()
 {
     planning_executor_.cancel(); // planning stops while the knife ends
+}
+
+void MainWindow::closeEvent(QCloseEvent* event)
+{
+    if (model_ && model_->busy()) {
+        QMessageBox question(QMessageBox::Question, "Close the window?",
+            "A plan is being calculated. If you close the window now, the plan ends and its result is lost.",
+            QMessageBox::NoButton, this);
+        QPushButton* const close = question.addButton("Close", QMessageBox::DestructiveRole);
+        question.setDefaultButton(question.addButton("Go on planning", QMessageBox::RejectRole));
+        question.exec();
+        if (question.clickedButton() != close)
+            return event->ignore();
+    }
+    cancel();
+    event->accept();
 }
 
 void MainWindow::make_panes()

@@ -80,6 +80,10 @@ public:
     std::string error_line() const { return error_; }
     std::string message_line() const; ///< text of the status line, error or not
 
+protected:
+    /// Asks before a plan that is being calculated is lost.
+    void closeEvent(QCloseEvent* event) override;
+
 private:
     void make_actions();
     void make_panes();

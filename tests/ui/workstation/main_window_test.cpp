@@ -21,11 +21,15 @@
 
 #include <gtest/gtest.h>
 
+#include <QAbstractButton>
 #include <QApplication>
+#include <QMessageBox>
 #include <QMouseEvent>
 #include <QProgressBar>
 #include <QSurfaceFormat>
+#include <QTabWidget>
 #include <QTest>
+#include <QTimer>
 #include <QWheelEvent>
 
 #include <QVTKInteractor.h>
@@ -223,6 +227,44 @@ namespace main_window_test {
         EXPECT_EQ(status(0), FieldStatus::closed);
         EXPECT_FALSE(progress->isVisible());
         EXPECT_EQ(control_->plans_made, 0);
+    }
+
+    TEST_F(MainWindowTest, ClosingWhilePlanningAsks)
+    {
+        open_synthetic();
+        control_->hold = true;
+        press(Qt::Key_P);
+        ASSERT_TRUE(QTest::qWaitFor([&] { return status(0) == FieldStatus::planning; }, test_support::kPatienceMs));
+        const auto answer_with = [](const QString& text) {
+            QTimer::singleShot(0, [text] {
+                auto* question = qobject_cast<QMessageBox*>(QApplication::activeModalWidget());
+                ASSERT_NE(question, nullptr);
+                for (QAbstractButton* button : question->buttons())
+                    if (button->text().remove('&') == text)
+                        return button->click();
+                FAIL() << "no button " << text.toStdString();
+            });
+        };
+        answer_with("Go on planning");
+        EXPECT_FALSE(window_.close());
+        EXPECT_TRUE(window_.isVisible());
+        EXPECT_EQ(status(0), FieldStatus::planning);
+        answer_with("Close");
+        EXPECT_TRUE(window_.close());
+        EXPECT_FALSE(window_.isVisible());
+        test_support::wait_until_idle(window_);
+        EXPECT_EQ(control_->plans_made, 0);
+    }
+
+    TEST_F(MainWindowTest, FitsASmallScreenWithEveryPanel)
+    {
+        open_synthetic();
+        for (auto* tabs = window_.findChild<QTabWidget*>(); const int tab : { 0, 1 }) {
+            tabs->setCurrentIndex(tab);
+            QCoreApplication::processEvents();
+            EXPECT_LE(window_.minimumSizeHint().height(), 600) << tab;
+            EXPECT_LE(window_.minimumSizeHint().width(), 800) << tab;
+        }
     }
 
     TEST_F(MainWindowTest, APlannedFieldIsShownAgainWithoutPlanning)

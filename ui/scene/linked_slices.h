@@ -4,11 +4,26 @@
 
 #include "ui/scene/scene.h"
 
+#include <array>
 #include <map>
 #include <string>
 #include <vector>
 
 namespace retractor::ui {
+
+/// The Hounsfield values that a slice shows between black and white: `window_hu` wide round `level_hu`.
+struct GreyWindow {
+    const char* name;
+    double window_hu, level_hu;
+};
+
+/// As radiologists set them; the first is how slices are made.
+inline constexpr std::array kGreyWindows {
+    GreyWindow { "Mediastinum", 500.0, 40.0 },
+    GreyWindow { "Lung", 1500.0, -600.0 },
+    GreyWindow { "Bone", 1800.0, 400.0 },
+    GreyWindow { "Angiography", 700.0, 250.0 },
+};
 
 /// The axis across a plane of the patient: 0 sagittal, 1 coronal, 2 axial.
 int axis_across(SlicePlane plane);

@@ -242,6 +242,18 @@ void MainWindow::make_actions()
         presets->addAction(action);
     }
     view->addSeparator();
+    grey_windows_ = new QActionGroup(this);
+    for (std::size_t i = 0; i < kGreyWindows.size(); ++i) {
+        const GreyWindow& grey = kGreyWindows[i];
+        QAction* action = add(view, grey.name, QKeySequence("Shift+" + QString::number(i + 1)),
+            QString("Slices from %1 to %2 HU")
+                .arg(grey.level_hu - 0.5 * grey.window_hu)
+                .arg(grey.level_hu + 0.5 * grey.window_hu),
+            [this, i] { set_grey_window(i); });
+        action->setCheckable(true);
+        grey_windows_->addAction(action);
+    }
+    view->addSeparator();
     opened_ = add(view, "Opened", Qt::Key_O, "Switch between the opened field and the patient before the cut", [this] {
         model_->set_show_opened(opened_->isChecked());
         show_picture();
@@ -294,8 +306,10 @@ void MainWindow::open(planner::Case planned_case)
     plans_running_ = 0;
     const ViewPreset view = model_ ? model_->view() : ViewPreset::surgeon;
     backend_ = factory_(planned_case);
+    const std::size_t grey_window = model_ ? model_->grey_window() : 0;
     model_ = std::make_unique<SessionModel>(std::move(planned_case));
     model_->set_view(view);
+    model_->set_grey_window(grey_window);
     const planner::Case& shown = model_->planned_case();
     const std::filesystem::path name = shown.file_name == planner::kCaseFileName
         ? shown.folder.filename()
@@ -511,6 +525,8 @@ void MainWindow::show_all()
         overview_->setChecked(model_->view() == ViewPreset::overview);
         slices_->setChecked(model_->view() == ViewPreset::slices);
     }
+    grey_windows_->setEnabled(slices_->isEnabled());
+    grey_windows_->actions().at(static_cast<int>(model_ ? model_->grey_window() : 0))->setChecked(true);
     opened_->setEnabled(any && state->field != nullptr);
     opened_->setChecked(opened_->isEnabled() && model_->show_opened());
     plan_->setEnabled(any && (state->status == FieldStatus::closed || state->status == FieldStatus::failed));
@@ -552,6 +568,21 @@ void MainWindow::move_slices(const Vec3& point)
     if (!model_ || model_->view() != ViewPreset::slices)
         return;
     model_->set_slice_point(point);
+    show_slices();
+}
+
+void MainWindow::set_grey_window(std::size_t index)
+{
+    if (!model_)
+        return;
+    model_->set_grey_window(index);
+    if (model_->view() == ViewPreset::slices)
+        show_slices();
+}
+
+/// Shows the slices anew, each from where it is seen now.
+void MainWindow::show_slices()
+{
     const std::vector<Scene> scenes = model_->shown_scenes();
     for (std::size_t i = 0; i < scenes.size(); ++i)
         if (is_linked_slice(scenes[i]))

@@ -16,6 +16,7 @@
 #include <string>
 
 class QAction;
+class QActionGroup;
 class QLabel;
 class QMenu;
 class QProgressBar;
@@ -108,6 +109,8 @@ private:
     void show_all(); ///< list, numbers, actions, picture
     void show_picture(); ///< keeps a picture that is still valid, with its camera
     void move_slices(const Vec3& point);
+    void set_grey_window(std::size_t index);
+    void show_slices();
     void show_knife(); ///< starts the session of the selected approach while the knife's tab is open
     bool knife_tab_open() const;
     Scene knife_scene(const Scene& surroundings, const ShownSource& source) const;
@@ -133,6 +136,7 @@ private:
     QTabWidget* tabs_ = nullptr;
     QAction *knife_action_ = nullptr, *line_action_ = nullptr, *hook_action_ = nullptr, *take_out_action_ = nullptr,
             *undo_ = nullptr, *redo_ = nullptr;
+    QActionGroup* grey_windows_ = nullptr;
     QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr;
     QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr,
             *palpate_ = nullptr;

@@ -352,6 +352,10 @@ namespace main_window_test {
         const mesh::ImageGrid grid = view.scenes().at(0).slices.front().image->grid;
         turn(axial, 100000, Qt::NoModifier);
         wait_for_z(std::max(grid.world(Vec3::Zero()).z(), grid.world(Vec3(0.0, 0.0, grid.size[2] - 1)).z()));
+        const QImage mediastinum = view.picture();
+        QTest::keyClick(&window_, Qt::Key_2, Qt::ShiftModifier);
+        EXPECT_EQ(view.scenes().at(1).slices.front().level_hu, -600.0) << "lung";
+        EXPECT_NE(view.picture(), mediastinum);
         // A place left of the middle of the axial slice is on the patient's right.
         QTest::mousePress(&view, Qt::LeftButton, {}, (axial - QPointF(0.05 * view.width(), 0.0)).toPoint());
         QTest::mouseRelease(&view, Qt::LeftButton, {}, (axial - QPointF(0.05 * view.width(), 0.0)).toPoint());

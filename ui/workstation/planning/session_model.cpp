@@ -189,6 +189,12 @@ void SessionModel::closed_failed(Failure failure)
     states_[*std::exchange(making_closed_, std::nullopt)].failure = std::move(failure);
 }
 
+void SessionModel::set_grey_window(std::size_t index)
+{
+    RETRACTOR_ASSERT(index < kGreyWindows.size());
+    grey_window_ = index;
+}
+
 void SessionModel::set_slice_point(const Vec3& point)
 {
     RETRACTOR_ASSERT(selected_);
@@ -222,6 +228,11 @@ std::vector<Scene> SessionModel::shown_scenes() const
         const std::vector<Scene>& slices = state.closed->slices;
         std::vector<Scene> scenes = slices_at(
             slices, state.slice_point.value_or(slices.front().slices.front().point), state.closed->label_names);
+        for (Scene& scene : scenes)
+            for (SliceItem& slice : scene.slices) {
+                slice.window_hu = kGreyWindows[grey_window_].window_hu;
+                slice.level_hu = kGreyWindows[grey_window_].level_hu;
+            }
         scenes.push_back(overview);
         return scenes;
     }

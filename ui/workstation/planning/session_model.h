@@ -115,6 +115,9 @@ public:
     void closed_done(ClosedPictures pictures);
     void closed_failed(Failure failure);
 
+    /// @param index of kGreyWindows, for the slices of all approaches
+    void set_grey_window(std::size_t index);
+    std::size_t grey_window() const { return grey_window_; }
     /// Moves the slices of the selected approach. @pre an approach is selected
     void set_slice_point(const Vec3& point);
 
@@ -129,6 +132,7 @@ private:
     std::optional<std::size_t> selected_;
     ViewPreset view_ = ViewPreset::surgeon;
     bool show_opened_ = true;
+    std::size_t grey_window_ = 0;
     std::deque<std::size_t> waiting_;
     std::optional<std::size_t> planning_;
     std::optional<std::size_t> making_closed_;

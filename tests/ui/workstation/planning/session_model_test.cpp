@@ -216,6 +216,9 @@ namespace session_model_test {
         const ShownSource before = model.shown_source();
         model.set_slice_point(Vec3(3.0, 4.0, 9.0));
         EXPECT_EQ(model.shown_scenes()[0].slices.front().point.z(), 9.0);
+        EXPECT_EQ(model.shown_scenes()[0].slices.front().window_hu, 500.0);
+        model.set_grey_window(1);
+        EXPECT_EQ(model.shown_scenes()[2].slices.front().level_hu, -600.0);
         EXPECT_EQ(model.shown_source(), before) << "the view moves the slices it shows";
         model.set_view(ViewPreset::surgeon);
 

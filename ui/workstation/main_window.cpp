@@ -1,6 +1,7 @@
 #include "ui/workstation/main_window.h"
 
 #include "datasets/phantoms/palpation_scene_file.h"
+#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "planner/case/case_io.h"
 #include "planner/case/patient.h"
@@ -565,7 +566,7 @@ void MainWindow::show_picture()
 
 void MainWindow::move_slices(const Vec3& point)
 {
-    if (!model_ || model_->view() != ViewPreset::slices)
+    if (!slices_shown())
         return;
     model_->set_slice_point(point);
     show_slices();
@@ -576,14 +577,22 @@ void MainWindow::set_grey_window(std::size_t index)
     if (!model_)
         return;
     model_->set_grey_window(index);
-    if (model_->view() == ViewPreset::slices)
+    if (slices_shown())
         show_slices();
+}
+
+/// Whether the picture is that of the slices, and not that of the knife.
+bool MainWindow::slices_shown() const
+{
+    return model_ && model_->view() == ViewPreset::slices && shown_ == model_->shown_source()
+        && shown_.pictures != nullptr;
 }
 
 /// Shows the slices anew, each from where it is seen now.
 void MainWindow::show_slices()
 {
     const std::vector<Scene> scenes = model_->shown_scenes();
+    RETRACTOR_ASSERT(scenes.size() == view_->scenes().size());
     for (std::size_t i = 0; i < scenes.size(); ++i)
         if (is_linked_slice(scenes[i]))
             view_->replace_scene(i, scenes[i]);

@@ -110,6 +110,7 @@ private:
     void show_picture(); ///< keeps a picture that is still valid, with its camera
     void move_slices(const Vec3& point);
     void set_grey_window(std::size_t index);
+    bool slices_shown() const;
     void show_slices();
     void show_knife(); ///< starts the session of the selected approach while the knife's tab is open
     bool knife_tab_open() const;

@@ -366,6 +366,23 @@ namespace main_window_test {
         EXPECT_EQ(view.drawing_errors(), "");
     }
 
+    TEST_F(MainWindowTest, AKnifeOverSlicesIsNoSlice)
+    {
+        open_synthetic();
+        press(Qt::Key_3);
+        ASSERT_EQ(window_.view().scenes().size(), 4U);
+        press(Qt::Key_K);
+        test_support::wait_until_idle(window_);
+        ASSERT_EQ(window_.view().scenes().size(), 1U);
+        QTest::keyClick(&window_, Qt::Key_3, Qt::ShiftModifier); // grey window
+        press(Qt::Key_K);
+        auto* tabs = window_.findChild<QTabWidget*>();
+        tabs->setCurrentIndex(0);
+        test_support::wait_until_idle(window_);
+        ASSERT_EQ(window_.view().scenes().size(), 4U);
+        EXPECT_EQ(window_.view().scenes().front().slices.front().level_hu, 400.0) << "bone";
+    }
+
     TEST_F(MainWindowTest, NotchesOfTheWheelShareAPicture)
     {
         open_synthetic();

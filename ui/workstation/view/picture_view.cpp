@@ -396,7 +396,7 @@ bool PictureView::point_on_slice(const QMouseEvent& event)
     if (event.type() == QEvent::MouseButtonPress && event.button() == Qt::LeftButton
         && event.modifiers() == Qt::NoModifier)
         pointing_ = slice_at(event.localPos());
-    if (!pointing_ || *pointing_ >= scenes_->size() || !is_linked_slice((*scenes_)[*pointing_]))
+    if (!pointing_ || !is_drawn() || *pointing_ >= scenes_->size() || !is_linked_slice((*scenes_)[*pointing_]))
         return false;
     const Viewport v = arrange_scenes(*scenes_, width(), height())[*pointing_];
     const double wide = v.right - v.left, high = v.top - v.bottom;

@@ -161,7 +161,7 @@ bool is_linked_slice(const Scene& scene) { return scene.slices.size() == 1 && !s
 
 std::vector<Scene> slices_at(std::vector<Scene> scenes, const Vec3& point, const std::map<Label, std::string>& names)
 {
-    bool said = false;
+    bool has_probe = false;
     for (Scene& scene : scenes) {
         if (!is_linked_slice(scene))
             continue;
@@ -173,9 +173,9 @@ std::vector<Scene> slices_at(std::vector<Scene> scenes, const Vec3& point, const
         for (const SlicePlane other : { SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal })
             if (other != slice.plane)
                 scene.lines.push_back(trace_of(other, slice.plane, point, box));
-        if (!said)
+        if (!has_probe)
             scene.notes.push_back(probe(slice, point, names));
-        said = true;
+        has_probe = true;
     }
     return scenes;
 }

@@ -144,7 +144,7 @@ void take_screenshot(MainWindow& window, QTimer& timer, const Options& options)
         const auto* const view = window.model();
         window.set_view(*view_from_string(options.view));
         if (view->view() != *view_from_string(options.view) && window.error_line().empty()) {
-            QApplication::exit(fail("the view " + options.view + " needs a planned field and a CT", 1));
+            QApplication::exit(fail("the view " + options.view + " needs a CT", 1));
             return;
         }
         try {

@@ -1,7 +1,6 @@
 #include "ui/workstation/main_window.h"
 
 #include "datasets/phantoms/palpation_scene_file.h"
-#include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "planner/case/case_io.h"
 #include "planner/case/patient.h"
@@ -28,6 +27,7 @@
 #include <QToolBar>
 #include <QVBoxLayout>
 
+#include <algorithm>
 #include <utility>
 
 namespace retractor::ui {
@@ -84,7 +84,10 @@ void MainWindow::closeEvent(QCloseEvent* event)
         if (question.clickedButton() != close)
             return event->ignore();
     }
-    cancel();
+    knife_->abandon();
+    if (model_)
+        model_->cancel();
+    planning_executor_.cancel();
     event->accept();
 }
 
@@ -93,6 +96,7 @@ void MainWindow::make_panes()
     list_ = new ApproachList;
     view_ = new PictureView;
     panel_ = new MetricsPanel;
+    view_->on_drawing_error = [this] { show_error({ view_->drawing_errors(), "drawing" }); };
     view_->on_slice_point = [this](const Vec3& point) { move_slices(point); };
     auto* panes = new QSplitter;
     panes->addWidget(titled("Approaches", list_));
@@ -591,11 +595,14 @@ bool MainWindow::slices_shown() const
 /// Shows the slices anew, each from where it is seen now.
 void MainWindow::show_slices()
 {
-    const std::vector<Scene> scenes = model_->shown_scenes();
-    RETRACTOR_ASSERT(scenes.size() == view_->scenes().size());
-    for (std::size_t i = 0; i < scenes.size(); ++i)
-        if (is_linked_slice(scenes[i]))
-            view_->replace_scene(i, scenes[i]);
+    try {
+        const std::vector<Scene> scenes = model_->shown_scenes();
+        for (std::size_t i = 0; i < std::min(scenes.size(), view_->scenes().size()); ++i)
+            if (is_linked_slice(scenes[i]) && is_linked_slice(view_->scenes()[i]))
+                view_->replace_scene(i, scenes[i]);
+    } catch (...) {
+        show_error(with_controls(current_failure()));
+    }
 }
 
 /// The scene for the knife. The camera stays in place when only the knife was taken or put away.

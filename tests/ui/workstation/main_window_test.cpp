@@ -13,6 +13,7 @@
 #include "planner/palpation/palpable.h"
 #include "ui/scene/linked_slices.h"
 #include "ui/scene/tissue_colors.h"
+#include "ui/workstation/benchmark/window_benchmark.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/planning/approach_list.h"
 #include "ui/workstation/view/arrange_scenes.h"
@@ -398,7 +399,10 @@ namespace main_window_test {
             QApplication::sendEvent(&view, &notch);
         }
         EXPECT_EQ(view.pictures(), pictures) << "an event does not wait for a picture";
-        EXPECT_LT((view.camera().eye - view.camera().aim).norm(), 0.8 * before) << "every notch counts";
+        constexpr double kZoomOfANotch = 1.21; // VTK's, when the wheel's factor is 1
+        EXPECT_NEAR(
+            (view.camera().eye - view.camera().aim).norm(), before * std::pow(kZoomOfANotch, -kNotches), 0.05 * before)
+            << "every notch counts";
         EXPECT_TRUE(view.coarse());
         ASSERT_TRUE(QTest::qWaitFor([&] { return !view.coarse(); }, test_support::kPatienceMs));
         EXPECT_GE(view.pictures(), pictures + 1);
@@ -412,12 +416,34 @@ namespace main_window_test {
         const QImage full = view.picture().convertToFormat(QImage::Format_RGB32);
         const QImage coarse = view.grabFramebuffer().convertToFormat(QImage::Format_RGB32);
         ASSERT_EQ(full.size(), coarse.size());
-        double difference = 0.0;
-        for (int y = 0; y < full.height(); ++y)
-            for (int x = 0; x < full.width(); ++x)
-                difference += std::abs(qGray(full.pixel(x, y)) - qGray(coarse.pixel(x, y)));
-        constexpr double kMeanGrey = 12.0; // of 255: shading differs, outlines do not
-        EXPECT_LT(difference / (full.width() * full.height()), kMeanGrey);
+        // The mean difference in grey between the coarse picture, shifted, and the full one.
+        const auto difference = [&](int dx, int dy) {
+            constexpr int kMargin = 20;
+            double sum = 0.0;
+            for (int y = kMargin; y < full.height() - kMargin; ++y)
+                for (int x = kMargin; x < full.width() - kMargin; ++x)
+                    sum += std::abs(qGray(full.pixel(x, y)) - qGray(coarse.pixel(x + dx, y + dy)));
+            return sum;
+        };
+        constexpr int kShift = 6;
+        for (const auto& [dx, dy] :
+            { std::pair { kShift, 0 }, std::pair { -kShift, 0 }, std::pair { 0, kShift }, std::pair { 0, -kShift } })
+            EXPECT_LT(difference(0, 0), difference(dx, dy)) << dx << ", " << dy;
+    }
+
+    TEST_F(MainWindowTest, TheBenchmarkMeasuresEveryView)
+    {
+        open_synthetic();
+        const std::vector<MotionFigures> figures = measure_window(window_, true, 0.3);
+        ASSERT_EQ(figures.size(), 10U);
+        EXPECT_EQ(figures[4].picture, "closed, slices");
+        EXPECT_EQ(figures[9].picture, "opened, overview");
+        for (const MotionFigures& f : figures) {
+            EXPECT_GT(f.events, 0) << f.picture;
+            EXPECT_GT(f.full_ms, 0.0) << f.picture;
+            EXPECT_GE(f.delay_largest_ms, f.delay_median_ms) << f.picture;
+        }
+        EXPECT_NE(to_json(figures, window_).find("pictures_per_s"), std::string::npos);
     }
 
     TEST_F(MainWindowTest, SavesThePictureAsSeen)

@@ -22,19 +22,29 @@ namespace {
             "egl");
     }
 
-    class EglContext : public OffscreenContext {
-    public:
-        EglContext()
-        {
+    /// The display without a surface. All contexts of the process share it, and it lasts as long as the process,
+    /// because ending it would end the contexts of other threads too.
+    EGLDisplay surfaceless_display()
+    {
+        static const EGLDisplay display = [] {
             const auto get_platform_display
                 = reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
             if (get_platform_display == nullptr)
                 fail("finding eglGetPlatformDisplayEXT");
-            display_ = get_platform_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
-            if (display_ == EGL_NO_DISPLAY)
+            const EGLDisplay found = get_platform_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
+            if (found == EGL_NO_DISPLAY)
                 fail("eglGetPlatformDisplay");
-            if (eglInitialize(display_, nullptr, nullptr) == EGL_FALSE)
+            if (eglInitialize(found, nullptr, nullptr) == EGL_FALSE)
                 fail("eglInitialize");
+            return found;
+        }();
+        return display;
+    }
+
+    class EglContext : public OffscreenContext {
+    public:
+        EglContext()
+        {
             try {
                 create();
             } catch (...) {
@@ -77,15 +87,12 @@ namespace {
         }
         void release() noexcept
         {
-            if (display_ == EGL_NO_DISPLAY)
-                return;
             eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
             if (context_ != EGL_NO_CONTEXT)
                 eglDestroyContext(display_, context_);
-            eglTerminate(display_);
         }
 
-        EGLDisplay display_ = EGL_NO_DISPLAY;
+        const EGLDisplay display_ = surfaceless_display();
         EGLContext context_ = EGL_NO_CONTEXT;
     };
 

@@ -132,7 +132,7 @@ struct SceneView::State {
                 for (const auto& actor : surface_actors(item))
                     (item.on_top ? overlay : main)->AddActor(actor);
         }
-        // Behind translucent surfaces stands what was drawn before them.
+        // Translucent surfaces are added last, so that they blend over the opaque ones.
         for (const SurfaceItem& item : scene.surfaces)
             if (item.opacity < 1.0 && !item.on_top)
                 for (const auto& actor : surface_actors(item)) {

@@ -104,7 +104,9 @@ bool SessionModel::view_available(ViewPreset view) const
     if (!selected_)
         return false;
     const auto& closed = states_[*selected_].closed;
-    return view != ViewPreset::slices || (closed != nullptr && !closed->slices.empty());
+    if (view != ViewPreset::slices)
+        return true;
+    return closed != nullptr ? !closed->slices.empty() : case_.ct.has_value();
 }
 
 void SessionModel::request_plan(std::size_t index)
@@ -214,6 +216,8 @@ ShownSource SessionModel::shown_source() const
         source.pictures = state.field;
     else
         source.pictures = state.closed;
+    if (view_ == ViewPreset::slices)
+        source.slices = state.closed;
     return source;
 }
 
@@ -224,7 +228,7 @@ std::vector<Scene> SessionModel::shown_scenes() const
         return {};
     const ApproachState& state = states_[*selected_];
     const Scene& overview = source.opened ? state.field->overview : state.closed->patient;
-    if (view_ == ViewPreset::slices && view_available(ViewPreset::slices)) {
+    if (view_ == ViewPreset::slices && state.closed != nullptr && !state.closed->slices.empty()) {
         const std::vector<Scene>& slices = state.closed->slices;
         std::vector<Scene> scenes = slices_at(
             slices, state.slice_point.value_or(slices.front().slices.front().point), state.closed->label_names);

@@ -69,6 +69,7 @@ struct ShownSource {
     bool opened = false;
     ViewPreset view = ViewPreset::surgeon;
     std::optional<std::size_t> approach;
+    std::shared_ptr<const void> slices {}; ///< the ClosedPictures, in the view of slices
     bool operator==(const ShownSource&) const = default;
 };
 

@@ -15,8 +15,10 @@
 #include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
 
+#include <QImage>
 #include <QLabel>
 #include <QMouseEvent>
+#include <QPixmap>
 #include <QWheelEvent>
 
 #include <algorithm>
@@ -38,12 +40,6 @@ namespace {
     /// Of the coarse scenes together. Software drawing on two cores shows about 20 such pictures a second; most of the
     /// time then goes into pixels.
     constexpr std::size_t kCoarseTriangles = 30000;
-    /// When two pictures after one another take longer than this, coarse pictures get fewer pixels.
-    constexpr double kSlowMs = 55.0;
-    constexpr int kSlowPictures = 2;
-    /// The sides of a picture with fewer pixels, as a share of the view's.
-    constexpr double kLowResolution = 0.5;
-    constexpr double kDotsPerInch = 72.0; ///< VTK's letters then have the size in pixels that scenes ask for
 
     /// The triangles of each of several scenes. A picture of slices is drawn again, scene in space included, for every
     /// step of a slice.
@@ -111,7 +107,6 @@ PictureView::PictureView(QWidget* parent)
             change();
     }));
     drawn_->window->AddObserver(vtkCommand::EndEvent, command([this] { ++pictures_; }));
-    connect(this, &QOpenGLWidget::frameSwapped, this, [this] { note_speed(); });
 
     rest_timer_.setSingleShot(true);
     rest_timer_.setInterval(kRestMs);
@@ -146,10 +141,11 @@ void PictureView::show_scenes(std::vector<Scene> scenes)
         check_scene(scene);
     coarse_scenes_.clear();
     for (const Scene& scene : scenes)
-        coarse_scenes_.push_back(full_error_.empty() ? moving_scene(scene, coarse_share(scenes)) : scene);
+        coarse_scenes_.push_back(moving_scene(scene, coarse_share(scenes)));
     scenes_ = std::make_shared<const std::vector<Scene>>(std::move(scenes));
-    resolution_ = 1.0;
-    slow_pictures_ = 0;
+    full_error_.clear(); // other scenes may be drawn in the background again
+    pointing_.reset();
+    wanted_point_.reset();
     build(false);
 }
 
@@ -162,17 +158,19 @@ void PictureView::replace_scene(std::size_t index, Scene scene)
     }
     auto scenes = std::make_shared<std::vector<Scene>>(*scenes_);
     scenes->at(index) = scene;
-    coarse_scenes_.at(index) = full_error_.empty() ? moving_scene(scene, coarse_share(*scenes)) : std::move(scene);
+    coarse_scenes_.at(index) = moving_scene(std::move(scene), coarse_share(*scenes));
     scenes_ = std::move(scenes);
     if (is_drawn()) {
-        Scene shown = coarse_scenes_.at(index);
+        Scene shown = draws_whole_scenes() ? scenes_->at(index) : coarse_scenes_.at(index);
         const Viewport place = arrange_scenes(*scenes_, width(), height()).at(index);
-        if (full_error_.empty())
+        if (!draws_whole_scenes())
             sample_at_pixels(shown, (place.top - place.bottom) * height());
         drawn_->views.at(index).show(shown);
     }
     change();
 }
+
+bool PictureView::draws_whole_scenes() const { return saving_ || !full_error_.empty(); }
 
 void PictureView::build(bool keep_cameras)
 {
@@ -183,18 +181,16 @@ void PictureView::build(bool keep_cameras)
     for (const SceneView& view : drawn_->views)
         cameras.push_back(view.camera());
     drawn_->views.clear();
-    const double ratio = resolution_ * devicePixelRatioF();
-    setUnscaledDPI(static_cast<int>(std::lround(kDotsPerInch / ratio)));
-    setCustomDevicePixelRatio(ratio);
-    resizeGL(width(), height());
-    drawn_->volumes.set_interactive(full_error_.empty());
-    const DrawingQuality quality = full_error_.empty() ? DrawingQuality::fast : DrawingQuality::full;
-    for (Viewport& viewport : arrange_scenes(coarse_scenes_, ratio * width(), ratio * height())) {
-        drawn_->views.emplace_back(*drawn_->window, viewport, drawn_->volumes, quality);
+    const double ratio = devicePixelRatioF();
+    const bool whole = draws_whole_scenes();
+    drawn_->volumes.set_interactive(!whole);
+    for (Viewport& viewport : arrange_scenes(whole ? *scenes_ : coarse_scenes_, ratio * width(), ratio * height())) {
+        drawn_->views.emplace_back(
+            *drawn_->window, viewport, drawn_->volumes, whole ? DrawingQuality::full : DrawingQuality::fast);
         const std::size_t index = drawn_->views.size() - 1;
         if (keep_cameras && index < cameras.size() && viewport.scene.slices.empty())
             viewport.scene.camera = cameras[index];
-        if (full_error_.empty())
+        if (!whole)
             sample_at_pixels(viewport.scene, (viewport.top - viewport.bottom) * height());
         drawn_->views.back().show(viewport.scene);
     }
@@ -235,13 +231,15 @@ void PictureView::rest()
 
 void PictureView::show_full(const PictureAnswer& answer)
 {
-    if (answer.image.isNull()) {
-        full_error_ = answer.error;
-        show_scenes(*scenes_); // the window draws the whole scenes itself
-        return;
-    }
     if (answer.number != number_ || live_ != nullptr)
         return;
+    if (answer.image.isNull()) {
+        full_error_ = answer.error;
+        build(true);
+        if (on_drawing_error)
+            on_drawing_error();
+        return;
+    }
     coarse_ = false;
     QPixmap pixmap = QPixmap::fromImage(answer.image);
     pixmap.setDevicePixelRatio(devicePixelRatioF());
@@ -271,10 +269,6 @@ void PictureView::set_live(const LiveProps* live)
         }
     }
     live_ = live;
-    if (resolution_ < 1.0) {
-        resolution_ = 1.0;
-        build(true);
-    }
     change();
 }
 
@@ -284,25 +278,9 @@ void PictureView::draw_soon()
         draw_timer_.start();
 }
 
-/// Called when a picture has reached the screen. A driver in software has drawn it only then.
-void PictureView::note_speed()
-{
-    if (!drawing_)
-        return;
-    const double ms = 1e3 * drawing_->seconds();
-    drawing_.reset();
-    slow_pictures_ = ms > kSlowMs ? slow_pictures_ + 1 : 0;
-    if (slow_pictures_ < kSlowPictures || resolution_ < 1.0 || !can_rest())
-        return;
-    resolution_ = kLowResolution;
-    build(true);
-    change(); // the full picture waits for rest
-}
-
 void PictureView::draw_now()
 {
     const Stopwatch watch;
-    drawing_ = watch;
     if (const auto point = std::exchange(wanted_point_, std::nullopt); point && on_slice_point)
         on_slice_point(*point);
     draw_timer_.stop(); // this picture shows all changes
@@ -316,6 +294,7 @@ void PictureView::draw_now()
 void PictureView::set_tool(PictureTool* tool)
 {
     tool_ = tool;
+    pointing_.reset();
     setCursor(tool != nullptr ? Qt::CrossCursor : Qt::ArrowCursor);
 }
 
@@ -393,16 +372,20 @@ bool PictureView::point_on_slice(const QMouseEvent& event)
 {
     if (event.type() == QEvent::MouseButtonRelease && event.button() == Qt::LeftButton)
         return std::exchange(pointing_, std::nullopt).has_value();
-    if (event.type() == QEvent::MouseButtonPress && event.button() == Qt::LeftButton
-        && event.modifiers() == Qt::NoModifier)
+    const bool pressed = event.type() == QEvent::MouseButtonPress || event.type() == QEvent::MouseButtonDblClick;
+    if (pressed && event.button() == Qt::LeftButton && event.modifiers() == Qt::NoModifier)
         pointing_ = slice_at(event.localPos());
+    if ((event.buttons() & Qt::LeftButton) == 0)
+        pointing_.reset(); // the button went up elsewhere
     if (!pointing_ || !is_drawn() || *pointing_ >= scenes_->size() || !is_linked_slice((*scenes_)[*pointing_]))
         return false;
     const Viewport v = arrange_scenes(*scenes_, width(), height())[*pointing_];
     const double wide = v.right - v.left, high = v.top - v.bottom;
-    want_point(place_on_slice((*scenes_)[*pointing_].slices.front(), drawn_->views.at(*pointing_).camera(),
-        (event.localPos().x() / width() - v.left) / wide, (1.0 - event.localPos().y() / height() - v.bottom) / high,
-        wide * width() / (high * height())));
+    SliceItem slice = (*scenes_)[*pointing_].slices.front();
+    slice.point = wanted_point_.value_or(slice.point);
+    want_point(
+        place_on_slice(slice, drawn_->views.at(*pointing_).camera(), (event.localPos().x() / width() - v.left) / wide,
+            (1.0 - event.localPos().y() / height() - v.bottom) / high, wide * width() / (high * height())));
     return true;
 }
 
@@ -455,7 +438,8 @@ void PictureView::resizeEvent(QResizeEvent* event)
 {
     QVTKOpenGLNativeWidget::resizeEvent(event);
     place_note();
-    full_->hide();
+    if (ready_)
+        change(); // a full picture of the old size does not fit
     // Words and scale bars depend on the size. They are made again when the size has settled.
     resize_timer_.start(kResizeMs);
 }
@@ -472,9 +456,14 @@ QImage PictureView::picture()
         if (!answer.image.isNull())
             return answer.image;
     }
-    draw_timer_.stop();
+    // What is drawn with the scene cannot be drawn in the background.
+    saving_ = true;
+    build(true);
     draw_now();
-    return grabFramebuffer();
+    QImage image = grabFramebuffer();
+    saving_ = false;
+    build(true);
+    return image;
 }
 
 std::string PictureView::drawing_errors() const

@@ -3,7 +3,6 @@
 // coarse copies of the scenes, one picture a frame. When the picture rests, another thread draws it in full quality,
 // and the window shows that picture until something moves again.
 
-#include "mesh/base/job.h"
 #include "planner/session/wall_picture.h"
 #include "ui/scene/scene.h"
 #include "ui/scene/vtk/vtk_errors.h"
@@ -82,6 +81,9 @@ public:
     /// Draws in full quality and returns the picture. Waits for it.
     QImage picture();
 
+    /// Called when the background could not draw the picture; drawing_errors() says why. The window then draws whole
+    /// scenes itself until other scenes are shown.
+    std::function<void()> on_drawing_error;
     /// Errors of the drawing library since the view was made; empty: none.
     std::string drawing_errors() const;
 
@@ -107,7 +109,9 @@ private:
     void change();
     /// Asks for the full picture where there can be one.
     void rest();
+    /// Whether the background can draw the full picture.
     bool can_rest() const;
+    bool draws_whole_scenes() const;
     PictureRequest request() const;
     void show_full(const PictureAnswer& answer);
     void place_note();
@@ -120,7 +124,6 @@ private:
     bool point_on_slice(const QMouseEvent& event);
     void add_live();
     void draw_now();
-    void note_speed();
 
     VtkErrorTrap errors_;
     std::shared_ptr<const std::vector<Scene>> scenes_ = std::make_shared<const std::vector<Scene>>();
@@ -138,14 +141,12 @@ private:
     bool turning_ = false; ///< the camera is being turned while there is a tool
     double draw_ms_ = 0.0;
     int pictures_ = 0;
-    std::optional<Stopwatch> drawing_; ///< since the beginning of a picture that is not on the screen yet
-    int slow_pictures_ = 0;
-    double resolution_ = 1.0; ///< of the coarse picture, as a share of the view's
     bool coarse_ = false;
     bool ready_ = false; ///< there is an OpenGL context
     bool painting_ = false; ///< Qt paints the widget
     int number_ = 0; ///< of the picture; a full picture with an older number is dropped
-    BackgroundPicture background_; ///< ends first
+    bool saving_ = false; ///< the window itself draws whole scenes
+    BackgroundPicture background_; ///< declared last: its thread calls the view until it has ended
 };
 
 } // namespace retractor::ui

@@ -26,8 +26,9 @@ void restore_place(QWidget& window, const QString& name, const QSize& size)
         return;
     const QRect available = screen->availableGeometry();
     window.resize(window.size().boundedTo(available.size()));
-    window.move(std::clamp(window.x(), available.left(), available.right() + 1 - window.width()),
-        std::clamp(window.y(), available.top(), available.bottom() + 1 - window.height()));
+    // A window that is larger than its screen shows its upper left corner.
+    window.move(std::max(available.left(), std::min(window.x(), available.right() + 1 - window.width())),
+        std::max(available.top(), std::min(window.y(), available.bottom() + 1 - window.height())));
 }
 
 void keep_place(const QWidget& window, const QString& name)

@@ -26,3 +26,6 @@ cp forces-view.png "$pictures/palpation.png"
 
 LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s "-screen 0 1280x900x24 +extension GLX" \
   "$programs/retractor-workstation" demo/patient/case.json --approach intercostal_4 --screenshot "$pictures/window.png"
+LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s "-screen 0 1280x900x24 +extension GLX" \
+  "$programs/retractor-workstation" demo/patient/case.json --view slices --before --screenshot \
+  "$pictures/window-slices.png"

@@ -8,6 +8,7 @@
 #include "planner/measures/volume_failures.h"
 #include "planner/plan/wound_view.h"
 #include "planner/wall/unmeshed_wall.h"
+#include "ui/scene/linked_slices.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/identifier_picture.h"
 #include "ui/scene/vtk/simplify_surface.h"
@@ -204,7 +205,7 @@ namespace {
     /// The projection of the whole incision onto a slice, because most of the incision lies before or behind the plane.
     LineItem projected_incision(const planner::Approach& approach, SlicePlane plane, const Vec3& point)
     {
-        const int across = plane == SlicePlane::axial ? 2 : plane == SlicePlane::coronal ? 1 : 0;
+        const int across = axis_across(plane);
         LineItem line = incision_line(approach, true);
         for (Vec3& p : line.points)
             p[across] = point[across];

@@ -82,8 +82,8 @@ std::optional<int> parse(int argc, char** argv, Options& options)
                              "JSON, and quit; with --plan, measure the opened field too")
                           ->excludes("--screenshot");
     app.footer("Example: retractor-workstation patient/case.json --approach median --view overview\n"
-               "Keys: 1 surgeon's eye, 2 overview, 3 slices, O opened field or patient before, P plan, Shift+P plan\n"
-               "all, Esc cancel.\n"
+               "Keys: 1 surgeon's eye, 2 overview, 3 slices (the wheel steps through them, Shift+1 to Shift+4 change\n"
+               "their greys), O opened field or patient before, P plan, Shift+P plan all, Esc cancel.\n"
                "Cutting: K knife (draw on the skin with the left button), L straight cut between two clicks, H hooks\n"
                "(press on the edge of a wound to set a hook, drag a hook to pull it), X take out, Ctrl+Z undo,\n"
                "Ctrl+Shift+Z redo, Esc discard the stroke. The right button, or Shift and the left button, turns the\n"

@@ -1,0 +1,84 @@
+#include "datasets/dicom/study_search.h"
+
+#include "datasets/dicom/dicom_identity.h"
+#include "datasets/dicom/dicom_series.h"
+#include "mesh/base/error.h"
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+#include <system_error>
+#include <tuple>
+
+namespace retractor::datasets {
+
+namespace {
+
+    namespace fs = std::filesystem;
+
+    /// The folder and all below it, sorted.
+    std::vector<fs::path> folders_of(const fs::path& root, const Job& job)
+    {
+        std::vector<fs::path> folders { root };
+        std::error_code code;
+        fs::recursive_directory_iterator entry(root, fs::directory_options::skip_permission_denied, code);
+        for (; !code && entry != fs::recursive_directory_iterator() && !job.cancelled(); entry.increment(code)) {
+            std::error_code unknown;
+            if (entry->is_directory(unknown) && !entry->is_symlink(unknown))
+                folders.push_back(entry->path());
+        }
+        std::sort(folders.begin(), folders.end());
+        return folders;
+    }
+
+    std::vector<StudySeries> series_in(const fs::path& path, const Job& job)
+    {
+        std::vector<std::string> notes; // of damaged files; the import says them again
+        std::vector<DicomGroup> groups;
+        try {
+            groups = group_dicom_series(scan_dicom(path, job), notes);
+        } catch (const Error&) {
+            return {}; // nothing here is a DICOM image
+        }
+        const std::vector<PatientIdentity> identities = dicom_identities(path);
+        std::vector<StudySeries> found;
+        for (DicomGroup& group : groups) {
+            group.series.description = without_identity(group.series.description, identities);
+            found.push_back({ .path = path,
+                .series = std::move(group.series),
+                .middle_file = group.files.empty() ? fs::path() : group.files[group.files.size() / 2].path });
+        }
+        return found;
+    }
+
+    /// Sorts CT slices to the front, and more slices before fewer.
+    auto rank_of(const StudySeries& found)
+    {
+        const DicomSeries& s = found.series;
+        return std::tuple(
+            !(s.modality == "CT" && s.kind.empty()), !s.kind.empty(), !s.axial, -static_cast<long>(s.frames));
+    }
+
+} // namespace
+
+std::vector<StudySeries> find_study_series(const fs::path& path, const Job& job)
+{
+    std::error_code code;
+    if (!fs::exists(path, code))
+        throw IoError("there is no such file or folder", path.string());
+    const std::vector<fs::path> places
+        = fs::is_directory(path, code) ? folders_of(path, job) : std::vector<fs::path> { path };
+    std::vector<StudySeries> found;
+    for (std::size_t n = 0; n < places.size() && !job.cancelled(); ++n) {
+        job.report("look for images", static_cast<double>(n) / static_cast<double>(places.size()));
+        std::vector<StudySeries> here = series_in(places[n], job);
+        std::move(here.begin(), here.end(), std::back_inserter(found));
+    }
+    if (found.empty() && !job.cancelled())
+        throw InputError("no DICOM image was found in this folder or below it", path.string());
+    std::stable_sort(
+        found.begin(), found.end(), [](const StudySeries& a, const StudySeries& b) { return rank_of(a) < rank_of(b); });
+    return found;
+}
+
+} // namespace retractor::datasets

@@ -144,6 +144,24 @@ std::optional<double> BodyProbe::first_skin_along(const Vec3& from, const Vec3& 
     return skin_along(from, direction);
 }
 
+std::optional<Vec3> BodyProbe::skin_seen(const Vec3& from, const Vec3& direction) const
+{
+    const mesh::ImageGrid& grid = labels_.grid;
+    const Vec3 middle = grid.world(0.5 * Vec3(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1));
+    const double nearest = (middle - from).dot(direction); // the image lies within half of reach_ of its middle
+    const auto inside = [&](double t) { return share(body_, from + t * direction) >= 0.5; };
+    const double first = std::max(0.0, nearest - 0.5 * reach_), last = nearest + 0.5 * reach_;
+    for (double t = first; t <= last; t += kStepMm) {
+        if (body_[mesh::label_at(labels_, from + t * direction)] == 0)
+            continue;
+        // The smooth skin lies near the first voxel, unless that is a speck.
+        for (double s = std::max(0.0, t - radius_); s <= t + 2.0 * radius_; s += kStepMm)
+            if (inside(s))
+                return from + (s > 0.0 ? bisect(s, s - kStepMm, inside) : s) * direction;
+    }
+    return std::nullopt;
+}
+
 std::optional<double> BodyProbe::wall_thickness(const Vec3& skin, const Vec3& direction, double limit_mm) const
 {
     const auto inside = [&](double t) { return share(wall_, skin + t * direction) >= 0.5; };

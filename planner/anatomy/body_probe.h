@@ -23,6 +23,10 @@ public:
     /// Distance to the first skin along the ray. Use this where an arm beside the chest has its own skin beyond a gap.
     std::optional<double> first_skin_along(const Vec3& from, const Vec3& direction) const;
 
+    /// The place where a ray from outside the body first meets the skin, as a pointer on a picture does.
+    /// @param direction unit
+    std::optional<Vec3> skin_seen(const Vec3& from, const Vec3& direction) const;
+
     /// Thickness of the wall from a point on the skin along a unit direction into the body. The wall ends at the first
     /// cavity or organ that is at least kCavityMm deep.
     /// @returns nothing when there is no such cavity within `limit_mm`

@@ -71,24 +71,6 @@ namespace {
             table, [](const mesh::LabelInfo& info) { return mesh::is_wall(info) && mesh::is_skeleton(info); });
     }
 
-    /// Organs held aside; lungs may be one label per lung or per lobe ("lung_upper_lobe_left").
-    std::vector<std::string> retracted_organs(
-        const mesh::LabelTable& table, bool left_lung, bool right_lung, bool pericardium)
-    {
-        std::vector<std::string> names;
-        for (const mesh::LabelInfo& info : table) {
-            if (info.role == mesh::Role::target || info.role == mesh::Role::wall)
-                continue;
-            const bool lung = info.name.starts_with("lung");
-            const bool right = info.name.find("right") != std::string::npos;
-            const bool left = info.name.find("left") != std::string::npos;
-            if ((lung && ((left && left_lung) || (right && right_lung))) || info.name == "mediastinal_fat"
-                || info.name == "mediastinum" || (pericardium && info.name == "pericardium"))
-                names.push_back(info.name);
-        }
-        return names;
-    }
-
     Vec3 target_centre(const mesh::LabelVolume& labels, const TargetSpec& target)
     {
         return target.is_sphere() ? target.centre : label_centroid(labels, target.label);
@@ -531,6 +513,23 @@ namespace {
     }
 
 } // namespace
+
+std::vector<std::string> retracted_organs(
+    const mesh::LabelTable& table, bool left_lung, bool right_lung, bool pericardium)
+{
+    std::vector<std::string> names;
+    for (const mesh::LabelInfo& info : table) {
+        if (info.role == mesh::Role::target || info.role == mesh::Role::wall)
+            continue;
+        const bool lung = info.name.starts_with("lung");
+        const bool right = info.name.find("right") != std::string::npos;
+        const bool left = info.name.find("left") != std::string::npos;
+        if ((lung && ((left && left_lung) || (right && right_lung))) || info.name == "mediastinal_fat"
+            || info.name == "mediastinum" || (pericardium && info.name == "pericardium"))
+            names.push_back(info.name);
+    }
+    return names;
+}
 
 Approach approach_from_template(const mesh::LabelVolume& labels, const ApproachRequest& request)
 {

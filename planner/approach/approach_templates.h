@@ -34,6 +34,11 @@ struct ApproachRequest {
     ViewSpec view;
 };
 
+/// The organs that stand in front of the target and are held aside: lungs of the given sides, the fat of the
+/// mediastinum, and the pericardium. Lungs may be one label per lung or per lobe ("lung_upper_lobe_left").
+std::vector<std::string> retracted_organs(
+    const mesh::LabelTable& table, bool left_lung, bool right_lung, bool pericardium);
+
 /// @throws InputError when the template is unknown, a landmark is missing, or the space has no room for the blade.
 Approach approach_from_template(const mesh::LabelVolume& labels, const ApproachRequest& request);
 /// Makes the approach from landmarks that were found before.

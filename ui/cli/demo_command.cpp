@@ -1,20 +1,16 @@
 #include "mesh/base/text_format.h"
-#include "ui/cli/case/case_files.h"
-#include "ui/cli/case/phantom_files.h"
 #include "ui/cli/commands.h"
 #include "ui/cli/framework/out_folder.h"
 #include "ui/cli/framework/staged_results.h"
 #include "ui/cli/plan/field_files.h"
 
-#include "planner/approach/approach_templates.h"
-#include "planner/approach/retractors.h"
-#include "planner/case/case_io.h"
+#include "planner/approach/demo_patient.h"
 #include "planner/plan/plan.h"
 
 #include <CLI/CLI.hpp>
 
-#include <array>
 #include <memory>
+#include <optional>
 
 namespace retractor::ui::cli {
 
@@ -22,54 +18,8 @@ namespace {
 
     namespace fs = std::filesystem;
 
-    struct DemoApproach {
-        const char* template_name;
-        const char* retractor;
-        double opening_mm;
-    };
-
-    /// The three standard approaches to an aneurysm of the aortic arch, each with the retractor that surgeons use.
-    constexpr std::array<DemoApproach, 3> kDemoApproaches { { { "median", "sternal", 40.0 },
-        { "intercostal:4", "finochietto", 25.0 }, { "distal", "finochietto", 25.0 } } };
-
     /// Durations of stages outside the approaches, for the time table.
     using StageTimes = std::vector<std::pair<std::string, double>>;
-
-    planner::Case prepare_case(const fs::path& folder, StageTimes& times, const Job& job)
-    {
-        Stopwatch watch;
-        const PhantomFiles files = [&] {
-            const datasets::Phantom phantom = datasets::make_thorax_phantom({}, job);
-            times.emplace_back("phantom", watch.seconds());
-            watch = {};
-            PhantomFiles written = write_phantom(folder / "patient", phantom, false, job);
-            times.emplace_back("write DICOM", watch.seconds());
-            return written;
-        }();
-        watch = {};
-        planner::Case planned_case = make_case(files.ct, files.labels, folder / "patient" / "case.json", job);
-        // Four-node elements: ten-node elements take more than a quarter of an hour for the three walls.
-        planned_case.solution.element = planner::ElementKind::p1;
-        times.emplace_back("read DICOM, import", watch.seconds());
-        return planned_case;
-    }
-
-    void add_demo_approaches(planner::Case& planned_case, planner::Patient& patient)
-    {
-        for (const DemoApproach& demo : kDemoApproaches) {
-            planner::ApproachRequest request;
-            request.template_name = demo.template_name;
-            request.target.label = "aneurysm";
-            request.sizing = planned_case.sizing;
-            planner::Approach approach
-                = planner::approach_from_template(*patient.labels(), *patient.anatomy(), request);
-            const std::string name = approach.name;
-            planner::add_approach(planned_case, std::move(approach));
-            planner::set_retractor(planned_case, name,
-                planner::find_retractor(planner::built_in_retractors(), demo.retractor),
-                { .opening_mm = demo.opening_mm });
-        }
-    }
 
     std::string time_table(const StageTimes& times, const std::vector<planner::PlannedField>& fields, double total)
     {
@@ -91,16 +41,11 @@ namespace {
         const Stopwatch whole;
         const fs::path folder = out;
         make_folder(folder);
-        StageTimes times;
-        planner::Case planned_case = prepare_case(folder, times, job);
+        std::optional<planner::DemoPatient> made = planner::write_demo_patient(folder / "patient", job);
+        refuse_if_cancelled(job);
+        const planner::Case& planned_case = made.value().planned_case;
+        StageTimes times = std::move(made->seconds);
         Stopwatch watch;
-        {
-            planner::Patient patient(planned_case, job);
-            add_demo_approaches(planned_case, patient);
-        }
-        planner::write_case(planned_case);
-        times.emplace_back("templates", watch.seconds());
-        watch = {};
         planner::Patient patient(planned_case, job);
         std::vector<planner::PlannedField> fields = plan_all(patient, job);
         refuse_if_cancelled(job);

@@ -38,6 +38,21 @@ namespace body_probe_test {
         EXPECT_FALSE(probe.skin_along(Vec3(500.0, 0.0, 0.0), Vec3::UnitX()));
     }
 
+    TEST(BodyProbe, APointerMeetsTheSkinThatFacesIt)
+    {
+        const BodyProbe probe(chest());
+        constexpr double kFar = 600.0;
+        for (double angle = 5.0; angle < 360.0; angle += 11.0) {
+            const Vec3 outside = kFar * round(angle) + 3.0 * Vec3::UnitZ();
+            const auto seen = probe.skin_seen(outside, -round(angle));
+            ASSERT_TRUE(seen) << angle;
+            EXPECT_NEAR((*seen - 3.0 * Vec3::UnitZ()).norm(), kShape.radius, kSkinMm) << angle;
+            EXPECT_LT((*seen - outside).norm(), kFar) << "the side that faces the eye";
+            EXPECT_FALSE(probe.skin_seen(outside, round(angle))) << "away from the body";
+        }
+        EXPECT_FALSE(probe.skin_seen({ kFar, 0.0, 0.0 }, Vec3::UnitY())) << "past the body";
+    }
+
     TEST(BodyProbe, AnArmBesideTheChestHasASkinOfItsOwn)
     {
         mesh::LabelVolume labels = chest();

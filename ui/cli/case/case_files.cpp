@@ -2,7 +2,6 @@
 
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
-#include "ui/cli/framework/out_folder.h"
 
 #include <algorithm>
 #include <limits>
@@ -92,17 +91,6 @@ namespace {
     }
 
 } // namespace
-
-planner::Case make_case(const std::filesystem::path& ct, const std::filesystem::path& labels,
-    const std::filesystem::path& case_file, const Job& job)
-{
-    planner::ImportRequest request;
-    request.ct = ct;
-    request.labels = { labels };
-    const planner::ImportedCase imported = planner::read_import(request, job);
-    refuse_if_cancelled(job);
-    return planner::write_import(imported, case_file);
-}
 
 Json series_document(const std::vector<datasets::DicomSeries>& series)
 {

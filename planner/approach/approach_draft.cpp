@@ -1,0 +1,173 @@
+#include "planner/approach/approach_draft.h"
+
+#include "mesh/base/error.h"
+#include "planner/approach/approach_templates.h"
+#include "planner/approach/hooks.h"
+#include "planner/approach/retractors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string_view>
+#include <utility>
+
+namespace retractor::planner {
+
+namespace {
+
+    /// "4th".
+    std::string ordinal(const std::string& number)
+    {
+        if (number == "1")
+            return "1st";
+        if (number == "2")
+            return "2nd";
+        return number + (number == "3" ? "rd" : "th");
+    }
+
+    /// The template's kind and the number of its space, which may be missing: "intercostal:4".
+    std::pair<std::string, std::string> parts_of(const std::string& template_name)
+    {
+        const std::size_t colon = template_name.find(':');
+        return { template_name.substr(0, colon),
+            colon == std::string::npos ? std::string() : template_name.substr(colon + 1) };
+    }
+
+    Approach drawn_approach(Patient& patient, const ApproachDraft& draft, const ApproachRequest& request)
+    {
+        const auto labels = patient.labels();
+        Approach approach = approach_from_points(*labels, draft.points, request, draft.depth_mm).approach;
+        if (draft.divides == Divides::bone)
+            approach.uncut_labels.clear();
+        if (draft.divides == Divides::space)
+            approach.division.extent = DivisionExtent::full;
+        if (draft.organs_aside)
+            approach.retracted = retracted_organs(labels->table, true, true, true);
+        return approach;
+    }
+
+    /// The template that makes the hooks of the approach. @throws InputError when none does
+    std::string hook_template_of(const Approach& approach)
+    {
+        const std::size_t count = approach.hooks.size();
+        if (count == 2 && approach.hooks.front().patch_width_mm != HookSpec {}.patch_width_mm)
+            return "blade";
+        if (count == 2 || count == 4 || count == 8)
+            return std::to_string(count);
+        throw InputError("the hooks of this approach were placed one by one and would not follow the incision: remove "
+                         "them first",
+            "approach " + approach.name);
+    }
+
+} // namespace
+
+Approach opened_by(Approach approach, const OpenedBy& opening)
+{
+    approach.hooks.clear();
+    approach.retractor.reset();
+    if (!(opening.opening_mm > 0.0))
+        return approach;
+    if (opening.retractor.empty()) {
+        approach.hooks = make_hooks(approach, opening.hooks, opening.opening_mm);
+        return approach;
+    }
+    approach.retractor = make_retractor(
+        approach, find_retractor(built_in_retractors(), opening.retractor), { .opening_mm = opening.opening_mm });
+    check_approach(approach);
+    static_cast<void>(blades_of(approach)); // refuses a wall that is too thin
+    return approach;
+}
+
+OpenedBy opened_by(const Approach& approach)
+{
+    OpenedBy opening;
+    if (approach.retractor) {
+        opening.retractor = approach.retractor->kind;
+        opening.opening_mm = approach.retractor->opening_mm;
+    } else if (!approach.hooks.empty()) {
+        opening.hooks = hook_template_of(approach);
+        opening.opening_mm = 2.0 * approach.hooks.front().opening_mm;
+    }
+    return opening;
+}
+
+Approach approach_from_draft(Patient& patient, const Case& planned_case, const ApproachDraft& draft)
+{
+    ApproachRequest request;
+    request.template_name = draft.template_name;
+    request.name = draft.name;
+    request.target.label = draft.target;
+    request.left = draft.left;
+    request.sizing = planned_case.sizing;
+    Approach approach = draft.template_name.empty()
+        ? drawn_approach(patient, draft, request)
+        : approach_from_template(*patient.labels(), *patient.anatomy(), request);
+    if (draft.name.empty())
+        approach.name = free_approach_name(planned_case, draft.template_name.empty() ? "drawn" : approach.name);
+    return opened_by(std::move(approach), draft.opened_by);
+}
+
+Approach with_incision_through(Patient& patient, const Approach& approach, const std::vector<Vec3>& points)
+{
+    ApproachRequest request;
+    request.name = approach.name;
+    request.target = approach.target;
+    request.sizing = approach.sizing;
+    request.view = approach.view;
+    const Approach placed = approach_from_points(*patient.labels(), points, request).approach;
+    Approach moved = approach;
+    moved.incision = placed.incision;
+    moved.directions = placed.directions;
+    moved.depth_mm = placed.depth_mm;
+    moved.wall_thickness_mm = placed.wall_thickness_mm;
+    moved.hook_depth_mm = placed.hook_depth_mm;
+    moved.rationale = "Incision moved by hand. " + placed.rationale;
+    if (moved.retractor) {
+        moved.retractor->along_mm = 0.5 * incision_length(moved);
+        static_cast<void>(blades_of(moved)); // refuses a wall that is too thin
+    } else if (!moved.hooks.empty()) {
+        const HookPull pull = approach.hooks.front().pull;
+        moved.hooks = make_hooks(moved, hook_template_of(approach), 2.0 * approach.hooks.front().opening_mm, pull);
+    }
+    check_approach(moved);
+    return moved;
+}
+
+std::vector<Vec3> incision_handles(const Approach& approach, double spacing_mm)
+{
+    const double length = incision_length(approach);
+    const int steps = std::max(1, static_cast<int>(std::lround(length / spacing_mm)));
+    std::vector<Vec3> handles;
+    for (int n = 0; n <= steps; ++n)
+        handles.push_back(incision_place(approach, length * n / steps).of(approach.incision));
+    return handles;
+}
+
+std::string free_approach_name(const Case& planned_case, const std::string& name)
+{
+    const auto taken = [&](const std::string& wanted) {
+        return std::ranges::any_of(
+            planned_case.approaches, [&](const Approach& approach) { return approach.name == wanted; });
+    };
+    std::string wanted = name;
+    for (int number = 2; taken(wanted); ++number)
+        wanted = name + "-" + std::to_string(number);
+    return wanted;
+}
+
+std::string surgical_name(const Approach& approach)
+{
+    const auto [kind, space] = parts_of(approach.template_name);
+    const std::string in_space = space.empty() ? std::string() : ", " + ordinal(space) + " space";
+    if (kind == "median")
+        return "Median sternotomy";
+    if (kind == "intercostal")
+        return "Thoracotomy" + in_space;
+    if (kind == "distal")
+        return "Left posterolateral thoracotomy" + in_space;
+    if (kind == "midcab")
+        return "Left anterior mini-thoracotomy" + in_space;
+    return "Drawn incision";
+}
+
+} // namespace retractor::planner

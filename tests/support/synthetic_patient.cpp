@@ -8,6 +8,7 @@
 #include "ui/scene/tissue_colors.h"
 
 #include <chrono>
+#include <optional>
 #include <thread>
 
 namespace retractor::test_support {
@@ -73,6 +74,15 @@ namespace {
         return scene;
     }
 
+    /// The front of the box under a ray.
+    std::optional<Vec3> front_under(const Vec3& from, const Vec3& direction)
+    {
+        if (!(direction.y() > 0.0) || from.y() > 0.0)
+            return std::nullopt;
+        const Vec3 place = from - from.y() / direction.y() * direction;
+        return place.cwiseAbs().maxCoeff() <= kHalfWidthMm ? std::optional(place) : std::nullopt;
+    }
+
     ui::FieldPictures opened_field(const planner::Approach& approach)
     {
         ui::FieldPictures field;
@@ -115,6 +125,8 @@ planner::Case synthetic_case()
 {
     planner::Case planned_case;
     planned_case.folder = "synthetic";
+    planned_case.label_table
+        = { { 1, "skin", "skin", mesh::Role::wall }, { 2, "target", "vessel", mesh::Role::target } };
     for (const char* name : { "median", "lateral", "broken" }) {
         planner::Approach approach;
         approach.name = name;
@@ -134,7 +146,37 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
     ui::PlanningBackend backend;
     backend.closed_pictures = [control](const planner::Approach& approach, const Job&) {
         ++control->closed_made;
-        return ui::ClosedPictures { .patient = patient_scene(approach, false), .slices = slices(), .label_names = {} };
+        return ui::ClosedPictures {
+            .patient = patient_scene(approach, false), .slices = slices(), .label_names = {}, .skin_under = front_under
+        };
+    };
+    backend.patient_pictures = [control](const Job&) {
+        ++control->closed_made;
+        planner::Approach none;
+        none.name = "patient";
+        ui::ClosedPictures pictures { .patient = patient_scene(none, false), .slices = slices(), .label_names = {} };
+        pictures.patient.lines.clear();
+        pictures.skin_under = front_under;
+        return pictures;
+    };
+    backend.make_approach = [](const planner::Case& present, const planner::ApproachDraft& draft) {
+        if (draft.template_name == "median")
+            throw InputError("there is no sternum", "labels");
+        planner::Approach approach;
+        approach.name = planner::free_approach_name(present, draft.name.empty() ? "drawn" : draft.name);
+        approach.template_name = draft.template_name.empty() ? "points" : draft.template_name;
+        approach.incision
+            = draft.points.empty() ? std::vector<Vec3> { { -20.0, 0.0, 0.0 }, { 20.0, 0.0, 0.0 } } : draft.points;
+        approach.directions.assign(approach.incision.size(), Vec3::UnitY());
+        approach.depth_mm = 20.0;
+        approach.target.label = draft.target;
+        return approach;
+    };
+    backend.move_incision = [](const planner::Approach& approach, const std::vector<Vec3>& points) {
+        planner::Approach moved = approach;
+        moved.incision = points;
+        moved.directions.assign(points.size(), Vec3::UnitY());
+        return moved;
     };
     backend.surgery_input = [control](const planner::Approach& approach, const Job& job) -> ui::SurgeryInput {
         job.report("mesh", 0.5);

@@ -13,19 +13,25 @@ namespace retractor::test_support {
 
 inline constexpr int kPatienceMs = 120000; // limit for a busy machine
 
-/// Shows a window and waits until the window can draw its picture.
+/// Whether the window's picture can be drawn, or is not shown.
+template <class Window> bool picture_ready(Window& window)
+{
+    return !window.view().isVisible() || window.view().ready();
+}
+
+/// Shows a window and waits until the window can draw its picture, where it shows one.
 template <class Window> void show_window(Window& window)
 {
     window.show();
     ASSERT_TRUE(QTest::qWaitForWindowExposed(&window, kPatienceMs));
     QApplication::setActiveWindow(&window);
-    ASSERT_TRUE(QTest::qWaitFor([&] { return window.view().ready(); }, kPatienceMs));
+    ASSERT_TRUE(QTest::qWaitFor([&] { return picture_ready(window); }, kPatienceMs));
 }
 
 /// Waits until the window is idle and has shown all results of its threads.
 template <class Window> void wait_until_idle(Window& window)
 {
-    const auto idle = [&] { return window.idle(); };
+    const auto idle = [&] { return window.idle() && picture_ready(window); };
     ASSERT_TRUE(QTest::qWaitFor(idle, kPatienceMs));
     QCoreApplication::processEvents(); // events posted before the window was idle
     ASSERT_TRUE(QTest::qWaitFor(idle, kPatienceMs));

@@ -409,6 +409,31 @@ Picture slices_picture(planner::Patient& patient, const planner::Approach& appro
     return picture;
 }
 
+Scene patient_scene(planner::Patient& patient)
+{
+    Scene scene;
+    scene.title = "patient";
+    SurfaceItem body;
+    body.name = "body";
+    body.mesh = patient.body();
+    body.look = tissue_look("skin");
+    scene.surfaces.push_back(std::move(body));
+    const planner::AnatomicalFrame frame = patient.frame();
+    const Vec3 sight = -frame.anterior;
+    scene.camera = camera_for_box(bounds_of(*patient.body()), sight, up_for(frame, sight));
+    return scene;
+}
+
+std::vector<Scene> patient_slices(planner::Patient& patient)
+{
+    std::map<Label, Color> outlines;
+    for (const mesh::LabelInfo& info : patient.planned_case().label_table)
+        outlines[info.id] = tissue_look(info.material).color;
+    const mesh::ImageGrid& grid = patient.labels()->grid;
+    return slice_scenes(
+        patient, grid.world(0.5 * Vec3(grid.size[0] - 1, grid.size[1] - 1, grid.size[2] - 1)), outlines);
+}
+
 Scene planning_scene(planner::Patient& patient, const planner::Approach& approach)
 {
     Scene scene;

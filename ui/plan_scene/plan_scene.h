@@ -41,6 +41,13 @@ std::vector<Scene> slice_scenes(planner::Patient& patient, const Vec3& point, co
 /// makes them for "slices"; no planned field is needed.
 Picture slices_picture(planner::Patient& patient, const planner::Approach& approach, int width, int height);
 
+/// The patient without an approach, from the front and from outside.
+Scene patient_scene(planner::Patient& patient);
+
+/// Slices through the middle of the labels, for a patient without an approach. @throws InputError when the case has no
+/// CT
+std::vector<Scene> patient_slices(planner::Patient& patient);
+
 /// The patient before any cut, with the incision on the skin and the target shining through.
 Scene planning_scene(planner::Patient& patient, const planner::Approach& approach);
 

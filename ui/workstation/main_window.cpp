@@ -1,33 +1,47 @@
 #include "ui/workstation/main_window.h"
 
+#include "datasets/phantoms/aorta_phantom.h"
 #include "datasets/phantoms/palpation_scene_file.h"
 #include "mesh/base/error.h"
+#include "planner/approach/demo_patient.h"
 #include "planner/case/case_io.h"
 #include "planner/case/patient.h"
 #include "planner/palpation/palpable.h"
 #include "ui/scene/linked_slices.h"
 #include "ui/workstation/planning/approach_list.h"
 #include "ui/workstation/planning/metrics_panel.h"
+#include "ui/workstation/start/case_folder.h"
+#include "ui/workstation/start/import_dialog.h"
+#include "ui/workstation/start/recent_cases.h"
+#include "ui/workstation/start/start_page.h"
+#include "ui/workstation/view/controls.h"
 #include "ui/workstation/view/picture_view.h"
 #include "ui/workstation/view/png_file.h"
 #include "ui/workstation/view/theme.h"
 
 #include <QActionGroup>
 #include <QCloseEvent>
+#include <QDragEnterEvent>
+#include <QDropEvent>
 #include <QFileDialog>
+#include <QGridLayout>
+#include <QHBoxLayout>
 #include <QInputDialog>
 #include <QLabel>
-#include <QMenuBar>
 #include <QMessageBox>
+#include <QMimeData>
 #include <QProgressBar>
 #include <QPushButton>
 #include <QSplitter>
+#include <QStackedWidget>
 #include <QStatusBar>
 #include <QTabWidget>
-#include <QToolBar>
 #include <QVBoxLayout>
 
 #include <algorithm>
+#include <memory>
+#include <optional>
+#include <system_error>
 #include <utility>
 
 namespace retractor::ui {
@@ -36,6 +50,14 @@ namespace {
 
     constexpr int kProgressMs = 100;
     constexpr int kProgressSteps = 1000;
+
+    /// When the file was changed last; nothing when there is no such file.
+    std::optional<std::filesystem::file_time_type> time_of(const std::filesystem::path& file)
+    {
+        std::error_code code;
+        const auto time = std::filesystem::last_write_time(file, code);
+        return code ? std::nullopt : std::optional(time);
+    }
 
     QWidget* titled(const QString& title, QWidget* content)
     {
@@ -58,8 +80,11 @@ MainWindow::MainWindow(BackendFactory factory, QWidget* parent)
 {
     setWindowTitle("Retractor");
     resize(1280, 860);
+    setAcceptDrops(true);
     make_panes();
+    make_start_page();
     make_knife();
+    make_editor();
     make_actions();
     make_status_line();
     progress_timer_.setInterval(kProgressMs);
@@ -72,23 +97,48 @@ MainWindow::~MainWindow()
     planning_executor_.cancel(); // planning stops while the knife ends
 }
 
+bool MainWindow::may_lose_plan(const QString& question_text, const QString& go_on)
+{
+    if (!model_ || !model_->busy())
+        return true;
+    QMessageBox question(QMessageBox::Question, question_text,
+        "A plan is being calculated. If you close now, the plan ends and its result is lost.", QMessageBox::NoButton,
+        this);
+    QPushButton* const close = question.addButton("Close", QMessageBox::DestructiveRole);
+    question.setDefaultButton(question.addButton(go_on, QMessageBox::RejectRole));
+    question.exec();
+    return question.clickedButton() == close;
+}
+
 void MainWindow::closeEvent(QCloseEvent* event)
 {
-    if (model_ && model_->busy()) {
-        QMessageBox question(QMessageBox::Question, "Close the window?",
-            "A plan is being calculated. If you close the window now, the plan ends and its result is lost.",
-            QMessageBox::NoButton, this);
-        QPushButton* const close = question.addButton("Close", QMessageBox::DestructiveRole);
-        question.setDefaultButton(question.addButton("Go on planning", QMessageBox::RejectRole));
-        question.exec();
-        if (question.clickedButton() != close)
-            return event->ignore();
-    }
+    if (!may_lose_plan("Close the window?", "Go on planning"))
+        return event->ignore();
     knife_->abandon();
     if (model_)
         model_->cancel();
     planning_executor_.cancel();
     event->accept();
+}
+
+void MainWindow::dragEnterEvent(QDragEnterEvent* event)
+{
+    if (event->mimeData()->hasUrls() && event->mimeData()->urls().size() == 1
+        && event->mimeData()->urls().front().isLocalFile())
+        event->acceptProposedAction();
+}
+
+/// Opens a case, or offers to import anything else.
+void MainWindow::dropEvent(QDropEvent* event)
+{
+    const std::filesystem::path path = event->mimeData()->urls().front().toLocalFile().toStdString();
+    std::error_code code;
+    const bool is_case = path.extension() == ".json" || std::filesystem::exists(path / planner::kCaseFileName, code);
+    event->acceptProposedAction();
+    if (is_case)
+        open_file(path);
+    else
+        import_study(path);
 }
 
 void MainWindow::make_panes()
@@ -98,8 +148,15 @@ void MainWindow::make_panes()
     panel_ = new MetricsPanel;
     view_->on_drawing_error = [this] { show_error({ view_->drawing_errors(), "drawing" }); };
     view_->on_slice_point = [this](const Vec3& point) { move_slices(point); };
+    view_->on_full_picture = [this](const QImage& picture) {
+        if (!remembers_ || !model_ || model_->view() == ViewPreset::slices
+            || pictured_ == model_->planned_case().file())
+            return;
+        pictured_ = model_->planned_case().file();
+        keep_case_picture(pictured_, picture);
+    };
     auto* panes = new QSplitter;
-    panes->addWidget(titled("Approaches", list_));
+    panes->addWidget(titled("Approaches", make_approach_pane()));
     panes->addWidget(view_);
     knife_panel_ = new KnifePanel;
     tabs_ = new QTabWidget;
@@ -113,15 +170,161 @@ void MainWindow::make_panes()
     panes->setStretchFactor(0, 0);
     panes->setStretchFactor(1, 1);
     panes->setStretchFactor(2, 0);
-    setCentralWidget(panes);
+    banner_ = new QWidget;
+    banner_->setStyleSheet("background: #7a2a2a; color: white;");
+    auto* banner_row = new QHBoxLayout(banner_);
+    banner_text_ = plain_label();
+    auto* again = new QPushButton("Try again");
+    connect(again, &QPushButton::clicked, this, [this] { save_case(); });
+    banner_row->addWidget(banner_text_, 1);
+    banner_row->addWidget(again);
+    banner_->hide();
+    auto* page = new QWidget;
+    auto* column = new QVBoxLayout(page);
+    column->setContentsMargins(0, 0, 0, 0);
+    column->setSpacing(0);
+    column->addWidget(banner_);
+    column->addWidget(panes, 1);
+    pages_ = new QStackedWidget;
+    pages_->addWidget(page);
+    setCentralWidget(pages_);
     connect(list_, &QListWidget::currentRowChanged, this, [this](int row) {
         if (row < 0)
             return;
+        editor_->abandon();
         model_->select(static_cast<std::size_t>(row));
         hand_out_work();
         show_all();
     });
     connect(list_, &QListWidget::itemActivated, this, [this] { plan_selected(); });
+}
+
+/// The list of approaches with the buttons that change it.
+QWidget* MainWindow::make_approach_pane()
+{
+    auto* pane = new QWidget;
+    auto* column = new QVBoxLayout(pane);
+    column->setContentsMargins(0, 0, 0, 0);
+    column->setSpacing(0);
+    column->addWidget(list_, 1);
+    approach_buttons_ = new QGridLayout;
+    approach_buttons_->setContentsMargins(8, 8, 8, 8);
+    approach_buttons_->setSpacing(4);
+    column->addLayout(approach_buttons_);
+    return pane;
+}
+
+void MainWindow::make_editor()
+{
+    editor_ = std::make_unique<ApproachEditor>(*view_, *this);
+    editor_->on_edit = [this] {
+        clear_error();
+        hand_out_work();
+        show_all();
+        save_case();
+    };
+    editor_->on_state = [this] { show_all(); };
+    editor_->on_message = [this](const QString& text) { show_message(text); };
+    editor_->on_failure = [this](const Failure& failure) { show_error(with_controls(failure)); };
+}
+
+void MainWindow::draw_incision()
+{
+    tabs_->setCurrentWidget(panel_); // the mouse is the knife's no more
+    set_knife(KnifeMode::away);
+    editor_->draw();
+    show_all();
+}
+
+void MainWindow::move_incision()
+{
+    tabs_->setCurrentWidget(panel_);
+    set_knife(KnifeMode::away);
+    editor_->move_points();
+    show_all();
+}
+
+void MainWindow::make_start_page()
+{
+    start_page_ = new StartPage;
+    pages_->addWidget(start_page_);
+    start_page_->on_import = [this] { import_study(); };
+    start_page_->on_open = [this] { ask_for_case(); };
+    start_page_->on_demo_patient = [this] { open_demo_patient(free_case_folder("demo-patient")); };
+    start_page_->on_trainer = [this] { open_trainer(); };
+    start_page_->on_cancel = [this] { reading_executor_.cancel(); };
+    start_page_->on_recent = [this](const std::filesystem::path& file) { open_file(file); };
+}
+
+bool MainWindow::start_page_shown() const { return pages_->currentWidget() == start_page_; }
+
+void MainWindow::show_start_page()
+{
+    pages_->setCurrentIndex(model_ == nullptr ? 1 : 0);
+    start_page_->show_work(start_work_.isEmpty() && reading_ > 0 ? "Reading the case" : start_work_,
+        reading_executor_.progress().fraction);
+}
+
+void MainWindow::remember_cases()
+{
+    remembers_ = true;
+    start_page_->show_recent(recent_cases());
+}
+
+void MainWindow::import_study(const std::filesystem::path& study)
+{
+    auto* dialog = new ImportDialog(this);
+    dialog->setAttribute(Qt::WA_DeleteOnClose);
+    dialog->on_imported = [this](const std::filesystem::path& case_file) { open_file(case_file); };
+    dialog->open();
+    if (!study.empty())
+        dialog->set_study(study);
+}
+
+/// Runs work that the start page waits for. What `task` returns runs in the window's thread.
+void MainWindow::run_start_work(const QString& what, std::function<std::function<void()>(const Job&)> task)
+{
+    ++reading_;
+    start_work_ = what;
+    progress_timer_.start();
+    show_all();
+    reading_executor_.post([this, task = std::move(task)](const Job& job) {
+        std::function<void()> deliver;
+        try {
+            deliver = task(job);
+        } catch (...) {
+            deliver = [this, failure = with_controls(current_failure())] { show_error(failure); };
+        }
+        post_back([this, deliver] {
+            --reading_;
+            start_work_.clear();
+            show_all();
+            deliver();
+        });
+    });
+}
+
+void MainWindow::open_demo_patient(const std::filesystem::path& folder)
+{
+    run_start_work("Making the demo patient", [this, folder](const Job& job) -> std::function<void()> {
+        if (planner::write_demo_patient(folder, job))
+            return [this, folder] { open_file(folder / planner::kCaseFileName); };
+        std::error_code code;
+        std::filesystem::remove_all(folder, code); // it is new, and holds a part of a patient
+        return [] {};
+    });
+}
+
+void MainWindow::open_trainer()
+{
+    run_start_work("Making the aorta", [this](const Job&) -> std::function<void()> {
+        auto made = std::make_shared<planner::Palpable>(
+            planner::Palpable { datasets::make_aorta_phantom(datasets::AortaParameters {}), {} });
+        return [this, made] {
+            if (on_palpable)
+                on_palpable(std::move(*made));
+        };
+    });
 }
 
 void MainWindow::make_knife()
@@ -138,7 +341,9 @@ void MainWindow::make_knife()
     };
     knife_panel_->on_export = [this] { ask_for_export_file(); };
     connect(tabs_, &QTabWidget::currentChanged, this, [this] {
-        if (!knife_tab_open())
+        if (knife_tab_open())
+            editor_->abandon();
+        else
             knife_->set_mode(KnifeMode::away);
         show_all();
     });
@@ -160,13 +365,13 @@ void MainWindow::show_knife()
 {
     if (model_ && model_->selected() && knife_tab_open()) {
         const std::size_t index = *model_->selected();
-        knife_->set_up(index, [make = backend_.surgery_input, approach = model_->approach(index)](const Job& job) {
-            return make(approach, job);
-        });
+        knife_->set_up(
+            model_->id(index), [make = backend_.surgery_input, approach = model_->approach(index)](const Job& job) {
+                return make(approach, job);
+            });
     } else {
         knife_->leave();
     }
-    const planner::SurgerySnapshot* snapshot = knife_->snapshot();
     knife_action_->setEnabled(model_ && model_->selected());
     line_action_->setEnabled(knife_action_->isEnabled());
     knife_action_->setChecked(knife_->mode() == KnifeMode::freehand);
@@ -175,118 +380,56 @@ void MainWindow::show_knife()
     line_action_->setChecked(knife_->mode() == KnifeMode::line);
     take_out_action_->setEnabled(knife_action_->isEnabled());
     take_out_action_->setChecked(knife_->mode() == KnifeMode::take_out);
-    undo_->setEnabled(snapshot != nullptr && snapshot->can_undo);
-    redo_->setEnabled(snapshot != nullptr && snapshot->can_redo);
 }
 
-void MainWindow::make_knife_actions(QMenu& menu, QToolBar& bar)
+/// What undo and redo do depends on what the mouse does: a point of an incision, a cut by hand, or an approach.
+void MainWindow::show_undo()
 {
-    const auto add = [&](const QString& text, const QKeySequence& key, const QString& tip, auto run) {
-        QAction* action = menu.addAction(text);
-        action->setShortcut(key);
-        action->setToolTip(tip + " (" + key.toString(QKeySequence::NativeText) + ")");
-        connect(action, &QAction::triggered, this, run);
-        return action;
+    const auto name = [](QAction& action, const QString& verb, const std::optional<std::string>& what) {
+        action.setText(what ? verb + ": " + QString::fromStdString(*what) : verb);
+        action.setIconText(verb); // all tools fit into 1280 px
+        action.setEnabled(what.has_value());
     };
-    const auto add_mode
-        = [&](QAction*& action, const QString& text, const QKeySequence& key, const QString& tip, KnifeMode mode) {
-              action = add(
-                  text, key, tip, [this, mode, &action] { set_knife(action->isChecked() ? mode : KnifeMode::away); });
-              action->setCheckable(true);
-          };
-    add_mode(knife_action_, "Knife", Qt::Key_K, "Draw cuts on the skin with the left button", KnifeMode::freehand);
-    add_mode(line_action_, "Line", Qt::Key_L, "Cut straight between two clicks", KnifeMode::line);
-    add_mode(hook_action_, "Hooks", Qt::Key_H, "Press on the edge of a wound to set a hook; drag a hook to pull it",
-        KnifeMode::hooks);
-    add_mode(take_out_action_, "Take out", Qt::Key_X, "Press on a loose piece or on tissue to remove it",
-        KnifeMode::take_out);
-    undo_
-        = add("Undo cut", QKeySequence::Undo, "Undo the last cut", [this] { knife_->run(planner::surgery::Undo {}); });
-    redo_ = add(
-        "Redo cut", QKeySequence("Ctrl+Shift+Z"), "Redo the cut", [this] { knife_->run(planner::surgery::Redo {}); });
-    undo_->setIconText("Undo"); // all tools fit into 1280 px
-    redo_->setIconText("Redo");
-    bar.addActions({ knife_action_, line_action_, hook_action_, take_out_action_, undo_, redo_ });
+    std::optional<std::string> to_undo, to_redo;
+    if (editor_->drawing())
+        to_undo = "the last point";
+    else if (const planner::SurgerySnapshot* snapshot = knife_->snapshot(); snapshot != nullptr) {
+        if (snapshot->can_undo)
+            to_undo = "cut";
+        if (snapshot->can_redo)
+            to_redo = "cut";
+    } else if (model_) {
+        to_undo = model_->edit_to_undo();
+        to_redo = model_->edit_to_redo();
+    }
+    name(*undo_, "Undo", to_undo);
+    name(*redo_, "Redo", to_redo);
 }
 
-void MainWindow::make_actions()
+void MainWindow::undo()
 {
-    QToolBar* bar = addToolBar("Tools");
-    bar->setMovable(false);
-    bar->setContextMenuPolicy(Qt::PreventContextMenu);
-    QMenu* file = menuBar()->addMenu("&File");
-    QMenu* view = menuBar()->addMenu("&View");
-    QMenu* plan = menuBar()->addMenu("&Plan");
-    QMenu* knife = menuBar()->addMenu("&Knife");
-    QMenu* help = menuBar()->addMenu("&Help");
-
-    const auto add = [this](QMenu* menu, const QString& text, const QKeySequence& key, const QString& tip, auto run) {
-        QAction* action = menu->addAction(text);
-        action->setShortcut(key);
-        action->setToolTip(key.isEmpty() ? tip : tip + " (" + key.toString(QKeySequence::NativeText) + ")");
-        connect(action, &QAction::triggered, this, run);
-        return action;
-    };
-    QAction* open = add(file, "Open case…", QKeySequence::Open, "Open a case.json", [this] { ask_for_case(); });
-    save_
-        = add(file, "Save picture…", QKeySequence::Save, "Save the picture as PNG", [this] { ask_for_picture_file(); });
-    palpate_ = add(file, "Palpate a structure…", {}, "Palpate a vessel or an organ of this case in a new window",
-        [this] { ask_for_structure(); });
-    file->addSeparator();
-    add(file, "Quit", QKeySequence::Quit, "Close the window", [this] { close(); });
-
-    surgeon_
-        = add(view, "Surgeon's eye", Qt::Key_1, "View through the incision", [this] { set_view(ViewPreset::surgeon); });
-    overview_ = add(
-        view, "Overview", Qt::Key_2, "View of the patient from outside", [this] { set_view(ViewPreset::overview); });
-    slices_ = add(
-        view, "Slices", Qt::Key_3, "Three planes of the CT and the overview", [this] { set_view(ViewPreset::slices); });
-    auto* presets = new QActionGroup(this);
-    for (QAction* action : { surgeon_, overview_, slices_ }) {
-        action->setCheckable(true);
-        presets->addAction(action);
+    if (editor_->drawing()) {
+        editor_->undo_point();
+    } else if (knife_->snapshot() != nullptr) {
+        knife_->run(planner::surgery::Undo {});
+    } else if (model_ && model_->edit_to_undo()) {
+        const QString what = QString::fromStdString(*model_->edit_to_undo());
+        model_->undo_edit();
+        editor_->on_edit();
+        show_message("Taken back: " + what);
     }
-    view->addSeparator();
-    grey_windows_ = new QActionGroup(this);
-    for (std::size_t i = 0; i < kGreyWindows.size(); ++i) {
-        const GreyWindow& grey = kGreyWindows[i];
-        QAction* action = add(view, grey.name, QKeySequence("Shift+" + QString::number(i + 1)),
-            QString("Slices from %1 to %2 HU")
-                .arg(grey.level_hu - 0.5 * grey.window_hu)
-                .arg(grey.level_hu + 0.5 * grey.window_hu),
-            [this, i] { set_grey_window(i); });
-        action->setCheckable(true);
-        grey_windows_->addAction(action);
+}
+
+void MainWindow::redo()
+{
+    if (knife_->snapshot() != nullptr) {
+        knife_->run(planner::surgery::Redo {});
+    } else if (model_ && model_->edit_to_redo() && !editor_->drawing()) {
+        const QString what = QString::fromStdString(*model_->edit_to_redo());
+        model_->redo_edit();
+        editor_->on_edit();
+        show_message("Made again: " + what);
     }
-    view->addSeparator();
-    opened_ = add(view, "Opened", Qt::Key_O, "Switch between the opened field and the patient before the cut", [this] {
-        model_->set_show_opened(opened_->isChecked());
-        show_picture();
-    });
-    opened_->setCheckable(true);
-
-    plan_ = add(plan, "Plan", Qt::Key_P, "Cut, open and measure this approach", [this] { plan_selected(); });
-    plan_all_ = add(
-        plan, "Plan all", QKeySequence("Shift+P"), "Cut, open and measure all approaches", [this] { plan_all(); });
-    cancel_ = add(plan, "Cancel", Qt::Key_Escape, "Discard the open stroke, or stop planning", [this] { cancel(); });
-    add(help, "About Retractor", {}, "Show the version and the licence", [this] { show_about(); });
-
-    open->setIconText("Open…");
-    save_->setIconText("Save…");
-    bar->addAction(open);
-    bar->addSeparator();
-    int key = 1;
-    for (QAction* action : { surgeon_, overview_, slices_ })
-        action->setIconText(QString::number(key++) + "  " + action->text());
-    bar->addActions({ surgeon_, overview_, slices_ });
-    bar->addSeparator();
-    bar->addAction(opened_);
-    bar->addSeparator();
-    bar->addActions({ plan_, plan_all_ });
-    bar->addSeparator();
-    make_knife_actions(*knife, *bar);
-    bar->addSeparator();
-    bar->addAction(save_);
 }
 
 void MainWindow::make_status_line()
@@ -312,7 +455,15 @@ void MainWindow::open(planner::Case planned_case)
     const ViewPreset view = model_ ? model_->view() : ViewPreset::surgeon;
     backend_ = factory_(planned_case);
     const std::size_t grey_window = model_ ? model_->grey_window() : 0;
+    editor_->set_case(nullptr, {});
     model_ = std::make_unique<SessionModel>(std::move(planned_case));
+    editor_->set_case(model_.get(), backend_);
+    reading_executor_.post([this, file = model_->planned_case().file()](const Job&) { case_time_ = time_of(file); });
+    not_saved_.clear();
+    if (remembers_) {
+        remember_case(model_->planned_case().file());
+        pictured_.clear();
+    }
     model_->set_view(view);
     model_->set_grey_window(grey_window);
     const planner::Case& shown = model_->planned_case();
@@ -323,6 +474,60 @@ void MainWindow::open(planner::Case planned_case)
     clear_error();
     hand_out_work();
     show_all();
+}
+
+void MainWindow::close_case()
+{
+    if (!model_ || !may_lose_plan("Close the case?", "Go on planning"))
+        return;
+    cancel();
+    knife_->clear();
+    editor_->set_case(nullptr, {});
+    ++generation_;
+    closed_running_ = 0;
+    plans_running_ = 0;
+    model_.reset();
+    backend_ = {};
+    shown_ = {};
+    view_->show_scenes({});
+    not_saved_.clear();
+    setWindowTitle("Retractor");
+    clear_error();
+    if (remembers_)
+        start_page_->show_recent(recent_cases());
+    show_all();
+}
+
+/// Writes the case with its present approaches. What another program wrote meanwhile is not overwritten.
+void MainWindow::save_case()
+{
+    ++saving_;
+    reading_executor_.post([this, generation = generation_, planned_case = model_->planned_case()](const Job&) {
+        std::string reason;
+        try {
+            const auto now = time_of(planned_case.file());
+            if (case_time_ && now && *now != *case_time_)
+                throw IoError(
+                    "another program has changed the case meanwhile; open it again", planned_case.file().string());
+            planner::write_case(planned_case);
+            case_time_ = time_of(planned_case.file());
+        } catch (...) {
+            reason = to_string(current_failure());
+        }
+        post_back([this, generation, reason] {
+            --saving_;
+            if (generation == generation_)
+                show_not_saved(reason);
+        });
+    });
+}
+
+void MainWindow::show_not_saved(const std::string& reason)
+{
+    not_saved_ = reason;
+    banner_text_->setText(
+        QString::fromStdString("The approaches are not saved, and are lost when the window is closed. " + reason));
+    banner_->setVisible(!reason.empty());
 }
 
 /// Called on the reading executor's thread.
@@ -341,6 +546,7 @@ void MainWindow::open_file(const std::filesystem::path& path)
         return on_palpation_scene(path);
     ++reading_;
     view_->show_note("Reading " + QString::fromStdString(path.string()) + " …");
+    show_start_page();
     reading_executor_.post([this, path](const Job&) {
         try {
             auto planned_case = std::make_shared<planner::Case>(planner::read_case(path));
@@ -420,7 +626,7 @@ void MainWindow::plan_all()
 
 void MainWindow::cancel()
 {
-    if (knife_->abandon())
+    if (editor_->abandon() || knife_->abandon())
         return;
     if (!model_)
         return;
@@ -429,38 +635,44 @@ void MainWindow::cancel()
     show_all();
 }
 
-bool MainWindow::idle() const { return reading_ == 0 && closed_running_ == 0 && plans_running_ == 0 && knife_->idle(); }
+bool MainWindow::idle() const
+{
+    return reading_ == 0 && saving_ == 0 && closed_running_ == 0 && plans_running_ == 0 && knife_->idle()
+        && editor_->idle();
+}
 
 void MainWindow::hand_out_work()
 {
-    if (const auto index = model_->begin_closed())
-        make_closed(*index);
+    if (model_->planning_unwanted())
+        planning_executor_.cancel();
+    if (const auto work = model_->begin_closed())
+        make_closed(*work);
     if (const auto index = model_->begin_plan())
         make_plan(*index);
 }
 
-void MainWindow::make_closed(std::size_t index)
+void MainWindow::make_closed(const ClosedWork& work)
 {
     ++closed_running_;
-    closed_executor_.post(
-        [this, generation = generation_, backend = backend_, approach = model_->approach(index)](const Job&) {
-            std::function<void()> deliver;
-            try {
-                auto pictures = std::make_shared<ClosedPictures>(backend.closed_pictures(approach, Job {}));
-                deliver = [this, pictures] { model_->closed_done(std::move(*pictures)); };
-            } catch (...) {
-                deliver = [this, failure = with_controls(current_failure())] {
-                    model_->closed_failed(failure);
-                    show_error(failure);
-                };
-            }
-            post_back(generation, [this, deliver] {
-                --closed_running_;
-                deliver();
-                hand_out_work();
-                show_all();
-            });
+    closed_executor_.post([this, generation = generation_, backend = backend_, approach = work.approach](const Job&) {
+        std::function<void()> deliver;
+        try {
+            auto pictures = std::make_shared<ClosedPictures>(
+                approach ? backend.closed_pictures(*approach, Job {}) : backend.patient_pictures(Job {}));
+            deliver = [this, pictures] { model_->closed_done(std::move(*pictures)); };
+        } catch (...) {
+            deliver = [this, failure = with_controls(current_failure())] {
+                model_->closed_failed(failure);
+                show_error(failure);
+            };
+        }
+        post_back(generation, [this, deliver] {
+            --closed_running_;
+            deliver();
+            hand_out_work();
+            show_all();
         });
+    });
 }
 
 void MainWindow::make_plan(std::size_t index)
@@ -516,36 +728,52 @@ void MainWindow::post_back(int generation, std::function<void()> deliver)
 
 void MainWindow::show_all()
 {
+    show_start_page();
     if (model_)
         list_->show_model(*model_);
+    else
+        list_->clear();
     panel_->show_model(model_.get());
     show_knife();
+    show_actions();
+    show_undo();
+    show_progress();
+    show_picture();
+}
+
+void MainWindow::show_actions()
+{
     const bool any = model_ && model_->selected();
     const ApproachState* state = any ? &model_->state(*model_->selected()) : nullptr;
-    surgeon_->setEnabled(any);
-    overview_->setEnabled(any);
-    slices_->setEnabled(any && model_->view_available(ViewPreset::slices));
-    if (model_) {
-        surgeon_->setChecked(model_->view() == ViewPreset::surgeon);
-        overview_->setChecked(model_->view() == ViewPreset::overview);
-        slices_->setChecked(model_->view() == ViewPreset::slices);
+    for (const auto& [action, view] : { std::pair { surgeon_, ViewPreset::surgeon },
+             std::pair { overview_, ViewPreset::overview }, std::pair { slices_, ViewPreset::slices } }) {
+        action->setEnabled(model_ && model_->view_available(view));
+        action->setChecked(model_ && model_->shown_view() == view);
     }
     grey_windows_->setEnabled(slices_->isEnabled());
     grey_windows_->actions().at(static_cast<int>(model_ ? model_->grey_window() : 0))->setChecked(true);
-    opened_->setEnabled(any && state->field != nullptr);
+    opened_->setEnabled(any && state->field != nullptr && !editor_->drawing());
     opened_->setChecked(opened_->isEnabled() && model_->show_opened());
     plan_->setEnabled(any && (state->status == FieldStatus::closed || state->status == FieldStatus::failed));
     plan_all_->setEnabled(any);
-    save_->setEnabled(any);
+    save_->setEnabled(model_ != nullptr);
+    close_case_->setEnabled(model_ != nullptr);
     palpate_->setEnabled(model_ != nullptr && static_cast<bool>(on_palpable));
-    show_progress();
-    show_picture();
+    new_approach_->setEnabled(model_ != nullptr);
+    draw_->setEnabled(editor_->draw_possible());
+    draw_->setChecked(editor_->drawing() && !editor_->moving());
+    move_->setEnabled(editor_->draw_possible() && any);
+    move_->setChecked(editor_->moving());
+    finish_->setEnabled(editor_->drawing());
+    for (QAction* action : { change_, duplicate_, remove_ })
+        action->setEnabled(any && !editor_->drawing());
+    banner_->setVisible(!not_saved_.empty());
 }
 
 void MainWindow::show_picture()
 {
     if (!model_) {
-        view_->show_note(reading_ > 0 ? "Reading …" : "Open a case to begin: File, Open case");
+        view_->show_note({});
         return;
     }
     const std::shared_ptr<const Scene> by_hand = knife_->scene();
@@ -621,21 +849,24 @@ Scene MainWindow::knife_scene(const Scene& surroundings, const ShownSource& sour
 void MainWindow::show_progress()
 {
     const bool busy = model_ && model_->busy();
-    cancel_->setEnabled(busy || knife_->mode() != KnifeMode::away);
+    cancel_->setEnabled(busy || knife_->mode() != KnifeMode::away || editor_->drawing());
     progress_->setVisible(busy);
     cancel_button_->setVisible(busy);
+    if (reading_ > 0)
+        show_start_page();
     if (!busy) {
-        progress_timer_.stop();
+        if (reading_ == 0)
+            progress_timer_.stop();
         return;
     }
     progress_timer_.start();
-    const std::size_t index = *model_->planning();
-    const bool cancelling = model_->state(index).status == FieldStatus::cancelling;
+    const auto index = model_->planning(); // none: the approach was changed or removed meanwhile
+    const bool cancelling = model_->planning_unwanted();
     cancel_button_->setEnabled(!cancelling);
     const SerialExecutor::Progress planning = planning_executor_.progress();
     progress_->setValue(static_cast<int>(kProgressSteps * planning.fraction));
-    progress_->setFormat(
-        QString::fromStdString(model_->approach(index).name + ": " + (cancelling ? "cancelling" : planning.stage)));
+    progress_->setFormat(QString::fromStdString(
+        (index ? model_->approach(*index).name + ": " : std::string()) + (cancelling ? "cancelling" : planning.stage)));
 }
 
 void MainWindow::show_error(const Failure& failure)
@@ -644,6 +875,7 @@ void MainWindow::show_error(const Failure& failure)
     message_->setStyleSheet("color: #ff8a80;");
     message_->setText(QString::fromStdString(error_));
     message_->setToolTip(message_->text());
+    start_page_->show_failure(message_->text());
 }
 
 void MainWindow::show_message(const QString& text)
@@ -660,6 +892,7 @@ void MainWindow::clear_error()
     error_.clear();
     message_->clear();
     message_->setToolTip({});
+    start_page_->show_failure({});
 }
 
 void MainWindow::save_picture(const std::filesystem::path& path) { write_png_file(path, view_->picture()); }

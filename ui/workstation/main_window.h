@@ -1,9 +1,11 @@
 #pragma once
-// The main window: approaches on the left, the picture in the middle, the numbers on the right. Worker threads read
-// cases, draw the closed patient and plan. The window starts the work and shows the results.
+// The main window. Before a case is open: the start page. Then approaches on the left, the picture in the middle, the
+// numbers on the right. Worker threads read and write cases, draw the closed patient and plan. The window starts the
+// work and shows the results.
 
 #include "mesh/base/serial_executor.h"
 #include "ui/workstation/cutting/knife_tool.h"
+#include "ui/workstation/planning/approach_editor.h"
 #include "ui/workstation/planning/planning_backend.h"
 #include "ui/workstation/planning/session_model.h"
 
@@ -13,14 +15,17 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 class QAction;
 class QActionGroup;
+class QGridLayout;
 class QLabel;
 class QMenu;
 class QProgressBar;
 class QPushButton;
+class QStackedWidget;
 class QTabWidget;
 
 namespace retractor::planner {
@@ -32,6 +37,7 @@ namespace retractor::ui {
 class ApproachList;
 class MetricsPanel;
 class PictureView;
+class StartPage;
 
 class MainWindow : public QMainWindow {
 public:
@@ -45,6 +51,14 @@ public:
     void open(planner::Case planned_case);
     /// Reads a case in the background. When reading fails, the shown case stays.
     void open_file(const std::filesystem::path& path);
+    /// Shows the start page again. Plans of the case are lost, its approaches are in its file.
+    void close_case();
+    /// Asks how to import a study. @param study looked through at once; empty: the user names it
+    void import_study(const std::filesystem::path& study = {});
+    /// Writes a demo patient into a new folder, in the background, and opens it.
+    void open_demo_patient(const std::filesystem::path& folder);
+    /// From now on opened cases are listed on the start page, with their pictures.
+    void remember_cases();
 
     /// @throws InputError naming the existing approaches
     void select(const std::string& approach);
@@ -58,7 +72,7 @@ public:
 
     /// Makes a label of the open case palpable in the background, then calls on_palpable. @pre a case is open
     void palpate(const std::string& structure);
-    /// Called with the scene that palpate() made and with its notes.
+    /// Called with the scene that palpate() or the start page made, and with its notes.
     std::function<void(planner::Palpable)> on_palpable;
 
     /// Called when an opened file is a palpation scene instead of a case.
@@ -77,6 +91,11 @@ public:
     ApproachList& approach_list() { return *list_; }
     KnifeTool& knife() { return *knife_; }
     KnifePanel& knife_panel() { return *knife_panel_; }
+    ApproachEditor& editor() { return *editor_; }
+    StartPage& start_page() { return *start_page_; }
+    bool start_page_shown() const;
+    /// Why the case is not saved, as the banner says it; empty: it is.
+    std::string not_saved() const { return not_saved_; }
     /// The error in the status line; empty: none.
     std::string error_line() const { return error_; }
     std::string message_line() const; ///< text of the status line, error or not
@@ -84,13 +103,37 @@ public:
 protected:
     /// Asks before a plan that is being calculated is lost.
     void closeEvent(QCloseEvent* event) override;
+    void dragEnterEvent(QDragEnterEvent* event) override;
+    void dropEvent(QDropEvent* event) override;
 
 private:
+    // main_actions.cpp
+    QAction* add_action(
+        QMenu& menu, const QString& text, const QKeySequence& key, const QString& tip, std::function<void()> run);
     void make_actions();
+    void make_file_actions(QMenu& menu);
+    void make_view_actions(QMenu& menu);
+    void make_approach_actions(QMenu& menu);
+    void make_knife_actions(QMenu& menu);
+    void make_tool_bar();
+
     void make_panes();
+    QWidget* make_approach_pane();
+    void make_start_page();
     void make_status_line();
     void make_knife();
-    void make_knife_actions(QMenu& menu, QToolBar& bar);
+    void make_editor();
+
+    void draw_incision();
+    void move_incision();
+    void undo();
+    void redo();
+    void save_case();
+    void show_not_saved(const std::string& reason);
+    /// Asks before a plan that is being calculated is lost. @return whether to go on
+    bool may_lose_plan(const QString& question, const QString& go_on);
+    void run_start_work(const QString& what, std::function<std::function<void()>(const Job&)> task);
+    void open_trainer();
 
     void ask_for_case();
     void ask_for_picture_file();
@@ -99,7 +142,7 @@ private:
     void show_about();
 
     void hand_out_work();
-    void make_closed(std::size_t index);
+    void make_closed(const ClosedWork& work);
     void make_plan(std::size_t index);
     /// Runs `deliver` in the window's thread.
     void post_back(std::function<void()> deliver);
@@ -112,6 +155,9 @@ private:
     void set_grey_window(std::size_t index);
     bool slices_shown() const;
     void show_slices();
+    void show_actions();
+    void show_undo();
+    void show_start_page();
     void show_knife(); ///< starts the session of the selected approach while the knife's tab is open
     bool knife_tab_open() const;
     Scene knife_scene(const Scene& surroundings, const ShownSource& source) const;
@@ -126,17 +172,29 @@ private:
     PlanningBackend backend_;
     int generation_ = 0; ///< number of the case; results for an older case are dropped
     int reading_ = 0; ///< number of cases that are being read
+    int saving_ = 0; ///< number of cases that are being written
+    std::string not_saved_;
+    bool remembers_ = false; ///< opened cases are listed on the start page
+    std::filesystem::path pictured_; ///< the case file whose picture was kept last
+    QString start_work_; ///< what the start page waits for, in words
     int closed_running_ = 0, plans_running_ = 0;
     std::string error_;
     ShownSource shown_; ///< source of the shown picture
 
+    QStackedWidget* pages_ = nullptr;
+    StartPage* start_page_ = nullptr;
+    QWidget* banner_ = nullptr; ///< over the picture, while the case is not saved
+    QLabel* banner_text_ = nullptr;
     ApproachList* list_ = nullptr;
+    QGridLayout* approach_buttons_ = nullptr;
     PictureView* view_ = nullptr;
     MetricsPanel* panel_ = nullptr;
     KnifePanel* knife_panel_ = nullptr;
     QTabWidget* tabs_ = nullptr;
     QAction *knife_action_ = nullptr, *line_action_ = nullptr, *hook_action_ = nullptr, *take_out_action_ = nullptr,
             *undo_ = nullptr, *redo_ = nullptr;
+    QAction *new_approach_ = nullptr, *draw_ = nullptr, *move_ = nullptr, *finish_ = nullptr, *change_ = nullptr,
+            *duplicate_ = nullptr, *remove_ = nullptr, *close_case_ = nullptr;
     QActionGroup* grey_windows_ = nullptr;
     QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr;
     QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr,
@@ -145,9 +203,13 @@ private:
     QProgressBar* progress_ = nullptr;
     QPushButton* cancel_button_ = nullptr;
     QTimer progress_timer_;
+    std::unique_ptr<ApproachEditor> editor_;
+
+    /// Of the case file as it was read or written last; used by the reading executor's thread.
+    std::optional<std::filesystem::file_time_type> case_time_;
 
     // Last members: they must end before the data that their tasks use.
-    SerialExecutor reading_executor_;
+    SerialExecutor reading_executor_; ///< also writes cases, so that they are written one after another
     SerialExecutor closed_executor_;
     SerialExecutor planning_executor_;
     std::unique_ptr<KnifeTool> knife_;

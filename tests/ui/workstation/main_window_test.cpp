@@ -27,6 +27,7 @@
 #include <QMessageBox>
 #include <QMouseEvent>
 #include <QProgressBar>
+#include <QStatusBar>
 #include <QSurfaceFormat>
 #include <QTabWidget>
 #include <QTest>
@@ -112,6 +113,21 @@ namespace main_window_test {
         EXPECT_EQ(window_.approach_list().count(), 0);
         EXPECT_TRUE(window_.idle());
         EXPECT_EQ(window_.error_line(), "");
+        EXPECT_TRUE(window_.start_page_shown());
+    }
+
+    TEST_F(MainWindowTest, ClosingTheCaseGoesBackToTheStartPage)
+    {
+        open_synthetic();
+        EXPECT_FALSE(window_.start_page_shown());
+        window_.close_case();
+        EXPECT_TRUE(window_.start_page_shown());
+        EXPECT_EQ(window_.approach_list().count(), 0);
+        press(Qt::Key_P);
+        press(Qt::Key_D);
+        EXPECT_TRUE(window_.idle());
+        open_synthetic();
+        EXPECT_EQ(window_.approach_list().count(), 3);
     }
 
     TEST_F(MainWindowTest, ListsTheApproachesAndShowsTheClosedPatient)
@@ -214,7 +230,7 @@ namespace main_window_test {
         open_synthetic();
         control_->hold = true;
         press(Qt::Key_P);
-        auto* progress = window_.findChild<QProgressBar*>();
+        auto* progress = window_.statusBar()->findChild<QProgressBar*>();
         ASSERT_NE(progress, nullptr);
         ASSERT_TRUE(
             QTest::qWaitFor([&] { return progress->isVisible() && progress->value() == progress->maximum() / 2; },

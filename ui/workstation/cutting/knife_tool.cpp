@@ -160,10 +160,12 @@ void KnifeTool::set_up(std::size_t approach, std::function<SurgeryInput(const Jo
 
 void KnifeTool::leave()
 {
-    end_stroke();
-    drawn_surface_.reset();
-    shown_.reset();
-    view_.set_live(nullptr);
+    if (shown_) { // otherwise the picture is not the knife's
+        end_stroke();
+        drawn_surface_.reset();
+        shown_.reset();
+        view_.set_live(nullptr);
+    }
     panel_.show_snapshot(nullptr, 0.0);
 }
 

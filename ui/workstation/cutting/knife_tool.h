@@ -36,6 +36,7 @@ public:
     ~KnifeTool() override;
 
     /// Starts the session of an approach, if there is none yet, and shows it.
+    /// @param approach SessionModel::id()
     void set_up(std::size_t approach, std::function<SurgeryInput(const Job&)> prepare);
     /// Shows no session. Existing sessions stay, with their cuts.
     void leave();

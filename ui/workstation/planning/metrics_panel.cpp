@@ -132,7 +132,9 @@ void MetricsPanel::show_model(const SessionModel* model)
         else
             add_unplanned(*column, model->approach(index), model->state(index));
     } else if (model != nullptr) {
-        column->addWidget(label("The case has no approach. Add one with: retractor approach add", kFaint));
+        column->addWidget(label(
+            "The case has no approach yet. Press New for a standard approach, or Draw to draw an incision on the skin.",
+            kFaint));
     }
     column->addStretch(1);
     const int scrolled = verticalScrollBar() != nullptr ? verticalScrollBar()->value() : 0;

@@ -3,6 +3,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/tetrahedra/mesh_io.h"
+#include "planner/anatomy/body_probe.h"
 #include "planner/approach/bearing_points.h"
 #include "planner/case/case.h"
 #include "planner/case/patient.h"
@@ -16,6 +17,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -106,18 +109,60 @@ namespace {
         return input;
     }
 
+    /// Finds the skin under a pointer. Made once for all pictures of a patient.
+    class SkinPointer {
+    public:
+        /// @throws InputError, IoError as Patient::labels() and BodyProbe() do
+        std::function<std::optional<Vec3>(const Vec3&, const Vec3&)> of(planner::Patient& patient)
+        {
+            const std::lock_guard lock(mutex_);
+            if (labels_ == nullptr) {
+                labels_ = patient.labels();
+                probe_ = std::make_shared<const planner::BodyProbe>(*labels_);
+            }
+            return [labels = labels_, probe = probe_](
+                       const Vec3& from, const Vec3& direction) { return probe->skin_seen(from, direction); };
+        }
+
+    private:
+        std::mutex mutex_;
+        std::shared_ptr<const mesh::LabelVolume> labels_; ///< the probe refers to them
+        std::shared_ptr<const planner::BodyProbe> probe_;
+    };
+
+    /// What pictures with and without an approach have in common.
+    void complete(ClosedPictures& pictures, planner::Patient& patient, SkinPointer& pointer)
+    {
+        pictures.label_names = label_names(patient.planned_case());
+        pictures.skin_under = pointer.of(patient);
+    }
+
 } // namespace
 
 PlanningBackend make_planning_backend(const planner::Case& planned_case)
 {
     const auto patient = std::make_shared<planner::Patient>(planned_case);
+    const auto pointer = std::make_shared<SkinPointer>();
     PlanningBackend backend;
-    backend.closed_pictures = [patient](const planner::Approach& approach, const Job&) {
+    backend.closed_pictures = [patient, pointer](const planner::Approach& approach, const Job&) {
         ClosedPictures pictures { .patient = planning_scene(*patient, approach) };
         if (patient->has_ct())
             pictures.slices = slice_scenes(*patient, approach);
-        pictures.label_names = label_names(patient->planned_case());
+        complete(pictures, *patient, *pointer);
         return pictures;
+    };
+    backend.patient_pictures = [patient, pointer](const Job&) {
+        ClosedPictures pictures { .patient = patient_scene(*patient) };
+        if (patient->has_ct())
+            pictures.slices = patient_slices(*patient);
+        complete(pictures, *patient, *pointer);
+        return pictures;
+    };
+    backend.make_approach = [patient](const planner::Case& present, const planner::ApproachDraft& draft) {
+        return planner::approach_from_draft(*patient, present, draft);
+    };
+    backend.move_incision = [patient](const planner::Approach& approach, const std::vector<Vec3>& points) {
+        return planner::with_incision_through(*patient, approach, points);
     };
     backend.surgery_input = [patient](const planner::Approach& approach, const Job& job) {
         return make_surgery_input(*patient, approach, job);

@@ -2,11 +2,13 @@
 // The planner's functions for the window. They run on worker threads, possibly at the same time.
 
 #include "mesh/base/job.h"
+#include "planner/approach/approach_draft.h"
 #include "planner/session/surgery_session.h"
 #include "ui/workstation/planning/session_model.h"
 
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace retractor::ui {
 
@@ -26,7 +28,13 @@ struct SurgeryInput {
 struct PlanningBackend {
     /// The patient with the incision drawn on the closed skin, and slices where there is a CT.
     std::function<ClosedPictures(const planner::Approach&, const Job&)> closed_pictures;
+    /// The patient without an approach.
+    std::function<ClosedPictures(const Job&)> patient_pictures;
     std::function<PlanOutcome(const planner::Approach&, const Job&)> plan;
+    /// A new approach for the case, which may have other approaches by now. See planner::approach_from_draft().
+    std::function<planner::Approach(const planner::Case&, const planner::ApproachDraft&)> make_approach;
+    /// See planner::with_incision_through().
+    std::function<planner::Approach(const planner::Approach&, const std::vector<Vec3>&)> move_incision;
     /// The wall round the approach's incision, uncut, for the knife. The function throws when there is no wall.
     std::function<SurgeryInput(const planner::Approach&, const Job&)> surgery_input;
 };

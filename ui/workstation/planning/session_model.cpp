@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <string>
 #include <string_view>
@@ -81,15 +82,24 @@ Failure case_failure(const std::filesystem::path& file, const Error& error)
 
 SessionModel::SessionModel(planner::Case planned_case)
     : case_(std::move(planned_case))
-    , states_(case_.approaches.size())
 {
-    if (!states_.empty())
+    states_[kPatientAlone] = {};
+    for (std::size_t n = 0; n < case_.approaches.size(); ++n)
+        ids_.push_back(new_id());
+    if (!ids_.empty())
         selected_ = 0;
+}
+
+std::size_t SessionModel::new_id()
+{
+    const std::size_t id = states_.rbegin()->first + 1;
+    states_[id] = {};
+    return id;
 }
 
 void SessionModel::select(std::size_t index)
 {
-    RETRACTOR_ASSERT(index < states_.size());
+    RETRACTOR_ASSERT(index < ids_.size());
     selected_ = index;
 }
 
@@ -99,51 +109,141 @@ void SessionModel::select(std::string_view name)
     select(static_cast<std::size_t>(&found - case_.approaches.data()));
 }
 
+SessionModel::Edition SessionModel::edition(std::string what) const
+{
+    return { .approaches = case_.approaches, .ids = ids_, .selected = selected_, .what = std::move(what) };
+}
+
+void SessionModel::begin_edit(std::string what)
+{
+    undo_.push_back(edition(std::move(what)));
+    redo_.clear();
+}
+
+void SessionModel::add_approach(planner::Approach approach)
+{
+    planner::Case edited = case_;
+    const std::string what = "add " + approach.name;
+    planner::add_approach(edited, std::move(approach));
+    begin_edit(what);
+    case_ = std::move(edited);
+    ids_.push_back(new_id());
+    selected_ = ids_.size() - 1;
+}
+
+void SessionModel::replace_approach(std::size_t index, planner::Approach approach, std::string what)
+{
+    planner::Case edited = case_;
+    edited.approaches.erase(edited.approaches.begin() + static_cast<std::ptrdiff_t>(index));
+    planner::add_approach(edited, std::move(approach));
+    std::rotate(edited.approaches.begin() + static_cast<std::ptrdiff_t>(index), edited.approaches.end() - 1,
+        edited.approaches.end());
+    begin_edit(std::move(what));
+    case_ = std::move(edited);
+    ids_.at(index) = new_id();
+    selected_ = index;
+    withdraw_absent();
+}
+
+void SessionModel::remove_approach(std::size_t index)
+{
+    begin_edit("remove " + approach(index).name);
+    case_.approaches.erase(case_.approaches.begin() + static_cast<std::ptrdiff_t>(index));
+    ids_.erase(ids_.begin() + static_cast<std::ptrdiff_t>(index));
+    selected_ = ids_.empty() ? std::nullopt : std::optional(std::min(index, ids_.size() - 1));
+    withdraw_absent();
+}
+
+std::optional<std::string> SessionModel::edit_to_undo() const
+{
+    return undo_.empty() ? std::nullopt : std::optional(undo_.back().what);
+}
+
+std::optional<std::string> SessionModel::edit_to_redo() const
+{
+    return redo_.empty() ? std::nullopt : std::optional(redo_.back().what);
+}
+
+void SessionModel::take(std::vector<Edition>& from, std::vector<Edition>& to)
+{
+    RETRACTOR_ASSERT(!from.empty());
+    Edition taken = std::move(from.back());
+    from.pop_back();
+    to.push_back(edition(std::move(taken.what)));
+    case_.approaches = std::move(taken.approaches);
+    ids_ = std::move(taken.ids);
+    selected_ = taken.selected;
+    withdraw_absent();
+}
+
+void SessionModel::undo_edit() { take(undo_, redo_); }
+void SessionModel::redo_edit() { take(redo_, undo_); }
+
+void SessionModel::withdraw_absent()
+{
+    const auto absent = [&](std::size_t id) { return std::find(ids_.begin(), ids_.end(), id) == ids_.end(); };
+    for (const std::size_t id : waiting_)
+        if (absent(id))
+            states_.at(id).status = FieldStatus::closed;
+    std::erase_if(waiting_, absent);
+    if (planning_ && absent(*planning_))
+        states_.at(*planning_).status = FieldStatus::cancelling;
+}
+
 bool SessionModel::view_available(ViewPreset view) const
 {
-    if (!selected_)
-        return false;
-    const auto& closed = states_[*selected_].closed;
-    if (view != ViewPreset::slices)
+    if (view == ViewPreset::surgeon)
+        return selected_.has_value();
+    const auto& closed = shown_state().closed;
+    if (view == ViewPreset::overview)
         return true;
     return closed != nullptr ? !closed->slices.empty() : case_.ct.has_value();
 }
 
 void SessionModel::request_plan(std::size_t index)
 {
-    ApproachState& state = states_.at(index);
+    ApproachState& state = state_of(index);
     if (state.status != FieldStatus::closed && state.status != FieldStatus::failed)
         return;
     state.status = FieldStatus::waiting;
     state.failure.reset();
-    waiting_.push_back(index);
+    waiting_.push_back(ids_[index]);
 }
 
 void SessionModel::cancel()
 {
-    RETRACTOR_ASSERT(!planning_ || *planning_ < states_.size());
-    for (const std::size_t index : waiting_)
-        states_[index].status = FieldStatus::closed;
+    for (const std::size_t id : waiting_)
+        states_.at(id).status = FieldStatus::closed;
     waiting_.clear();
     if (planning_)
-        states_[*planning_].status = FieldStatus::cancelling;
+        states_.at(*planning_).status = FieldStatus::cancelling;
+}
+
+std::optional<std::size_t> SessionModel::planning() const
+{
+    const auto found = planning_ ? std::find(ids_.begin(), ids_.end(), *planning_) : ids_.end();
+    return found == ids_.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - ids_.begin()));
+}
+
+bool SessionModel::planning_unwanted() const
+{
+    return planning_ && states_.at(*planning_).status == FieldStatus::cancelling;
 }
 
 std::optional<std::size_t> SessionModel::begin_plan()
 {
     if (planning_ || waiting_.empty())
         return std::nullopt;
-    RETRACTOR_ASSERT(waiting_.front() < states_.size());
     planning_ = waiting_.front();
     waiting_.pop_front();
-    states_[*planning_].status = FieldStatus::planning;
-    return planning_;
+    states_.at(*planning_).status = FieldStatus::planning;
+    return planning();
 }
 
 void SessionModel::plan_done(FieldPictures field)
 {
     RETRACTOR_ASSERT(planning_);
-    ApproachState& state = states_[*std::exchange(planning_, std::nullopt)];
+    ApproachState& state = states_.at(*std::exchange(planning_, std::nullopt));
     state.field = std::make_shared<const FieldPictures>(std::move(field));
     state.status = FieldStatus::planned;
 }
@@ -151,44 +251,46 @@ void SessionModel::plan_done(FieldPictures field)
 void SessionModel::plan_cancelled()
 {
     RETRACTOR_ASSERT(planning_);
-    states_[*std::exchange(planning_, std::nullopt)].status = FieldStatus::closed;
+    states_.at(*std::exchange(planning_, std::nullopt)).status = FieldStatus::closed;
 }
 
 void SessionModel::plan_failed(Failure failure)
 {
     RETRACTOR_ASSERT(planning_);
-    ApproachState& state = states_[*std::exchange(planning_, std::nullopt)];
+    ApproachState& state = states_.at(*std::exchange(planning_, std::nullopt));
     state.failure = std::move(failure);
     state.status = FieldStatus::failed;
 }
 
-std::optional<std::size_t> SessionModel::begin_closed()
+std::optional<ClosedWork> SessionModel::begin_closed()
 {
-    if (making_closed_ || !selected_)
+    if (making_closed_)
         return std::nullopt;
-    const auto open = [&](std::size_t index) { return !states_[index].closed_tried; };
-    for (std::size_t i = 0; i < states_.size(); ++i) {
-        const std::size_t index = (*selected_ + i) % states_.size();
-        if (open(index)) {
-            states_[index].closed_tried = true;
-            making_closed_ = index;
-            return making_closed_;
-        }
-    }
-    return std::nullopt;
+    std::optional<std::size_t> wanted; // index
+    for (std::size_t i = 0; i < ids_.size() && !wanted; ++i)
+        if (const std::size_t index = (*selected_ + i) % ids_.size(); !state(index).closed_tried)
+            wanted = index;
+    if (!wanted && (selected_ || states_.at(kPatientAlone).closed_tried))
+        return std::nullopt;
+    making_closed_ = wanted ? ids_[*wanted] : kPatientAlone;
+    states_.at(*making_closed_).closed_tried = true;
+    ClosedWork work { .id = *making_closed_, .approach = std::nullopt };
+    if (wanted)
+        work.approach = approach(*wanted);
+    return work;
 }
 
 void SessionModel::closed_done(ClosedPictures pictures)
 {
     RETRACTOR_ASSERT(making_closed_);
-    states_[*std::exchange(making_closed_, std::nullopt)].closed
+    states_.at(*std::exchange(making_closed_, std::nullopt)).closed
         = std::make_shared<const ClosedPictures>(std::move(pictures));
 }
 
 void SessionModel::closed_failed(Failure failure)
 {
     RETRACTOR_ASSERT(making_closed_);
-    states_[*std::exchange(making_closed_, std::nullopt)].failure = std::move(failure);
+    states_.at(*std::exchange(making_closed_, std::nullopt)).failure = std::move(failure);
 }
 
 void SessionModel::set_grey_window(std::size_t index)
@@ -197,21 +299,16 @@ void SessionModel::set_grey_window(std::size_t index)
     grey_window_ = index;
 }
 
-void SessionModel::set_slice_point(const Vec3& point)
-{
-    RETRACTOR_ASSERT(selected_);
-    states_[*selected_].slice_point = point;
-}
+void SessionModel::set_slice_point(const Vec3& point) { states_.at(shown_id()).slice_point = point; }
 
 ShownSource SessionModel::shown_source() const
 {
-    if (!selected_)
-        return {};
-    RETRACTOR_ASSERT(*selected_ < states_.size());
-    const ApproachState& state = states_[*selected_];
+    const ApproachState& state = shown_state();
     const bool opened
         = state.field != nullptr && (show_opened_ || view_ == ViewPreset::slices || state.closed == nullptr);
-    ShownSource source { .pictures = nullptr, .opened = opened, .view = view_, .approach = selected_ };
+    ShownSource source { .pictures = nullptr, .opened = opened, .view = view_, .approach = std::nullopt };
+    if (selected_)
+        source.approach = shown_id();
     if (opened)
         source.pictures = state.field;
     else
@@ -226,7 +323,7 @@ std::vector<Scene> SessionModel::shown_scenes() const
     const ShownSource source = shown_source();
     if (source.pictures == nullptr)
         return {};
-    const ApproachState& state = states_[*selected_];
+    const ApproachState& state = shown_state();
     const Scene& overview = source.opened ? state.field->overview : state.closed->patient;
     if (view_ == ViewPreset::slices && state.closed != nullptr && !state.closed->slices.empty()) {
         const std::vector<Scene>& slices = state.closed->slices;
@@ -243,8 +340,8 @@ std::vector<Scene> SessionModel::shown_scenes() const
     if (source.opened)
         return { view_ == ViewPreset::surgeon ? state.field->surgeon : overview };
     Scene scene = overview;
-    if (view_ == ViewPreset::surgeon)
-        scene.camera = surgeon_camera(case_.approaches[*selected_], scene.camera.up);
+    if (shown_view() == ViewPreset::surgeon)
+        scene.camera = surgeon_camera(approach(*selected_), scene.camera.up);
     return { std::move(scene) };
 }
 

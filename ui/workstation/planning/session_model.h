@@ -1,7 +1,7 @@
 #pragma once
-// The state of the workstation without a window: the case, the selected approach, the plans, the running work and the
-// shown scenes. The model has no thread and no widget. Its owner asks for the next piece of work, does the work
-// elsewhere and delivers the outcome. Used from one thread. Units mm; frame patient LPS.
+// The state of the workstation without a window: the case, the selected approach, the edits, the plans, the running
+// work and the shown scenes. The model has no thread and no widget. Its owner asks for the next piece of work, does the
+// work elsewhere and delivers the outcome. Used from one thread. Units mm; frame patient LPS.
 
 #include "mesh/base/error.h"
 #include "planner/case/case.h"
@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <deque>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -37,6 +38,8 @@ struct ClosedPictures {
     Scene patient; ///< with the incision
     std::vector<Scene> slices {}; ///< axial, coronal and sagittal; empty without a CT
     std::map<Label, std::string> label_names {};
+    /// The place of the skin that a ray from outside the body meets first, if any. Arguments: start and unit direction.
+    std::function<std::optional<Vec3>(const Vec3&, const Vec3&)> skin_under {};
 };
 
 /// Adds the controls that set the failing fields to the text of the failure: " (see Tissue: Model)".
@@ -68,29 +71,57 @@ struct ShownSource {
     std::shared_ptr<const void> pictures; ///< the ClosedPictures or the FieldPictures; null: nothing yet
     bool opened = false;
     ViewPreset view = ViewPreset::surgeon;
-    std::optional<std::size_t> approach;
+    std::optional<std::size_t> approach; ///< its id
     std::shared_ptr<const void> slices {}; ///< the ClosedPictures, in the view of slices
     bool operator==(const ShownSource&) const = default;
 };
 
+/// The work of drawing one closed picture.
+struct ClosedWork {
+    std::size_t id = 0; ///< for the outcome
+    std::optional<planner::Approach> approach; ///< nothing: the patient alone
+};
+
+/// Approaches are named by their index in the list. An approach keeps its id when others come and go; a changed
+/// approach has a new id, because pictures and plans of the old one do not show it.
 class SessionModel {
 public:
     /// Selects the first approach, if there is one.
     explicit SessionModel(planner::Case planned_case);
 
+    /// The case with its present approaches.
     const planner::Case& planned_case() const { return case_; }
-    std::size_t approach_count() const { return states_.size(); }
+    std::size_t approach_count() const { return ids_.size(); }
     const planner::Approach& approach(std::size_t index) const { return case_.approaches.at(index); }
-    const ApproachState& state(std::size_t index) const { return states_.at(index); }
+    const ApproachState& state(std::size_t index) const { return states_.at(ids_.at(index)); }
+    std::size_t id(std::size_t index) const { return ids_.at(index); }
 
+    /// Nothing: there is no approach, and the patient alone is shown.
     std::optional<std::size_t> selected() const { return selected_; }
     void select(std::size_t index);
     /// @throws InputError naming the existing approaches
     void select(std::string_view name);
+    /// The state of the selected approach, or of the patient alone.
+    const ApproachState& shown_state() const { return states_.at(shown_id()); }
+
+    /// Adds an approach and selects it. @throws InputError as planner::add_approach() does; nothing changes then
+    void add_approach(planner::Approach approach);
+    /// Puts a changed approach in the place of another and selects it.
+    /// @param what the change in words, for "Undo"
+    /// @throws InputError as planner::add_approach() does; nothing changes then
+    void replace_approach(std::size_t index, planner::Approach approach, std::string what);
+    void remove_approach(std::size_t index);
+    /// The edit that undo_edit() or redo_edit() would take back or make again, in words; nothing: there is none.
+    std::optional<std::string> edit_to_undo() const;
+    std::optional<std::string> edit_to_redo() const;
+    void undo_edit();
+    void redo_edit();
 
     ViewPreset view() const { return view_; }
+    /// The view that is shown: without an approach, the patient from outside in place of the surgeon's eye.
+    ViewPreset shown_view() const { return view_ == ViewPreset::surgeon && !selected_ ? ViewPreset::overview : view_; }
     void set_view(ViewPreset view) { view_ = view; }
-    /// Whether the view can be shown: slices need a CT.
+    /// Whether the view can be shown: slices need a CT, the surgeon's eye an approach.
     bool view_available(ViewPreset view) const;
 
     /// Whether a planned approach is shown opened, or as before the cut.
@@ -102,7 +133,10 @@ public:
     /// Withdraws all requests; the running plan stops at its next chance.
     void cancel();
     bool busy() const { return planning_.has_value(); }
-    std::optional<std::size_t> planning() const { return planning_; }
+    /// The approach that is being planned; nothing also when it was removed or changed meanwhile.
+    std::optional<std::size_t> planning() const;
+    /// Whether the running plan is no longer wanted.
+    bool planning_unwanted() const;
 
     /// The approach to plan now; nothing when a plan is running or nothing was requested.
     std::optional<std::size_t> begin_plan();
@@ -111,15 +145,16 @@ public:
     void plan_cancelled();
     void plan_failed(Failure failure);
 
-    /// The approach whose closed picture is to be made now: first the selected approach, then the others.
-    std::optional<std::size_t> begin_closed();
+    /// The closed picture to make now: first that of the selected approach, then the others; that of the patient alone
+    /// only where there is no approach.
+    std::optional<ClosedWork> begin_closed();
     void closed_done(ClosedPictures pictures);
     void closed_failed(Failure failure);
 
     /// @param index of kGreyWindows, for the slices of all approaches
     void set_grey_window(std::size_t index);
     std::size_t grey_window() const { return grey_window_; }
-    /// Moves the slices of the selected approach. @pre an approach is selected
+    /// Moves the slices that are shown.
     void set_slice_point(const Vec3& point);
 
     ShownSource shown_source() const;
@@ -128,15 +163,34 @@ public:
     std::vector<Scene> shown_scenes() const;
 
 private:
+    static constexpr std::size_t kPatientAlone = 0; ///< id
+
+    /// The list of approaches at one time.
+    struct Edition {
+        std::vector<planner::Approach> approaches;
+        std::vector<std::size_t> ids;
+        std::optional<std::size_t> selected;
+        std::string what; ///< the edit between this edition and the next, in words
+    };
+    std::size_t shown_id() const { return selected_ ? ids_.at(*selected_) : kPatientAlone; }
+    ApproachState& state_of(std::size_t index) { return states_.at(ids_.at(index)); }
+    std::size_t new_id();
+    Edition edition(std::string what) const;
+    void begin_edit(std::string what);
+    void take(std::vector<Edition>& from, std::vector<Edition>& to);
+    /// Withdraws the requests for approaches that are no longer in the list.
+    void withdraw_absent();
+
     planner::Case case_;
-    std::vector<ApproachState> states_;
+    std::vector<std::size_t> ids_; ///< one per approach
+    std::map<std::size_t, ApproachState> states_; ///< by id; also of approaches that undo and redo bring back
+    std::vector<Edition> undo_, redo_;
     std::optional<std::size_t> selected_;
     ViewPreset view_ = ViewPreset::surgeon;
     bool show_opened_ = true;
     std::size_t grey_window_ = 0;
-    std::deque<std::size_t> waiting_;
-    std::optional<std::size_t> planning_;
-    std::optional<std::size_t> making_closed_;
+    std::deque<std::size_t> waiting_; ///< ids
+    std::optional<std::size_t> planning_, making_closed_; ///< ids
 };
 
 /// The camera of the surgeon: along the blade direction at the middle of the incision.

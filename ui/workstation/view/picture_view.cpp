@@ -246,6 +246,8 @@ void PictureView::show_full(const PictureAnswer& answer)
     full_->setPixmap(pixmap);
     full_->setGeometry(rect());
     full_->show();
+    if (on_full_picture)
+        on_full_picture(answer.image);
 }
 
 void PictureView::add_live()
@@ -309,6 +311,21 @@ planner::Ray PictureView::ray_at(const QPointF& at) const
     const double x = (at.x() - 0.5 * width()) / half, y = (half - at.y()) / half;
     const double slope = std::tan(0.5 * camera.view_angle_deg * std::numbers::pi / 180.0);
     return { camera.eye, (sight + slope * (x * right + y * up)).normalized() };
+}
+
+std::optional<QPointF> PictureView::shown_at(const Vec3& place) const
+{
+    RETRACTOR_ASSERT(is_drawn());
+    const Camera camera = this->camera();
+    const Vec3 sight = (camera.aim - camera.eye).normalized();
+    const Vec3 right = sight.cross(camera.up).normalized(), up = right.cross(sight);
+    const double depth = (place - camera.eye).dot(sight);
+    if (!(depth > 0.0))
+        return std::nullopt;
+    const double half = 0.5 * height(), slope = std::tan(0.5 * camera.view_angle_deg * std::numbers::pi / 180.0);
+    const double pixels_per_mm = half / (slope * depth);
+    return QPointF(0.5 * width() + pixels_per_mm * (place - camera.eye).dot(right),
+        half - pixels_per_mm * (place - camera.eye).dot(up));
 }
 
 bool PictureView::event(QEvent* event)

@@ -74,12 +74,17 @@ public:
     void set_tool(PictureTool* tool);
     /// The ray from the eye through a point of the widget into the first scene. @pre one scene is shown and drawn
     planner::Ray ray_at(const QPointF& at) const;
+    /// The point of the widget at which the first scene shows a place; nothing behind the eye. @pre as ray_at()
+    std::optional<QPointF> shown_at(const Vec3& place) const;
 
     /// Shows a line over the picture, e.g. the work that is awaited; empty: none.
     void show_note(const QString& note);
 
     /// Draws in full quality and returns the picture. Waits for it.
     QImage picture();
+
+    /// Called with each full picture that is shown.
+    std::function<void(const QImage&)> on_full_picture;
 
     /// Called when the background could not draw the picture; drawing_errors() says why. The window then draws whole
     /// scenes itself until other scenes are shown.

@@ -18,6 +18,11 @@ QToolBar QToolButton:hover { background: #353c43; }
 QToolBar QToolButton:checked { background: #2d6da8; color: white; }
 QToolBar QToolButton:disabled { color: #6d757d; }
 QToolBar::separator { background: #3b4249; width: 1px; margin: 4px 3px; }
+QToolButton { padding: 6px 8px; border-radius: 4px; border: 1px solid #3b4249; color: #e4e8eb; }
+QToolButton:hover { background: #353c43; }
+QToolButton:checked { background: #2d6da8; color: white; }
+QToolButton:disabled { color: #6d757d; }
+QToolBar QToolButton { border: none; }
 QStatusBar { background: #262b30; border-top: 1px solid #15181b; }
 QStatusBar::item { border: none; }
 QListWidget { border: none; background: #1d2125; outline: none; }

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <string>
 
 namespace retractor::ui {
 namespace session_model_test {
@@ -30,6 +32,7 @@ namespace session_model_test {
     planner::Case three_approaches()
     {
         planner::Case planned_case;
+        planned_case.label_table = { { 1, "target", "vessel", mesh::Role::target } };
         for (const char* name : { "median", "lateral", "distal" })
             planned_case.approaches.push_back(straight_approach(name));
         return planned_case;
@@ -42,6 +45,13 @@ namespace session_model_test {
         field.surgeon.title = name + " surgeon";
         field.overview.title = name + " overview";
         return field;
+    }
+
+    /// The approach whose closed picture is to be made now; empty: none.
+    std::string closed_name(SessionModel& model)
+    {
+        const std::optional<ClosedWork> work = model.begin_closed();
+        return work && work->approach ? work->approach->name : std::string();
     }
 
     ClosedPictures titled(const std::string& title)
@@ -74,14 +84,84 @@ namespace session_model_test {
         EXPECT_EQ(model.selected(), 2U);
     }
 
-    TEST(SessionModel, ACaseWithoutApproachesShowsNothingAndHasNoWork)
+    TEST(SessionModel, ACaseWithoutApproachesShowsThePatientAlone)
     {
         SessionModel model { planner::Case {} };
         EXPECT_FALSE(model.selected());
         EXPECT_TRUE(model.shown_scenes().empty());
-        EXPECT_FALSE(model.begin_closed());
         EXPECT_FALSE(model.begin_plan());
         EXPECT_FALSE(model.view_available(ViewPreset::surgeon));
+        const std::optional<ClosedWork> work = model.begin_closed();
+        ASSERT_TRUE(work);
+        EXPECT_FALSE(work->approach);
+        model.closed_done(titled("patient"));
+        EXPECT_FALSE(model.begin_closed());
+        EXPECT_EQ(model.shown_view(), ViewPreset::overview);
+        ASSERT_EQ(model.shown_scenes().size(), 1U);
+        EXPECT_EQ(model.shown_scenes()[0].title, "patient");
+    }
+
+    TEST(SessionModel, EditsAreTakenBackAndMadeAgainWithTheirPlans)
+    {
+        SessionModel model(three_approaches());
+        model.request_plan(1);
+        model.begin_plan();
+        model.plan_done(field_of("lateral"));
+        EXPECT_FALSE(model.edit_to_undo());
+        model.add_approach(straight_approach("mine"));
+        EXPECT_EQ(model.selected(), 3U);
+        EXPECT_EQ(model.edit_to_undo(), "add mine");
+        planner::Approach longer = straight_approach("lateral");
+        longer.incision.back().x() = 50.0;
+        model.replace_approach(1, longer, "move lateral");
+        EXPECT_EQ(model.selected(), 1U);
+        EXPECT_EQ(model.approach(1).incision.back().x(), 50.0);
+        EXPECT_EQ(model.approach(3).name, "mine") << "the others stay in their order";
+        EXPECT_EQ(model.state(1).status, FieldStatus::closed) << "the plan was of the old incision";
+        model.remove_approach(0);
+        EXPECT_EQ(model.approach_count(), 3U);
+        model.undo_edit();
+        EXPECT_EQ(model.approach(0).name, "median");
+        model.undo_edit();
+        EXPECT_EQ(model.approach(1).incision.back().x(), 30.0);
+        EXPECT_EQ(model.state(1).status, FieldStatus::planned) << "the plan of this incision is still right";
+        model.undo_edit();
+        EXPECT_EQ(model.approach_count(), 3U);
+        EXPECT_FALSE(model.edit_to_undo());
+        EXPECT_EQ(model.edit_to_redo(), "add mine");
+        model.redo_edit();
+        EXPECT_EQ(model.approach(3).name, "mine");
+        model.remove_approach(3); // another future
+        EXPECT_FALSE(model.edit_to_redo());
+    }
+
+    TEST(SessionModel, ARefusedEditChangesNothing)
+    {
+        SessionModel model(three_approaches());
+        EXPECT_THROW(model.add_approach(straight_approach("median")), InputError) << "the name is taken";
+        EXPECT_THROW(model.replace_approach(0, straight_approach("distal"), "rename"), InputError);
+        EXPECT_EQ(model.approach_count(), 3U);
+        EXPECT_EQ(model.approach(0).name, "median");
+        EXPECT_FALSE(model.edit_to_undo());
+    }
+
+    TEST(SessionModel, APlanOfWhatWasRemovedOrChangedIsWithdrawn)
+    {
+        SessionModel model(three_approaches());
+        model.request_plan(0);
+        model.request_plan(2);
+        EXPECT_EQ(model.begin_plan(), 0U);
+        model.remove_approach(0);
+        EXPECT_TRUE(model.busy());
+        EXPECT_FALSE(model.planning()) << "it is in the list no more";
+        EXPECT_TRUE(model.planning_unwanted());
+        model.plan_cancelled();
+        EXPECT_EQ(model.begin_plan(), 1U) << "the other request stands, at its new place";
+        model.plan_done(field_of("distal"));
+        EXPECT_EQ(model.state(1).status, FieldStatus::planned);
+        model.undo_edit();
+        EXPECT_EQ(model.state(0).status, FieldStatus::closed);
+        EXPECT_EQ(model.state(2).status, FieldStatus::planned);
     }
 
     TEST(SessionModel, RefusesAnUnknownNameAndKeepsTheSelection)
@@ -118,13 +198,13 @@ namespace session_model_test {
     {
         SessionModel model(three_approaches());
         model.select(1);
-        EXPECT_EQ(model.begin_closed(), 1U);
+        EXPECT_EQ(closed_name(model), "lateral");
         EXPECT_FALSE(model.begin_closed()) << "one at a time";
         model.closed_done(titled("lateral"));
-        EXPECT_EQ(model.begin_closed(), 2U);
+        EXPECT_EQ(closed_name(model), "distal");
         model.select(0);
         model.closed_failed({ "no such voxel", "bone" });
-        EXPECT_EQ(model.begin_closed(), 0U);
+        EXPECT_EQ(closed_name(model), "median");
         model.closed_done(titled("median"));
         EXPECT_FALSE(model.begin_closed()) << "a failed picture is not tried for ever";
         EXPECT_EQ(to_string(*model.state(2).failure), "bone: no such voxel");

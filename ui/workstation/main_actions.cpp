@@ -1,0 +1,164 @@
+// The actions of the main window: menus, keys, tool bar and buttons.
+
+#include "ui/scene/linked_slices.h"
+#include "ui/workstation/main_window.h"
+#include "ui/workstation/view/controls.h"
+
+#include <QActionGroup>
+#include <QGridLayout>
+#include <QMenuBar>
+#include <QToolBar>
+#include <QToolButton>
+
+#include <functional>
+#include <utility>
+
+namespace retractor::ui {
+
+QAction* MainWindow::add_action(
+    QMenu& menu, const QString& text, const QKeySequence& key, const QString& tip, std::function<void()> run)
+{
+    QAction* action = menu.addAction(text);
+    action->setShortcut(key);
+    action->setToolTip(key.isEmpty() ? tip : tip + " (" + key.toString(QKeySequence::NativeText) + ")");
+    connect(action, &QAction::triggered, this, [run = std::move(run)] { run(); });
+    return action;
+}
+
+void MainWindow::make_actions()
+{
+    make_file_actions(*menuBar()->addMenu("&File"));
+    make_view_actions(*menuBar()->addMenu("&View"));
+    make_approach_actions(*menuBar()->addMenu("&Approach"));
+    make_knife_actions(*menuBar()->addMenu("&Knife"));
+    QMenu* help = menuBar()->addMenu("&Help");
+    add_action(*help, "About Retractor", {}, "Show the version and the licence", [this] { show_about(); });
+    make_tool_bar();
+}
+
+void MainWindow::make_file_actions(QMenu& menu)
+{
+    add_action(menu, "Import a study…", QKeySequence("Ctrl+I"), "Make a case from a CT", [this] { import_study(); });
+    add_action(menu, "Open case…", QKeySequence::Open, "Open a case.json", [this] { ask_for_case(); });
+    close_case_
+        = add_action(menu, "Close case", QKeySequence("Ctrl+W"), "Go back to the start page", [this] { close_case(); });
+    menu.addSeparator();
+    save_ = add_action(
+        menu, "Save picture…", QKeySequence::Save, "Save the picture as PNG", [this] { ask_for_picture_file(); });
+    palpate_ = add_action(menu, "Palpate a structure…", {}, "Palpate a vessel or an organ of this case in a new window",
+        [this] { ask_for_structure(); });
+    menu.addSeparator();
+    add_action(menu, "Quit", QKeySequence::Quit, "Close the window", [this] { close(); });
+}
+
+void MainWindow::make_view_actions(QMenu& menu)
+{
+    surgeon_ = add_action(
+        menu, "Surgeon's eye", Qt::Key_1, "View through the incision", [this] { set_view(ViewPreset::surgeon); });
+    overview_ = add_action(
+        menu, "Overview", Qt::Key_2, "View of the patient from outside", [this] { set_view(ViewPreset::overview); });
+    slices_ = add_action(
+        menu, "Slices", Qt::Key_3, "Three planes of the CT and the overview", [this] { set_view(ViewPreset::slices); });
+    auto* presets = new QActionGroup(this);
+    for (QAction* action : { surgeon_, overview_, slices_ }) {
+        action->setCheckable(true);
+        presets->addAction(action);
+    }
+    menu.addSeparator();
+    grey_windows_ = new QActionGroup(this);
+    for (std::size_t i = 0; i < kGreyWindows.size(); ++i) {
+        const GreyWindow& grey = kGreyWindows[i];
+        QAction* action = add_action(menu, grey.name, QKeySequence("Shift+" + QString::number(i + 1)),
+            QString("Slices from %1 to %2 HU")
+                .arg(grey.level_hu - 0.5 * grey.window_hu)
+                .arg(grey.level_hu + 0.5 * grey.window_hu),
+            [this, i] { set_grey_window(i); });
+        action->setCheckable(true);
+        grey_windows_->addAction(action);
+    }
+    menu.addSeparator();
+    opened_ = add_action(
+        menu, "Opened", Qt::Key_O, "Switch between the opened field and the patient before the cut", [this] {
+            model_->set_show_opened(opened_->isChecked());
+            show_picture();
+        });
+    opened_->setCheckable(true);
+}
+
+void MainWindow::make_approach_actions(QMenu& menu)
+{
+    new_approach_
+        = add_action(menu, "New…", Qt::Key_N, "Add a standard approach", [this] { editor_->add_from_template(); });
+    draw_ = add_action(menu, "Draw", Qt::Key_D, "Draw an incision on the skin: click its points, or drag along it",
+        [this] { draw_incision(); });
+    draw_->setCheckable(true);
+    move_ = add_action(menu, "Move", Qt::Key_M, "Drag the points of the incision", [this] { move_incision(); });
+    move_->setCheckable(true);
+    finish_ = add_action(
+        menu, "Finish the incision", Qt::Key_Return, "End drawing or moving", [this] { editor_->finish(); });
+    finish_->setShortcuts({ QKeySequence(Qt::Key_Return), QKeySequence(Qt::Key_Enter) });
+    menu.addSeparator();
+    change_ = add_action(menu, "Target and opening…", Qt::Key_E, "Change the target, the retractor or the name",
+        [this] { editor_->change_opening(); });
+    duplicate_ = add_action(menu, "Duplicate", QKeySequence("Ctrl+D"), "Add a copy", [this] { editor_->duplicate(); });
+    remove_ = add_action(menu, "Remove", QKeySequence::Delete, "Remove this approach", [this] { editor_->remove(); });
+    menu.addSeparator();
+    plan_ = add_action(menu, "Plan", Qt::Key_P, "Cut, open and measure this approach", [this] { plan_selected(); });
+    plan_all_ = add_action(
+        menu, "Plan all", QKeySequence("Shift+P"), "Cut, open and measure all approaches", [this] { plan_all(); });
+    cancel_ = add_action(
+        menu, "Cancel", Qt::Key_Escape, "Discard the open stroke or incision, or stop planning", [this] { cancel(); });
+}
+
+void MainWindow::make_knife_actions(QMenu& menu)
+{
+    const auto add_mode
+        = [&](QAction*& action, const QString& text, const QKeySequence& key, const QString& tip, KnifeMode mode) {
+              action = add_action(menu, text, key, tip,
+                  [this, mode, &action] { set_knife(action->isChecked() ? mode : KnifeMode::away); });
+              action->setCheckable(true);
+          };
+    add_mode(knife_action_, "Knife", Qt::Key_K, "Draw cuts on the skin with the left button", KnifeMode::freehand);
+    add_mode(line_action_, "Line", Qt::Key_L, "Cut straight between two clicks", KnifeMode::line);
+    add_mode(hook_action_, "Hooks", Qt::Key_H, "Press on the edge of a wound to set a hook; drag a hook to pull it",
+        KnifeMode::hooks);
+    add_mode(take_out_action_, "Take out", Qt::Key_X, "Press on a loose piece or on tissue to remove it",
+        KnifeMode::take_out);
+    menu.addSeparator();
+    undo_ = add_action(menu, "Undo", QKeySequence::Undo, "Take the last step back", [this] { undo(); });
+    redo_ = add_action(menu, "Redo", QKeySequence("Ctrl+Shift+Z"), "Make the step again", [this] { redo(); });
+}
+
+void MainWindow::make_tool_bar()
+{
+    QToolBar* bar = addToolBar("Tools");
+    bar->setMovable(false);
+    bar->setContextMenuPolicy(Qt::PreventContextMenu);
+    int key = 1;
+    for (QAction* action : { surgeon_, overview_, slices_ })
+        action->setIconText(QString::number(key++) + "  " + action->text());
+    bar->addActions({ surgeon_, overview_, slices_ });
+    bar->addSeparator();
+    bar->addAction(opened_);
+    bar->addSeparator();
+    bar->addActions({ plan_, plan_all_ });
+    bar->addSeparator();
+    bar->addActions({ knife_action_, line_action_, hook_action_, take_out_action_ });
+    bar->addSeparator();
+    bar->addActions({ undo_, redo_ });
+    bar->addSeparator();
+    save_->setIconText("Save…");
+    bar->addAction(save_);
+    change_->setIconText("Change…");
+    int place = 0;
+    for (QAction* action : { new_approach_, draw_, move_, change_ }) {
+        auto* button = unfocused(new QToolButton, action->toolTip());
+        button->setDefaultAction(action);
+        button->setToolButtonStyle(Qt::ToolButtonTextOnly);
+        button->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed); // the pane may be narrow
+        approach_buttons_->addWidget(button, place / 2, place % 2);
+        ++place;
+    }
+}
+
+} // namespace retractor::ui

@@ -1,0 +1,69 @@
+#pragma once
+// Asks for a new approach, or for another target or opening of an existing one.
+
+#include "planner/approach/approach_draft.h"
+
+#include <QDialog>
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+class QCheckBox;
+class QComboBox;
+class QDoubleSpinBox;
+class QFormLayout;
+class QLabel;
+class QLineEdit;
+class QPushButton;
+class QSpinBox;
+
+namespace retractor::ui {
+
+class ApproachDialog : public QDialog {
+public:
+    /// A label that may be the target: its name in the case, and in words.
+    using Target = std::pair<std::string, std::string>;
+
+    enum class Asks {
+        kind, ///< a new approach by a template
+        drawn, ///< what an incision that was drawn divides
+        opening, ///< target and opening of an existing approach
+    };
+
+    ApproachDialog(Asks asks, const std::vector<Target>& targets, QWidget* parent);
+
+    /// Shows this draft. @pre its target is one of the targets
+    void show_draft(const planner::ApproachDraft& draft);
+    /// The draft as it stands now; its points are those shown.
+    planner::ApproachDraft draft() const;
+    /// Shows why the approach could not be made; the dialog stays open.
+    void show_failure(const QString& text);
+    /// While the approach is made nothing can be pressed but Cancel.
+    void set_busy(bool busy);
+
+    std::function<void()> on_accept; ///< set by the owner; called where the user asks for the approach
+
+private:
+    void add_kind(QFormLayout& form);
+    void add_drawn(QFormLayout& form);
+    void add_target_and_opening(QFormLayout& form, const std::vector<Target>& targets);
+    void show_what_applies();
+
+    Asks asks_;
+    planner::ApproachDraft shown_;
+    QComboBox *kind_ = nullptr, *side_ = nullptr, *divides_ = nullptr, *target_ = nullptr, *opened_by_ = nullptr;
+    QSpinBox* space_ = nullptr;
+    QCheckBox* organs_aside_ = nullptr;
+    QDoubleSpinBox *depth_ = nullptr, *opening_ = nullptr;
+    QLineEdit* name_ = nullptr;
+    QLabel* failure_ = nullptr;
+    QPushButton* accept_ = nullptr;
+    bool opening_touched_ = false; ///< the user has set the opening
+};
+
+/// The labels that a surgeon may aim at: targets first, then organs; neither bones nor layers of the wall.
+std::vector<ApproachDialog::Target> possible_targets(const planner::Case& planned_case);
+
+} // namespace retractor::ui

@@ -1,0 +1,285 @@
+#include "ui/workstation/planning/approach_editor.h"
+
+#include "mesh/base/text_format.h"
+#include "ui/workstation/planning/approach_dialog.h"
+
+#include <QWidget>
+
+#include <optional>
+#include <utility>
+
+namespace retractor::ui {
+
+namespace {
+
+    /// Length over the given points, mm.
+    double length_of(const std::vector<Vec3>& points)
+    {
+        double length = 0.0;
+        for (std::size_t n = 1; n < points.size(); ++n)
+            length += (points[n] - points[n - 1]).norm();
+        return length;
+    }
+
+} // namespace
+
+ApproachEditor::ApproachEditor(PictureView& view, QWidget& window)
+    : view_(view)
+    , window_(window)
+    , tool_(view)
+{
+    tool_.on_change = [this] { say_what_to_do(); };
+    tool_.on_finish = [this] { finish(); };
+    tool_.on_refusal = [this](const QString& text) { on_message(text); };
+}
+
+void ApproachEditor::set_case(SessionModel* model, PlanningBackend backend)
+{
+    tool_.end();
+    ++generation_;
+    working_ = 0;
+    model_ = model;
+    backend_ = std::move(backend);
+}
+
+bool ApproachEditor::draw_possible() const
+{
+    return model_ != nullptr && model_->shown_state().closed != nullptr && model_->shown_state().closed->skin_under;
+}
+
+void ApproachEditor::changed(const QString& message)
+{
+    on_edit();
+    on_message(message);
+}
+
+void ApproachEditor::work(
+    Make make, std::function<void(planner::Approach)> take, std::function<void(const Failure&)> refuse)
+{
+    ++working_;
+    on_state();
+    executor_.post([this, generation = generation_, make = std::move(make), take = std::move(take),
+                       refuse = std::move(refuse)](const Job&) {
+        std::function<void()> deliver;
+        try {
+            deliver = [take, approach = make()] { take(approach); };
+        } catch (...) {
+            deliver = [refuse, failure = current_failure()] { refuse(failure); };
+        }
+        QMetaObject::invokeMethod(
+            this,
+            [this, generation, deliver = std::move(deliver)] {
+                if (generation != generation_)
+                    return;
+                --working_;
+                deliver();
+                on_state();
+            },
+            Qt::QueuedConnection);
+    });
+}
+
+void ApproachEditor::ask(ApproachDialog* dialog, std::function<Make(const planner::ApproachDraft&)> make,
+    std::function<void(planner::Approach)> take)
+{
+    dialog->setAttribute(Qt::WA_DeleteOnClose);
+    const std::shared_ptr<bool> open = std::make_shared<bool>(true); // the approach of a closed dialog is not wanted
+    connect(dialog, &QObject::destroyed, this, [open] { *open = false; });
+    dialog->on_accept = [this, dialog, open, make = std::move(make), take = std::move(take)] {
+        dialog->set_busy(true);
+        const auto refuse = [dialog, open](const Failure& failure) {
+            if (!*open)
+                return;
+            dialog->set_busy(false);
+            dialog->show_failure(QString::fromStdString(to_string(failure)));
+        };
+        work(
+            make(dialog->draft()),
+            [dialog, open, take, refuse](planner::Approach approach) {
+                if (!*open)
+                    return;
+                try {
+                    take(std::move(approach));
+                    dialog->close();
+                } catch (...) {
+                    refuse(current_failure());
+                }
+            },
+            refuse);
+    };
+    dialog->open();
+}
+
+void ApproachEditor::add_from_template()
+{
+    if (model_ == nullptr)
+        return;
+    auto* dialog = new ApproachDialog(ApproachDialog::Asks::kind, possible_targets(model_->planned_case()), &window_);
+    ask(
+        dialog,
+        [this](const planner::ApproachDraft& draft) -> Make {
+            return [make = backend_.make_approach, present = model_->planned_case(), draft] {
+                return make(present, draft);
+            };
+        },
+        [this](planner::Approach approach) {
+            const QString name = QString::fromStdString(approach.name);
+            model_->add_approach(std::move(approach));
+            changed("Added " + name);
+        });
+}
+
+void ApproachEditor::begin(std::vector<Vec3> points, const QString& message)
+{
+    model_->set_show_opened(false); // the skin is drawn on before it is cut
+    if (model_->view() == ViewPreset::slices || !model_->view_available(model_->view()))
+        model_->set_view(ViewPreset::overview);
+    on_state(); // shows the closed patient
+    tool_.begin(std::move(points), model_->shown_state().closed->skin_under);
+    on_state();
+    on_message(message);
+}
+
+void ApproachEditor::draw()
+{
+    if (abandon() || !draw_possible())
+        return;
+    moving_ = false;
+    begin({}, "Click the points of the incision on the skin, or drag along it. Enter ends, Esc discards.");
+}
+
+void ApproachEditor::move_points()
+{
+    if (abandon() || !draw_possible() || !model_->selected())
+        return;
+    moving_ = true;
+    moved_id_ = model_->id(*model_->selected());
+    begin(planner::incision_handles(model_->approach(*model_->selected())),
+        "Drag the points of the incision. Enter ends, Esc leaves the incision as it was.");
+}
+
+void ApproachEditor::say_what_to_do()
+{
+    const std::vector<Vec3>& points = tool_.points();
+    if (points.size() < 2)
+        return on_message("Click further points of the incision.");
+    on_message(QString::fromStdString(formatted("%zu points, %.0f mm. Enter ends, Esc discards, Ctrl+Z takes the last "
+                                                "change back.",
+        points.size(), length_of(points))));
+}
+
+void ApproachEditor::finish()
+{
+    if (!tool_.active())
+        return;
+    if (tool_.points().size() < 2)
+        return on_message("An incision needs at least two points.");
+    if (moving_) {
+        const auto index = model_->selected();
+        if (!index || model_->id(*index) != moved_id_) {
+            abandon();
+            return;
+        }
+        work([move = backend_.move_incision, approach = model_->approach(*index),
+                 points = tool_.points()] { return move(approach, points); },
+            [this, id = moved_id_](planner::Approach approach) {
+                const auto selected = model_->selected();
+                if (!selected || model_->id(*selected) != id)
+                    return; // another approach was selected meanwhile
+                tool_.end();
+                const QString name = QString::fromStdString(approach.name);
+                model_->replace_approach(*selected, std::move(approach), "move the incision of " + name.toStdString());
+                changed("Moved the incision of " + name);
+            },
+            [this](const Failure& failure) { on_failure(failure); });
+        return;
+    }
+    auto* dialog = new ApproachDialog(ApproachDialog::Asks::drawn, possible_targets(model_->planned_case()), &window_);
+    ask(
+        dialog,
+        [this, points = tool_.points()](planner::ApproachDraft draft) -> Make {
+            draft.points = points;
+            return [make = backend_.make_approach, present = model_->planned_case(), draft] {
+                return make(present, draft);
+            };
+        },
+        [this](planner::Approach approach) {
+            const QString name = QString::fromStdString(approach.name);
+            model_->add_approach(std::move(approach));
+            tool_.end();
+            changed("Added " + name);
+        });
+}
+
+bool ApproachEditor::abandon()
+{
+    if (!tool_.active())
+        return false;
+    tool_.end();
+    on_state();
+    on_message({});
+    return true;
+}
+
+void ApproachEditor::change_opening()
+{
+    if (model_ == nullptr || !model_->selected())
+        return;
+    const std::size_t id = model_->id(*model_->selected());
+    const planner::Approach approach = model_->approach(*model_->selected());
+    planner::ApproachDraft now;
+    try {
+        now = { .name = approach.name, .target = approach.target.label, .opened_by = planner::opened_by(approach) };
+    } catch (...) {
+        return on_failure(current_failure());
+    }
+    auto* dialog
+        = new ApproachDialog(ApproachDialog::Asks::opening, possible_targets(model_->planned_case()), &window_);
+    dialog->show_draft(now);
+    ask(
+        dialog,
+        [approach](const planner::ApproachDraft& draft) -> Make {
+            return [approach, draft] {
+                planner::Approach changed = approach;
+                if (!draft.name.empty())
+                    changed.name = draft.name;
+                if (!approach.target.is_sphere())
+                    changed.target.label = draft.target;
+                return planner::opened_by(std::move(changed), draft.opened_by);
+            };
+        },
+        [this, id](planner::Approach changed_approach) {
+            const auto selected = model_->selected();
+            if (!selected || model_->id(*selected) != id)
+                return;
+            const QString name = QString::fromStdString(changed_approach.name);
+            model_->replace_approach(*selected, std::move(changed_approach), "change " + name.toStdString());
+            changed("Changed " + name);
+        });
+}
+
+void ApproachEditor::duplicate()
+{
+    if (model_ == nullptr || !model_->selected())
+        return;
+    planner::Approach copy = model_->approach(*model_->selected());
+    copy.name = planner::free_approach_name(model_->planned_case(), copy.name);
+    const QString name = QString::fromStdString(copy.name);
+    try {
+        model_->add_approach(std::move(copy));
+        changed("Added " + name);
+    } catch (...) {
+        on_failure(current_failure());
+    }
+}
+
+void ApproachEditor::remove()
+{
+    if (model_ == nullptr || !model_->selected())
+        return;
+    const QString name = QString::fromStdString(model_->approach(*model_->selected()).name);
+    model_->remove_approach(*model_->selected());
+    changed("Removed " + name + ". Ctrl+Z brings it back.");
+}
+
+} // namespace retractor::ui

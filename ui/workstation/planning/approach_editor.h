@@ -1,0 +1,80 @@
+#pragma once
+// Adds, changes and removes the approaches of the open case: asks what is wanted, draws and moves incisions, has the
+// approach made on its own thread, and puts it into the model.
+
+#include "mesh/base/error.h"
+#include "mesh/base/serial_executor.h"
+#include "ui/workstation/planning/incision_tool.h"
+#include "ui/workstation/planning/planning_backend.h"
+
+#include <QObject>
+
+#include <functional>
+#include <memory>
+
+class QWidget;
+
+namespace retractor::ui {
+
+class ApproachDialog;
+
+class ApproachEditor : public QObject {
+public:
+    /// @pre the view outlives the editor; the window, which owns the dialogs, too
+    ApproachEditor(PictureView& view, QWidget& window);
+
+    /// Edits this model from now on. Null: no case is open. @pre the model outlives the editor or the next call
+    void set_case(SessionModel* model, PlanningBackend backend);
+
+    void add_from_template();
+    /// Takes the mouse for a new incision, or gives it back. @pre draw_possible()
+    void draw();
+    /// Takes the mouse for the points of the selected approach. @pre draw_possible(), an approach is selected
+    void move_points();
+    /// Ends the drawing: asks for the rest of a new approach, or puts the moved incision into the model.
+    void finish();
+    /// Gives the mouse back; the points are lost. @return false when nothing was being drawn
+    bool abandon();
+    /// Takes the last point back. @return false when there is none
+    bool undo_point() { return tool_.undo(); }
+    void change_opening();
+    void duplicate();
+    void remove();
+
+    bool drawing() const { return tool_.active(); }
+    bool moving() const { return tool_.active() && moving_; }
+    /// Whether the closed patient is known well enough to be drawn on.
+    bool draw_possible() const;
+    bool idle() const { return working_ == 0; }
+    IncisionTool& tool() { return tool_; }
+
+    // Set by the owner.
+    std::function<void()> on_edit; ///< the model has other approaches
+    std::function<void()> on_state; ///< drawing began or ended, or work did
+    std::function<void(const QString&)> on_message; ///< what to do next, or what was done
+    std::function<void(const Failure&)> on_failure;
+
+private:
+    using Make = std::function<planner::Approach()>;
+
+    void ask(ApproachDialog* dialog, std::function<Make(const planner::ApproachDraft&)> make,
+        std::function<void(planner::Approach)> take);
+    /// Makes the approach on the executor; then one of the two is called in the window's thread.
+    void work(Make make, std::function<void(planner::Approach)> take, std::function<void(const Failure&)> refuse);
+    void begin(std::vector<Vec3> points, const QString& message);
+    void changed(const QString& message);
+    void say_what_to_do();
+
+    PictureView& view_;
+    QWidget& window_;
+    SessionModel* model_ = nullptr;
+    PlanningBackend backend_;
+    IncisionTool tool_;
+    bool moving_ = false; ///< the tool moves the points of an existing incision
+    std::size_t moved_id_ = 0; ///< id of the approach whose points are moved
+    int generation_ = 0; ///< number of the case; approaches for an older case are dropped
+    int working_ = 0;
+    SerialExecutor executor_; ///< declared last: its tasks use the other members
+};
+
+} // namespace retractor::ui

@@ -341,7 +341,7 @@ namespace plan_test {
         with_contact.contact = ContactMode::always;
         Patient patient(with_contact);
         Approach approach = test_support::block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), kLittle);
-        approach.sizing.corridor_edge_mm = 8.0; // contact of ten-node elements takes its time
+        approach.sizing.corridor_edge_mm = 10.0; // contact of ten-node elements takes its time
         std::vector<std::string> stages;
         Job job;
         job.on_progress = [&](std::string_view stage, double) { stages.emplace_back(stage); };

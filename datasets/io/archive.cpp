@@ -6,8 +6,10 @@
 #include <archive.h>
 #include <archive_entry.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdlib>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -162,6 +164,27 @@ void unpack_zip(const fs::path& archive_file, const fs::path& folder, const Job&
         counter.add_file();
         unpack_file(reader.get(), file, counter, where, job);
     }
+}
+
+UnpackedArchive::UnpackedArchive(const fs::path& archive, const Job& job)
+{
+    std::string name = (fs::temp_directory_path() / "retractor-study-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr)
+        throw IoError("cannot make a folder for the archive's files", fs::temp_directory_path().string());
+    folder_ = name;
+    try {
+        unpack_zip(archive, folder_, job);
+    } catch (...) {
+        std::error_code ignored;
+        fs::remove_all(folder_, ignored);
+        throw;
+    }
+}
+
+UnpackedArchive::~UnpackedArchive()
+{
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
 }
 
 } // namespace retractor::datasets

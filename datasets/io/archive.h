@@ -27,4 +27,19 @@ struct UnpackLimits {
 void unpack_zip(const std::filesystem::path& archive, const std::filesystem::path& folder, const Job& job = {},
     const UnpackLimits& limits = {});
 
+/// The content of an archive in a temporary folder, which goes with this object.
+class UnpackedArchive {
+public:
+    /// @throws as unpack_zip() does
+    explicit UnpackedArchive(const std::filesystem::path& archive, const Job& job = {});
+    ~UnpackedArchive();
+    UnpackedArchive(const UnpackedArchive&) = delete;
+    UnpackedArchive& operator=(const UnpackedArchive&) = delete;
+
+    const std::filesystem::path& folder() const { return folder_; }
+
+private:
+    std::filesystem::path folder_;
+};
+
 } // namespace retractor::datasets

@@ -21,6 +21,7 @@ namespace retractor::planner {
 
 namespace {
 
+    constexpr double kLargestTurnDeg = 35.0; ///< a blade further from square to the skin is another incision
     constexpr double kPointSpacingMm = 6.0; ///< between incision points
     constexpr double kDepthMarginMm = 5.0; ///< distance of the blade's end beyond the thickest wall
     constexpr double kBeyondSternumMm = 10.0; ///< distance at both ends, so that the saw leaves the bone
@@ -121,16 +122,47 @@ namespace {
     }
 
     /// The blade must not fold over itself: its lower edge runs forwards everywhere.
-    void check_sweep(const Approach& approach)
+    /// @returns the first place on the skin below which the blade folds
+    std::optional<Vec3> fold_of(const Approach& approach)
     {
         for (std::size_t n = 0; n + 1 < approach.incision.size(); ++n) {
             const Vec3 step = approach.incision[n + 1] - approach.incision[n];
             const Vec3 below = step + approach.depth_mm * (approach.directions[n + 1] - approach.directions[n]);
             if (!(below.dot(step) > 0.0))
-                throw InputError("the blade folds over itself " + in_words(approach.depth_mm)
-                    + " mm below the skin near " + in_words(approach.incision[n])
-                    + ": the skin bends too sharply there for this depth");
+                return approach.incision[n];
         }
+        return std::nullopt;
+    }
+
+    void check_sweep(const Approach& approach)
+    {
+        if (const std::optional<Vec3> fold = fold_of(approach))
+            throw InputError("the blade folds over itself " + in_words(approach.depth_mm) + " mm below the skin near "
+                + in_words(*fold) + ": the skin bends too sharply there for this depth");
+    }
+
+    /// Unit directions square to the incision, turned from `inward` towards their common mean.
+    /// @param share 0: as they are, 1: as near to the mean as they can be
+    std::vector<Vec3> blade_directions(const std::vector<Vec3>& inward, const std::vector<Vec3>& along, double share)
+    {
+        Vec3 mean = Vec3::Zero();
+        for (const Vec3& direction : inward)
+            mean += direction;
+        mean.normalize();
+        std::vector<Vec3> directions;
+        for (std::size_t n = 0; n < inward.size(); ++n) {
+            const Vec3 turned = (1.0 - share) * inward[n] + share * mean;
+            directions.push_back((turned - along[n].dot(turned) * along[n]).normalized());
+        }
+        return directions;
+    }
+
+    double largest_turn_deg(const std::vector<Vec3>& from, const std::vector<Vec3>& to)
+    {
+        double largest = 0.0;
+        for (std::size_t n = 0; n < from.size(); ++n)
+            largest = std::max(largest, std::acos(std::clamp(from[n].dot(to[n]), -1.0, 1.0)));
+        return largest * 180.0 / std::numbers::pi;
     }
 
     /// Name of a point for people: the index 2 gives "point 3".
@@ -609,20 +641,28 @@ PointsApproach approach_from_points(const mesh::LabelVolume& labels, const std::
     for (const Vec3& point : approach.incision)
         inward.push_back(-probe.skin_normal(point, 30.0));
     inward = smoothed(inward, 1.5);
-    const std::vector<Vec3> along = tangents(approach.incision);
-    for (std::size_t n = 0; n < inward.size(); ++n)
-        approach.directions.push_back((inward[n] - along[n].dot(inward[n]) * along[n]).normalized());
-
+    const std::vector<Vec3> along = tangents(approach.incision), square = blade_directions(inward, along, 0.0);
+    // Where the skin bends sharply, a deep blade square to it would fold over itself. A surgeon holds it straighter.
+    std::size_t omitted = 0;
+    double turned_deg = 0.0;
+    for (const double share : { 0.0, 0.25, 0.5, 0.75, 1.0 }) {
+        approach.directions = blade_directions(inward, along, share);
+        turned_deg = largest_turn_deg(square, approach.directions);
+        approach.depth_mm = depth_mm;
+        if (!(depth_mm > 0.0))
+            omitted = measure_wall(probe, approach);
+        if (!fold_of(approach) || turned_deg > kLargestTurnDeg)
+            break;
+    }
     const double farthest = *std::max_element(result.moved_mm.begin(), result.moved_mm.end());
     approach.rationale = "Incision through " + std::to_string(points.size())
-        + " given points, put on the skin (moved by at most " + in_words(farthest, 1)
-        + " mm), blade square to the skin.";
-    if (depth_mm > 0.0)
-        approach.depth_mm = depth_mm;
-    else {
-        const std::size_t omitted = measure_wall(probe, approach);
+        + " given points, put on the skin (moved by at most " + in_words(farthest, 1) + " mm), blade square to the skin"
+        + (turned_deg > 0.0
+                ? " but for up to " + in_words(turned_deg) + " degrees, by which it is straightened so as not to fold over "
+                    "itself."
+                : ".");
+    if (!(depth_mm > 0.0))
         approach.rationale += wall_words(approach, omitted);
-    }
     approach.uncut_labels = bone_names(labels.table);
     check_sweep(approach);
     check_crossing(approach, points, given);

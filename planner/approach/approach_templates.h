@@ -50,7 +50,9 @@ struct PointsApproach {
     std::vector<double> moved_mm; ///< distance of each given point from the skin
 };
 
-/// Makes an incision through the given points, which are moved onto the skin. The blade goes in square to the skin.
+/// Makes an incision through the given points, which are moved onto the skin. The blade goes in square to the skin. Where
+/// the skin bends so sharply that the blade would fold over itself, its directions are turned towards their mean, as far
+/// as needed and by at most 35 degrees.
 /// @param depth_mm depth of the blade; 0: through the wall, as measured
 /// @throws InputError when a point is more than `reach_mm` from the skin, or when no cavity lies behind the wall and no
 /// depth is given

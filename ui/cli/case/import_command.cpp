@@ -3,6 +3,8 @@
 #include "ui/cli/framework/number_range.h"
 #include "ui/cli/framework/out_folder.h"
 
+#include "datasets/dicom/study_search.h"
+#include "datasets/io/archive.h"
 #include "datasets/labels/label_presets.h"
 #include "mesh/base/error.h"
 #include "planner/case/case_io.h"
@@ -111,21 +113,69 @@ namespace {
         }
     }
 
-    Outcome list_series(const ImportOptions& options)
+    /// The images of an archive, or of a folder with its subfolders.
+    struct Images {
+        std::unique_ptr<const datasets::UnpackedArchive> unpacked; ///< null: the input is no archive
+        fs::path ct;
+        std::string series;
+    };
+
+    /// The series of the study with the wished UID, number, or place in the list ("#2").
+    const datasets::StudySeries& wished_series(const std::vector<datasets::StudySeries>& study, const std::string& wish)
+    {
+        if (wish.empty())
+            return study.front();
+        for (std::size_t n = 0; n < study.size(); ++n)
+            if (wish == study[n].series.uid || wish == study[n].series.number || wish == "#" + std::to_string(n + 1))
+                return study[n];
+        throw InputError("no series is named \"" + wish + "\"; see --list-series", "--series");
+    }
+
+    /// Whether a folder holds images itself, and not only in its subfolders, as a disc does.
+    bool holds_series(const fs::path& folder)
+    {
+        try {
+            return !datasets::list_dicom_series(folder).empty();
+        } catch (const InputError&) {
+            return false;
+        }
+    }
+
+    Images images_of(const ImportOptions& options, const Job& job)
+    {
+        Images images { .unpacked = nullptr, .ct = options.input, .series = options.series };
+        if (!fs::is_directory(images.ct)) {
+            if (!datasets::is_zip_archive(images.ct))
+                return images;
+            images.unpacked = std::make_unique<const datasets::UnpackedArchive>(images.ct, job);
+            images.ct = images.unpacked->folder();
+        }
+        if (holds_series(images.ct))
+            return images;
+        const std::vector<datasets::StudySeries> study = datasets::find_study_series(images.ct, job);
+        refuse_if_cancelled(job);
+        const datasets::StudySeries& chosen = wished_series(study, options.series);
+        images.ct = chosen.path;
+        images.series = chosen.series.uid;
+        return images;
+    }
+
+    Outcome list_series(const ImportOptions& options, const Job& job)
     {
         if (!options.labels.empty() || options.autosegment || !options.out.empty())
             throw InputError("only lists the series of a folder: omit the other options", "--list-series");
-        if (!fs::is_directory(options.input))
-            throw InputError("is not a folder of DICOM files", options.input);
-        std::vector<datasets::DicomSeries> series;
-        try {
-            series = datasets::list_dicom_series(options.input);
-        } catch (const Error&) {
-            datasets::rethrow_without_identity(options.input);
+        std::unique_ptr<const datasets::UnpackedArchive> unpacked;
+        fs::path folder = options.input;
+        if (!fs::is_directory(folder)) {
+            if (!datasets::is_zip_archive(folder))
+                throw InputError("is neither a folder of DICOM files nor a ZIP archive", options.input);
+            unpacked = std::make_unique<const datasets::UnpackedArchive>(folder, job);
+            folder = unpacked->folder();
         }
-        const std::vector<datasets::PatientIdentity> identities = datasets::dicom_identities(options.input);
-        for (datasets::DicomSeries& s : series)
-            s.description = datasets::without_identity(s.description, identities);
+        std::vector<datasets::DicomSeries> series;
+        for (datasets::StudySeries& found : datasets::find_study_series(folder, job))
+            series.push_back(std::move(found.series));
+        refuse_if_cancelled(job);
         Outcome outcome;
         outcome.document["series"] = series_document(series);
         outcome.text = series_text(series);
@@ -148,12 +198,16 @@ namespace {
     Outcome import_images(const ImportOptions& options, const Job& job)
     {
         if (options.list_series)
-            return list_series(options);
+            return list_series(options, job);
         check_out(options);
         const fs::path case_file = options.out;
         if (!options.replace)
             refuse_to_replace_approaches(case_file);
-        planner::ImportedCase imported = planner::read_import(request_of(options), job);
+        const Images images = images_of(options, job);
+        planner::ImportRequest request = request_of(options);
+        request.ct = images.ct;
+        request.series = images.series;
+        planner::ImportedCase imported = planner::read_import(request, job);
         refuse_if_cancelled(job);
         if (const auto warning = planner::identity_warning(options.input, case_file))
             imported.warnings.push_back(*warning);
@@ -195,11 +249,11 @@ void add_import_command(Commands& commands)
 {
     auto options = std::make_shared<ImportOptions>();
     CLI::App* command = commands.app.add_subcommand("import",
-        "Make a case from a CT (DICOM folder, NIfTI, NRRD, MetaImage, VTI) and its labels, or find the labels in the "
-        "CT");
+        "Make a case from a CT (DICOM folder, disc or ZIP archive, NIfTI, NRRD, MetaImage, VTI) and its labels, or find "
+        "the labels in the CT");
     command->footer("Example: retractor import patient/ct --labels patient/labels.nrrd --out patient/case.json\n"
                     "         retractor import patient/ct --autosegment --out patient/case.json");
-    command->add_option("input", options->input, "DICOM folder, or an image file")
+    command->add_option("input", options->input, "DICOM folder or disc (subfolders are searched), ZIP archive, or an image file")
         ->required()
         ->check(CLI::ExistingPath);
     command

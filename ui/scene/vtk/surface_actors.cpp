@@ -3,6 +3,8 @@
 #include "ui/scene/vtk/poly_data.h"
 #include "ui/scene/vtk/surface_shader.h"
 
+#include <Eigen/Core>
+
 #include <vtkActor.h>
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
@@ -17,7 +19,9 @@
 #include <vtkProperty.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <map>
 #include <utility>
 
@@ -28,6 +32,58 @@ namespace {
     /// Edges sharper than this angle stay sharp: a lip against the skin, the cut end of a bone.
     constexpr double kFeatureAngleDeg = 40.0;
     constexpr const char* kPartArray = "part";
+    /// Normals are averaged over these radii, so that voxels and slices of the image do not show as rings in the shading.
+    /// The skin is smooth over wide areas; ribs and vessels are not.
+    constexpr double kSkinShadingMm = 7.0, kOrganShadingMm = 2.5;
+    constexpr int kMostRounds = 40; ///< of averaging; more would take long and change little
+
+    double mean_edge(vtkPolyData& data)
+    {
+        double sum = 0.0;
+        auto corners = vtkSmartPointer<vtkIdList>::New();
+        std::array<double, 3> a {}, b {};
+        constexpr vtkIdType kSample = 2000; // triangles, evenly chosen
+        const vtkIdType step = std::max<vtkIdType>(1, data.GetNumberOfCells() / kSample);
+        int count = 0;
+        for (vtkIdType c = 0; c < data.GetNumberOfCells(); c += step) {
+            data.GetCellPoints(c, corners);
+            data.GetPoint(corners->GetId(0), a.data());
+            data.GetPoint(corners->GetId(1), b.data());
+            sum += std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+            ++count;
+        }
+        return count > 0 ? sum / count : 0.0;
+    }
+
+    /// Averages the normals over about `radius_mm`. Points on sharp edges are double, and each half keeps to its side.
+    void smooth_normals(vtkPolyData& data, double radius_mm)
+    {
+        data.BuildCells();
+        auto* normals = vtkFloatArray::SafeDownCast(data.GetPointData()->GetNormals());
+        const double edge = mean_edge(data);
+        if (normals == nullptr || !(edge > 0.0))
+            return;
+        const int rounds = std::min(kMostRounds, static_cast<int>(std::lround(std::pow(radius_mm / edge, 2))));
+        std::vector<std::array<vtkIdType, 3>> triangles(static_cast<std::size_t>(data.GetNumberOfCells()));
+        auto corners = vtkSmartPointer<vtkIdList>::New();
+        for (vtkIdType c = 0; c < data.GetNumberOfCells(); ++c) {
+            data.GetCellPoints(c, corners);
+            triangles[static_cast<std::size_t>(c)] = { corners->GetId(0), corners->GetId(1), corners->GetId(2) };
+        }
+        Eigen::Map<Eigen::Matrix<float, 3, Eigen::Dynamic>> now(
+            normals->GetPointer(0), 3, static_cast<Eigen::Index>(data.GetNumberOfPoints()));
+        Eigen::Matrix<float, 3, Eigen::Dynamic> next(3, now.cols());
+        for (int round = 0; round < rounds; ++round) {
+            next = now; // a point without triangles keeps its normal
+            for (const auto& t : triangles) {
+                const Eigen::Vector3f sum = now.col(t[0]) + now.col(t[1]) + now.col(t[2]);
+                for (const vtkIdType point : t)
+                    next.col(point) += sum;
+            }
+            next.colwise().normalize();
+            now = next;
+        }
+    }
 
     vtkSmartPointer<vtkPolyData> with_normals(vtkPolyData* data)
     {
@@ -123,6 +179,8 @@ std::vector<vtkSmartPointer<vtkActor>> surface_actors(const SurfaceItem& item)
     const std::vector<Look> looks = mark_parts(*whole, item);
     if (item.smooth)
         whole = with_normals(whole);
+    if (item.smooth && item.look.finish != Finish::metal)
+        smooth_normals(*whole, item.look.finish == Finish::skin ? kSkinShadingMm : kOrganShadingMm);
     whole->BuildCells();
     for (std::size_t i = 0; i < looks.size(); ++i) {
         const vtkSmartPointer<vtkPolyData> part = looks.size() == 1 ? whole : part_of(*whole, static_cast<int>(i));

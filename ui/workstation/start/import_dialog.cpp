@@ -41,7 +41,10 @@ namespace {
     fs::path proposed_folder(const fs::path& study)
     {
         const fs::path named = study.has_filename() ? study : study.parent_path();
-        return free_case_folder(named.has_stem() ? named.stem().string() : "case");
+        fs::path name = named.filename();
+        while (name.has_extension() && name.has_stem())
+            name = name.stem(); // "chest.nii.gz"
+        return free_case_folder(name.empty() ? "case" : name.string());
     }
 
     QString in_lines(const QString& head, const std::vector<std::string>& lines)

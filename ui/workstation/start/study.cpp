@@ -2,11 +2,8 @@
 
 #include "datasets/dicom/dicom_identity.h"
 #include "datasets/dicom/study_search.h"
-#include "datasets/io/archive.h"
 #include "datasets/io/volume_io.h"
 #include "mesh/base/error.h"
-
-#include <QTemporaryDir>
 
 #include <algorithm>
 #include <cctype>
@@ -130,13 +127,8 @@ Study read_study(const fs::path& path, const Job& job)
         throw IoError("there is no such file or folder", path.string());
     fs::path images = path;
     if (fs::is_regular_file(path, code) && datasets::is_zip_archive(path)) {
-        study.unpacked = std::make_shared<QTemporaryDir>();
-        if (!study.unpacked->isValid())
-            throw IoError(
-                "cannot make a folder for the archive's files: " + study.unpacked->errorString().toStdString(),
-                path.string());
-        images = study.unpacked->path().toStdString();
-        datasets::unpack_zip(path, images, job);
+        study.unpacked = std::make_shared<const datasets::UnpackedArchive>(path, job);
+        images = study.unpacked->folder();
     }
     if (!job.cancelled())
         study.images = images_in(images, job);

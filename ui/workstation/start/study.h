@@ -1,6 +1,7 @@
 #pragma once
 // A study that may be imported: what images a folder, an archive or a file holds, with a small picture of each series.
 
+#include "datasets/io/archive.h"
 #include "mesh/base/job.h"
 #include "mesh/image/volume.h"
 
@@ -10,8 +11,6 @@
 #include <filesystem>
 #include <memory>
 #include <vector>
-
-class QTemporaryDir;
 
 namespace retractor::ui {
 
@@ -26,7 +25,8 @@ struct StudyImage {
 struct Study {
     std::filesystem::path path;
     std::vector<StudyImage> images; ///< the likeliest first
-    std::shared_ptr<QTemporaryDir> unpacked; ///< of an archive; its files live as long as the study
+    /// The files of an archive, which live as long as the study.
+    std::shared_ptr<const datasets::UnpackedArchive> unpacked;
 };
 
 /// Looks through a folder with its subfolders, a ZIP archive, a DICOM file, a DICOMDIR (its folder is searched) or an

@@ -170,4 +170,11 @@ std::string surgical_name(const Approach& approach)
     return "Drawn incision";
 }
 
+std::string spoken_name(const Approach& approach)
+{
+    std::string usual = approach.template_name == "points" ? "drawn" : approach.template_name;
+    std::replace(usual.begin(), usual.end(), ':', '_');
+    return approach.name == usual ? surgical_name(approach) : approach.name;
+}
+
 } // namespace retractor::planner

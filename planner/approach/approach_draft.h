@@ -60,4 +60,7 @@ std::string free_approach_name(const Case& planned_case, const std::string& name
 /// The approach as surgeons call it: "Median sternotomy", "Left thoracotomy, 4th space".
 std::string surgical_name(const Approach& approach);
 
+/// The name for people: the surgical name, where the approach has no name of its own.
+std::string spoken_name(const Approach& approach);
+
 } // namespace retractor::planner

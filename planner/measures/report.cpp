@@ -13,6 +13,7 @@
 #include "planner/measures/region_text.h"
 #include "planner/measures/rupture.h"
 #include "planner/measures/tissue_values.h"
+#include "planner/measures/verdict.h"
 #include "planner/measures/volume_failures.h"
 #include "planner/wall/wall_tension.h"
 
@@ -35,6 +36,10 @@ h1 { font-size: 26px; margin: 8px 0; } h2 { font-size: 21px; margin: 36px 0 8px;
 table { border-collapse: collapse; background: #fff; width: 100%; }
 th, td { border: 1px solid #d3dce4; padding: 6px 10px; text-align: right; } th:first-child, td:first-child { text-align: left; }
 thead th { background: #e6ecf1; } .best { font-weight: 700; color: #0a6b3d; } .bad { color: #a61b1b; font-weight: 700; } .caution { color: #8a5a00; }
+.verdict { background: #fff; border-left: 10px solid #9aa5af; padding: 10px 14px; font-size: 18px; }
+.verdict::before { font-weight: 700; margin-right: 8px; } .verdict.clear { border-color: #2f8f5b; } .verdict.clear::before { content: "No objection."; }
+.verdict.watch { border-color: #d99a00; } .verdict.watch::before { content: "Caution."; } .verdict.injury { border-color: #b3261e; } .verdict.injury::before { content: "Objection."; }
+.verdict.unknown::before { content: "Not usable."; }
 .words td, .materials td:last-child { text-align: left; } .words td:first-child { width: 16em; } .materials { margin-top: 10px; font-size: 14px; }
 figure { margin: 0; background: #fff; border: 1px solid #d3dce4; } figure img { width: 100%; display: block; }
 figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
@@ -64,6 +69,22 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             }
         }
         return out;
+    }
+
+    /// Colours of the light, and a word for those who do not tell colours apart.
+    std::string_view light_class(Light light)
+    {
+        switch (light) {
+        case Light::clear:
+            return "clear";
+        case Light::caution:
+            return "watch";
+        case Light::injury:
+            return "injury";
+        case Light::unknown:
+            break;
+        }
+        return "unknown";
     }
 
     std::string percent(double fraction) { return in_words(100.0 * fraction, 1) + " %"; }
@@ -455,6 +476,11 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
     void write_field(std::ostream& out, const Report& report, const FieldMetrics& field)
     {
         out << "<h2>" << escaped(field.name) << "</h2>";
+        const Verdict verdict = verdict_of(field);
+        out << "<p class=\"verdict " << light_class(verdict.light) << "\">";
+        for (const std::string& sentence : verdict.sentences)
+            out << escaped(sentence) << ' ';
+        out << "</p>";
         if (const std::string failed = volume_failure_text(field); !failed.empty())
             out << "<p class=\"notice" << (keeps_volume(field) ? "" : " bad") << "\">" << escaped(field.name) << " "
                 << escaped(failed) << ".</p>";

@@ -4,6 +4,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
 #include "mesh/surface/wound_surface.h"
+#include "planner/approach/approach_draft.h"
 #include "planner/measures/metrics.h"
 #include "planner/measures/volume_failures.h"
 #include "planner/plan/wound_view.h"
@@ -268,7 +269,7 @@ std::map<Label, std::string> label_names(const planner::Case& planned_case)
 Scene surgeon_scene(planner::Patient& patient, const planner::PlannedField& field)
 {
     Scene scene = field_scene(patient, field);
-    scene.title = field.approach.name + ": through the incision";
+    scene.title = planner::spoken_name(field.approach) + ": through the incision";
     scene.camera.eye = field.best_eye.eye;
     scene.camera.aim = field.best_eye.aim;
     scene.camera.up = up_for(patient.frame(), field.best_eye.eye - field.best_eye.aim);
@@ -281,7 +282,7 @@ Scene surgeon_scene(planner::Patient& patient, const planner::PlannedField& fiel
 Scene overview_scene(planner::Patient& patient, const planner::PlannedField& field)
 {
     Scene scene = field_scene(patient, field);
-    scene.title = field.approach.name + ": overview";
+    scene.title = planner::spoken_name(field.approach) + ": overview";
     scene.camera = outside_camera(patient, field.approach);
     return scene;
 }
@@ -437,7 +438,7 @@ std::vector<Scene> patient_slices(planner::Patient& patient)
 Scene planning_scene(planner::Patient& patient, const planner::Approach& approach)
 {
     Scene scene;
-    scene.title = approach.name + ": planned incision";
+    scene.title = planner::spoken_name(approach) + ": planned incision";
     SurfaceItem body;
     body.name = "body";
     body.mesh = patient.body();
@@ -453,7 +454,7 @@ Scene planning_scene(planner::Patient& patient, const planner::Approach& approac
 Scene knife_surroundings(planner::Patient& patient, const planner::Approach& approach)
 {
     Scene scene;
-    scene.title = approach.name + ": by hand";
+    scene.title = planner::spoken_name(approach) + ": by hand";
     scene.surfaces.push_back(target_item(patient, approach.target));
     SurfaceItem glow = scene.surfaces.back();
     glow.name += " behind the wall";

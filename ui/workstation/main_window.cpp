@@ -166,7 +166,7 @@ void MainWindow::make_panes()
     panes->addWidget(tabs_);
     panes->setHandleWidth(2);
     panes->setChildrenCollapsible(false);
-    panes->setSizes({ 230, 750, 300 });
+    panes->setSizes({ 256, 724, 300 });
     panes->setStretchFactor(0, 0);
     panes->setStretchFactor(1, 1);
     panes->setStretchFactor(2, 0);

@@ -119,6 +119,10 @@ namespace approach_draft_test {
         Approach approach;
         approach.template_name = "median";
         EXPECT_EQ(surgical_name(approach), "Median sternotomy");
+        approach.name = "median";
+        EXPECT_EQ(spoken_name(approach), "Median sternotomy");
+        approach.name = "second plan";
+        EXPECT_EQ(spoken_name(approach), "second plan");
         approach.template_name = "intercostal:4";
         EXPECT_EQ(surgical_name(approach), "Thoracotomy, 4th space");
         approach.template_name = "intercostal:3";

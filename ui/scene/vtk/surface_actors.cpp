@@ -32,56 +32,76 @@ namespace {
     /// Edges sharper than this angle stay sharp: a lip against the skin, the cut end of a bone.
     constexpr double kFeatureAngleDeg = 40.0;
     constexpr const char* kPartArray = "part";
-    /// Normals are averaged over these radii, so that voxels and slices of the image do not show as rings in the shading.
-    /// The skin is smooth over wide areas; ribs and vessels are not.
+    /// Normals are averaged over these radii, so that voxels and slices of the image do not show as rings in the
+    /// shading. The skin is smooth over wide areas; ribs and vessels are not.
     constexpr double kSkinShadingMm = 7.0, kOrganShadingMm = 2.5;
     constexpr int kMostRounds = 40; ///< of averaging; more would take long and change little
 
-    double mean_edge(vtkPolyData& data)
+    double shading_radius(const Look& look)
     {
-        double sum = 0.0;
-        auto corners = vtkSmartPointer<vtkIdList>::New();
-        std::array<double, 3> a {}, b {};
-        constexpr vtkIdType kSample = 2000; // triangles, evenly chosen
-        const vtkIdType step = std::max<vtkIdType>(1, data.GetNumberOfCells() / kSample);
-        int count = 0;
-        for (vtkIdType c = 0; c < data.GetNumberOfCells(); c += step) {
-            data.GetCellPoints(c, corners);
-            data.GetPoint(corners->GetId(0), a.data());
-            data.GetPoint(corners->GetId(1), b.data());
-            sum += std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-            ++count;
-        }
-        return count > 0 ? sum / count : 0.0;
+        if (look.finish == Finish::metal || look.finish == Finish::unlit)
+            return 0.0;
+        return look.finish == Finish::skin ? kSkinShadingMm : kOrganShadingMm;
     }
 
-    /// Averages the normals over about `radius_mm`. Points on sharp edges are double, and each half keeps to its side.
-    void smooth_normals(vtkPolyData& data, double radius_mm)
+    using Triangles = std::vector<std::array<vtkIdType, 3>>;
+
+    Triangles triangles_of(vtkPolyData& data)
     {
         data.BuildCells();
-        auto* normals = vtkFloatArray::SafeDownCast(data.GetPointData()->GetNormals());
-        const double edge = mean_edge(data);
-        if (normals == nullptr || !(edge > 0.0))
-            return;
-        const int rounds = std::min(kMostRounds, static_cast<int>(std::lround(std::pow(radius_mm / edge, 2))));
-        std::vector<std::array<vtkIdType, 3>> triangles(static_cast<std::size_t>(data.GetNumberOfCells()));
+        Triangles triangles(static_cast<std::size_t>(data.GetNumberOfCells()));
         auto corners = vtkSmartPointer<vtkIdList>::New();
         for (vtkIdType c = 0; c < data.GetNumberOfCells(); ++c) {
             data.GetCellPoints(c, corners);
             triangles[static_cast<std::size_t>(c)] = { corners->GetId(0), corners->GetId(1), corners->GetId(2) };
         }
+        return triangles;
+    }
+
+    /// How often the normal of each point is averaged with its neighbours' to cover the radius of its look: a walk of n
+    /// edges comes sqrt(n) edges far. Large triangles are not made of voxels, and hardly averaged.
+    /// @param radius_mm of each triangle
+    std::vector<int> rounds_of(vtkPolyData& data, const Triangles& triangles, const std::vector<double>& radius_mm)
+    {
+        const auto points = static_cast<std::size_t>(data.GetNumberOfPoints());
+        std::vector<double> edges(points, 0.0), radius(points, kSkinShadingMm);
+        std::vector<int> count(points, 0), rounds(points, 0);
+        const auto at = [&](vtkIdType point) { return Eigen::Vector3d(data.GetPoint(point)); };
+        for (std::size_t t = 0; t < triangles.size(); ++t)
+            for (std::size_t k = 0; k < 3; ++k) {
+                const auto a = static_cast<std::size_t>(triangles[t][k]);
+                edges[a] += (at(triangles[t][k]) - at(triangles[t][(k + 1) % 3])).norm();
+                ++count[a];
+                radius[a] = std::min(radius[a], radius_mm[t]);
+            }
+        for (std::size_t p = 0; p < points; ++p)
+            if (edges[p] > 0.0)
+                rounds[p] = std::min(
+                    kMostRounds, static_cast<int>(std::lround(std::pow(radius[p] * count[p] / edges[p], 2))));
+        return rounds;
+    }
+
+    /// Averages the normals. Points on sharp edges are double, and each half keeps to its side.
+    void smooth_normals(vtkPolyData& data, const std::vector<double>& radius_mm)
+    {
+        auto* normals = vtkFloatArray::SafeDownCast(data.GetPointData()->GetNormals());
+        if (normals == nullptr)
+            return;
+        const Triangles triangles = triangles_of(data);
+        const std::vector<int> rounds = rounds_of(data, triangles, radius_mm);
         Eigen::Map<Eigen::Matrix<float, 3, Eigen::Dynamic>> now(
             normals->GetPointer(0), 3, static_cast<Eigen::Index>(data.GetNumberOfPoints()));
         Eigen::Matrix<float, 3, Eigen::Dynamic> next(3, now.cols());
-        for (int round = 0; round < rounds; ++round) {
-            next = now; // a point without triangles keeps its normal
+        for (int round = 0; round < *std::max_element(rounds.begin(), rounds.end()); ++round) {
+            next = now;
             for (const auto& t : triangles) {
                 const Eigen::Vector3f sum = now.col(t[0]) + now.col(t[1]) + now.col(t[2]);
                 for (const vtkIdType point : t)
                     next.col(point) += sum;
             }
-            next.colwise().normalize();
-            now = next;
+            for (Eigen::Index point = 0; point < now.cols(); ++point)
+                if (round < rounds[static_cast<std::size_t>(point)])
+                    now.col(point) = next.col(point).normalized();
         }
     }
 
@@ -168,6 +188,16 @@ namespace {
         return looks;
     }
 
+    /// The radius of shading for each triangle.
+    std::vector<double> shading_radii(vtkPolyData& whole, const std::vector<Look>& looks)
+    {
+        auto* parts = vtkIntArray::SafeDownCast(whole.GetCellData()->GetArray(kPartArray));
+        std::vector<double> radii;
+        for (vtkIdType c = 0; c < whole.GetNumberOfCells(); ++c)
+            radii.push_back(shading_radius(looks[static_cast<std::size_t>(parts->GetValue(c))]));
+        return radii;
+    }
+
 } // namespace
 
 std::vector<vtkSmartPointer<vtkActor>> surface_actors(const SurfaceItem& item)
@@ -179,8 +209,8 @@ std::vector<vtkSmartPointer<vtkActor>> surface_actors(const SurfaceItem& item)
     const std::vector<Look> looks = mark_parts(*whole, item);
     if (item.smooth)
         whole = with_normals(whole);
-    if (item.smooth && item.look.finish != Finish::metal)
-        smooth_normals(*whole, item.look.finish == Finish::skin ? kSkinShadingMm : kOrganShadingMm);
+    if (item.smooth)
+        smooth_normals(*whole, shading_radii(*whole, looks));
     whole->BuildCells();
     for (std::size_t i = 0; i < looks.size(); ++i) {
         const vtkSmartPointer<vtkPolyData> part = looks.size() == 1 ? whole : part_of(*whole, static_cast<int>(i));

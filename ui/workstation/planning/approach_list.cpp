@@ -1,5 +1,6 @@
 #include "ui/workstation/planning/approach_list.h"
 
+#include "planner/approach/approach_draft.h"
 #include "ui/workstation/planning/metric_rows.h"
 
 #include <QPainter>
@@ -83,7 +84,7 @@ namespace {
         case FieldStatus::cancelling:
             return QColor(0xe2, 0xb1, 0x3c);
         case FieldStatus::planned:
-            return state.field->warning.empty() ? QColor(0x4f, 0xb8, 0x6b) : QColor(0xe2, 0x7d, 0x3c);
+            return QColor(light_look(planner::verdict_of(state.field->metrics).light).color);
         case FieldStatus::failed:
             return QColor(0xdc, 0x52, 0x52);
         }
@@ -110,10 +111,10 @@ void ApproachList::show_model(const SessionModel& model)
     for (int row = 0; row < count(); ++row) {
         const auto index = static_cast<std::size_t>(row);
         const QString detail = detail_of(model, index);
-        item(row)->setText(QString::fromStdString(model.approach(index).name));
+        item(row)->setText(QString::fromStdString(planner::spoken_name(model.approach(index))));
         item(row)->setData(kDetailRole, detail);
         item(row)->setData(kColorRole, color_of(model.state(index)));
-        item(row)->setToolTip(detail);
+        item(row)->setToolTip(QString::fromStdString(model.approach(index).name) + ": " + detail);
     }
     setCurrentRow(model.selected() ? static_cast<int>(*model.selected()) : -1);
 }

@@ -220,8 +220,8 @@ namespace {
             seconds += time;
         MetricRow volume_ratio = metric_row(field, planner::metric_field("max_volume_ratio"));
         volume_ratio.warning = field.max_volume_ratio > kDoubtfulVolumeRatio;
-        MetricSection section { "Model",
-            {
+        MetricSection section { .title = "Technical",
+            .rows = {
                 { "Equilibrium", field.mechanics_status, "Whether the computation found the equilibrium.",
                     field.mechanics_status != "converged" },
                 { "Computed as", planner::solution_text(field.solution.choice),
@@ -231,7 +231,8 @@ namespace {
                     "Elements that turned inside out. The numbers near them are wrong.", field.inverted_elements > 0 },
                 volume_ratio,
                 { "Planning time", number(seconds, 1, "s"), {} },
-            } };
+            },
+            .technical = true };
         if (field.accuracy)
             for (const planner::AccuracyField& row : planner::accuracy_fields())
                 if (const auto value = row.of(*field.accuracy))
@@ -339,11 +340,26 @@ std::string field_summary(const planner::FieldMetrics& field)
     return text("seen_best_eye") + " seen, " + text("hook_force_N") + ", " + text("opening_area_mm2");
 }
 
+LightLook light_look(planner::Light light)
+{
+    switch (light) {
+    case planner::Light::clear:
+        return { "#3fa7a0", "No objection" };
+    case planner::Light::caution:
+        return { "#e6b422", "Caution" };
+    case planner::Light::injury:
+        return { "#d1495b", "Objection" };
+    case planner::Light::unknown:
+        break;
+    }
+    return { "#8b949c", "Not usable" };
+}
+
 std::string approach_summary(const planner::Approach& approach)
 {
-    return approach.template_name + ", " + number(planner::incision_length(approach), 0, "mm") + ", "
+    return number(planner::incision_length(approach), 0, "mm") + " long, "
         + (approach.retractor
-                ? "retractor " + planner::retractor_text(*approach.retractor)
+                ? planner::retractor_text(*approach.retractor)
                 : std::to_string(approach.hooks.size()) + (approach.hooks.size() == 1 ? " hook" : " hooks"));
 }
 

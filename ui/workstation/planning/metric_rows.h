@@ -3,6 +3,7 @@
 
 #include "planner/case/approach.h"
 #include "planner/measures/field_metrics.h"
+#include "planner/measures/verdict.h"
 
 #include <string>
 #include <vector>
@@ -18,6 +19,7 @@ struct MetricRow {
 struct MetricSection {
     std::string title;
     std::vector<MetricRow> rows;
+    bool technical = false; ///< about the computation; shown where it is asked for
 };
 
 /// The rows of a planned field.
@@ -27,5 +29,12 @@ std::vector<MetricSection> approach_rows(const planner::Approach& approach);
 /// One line for the list: "62 % seen, 41 N" for a planned field.
 std::string field_summary(const planner::FieldMetrics& field);
 std::string approach_summary(const planner::Approach& approach);
+
+/// The colour of a verdict's light as "#rrggbb", the same for those who do not tell red from green, and its word.
+struct LightLook {
+    const char* color;
+    const char* word;
+};
+LightLook light_look(planner::Light light);
 
 } // namespace retractor::ui

@@ -1,11 +1,13 @@
 #include "ui/workstation/planning/metrics_panel.h"
 #include "ui/workstation/view/theme.h"
 
+#include "planner/approach/approach_draft.h"
 #include "ui/workstation/planning/metric_rows.h"
 
 #include <QGridLayout>
 #include <QLabel>
 #include <QScrollBar>
+#include <QToolButton>
 #include <QVBoxLayout>
 
 namespace retractor::ui {
@@ -53,23 +55,53 @@ namespace {
 
     void add_headline(QVBoxLayout& column, const FieldPictures& field)
     {
-        const MetricSection sight = field_rows(field.metrics).front();
-        column.addWidget(label(sight.rows.at(1).value, "color: white;", 26.0, true));
-        column.addWidget(label("of " + field.metrics.target + " seen", kFaint));
-        if (!field.warning.empty())
-            column.addWidget(label(field.warning, kWarning));
+        const planner::Verdict verdict = planner::verdict_of(field.metrics);
+        const LightLook look = light_look(verdict.light);
+        column.addWidget(label(std::string("\u25cf  ") + look.word, QString("color: %1;").arg(look.color), 12.0, true));
+        std::string sentences;
+        for (const std::string& sentence : verdict.sentences)
+            sentences += (sentences.empty() ? "" : " ") + sentence;
+        column.addWidget(label(sentences, "color: white;", 11.0));
     }
 
     void add_planned(QVBoxLayout& column, const FieldPictures& field)
     {
         add_headline(column, field);
         for (const MetricSection& section : field_rows(field.metrics))
-            add_section(column, section);
+            if (!section.technical)
+                add_section(column, section);
         if (field.metrics.explanation.empty())
             return;
         column.addSpacing(10);
         column.addWidget(label("Why", "color: #7ab4e8;", 10.5, true));
         column.addWidget(label(field.metrics.explanation));
+    }
+
+    /// The sections about the computation, behind a button that opens them.
+    void add_technical(QVBoxLayout& column, const FieldPictures& field, bool& shown)
+    {
+        auto* button = new QToolButton;
+        button->setText("Technical");
+        button->setToolButtonStyle(Qt::ToolButtonTextBesideIcon);
+        button->setArrowType(shown ? Qt::DownArrow : Qt::RightArrow);
+        button->setFocusPolicy(Qt::NoFocus);
+        auto* details = new QWidget;
+        auto* rows = new QVBoxLayout(details);
+        rows->setContentsMargins(0, 0, 0, 0);
+        if (!field.warning.empty())
+            rows->addWidget(label(field.warning, kWarning));
+        for (const MetricSection& section : field_rows(field.metrics))
+            if (section.technical)
+                add_section(*rows, section);
+        details->setVisible(shown);
+        QObject::connect(button, &QToolButton::clicked, details, [button, details, &shown] {
+            shown = !shown;
+            details->setVisible(shown);
+            button->setArrowType(shown ? Qt::DownArrow : Qt::RightArrow);
+        });
+        column.addSpacing(10);
+        column.addWidget(button);
+        column.addWidget(details);
     }
 
     std::string state_in_words(FieldStatus status)
@@ -126,10 +158,11 @@ void MetricsPanel::show_model(const SessionModel* model)
     column->setSpacing(4);
     if (model != nullptr && model->selected()) {
         const std::size_t index = *model->selected();
-        column->addWidget(label(model->approach(index).name, "color: white;", 13.0, true));
-        if (model->state(index).field != nullptr)
+        column->addWidget(label(planner::spoken_name(model->approach(index)), "color: white;", 13.0, true));
+        if (model->state(index).field != nullptr) {
             add_planned(*column, *model->state(index).field);
-        else
+            add_technical(*column, *model->state(index).field, technical_shown_);
+        } else
             add_unplanned(*column, model->approach(index), model->state(index));
     } else if (model != nullptr) {
         column->addWidget(label(

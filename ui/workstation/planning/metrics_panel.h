@@ -13,6 +13,9 @@ public:
 
     /// Shows the selected approach; empty without a model or a selection.
     void show_model(const SessionModel* model);
+
+private:
+    bool technical_shown_ = false; ///< the numbers of the computation are open
 };
 
 } // namespace retractor::ui

@@ -562,7 +562,7 @@ namespace session_model_test {
         approach.hooks = { { .name = "left 1", .side = 1, .opening_mm = 30.0 } };
         EXPECT_EQ(row_of(approach_rows(approach), "Incision length").value, "60 mm");
         EXPECT_EQ(row_of(approach_rows(approach), "Hook left 1").value, "30 mm");
-        EXPECT_EQ(approach_summary(approach), "points, 60 mm, 1 hook");
+        EXPECT_EQ(approach_summary(approach), "60 mm long, 1 hook");
         approach.opening_protocol = planner::OpeningProtocol { .wait_s = 30.0 };
         EXPECT_EQ(row_of(approach_rows(approach), "Opened by").value, "half a turn of the crank (7 mm) every 30 s");
     }

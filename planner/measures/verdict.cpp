@@ -1,0 +1,184 @@
+#include "planner/measures/verdict.h"
+
+#include "mesh/base/text_format.h"
+#include "planner/case/opening_protocol.h"
+#include "planner/measures/ball_strain.h"
+#include "planner/measures/bones/bone_limits.h"
+#include "planner/measures/metrics.h"
+#include "planner/measures/region_text.h"
+#include "planner/measures/rupture.h"
+#include "planner/measures/volume_failures.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace retractor::planner {
+
+namespace {
+
+    constexpr double kNotSeen = 0.005; ///< a share that rounds to nothing
+    constexpr double kLittleSeen = 0.1; ///< ours: what is seen of a target hardly serves an operation
+    constexpr double kNearBreaking = 0.7; ///< utilisation; the capacities of tested ribs vary by about a third
+    constexpr double kWideInterval = 0.5; ///< half of the interval over the force: its first digit is in doubt
+
+    std::string capital(std::string text)
+    {
+        if (!text.empty() && text[0] >= 'a' && text[0] <= 'z')
+            text[0] = static_cast<char>(text[0] - 'a' + 'A');
+        return text;
+    }
+
+    void worsen(Light& light, Light to)
+    {
+        // Injury outweighs caution; nothing outweighs numbers that are not to be relied on.
+        if (static_cast<int>(to) > static_cast<int>(light))
+            light = to;
+    }
+
+    /// Why the numbers are not to be relied on; empty: they are.
+    std::string doubt(const FieldMetrics& field)
+    {
+        if (field.mechanics_status != "converged")
+            return "The wound could not be computed: do not use these numbers.";
+        if (field.inverted_elements > 0 || !is_believable(field))
+            return "The model fails near the wound: do not use these numbers.";
+        if (!field.implausible.empty())
+            return "The case holds numbers that no patient has: do not use the result.";
+        return {};
+    }
+
+    std::string sight_sentence(const FieldMetrics& field, Light& light)
+    {
+        const std::string target = readable(field.target);
+        if (field.seen_best_eye < kNotSeen) {
+            worsen(light, Light::injury);
+            return "The " + target + " is not seen.";
+        }
+        if (field.seen_best_eye < kLittleSeen)
+            worsen(light, Light::caution);
+        return "Shows " + two_digits(100.0 * field.seen_best_eye) + " % of the " + target + ".";
+    }
+
+    std::string opening_sentence(const FieldMetrics& field)
+    {
+        return field.retractor && field.retractor->opening_mm > 0.0
+            ? "Opens " + two_digits(field.retractor->opening_mm) + " mm."
+            : "Opens " + two_digits(field.opening_width_mm) + " mm wide.";
+    }
+
+    std::string force_sentence(const FieldMetrics& field, Light& light)
+    {
+        const bool has_moments = field.force_moments && field.force_moments->message.empty();
+        const double force = has_moments ? field.force_moments->peak_N : field.hook_force_N;
+        if (!(force > 0.0))
+            return {};
+        const ForceInterval interval = force_interval(field);
+        std::string text = (has_moments ? "Peak " : "Force ") + two_digits(force) + " N";
+        if (interval.is_known()) {
+            const double scale = field.hook_force_N > 0.0 ? force / field.hook_force_N : 1.0;
+            text += " (" + two_digits(scale * interval.low_N) + " to " + two_digits(scale * interval.high_N) + ")";
+            if (interval.high_N - interval.low_N > 2.0 * kWideInterval * field.hook_force_N)
+                worsen(light, Light::caution);
+        } else {
+            worsen(light, Light::caution); // how sure the number is, is not known
+        }
+        if (has_moments)
+            text += ", held " + two_digits(field.force_moments->held_N) + " N after "
+                + time_text(field.force_moments->hold_s);
+        return text + ".";
+    }
+
+    void add_bones(const FieldMetrics& field, Verdict& verdict)
+    {
+        for (const BoneMetrics& bone : field.bones) {
+            const std::string name = capital(bone_in_words(bone.name));
+            if (bone.opening_at_limit_mm) {
+                worsen(verdict.light, Light::injury);
+                verdict.sentences.push_back(
+                    name + " would break from " + two_digits(*bone.opening_at_limit_mm) + " mm on.");
+            } else if (bone.capacity_Nm && bone.utilisation > kNearBreaking) {
+                worsen(verdict.light, Light::caution);
+                verdict.sentences.push_back(name + " comes near breaking.");
+            }
+        }
+        if (field.bones.empty() && !field.bones_message.empty()) {
+            worsen(verdict.light, Light::caution);
+            verdict.sentences.emplace_back("Whether a bone would break is not known.");
+        }
+    }
+
+    void add_tissue(const FieldMetrics& field, Verdict& verdict)
+    {
+        for (const TissueStrain& tissue : field.tissue_strain)
+            if (may_tear(tissue)) {
+                worsen(verdict.light, would_tear(tissue) ? Light::injury : Light::caution);
+                verdict.sentences.push_back(
+                    capital(readable(tissue.tissue)) + (would_tear(tissue) ? " would tear." : " may tear."));
+            }
+        if (may_rupture(field)) {
+            worsen(verdict.light, Light::caution);
+            verdict.sentences.emplace_back("Tissue ruptured in half of such retractions in pigs.");
+        }
+        if (!piercing_text(field).empty())
+            verdict.sentences.emplace_back("Bone comes through the skin, which the model does not hinder.");
+        else if (is_region_too_small(field)) {
+            worsen(verdict.light, Light::caution);
+            verdict.sentences.emplace_back("Tissue still moves where the model ends: the force is less certain.");
+        }
+        for (const RiskDistance& risk : field.at_risk)
+            if (!(risk.distance_mm > 0.0)) {
+                worsen(verdict.light, Light::injury);
+                verdict.sentences.emplace_back("The blade cuts the " + readable(risk.name) + ".");
+            }
+    }
+
+} // namespace
+
+std::string two_digits(double value)
+{
+    if (!std::isfinite(value) || value == 0.0)
+        return in_words(value);
+    const int order = static_cast<int>(std::floor(std::log10(std::abs(value))));
+    const double step = std::pow(10.0, order - 1);
+    const double rounded = std::round(value / step) * step;
+    return in_words(rounded, std::abs(rounded) < 10.0 ? std::max(0, 1 - order) : 0);
+}
+
+ForceInterval force_interval(const FieldMetrics& field)
+{
+    const double force = field.hook_force_N;
+    const double mesh = field.error && field.error->message.empty() ? field.error->hook_force_N : 0.0;
+    double below = mesh, above = mesh;
+    if (field.parameters && field.parameters->message.empty()) {
+        below = std::hypot(below, std::max(0.0, force - field.parameters->force_low_N));
+        above = std::hypot(above, std::max(0.0, field.parameters->force_high_N - force));
+    }
+    return { std::max(0.0, force - below), force + above };
+}
+
+Verdict verdict_of(const FieldMetrics& field)
+{
+    Verdict verdict { .light = Light::clear, .sentences = {} };
+    if (const std::string why = doubt(field); !why.empty()) {
+        verdict.light = Light::unknown;
+        verdict.sentences.push_back(why);
+    }
+    if (field.attainable == Attainable::no && verdict.light == Light::clear) {
+        worsen(verdict.light, Light::injury);
+        verdict.sentences.emplace_back("This opening is not reached.");
+    }
+    add_bones(field, verdict);
+    add_tissue(field, verdict);
+    for (const std::string& estimated : field.estimated)
+        if (estimated == field.target) {
+            worsen(verdict.light, Light::caution);
+            verdict.sentences.emplace_back("The " + readable(field.target) + " is only estimated.");
+        }
+    verdict.sentences.push_back(sight_sentence(field, verdict.light));
+    verdict.sentences.push_back(opening_sentence(field));
+    if (const std::string force = force_sentence(field, verdict.light); !force.empty())
+        verdict.sentences.push_back(force);
+    return verdict;
+}
+
+} // namespace retractor::planner

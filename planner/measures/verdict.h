@@ -1,0 +1,40 @@
+#pragma once
+// A planned field in one sentence or two, and a light: what it means for use. The words are a surgeon's, the numbers
+// have two digits.
+
+#include "planner/measures/field_metrics.h"
+
+#include <string>
+#include <vector>
+
+namespace retractor::planner {
+
+enum class Light {
+    clear, ///< nothing found that speaks against this field
+    caution, ///< read the sentences before this field is used
+    injury, ///< something breaks, tears, or the opening is not reached; or the target is not seen
+    unknown, ///< the numbers are not to be relied on
+};
+
+struct Verdict {
+    Light light = Light::unknown;
+    std::vector<std::string> sentences; ///< the worst first
+};
+
+/// The light is `unknown` where the computation found no equilibrium, elements are inverted, soft tissue does not keep
+/// its volume, or an implausible number was accepted. It is never `clear` beside an impossible number.
+/// @pre set_attainable() was called
+Verdict verdict_of(const FieldMetrics& field);
+
+/// The interval of the force from the mesh (ErrorBars) and from the tissue values (ParameterInterval), added as
+/// independent errors are; equal ends where neither is known.
+struct ForceInterval {
+    double low_N = 0.0, high_N = 0.0;
+    bool is_known() const { return high_N > low_N; }
+};
+ForceInterval force_interval(const FieldMetrics& field);
+
+/// "0.34" as 34, "1234" as 1200: two significant digits, and no digits behind the point from 10 on.
+std::string two_digits(double value);
+
+} // namespace retractor::planner

@@ -1,0 +1,143 @@
+#include "planner/measures/verdict.h"
+
+#include "planner/measures/bones/bone_limits.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace retractor::planner {
+namespace verdict_test {
+
+    /// A field against which nothing speaks.
+    FieldMetrics good_field()
+    {
+        FieldMetrics field;
+        field.target = "left_atrium";
+        field.seen_best_eye = 0.337;
+        field.mechanics_status = "converged";
+        field.attainable = Attainable::yes;
+        field.opening_width_mm = 47.6;
+        field.hook_force_N = 80.0;
+        field.error.emplace();
+        field.error->hook_force_N = 12.0;
+        field.region.rim_motion_mm = 0.2;
+        return field;
+    }
+
+    bool says(const Verdict& verdict, const std::string& sentence)
+    {
+        return std::ranges::find(verdict.sentences, sentence) != verdict.sentences.end();
+    }
+
+    TEST(Verdict, NumbersHaveTwoDigits)
+    {
+        EXPECT_EQ(two_digits(0.0), "0");
+        EXPECT_EQ(two_digits(0.0347), "0.035");
+        EXPECT_EQ(two_digits(3.449), "3.4");
+        EXPECT_EQ(two_digits(9.96), "10");
+        EXPECT_EQ(two_digits(47.6), "48");
+        EXPECT_EQ(two_digits(213.0), "210");
+        EXPECT_EQ(two_digits(-1267.0), "-1300");
+    }
+
+    TEST(Verdict, AGoodFieldIsToldInThreeSentences)
+    {
+        const Verdict verdict = verdict_of(good_field());
+        EXPECT_EQ(verdict.light, Light::clear);
+        EXPECT_TRUE(says(verdict, "Shows 34 % of the left atrium."));
+        EXPECT_TRUE(says(verdict, "Opens 48 mm wide."));
+        EXPECT_TRUE(says(verdict, "Force 80 N (68 to 92)."));
+        EXPECT_EQ(verdict.sentences.size(), 3U);
+    }
+
+    TEST(Verdict, TheForceHasBothIntervals)
+    {
+        FieldMetrics field = good_field();
+        field.parameters = ParameterInterval {};
+        field.parameters->force_low_N = 64.0;
+        field.parameters->force_high_N = 100.0;
+        const ForceInterval interval = force_interval(field);
+        EXPECT_NEAR(interval.low_N, 80.0 - std::hypot(12.0, 16.0), 1e-12);
+        EXPECT_NEAR(interval.high_N, 80.0 + std::hypot(12.0, 20.0), 1e-12);
+        field.force_moments = ForceMoments { .message = {}, .peak_N = 160.0, .held_N = 70.0, .hold_s = 1800.0 };
+        const Verdict verdict = verdict_of(field);
+        EXPECT_TRUE(std::ranges::any_of(verdict.sentences, [](const std::string& sentence) {
+            return sentence.starts_with("Peak 160 N (120 to 210), held 70 N after ");
+        })) << verdict.sentences.back();
+    }
+
+    TEST(Verdict, AForceOfUnknownOrWideIntervalIsACaution)
+    {
+        FieldMetrics field = good_field();
+        field.error.reset();
+        EXPECT_EQ(verdict_of(field).light, Light::caution);
+        EXPECT_TRUE(says(verdict_of(field), "Force 80 N."));
+        field.error.emplace();
+        field.error->hook_force_N = 50.0;
+        EXPECT_EQ(verdict_of(field).light, Light::caution);
+    }
+
+    TEST(Verdict, WhatBreaksOrTearsComesFirst)
+    {
+        FieldMetrics field = good_field();
+        field.attainable = Attainable::with_injury;
+        BoneMetrics rib { .name = "rib_left_4" };
+        rib.capacity_Nm = 2.9;
+        rib.utilisation = 1.4;
+        rib.opening_at_limit_mm = 21.3;
+        field.bones = { rib };
+        const Verdict broken = verdict_of(field);
+        EXPECT_EQ(broken.light, Light::injury);
+        EXPECT_EQ(broken.sentences.front(), "Rib 4 on the left would break from 21 mm on.");
+        field.bones[0].opening_at_limit_mm.reset();
+        field.bones[0].utilisation = 0.8;
+        EXPECT_EQ(verdict_of(field).light, Light::caution);
+        field.bones.clear();
+        field.tissue_strain = { { .tissue = "skin", .strain = 0.5 } };
+        EXPECT_EQ(verdict_of(field).light, Light::caution);
+        EXPECT_EQ(verdict_of(field).sentences.front(), "Skin may tear.");
+        field.tissue_strain[0].strain = 0.9;
+        EXPECT_EQ(verdict_of(field).light, Light::injury);
+        EXPECT_EQ(verdict_of(field).sentences.front(), "Skin would tear.");
+    }
+
+    TEST(Verdict, NothingImpossibleIsGreen)
+    {
+        FieldMetrics field = good_field();
+        field.mechanics_status = "the hooks pull too far";
+        EXPECT_EQ(verdict_of(field).light, Light::unknown);
+        field = good_field();
+        field.inverted_elements = 1;
+        EXPECT_EQ(verdict_of(field).light, Light::unknown);
+        field = good_field();
+        field.volume_failures = VolumeFailures {};
+        field.volume_failures->believable = false;
+        EXPECT_EQ(verdict_of(field).light, Light::unknown);
+        field = good_field();
+        field.implausible = { "skin of 100 MPa" };
+        EXPECT_EQ(verdict_of(field).light, Light::unknown);
+        field = good_field();
+        field.at_risk = { { .name = "heart", .distance_mm = 0.0 } };
+        EXPECT_EQ(verdict_of(field).light, Light::injury);
+        EXPECT_TRUE(says(verdict_of(field), "The blade cuts the heart."));
+    }
+
+    TEST(Verdict, WhatIsNotSeenOrOnlyEstimatedIsSaid)
+    {
+        FieldMetrics field = good_field();
+        field.seen_best_eye = 0.001;
+        EXPECT_EQ(verdict_of(field).light, Light::injury);
+        EXPECT_TRUE(says(verdict_of(field), "The left atrium is not seen."));
+        field.seen_best_eye = 0.05;
+        EXPECT_EQ(verdict_of(field).light, Light::caution);
+        field = good_field();
+        field.estimated = { "left_atrium" };
+        EXPECT_EQ(verdict_of(field).light, Light::caution);
+        EXPECT_TRUE(says(verdict_of(field), "The left atrium is only estimated."));
+    }
+
+} // namespace verdict_test
+} // namespace retractor::planner

@@ -150,6 +150,10 @@ Vec3 place_on_slice(const SliceItem& slice, const Camera& camera, double across,
     const Vec3 right = sight.cross(camera.up).normalized(), upward = right.cross(sight);
     Vec3 place
         = camera.aim + camera.half_height_mm * ((2.0 * across - 1.0) * aspect * right + (2.0 * up - 1.0) * upward);
+    if (slice.oblique) {
+        const Vec3 normal = slice.oblique->right.cross(slice.oblique->up);
+        return place - normal.dot(place - slice.point) * normal;
+    }
     const Box box = box_of(slice.image->grid);
     place = place.cwiseMax(box.low).cwiseMin(box.high);
     const int axis = axis_across(slice.plane);

@@ -36,7 +36,7 @@ double slice_step(const SliceItem& slice);
 Vec3 stepped(const SliceItem& slice, double planes);
 
 /// The place in the slice's plane that lies at a place of its picture: fractions of width and height from the lower
-/// left corner. @pre the camera is parallel
+/// left corner. On a plane of the patient the place stays within the image. @pre the camera is parallel
 Vec3 place_on_slice(const SliceItem& slice, const Camera& camera, double across, double up, double aspect);
 
 /// Whether a scene is a slice that slices_at() moves.

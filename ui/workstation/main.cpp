@@ -60,7 +60,7 @@ std::optional<int> parse(int argc, char** argv, Options& options)
         ->type_name("CASE.json|SCENE.json");
     auto* approach = app.add_option("--approach", options.approach, "Select this approach")->type_name("NAME");
     auto* view = app.add_option("--view", options.view, "View that the window shows first")
-                     ->check(CLI::IsMember({ "surgeon", "overview", "slices" }))
+                     ->check(CLI::IsMember({ "surgeon", "overview", "slices", "incision" }))
                      ->capture_default_str();
     auto* plan = app.add_flag("--plan", options.plan, "Plan the selected approach at once");
     app.add_option("--screenshot", options.screenshot,
@@ -81,16 +81,19 @@ std::optional<int> parse(int argc, char** argv, Options& options)
                              "Measure how the picture follows mouse and wheel, print pictures a second and delays as "
                              "JSON, and quit; with --plan, measure the opened field too")
                           ->excludes("--screenshot");
-    app.footer("Example: retractor-workstation patient/case.json --approach median --view overview\n"
-               "Keys: 1 surgeon's eye, 2 overview, 3 slices (the wheel steps through them, Shift+1 to Shift+4 change\n"
-               "their greys), O opened field or patient before, P plan, Shift+P plan all, Esc cancel.\n"
-               "Cutting: K knife (draw on the skin with the left button), L straight cut between two clicks, H hooks\n"
-               "(press on the edge of a wound to set a hook, drag a hook to pull it), X take out, Ctrl+Z undo,\n"
-               "Ctrl+Shift+Z redo, Esc discard the stroke. The right button, or Shift and the left button, turns the\n"
-               "camera.\n"
-               "Palpation: retractor-workstation aorta/aorta.json. The left button presses a fingertip in. Drag to\n"
-               "slide the fingertip; turn the wheel while the button is held to press deeper. 1, 2 ... select another\n"
-               "finger and leave this finger pressed; Esc lifts all fingers.");
+    app.footer(
+        "Example: retractor-workstation patient/case.json --approach median --view overview\n"
+        "Keys: 1 surgeon's eye, 2 overview, 3 slices (the wheel steps through them, Shift+1 to Shift+4 change\n"
+        "their greys), 4 slices along and across the incision, R measure, O opened field or patient before.\n"
+        "Approaches: N new, D draw an incision on the skin, M move its points (Enter ends), E target and opening,\n"
+        "Ctrl+D duplicate, Delete remove, P plan, Shift+P plan all, Esc cancel.\n"
+        "Cutting: K knife (draw on the skin with the left button), L straight cut between two clicks, H hooks\n"
+        "(press on the edge of a wound to set a hook, drag a hook to pull it), X take out, Ctrl+Z undo,\n"
+        "Ctrl+Shift+Z redo, Esc discard the stroke. The right button, or Shift and the left button, turns the\n"
+        "camera.\n"
+        "Palpation: retractor-workstation aorta/aorta.json. The left button presses a fingertip in. Drag to\n"
+        "slide the fingertip; turn the wheel while the button is held to press deeper. 1, 2 ... select another\n"
+        "finger and leave this finger pressed; Esc lifts all fingers.");
     try {
         app.parse(argc, argv);
         if (options.case_file.empty()

@@ -59,8 +59,10 @@ void MainWindow::make_view_actions(QMenu& menu)
         menu, "Overview", Qt::Key_2, "View of the patient from outside", [this] { set_view(ViewPreset::overview); });
     slices_ = add_action(
         menu, "Slices", Qt::Key_3, "Three planes of the CT and the overview", [this] { set_view(ViewPreset::slices); });
+    incision_ = add_action(menu, "Incision", Qt::Key_4, "Slices along and across the incision, with the cut",
+        [this] { set_view(ViewPreset::incision); });
     auto* presets = new QActionGroup(this);
-    for (QAction* action : { surgeon_, overview_, slices_ }) {
+    for (QAction* action : { surgeon_, overview_, slices_, incision_ }) {
         action->setCheckable(true);
         presets->addAction(action);
     }
@@ -83,6 +85,9 @@ void MainWindow::make_view_actions(QMenu& menu)
             show_picture();
         });
     opened_->setCheckable(true);
+    measure_ = add_action(menu, "Measure", Qt::Key_R, "Measure distances and angles on slices or on the skin",
+        [this] { set_measuring(measure_->isChecked()); });
+    measure_->setCheckable(true);
 }
 
 void MainWindow::make_approach_actions(QMenu& menu)
@@ -135,20 +140,17 @@ void MainWindow::make_tool_bar()
     bar->setMovable(false);
     bar->setContextMenuPolicy(Qt::PreventContextMenu);
     int key = 1;
-    for (QAction* action : { surgeon_, overview_, slices_ })
+    for (QAction* action : { surgeon_, overview_, slices_, incision_ })
         action->setIconText(QString::number(key++) + "  " + action->text());
-    bar->addActions({ surgeon_, overview_, slices_ });
+    bar->addActions({ surgeon_, overview_, slices_, incision_ });
     bar->addSeparator();
-    bar->addAction(opened_);
+    bar->addActions({ opened_, measure_ });
     bar->addSeparator();
     bar->addActions({ plan_, plan_all_ });
     bar->addSeparator();
     bar->addActions({ knife_action_, line_action_, hook_action_, take_out_action_ });
     bar->addSeparator();
     bar->addActions({ undo_, redo_ });
-    bar->addSeparator();
-    save_->setIconText("Save…");
-    bar->addAction(save_);
     change_->setIconText("Change…");
     int place = 0;
     for (QAction* action : { new_approach_, draw_, move_, change_ }) {

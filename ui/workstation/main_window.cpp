@@ -85,6 +85,7 @@ MainWindow::MainWindow(BackendFactory factory, QWidget* parent)
     make_start_page();
     make_knife();
     make_editor();
+    measure_tool_ = std::make_unique<ClickTool>([this](const QPointF& at) { measure_at(at); });
     make_actions();
     make_status_line();
     progress_timer_.setInterval(kProgressMs);
@@ -149,8 +150,7 @@ void MainWindow::make_panes()
     view_->on_drawing_error = [this] { show_error({ view_->drawing_errors(), "drawing" }); };
     view_->on_slice_point = [this](const Vec3& point) { move_slices(point); };
     view_->on_full_picture = [this](const QImage& picture) {
-        if (!remembers_ || !model_ || model_->view() == ViewPreset::slices
-            || pictured_ == model_->planned_case().file())
+        if (!remembers_ || !model_ || shows_slices(model_->view()) || pictured_ == model_->planned_case().file())
             return;
         pictured_ = model_->planned_case().file();
         keep_case_picture(pictured_, picture);
@@ -230,6 +230,7 @@ void MainWindow::make_editor()
 
 void MainWindow::draw_incision()
 {
+    set_measuring(false);
     tabs_->setCurrentWidget(panel_); // the mouse is the knife's no more
     set_knife(KnifeMode::away);
     editor_->draw();
@@ -238,6 +239,7 @@ void MainWindow::draw_incision()
 
 void MainWindow::move_incision()
 {
+    set_measuring(false);
     tabs_->setCurrentWidget(panel_);
     set_knife(KnifeMode::away);
     editor_->move_points();
@@ -341,9 +343,10 @@ void MainWindow::make_knife()
     };
     knife_panel_->on_export = [this] { ask_for_export_file(); };
     connect(tabs_, &QTabWidget::currentChanged, this, [this] {
-        if (knife_tab_open())
+        if (knife_tab_open()) {
+            set_measuring(false);
             editor_->abandon();
-        else
+        } else
             knife_->set_mode(KnifeMode::away);
         show_all();
     });
@@ -393,7 +396,10 @@ void MainWindow::show_undo()
     std::optional<std::string> to_undo, to_redo;
     if (editor_->drawing())
         to_undo = "the last point";
-    else if (const planner::SurgerySnapshot* snapshot = knife_->snapshot(); snapshot != nullptr) {
+    else if (measuring_) {
+        if (model_->has_measurements())
+            to_undo = "the last place";
+    } else if (const planner::SurgerySnapshot* snapshot = knife_->snapshot(); snapshot != nullptr) {
         if (snapshot->can_undo)
             to_undo = "cut";
         if (snapshot->can_redo)
@@ -410,6 +416,10 @@ void MainWindow::undo()
 {
     if (editor_->drawing()) {
         editor_->undo_point();
+    } else if (measuring_) {
+        model_->unmeasure();
+        show_again([](const Scene&) { return true; });
+        show_undo();
     } else if (knife_->snapshot() != nullptr) {
         knife_->run(planner::surgery::Undo {});
     } else if (model_ && model_->edit_to_undo()) {
@@ -447,6 +457,7 @@ void MainWindow::make_status_line()
 
 void MainWindow::open(planner::Case planned_case)
 {
+    set_measuring(false);
     cancel();
     knife_->clear();
     ++generation_;
@@ -480,6 +491,7 @@ void MainWindow::close_case()
 {
     if (!model_ || !may_lose_plan("Close the case?", "Go on planning"))
         return;
+    set_measuring(false);
     cancel();
     knife_->clear();
     editor_->set_case(nullptr, {});
@@ -626,6 +638,8 @@ void MainWindow::plan_all()
 
 void MainWindow::cancel()
 {
+    if (measuring_)
+        return set_measuring(false);
     if (editor_->abandon() || knife_->abandon())
         return;
     if (!model_)
@@ -745,8 +759,9 @@ void MainWindow::show_actions()
 {
     const bool any = model_ && model_->selected();
     const ApproachState* state = any ? &model_->state(*model_->selected()) : nullptr;
-    for (const auto& [action, view] : { std::pair { surgeon_, ViewPreset::surgeon },
-             std::pair { overview_, ViewPreset::overview }, std::pair { slices_, ViewPreset::slices } }) {
+    for (const auto& [action, view] :
+        { std::pair { surgeon_, ViewPreset::surgeon }, std::pair { overview_, ViewPreset::overview },
+            std::pair { slices_, ViewPreset::slices }, std::pair { incision_, ViewPreset::incision } }) {
         action->setEnabled(model_ && model_->view_available(view));
         action->setChecked(model_ && model_->shown_view() == view);
     }
@@ -760,6 +775,8 @@ void MainWindow::show_actions()
     close_case_->setEnabled(model_ != nullptr);
     palpate_->setEnabled(model_ != nullptr && static_cast<bool>(on_palpable));
     new_approach_->setEnabled(model_ != nullptr);
+    measure_->setEnabled(model_ != nullptr && !knife_tab_open());
+    measure_->setChecked(measuring_);
     draw_->setEnabled(editor_->draw_possible());
     draw_->setChecked(editor_->drawing() && !editor_->moving());
     move_->setEnabled(editor_->draw_possible() && any);
@@ -804,6 +821,36 @@ void MainWindow::move_slices(const Vec3& point)
     show_slices();
 }
 
+void MainWindow::set_measuring(bool on)
+{
+    const bool possible = model_ && shown_.pictures != nullptr && knife_->scene() == nullptr && !editor_->drawing();
+    if (on && possible) {
+        view_->set_tool(measure_tool_.get());
+        show_message("Click two places for a distance, a third for an angle. Esc ends, Ctrl+Z takes a place back.");
+    } else if (measuring_) {
+        view_->set_tool(nullptr);
+        show_message({});
+    }
+    measuring_ = on && possible;
+    show_all();
+}
+
+void MainWindow::measure_at(const QPointF& at)
+{
+    std::optional<Vec3> place = view_->slice_place_at(at);
+    if (!place && view_->scenes().size() == 1 && model_->shown_state().closed != nullptr
+        && model_->shown_state().closed->skin_under) {
+        const planner::Ray ray = view_->ray_at(at);
+        place = model_->shown_state().closed->skin_under(ray.origin, ray.direction);
+    }
+    if (!place)
+        return show_message("Click on a slice, or on the skin.");
+    const std::string text = model_->measure(*place);
+    show_again([](const Scene&) { return true; });
+    show_message(text.empty() ? QString("Click the second place.") : QString::fromStdString(text));
+    show_undo();
+}
+
 void MainWindow::set_grey_window(std::size_t index)
 {
     if (!model_)
@@ -816,17 +863,22 @@ void MainWindow::set_grey_window(std::size_t index)
 /// Whether the picture is that of the slices, and not that of the knife.
 bool MainWindow::slices_shown() const
 {
-    return model_ && model_->view() == ViewPreset::slices && shown_ == model_->shown_source()
-        && shown_.pictures != nullptr;
+    return model_ && shows_slices(model_->view()) && shown_ == model_->shown_source() && shown_.pictures != nullptr;
 }
 
 /// Shows the slices anew, each from where it is seen now.
 void MainWindow::show_slices()
 {
+    show_again([](const Scene& scene) { return !scene.slices.empty(); });
+}
+
+/// Shows scenes of the present picture anew, each from where it is seen now.
+void MainWindow::show_again(const std::function<bool(const Scene&)>& which)
+{
     try {
         const std::vector<Scene> scenes = model_->shown_scenes();
         for (std::size_t i = 0; i < std::min(scenes.size(), view_->scenes().size()); ++i)
-            if (is_linked_slice(scenes[i]) && is_linked_slice(view_->scenes()[i]))
+            if (which(scenes[i]) && scenes[i].slices.size() == view_->scenes()[i].slices.size())
                 view_->replace_scene(i, scenes[i]);
     } catch (...) {
         show_error(with_controls(current_failure()));
@@ -849,7 +901,7 @@ Scene MainWindow::knife_scene(const Scene& surroundings, const ShownSource& sour
 void MainWindow::show_progress()
 {
     const bool busy = model_ && model_->busy();
-    cancel_->setEnabled(busy || knife_->mode() != KnifeMode::away || editor_->drawing());
+    cancel_->setEnabled(busy || knife_->mode() != KnifeMode::away || editor_->drawing() || measuring_);
     progress_->setVisible(busy);
     cancel_button_->setVisible(busy);
     if (reading_ > 0)

@@ -152,6 +152,9 @@ private:
     void show_all(); ///< list, numbers, actions, picture
     void show_picture(); ///< keeps a picture that is still valid, with its camera
     void move_slices(const Vec3& point);
+    void set_measuring(bool on);
+    void measure_at(const QPointF& at);
+    void show_again(const std::function<bool(const Scene&)>& which);
     void set_grey_window(std::size_t index);
     bool slices_shown() const;
     void show_slices();
@@ -196,7 +199,7 @@ private:
     QAction *new_approach_ = nullptr, *draw_ = nullptr, *move_ = nullptr, *finish_ = nullptr, *change_ = nullptr,
             *duplicate_ = nullptr, *remove_ = nullptr, *close_case_ = nullptr;
     QActionGroup* grey_windows_ = nullptr;
-    QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr;
+    QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr, *incision_ = nullptr, *measure_ = nullptr;
     QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr,
             *palpate_ = nullptr;
     QLabel* message_ = nullptr;
@@ -204,6 +207,8 @@ private:
     QPushButton* cancel_button_ = nullptr;
     QTimer progress_timer_;
     std::unique_ptr<ApproachEditor> editor_;
+    std::unique_ptr<PictureTool> measure_tool_;
+    bool measuring_ = false; ///< the mouse measures
 
     /// Of the case file as it was read or written last; used by the reading executor's thread.
     std::optional<std::filesystem::file_time_type> case_time_;

@@ -383,6 +383,28 @@ namespace main_window_test {
         EXPECT_EQ(view.drawing_errors(), "");
     }
 
+    TEST_F(MainWindowTest, ClicksOnASliceMeasure)
+    {
+        open_synthetic();
+        press(Qt::Key_3);
+        test_support::wait_until_idle(window_);
+        press(Qt::Key_R);
+        const QPoint from(window_.view().width() / 8, window_.view().height() / 4), to = from + QPoint(40, 30);
+        const Vec3 first = *window_.view().slice_place_at(from), second = *window_.view().slice_place_at(to);
+        for (const QPoint& at : { from, to })
+            QTest::mouseClick(&window_.view(), Qt::LeftButton, {}, at);
+        constexpr double kShown = 0.06; // one digit behind the point
+        EXPECT_NEAR(std::stod(window_.message_line()), (second - first).norm(), kShown) << window_.message_line();
+        EXPECT_GT((second - first).norm(), 1.0);
+        press(Qt::Key_Escape);
+        const Vec3 point = window_.view().scenes().front().slices.front().point;
+        QTest::mouseClick(&window_.view(), Qt::LeftButton, {}, to);
+        ASSERT_TRUE(QTest::qWaitFor(
+            [&] { return window_.view().scenes().front().slices.front().point != point; }, test_support::kPatienceMs))
+            << "the mouse moves the slices again";
+        EXPECT_EQ(window_.error_line(), "");
+    }
+
     TEST_F(MainWindowTest, AKnifeOverSlicesIsNoSlice)
     {
         open_synthetic();

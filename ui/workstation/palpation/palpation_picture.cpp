@@ -231,7 +231,8 @@ void PalpationPicture::show(const planner::PalpationFrame& frame, const Palpatio
     }
     live_.set_fingertips(tips);
     show_hands(options, fingers);
-    live_.set_marks(options.mark ? planner::outline_of(*options.mark) : std::vector<std::array<Vec3, 2>> {}, kMarkColor);
+    live_.set_marks(
+        options.mark ? planner::outline_of(*options.mark) : std::vector<std::array<Vec3, 2>> {}, kMarkColor);
 }
 
 } // namespace retractor::ui

@@ -132,7 +132,7 @@ void ApproachEditor::add_from_template()
 void ApproachEditor::begin(std::vector<Vec3> points, const QString& message)
 {
     model_->set_show_opened(false); // the skin is drawn on before it is cut
-    if (model_->view() == ViewPreset::slices || !model_->view_available(model_->view()))
+    if (shows_slices(model_->view()) || !model_->view_available(model_->view()))
         model_->set_view(ViewPreset::overview);
     on_state(); // shows the closed patient
     tool_.begin(std::move(points), model_->shown_state().closed->skin_under);

@@ -146,8 +146,10 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case)
     PlanningBackend backend;
     backend.closed_pictures = [patient, pointer](const planner::Approach& approach, const Job&) {
         ClosedPictures pictures { .patient = planning_scene(*patient, approach) };
-        if (patient->has_ct())
+        if (patient->has_ct()) {
             pictures.slices = slice_scenes(*patient, approach);
+            pictures.incision_slices = incision_slice_scenes(*patient, approach);
+        }
         complete(pictures, *patient, *pointer);
         return pictures;
     };

@@ -63,7 +63,9 @@ std::optional<ViewPreset> view_from_string(std::string_view text)
         return ViewPreset::surgeon;
     if (text == "overview")
         return ViewPreset::overview;
-    return text == "slices" ? std::optional(ViewPreset::slices) : std::nullopt;
+    if (text == "slices")
+        return ViewPreset::slices;
+    return text == "incision" ? std::optional(ViewPreset::incision) : std::nullopt;
 }
 
 Failure with_controls(Failure failure)
@@ -197,6 +199,8 @@ bool SessionModel::view_available(ViewPreset view) const
     const auto& closed = shown_state().closed;
     if (view == ViewPreset::overview)
         return true;
+    if (view == ViewPreset::incision)
+        return selected_ && (closed != nullptr ? !closed->incision_slices.empty() : case_.ct.has_value());
     return closed != nullptr ? !closed->slices.empty() : case_.ct.has_value();
 }
 
@@ -304,8 +308,7 @@ void SessionModel::set_slice_point(const Vec3& point) { states_.at(shown_id()).s
 ShownSource SessionModel::shown_source() const
 {
     const ApproachState& state = shown_state();
-    const bool opened
-        = state.field != nullptr && (show_opened_ || view_ == ViewPreset::slices || state.closed == nullptr);
+    const bool opened = state.field != nullptr && (show_opened_ || shows_slices(view_) || state.closed == nullptr);
     ShownSource source { .pictures = nullptr, .opened = opened, .view = view_, .approach = std::nullopt };
     if (selected_)
         source.approach = shown_id();
@@ -313,36 +316,66 @@ ShownSource SessionModel::shown_source() const
         source.pictures = state.field;
     else
         source.pictures = state.closed;
-    if (view_ == ViewPreset::slices)
+    if (shows_slices(view_))
         source.slices = state.closed;
     return source;
 }
 
-std::vector<Scene> SessionModel::shown_scenes() const
+std::vector<Scene> SessionModel::unmeasured_scenes() const
 {
     const ShownSource source = shown_source();
     if (source.pictures == nullptr)
         return {};
     const ApproachState& state = shown_state();
     const Scene& overview = source.opened ? state.field->overview : state.closed->patient;
+    std::vector<Scene> scenes;
     if (view_ == ViewPreset::slices && state.closed != nullptr && !state.closed->slices.empty()) {
         const std::vector<Scene>& slices = state.closed->slices;
-        std::vector<Scene> scenes = slices_at(
+        scenes = slices_at(
             slices, state.slice_point.value_or(slices.front().slices.front().point), state.closed->label_names);
-        for (Scene& scene : scenes)
-            for (SliceItem& slice : scene.slices) {
-                slice.window_hu = kGreyWindows[grey_window_].window_hu;
-                slice.level_hu = kGreyWindows[grey_window_].level_hu;
-            }
-        scenes.push_back(overview);
-        return scenes;
+    } else if (shown_view() == ViewPreset::incision && state.closed != nullptr) {
+        scenes = state.closed->incision_slices;
     }
-    if (source.opened)
-        return { view_ == ViewPreset::surgeon ? state.field->surgeon : overview };
-    Scene scene = overview;
-    if (shown_view() == ViewPreset::surgeon)
-        scene.camera = surgeon_camera(approach(*selected_), scene.camera.up);
-    return { std::move(scene) };
+    for (Scene& scene : scenes)
+        for (SliceItem& slice : scene.slices) {
+            slice.window_hu = kGreyWindows[grey_window_].window_hu;
+            slice.level_hu = kGreyWindows[grey_window_].level_hu;
+        }
+    const bool surgeon = shown_view() == ViewPreset::surgeon || shown_view() == ViewPreset::incision;
+    if (!surgeon || !scenes.empty())
+        scenes.push_back(overview);
+    if (!surgeon)
+        return scenes;
+    scenes.push_back(source.opened ? state.field->surgeon : overview);
+    if (!source.opened)
+        scenes.back().camera = surgeon_camera(approach(*selected_), overview.camera.up);
+    return scenes;
+}
+
+std::vector<Scene> SessionModel::shown_scenes() const
+{
+    std::vector<Scene> scenes = unmeasured_scenes();
+    draw_measurements(scenes, measurements_);
+    return scenes;
+}
+
+std::string SessionModel::measure(const Vec3& place)
+{
+    constexpr std::size_t kOfAnAngle = 3;
+    if (measurements_.empty() || measurements_.back().places.size() == kOfAnAngle)
+        measurements_.emplace_back();
+    measurements_.back().places.push_back(place);
+    return measurement_text(measurements_.back());
+}
+
+bool SessionModel::unmeasure()
+{
+    if (measurements_.empty())
+        return false;
+    measurements_.back().places.pop_back();
+    if (measurements_.back().places.empty())
+        measurements_.pop_back();
+    return true;
 }
 
 Camera surgeon_camera(const planner::Approach& approach, const Vec3& up)

@@ -6,6 +6,7 @@
 #include "mesh/base/error.h"
 #include "planner/case/case.h"
 #include "planner/measures/field_metrics.h"
+#include "ui/scene/measurement.h"
 #include "ui/scene/scene.h"
 
 #include <cstddef>
@@ -21,9 +22,12 @@
 
 namespace retractor::ui {
 
-enum class ViewPreset { surgeon, overview, slices };
+enum class ViewPreset { surgeon, overview, slices, incision };
 
-/// Reads "surgeon", "overview" or "slices".
+/// Whether the view shows slices of the CT: three planes, or the planes along and across the incision.
+inline bool shows_slices(ViewPreset view) { return view == ViewPreset::slices || view == ViewPreset::incision; }
+
+/// Reads "surgeon", "overview", "slices" or "incision".
 std::optional<ViewPreset> view_from_string(std::string_view text);
 
 /// A planned field for the window: numbers and pictures.
@@ -37,6 +41,7 @@ struct FieldPictures {
 struct ClosedPictures {
     Scene patient; ///< with the incision
     std::vector<Scene> slices {}; ///< axial, coronal and sagittal; empty without a CT
+    std::vector<Scene> incision_slices {}; ///< along and across the incision; empty without a CT or an incision
     std::map<Label, std::string> label_names {};
     /// The place of the skin that a ray from outside the body meets first, if any. Arguments: start and unit direction.
     std::function<std::optional<Vec3>(const Vec3&, const Vec3&)> skin_under {};
@@ -119,9 +124,13 @@ public:
 
     ViewPreset view() const { return view_; }
     /// The view that is shown: without an approach, the patient from outside in place of the surgeon's eye.
-    ViewPreset shown_view() const { return view_ == ViewPreset::surgeon && !selected_ ? ViewPreset::overview : view_; }
+    ViewPreset shown_view() const
+    {
+        const bool of_approach = view_ == ViewPreset::surgeon || view_ == ViewPreset::incision;
+        return of_approach && !selected_ ? ViewPreset::overview : view_;
+    }
     void set_view(ViewPreset view) { view_ = view; }
-    /// Whether the view can be shown: slices need a CT, the surgeon's eye an approach.
+    /// Whether the view can be shown: slices need a CT; the surgeon's eye and the incision's slices an approach.
     bool view_available(ViewPreset view) const;
 
     /// Whether a planned approach is shown opened, or as before the cut.
@@ -158,11 +167,19 @@ public:
     void set_slice_point(const Vec3& point);
 
     ShownSource shown_source() const;
+    /// Adds a place to the measurement that was begun, or begins another: after a distance comes an angle, then a new
+    /// measurement. @returns the measurement so far, in words
+    std::string measure(const Vec3& place);
+    /// Takes the last place back. @return false when there is none
+    bool unmeasure();
+    bool has_measurements() const { return !measurements_.empty(); }
+
     /// The scenes to draw now; empty while the first picture is being made. Slices give four scenes: the three planes
     /// and the overview.
     std::vector<Scene> shown_scenes() const;
 
 private:
+    std::vector<Scene> unmeasured_scenes() const;
     static constexpr std::size_t kPatientAlone = 0; ///< id
 
     /// The list of approaches at one time.
@@ -189,6 +206,7 @@ private:
     ViewPreset view_ = ViewPreset::surgeon;
     bool show_opened_ = true;
     std::size_t grey_window_ = 0;
+    std::vector<Measurement> measurements_;
     std::deque<std::size_t> waiting_; ///< ids
     std::optional<std::size_t> planning_, making_closed_; ///< ids
 };

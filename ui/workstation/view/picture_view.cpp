@@ -313,6 +313,23 @@ planner::Ray PictureView::ray_at(const QPointF& at) const
     return { camera.eye, (sight + slope * (x * right + y * up)).normalized() };
 }
 
+std::optional<Vec3> PictureView::slice_place_at(const QPointF& at) const
+{
+    if (!is_drawn())
+        return std::nullopt;
+    const double across = at.x() / width(), up = 1.0 - at.y() / height();
+    const std::vector<Viewport> viewports = arrange_scenes(*scenes_, width(), height());
+    for (std::size_t i = 0; i < viewports.size() && i < drawn_->views.size(); ++i) {
+        const Viewport& v = viewports[i];
+        if (v.scene.slices.size() != 1 || across < v.left || across >= v.right || up < v.bottom || up >= v.top)
+            continue;
+        const double wide = v.right - v.left, high = v.top - v.bottom;
+        return place_on_slice(v.scene.slices.front(), drawn_->views[i].camera(), (across - v.left) / wide,
+            (up - v.bottom) / high, wide * width() / (high * height()));
+    }
+    return std::nullopt;
+}
+
 std::optional<QPointF> PictureView::shown_at(const Vec3& place) const
 {
     RETRACTOR_ASSERT(is_drawn());

@@ -16,6 +16,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 class QLabel;
@@ -37,6 +38,21 @@ public:
     /// @param notches away from the user
     /// @return whether the tool used the wheel; otherwise the camera gets it
     virtual bool wheel(double notches);
+};
+
+/// Calls a function for each press of the left button.
+class ClickTool : public PictureTool {
+public:
+    explicit ClickTool(std::function<void(const QPointF&)> on_click)
+        : on_click_(std::move(on_click))
+    {
+    }
+    void press(const QPointF& at) override { on_click_(at); }
+    void move(const QPointF&, bool) override { }
+    void release(const QPointF&) override { }
+
+private:
+    std::function<void(const QPointF&)> on_click_;
 };
 
 class PictureView : public QVTKOpenGLNativeWidget {
@@ -74,6 +90,8 @@ public:
     void set_tool(PictureTool* tool);
     /// The ray from the eye through a point of the widget into the first scene. @pre one scene is shown and drawn
     planner::Ray ray_at(const QPointF& at) const;
+    /// The place in the patient under a point of the widget that shows a slice; nothing elsewhere.
+    std::optional<Vec3> slice_place_at(const QPointF& at) const;
     /// The point of the widget at which the first scene shows a place; nothing behind the eye. @pre as ray_at()
     std::optional<QPointF> shown_at(const Vec3& place) const;
 

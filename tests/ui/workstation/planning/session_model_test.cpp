@@ -317,6 +317,47 @@ namespace session_model_test {
         EXPECT_EQ(model.shown_scenes().at(0).title, "closed");
     }
 
+    TEST(SessionModel, TheIncisionIsShownInItsSlicesFromOutsideAndThroughIt)
+    {
+        SessionModel model(three_approaches());
+        model.begin_closed();
+        ClosedPictures pictures = with_slices(titled("closed"));
+        EXPECT_FALSE(model.view_available(ViewPreset::incision));
+        pictures.incision_slices = { pictures.slices[0], pictures.slices[1] };
+        model.closed_done(std::move(pictures));
+        ASSERT_TRUE(model.view_available(ViewPreset::incision));
+        model.set_view(ViewPreset::incision);
+        model.set_grey_window(2);
+        const std::vector<Scene> scenes = model.shown_scenes();
+        ASSERT_EQ(scenes.size(), 4U);
+        EXPECT_EQ(scenes[0].slices.front().level_hu, 400.0);
+        EXPECT_EQ(scenes[2].title, "closed");
+        EXPECT_NE(scenes[2].camera.eye, scenes[3].camera.eye);
+    }
+
+    TEST(SessionModel, MeasurementsLieInTheirPlanesAndAreTakenBackByPlaces)
+    {
+        SessionModel model(three_approaches());
+        model.begin_closed();
+        model.closed_done(with_slices(titled("closed")));
+        model.set_view(ViewPreset::slices);
+        EXPECT_EQ(model.measure({ 3.0, 4.0, 5.0 }), "");
+        EXPECT_EQ(model.measure({ 6.0, 8.0, 5.0 }), "5.0 mm");
+        const auto words_of = [&](std::size_t scene) { return model.shown_scenes()[scene].words.size(); };
+        EXPECT_EQ(words_of(0), 1U) << "axial, through z = 5";
+        EXPECT_EQ(words_of(1), 0U) << "the coronal slice holds only one of the places";
+        EXPECT_EQ(words_of(3), 1U) << "in space";
+        model.set_slice_point(Vec3(3.0, 4.0, 9.0));
+        EXPECT_EQ(words_of(0), 0U) << "another plane";
+        EXPECT_EQ(model.measure({ 10.0, 5.0, 5.0 }), "90\u00b0 (5.0 and 5.0 mm)");
+        EXPECT_EQ(model.measure({ 1.0, 1.0, 1.0 }), "") << "another measurement";
+        for (int n = 0; n < 4; ++n)
+            EXPECT_TRUE(model.unmeasure());
+        EXPECT_FALSE(model.unmeasure());
+        EXPECT_FALSE(model.has_measurements());
+        EXPECT_EQ(words_of(3), 0U);
+    }
+
     TEST(SessionModel, WhatIsShownChangesOnlyWhenThePictureDoes)
     {
         SessionModel model(three_approaches());

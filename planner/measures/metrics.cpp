@@ -12,6 +12,7 @@
 #include "planner/measures/region_text.h"
 #include "planner/measures/rupture.h"
 #include "planner/measures/tissue_values.h"
+#include "planner/measures/verdict.h"
 #include "planner/wall/wall_tension.h"
 
 #include <nlohmann/json.hpp>
@@ -631,6 +632,8 @@ namespace {
         if (!field.implausible.empty())
             json["implausible"] = field.implausible;
         json["explanation"] = field.explanation;
+        const Verdict verdict = verdict_of(field);
+        json["verdict"] = { { "light", to_string(verdict.light) }, { "sentences", verdict.sentences } };
         json["seconds"] = Json::object();
         for (const auto& [stage, time] : field.seconds)
             json["seconds"][stage] = time;

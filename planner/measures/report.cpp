@@ -38,7 +38,7 @@ th, td { border: 1px solid #d3dce4; padding: 6px 10px; text-align: right; } th:f
 thead th { background: #e6ecf1; } .best { font-weight: 700; color: #0a6b3d; } .bad { color: #a61b1b; font-weight: 700; } .caution { color: #8a5a00; }
 .verdict { background: #fff; border-left: 10px solid #9aa5af; padding: 10px 14px; font-size: 18px; }
 .verdict::before { font-weight: 700; margin-right: 8px; } .verdict.clear { border-color: #2f8f5b; } .verdict.clear::before { content: "No objection."; }
-.verdict.watch { border-color: #d99a00; } .verdict.watch::before { content: "Caution."; } .verdict.injury { border-color: #b3261e; } .verdict.injury::before { content: "Objection."; }
+.verdict.caution { border-color: #d99a00; } .verdict.caution::before { content: "Caution."; } .verdict.injury { border-color: #b3261e; } .verdict.injury::before { content: "Objection."; }
 .verdict.unknown::before { content: "Not usable."; }
 .words td, .materials td:last-child { text-align: left; } .words td:first-child { width: 16em; } .materials { margin-top: 10px; font-size: 14px; }
 figure { margin: 0; background: #fff; border: 1px solid #d3dce4; } figure img { width: 100%; display: block; }
@@ -69,22 +69,6 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             }
         }
         return out;
-    }
-
-    /// Colours of the light, and a word for those who do not tell colours apart.
-    std::string_view light_class(Light light)
-    {
-        switch (light) {
-        case Light::clear:
-            return "clear";
-        case Light::caution:
-            return "watch";
-        case Light::injury:
-            return "injury";
-        case Light::unknown:
-            break;
-        }
-        return "unknown";
     }
 
     std::string percent(double fraction) { return in_words(100.0 * fraction, 1) + " %"; }
@@ -477,7 +461,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
     {
         out << "<h2>" << escaped(field.name) << "</h2>";
         const Verdict verdict = verdict_of(field);
-        out << "<p class=\"verdict " << light_class(verdict.light) << "\">";
+        out << "<p class=\"verdict " << to_string(verdict.light) << "\">";
         for (const std::string& sentence : verdict.sentences)
             out << escaped(sentence) << ' ';
         out << "</p>";

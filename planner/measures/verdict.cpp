@@ -4,7 +4,6 @@
 #include "planner/case/opening_protocol.h"
 #include "planner/measures/ball_strain.h"
 #include "planner/measures/bones/bone_limits.h"
-#include "planner/measures/metrics.h"
 #include "planner/measures/region_text.h"
 #include "planner/measures/rupture.h"
 #include "planner/measures/volume_failures.h"
@@ -133,6 +132,21 @@ namespace {
     }
 
 } // namespace
+
+std::string_view to_string(Light light)
+{
+    switch (light) {
+    case Light::clear:
+        return "clear";
+    case Light::caution:
+        return "caution";
+    case Light::injury:
+        return "injury";
+    case Light::unknown:
+        break;
+    }
+    return "unknown";
+}
 
 std::string two_digits(double value)
 {

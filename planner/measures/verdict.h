@@ -5,6 +5,7 @@
 #include "planner/measures/field_metrics.h"
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace retractor::planner {
@@ -15,6 +16,9 @@ enum class Light {
     injury, ///< something breaks, tears, or the opening is not reached; or the target is not seen
     unknown, ///< the numbers are not to be relied on
 };
+
+/// "clear", "caution", "injury" or "unknown": the words of metrics.json.
+std::string_view to_string(Light light);
 
 struct Verdict {
     Light light = Light::unknown;

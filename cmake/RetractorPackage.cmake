@@ -86,7 +86,7 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME retractor-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
 string(JOIN ", " CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  libarchive-dev libbz2-dev libcgal-dev libeigen3-dev libembree-dev libgdcm-dev libinsighttoolkit5-dev libmetis-dev libopenblas-dev libssl-dev
+  libarchive-dev libbz2-dev libcgal-dev libdcmtk-dev libeigen3-dev libembree-dev libgdcm-dev libinsighttoolkit5-dev libmetis-dev libopenblas-dev libssl-dev
   libsqlite3-dev libsuitesparse-dev libtbb-dev libvtk-dicom-dev libvtk9-dev nlohmann-json3-dev zlib1g-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_DESCRIPTION "Static libraries, headers and CMake package file of Retractor: volumes, labels
 and tetrahedral meshes, cutting, finite elements, planning.")

@@ -3,6 +3,7 @@
 #include "datasets/io/image_reader.h"
 #include "datasets/io/label_table.h"
 #include "datasets/io/volume_io.h"
+#include "datasets/labels/dicom_labels.h"
 #include "datasets/labels/label_file_names.h"
 #include "datasets/labels/label_masks.h"
 #include "datasets/labels/label_presets.h"
@@ -232,7 +233,7 @@ namespace {
                 path.string());
         }
         const Stopwatch watch;
-        SegmentedImage image = read_seg_nrrd(path, job);
+        SegmentedImage image = is_seg_nrrd(path) ? read_seg_nrrd(path, job) : read_dicom_labels(path, job);
         if (job.cancelled())
             return {};
         ImportedLabels imported;
@@ -265,7 +266,7 @@ namespace {
     ImportedLabels import_image(const fs::path& path, const LabelImportOptions& options, const Job& job)
     {
         ImportedLabels imported;
-        if (is_seg_nrrd(path))
+        if (is_seg_nrrd(path) || is_dicom_labels(path))
             imported = import_segments(path, options, job);
         else {
             imported.labels = read_label_voxels(path, &imported.notes, job);

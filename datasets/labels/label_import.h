@@ -24,8 +24,8 @@ struct ImportedLabels {
     std::vector<std::string> notes; ///< decisions, one line each
 };
 
-/// Imports one image of labels (every format of read_volume(), and .seg.nrrd of 3D Slicer, also with layers), or a
-/// folder with one mask per organ, named by its file ("heart.nii.gz").
+/// Imports one image of labels (every format of read_volume(); .seg.nrrd of 3D Slicer, also with layers; DICOM SEG and
+/// RTSTRUCT), or a folder with one mask per organ, named by its file ("heart.nii.gz").
 ///
 /// One image: the preset names the ids, or else the table beside the image, or else the names in the file. A table from
 /// a preset or from the file keeps only structures that have voxels. A preset that contradicts the names in the file is

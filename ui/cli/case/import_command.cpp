@@ -258,7 +258,8 @@ void add_import_command(Commands& commands)
         ->check(CLI::ExistingPath);
     command
         ->add_option("--labels", options->labels,
-            "Label map (with its table <stem>.labels.json beside it), .seg.nrrd, or a folder of masks. Repeat the "
+            "Label map (with its table <stem>.labels.json beside it), .seg.nrrd, DICOM SEG or RTSTRUCT, or a folder of "
+            "masks. Repeat the "
             "option to correct earlier labels with later labels")
         ->check(CLI::ExistingPath)
         ->allow_extra_args(false);

@@ -178,7 +178,7 @@ QWidget* ImportDialog::make_labels()
     };
     add_button("Add label file…", [this] {
         const QString file = QFileDialog::getOpenFileName(
-            this, "Add labels", {}, "Label maps (*.nrrd *.seg.nrrd *.nii *.nii.gz *.mha *.mhd *.vti);;All files (*)");
+            this, "Add labels", {}, "Label maps (*.nrrd *.seg.nrrd *.nii *.nii.gz *.mha *.mhd *.vti *.dcm);;All files (*)");
         if (!file.isEmpty())
             add_labels(file.toStdString());
     });

@@ -29,3 +29,8 @@ LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s "-screen 0 1280x900x24 +extension GLX" \
 LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s "-screen 0 1280x900x24 +extension GLX" \
   "$programs/retractor-workstation" demo/patient/case.json --view slices --before --screenshot \
   "$pictures/window-slices.png"
+LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s "-screen 0 1280x900x24 +extension GLX" \
+  "$programs/retractor-workstation" --screenshot "$pictures/window-start.png"
+LIBGL_ALWAYS_SOFTWARE=1 xvfb-run -a -s "-screen 0 1280x900x24 +extension GLX" \
+  "$programs/retractor-workstation" demo/patient/case.json --view incision --before --screenshot \
+  "$pictures/window-incision.png"

@@ -33,6 +33,18 @@ namespace {
             colon == std::string::npos ? std::string() : template_name.substr(colon + 1) };
     }
 
+    /// "Left" or "Right": that of the lung that is held aside; empty where that is not known.
+    std::string operated_side(const Approach& approach)
+    {
+        const auto aside = [&](std::string_view side) {
+            return std::ranges::any_of(approach.retracted, [&](const std::string& organ) {
+                return organ.starts_with("lung") && organ.find(side) != std::string::npos;
+            });
+        };
+        const bool left = aside("left"), right = aside("right");
+        return left == right ? std::string() : left ? "Left" : "Right";
+    }
+
     Approach drawn_approach(Patient& patient, const ApproachDraft& draft, const ApproachRequest& request)
     {
         const auto labels = patient.labels();
@@ -161,8 +173,10 @@ std::string surgical_name(const Approach& approach)
     const std::string in_space = space.empty() ? std::string() : ", " + ordinal(space) + " space";
     if (kind == "median")
         return "Median sternotomy";
-    if (kind == "intercostal")
-        return "Thoracotomy" + in_space;
+    if (kind == "intercostal") {
+        const std::string side = operated_side(approach);
+        return (side.empty() ? "Thoracotomy" : side + " thoracotomy") + in_space;
+    }
     if (kind == "distal")
         return "Left posterolateral thoracotomy" + in_space;
     if (kind == "midcab")

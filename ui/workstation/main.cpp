@@ -65,7 +65,7 @@ std::optional<int> parse(int argc, char** argv, Options& options)
     auto* plan = app.add_flag("--plan", options.plan, "Plan the selected approach at once");
     app.add_option("--screenshot", options.screenshot,
            "Plan the selected approach, or prepare the tissue of a palpation scene; then save the window as PNG and "
-           "quit")
+           "quit. Without a case: the start page")
         ->type_name("FILE.png");
     auto* model = app.add_option("--model", options.model, "Tissue model for palpation")
                       ->check(CLI::IsMember(planner::tissue_models()))
@@ -97,8 +97,8 @@ std::optional<int> parse(int argc, char** argv, Options& options)
     try {
         app.parse(argc, argv);
         if (options.case_file.empty()
-            && !(options.approach.empty() && options.screenshot.empty() && !options.plan && !options.benchmark))
-            throw CLI::RequiredError("CASE.json with --approach, --plan, --screenshot or --benchmark");
+            && !(options.approach.empty() && !options.before && !options.plan && !options.benchmark))
+            throw CLI::RequiredError("CASE.json with --approach, --before, --plan or --benchmark");
         options.palpate = datasets::is_palpation_scene(options.case_file) || !options.structure.empty();
         if (!options.structure.empty()
             && (options.case_file.empty() || datasets::is_palpation_scene(options.case_file)))
@@ -144,9 +144,9 @@ void take_screenshot(MainWindow& window, QTimer& timer, const Options& options)
         if (!window.idle())
             return;
         timer.stop();
-        const auto* const view = window.model();
+        const auto* const view = window.model(); // null: the start page
         window.set_view(*view_from_string(options.view));
-        if (view->view() != *view_from_string(options.view) && window.error_line().empty()) {
+        if (view != nullptr && view->view() != *view_from_string(options.view) && window.error_line().empty()) {
             QApplication::exit(fail("the view " + options.view + " needs a CT", 1));
             return;
         }
@@ -296,7 +296,7 @@ Given read(const Options& options)
         given.planned_case = planner::read_case(options.case_file);
     if (!options.approach.empty())
         planner::find_approach(*given.planned_case, options.approach);
-    if (!options.screenshot.empty() && given.planned_case->approaches.empty())
+    if (!options.screenshot.empty() && !options.before && given.planned_case && given.planned_case->approaches.empty())
         throw InputError("the case has no approach to plan", options.case_file);
     return given;
 }

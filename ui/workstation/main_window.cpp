@@ -951,7 +951,8 @@ void MainWindow::save_picture(const std::filesystem::path& path) { write_png_fil
 
 void MainWindow::save_screenshot(const std::filesystem::path& path)
 {
-    view_->picture();
+    if (!start_page_shown())
+        view_->picture();
     write_png_file(path, grab().toImage());
 }
 

@@ -125,6 +125,11 @@ namespace approach_draft_test {
         EXPECT_EQ(spoken_name(approach), "second plan");
         approach.template_name = "intercostal:4";
         EXPECT_EQ(surgical_name(approach), "Thoracotomy, 4th space");
+        approach.retracted = { "lung_left", "mediastinal_fat" };
+        EXPECT_EQ(surgical_name(approach), "Left thoracotomy, 4th space");
+        approach.retracted = { "lung_upper_lobe_right" };
+        EXPECT_EQ(surgical_name(approach), "Right thoracotomy, 4th space");
+        approach.retracted.clear();
         approach.template_name = "intercostal:3";
         EXPECT_EQ(surgical_name(approach), "Thoracotomy, 3rd space");
         approach.template_name = "distal";

@@ -25,7 +25,7 @@ expect(0 "Example: retractor-workstation" --help)
 expect(0 "retractor-workstation [0-9]" --version)
 expect(2 "no_such_case.json" "${FOLDER}/no_such_case.json")
 expect(2 "view" --view sideways)
-expect(2 "CASE.json" --screenshot picture.png)
+expect(2 "CASE.json" --plan)
 
 file(WRITE "${FOLDER}/broken/case.json" "{ \"schema\": 1, ")
 expect(2 "broken/case.json" "${FOLDER}/broken/case.json")

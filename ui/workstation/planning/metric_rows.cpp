@@ -30,11 +30,20 @@ namespace {
 
     std::string percent(double fraction) { return number(100.0 * fraction, 1, "%"); }
 
+    /// "left rib 4", "lung left".
+    std::string structure_in_words(const std::string& label)
+    {
+        for (const char* side : { "left", "right" })
+            if (const std::string prefix = std::string("rib_") + side + "_"; label.starts_with(prefix))
+                return std::string(side) + " rib " + label.substr(prefix.size());
+        return readable(label);
+    }
+
     std::string joined(const std::vector<std::string>& words)
     {
         std::string out;
         for (const std::string& word : words)
-            out += (out.empty() ? "" : ", ") + word;
+            out += (out.empty() ? "" : ", ") + structure_in_words(word);
         return out.empty() ? "none" : out;
     }
 

@@ -33,6 +33,7 @@ struct RiskDistance {
     std::string name;
     double distance_mm = 0.0; ///< 0: the blade passes through the structure
     Vec3 at = Vec3::Zero(); ///< the place of the structure that is nearest to the blade, mm
+    std::string from {}; ///< the hook or the retractor's blade; empty: the blade that cuts
 };
 
 struct HookForce {
@@ -381,6 +382,8 @@ struct FieldMetrics {
     std::vector<ShiftedSight> if_organs_shift;
     /// Labels among target, what hides it and what is at risk that were estimated, not seen in the image.
     std::vector<std::string> estimated;
+    /// From hooks and blades of a retractor where they stand, each structure once, nearest first.
+    std::vector<RiskDistance> steel_at_risk;
     std::vector<RiskDistance> at_risk; ///< nearest first; structures beyond kFarthestRiskMm are not listed
     std::vector<std::string> retracted; ///< organs that this approach holds aside
 

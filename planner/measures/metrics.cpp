@@ -624,6 +624,10 @@ namespace {
         for (const RiskDistance& risk : field.at_risk)
             json["at_risk"].push_back({ { "name", risk.name }, { "distance_mm", risk.distance_mm },
                 { "at_mm", { risk.at.x(), risk.at.y(), risk.at.z() } } });
+        json["steel_at_risk"] = Json::array();
+        for (const RiskDistance& risk : field.steel_at_risk)
+            json["steel_at_risk"].push_back({ { "name", risk.name }, { "from", risk.from },
+                { "distance_mm", risk.distance_mm }, { "at_mm", { risk.at.x(), risk.at.y(), risk.at.z() } } });
         json["retracted"] = field.retracted;
         if (field.division)
             json["division"] = division_document(field, *field.division);
@@ -905,6 +909,8 @@ std::string bearing_text(const HookForce& hook)
 
 std::string risk_text(const RiskDistance& risk)
 {
+    if (!risk.from.empty())
+        return readable(risk.from) + " to " + readable(risk.name) + " " + in_words(risk.distance_mm, 1) + " mm";
     return risk.distance_mm > 0.0 ? risk.name + " " + in_words(risk.distance_mm, 1) + " mm"
                                   : risk.name + ": the blade passes through it";
 }
@@ -914,7 +920,11 @@ std::string risks_text(const FieldMetrics& field)
     std::vector<std::string> words;
     for (const RiskDistance& risk : field.at_risk)
         words.push_back(risk_text(risk));
-    return "from the blade to structures at risk: " + joined(words);
+    std::string text = "from the blade to structures at risk: " + joined(words);
+    words.clear();
+    for (const RiskDistance& risk : field.steel_at_risk)
+        words.push_back(risk_text(risk));
+    return words.empty() ? text : text + "; in the opened wound: " + joined(words);
 }
 
 } // namespace retractor::planner

@@ -280,6 +280,12 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 words.push_back(risk_text(risk));
             return listed(words);
         });
+        text_row("Nearest structures at risk, from hooks and retractor", [](const FieldMetrics& f) {
+            std::vector<std::string> words;
+            for (const RiskDistance& risk : f.steel_at_risk)
+                words.push_back(risk_text(risk));
+            return listed(words);
+        });
         text_row("Hooks bear on", [](const FieldMetrics& f) {
             std::vector<std::string> words;
             for (const HookForce& hook : f.hooks)

@@ -36,7 +36,7 @@ namespace {
             const Vec3 point = surface.vertices.row(v).transpose();
             const auto found = blade.within(point, nearest ? nearest->distance_mm : kFarthestRiskMm);
             if (!found.empty())
-                nearest = { .name = {}, .distance_mm = found.front().point.distance, .at = point };
+                nearest = { .name = {}, .distance_mm = found.front().point.distance, .at = point, .from = {} };
         }
         return nearest;
     }
@@ -66,6 +66,23 @@ std::vector<RiskDistance> risk_distances(const mesh::Blade& blade, const mesh::L
     std::stable_sort(distances.begin(), distances.end(),
         [](const RiskDistance& a, const RiskDistance& b) { return a.distance_mm < b.distance_mm; });
     return distances;
+}
+
+std::vector<RiskDistance> risk_distances(const TriMesh& instrument, const std::string& name,
+    const mesh::LabelTable& table, const std::function<std::shared_ptr<const TriMesh>(std::string_view)>& surface_of)
+{
+    const mesh::TriangleProximity proximity(instrument.vertices, instrument.triangles, kFarthestRiskMm);
+    std::vector<RiskDistance> distances;
+    for (const mesh::LabelInfo& info : table) {
+        if (info.role != mesh::Role::at_risk)
+            continue;
+        if (std::optional<RiskDistance> nearest = nearest_vertex(*surface_of(info.name), proximity)) {
+            nearest->name = info.name;
+            nearest->from = name;
+            distances.push_back(*std::move(nearest));
+        }
+    }
+    return nearest_risks(std::move(distances));
 }
 
 std::vector<RiskDistance> nearest_risks(std::vector<RiskDistance> of_all_blades)

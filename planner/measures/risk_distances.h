@@ -8,6 +8,7 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -22,6 +23,11 @@ inline constexpr double kFarthestRiskMm = 50.0;
 /// @param surface_of the surface of a label, by name; may be empty
 std::vector<RiskDistance> risk_distances(const mesh::Blade& blade, const mesh::LabelVolume& labels,
     const std::function<std::shared_ptr<const TriMesh>(std::string_view)>& surface_of);
+
+/// The distances of the same labels from an instrument of steel, with its name as RiskDistance::from. An instrument
+/// that lies in a structure has a distance near 0. Organs are where the CT shows them.
+std::vector<RiskDistance> risk_distances(const TriMesh& instrument, const std::string& name,
+    const mesh::LabelTable& table, const std::function<std::shared_ptr<const TriMesh>(std::string_view)>& surface_of);
 
 /// The distances from several blades of one approach: each structure once, with its smallest distance, nearest first.
 std::vector<RiskDistance> nearest_risks(std::vector<RiskDistance> of_all_blades);

@@ -17,6 +17,7 @@ namespace {
 
     constexpr double kNotSeen = 0.005; ///< a share that rounds to nothing
     constexpr double kLittleSeen = 0.1; ///< ours: what is seen of a target hardly serves an operation
+    constexpr double kTouching = 2.0; ///< mm: about a voxel, to which the distance is known
     constexpr double kNearBreaking = 0.7; ///< utilisation; the capacities of tested ribs vary by about a third
     constexpr double kWideInterval = 0.5; ///< half of the interval over the force: its first digit is in doubt
 
@@ -124,6 +125,12 @@ namespace {
             worsen(verdict.light, Light::caution);
             verdict.sentences.emplace_back("Tissue still moves where the model ends: the force is less certain.");
         }
+        for (const RiskDistance& risk : field.steel_at_risk)
+            if (risk.distance_mm < kTouching) {
+                worsen(verdict.light, Light::caution);
+                verdict.sentences.push_back(
+                    "The " + readable(risk.from) + " lies against the " + readable(risk.name) + ".");
+            }
         for (const RiskDistance& risk : field.at_risk)
             if (!(risk.distance_mm > 0.0)) {
                 worsen(verdict.light, Light::injury);

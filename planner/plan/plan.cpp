@@ -1,4 +1,5 @@
 #include "planner/plan/plan.h"
+#include "planner/approach/hook_mesh.h"
 
 #include "mesh/base/assert.h"
 #include "mesh/base/corridor.h"
@@ -272,6 +273,17 @@ namespace {
         return nearest_risks(std::move(risks));
     }
 
+    /// Distances from the hooks or the retractor's blades, where they stand in the opened wound.
+    std::vector<RiskDistance> steel_risks_of(const PlannedField& field, Patient& patient)
+    {
+        const auto surface_of = [&](std::string_view name) { return patient.organ(name); };
+        std::vector<RiskDistance> risks;
+        for (const HookShape& hook : placed_hooks(field, field.opening.displacement, field.geometry))
+            for (RiskDistance& risk : risk_distances(hook_mesh(hook), hook.name, patient.labels()->table, surface_of))
+                risks.push_back(std::move(risk));
+        return nearest_risks(std::move(risks));
+    }
+
     /// The estimated labels that the field's numbers rest on: target, what hides it, and what is at risk.
     std::vector<std::string> estimated_among(const FieldMetrics& m, const Case& planned_case)
     {
@@ -296,6 +308,7 @@ namespace {
         fill_best_eye(m, field, patient.frame(), patient.planned_case().label_table);
         fill_sight(m, field.exposure, patient.planned_case().label_table);
         m.at_risk = risks_of(field.approach, patient);
+        m.steel_at_risk = steel_risks_of(field, patient);
         m.retracted = field.approach.retracted;
         m.estimated = estimated_among(m, patient.planned_case());
         m.opening_area_mm2 = field.geometry.area_mm2;

@@ -11,7 +11,7 @@
 
 namespace retractor::test_support {
 
-inline constexpr int kPatienceMs = 120000; // limit for a busy machine
+inline constexpr int kPatienceMs = 600000; // limit for a busy machine, and for sanitizers
 
 /// Whether the window's picture can be drawn, or is not shown.
 template <class Window> bool picture_ready(Window& window)

@@ -219,6 +219,10 @@ void MainWindow::make_editor()
     editor_ = std::make_unique<ApproachEditor>(*view_, *this);
     editor_->on_edit = [this] {
         clear_error();
+        std::vector<std::size_t> present;
+        for (std::size_t index = 0; index < model_->approach_count(); ++index)
+            present.push_back(model_->id(index));
+        knife_->keep_only(present);
         hand_out_work();
         show_all();
         save_case();

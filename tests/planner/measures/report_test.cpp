@@ -52,10 +52,10 @@ namespace report_test {
     {
         const auto document = metrics_document({ sample_field("median") });
         const auto& field = document.at("approaches").at(0);
-        for (const char* key :
-            { "name", "seen_best_eye", "best_eye", "visible_fraction", "opening_area_mm2", "opening_width_mm", "working_distance_mm",
-                "incision_length_mm", "hook_force_N", "hook_forces_N", "strain_p99", "inverted_elements",
-                "max_volume_ratio", "bone_in_sight", "tets", "seconds", "solution", "residual", "mechanics_status" })
+        for (const char* key : { "name", "seen_best_eye", "best_eye", "visible_fraction", "opening_area_mm2",
+                 "opening_width_mm", "working_distance_mm", "incision_length_mm", "hook_force_N", "hook_forces_N",
+                 "strain_p99", "inverted_elements", "max_volume_ratio", "bone_in_sight", "tets", "seconds", "solution",
+                 "residual", "mechanics_status" })
             EXPECT_TRUE(field.contains(key)) << key;
         EXPECT_EQ(document.at("frame"), "LPS");
         EXPECT_EQ(field.at("hook_forces_N").size(), 3u);

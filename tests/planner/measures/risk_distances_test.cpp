@@ -95,6 +95,25 @@ namespace risk_distances_test {
         EXPECT_EQ(found[2].name, "aorta");
     }
 
+    TEST(RiskDistances, OfAnInstrumentNameItAndTheNearestPlace)
+    {
+        Organs organs;
+        organs.add("beside", mesh::Role::at_risk, { 65.0, 5.0, 20.0 }, { 70.0, 10.0, 30.0 });
+        organs.add("far", mesh::Role::at_risk, { 105.0, 5.0, 20.0 }, { 110.0, 10.0, 30.0 });
+        organs.add("no risk", mesh::Role::voxel, { 51.0, 5.0, 20.0 }, { 52.0, 10.0, 30.0 });
+        TriMesh plate;
+        plate.vertices.resize(3, 3);
+        plate.vertices << 50.0, 5.0, 20.0, 50.0, 10.0, 20.0, 50.0, 5.0, 30.0;
+        plate.triangles = { { 0, 1, 2 } };
+        const auto found = risk_distances(plate, "left_blade", organs.labels.table,
+            [&](std::string_view name) { return organs.surfaces.find(name)->second; });
+        ASSERT_EQ(found.size(), 1U);
+        EXPECT_EQ(found[0].name, "beside");
+        EXPECT_EQ(found[0].from, "left_blade");
+        EXPECT_NEAR(found[0].distance_mm, 15.0, kRoundOff);
+        EXPECT_NEAR(found[0].at.x(), 65.0, kRoundOff);
+    }
+
     TEST(RiskDistances, AStructureWithoutASurfaceIsNotListed)
     {
         Organs organs;

@@ -169,6 +169,16 @@ void KnifeTool::leave()
     panel_.show_snapshot(nullptr, 0.0);
 }
 
+void KnifeTool::keep_only(const std::vector<std::size_t>& approaches)
+{
+    if (shown_ && std::find(approaches.begin(), approaches.end(), *shown_) == approaches.end())
+        leave();
+    std::erase_if(sessions_, [&](const auto& entry) {
+        return std::find(approaches.begin(), approaches.end(), entry.first) == approaches.end()
+            && entry.second.worker->idle();
+    });
+}
+
 void KnifeTool::clear()
 {
     leave();

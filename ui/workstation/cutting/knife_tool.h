@@ -40,6 +40,9 @@ public:
     void set_up(std::size_t approach, std::function<SurgeryInput(const Job&)> prepare);
     /// Shows no session. Existing sessions stay, with their cuts.
     void leave();
+    /// Ends the sessions of all other approaches, whose incisions are no longer there. One that works goes on, because
+    /// its end would be waited for.
+    void keep_only(const std::vector<std::size_t>& approaches);
     /// Ends all sessions, for another case.
     void clear();
 

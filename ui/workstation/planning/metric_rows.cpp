@@ -103,6 +103,12 @@ namespace {
             section.rows.push_back({ "Blade to " + risk.name,
                 risk.distance_mm > 0.0 ? in_words(risk.distance_mm, 1) + " mm" : "passes through it",
                 "Shortest distance from the blade to this structure at risk, before opening." });
+        for (const planner::RiskDistance& risk : field.steel_at_risk)
+            section.rows.push_back(
+                { readable(risk.from) + " to " + readable(risk.name), in_words(risk.distance_mm, 1) + " mm",
+                    "Shortest distance from this instrument, where it stands in the opened wound, to this structure at "
+                    "risk, "
+                    "where the CT shows it." });
         return section;
     }
 

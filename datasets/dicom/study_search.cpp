@@ -5,6 +5,7 @@
 #include "mesh/base/error.h"
 
 #include <algorithm>
+#include <exception>
 #include <iterator>
 #include <string>
 #include <system_error>
@@ -16,13 +17,13 @@ namespace {
 
     namespace fs = std::filesystem;
 
-    /// The folder and all below it, sorted.
-    std::vector<fs::path> folders_of(const fs::path& root, const Job& job)
+    /// The folders in a folder, sorted. One that cannot be listed has none that are known.
+    std::vector<fs::path> folders_in(const fs::path& folder)
     {
-        std::vector<fs::path> folders { root };
+        std::vector<fs::path> folders;
         std::error_code code;
-        fs::recursive_directory_iterator entry(root, fs::directory_options::skip_permission_denied, code);
-        for (; !code && entry != fs::recursive_directory_iterator() && !job.cancelled(); entry.increment(code)) {
+        for (fs::directory_iterator entry(folder, code); !code && entry != fs::directory_iterator();
+             entry.increment(code)) {
             std::error_code unknown;
             if (entry->is_directory(unknown) && !entry->is_symlink(unknown))
                 folders.push_back(entry->path());
@@ -31,14 +32,32 @@ namespace {
         return folders;
     }
 
-    std::vector<StudySeries> series_in(const fs::path& path, const Job& job)
+    /// The folder and all below it. A folder that cannot be listed does not end the search of the others.
+    std::vector<fs::path> folders_of(const fs::path& root, const Job& job)
+    {
+        std::vector<fs::path> folders { root };
+        for (std::size_t n = 0; n < folders.size() && !job.cancelled(); ++n) {
+            const std::vector<fs::path> inside = folders_in(folders[n]);
+            folders.insert(folders.end(), inside.begin(), inside.end());
+        }
+        return folders;
+    }
+
+    /// @param why filled where there are DICOM files that cannot be read
+    std::vector<StudySeries> series_in(const fs::path& path, std::exception_ptr& why, const Job& job)
     {
         std::vector<std::string> notes; // of damaged files; the import says them again
         std::vector<DicomGroup> groups;
         try {
             groups = group_dicom_series(scan_dicom(path, job), notes);
         } catch (const Error&) {
-            return {}; // nothing here is a DICOM image
+            if (why == nullptr && holds_dicom(path))
+                try {
+                    rethrow_without_identity(path);
+                } catch (...) {
+                    why = std::current_exception();
+                }
+            return {};
         }
         const std::vector<PatientIdentity> identities = dicom_identities(path);
         std::vector<StudySeries> found;
@@ -69,11 +88,14 @@ std::vector<StudySeries> find_study_series(const fs::path& path, const Job& job)
     const std::vector<fs::path> places
         = fs::is_directory(path, code) ? folders_of(path, job) : std::vector<fs::path> { path };
     std::vector<StudySeries> found;
+    std::exception_ptr why; // of the first folder with DICOM files that cannot be read
     for (std::size_t n = 0; n < places.size() && !job.cancelled(); ++n) {
         job.report("look for images", static_cast<double>(n) / static_cast<double>(places.size()));
-        std::vector<StudySeries> here = series_in(places[n], job);
+        std::vector<StudySeries> here = series_in(places[n], why, job);
         std::move(here.begin(), here.end(), std::back_inserter(found));
     }
+    if (found.empty() && why != nullptr)
+        std::rethrow_exception(why);
     if (found.empty() && !job.cancelled())
         throw InputError("no DICOM image was found in this folder or below it", path.string());
     std::stable_sort(

@@ -20,6 +20,8 @@
 #include <dcmtk/dcmseg/segutils.h>
 #include <dcmtk/oflog/oflog.h>
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -41,6 +43,7 @@ namespace {
 
     constexpr double kSamePlace = 0.05; ///< share of a plane's spacing by which planes may be off
     constexpr double kSameDirection = 1e-4;
+    constexpr double kSameFrameMm = 1e-3; ///< frames of one plane name the same position
     constexpr double kContourPixelMm = 1.0; ///< grid on which contours are filled
     constexpr double kContourMarginMm = 2.0;
     constexpr double kFlatMm = 0.1; ///< a contour stays within this of its plane
@@ -64,7 +67,23 @@ namespace {
         auto format = std::make_unique<DcmFileFormat>();
         const OFCondition read = format->loadFile(OFFilename(file.c_str()), EXS_Unknown, EGL_noChange,
             DCM_MaxReadLength, has_header ? ERM_fileOnly : ERM_autoDetect);
-        return read.good() ? std::move(format) : nullptr;
+        if (read.bad())
+            return nullptr;
+        static_cast<void>(format->convertToUTF8()); // fails where the file names no character set that is known
+        return format;
+    }
+
+    /// A name as UTF-8. What is none is written by another character set, which the file does not name.
+    std::string readable_name(const OFString& name)
+    {
+        std::string text = name.c_str();
+        try {
+            static_cast<void>(nlohmann::json(text).dump()); // refuses what is not UTF-8
+        } catch (const nlohmann::json::type_error&) {
+            std::ranges::replace_if(
+                text, [](char c) { return static_cast<unsigned char>(c) >= 0x80; }, '_');
+        }
+        return text;
     }
 
     std::string kind_of(DcmFileFormat& format)
@@ -85,22 +104,26 @@ namespace {
         int count() const { return index(at.back()) + 1; }
     };
 
-    /// @param spacing as the file says; 0: the smallest distance of two planes
-    Planes planes_of(std::vector<double> places, double spacing, const fs::path& file)
+    /// @param spacing as the file says; 0: found from the distances, of which some may be several planes
+    /// @param same_mm places closer than this are one plane
+    Planes planes_of(std::vector<double> places, double spacing, double same_mm, const fs::path& file)
     {
-        constexpr double kOnePlaneMm = 1e-3;
         std::ranges::sort(places);
         Planes planes;
         for (const double place : places)
-            if (planes.at.empty() || place - planes.at.back() > kOnePlaneMm)
+            if (planes.at.empty() || place - planes.at.back() > same_mm)
                 planes.at.push_back(place);
         double least = std::numeric_limits<double>::infinity();
         for (std::size_t n = 1; n < planes.at.size(); ++n)
             least = std::min(least, planes.at[n] - planes.at[n - 1]);
-        planes.spacing = spacing > 0.0 ? spacing : planes.at.size() > 1 ? least : 1.0;
+        const double extent = planes.at.back() - planes.at.front();
+        if (spacing > 0.0)
+            planes.spacing = spacing;
+        else if (planes.at.size() > 1)
+            planes.spacing = extent / std::round(extent / least);
         for (const double place : planes.at)
             if (std::abs(place - planes.at.front() - planes.index(place) * planes.spacing)
-                > kSamePlace * planes.spacing)
+                > kSamePlace * planes.spacing + same_mm)
                 refuse("the planes lie at uneven distances", file);
         return planes;
     }
@@ -177,7 +200,7 @@ namespace {
             found.frames[number].push_back(frame);
             places.push_back(found.grid.direction.col(2).dot(frame.position));
         }
-        found.planes = planes_of(places, between_slices, file);
+        found.planes = planes_of(places, between_slices, kSameFrameMm, file);
         Uint16 rows = 0, columns = 0;
         data.findAndGetUint16(DCM_Rows, rows);
         data.findAndGetUint16(DCM_Columns, columns);
@@ -247,8 +270,8 @@ namespace {
             DcmSegment* segment = object->getSegment(number);
             if (segment == nullptr || segment->getSegmentLabel(name).bad() || name.empty())
                 name = ("segment " + std::to_string(number)).c_str();
-            if (!layers.add("Segment_" + std::to_string(number), name.c_str(), voxels))
-                empty.emplace_back(name.c_str());
+            if (!layers.add("Segment_" + std::to_string(number), readable_name(name), voxels))
+                empty.push_back(readable_name(name));
         }
         SegmentedImage image = layers.take();
         if (image.segments.empty())
@@ -274,7 +297,7 @@ namespace {
             OFString name;
             if (structures.getCurrentItem().getROINumber(number).good()
                 && structures.getCurrentItem().getROIName(name).good())
-                names[number] = name.c_str();
+                names[number] = readable_name(name);
         }
         return names;
     }
@@ -309,19 +332,27 @@ namespace {
         return contours;
     }
 
+    double mean_height(const Contour& contour)
+    {
+        double sum = 0.0;
+        for (const Vec3& point : contour.points)
+            sum += point.z();
+        return sum / static_cast<double>(contour.points.size());
+    }
+
     mesh::ImageGrid grid_of(const std::vector<Structure>& structures, const fs::path& file)
     {
         Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
         std::vector<double> places;
         for (const Structure& structure : structures)
             for (const Contour& contour : structure.contours) {
-                places.push_back(contour.points.front().z());
+                places.push_back(mean_height(contour));
                 for (const Vec3& point : contour.points) {
                     low = low.cwiseMin(point);
                     high = high.cwiseMax(point);
                 }
             }
-        const Planes planes = planes_of(places, 0.0, file);
+        const Planes planes = planes_of(places, 0.0, kFlatMm, file);
         mesh::ImageGrid grid;
         const Vec3 margin(kContourMarginMm, kContourMarginMm, 0.0);
         grid.origin = low - margin;

@@ -30,6 +30,9 @@ bool SegmentLayers::add(const std::string& id, const std::string& name, const st
     };
     auto layer = std::ranges::find_if(layers_, is_free);
     if (layer == layers_.end()) {
+        constexpr std::size_t kMostVoxels = 800'000'000; // of all layers: 1.6 GB
+        if (voxels.size() * (layers_.size() + 1) > kMostVoxels)
+            throw InputError("so many structures overlap on so large a grid that they do not fit into memory", name);
         layers_.emplace_back(voxels.size(), Label { 0 });
         layer = layers_.end() - 1;
     }

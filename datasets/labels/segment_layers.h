@@ -17,6 +17,7 @@ public:
     /// Adds a segment in the first layer where it overlaps no other.
     /// @param voxels one per voxel of the grid; other than 0 means inside
     /// @return false when no voxel is inside; nothing is added then
+    /// @throws InputError when there are more segments than ids, or all layers have more than 800 million voxels
     bool add(const std::string& id, const std::string& name, const std::vector<std::uint8_t>& voxels);
 
     /// The image of all segments. @pre this is the last call

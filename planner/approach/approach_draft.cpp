@@ -58,17 +58,38 @@ namespace {
         return approach;
     }
 
-    /// The template that makes the hooks of the approach. @throws InputError when none does
+    /// The hooks of a template that has as many.
     std::string hook_template_of(const Approach& approach)
     {
+        const bool wide = approach.hooks.front().patch_width_mm != HookSpec {}.patch_width_mm;
+        return approach.hooks.size() == 2 && wide ? "blade" : std::to_string(approach.hooks.size());
+    }
+
+    /// The hooks that its template makes for an incision. @throws InputError as make_hooks() does
+    std::vector<HookSpec> template_hooks(const Approach& approach, const Approach& incision)
+    {
+        const HookSpec& first = approach.hooks.front();
+        return make_hooks(incision, hook_template_of(approach), 2.0 * first.opening_mm, first.pull);
+    }
+
+    /// @throws InputError where the hooks were placed one by one, and no template would make them again
+    void check_placed_by_template(const Approach& approach)
+    {
+        constexpr double kSameMm = 0.1;
+        const auto refuse = [&] {
+            throw InputError("the hooks of this approach were placed one by one and would not follow the incision: "
+                             "choose another opening first",
+                "approach " + approach.name);
+        };
         const std::size_t count = approach.hooks.size();
-        if (count == 2 && approach.hooks.front().patch_width_mm != HookSpec {}.patch_width_mm)
-            return "blade";
-        if (count == 2 || count == 4 || count == 8)
-            return std::to_string(count);
-        throw InputError("the hooks of this approach were placed one by one and would not follow the incision: remove "
-                         "them first",
-            "approach " + approach.name);
+        if (count != 2 && count != 4 && count != 8)
+            refuse();
+        const std::vector<HookSpec> made = template_hooks(approach, approach);
+        for (std::size_t n = 0; n < count; ++n)
+            if (made.size() != count || std::abs(made[n].along_mm - approach.hooks[n].along_mm) > kSameMm
+                || std::abs(made[n].opening_mm - approach.hooks[n].opening_mm) > kSameMm
+                || made[n].side != approach.hooks[n].side || made[n].hold != approach.hooks[n].hold)
+                refuse();
     }
 
 } // namespace
@@ -88,19 +109,6 @@ Approach opened_by(Approach approach, const OpenedBy& opening)
     check_approach(approach);
     static_cast<void>(blades_of(approach)); // refuses a wall that is too thin
     return approach;
-}
-
-OpenedBy opened_by(const Approach& approach)
-{
-    OpenedBy opening;
-    if (approach.retractor) {
-        opening.retractor = approach.retractor->kind;
-        opening.opening_mm = approach.retractor->opening_mm;
-    } else if (!approach.hooks.empty()) {
-        opening.hooks = hook_template_of(approach);
-        opening.opening_mm = 2.0 * approach.hooks.front().opening_mm;
-    }
-    return opening;
 }
 
 Approach approach_from_draft(Patient& patient, const Case& planned_case, const ApproachDraft& draft)
@@ -138,8 +146,8 @@ Approach with_incision_through(Patient& patient, const Approach& approach, const
         moved.retractor->along_mm = 0.5 * incision_length(moved);
         static_cast<void>(blades_of(moved)); // refuses a wall that is too thin
     } else if (!moved.hooks.empty()) {
-        const HookPull pull = approach.hooks.front().pull;
-        moved.hooks = make_hooks(moved, hook_template_of(approach), 2.0 * approach.hooks.front().opening_mm, pull);
+        check_placed_by_template(approach);
+        moved.hooks = template_hooks(approach, moved);
     }
     check_approach(moved);
     return moved;

@@ -43,12 +43,10 @@ Approach approach_from_draft(Patient& patient, const Case& planned_case, const A
 /// The same approach opened by something else. @throws InputError as make_hooks() and set_retractor() do
 Approach opened_by(Approach approach, const OpenedBy& opening);
 
-/// What opens the approach now.
-OpenedBy opened_by(const Approach& approach);
-
 /// The same approach with its incision through other points. Hooks or retractor, target, organs and divided layers
 /// stay; tissue that was to be removed stays where it is along the incision.
-/// @throws InputError as approach_from_points() does, and where hooks or blades no longer fit
+/// @throws InputError as approach_from_points() does, where hooks or blades no longer fit, and where hooks were not
+/// placed by a template
 Approach with_incision_through(Patient& patient, const Approach& approach, const std::vector<Vec3>& points);
 
 /// A few points of the incision, by which it can be moved: its ends, and points about `spacing_mm` apart between them.

@@ -83,6 +83,8 @@ std::optional<DemoPatient> write_demo_patient(const fs::path& folder, const Job&
     static_cast<void>(step_done("read DICOM, import"));
     job.report("approaches", 0.0);
     add_approaches(demo.planned_case, job);
+    if (job.cancelled())
+        return std::nullopt;
     write_case(demo.planned_case);
     static_cast<void>(step_done("templates"));
     return demo;

@@ -19,7 +19,7 @@ struct DemoPatient {
 };
 
 /// Writes the patient's DICOM series, labels and case.json into a folder.
-/// @returns nothing when the job is cancelled; the folder then holds no case.json
+/// @returns nothing when the job is cancelled; the folder then holds a part of the patient
 /// @throws IoError when writing fails; InputError when the folder's ct holds other files
 std::optional<DemoPatient> write_demo_patient(const std::filesystem::path& folder, const Job& job = {});
 

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace retractor::planner {
 
@@ -28,12 +29,22 @@ namespace {
         return text;
     }
 
-    void worsen(Light& light, Light to)
+    /// A sentence with what it means for the light.
+    struct Said {
+        Light light = Light::clear;
+        std::string sentence;
+    };
+    using Sentences = std::vector<Said>;
+
+    void say(Sentences& said, Light light, std::string sentence)
     {
-        // Injury outweighs caution; nothing outweighs numbers that are not to be relied on.
-        if (static_cast<int>(to) > static_cast<int>(light))
-            light = to;
+        said.emplace_back();
+        said.back().light = light;
+        said.back().sentence = std::move(sentence);
     }
+
+    /// Injury outweighs caution; nothing outweighs numbers that are not to be relied on.
+    bool is_worse(const Said& a, const Said& b) { return static_cast<int>(a.light) > static_cast<int>(b.light); }
 
     /// Why the numbers are not to be relied on; empty: they are.
     std::string doubt(const FieldMetrics& field)
@@ -47,95 +58,84 @@ namespace {
         return {};
     }
 
-    std::string sight_sentence(const FieldMetrics& field, Light& light)
+    void say_sight(const FieldMetrics& field, Sentences& said)
     {
         const std::string target = readable(field.target);
-        if (field.seen_best_eye < kNotSeen) {
-            worsen(light, Light::injury);
-            return "The " + target + " is not seen.";
-        }
-        if (field.seen_best_eye < kLittleSeen)
-            worsen(light, Light::caution);
-        return "Shows " + two_digits(100.0 * field.seen_best_eye) + " % of the " + target + ".";
+        if (field.seen_best_eye < kNotSeen)
+            return say(said, Light::injury, "The " + target + " is not seen.");
+        say(said, field.seen_best_eye < kLittleSeen ? Light::caution : Light::clear,
+            "Shows " + two_digits(100.0 * field.seen_best_eye) + " % of the " + target + ".");
     }
 
-    std::string opening_sentence(const FieldMetrics& field)
+    void say_opening(const FieldMetrics& field, Sentences& said)
     {
-        return field.retractor && field.retractor->opening_mm > 0.0
-            ? "Opens " + two_digits(field.retractor->opening_mm) + " mm."
-            : "Opens " + two_digits(field.opening_width_mm) + " mm wide.";
+        say(said, Light::clear,
+            field.retractor && field.retractor->opening_mm > 0.0
+                ? "Opens " + two_digits(field.retractor->opening_mm) + " mm."
+                : "Opens " + two_digits(field.opening_width_mm) + " mm wide.");
     }
 
-    std::string force_sentence(const FieldMetrics& field, Light& light)
+    void say_force(const FieldMetrics& field, Sentences& said)
     {
         const bool has_moments = field.force_moments && field.force_moments->message.empty();
         const double force = has_moments ? field.force_moments->peak_N : field.hook_force_N;
         if (!(force > 0.0))
-            return {};
+            return;
         const ForceInterval interval = force_interval(field);
         std::string text = (has_moments ? "Peak " : "Force ") + two_digits(force) + " N";
+        Light light = Light::caution; // how sure the number is, may not be known
         if (interval.is_known()) {
             const double scale = field.hook_force_N > 0.0 ? force / field.hook_force_N : 1.0;
             text += " (" + two_digits(scale * interval.low_N) + " to " + two_digits(scale * interval.high_N) + ")";
-            if (interval.high_N - interval.low_N > 2.0 * kWideInterval * field.hook_force_N)
-                worsen(light, Light::caution);
-        } else {
-            worsen(light, Light::caution); // how sure the number is, is not known
+            if (interval.high_N - interval.low_N <= 2.0 * kWideInterval * field.hook_force_N)
+                light = Light::clear;
         }
         if (has_moments)
             text += ", held " + two_digits(field.force_moments->held_N) + " N after "
                 + time_text(field.force_moments->hold_s);
-        return text + ".";
+        say(said, light, text + ".");
     }
 
-    void add_bones(const FieldMetrics& field, Verdict& verdict)
+    void say_bones(const FieldMetrics& field, Sentences& said)
     {
         for (const BoneMetrics& bone : field.bones) {
             const std::string name = capital(bone_in_words(bone.name));
-            if (bone.opening_at_limit_mm) {
-                worsen(verdict.light, Light::injury);
-                verdict.sentences.push_back(
+            if (bone.opening_at_limit_mm)
+                say(said, Light::injury,
                     name + " would break from " + two_digits(*bone.opening_at_limit_mm) + " mm on.");
-            } else if (bone.capacity_Nm && bone.utilisation > kNearBreaking) {
-                worsen(verdict.light, Light::caution);
-                verdict.sentences.push_back(name + " comes near breaking.");
-            }
+            else if (bone.capacity_Nm && bone.utilisation > kNearBreaking)
+                say(said, Light::caution, name + " comes near breaking.");
         }
-        if (field.bones.empty() && !field.bones_message.empty()) {
-            worsen(verdict.light, Light::caution);
-            verdict.sentences.emplace_back("Whether a bone would break is not known.");
-        }
+        if (field.bones.empty() && !field.bones_message.empty())
+            say(said, Light::caution, "Whether a bone would break is not known.");
     }
 
-    void add_tissue(const FieldMetrics& field, Verdict& verdict)
+    void say_tissue(const FieldMetrics& field, Sentences& said)
     {
         for (const TissueStrain& tissue : field.tissue_strain)
-            if (may_tear(tissue)) {
-                worsen(verdict.light, would_tear(tissue) ? Light::injury : Light::caution);
-                verdict.sentences.push_back(
+            if (may_tear(tissue))
+                say(said, would_tear(tissue) ? Light::injury : Light::caution,
                     capital(readable(tissue.tissue)) + (would_tear(tissue) ? " would tear." : " may tear."));
-            }
-        if (may_rupture(field)) {
-            worsen(verdict.light, Light::caution);
-            verdict.sentences.emplace_back("Tissue ruptured in half of such retractions in pigs.");
-        }
+        if (may_rupture(field))
+            say(said, Light::caution, "Tissue ruptured in half of such retractions in pigs.");
         if (!piercing_text(field).empty())
-            verdict.sentences.emplace_back("Bone comes through the skin, which the model does not hinder.");
-        else if (is_region_too_small(field)) {
-            worsen(verdict.light, Light::caution);
-            verdict.sentences.emplace_back("Tissue still moves where the model ends: the force is less certain.");
-        }
-        for (const RiskDistance& risk : field.steel_at_risk)
-            if (risk.distance_mm < kTouching) {
-                worsen(verdict.light, Light::caution);
-                verdict.sentences.push_back(
-                    "The " + readable(risk.from) + " lies against the " + readable(risk.name) + ".");
-            }
+            say(said, Light::unknown, "Bone comes through the skin, which the model does not hinder.");
+        else if (is_region_too_small(field))
+            say(said, Light::caution, "Tissue still moves where the model ends: the force is less certain.");
+    }
+
+    void say_risks(const FieldMetrics& field, Sentences& said)
+    {
         for (const RiskDistance& risk : field.at_risk)
-            if (!(risk.distance_mm > 0.0)) {
-                worsen(verdict.light, Light::injury);
-                verdict.sentences.emplace_back("The blade cuts the " + readable(risk.name) + ".");
-            }
+            if (!(risk.distance_mm > 0.0))
+                say(said, Light::injury, "The blade cuts the " + readable(risk.name) + ".");
+        for (const RiskDistance& risk : field.steel_at_risk)
+            if (risk.distance_mm < kTouching)
+                say(said, Light::caution,
+                    "The " + readable(risk.from) + " lies against the " + readable(risk.name) + ".");
+        for (const std::string& estimated : field.estimated)
+            if (estimated == field.target)
+                say(said, Light::caution, "The " + readable(field.target) + " is only estimated.");
     }
 
 } // namespace
@@ -179,26 +179,19 @@ ForceInterval force_interval(const FieldMetrics& field)
 
 Verdict verdict_of(const FieldMetrics& field)
 {
-    Verdict verdict { .light = Light::clear, .sentences = {} };
-    if (const std::string why = doubt(field); !why.empty()) {
-        verdict.light = Light::unknown;
-        verdict.sentences.push_back(why);
-    }
-    if (field.attainable == Attainable::no && verdict.light == Light::clear) {
-        worsen(verdict.light, Light::injury);
-        verdict.sentences.emplace_back("This opening is not reached.");
-    }
-    add_bones(field, verdict);
-    add_tissue(field, verdict);
-    for (const std::string& estimated : field.estimated)
-        if (estimated == field.target) {
-            worsen(verdict.light, Light::caution);
-            verdict.sentences.emplace_back("The " + readable(field.target) + " is only estimated.");
-        }
-    verdict.sentences.push_back(sight_sentence(field, verdict.light));
-    verdict.sentences.push_back(opening_sentence(field));
-    if (const std::string force = force_sentence(field, verdict.light); !force.empty())
-        verdict.sentences.push_back(force);
+    Sentences said;
+    if (const std::string why = doubt(field); !why.empty())
+        say(said, Light::unknown, why);
+    say_bones(field, said);
+    say_tissue(field, said);
+    say_risks(field, said);
+    say_sight(field, said);
+    say_opening(field, said);
+    say_force(field, said);
+    std::ranges::stable_sort(said, is_worse);
+    Verdict verdict { .light = said.front().light, .sentences = {} };
+    for (Said& each : said)
+        verdict.sentences.push_back(std::move(each.sentence));
     return verdict;
 }
 

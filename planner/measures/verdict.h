@@ -13,7 +13,7 @@ namespace retractor::planner {
 enum class Light {
     clear, ///< nothing found that speaks against this field
     caution, ///< read the sentences before this field is used
-    injury, ///< something breaks, tears, or the opening is not reached; or the target is not seen
+    injury, ///< something breaks, tears or is cut that must not be; or the target is not seen
     unknown, ///< the numbers are not to be relied on
 };
 

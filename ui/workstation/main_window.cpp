@@ -98,22 +98,31 @@ MainWindow::~MainWindow()
     planning_executor_.cancel(); // planning stops while the knife ends
 }
 
-bool MainWindow::may_lose_plan(const QString& question_text, const QString& go_on)
+bool MainWindow::may_lose(const QString& question_text, const QString& what, const QString& go_on)
 {
-    if (!model_ || !model_->busy())
-        return true;
-    QMessageBox question(QMessageBox::Question, question_text,
-        "A plan is being calculated. If you close now, the plan ends and its result is lost.", QMessageBox::NoButton,
-        this);
+    QMessageBox question(QMessageBox::Question, question_text, what, QMessageBox::NoButton, this);
     QPushButton* const close = question.addButton("Close", QMessageBox::DestructiveRole);
     question.setDefaultButton(question.addButton(go_on, QMessageBox::RejectRole));
     question.exec();
     return question.clickedButton() == close;
 }
 
+bool MainWindow::may_leave_case(const QString& question)
+{
+    if (model_ && model_->busy()
+        && !may_lose(question, "A plan is being calculated. If you close now, the plan ends and its result is lost.",
+            "Go on planning"))
+        return false;
+    return not_saved_.empty()
+        || may_lose(question,
+            QString::fromStdString(
+                "The approaches of this case are not saved. If you close now, they are lost. " + not_saved_),
+            "Go back");
+}
+
 void MainWindow::closeEvent(QCloseEvent* event)
 {
-    if (!may_lose_plan("Close the window?", "Go on planning"))
+    if (!may_leave_case("Close the window?"))
         return event->ignore();
     knife_->abandon();
     if (model_)
@@ -175,7 +184,8 @@ void MainWindow::make_panes()
     auto* banner_row = new QHBoxLayout(banner_);
     banner_text_ = plain_label();
     auto* again = new QPushButton("Try again");
-    connect(again, &QPushButton::clicked, this, [this] { save_case(); });
+    banner_button_ = again;
+    connect(again, &QPushButton::clicked, this, [this] { save_case(changed_by_others_); });
     banner_row->addWidget(banner_text_, 1);
     banner_row->addWidget(again);
     banner_->hide();
@@ -267,8 +277,10 @@ bool MainWindow::start_page_shown() const { return pages_->currentWidget() == st
 void MainWindow::show_start_page()
 {
     pages_->setCurrentIndex(model_ == nullptr ? 1 : 0);
-    start_page_->show_work(start_work_.isEmpty() && reading_ > 0 ? "Reading the case" : start_work_,
-        reading_executor_.progress().fraction);
+    if (start_work_.isEmpty())
+        start_page_->show_work(reading_ > 0 ? "Reading the case" : "", std::nullopt);
+    else
+        start_page_->show_work(start_work_, reading_executor_.progress().fraction);
 }
 
 void MainWindow::remember_cases()
@@ -313,10 +325,20 @@ void MainWindow::run_start_work(const QString& what, std::function<std::function
 void MainWindow::open_demo_patient(const std::filesystem::path& folder)
 {
     run_start_work("Making the demo patient", [this, folder](const Job& job) -> std::function<void()> {
-        if (planner::write_demo_patient(folder, job))
-            return [this, folder] { open_file(folder / planner::kCaseFileName); };
         std::error_code code;
-        std::filesystem::remove_all(folder, code); // it is new, and holds a part of a patient
+        const bool is_new = !std::filesystem::exists(folder, code);
+        const auto remove_part = [&] { // nothing of others is in a new folder
+            if (is_new)
+                std::filesystem::remove_all(folder, code);
+        };
+        try {
+            if (planner::write_demo_patient(folder, job))
+                return [this, folder] { open_file(folder / planner::kCaseFileName); };
+        } catch (...) {
+            remove_part();
+            throw;
+        }
+        remove_part();
         return [] {};
     });
 }
@@ -362,6 +384,10 @@ void MainWindow::set_knife(KnifeMode mode)
 {
     if (!model_ || !model_->selected())
         mode = KnifeMode::away;
+    if (mode != KnifeMode::away) { // the mouse is the knife's
+        set_measuring(false);
+        editor_->abandon();
+    }
     knife_->set_mode(mode);
     if (mode != KnifeMode::away)
         tabs_->setCurrentWidget(knife_panel_);
@@ -398,9 +424,10 @@ void MainWindow::show_undo()
         action.setEnabled(what.has_value());
     };
     std::optional<std::string> to_undo, to_redo;
-    if (editor_->drawing())
-        to_undo = "the last point";
-    else if (measuring_) {
+    if (editor_->drawing()) {
+        if (editor_->tool().can_undo())
+            to_undo = "the last change of the points";
+    } else if (measuring_) {
         if (model_->has_measurements())
             to_undo = "the last place";
     } else if (const planner::SurgerySnapshot* snapshot = knife_->snapshot(); snapshot != nullptr) {
@@ -420,6 +447,7 @@ void MainWindow::undo()
 {
     if (editor_->drawing()) {
         editor_->undo_point();
+        show_undo();
     } else if (measuring_) {
         model_->unmeasure();
         show_again([](const Scene&) { return true; });
@@ -453,7 +481,7 @@ void MainWindow::make_status_line()
     progress_->setRange(0, kProgressSteps);
     progress_->setFixedWidth(300);
     cancel_button_ = new QPushButton("Cancel");
-    connect(cancel_button_, &QPushButton::clicked, this, [this] { cancel(); });
+    connect(cancel_button_, &QPushButton::clicked, this, [this] { cancel_planning(); });
     statusBar()->addPermanentWidget(progress_);
     statusBar()->addPermanentWidget(cancel_button_);
     add_notice(*statusBar());
@@ -461,8 +489,16 @@ void MainWindow::make_status_line()
 
 void MainWindow::open(planner::Case planned_case)
 {
+    const auto read_at = time_of(planned_case.file());
+    open_as_read(std::move(planned_case), read_at);
+}
+
+void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::filesystem::file_time_type> read_at)
+{
     set_measuring(false);
-    cancel();
+    editor_->abandon();
+    knife_->abandon();
+    cancel_planning();
     knife_->clear();
     ++generation_;
     closed_running_ = 0;
@@ -473,7 +509,7 @@ void MainWindow::open(planner::Case planned_case)
     editor_->set_case(nullptr, {});
     model_ = std::make_unique<SessionModel>(std::move(planned_case));
     editor_->set_case(model_.get(), backend_);
-    reading_executor_.post([this, file = model_->planned_case().file()](const Job&) { case_time_ = time_of(file); });
+    saving_executor_.post([this, read_at](const Job&) { case_time_ = read_at; });
     not_saved_.clear();
     if (remembers_) {
         remember_case(model_->planned_case().file());
@@ -493,10 +529,12 @@ void MainWindow::open(planner::Case planned_case)
 
 void MainWindow::close_case()
 {
-    if (!model_ || !may_lose_plan("Close the case?", "Go on planning"))
+    if (!model_ || !may_leave_case("Close the case?"))
         return;
     set_measuring(false);
-    cancel();
+    editor_->abandon();
+    knife_->abandon();
+    cancel_planning();
     knife_->clear();
     editor_->set_case(nullptr, {});
     ++generation_;
@@ -514,35 +552,41 @@ void MainWindow::close_case()
     show_all();
 }
 
-/// Writes the case with its present approaches. What another program wrote meanwhile is not overwritten.
-void MainWindow::save_case()
+/// Writes the case with its present approaches.
+void MainWindow::save_case(bool over_others)
 {
     ++saving_;
-    reading_executor_.post([this, generation = generation_, planned_case = model_->planned_case()](const Job&) {
-        std::string reason;
-        try {
-            const auto now = time_of(planned_case.file());
-            if (case_time_ && now && *now != *case_time_)
-                throw IoError(
-                    "another program has changed the case meanwhile; open it again", planned_case.file().string());
-            planner::write_case(planned_case);
-            case_time_ = time_of(planned_case.file());
-        } catch (...) {
-            reason = to_string(current_failure());
-        }
-        post_back([this, generation, reason] {
-            --saving_;
-            if (generation == generation_)
-                show_not_saved(reason);
+    saving_executor_.post(
+        [this, over_others, generation = generation_, planned_case = model_->planned_case()](const Job&) {
+            std::string reason;
+            bool changed = false;
+            try {
+                const auto now = time_of(planned_case.file());
+                changed = !over_others && case_time_ && now && *now != *case_time_;
+                if (changed)
+                    throw IoError("Another program has changed the case meanwhile.", planned_case.file().string());
+                planner::write_case(planned_case);
+                case_time_ = time_of(planned_case.file());
+            } catch (...) {
+                reason = to_string(current_failure());
+            }
+            post_back([this, generation, reason, changed] {
+                --saving_;
+                if (generation == generation_)
+                    show_not_saved(reason, changed);
+                else if (!reason.empty())
+                    show_error({ "the approaches of the case that was closed are not saved: " + reason });
+            });
         });
-    });
 }
 
-void MainWindow::show_not_saved(const std::string& reason)
+void MainWindow::show_not_saved(const std::string& reason, bool changed_by_others)
 {
     not_saved_ = reason;
+    changed_by_others_ = changed_by_others;
     banner_text_->setText(
         QString::fromStdString("The approaches are not saved, and are lost when the window is closed. " + reason));
+    banner_button_->setText(changed_by_others ? "Overwrite it" : "Try again");
     banner_->setVisible(!reason.empty());
 }
 
@@ -560,15 +604,19 @@ void MainWindow::open_file(const std::filesystem::path& path)
 {
     if (on_palpation_scene && datasets::is_palpation_scene(path))
         return on_palpation_scene(path);
+    if (!may_leave_case("Open another case?"))
+        return;
     ++reading_;
     view_->show_note("Reading " + QString::fromStdString(path.string()) + " …");
     show_start_page();
     reading_executor_.post([this, path](const Job&) {
+        std::error_code code;
+        const auto read_at = time_of(std::filesystem::is_directory(path, code) ? path / planner::kCaseFileName : path);
         try {
             auto planned_case = std::make_shared<planner::Case>(planner::read_case(path));
-            post_back([this, planned_case] {
+            post_back([this, planned_case, read_at] {
                 --reading_;
-                open(std::move(*planned_case));
+                open_as_read(std::move(*planned_case), read_at);
             });
         } catch (const Error& error) {
             reading_failed(case_failure(path, error));
@@ -611,7 +659,7 @@ void MainWindow::select(const std::string& approach)
 
 void MainWindow::set_view(ViewPreset view)
 {
-    if (!model_ || !model_->view_available(view))
+    if (!model_ || !model_->view_available(view) || (editor_->drawing() && shows_slices(view)))
         return;
     model_->set_view(view);
     show_all();
@@ -623,6 +671,7 @@ void MainWindow::plan_selected()
         return;
     clear_error();
     tabs_->setCurrentWidget(panel_);
+    model_->set_show_opened(true);
     model_->request_plan(*model_->selected());
     hand_out_work();
     show_all();
@@ -634,6 +683,7 @@ void MainWindow::plan_all()
         return;
     clear_error();
     tabs_->setCurrentWidget(panel_);
+    model_->set_show_opened(true);
     for (std::size_t index = 0; index < model_->approach_count(); ++index)
         model_->request_plan(index);
     hand_out_work();
@@ -644,8 +694,12 @@ void MainWindow::cancel()
 {
     if (measuring_)
         return set_measuring(false);
-    if (editor_->abandon() || knife_->abandon())
-        return;
+    if (!editor_->abandon() && !knife_->abandon())
+        cancel_planning();
+}
+
+void MainWindow::cancel_planning()
+{
     if (!model_)
         return;
     model_->cancel();
@@ -766,7 +820,7 @@ void MainWindow::show_actions()
     for (const auto& [action, view] :
         { std::pair { surgeon_, ViewPreset::surgeon }, std::pair { overview_, ViewPreset::overview },
             std::pair { slices_, ViewPreset::slices }, std::pair { incision_, ViewPreset::incision } }) {
-        action->setEnabled(model_ && model_->view_available(view));
+        action->setEnabled(model_ && model_->view_available(view) && !(editor_->drawing() && shows_slices(view)));
         action->setChecked(model_ && model_->shown_view() == view);
     }
     grey_windows_->setEnabled(slices_->isEnabled());
@@ -779,7 +833,7 @@ void MainWindow::show_actions()
     close_case_->setEnabled(model_ != nullptr);
     palpate_->setEnabled(model_ != nullptr && static_cast<bool>(on_palpable));
     new_approach_->setEnabled(model_ != nullptr);
-    measure_->setEnabled(model_ != nullptr && !knife_tab_open());
+    measure_->setEnabled(model_ && shown_.pictures != nullptr && !knife_tab_open() && !editor_->drawing());
     measure_->setChecked(measuring_);
     draw_->setEnabled(editor_->draw_possible());
     draw_->setChecked(editor_->drawing() && !editor_->moving());
@@ -842,13 +896,15 @@ void MainWindow::set_measuring(bool on)
 void MainWindow::measure_at(const QPointF& at)
 {
     std::optional<Vec3> place = view_->slice_place_at(at);
-    if (!place && view_->scenes().size() == 1 && model_->shown_state().closed != nullptr
-        && model_->shown_state().closed->skin_under) {
+    const bool in_space = view_->scenes().size() == 1;
+    if (in_space && shown_.opened)
+        return show_message("Press O first: only the closed skin can be measured.");
+    if (!place && in_space && model_->shown_state().closed != nullptr && model_->shown_state().closed->skin_under) {
         const planner::Ray ray = view_->ray_at(at);
         place = model_->shown_state().closed->skin_under(ray.origin, ray.direction);
     }
     if (!place)
-        return show_message("Click on a slice, or on the skin.");
+        return show_message(in_space ? "Click on the skin." : "Click on a slice.");
     const std::string text = model_->measure(*place);
     show_again([](const Scene&) { return true; });
     show_message(text.empty() ? QString("Click the second place.") : QString::fromStdString(text));

@@ -128,10 +128,15 @@ private:
     void move_incision();
     void undo();
     void redo();
-    void save_case();
-    void show_not_saved(const std::string& reason);
-    /// Asks before a plan that is being calculated is lost. @return whether to go on
-    bool may_lose_plan(const QString& question, const QString& go_on);
+    /// Writes the case. @param over_others also where another program has changed the file meanwhile
+    void save_case(bool over_others = false);
+    void show_not_saved(const std::string& reason, bool changed_by_others);
+    /// Asks before a plan that is being calculated, or approaches that could not be saved, are lost.
+    /// @return whether to go on
+    bool may_leave_case(const QString& question);
+    bool may_lose(const QString& question, const QString& what, const QString& go_on);
+    void cancel_planning();
+    void open_as_read(planner::Case planned_case, std::optional<std::filesystem::file_time_type> read_at);
     void run_start_work(const QString& what, std::function<std::function<void()>(const Job&)> task);
     void open_trainer();
 
@@ -188,6 +193,8 @@ private:
     StartPage* start_page_ = nullptr;
     QWidget* banner_ = nullptr; ///< over the picture, while the case is not saved
     QLabel* banner_text_ = nullptr;
+    QPushButton* banner_button_ = nullptr;
+    bool changed_by_others_ = false; ///< the case is not saved, because another program has changed it
     ApproachList* list_ = nullptr;
     QGridLayout* approach_buttons_ = nullptr;
     PictureView* view_ = nullptr;
@@ -210,11 +217,12 @@ private:
     std::unique_ptr<PictureTool> measure_tool_;
     bool measuring_ = false; ///< the mouse measures
 
-    /// Of the case file as it was read or written last; used by the reading executor's thread.
+    /// Of the case file as it was read or written last; used by the saving executor's thread.
     std::optional<std::filesystem::file_time_type> case_time_;
 
     // Last members: they must end before the data that their tasks use.
-    SerialExecutor reading_executor_; ///< also writes cases, so that they are written one after another
+    SerialExecutor reading_executor_;
+    SerialExecutor saving_executor_ { { .when_destroyed = WaitingTasks::run } }; ///< what was edited is written
     SerialExecutor closed_executor_;
     SerialExecutor planning_executor_;
     std::unique_ptr<KnifeTool> knife_;

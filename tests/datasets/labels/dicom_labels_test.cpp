@@ -176,6 +176,17 @@ namespace dicom_labels_test {
         EXPECT_EQ(mesh::find_label(labels.table, "aorta")->id, mesh::label_at(labels, { -12.3, 40.7, 112.0 }));
     }
 
+    TEST(StructureSet, PlanesMayBeRoundedAndNamesMayHaveUmlauts)
+    {
+        Drawn vessel { "Gef\xe4\xdf", {} }; // Latin-1, and the file names no character set
+        for (int n = 0; n < 60; ++n)
+            vessel.contours.push_back(circle({ 0.0, 0.0, 2.5 * n + (n % 3 - 1) * 0.004 }, 10.0));
+        const SegmentedImage image = read_dicom_labels(structure_set({ vessel }));
+        EXPECT_EQ(image.grid.size[2], 60);
+        EXPECT_NEAR(image.grid.spacing.z(), 2.5, 1e-3);
+        EXPECT_EQ(image.segments.front().name, "Gef__");
+    }
+
     TEST(StructureSet, WhatCannotBeFilledIsRefused)
     {
         std::vector<Vec3> tilted = circle({ 0.0, 0.0, 0.0 }, 10.0);

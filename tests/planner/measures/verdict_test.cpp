@@ -94,6 +94,10 @@ namespace verdict_test {
         EXPECT_EQ(broken.sentences.front(), "Rib 4 on the left would break from 21 mm on.");
         field.bones[0].opening_at_limit_mm.reset();
         field.bones[0].utilisation = 0.8;
+        field.at_risk = { { .name = "heart", .distance_mm = 0.0 } };
+        EXPECT_EQ(verdict_of(field).sentences.front(), "The blade cuts the heart.") << "an injury before a caution";
+        EXPECT_EQ(verdict_of(field).sentences[1], "Rib 4 on the left comes near breaking.");
+        field.at_risk.clear();
         EXPECT_EQ(verdict_of(field).light, Light::caution);
         field.bones.clear();
         field.tissue_strain = { { .tissue = "skin", .strain = 0.5 } };

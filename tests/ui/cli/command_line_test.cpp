@@ -45,7 +45,7 @@ protected:
         ASSERT_EQ(run("import " + p + "/ct --labels " + p + "/labels.nrrd --out " + case_file()).exit_code, 0);
         ASSERT_EQ(run("approach add " + case_file()
                       + " --name straight --points 1.3,0,-25 0.9,0,0 1.3,0,25 --target target --retract cavity --hooks "
-                        "2 --opening 10 --edge 10 --coarse 20") // coarse, and little opened: plans take seconds
+                        "2 --opening 10")
                       .exit_code,
             0);
     }
@@ -74,7 +74,7 @@ TEST_F(CommandLine, ACaseFileMayHaveAnyName)
     // What is planned in one of them goes into no other file.
     ASSERT_EQ(run("approach add " + second
                   + " --name straight --points 1.3,0,-25 0.9,0,0 1.3,0,25 --target target --retract cavity --hooks 2 "
-                    "--opening 10 --edge 10 --coarse 20")
+                    "--opening 10")
                   .exit_code,
         0);
     EXPECT_EQ(run("hooks " + second + " --approach straight --template 2 --opening 15").exit_code, 0);

@@ -125,10 +125,20 @@ namespace {
     {
         if (wish.empty())
             return study.front();
-        for (std::size_t n = 0; n < study.size(); ++n)
-            if (wish == study[n].series.uid || wish == study[n].series.number || wish == "#" + std::to_string(n + 1))
+        const datasets::StudySeries* found = nullptr;
+        for (std::size_t n = 0; n < study.size(); ++n) {
+            if (wish == study[n].series.uid || wish == "#" + std::to_string(n + 1))
                 return study[n];
-        throw InputError("no series is named \"" + wish + "\"; see --list-series", "--series");
+            if (wish != study[n].series.number)
+                continue;
+            if (found != nullptr)
+                throw InputError(
+                    "several series have the number " + wish + ": choose one by its place, as in #2", "--series");
+            found = &study[n];
+        }
+        if (found == nullptr)
+            throw InputError("no series is named \"" + wish + "\"; see --list-series", "--series");
+        return *found;
     }
 
     /// Whether a folder holds images itself, and not only in its subfolders, as a disc does.
@@ -150,7 +160,7 @@ namespace {
             images.unpacked = std::make_unique<const datasets::UnpackedArchive>(images.ct, job);
             images.ct = images.unpacked->folder();
         }
-        if (holds_series(images.ct))
+        if (options.series.empty() && holds_series(images.ct))
             return images;
         const std::vector<datasets::StudySeries> study = datasets::find_study_series(images.ct, job);
         refuse_if_cancelled(job);
@@ -249,11 +259,14 @@ void add_import_command(Commands& commands)
 {
     auto options = std::make_shared<ImportOptions>();
     CLI::App* command = commands.app.add_subcommand("import",
-        "Make a case from a CT (DICOM folder, disc or ZIP archive, NIfTI, NRRD, MetaImage, VTI) and its labels, or find "
+        "Make a case from a CT (DICOM folder, disc or ZIP archive, NIfTI, NRRD, MetaImage, VTI) and its labels, or "
+        "find "
         "the labels in the CT");
     command->footer("Example: retractor import patient/ct --labels patient/labels.nrrd --out patient/case.json\n"
                     "         retractor import patient/ct --autosegment --out patient/case.json");
-    command->add_option("input", options->input, "DICOM folder or disc (subfolders are searched), ZIP archive, or an image file")
+    command
+        ->add_option(
+            "input", options->input, "DICOM folder or disc (subfolders are searched), ZIP archive, or an image file")
         ->required()
         ->check(CLI::ExistingPath);
     command

@@ -47,6 +47,7 @@ namespace {
     constexpr std::array kHookSets { HookSet { "2 hooks", "2" }, HookSet { "4 hooks", "4" }, HookSet { "8 hooks", "8" },
         HookSet { "One blade on each lip, held by hand", "blade" } };
     constexpr const char* kNothing = "";
+    constexpr const char* kAsItIs = "as it is";
     const QString kHooksPrefix = "hooks:";
 
     QDoubleSpinBox* millimetres(double largest, const QString& special = {})
@@ -57,14 +58,6 @@ namespace {
         box->setSuffix(" mm");
         box->setSpecialValueText(special);
         return box;
-    }
-
-    QString key_of(const planner::OpenedBy& opening)
-    {
-        if (!(opening.opening_mm > 0.0))
-            return kNothing;
-        return opening.retractor.empty() ? kHooksPrefix + QString::fromStdString(opening.hooks)
-                                         : QString::fromStdString(opening.retractor);
     }
 
 } // namespace
@@ -174,6 +167,8 @@ void ApproachDialog::add_target_and_opening(QFormLayout& form, const std::vector
         target_->addItem(QString::fromStdString(target.second), QString::fromStdString(target.first));
     opened_by_ = new QComboBox;
     opened_by_->setObjectName("opened by");
+    if (asks_ == Asks::opening)
+        opened_by_->addItem("As it is", kAsItIs);
     for (const planner::RetractorKind& kind : planner::built_in_retractors())
         opened_by_->addItem(QString::fromStdString(kind.kind + ": " + kind.meaning), QString::fromStdString(kind.kind));
     for (const HookSet& set : kHookSets)
@@ -188,7 +183,8 @@ void ApproachDialog::add_target_and_opening(QFormLayout& form, const std::vector
     form.addRow("Opened by", opened_by_);
     form.addRow("Opening", opening_);
     const bool median = asks_ == Asks::kind; // the first kind of the list
-    opened_by_->setCurrentIndex(opened_by_->findData(QString(median ? "sternal" : "finochietto")));
+    const char* first = asks_ == Asks::opening ? kAsItIs : median ? "sternal" : "finochietto";
+    opened_by_->setCurrentIndex(opened_by_->findData(QString(first)));
     opening_->setValue(median ? kSternalOpeningMm : kRibOpeningMm);
     connect(opened_by_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, [this] { show_what_applies(); });
     connect(opening_, &QDoubleSpinBox::editingFinished, this, [this] { opening_touched_ = true; });
@@ -203,17 +199,16 @@ void ApproachDialog::show_what_applies()
         space_->setMinimum(kind.has_side ? kHighestSpace : kSpaceOfItsOwn);
         side_->setEnabled(kind.has_side);
     }
-    opening_->setEnabled(opened_by_->currentData().toString() != kNothing);
+    opening_->setEnabled(opened_by_->currentData().toString() != kNothing && !keeps_opening());
 }
+
+bool ApproachDialog::keeps_opening() const { return opened_by_->currentData().toString() == kAsItIs; }
 
 void ApproachDialog::show_draft(const planner::ApproachDraft& draft)
 {
     shown_ = draft;
     name_->setText(QString::fromStdString(draft.name));
-    target_->setCurrentIndex(std::max(0, target_->findData(QString::fromStdString(draft.target))));
-    opened_by_->setCurrentIndex(std::max(0, opened_by_->findData(key_of(draft.opened_by))));
-    if (draft.opened_by.opening_mm > 0.0)
-        opening_->setValue(draft.opened_by.opening_mm);
+    target_->setCurrentIndex(target_->findData(QString::fromStdString(draft.target)));
     show_what_applies();
 }
 
@@ -236,7 +231,7 @@ planner::ApproachDraft ApproachDialog::draft() const
     }
     const QString key = opened_by_->currentData().toString();
     draft.opened_by = {};
-    if (key == kNothing)
+    if (key == kNothing || key == kAsItIs)
         return draft;
     if (key.startsWith(kHooksPrefix))
         draft.opened_by.hooks = key.mid(kHooksPrefix.size()).toStdString();

@@ -34,10 +34,12 @@ public:
 
     ApproachDialog(Asks asks, const std::vector<Target>& targets, QWidget* parent);
 
-    /// Shows this draft. @pre its target is one of the targets
+    /// Shows name and target of a draft. @pre its target is one of the targets
     void show_draft(const planner::ApproachDraft& draft);
     /// The draft as it stands now; its points are those shown.
     planner::ApproachDraft draft() const;
+    /// Whether hooks or retractor stay as they are. Only where an existing approach is changed.
+    bool keeps_opening() const;
     /// Shows why the approach could not be made; the dialog stays open.
     void show_failure(const QString& text);
     /// While the approach is made nothing can be pressed but Cancel.

@@ -5,7 +5,9 @@
 
 #include <QWidget>
 
+#include <algorithm>
 #include <optional>
+#include <string>
 #include <utility>
 
 namespace retractor::ui {
@@ -28,7 +30,10 @@ ApproachEditor::ApproachEditor(PictureView& view, QWidget& window)
     , window_(window)
     , tool_(view)
 {
-    tool_.on_change = [this] { say_what_to_do(); };
+    tool_.on_change = [this] {
+        on_state(); // undo is possible now, or no longer
+        say_what_to_do();
+    };
     tool_.on_finish = [this] { finish(); };
     tool_.on_refusal = [this](const QString& text) { on_message(text); };
 }
@@ -36,7 +41,10 @@ ApproachEditor::ApproachEditor(PictureView& view, QWidget& window)
 void ApproachEditor::set_case(SessionModel* model, PlanningBackend backend)
 {
     tool_.end();
+    if (dialog_)
+        dialog_->close(); // it offers what the other case has
     ++generation_;
+    ++drawings_;
     working_ = 0;
     model_ = model;
     backend_ = std::move(backend);
@@ -83,6 +91,7 @@ void ApproachEditor::ask(ApproachDialog* dialog, std::function<Make(const planne
     std::function<void(planner::Approach)> take)
 {
     dialog->setAttribute(Qt::WA_DeleteOnClose);
+    dialog_ = dialog;
     const std::shared_ptr<bool> open = std::make_shared<bool>(true); // the approach of a closed dialog is not wanted
     connect(dialog, &QObject::destroyed, this, [open] { *open = false; });
     dialog->on_accept = [this, dialog, open, make = std::move(make), take = std::move(take)] {
@@ -131,6 +140,8 @@ void ApproachEditor::add_from_template()
 
 void ApproachEditor::begin(std::vector<Vec3> points, const QString& message)
 {
+    opened_before_ = model_->show_opened();
+    ++drawings_;
     model_->set_show_opened(false); // the skin is drawn on before it is cut
     if (shows_slices(model_->view()) || !model_->view_available(model_->view()))
         model_->set_view(ViewPreset::overview);
@@ -168,32 +179,52 @@ void ApproachEditor::say_what_to_do()
         points.size(), length_of(points))));
 }
 
+/// Gives the mouse back, and shows the opened field again where it was shown before.
+void ApproachEditor::end_drawing()
+{
+    ++drawings_;
+    tool_.end();
+    model_->set_show_opened(opened_before_);
+}
+
+void ApproachEditor::finish_moving()
+{
+    const auto index = model_->selected();
+    if (!index || model_->id(*index) != moved_id_) {
+        abandon();
+        return;
+    }
+    tool_.freeze(true); // what is dragged now would be lost
+    const auto refuse = [this, drawing = drawings_](const Failure& failure) {
+        if (drawing == drawings_)
+            tool_.freeze(false);
+        on_failure(failure);
+    };
+    work([move = backend_.move_incision, approach = model_->approach(*index),
+             points = tool_.points()] { return move(approach, points); },
+        [this, refuse, drawing = drawings_, at = *index](planner::Approach approach) {
+            if (drawing != drawings_)
+                return; // it was discarded meanwhile
+            const std::string name = approach.name;
+            try {
+                model_->replace_approach(at, std::move(approach), "move the incision of " + name);
+            } catch (...) {
+                return refuse(current_failure());
+            }
+            end_drawing();
+            changed("Moved the incision of " + QString::fromStdString(name));
+        },
+        refuse);
+}
+
 void ApproachEditor::finish()
 {
-    if (!tool_.active())
+    if (!tool_.active() || tool_.frozen())
         return;
     if (tool_.points().size() < 2)
         return on_message("An incision needs at least two points.");
-    if (moving_) {
-        const auto index = model_->selected();
-        if (!index || model_->id(*index) != moved_id_) {
-            abandon();
-            return;
-        }
-        work([move = backend_.move_incision, approach = model_->approach(*index),
-                 points = tool_.points()] { return move(approach, points); },
-            [this, id = moved_id_](planner::Approach approach) {
-                const auto selected = model_->selected();
-                if (!selected || model_->id(*selected) != id)
-                    return; // another approach was selected meanwhile
-                tool_.end();
-                const QString name = QString::fromStdString(approach.name);
-                model_->replace_approach(*selected, std::move(approach), "move the incision of " + name.toStdString());
-                changed("Moved the incision of " + name);
-            },
-            [this](const Failure& failure) { on_failure(failure); });
-        return;
-    }
+    if (moving_)
+        return finish_moving();
     auto* dialog = new ApproachDialog(ApproachDialog::Asks::drawn, possible_targets(model_->planned_case()), &window_);
     ask(
         dialog,
@@ -206,7 +237,7 @@ void ApproachEditor::finish()
         [this](planner::Approach approach) {
             const QString name = QString::fromStdString(approach.name);
             model_->add_approach(std::move(approach));
-            tool_.end();
+            end_drawing();
             changed("Added " + name);
         });
 }
@@ -215,7 +246,7 @@ bool ApproachEditor::abandon()
 {
     if (!tool_.active())
         return false;
-    tool_.end();
+    end_drawing();
     on_state();
     on_message({});
     return true;
@@ -227,25 +258,22 @@ void ApproachEditor::change_opening()
         return;
     const std::size_t id = model_->id(*model_->selected());
     const planner::Approach approach = model_->approach(*model_->selected());
-    planner::ApproachDraft now;
-    try {
-        now = { .name = approach.name, .target = approach.target.label, .opened_by = planner::opened_by(approach) };
-    } catch (...) {
-        return on_failure(current_failure());
-    }
-    auto* dialog
-        = new ApproachDialog(ApproachDialog::Asks::opening, possible_targets(model_->planned_case()), &window_);
-    dialog->show_draft(now);
+    std::vector<ApproachDialog::Target> targets = possible_targets(model_->planned_case());
+    const std::string& target = approach.target.label;
+    if (std::ranges::none_of(targets, [&](const auto& other) { return other.first == target; }))
+        targets.insert(targets.begin(), { target, approach.target.is_sphere() ? "a ball, as it is" : target });
+    auto* dialog = new ApproachDialog(ApproachDialog::Asks::opening, targets, &window_);
+    dialog->show_draft({ .name = approach.name, .target = target });
     ask(
         dialog,
-        [approach](const planner::ApproachDraft& draft) -> Make {
-            return [approach, draft] {
+        [approach, dialog](const planner::ApproachDraft& draft) -> Make {
+            return [approach, draft, keeps = dialog->keeps_opening()] {
                 planner::Approach changed = approach;
                 if (!draft.name.empty())
                     changed.name = draft.name;
-                if (!approach.target.is_sphere())
-                    changed.target.label = draft.target;
-                return planner::opened_by(std::move(changed), draft.opened_by);
+                if (draft.target != approach.target.label)
+                    changed.target = { .label = draft.target };
+                return keeps ? changed : planner::opened_by(std::move(changed), draft.opened_by);
             };
         },
         [this, id](planner::Approach changed_approach) {

@@ -8,6 +8,7 @@
 #include "ui/workstation/planning/planning_backend.h"
 
 #include <QObject>
+#include <QPointer>
 
 #include <functional>
 #include <memory>
@@ -62,6 +63,8 @@ private:
     /// Makes the approach on the executor; then one of the two is called in the window's thread.
     void work(Make make, std::function<void(planner::Approach)> take, std::function<void(const Failure&)> refuse);
     void begin(std::vector<Vec3> points, const QString& message);
+    void end_drawing();
+    void finish_moving();
     void changed(const QString& message);
     void say_what_to_do();
 
@@ -72,6 +75,9 @@ private:
     IncisionTool tool_;
     bool moving_ = false; ///< the tool moves the points of an existing incision
     std::size_t moved_id_ = 0; ///< id of the approach whose points are moved
+    int drawings_ = 0; ///< number of drawings begun and ended; what was made for an older one is dropped
+    bool opened_before_ = true; ///< whether the opened field was shown before the drawing
+    QPointer<ApproachDialog> dialog_; ///< the open dialog
     int generation_ = 0; ///< number of the case; approaches for an older case are dropped
     int working_ = 0;
     SerialExecutor executor_; ///< declared last: its tasks use the other members

@@ -100,11 +100,12 @@ void IncisionTool::end()
     undo_.clear();
     freehand_.clear();
     held_.reset();
+    frozen_ = false;
 }
 
 bool IncisionTool::undo()
 {
-    if (undo_.empty())
+    if (undo_.empty() || frozen_)
         return false;
     points_ = std::move(undo_.back());
     undo_.pop_back();
@@ -137,7 +138,7 @@ std::optional<std::size_t> IncisionTool::handle_at(const QPointF& at) const
 
 void IncisionTool::press(const QPointF& at)
 {
-    if (!view_.is_drawn())
+    if (!view_.is_drawn() || frozen_)
         return;
     const bool again = pressed_.isValid() && pressed_.elapsed() < QApplication::doubleClickInterval()
         && QLineF(at, pressed_at_).length() < kDragPx;
@@ -172,7 +173,7 @@ void IncisionTool::press(const QPointF& at)
 
 void IncisionTool::move(const QPointF& at, bool held)
 {
-    if (!held || !view_.is_drawn() || QLineF(at, pressed_at_).length() < kDragPx)
+    if (!held || frozen_ || !view_.is_drawn() || QLineF(at, pressed_at_).length() < kDragPx)
         return;
     pressed_.invalidate(); // a drag is no half of a double click
     follow(at);
@@ -194,6 +195,8 @@ void IncisionTool::follow(const QPointF& at)
 
 void IncisionTool::release(const QPointF& at)
 {
+    if (frozen_)
+        return;
     const bool dragged = !pressed_.isValid();
     const bool changed = held_ ? dragged : !freehand_.empty();
     if (held_ && dragged)

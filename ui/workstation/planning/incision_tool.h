@@ -32,6 +32,10 @@ public:
     const std::vector<Vec3>& points() const { return points_; }
     /// Takes the last change of the points back. @return false when there is none
     bool undo();
+    bool can_undo() const { return !undo_.empty(); }
+    /// While frozen, points neither come nor move.
+    void freeze(bool frozen) { frozen_ = frozen; }
+    bool frozen() const { return frozen_; }
 
     // Set by the owner.
     std::function<void()> on_change; ///< the points have changed
@@ -64,6 +68,7 @@ private:
     std::vector<Vec3> points_;
     std::vector<std::vector<Vec3>> lines_; ///< over the skin, between neighbouring points
     std::vector<std::vector<Vec3>> undo_; ///< the points before each change
+    bool frozen_ = false;
     bool moving_ = false; ///< the points of an existing incision are moved; clicks add none
     std::optional<std::size_t> held_; ///< the point that is dragged
     std::vector<Vec3> freehand_; ///< the skin under the mouse since the button went down

@@ -177,8 +177,8 @@ QWidget* ImportDialog::make_labels()
         buttons->addWidget(button);
     };
     add_button("Add label file…", [this] {
-        const QString file = QFileDialog::getOpenFileName(
-            this, "Add labels", {}, "Label maps (*.nrrd *.seg.nrrd *.nii *.nii.gz *.mha *.mhd *.vti *.dcm);;All files (*)");
+        const QString file = QFileDialog::getOpenFileName(this, "Add labels", {},
+            "Label maps (*.nrrd *.seg.nrrd *.nii *.nii.gz *.mha *.mhd *.vti *.dcm);;All files (*)");
         if (!file.isEmpty())
             add_labels(file.toStdString());
     });
@@ -239,6 +239,7 @@ QWidget* ImportDialog::make_choices()
     });
     connect(images_, &QListWidget::currentRowChanged, this, [this] { show_what_applies(); });
     connect(find_labels_, &QCheckBox::toggled, this, [this] { show_what_applies(); });
+    connect(case_folder_, &QLineEdit::textEdited, this, [this] { folder_chosen_ = true; });
     connect(case_folder_, &QLineEdit::textChanged, this, [this] { show_what_applies(); });
     return page;
 }
@@ -283,8 +284,6 @@ void ImportDialog::work(const QString& what, std::function<std::function<void()>
         } catch (...) {
             deliver = [this, failure = current_failure()] { show_failure(QString::fromStdString(to_string(failure))); };
         }
-        if (job.cancelled())
-            deliver = [] {};
         QMetaObject::invokeMethod(
             this,
             [this, deliver = std::move(deliver)] {
@@ -305,11 +304,15 @@ void ImportDialog::set_study(const fs::path& path)
     show_study();
     work("Looking through the study", [this, path](const Job& job) -> std::function<void()> {
         auto study = std::make_shared<Study>(read_study(path, job));
+        if (job.cancelled())
+            return [] {};
         return [this, study] {
             study_ = std::move(*study);
             show_study();
-            if (case_folder_->text().isEmpty())
-                set_case_folder(proposed_folder(study_.path));
+            if (!folder_chosen_)
+                case_folder_->setText(native(proposed_folder(study_.path)));
+            if (images_->currentRow() < 0)
+                show_failure("This study has no CT: only slices of a CT can be imported.");
         };
     });
 }
@@ -339,11 +342,15 @@ void ImportDialog::add_labels(const fs::path& path)
     labels_->addItem(native(path));
     find_labels_->setChecked(false); // what was drawn by hand is all of it, unless the user says otherwise
     if (case_folder_->text().isEmpty())
-        set_case_folder(proposed_folder(path));
+        case_folder_->setText(native(proposed_folder(path)));
     show_what_applies();
 }
 
-void ImportDialog::set_case_folder(const fs::path& folder) { case_folder_->setText(native(folder)); }
+void ImportDialog::set_case_folder(const fs::path& folder)
+{
+    case_folder_->setText(native(folder));
+    folder_chosen_ = true;
+}
 
 planner::ImportRequest ImportDialog::request() const
 {
@@ -373,7 +380,7 @@ void ImportDialog::import()
             return [] {};
         if (const auto warning = planner::identity_warning(request.ct, case_file))
             imported.warnings.push_back(*warning);
-        planner::write_import(imported, case_file);
+        planner::write_import(imported, case_file); // short, and not interrupted: the case is there, and is shown
         return [this, case_file, text = findings(imported)] { show_imported(case_file, text); };
     });
 }
@@ -434,7 +441,7 @@ void ImportDialog::show_what_applies()
     find_labels_->setEnabled(has_image || study_.images.empty());
     import_->setVisible(!imported);
     import_->setEnabled(working_ == 0 && !case_folder_->text().trimmed().isEmpty()
-        && ((has_image && (has_labels || find_labels_->isChecked())) || (study_.images.empty() && has_labels)));
+        && ((has_image && (has_labels || find_labels_->isChecked())) || (path_->text().isEmpty() && has_labels)));
     open_->setVisible(imported);
     cancel_->setText(imported ? "Close" : "Cancel");
 }

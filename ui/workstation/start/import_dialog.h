@@ -73,6 +73,7 @@ private:
     QString step_; ///< for which step_time_ runs
     int working_ = 0;
     bool cancelling_ = false;
+    bool folder_chosen_ = false; ///< the user has named the case's folder
 
     QStackedWidget* pages_ = nullptr;
     QLineEdit *path_ = nullptr, *case_folder_ = nullptr;

@@ -39,27 +39,34 @@ namespace {
         kept.endArray();
     }
 
+    /// As they are in the settings, without pictures.
+    std::vector<RecentCase> kept_cases()
+    {
+        std::vector<RecentCase> cases;
+        QSettings kept = settings();
+        const int count = kept.beginReadArray("recent");
+        for (int n = 0; n < count; ++n) {
+            kept.setArrayIndex(n);
+            cases.push_back({ kept.value("file").toString().toStdString(), kept.value("opened").toDateTime(), {} });
+        }
+        kept.endArray();
+        return cases;
+    }
+
 } // namespace
 
 std::vector<RecentCase> recent_cases()
 {
-    std::vector<RecentCase> cases;
-    QSettings kept = settings();
-    const int count = kept.beginReadArray("recent");
-    for (int n = 0; n < count; ++n) {
-        kept.setArrayIndex(n);
-        const QString file = kept.value("file").toString();
-        if (QFileInfo::exists(file))
-            cases.push_back(
-                { file.toStdString(), kept.value("opened").toDateTime(), QImage(picture_file(file), "PNG") });
-    }
-    kept.endArray();
+    std::vector<RecentCase> cases = kept_cases();
+    std::erase_if(cases, [](const RecentCase& recent) { return !QFileInfo::exists(whole_path(recent.file)); });
+    for (RecentCase& recent : cases)
+        recent.picture = QImage(picture_file(whole_path(recent.file)), "PNG");
     return cases;
 }
 
 void remember_case(const std::filesystem::path& file)
 {
-    std::vector<RecentCase> cases = recent_cases();
+    std::vector<RecentCase> cases = kept_cases(); // with those on a drive that is not there now
     std::erase_if(cases, [&](const RecentCase& other) { return whole_path(other.file) == whole_path(file); });
     cases.insert(cases.begin(), { file, QDateTime::currentDateTime(), {} });
     if (cases.size() > kMostCases)
@@ -72,9 +79,7 @@ void keep_case_picture(const std::filesystem::path& file, const QImage& picture)
     const QString path = picture_file(whole_path(file));
     QDir().mkpath(QFileInfo(path).path());
     // The middle of the picture, where the patient is.
-    const QSize wanted = picture.size()
-                             .scaled(picture.size(), Qt::KeepAspectRatio)
-                             .boundedTo(kPictureSize.scaled(picture.size(), Qt::KeepAspectRatio));
+    const QSize wanted = kPictureSize.scaled(picture.size(), Qt::KeepAspectRatio);
     const QRect middle(
         QPoint((picture.width() - wanted.width()) / 2, (picture.height() - wanted.height()) / 2), wanted);
     picture.copy(middle).scaled(kPictureSize, Qt::KeepAspectRatio, Qt::SmoothTransformation).save(path, "PNG");

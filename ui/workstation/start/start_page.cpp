@@ -160,15 +160,15 @@ void StartPage::show_recent(const std::vector<RecentCase>& cases)
     no_recent_->setVisible(cases_.empty());
 }
 
-void StartPage::show_work(const QString& text, double fraction)
+void StartPage::show_work(const QString& text, std::optional<double> fraction)
 {
     const bool working = !text.isEmpty();
     page_->setEnabled(!working);
     work_->setText(text);
-    progress_->setValue(static_cast<int>(std::lround(kProgressSteps * fraction)));
-    for (QWidget* widget :
-        { static_cast<QWidget*>(work_), static_cast<QWidget*>(progress_), static_cast<QWidget*>(cancel_) })
-        widget->setVisible(working);
+    work_->setVisible(working);
+    progress_->setValue(static_cast<int>(std::lround(kProgressSteps * fraction.value_or(0.0))));
+    progress_->setVisible(working && fraction.has_value());
+    cancel_->setVisible(working && fraction.has_value());
 }
 
 void StartPage::show_failure(const QString& text)

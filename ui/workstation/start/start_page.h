@@ -6,6 +6,7 @@
 #include <QWidget>
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,8 @@ public:
 
     void show_recent(const std::vector<RecentCase>& cases);
     /// Shows work that is awaited, and disables the page meanwhile; an empty text: none.
-    /// @param fraction of the step, 0 to 1
-    void show_work(const QString& text, double fraction = 0.0);
+    /// @param fraction of the step, 0 to 1; nothing: not known, and the work cannot be cancelled
+    void show_work(const QString& text, std::optional<double> fraction = std::nullopt);
     /// Shows why something did not work; empty: nothing.
     void show_failure(const QString& text);
 

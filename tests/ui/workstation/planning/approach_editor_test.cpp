@@ -15,6 +15,8 @@
 #include <QAbstractButton>
 #include <QComboBox>
 #include <QDialogButtonBox>
+#include <QLineEdit>
+#include <QPushButton>
 #include <QTest>
 
 #include <filesystem>
@@ -231,8 +233,51 @@ namespace approach_editor_test {
         fs::last_write_time(folder_ / "case.json", fs::file_time_type::clock::now() + std::chrono::seconds(5));
         press(Qt::Key_Delete);
         test_support::wait_until_idle(window_);
-        EXPECT_NE(window_.not_saved().find("another program"), std::string::npos) << window_.not_saved();
+        EXPECT_NE(window_.not_saved().find("nother program"), std::string::npos) << window_.not_saved();
         EXPECT_EQ(file_text(), "{}");
+        for (QPushButton* button : window_.findChildren<QPushButton*>())
+            if (button->text() == "Overwrite it")
+                QTest::mouseClick(button, Qt::LeftButton);
+        test_support::wait_until_idle(window_);
+        EXPECT_EQ(window_.not_saved(), "");
+        EXPECT_NE(file_text().find("median"), std::string::npos);
+    }
+
+    TEST_F(ApproachEditorTest, ADiscardedMoveIsNotCarriedOut)
+    {
+        const Vec3 end = window_.model()->approach(0).incision.back();
+        press(Qt::Key_M);
+        drag(window_.editor().tool().points().back(), { 40.0, 0.0, -45.0 });
+        press(Qt::Key_Return);
+        press(Qt::Key_Escape); // before the approach was made
+        test_support::wait_until_idle(window_);
+        EXPECT_FALSE(window_.editor().drawing());
+        EXPECT_EQ(window_.model()->approach(0).incision.back(), end);
+        EXPECT_FALSE(window_.model()->edit_to_undo());
+    }
+
+    TEST_F(ApproachEditorTest, ANewNameLeavesTheRestAsItIs)
+    {
+        press(Qt::Key_E);
+        ASSERT_NE(dialog(), nullptr);
+        EXPECT_TRUE(dialog()->keeps_opening());
+        dialog()->findChild<QLineEdit*>("name")->setText("second thoughts");
+        accept_dialog();
+        EXPECT_EQ(window_.model()->approach(0).name, "second thoughts");
+        EXPECT_EQ(window_.model()->approach(0).target.label, "target");
+        EXPECT_EQ(window_.model()->approach(0).depth_mm, 20.0);
+    }
+
+    TEST_F(ApproachEditorTest, SlicesCannotBeDrawnOnAndTheKnifeTakesTheMouse)
+    {
+        press(Qt::Key_D);
+        press(Qt::Key_3);
+        EXPECT_EQ(window_.model()->view(), ViewPreset::overview);
+        press(Qt::Key_K);
+        EXPECT_FALSE(window_.editor().drawing());
+        EXPECT_EQ(window_.knife().mode(), KnifeMode::freehand);
+        test_support::wait_until_idle(window_);
+        EXPECT_EQ(window_.view().cursor().shape(), Qt::CrossCursor) << "the mouse is the knife's";
     }
 
 } // namespace approach_editor_test

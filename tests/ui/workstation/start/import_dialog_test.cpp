@@ -82,6 +82,8 @@ namespace import_dialog_test {
         dialog_.set_study(study_ / "empty");
         wait();
         EXPECT_TRUE(dialog_.failure().contains("no DICOM image")) << dialog_.failure().toStdString();
+        dialog_.add_labels(study_ / "labels.nrrd");
+        EXPECT_FALSE(dialog_.findChild<QPushButton*>("import")->isEnabled()) << "the named study is missing";
         std::ofstream(study_ / "damaged.zip") << "PK\3\4 and then nothing that makes sense";
         dialog_.set_study(study_ / "damaged.zip");
         wait();
@@ -90,7 +92,6 @@ namespace import_dialog_test {
         dialog_.set_study(study_ / "disc");
         wait();
         EXPECT_EQ(dialog_.failure(), "");
-        dialog_.add_labels(study_ / "labels.nrrd");
         fs::create_directories(study_ / "taken");
         std::ofstream(study_ / "taken" / "case.json") << "{}";
         dialog_.set_case_folder(study_ / "taken");

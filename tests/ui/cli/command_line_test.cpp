@@ -45,7 +45,7 @@ protected:
         ASSERT_EQ(run("import " + p + "/ct --labels " + p + "/labels.nrrd --out " + case_file()).exit_code, 0);
         ASSERT_EQ(run("approach add " + case_file()
                       + " --name straight --points 1.3,0,-25 0.9,0,0 1.3,0,25 --target target --retract cavity --hooks "
-                        "2 --opening 10")
+                        "2 --opening 20")
                       .exit_code,
             0);
     }
@@ -56,9 +56,8 @@ protected:
 
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
-    for (const char* command :
-        { "phantom", "import", "approach add", "hooks", "tension", "mesh", "cut", "plan", "render", "demo", "doctor",
-            "palpable", "palpate", "relay", "train", "train expert", "train test", "train report" }) {
+    for (const char* command : { "phantom", "import", "approach add", "hooks", "tension", "mesh", "cut", "plan",
+             "render", "demo", "doctor", "palpable", "palpate", "relay", "train", "train expert", "train test", "train report" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;
@@ -74,7 +73,7 @@ TEST_F(CommandLine, ACaseFileMayHaveAnyName)
     // What is planned in one of them goes into no other file.
     ASSERT_EQ(run("approach add " + second
                   + " --name straight --points 1.3,0,-25 0.9,0,0 1.3,0,25 --target target --retract cavity --hooks 2 "
-                    "--opening 10")
+                    "--opening 20")
                   .exit_code,
         0);
     EXPECT_EQ(run("hooks " + second + " --approach straight --template 2 --opening 15").exit_code, 0);

@@ -1,5 +1,6 @@
 #include "ui/workstation/planning/approach_dialog.h"
 
+#include "mesh/base/text_format.h"
 #include "planner/approach/retractors.h"
 #include "ui/workstation/view/controls.h"
 
@@ -13,7 +14,6 @@
 #include <QSpinBox>
 #include <QVBoxLayout>
 
-#include <algorithm>
 #include <array>
 
 namespace retractor::ui {
@@ -69,8 +69,7 @@ std::vector<ApproachDialog::Target> possible_targets(const planner::Case& planne
         for (const mesh::LabelInfo& info : planned_case.label_table) {
             if (info.role != role || info.material == "bone")
                 continue;
-            std::string words = info.name;
-            std::replace(words.begin(), words.end(), '_', ' ');
+            std::string words = readable(info.name);
             if (planner::is_estimated(planned_case, info.name))
                 words += " (estimated)";
             targets.emplace_back(info.name, words);

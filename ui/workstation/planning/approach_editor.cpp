@@ -93,7 +93,7 @@ void ApproachEditor::ask(ApproachDialog* dialog, std::function<Make(const planne
     dialog->setAttribute(Qt::WA_DeleteOnClose);
     dialog_ = dialog;
     const std::shared_ptr<bool> open = std::make_shared<bool>(true); // the approach of a closed dialog is not wanted
-    connect(dialog, &QObject::destroyed, this, [open] { *open = false; });
+    connect(dialog, &QDialog::finished, this, [open] { *open = false; });
     dialog->on_accept = [this, dialog, open, make = std::move(make), take = std::move(take)] {
         dialog->set_busy(true);
         const auto refuse = [dialog, open](const Failure& failure) {

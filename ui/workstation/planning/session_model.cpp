@@ -278,7 +278,7 @@ std::optional<ClosedWork> SessionModel::begin_closed()
         return std::nullopt;
     making_closed_ = wanted ? ids_[*wanted] : kPatientAlone;
     states_.at(*making_closed_).closed_tried = true;
-    ClosedWork work { .id = *making_closed_, .approach = std::nullopt };
+    ClosedWork work;
     if (wanted)
         work.approach = approach(*wanted);
     return work;

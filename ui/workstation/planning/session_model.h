@@ -83,7 +83,6 @@ struct ShownSource {
 
 /// The work of drawing one closed picture.
 struct ClosedWork {
-    std::size_t id = 0; ///< for the outcome
     std::optional<planner::Approach> approach; ///< nothing: the patient alone
 };
 

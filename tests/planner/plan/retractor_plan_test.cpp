@@ -41,7 +41,7 @@ namespace retractor_plan_test {
 
     TEST(RetractorPlan, TheBladesAreInBalanceAndReported)
     {
-        for (const ElementKind element : { ElementKind::p1, ElementKind::p2 }) {
+        for (const ElementKind element : { ElementKind::p1, ElementKind::mixed }) {
             const PlannedField field = plan_with({ .opening_mm = kOpeningMm }, { .element = element });
             ASSERT_EQ(field.status, PlanStatus::done) << field.message;
             ASSERT_TRUE(field.metrics.retractor.has_value());

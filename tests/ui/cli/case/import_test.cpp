@@ -270,7 +270,7 @@ namespace import_test {
         step("--json import " + at("dicom") + " --labels " + in("labels.nrrd") + " --out " + case_file);
         step("approach add " + case_file
             + " --name a --points 1.3,0,-25 1.3,0,25 --target target --retract cavity --hooks 2 --opening 6");
-        step("plan " + case_file + " --accuracy none --elasticity linear --render --out " + at("private/plan"));
+        step("plan " + case_file + " --accuracy none --element p1 --elasticity linear --render --out " + at("private/plan"));
         step("render " + case_file + " --views slices --out " + at("private/pictures"));
         ASSERT_TRUE(fs::exists(folder / "private" / "plan" / "report.html"));
         for (const char* secret : { kFamily, kGiven, kId }) {

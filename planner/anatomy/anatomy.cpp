@@ -2,14 +2,15 @@
 
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
+#include "planner/anatomy/rib_name.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace retractor::planner {
 
@@ -66,19 +67,12 @@ namespace {
     /// Reads side and number of a rib's label: "rib_left_5".
     bool parse_rib(const mesh::LabelInfo& info, RibVoxels& rib)
     {
-        const std::string_view name = info.name;
-        std::string_view rest;
-        if (name.starts_with("rib_left_"))
-            rest = name.substr(9);
-        else if (name.starts_with("rib_right_"))
-            rest = name.substr(10);
-        else
+        const std::optional<RibName> name = rib_name(info.name);
+        if (!name)
             return false;
-        const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), rib.number);
-        if (error != std::errc {} || end != rest.data() + rest.size() || rib.number < 1 || rib.number > 13)
-            return false;
+        rib.number = name->number;
+        rib.left = name->left;
         rib.info = &info;
-        rib.left = name.starts_with("rib_left_");
         return true;
     }
 

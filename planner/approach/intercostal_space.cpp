@@ -3,6 +3,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/corridor.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text_format.h"
 #include "mesh/image/skeleton.h"
 #include "planner/approach/smooth_line.h"
 
@@ -138,6 +139,21 @@ namespace {
         return nearest;
     }
 
+    /// The shorter of two ribs in words: "rib_right_8 ends after 60 mm, rib_right_7 after 180 mm".
+    std::string shorter_rib(const RibLine& upper, const RibLine& lower)
+    {
+        const auto length = [](const RibLine& rib) {
+            double sum = 0.0;
+            for (std::size_t n = 1; n < rib.points.size(); ++n)
+                sum += (rib.points[n] - rib.points[n - 1]).norm();
+            return sum;
+        };
+        const bool lower_is_shorter = length(lower) < length(upper);
+        const RibLine &shorter = lower_is_shorter ? lower : upper, &other = lower_is_shorter ? upper : lower;
+        return shorter.name + " ends after " + in_words(length(shorter)) + " mm, " + other.name + " after "
+            + in_words(length(other)) + " mm";
+    }
+
     /// The angles that both ribs have; empty (first above second) when they do not overlap.
     std::pair<double, double> common_angles(const RibLine& upper, const RibLine& lower)
     {
@@ -159,8 +175,9 @@ IntercostalSpace find_intercostal_space(const BodyProbe& probe, const Anatomy& a
     const RibLine& lower = find_rib(anatomy, left, number + 1);
     const auto [from, to] = common_angles(upper, lower);
     if (!(to - from > kLeastOverlapDeg))
-        throw InputError(
-            "the ribs beside the " + space_name(left, number) + " hardly overlap: check their labels", lower.name);
+        throw InputError("the ribs beside the " + space_name(left, number)
+                + " hardly overlap: " + shorter_rib(upper, lower) + "; check its label",
+            lower.name);
     const int count = std::max(2, static_cast<int>(std::ceil((to - from) / kPlaceDeg - 0.0123)));
     const mesh::LabelFlags hard = hard_labels(probe.labels().table);
     IntercostalSpace space { .left = left, .number = number, .places = {} };

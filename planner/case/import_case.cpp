@@ -5,6 +5,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
+#include "planner/anatomy/rib_checks.h"
 #include "planner/case/case_io.h"
 #include "planner/case/plausible_input.h"
 
@@ -259,25 +260,37 @@ namespace {
         return !hollow && mean_hu < -300.0;
     }
 
-    /// Warns when the labels do not fit the values of the CT. Labels of another patient may well have the same grid.
-    void check_plausibility(const mesh::Volume& ct, const mesh::LabelVolume& labels, ImportedCase& imported)
+    /// Warns when the labels do not fit the values of the CT, and refuses them when most do not. Labels of another
+    /// patient may well have the same grid.
+    void check_plausibility(
+        const mesh::Volume& ct, const mesh::LabelVolume& labels, bool insisted, ImportedCase& imported)
     {
         constexpr std::size_t kEnoughVoxels = 100;
-        constexpr double kMuchOutside = 0.05;
+        constexpr double kMuchOutside = 0.05, kMost = 0.5;
+        const std::string kInsist = "; if they are right, import them as labels that are accepted although implausible";
         const std::vector<LabelValues> values = values_of_labels(ct, labels);
         std::vector<std::string> odd;
-        std::size_t inside = 0, outside = 0;
+        std::size_t inside = 0, outside = 0, known = 0;
         for (const mesh::LabelInfo& info : labels.table) {
             const LabelValues& value = values[info.id];
+            known += value.inside >= kEnoughVoxels ? 1 : 0;
             inside += value.inside;
             outside += value.outside;
             if (value.inside >= kEnoughVoxels && is_implausible(info, value.mean_hu()))
                 odd.push_back(info.name + " (mean " + in_words(value.mean_hu()) + " HU)");
         }
+        const double share = static_cast<double>(outside) / static_cast<double>(inside + outside);
+        if (share > kMost && !insisted)
+            throw InputError("these labels belong to other images: " + in_words(100.0 * share)
+                    + " % of their voxels lie outside the CT" + kInsist,
+                "labels", { "accept_implausible" });
+        if (static_cast<double>(odd.size()) > kMost * static_cast<double>(known) && !insisted)
+            throw InputError("these labels belong to another patient or to other images: " + std::to_string(odd.size())
+                    + " of " + std::to_string(known) + " are not what the CT shows: " + first_names(odd) + kInsist,
+                "labels", { "accept_implausible" });
         if (!odd.empty())
             imported.warnings.push_back(
                 "the CT does not show what these labels say; are both of the same images? " + first_names(odd));
-        const double share = static_cast<double>(outside) / static_cast<double>(inside + outside);
         if (share > kMuchOutside)
             imported.warnings.push_back(in_words(100.0 * share) + " % of the labelled voxels lie outside the CT");
     }
@@ -311,11 +324,13 @@ namespace {
             return;
         prune_table(labels, imported);
         imported.fragments = datasets::find_fragments(labels, job);
+        for (std::string& doubt : rib_doubts(labels, job))
+            imported.warnings.push_back(std::move(doubt));
         if (!has_soft_wall(labels.table))
             imported.warnings.push_back("no label has the role wall (bones alone are none): the case can be looked at, "
                                         "but no approach can be planned through it");
         if (imported.ct != nullptr)
-            check_plausibility(*imported.ct, labels, imported);
+            check_plausibility(*imported.ct, labels, request.accept_implausible, imported);
         withhold_identity(request, imported);
         imported.labels = std::make_shared<const mesh::LabelVolume>(std::move(labels));
     }

@@ -52,7 +52,7 @@ struct ImportedCase {
 /// Reads, segments and checks. The job shows the progress; a cancelled job gives `cancelled`.
 /// @throws InputError, IoError as import_volume(), import_labels() and autosegment() do; InputError when the request
 /// has neither labels nor a segmentation, when options contradict each other, when an image has an implausible extent
-/// (implausible_extent()), or when the labels do not overlap the CT
+/// (implausible_extent()), or when the labels do not overlap the CT, or most of them do not show what the CT shows
 [[nodiscard]] ImportedCase read_import(const ImportRequest& request, const Job& job = {});
 
 /// @throws InputError unless the name ends in .json and is not reserved for label tables

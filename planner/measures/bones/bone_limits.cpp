@@ -2,6 +2,7 @@
 
 #include "mesh/base/assert.h"
 #include "mesh/base/text_format.h"
+#include "planner/anatomy/rib_name.h"
 #include "planner/measures/ball_strain.h"
 #include "planner/measures/hook_opening.h"
 
@@ -194,11 +195,8 @@ std::string_view to_string(Attainable attainable)
 
 std::string bone_in_words(std::string_view label)
 {
-    constexpr std::string_view kLeft = "rib_left_", kRight = "rib_right_";
-    if (label.starts_with(kLeft))
-        return "rib " + std::string(label.substr(kLeft.size())) + " on the left";
-    if (label.starts_with(kRight))
-        return "rib " + std::string(label.substr(kRight.size())) + " on the right";
+    if (const std::optional<RibName> rib = rib_name(label))
+        return rib_in_words(*rib);
     return "the " + readable(std::string(label));
 }
 

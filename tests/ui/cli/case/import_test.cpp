@@ -58,7 +58,7 @@ namespace import_test {
     }
 
     constexpr const char* kFamily = "Musterfrau";
-    constexpr const char* kGiven = "Erika";
+    constexpr const char* kGiven = "Wilhelmine"; // long enough not to stand in the letters of a picture by chance
     constexpr const char* kId = "KH-4711-0815";
 
     /// A block phantom, as a DICOM series that names a patient and as NRRD, made once for all tests.
@@ -269,8 +269,8 @@ namespace import_test {
         step("import " + at("dicom") + " --labels " + in("labels.nrrd") + " --out " + case_file);
         step("--json import " + at("dicom") + " --labels " + in("labels.nrrd") + " --out " + case_file);
         step("approach add " + case_file
-            + " --name a --points 1.3,0,-25 1.3,0,25 --target target --retract cavity --hooks 2 --opening 6");
-        step("plan " + case_file + " --accuracy none --element p1 --elasticity linear --render --out " + at("private/plan"));
+            + " --name a --points 1.3,0,-25 1.3,0,25 --target target --retract cavity --hooks 2 --opening 20");
+        step("plan " + case_file + " --accuracy none --element p1 --render --out " + at("private/plan"));
         step("render " + case_file + " --views slices --out " + at("private/pictures"));
         ASSERT_TRUE(fs::exists(folder / "private" / "plan" / "report.html"));
         for (const char* secret : { kFamily, kGiven, kId }) {
@@ -318,6 +318,25 @@ namespace import_test {
         ASSERT_EQ(import.exit_code, 0);
         ASSERT_EQ(import.json().at("warnings").size(), 1u);
         EXPECT_NE(import.json().at("warnings").at(0).get<std::string>().find("spine"), std::string::npos);
+    }
+
+    TEST_F(Import, LabelsOfAnotherPatientAreRefusedUnlessInsistedOn)
+    {
+        mesh::LabelVolume wrong = phantom.labels;
+        for (mesh::LabelInfo& info : wrong.table)
+            info = { info.id, info.name, "bone", mesh::Role::wall };
+        mesh::Volume air = phantom.ct;
+        std::fill(air.voxels.begin(), air.voxels.end(), std::int16_t { -900 });
+        datasets::write_label_volume(folder / "in" / "foreign.nrrd", wrong);
+        datasets::write_volume(folder / "in" / "air.nrrd", air);
+        const std::string import = "--json import " + in("air.nrrd") + " --labels " + in("foreign.nrrd")
+            + " --no-contact-sheet --out " + at("foreign/case.json");
+        const test_support::CommandRun refused = run(import);
+        EXPECT_EQ(refused.exit_code, 2);
+        EXPECT_NE(refused.error().find("another patient"), std::string::npos) << refused.out;
+        EXPECT_NE(refused.error().find("--accept-implausible"), std::string::npos) << refused.out;
+        EXPECT_FALSE(fs::exists(folder / "foreign" / "case.json"));
+        EXPECT_EQ(run(import + " --accept-implausible").exit_code, 0);
     }
 
     TEST_F(Import, ACaseWithoutAWallIsShownAndNotPlanned)

@@ -907,6 +907,14 @@ std::string bearing_text(const HookForce& hook)
     return names.empty() ? "soft tissue only" : joined(names);
 }
 
+std::vector<std::string> bones_in_sight(const FieldMetrics& field)
+{
+    std::vector<std::string> words;
+    for (const std::string& bone : field.bone_in_sight)
+        words.push_back(readable(bone));
+    return words;
+}
+
 std::string risk_text(const RiskDistance& risk)
 {
     if (!risk.from.empty())

@@ -60,6 +60,9 @@ nlohmann::ordered_json metrics_document(const std::vector<FieldMetrics>& fields)
 /// "rib left 4", "soft tissue only".
 std::string bearing_text(const HookForce& hook);
 
+/// The bones in the line of sight in words: "rib left 4".
+std::vector<std::string> bones_in_sight(const FieldMetrics& field);
+
 /// "aorta 12.3 mm", or "aorta: the blade passes through it".
 std::string risk_text(const RiskDistance& risk);
 

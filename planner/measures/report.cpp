@@ -6,6 +6,7 @@
 #include "planner/measures/accuracy.h"
 #include "planner/measures/ball_strain.h"
 #include "planner/measures/bones/bone_limits.h"
+#include "planner/measures/comparison.h"
 #include "planner/measures/force_moments.h"
 #include "planner/measures/hook_opening.h"
 #include "planner/measures/metric_table.h"
@@ -103,66 +104,6 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         return words.empty() ? "none" : escaped(joined(words));
     }
 
-    bool is_solved(const FieldMetrics& field) { return field.mechanics_status == "converged" && is_believable(field); }
-
-    bool has_bars(const FieldMetrics& field) { return field.error && field.error->message.empty(); }
-
-    /// The error bar of the opening as a share of the opening; nothing without an estimate.
-    std::optional<double> relative_opening_bar(const FieldMetrics& field)
-    {
-        if (!has_bars(field) || !(field.opening_width_mm > 0.0))
-            return std::nullopt;
-        return field.error->opening_width_mm / field.opening_width_mm;
-    }
-
-    /// The error bar of a number; nothing when it is unknown.
-    std::optional<double> bar_of(const MetricField& metric, const FieldMetrics& field)
-    {
-        switch (metric.bar) {
-        case MetricBar::exact:
-            return 0.0;
-        case MetricBar::estimated:
-            return metric_error(metric, field);
-        case MetricBar::of_opening:
-            if (const auto relative = relative_opening_bar(field))
-                return *relative * metric.of(field);
-            return std::nullopt;
-        case MetricBar::of_sight:
-            if (const auto relative = relative_opening_bar(field))
-                return std::max(*relative * metric.of(field), field.error->seen_best_eye);
-            return std::nullopt;
-        case MetricBar::unknown:
-            break;
-        }
-        return std::nullopt;
-    }
-
-    /// The approach that is better than every other by more than both error bars. Nothing when the lead is within the
-    /// error, or the error is unknown. An approach that was not fully opened is no candidate.
-    const FieldMetrics* leader(const MetricField& row, const std::vector<FieldMetrics>& fields)
-    {
-        const FieldMetrics* best = nullptr;
-        std::size_t candidates = 0;
-        for (const FieldMetrics& field : fields) {
-            if (!is_solved(field))
-                continue;
-            ++candidates;
-            if (best == nullptr || (row.of(field) - row.of(*best)) * row.better > 0.0)
-                best = &field;
-        }
-        if (row.better == 0 || candidates < 2)
-            return nullptr;
-        const std::optional<double> own = bar_of(row, *best);
-        for (const FieldMetrics& field : fields) {
-            const std::optional<double> other = bar_of(row, field);
-            if (!is_solved(field) || &field == best)
-                continue;
-            if (!own || !other || !((row.of(*best) - row.of(field)) * row.better > *own + *other))
-                return nullptr;
-        }
-        return best;
-    }
-
     /// Explains the marks, and how certain the shares without a bar of their own are.
     void write_reading(std::ostream& out, const std::vector<FieldMetrics>& fields)
     {
@@ -175,7 +116,10 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 << (fields.size() > 1 ? " (" + escaped(fields[i].name) + ")" : std::string());
         }
         out << " of its width. Leads in these shares are compared with this bar or that of the best eye, whichever is "
-               "larger.</p>";
+               "larger.";
+        if (!have_one_target(fields))
+            out << " The approaches have different targets, so what is seen of them is not compared.";
+        out << "</p>";
     }
 
     /// The hooks that yielded, with their force and the reached part of the prescribed motion.
@@ -188,8 +132,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 continue;
             text += (text.empty() ? "" : "; ") + escaped(hook.name) + " at " + in_words(hook.force_N, 1)
                 + " N: " + in_words(hook.moved_mm, 1)
-                + (has_bars(field) ? " &plusmn; " + in_words(field.error->hook_moved_mm[i], 1) : std::string()) + " of "
-                + in_words(hook.asked_mm, 1) + " mm";
+                + (has_error_bars(field) ? " &plusmn; " + in_words(field.error->hook_moved_mm[i], 1) : std::string())
+                + " of " + in_words(hook.asked_mm, 1) + " mm";
         }
         return text.empty() ? "none" : text;
     }
@@ -237,15 +181,14 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         for (const FieldMetrics& field : fields)
             out << "<th>" << escaped(field.name) << "</th>";
         out << "</tr></thead><tbody>";
-        for (const MetricField& row : metric_fields()) {
-            if (!row.compared)
-                continue;
-            const FieldMetrics* const best = leader(row, fields);
-            out << "<tr><td title=\"" << escaped(row.meaning) << "\">" << escaped(row.caption) << "</td>";
-            for (const FieldMetrics& field : fields) {
-                out << (&field == best ? "<td class=\"best\">" : "<td>") << metric_text(row, row.of(field));
-                if (const auto error = metric_error(row, field))
-                    out << " &plusmn; " << metric_text(row, *error);
+        for (const ComparedMeasure& row : compared_measures(fields)) {
+            out << "<tr><td title=\"" << escaped(row.metric->meaning) << "\">" << escaped(row.metric->caption)
+                << "</td>";
+            for (std::size_t i = 0; i < row.numbers.size(); ++i) {
+                out << (row.leader == i ? "<td class=\"best\">" : "<td>")
+                    << metric_text(*row.metric, row.numbers[i].value);
+                if (row.numbers[i].bar)
+                    out << " &plusmn; " << metric_text(*row.metric, *row.numbers[i].bar);
                 out << "</td>";
             }
             out << "</tr>";
@@ -273,7 +216,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             });
         if (std::any_of(fields.begin(), fields.end(), has_limited_hooks))
             text_row("Hooks that yielded", yielded_hooks);
-        text_row("Bone in the line of sight", [](const FieldMetrics& f) { return listed(f.bone_in_sight); });
+        text_row("Bone in the line of sight", [](const FieldMetrics& f) { return listed(bones_in_sight(f)); });
         text_row("Nearest structures at risk, from the blade", [](const FieldMetrics& f) {
             std::vector<std::string> words;
             for (const RiskDistance& risk : f.at_risk)
@@ -481,7 +424,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << "<p>Hooks: ";
         for (std::size_t i = 0; i < field.hooks.size(); ++i) {
             out << (i == 0 ? "" : "; ") << escaped(field.hooks[i].name) << " " << in_words(field.hooks[i].force_N, 1);
-            if (has_bars(field))
+            if (has_error_bars(field))
                 out << " &plusmn; " << in_words(field.error->hook_forces_N[i], 1);
             out << " N";
         }

@@ -61,6 +61,28 @@ namespace {
         actor.ForceOpaqueOn();
     }
 
+    // Ambient occlusion: where surfaces within this distance shade a place, it is darker. The depth of a wound is then
+    // seen in a still picture.
+    constexpr double kShadeReachMm = 40.0, kShadeBiasMm = 1.0;
+    constexpr unsigned kShadeSamples = 128;
+
+    /// Scenes of surfaces in full quality are shaded; slices, volumes and pictures of identifiers have no light.
+    bool has_shaded_hollows(const Scene& scene, DrawingQuality quality)
+    {
+        return quality == DrawingQuality::full && scene.slices.empty() && scene.volumes.empty()
+            && std::any_of(scene.surfaces.begin(), scene.surfaces.end(),
+                [](const SurfaceItem& item) { return item.look.finish != Finish::unlit; });
+    }
+
+    void shade_hollows(vtkRenderer& renderer, bool on)
+    {
+        renderer.SetUseSSAO(on);
+        renderer.SetSSAORadius(kShadeReachMm);
+        renderer.SetSSAOBias(kShadeBiasMm);
+        renderer.SetSSAOKernelSize(kShadeSamples);
+        renderer.SetSSAOBlur(true);
+    }
+
     struct SampledSlice {
         SliceItem item;
         vtkSmartPointer<vtkActor> actor;
@@ -113,6 +135,9 @@ struct SceneView::State {
     {
         return std::max(1, static_cast<int>(std::lround((rectangle[3] - rectangle[1]) * window->GetSize()[1])));
     }
+
+    /// VTK 9.1 shades the whole window or, wrongly, a part of it.
+    bool fills_window() const { return rectangle == std::array { 0.0, 0.0, 1.0, 1.0 }; }
 
     void clear() const
     {
@@ -216,8 +241,11 @@ void SceneView::show(const Scene& scene)
     check_scene(scene);
     State& s = *state_;
     s.clear();
-    s.main->SetGradientBackground(true);
-    s.main->SetBackground(scene.background_low.r, scene.background_low.g, scene.background_low.b);
+    const bool shaded = s.fills_window() && has_shaded_hollows(scene, s.quality);
+    shade_hollows(*s.main, shaded);
+    const Color& low = shaded ? scene.background_high : scene.background_low; // VTK 9.1 shades no gradient
+    s.main->SetGradientBackground(!shaded);
+    s.main->SetBackground(low.r, low.g, low.b);
     s.main->SetBackground2(scene.background_high.r, scene.background_high.g, scene.background_high.b);
     s.add_items(scene);
     s.add_annotations(scene);

@@ -13,7 +13,8 @@ std::vector<Viewport> arrange_scenes(const std::vector<Scene>& scenes, double wi
         const auto column = static_cast<double>(i % columns), row = static_cast<double>(i / columns);
         Viewport viewport;
         viewport.left = column / static_cast<double>(columns);
-        viewport.right = (column + 1.0) / static_cast<double>(columns);
+        const bool alone = i % columns == 0 && i + 1 == scenes.size(); // in the last row
+        viewport.right = alone ? 1.0 : (column + 1.0) / static_cast<double>(columns);
         viewport.top = 1.0 - row / static_cast<double>(rows);
         viewport.bottom = 1.0 - (row + 1.0) / static_cast<double>(rows);
         viewport.scene = scenes[i];

@@ -1,0 +1,46 @@
+#pragma once
+// Compares planned fields number by number, and says which leads beyond the error. Units as stored: mm, mm2, N.
+
+#include "planner/measures/field_metrics.h"
+#include "planner/measures/metric_table.h"
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace retractor::planner {
+
+/// Whether the discretisation error of the field was estimated.
+bool has_error_bars(const FieldMetrics& field);
+
+/// Whether the field was opened as asked and can be believed. Another field leads in nothing.
+bool is_solved(const FieldMetrics& field);
+
+/// The error bar of the opening as a share of the opening; nothing without an estimate.
+std::optional<double> relative_opening_bar(const FieldMetrics& field);
+
+/// The error bar of a number, or of the number that it is at least as uncertain as; nothing when it is unknown.
+std::optional<double> error_bar(const MetricField& metric, const FieldMetrics& field);
+
+struct ComparedNumber {
+    double value = 0.0; ///< as stored
+    std::optional<double> bar {}; ///< its own error bar; nothing where it has none
+};
+
+/// One number of all fields.
+struct ComparedMeasure {
+    const MetricField* metric = nullptr;
+    std::vector<ComparedNumber> numbers; ///< in the order of the fields
+    /// The field that is better than every other by more than both error bars. Nothing when the lead is within the
+    /// error, or the error is unknown.
+    std::optional<std::size_t> leader {};
+};
+
+/// The numbers that are compared (MetricField::compared), in the order of the table. Where the fields have different
+/// targets none leads in what is seen.
+std::vector<ComparedMeasure> compared_measures(const std::vector<FieldMetrics>& fields);
+
+/// Whether all fields have the same target.
+bool have_one_target(const std::vector<FieldMetrics>& fields);
+
+} // namespace retractor::planner

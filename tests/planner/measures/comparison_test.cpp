@@ -1,0 +1,74 @@
+#include "planner/measures/comparison.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+namespace retractor::planner {
+namespace comparison_test {
+
+    FieldMetrics field(double seen, double bar, double area_mm2 = 1000.0)
+    {
+        FieldMetrics made;
+        made.target = "aneurysm";
+        made.mechanics_status = "converged";
+        made.seen_best_eye = seen;
+        made.opening_area_mm2 = area_mm2;
+        made.opening_width_mm = 40.0;
+        made.error = ErrorBars { .message = {},
+            .opening_width_mm = 4.0,
+            .opening_area_mm2 = 100.0,
+            .seen_best_eye = bar,
+            .hook_forces_N = {},
+            .hook_moved_mm = {},
+            .energy = {} };
+        return made;
+    }
+
+    const ComparedMeasure& measure(const std::vector<ComparedMeasure>& all, std::string_view key)
+    {
+        return *std::find_if(
+            all.begin(), all.end(), [&](const ComparedMeasure& one) { return one.metric->key == key; });
+    }
+
+    TEST(Comparison, LeadsBeyondBothBarsOnly)
+    {
+        const auto leader = [](double first, double second, double bar) {
+            return measure(compared_measures({ field(first, bar), field(second, bar) }), "seen_best_eye").leader;
+        };
+        EXPECT_EQ(leader(0.5, 0.3, 0.09), 0U);
+        EXPECT_EQ(leader(0.3, 0.5, 0.09), 1U);
+        EXPECT_FALSE(leader(0.5, 0.3, 0.11)) << "the bars touch";
+        EXPECT_FALSE(leader(0.5, 0.5, 0.0));
+    }
+
+    TEST(Comparison, WithoutBarsOrSolutionNobodyLeads)
+    {
+        FieldMetrics unknown = field(0.9, 0.01);
+        unknown.error.reset();
+        EXPECT_FALSE(measure(compared_measures({ unknown, field(0.1, 0.01) }), "seen_best_eye").leader);
+        FieldMetrics failed = field(0.9, 0.01);
+        failed.mechanics_status = "not converged";
+        const std::vector<FieldMetrics> three { failed, field(0.5, 0.01), field(0.1, 0.01) };
+        EXPECT_EQ(measure(compared_measures(three), "seen_best_eye").leader, 1U) << "the failed one is no candidate";
+        EXPECT_FALSE(measure(compared_measures({ failed, field(0.5, 0.01) }), "seen_best_eye").leader) << "alone";
+        EXPECT_TRUE(compared_measures({}).front().numbers.empty());
+    }
+
+    TEST(Comparison, OfDifferentTargetsLeavesOutWhatIsSeen)
+    {
+        FieldMetrics other = field(0.1, 0.01, 3000.0);
+        other.target = "clamp site on aorta";
+        const std::vector<FieldMetrics> both { field(0.9, 0.01, 1000.0), other };
+        EXPECT_FALSE(have_one_target(both));
+        const auto measures = compared_measures(both);
+        EXPECT_FALSE(measure(measures, "seen_best_eye").leader);
+        EXPECT_EQ(measure(measures, "opening_area_mm2").leader, 1U);
+        EXPECT_EQ(measure(measures, "seen_best_eye").numbers[1].value, 0.1) << "the numbers are shown";
+        EXPECT_EQ(measure(measures, "seen_best_eye").numbers[1].bar, 0.01);
+    }
+
+} // namespace comparison_test
+} // namespace retractor::planner

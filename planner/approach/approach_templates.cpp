@@ -8,6 +8,7 @@
 #include "planner/anatomy/body_probe.h"
 #include "planner/approach/intercostal_space.h"
 #include "planner/approach/smooth_line.h"
+#include "planner/case/target_site.h"
 
 #include <Eigen/Geometry>
 
@@ -74,7 +75,7 @@ namespace {
 
     Vec3 target_centre(const mesh::LabelVolume& labels, const TargetSpec& target)
     {
-        return target.is_sphere() ? target.centre : label_centroid(labels, target.label);
+        return target.is_sphere() || target.is_site() ? target.centre : label_centroid(labels, target.label);
     }
 
     /// Sets depth and wall thickness along the finished line.
@@ -510,6 +511,8 @@ namespace {
             throw InputError(
                 "\"" + target.label + "\" is a part of the wall, which is cut: choose an organ, or a sphere", "target",
                 { "target" });
+        if (target.is_site())
+            check_site(labels, target);
     }
 
     void check_request(const mesh::LabelVolume& labels, const ApproachRequest& request)

@@ -246,6 +246,13 @@ mesh::CutOptions cut_options_of(const Approach& approach, const mesh::LabelTable
     return { .uncut_labels = mesh::label_ids(table, approach.uncut_labels) };
 }
 
+std::string target_name(const TargetSpec& target)
+{
+    if (target.is_sphere())
+        return "sphere";
+    return target.is_site() ? target.site + " on " + target.label : target.label;
+}
+
 mesh::Blade blade_of(const Approach& approach)
 {
     return { .line = approach.incision, .directions = approach.directions, .depth_mm = approach.depth_mm };
@@ -370,7 +377,11 @@ void check_approach(const Approach& approach, const std::string& pointer)
     check_positive(approach.depth_mm, pointer + "/depth_mm");
     check_profile(approach.wall_thickness_mm, approach.incision.size(), pointer + "/wall_thickness_mm");
     check_profile(approach.hook_depth_mm, approach.incision.size(), pointer + "/hook_depth_mm");
-    if (approach.target.is_sphere()) {
+    if (approach.target.is_site())
+        for (const char c : approach.target.site)
+            if (static_cast<unsigned char>(c) < 0x20)
+                refuse("the words for a site must not hold control characters", pointer + "/target/site");
+    if (approach.target.is_sphere() || approach.target.is_site()) {
         check_point(approach.target.centre, pointer + "/target/centre_mm");
         check_positive(approach.target.radius_mm, pointer + "/target/radius_mm");
     }

@@ -73,13 +73,22 @@ struct RetractorSpec {
     HookHold hold = HookHold::contact; ///< of both blades
 };
 
-/// What the surgeon wants to see: a label, or a sphere where no label was drawn.
+/// What the surgeon wants to see: a label, a site on a label's surface, or a sphere where no label was drawn.
 struct TargetSpec {
     std::string label; ///< empty: the sphere
-    Vec3 centre = Vec3::Zero(); ///< mm; sphere only
-    double radius_mm = 0.0; ///< > 0; sphere only
+    Vec3 centre = Vec3::Zero(); ///< mm; of the sphere or the site
+    double radius_mm = 0.0; ///< > 0; of the sphere, or of the part of the surface round the site's centre
+    std::string site {}; ///< what is done on the label, in words: "anastomosis site"; empty: the whole label
     bool is_sphere() const { return label.empty(); }
+    bool is_site() const { return !label.empty() && !site.empty(); }
 };
+
+/// Words for sites; others are allowed.
+inline constexpr std::string_view kSites[]
+    = { "anastomosis site", "clamp site", "proximal neck", "distal neck", "annulus" };
+
+/// Name of the target: "sphere", "aneurysm", "anastomosis site on heart".
+std::string target_name(const TargetSpec& target);
 
 /// The region of an approach for which none was given and none was found, mm.
 inline constexpr double kFirstRegionMm = 50.0;

@@ -262,7 +262,9 @@ namespace {
         {
             if (io.chosen("label", !target.is_sphere())) { // a label and a sphere contradict each other
                 io.required("label", target.label);
-                return;
+                if (!io.chosen("site", target.is_site()))
+                    return;
+                io.required("site", target.site);
             }
             io.required("centre_mm", target.centre, "radius_mm", target.radius_mm);
         }
@@ -511,6 +513,8 @@ namespace {
         {
             read<TargetSpec>(node, target);
             refuse_empty_label(node);
+            if (node.has("site") && target.site.empty())
+                node["site"].refuse("must not be empty: say what is done there, or leave it out");
         }
         static void read(const Node& node, AblationSpec& ablation)
         {

@@ -4,6 +4,7 @@
 #include "mesh/base/error.h"
 #include "mesh/image/skeleton.h"
 #include "mesh/surface/label_surface.h"
+#include "planner/case/target_site.h"
 #include "planner/wall/image_end.h"
 
 #include <algorithm>
@@ -149,6 +150,8 @@ std::shared_ptr<const TriMesh> Patient::target(const TargetSpec& target)
 {
     if (target.is_sphere())
         return std::make_shared<const TriMesh>(sphere_surface(target.centre, target.radius_mm));
+    if (target.is_site())
+        return std::make_shared<const TriMesh>(site_surface(*organ(target.label), target));
     return organ(target.label);
 }
 

@@ -47,7 +47,8 @@ public:
     std::shared_ptr<const TriMesh> body();
     /// The faces that close the body where the image ends, see image_end_faces().
     std::shared_ptr<const TriMesh> image_end();
-    /// Surface of a target: the surface of its label, or a sphere.
+    /// Surface of a target: the surface of its label, the site on this surface, or a sphere.
+    /// @throws InputError as organ() and site_surface() do
     std::shared_ptr<const TriMesh> target(const TargetSpec& target);
 
 private:

@@ -304,7 +304,7 @@ namespace {
     {
         FieldMetrics& m = field.metrics;
         m.name = field.approach.name;
-        m.target = field.approach.target.is_sphere() ? "sphere" : field.approach.target.label;
+        m.target = target_name(field.approach.target);
         fill_best_eye(m, field, patient.frame(), patient.planned_case().label_table);
         fill_sight(m, field.exposure, patient.planned_case().label_table);
         m.at_risk = risks_of(field.approach, patient);

@@ -110,7 +110,8 @@ namespace {
 bool blocks_view(const mesh::LabelInfo& label, const Approach& approach, Patient& patient)
 {
     const mesh::LabelInfo* operated_on = organ_of_sphere(patient, approach.target);
-    return label.name != approach.target.label && (operated_on == nullptr || label.id != operated_on->id)
+    const bool is_target = label.name == approach.target.label && !approach.target.is_site();
+    return !is_target && (operated_on == nullptr || label.id != operated_on->id)
         && stays_in_place(label, approach, patient);
 }
 

@@ -25,7 +25,8 @@ struct WoundView {
 };
 
 /// Whether a label is of an organ that stays in place and blocks the view. The target does not, and neither does the
-/// organ that contains a spherical target, because this organ is operated on.
+/// organ that contains a spherical target, because this organ is operated on. The organ of a site does: its other parts
+/// hide the site.
 bool blocks_view(const mesh::LabelInfo& label, const Approach& approach, Patient& patient);
 
 /// The hooks or blades of a field where they stand under a displacement.

@@ -2,10 +2,9 @@
 
 #include "mesh/base/error.h"
 #include "mesh/cutting/cut_journal.h"
+#include "planner/case/approach_file.h"
 #include "planner/case/case.h"
 
-#include <array>
-#include <cstdio>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -14,22 +13,7 @@ namespace retractor::planner {
 
 std::filesystem::path cuts_journal(const std::filesystem::path& case_file, std::string_view approach)
 {
-    std::string name;
-    for (const char c : approach) {
-        const bool plain
-            = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
-        if (plain) {
-            name += c;
-            continue;
-        }
-        std::array<char, 4> code {};
-        std::snprintf(code.data(), code.size(), "%%%02X", static_cast<unsigned>(static_cast<unsigned char>(c)));
-        name += code.data();
-    }
-    // Several cases may lie in one folder, each with its own cuts.
-    const std::string cuts
-        = case_file.filename() == kCaseFileName ? std::string("cuts") : case_file.stem().string() + ".cuts";
-    return case_file.parent_path() / cuts / (name + ".jsonl");
+    return approach_file(case_file, "cuts", approach, ".jsonl");
 }
 
 SavedCuts read_saved_cuts(const std::filesystem::path& journal, const mesh::TetMesh& wall, const Job& job)

@@ -10,8 +10,7 @@
 
 namespace retractor::planner {
 
-/// Path of the journal: CASE/cuts/APPROACH.jsonl for CASE/case.json, and CASE/NAME.cuts/APPROACH.jsonl for
-/// CASE/NAME.json. In the approach's name every character other than a letter, a digit, '-' or '_' becomes %XX.
+/// Path of the journal: CASE/cuts/APPROACH.jsonl; see approach_file().
 std::filesystem::path cuts_journal(const std::filesystem::path& case_file, std::string_view approach);
 
 /// The content of a journal.

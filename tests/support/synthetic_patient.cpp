@@ -102,6 +102,20 @@ namespace {
         return field;
     }
 
+    /// The target on the grid of the CT.
+    std::shared_ptr<const mesh::LabelVolume> labels()
+    {
+        auto made = std::make_shared<mesh::LabelVolume>();
+        made->grid = ct()->grid;
+        made->table = synthetic_case().label_table;
+        for (int k = 0; k < made->grid.size[2]; ++k)
+            for (int j = 0; j < made->grid.size[1]; ++j)
+                for (int i = 0; i < made->grid.size[0]; ++i)
+                    made->voxels.push_back(
+                        (made->grid.world(Vec3(i, j, k)) - Vec3(0.0, kTargetDepthMm, 0.0)).norm() <= 20.0 ? 2 : 0);
+        return made;
+    }
+
     std::vector<ui::Scene> slices()
     {
         std::vector<ui::Scene> slices;
@@ -112,6 +126,7 @@ namespace {
             slice.image = ct();
             slice.plane = plane;
             slice.point = { 0.0, kTargetDepthMm, 0.0 };
+            slice.labels = labels();
             scene.slices.push_back(slice);
             scene.camera = ui::camera_for_slice(slice, 1.0);
             slices.push_back(scene);
@@ -201,6 +216,13 @@ ui::PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& c
         if (approach.name == "broken")
             throw InputError("the depth is negative", "/approaches/2/depth_mm");
         return { .status = ui::PlanOutcome::Status::planned, .message = {}, .field = opened_field(approach) };
+    };
+    backend.saved_plan = [control](const planner::Approach& approach) -> std::optional<ui::FieldPictures> {
+        if (!control->saved_plans.contains(approach.name))
+            return std::nullopt;
+        if (approach.name == "broken")
+            throw InputError("this saved plan is damaged: plan the approach again", "plans/broken.plan");
+        return opened_field(approach);
     };
     return backend;
 }

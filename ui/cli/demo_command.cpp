@@ -3,6 +3,7 @@
 #include "ui/cli/framework/out_folder.h"
 #include "ui/cli/framework/staged_results.h"
 #include "ui/cli/plan/field_files.h"
+#include "ui/cli/plan/saved_plans.h"
 
 #include "planner/approach/demo_patient.h"
 #include "planner/plan/plan.h"
@@ -51,6 +52,7 @@ namespace {
         refuse_if_cancelled(job);
         times.emplace_back("plan", watch.seconds());
         watch = {};
+        const std::string saved = save_plans(planned_case, planned_case, fields);
         StagedResults staged(folder);
         write_field_meshes(staged.folder(), patient, fields);
         times.emplace_back("write meshes", watch.seconds());
@@ -73,7 +75,7 @@ namespace {
         outcome.document["seconds"] = seconds;
         outcome.document["report"] = (folder / "report.html").string();
         outcome.text = field_table(fields) + time_table(times, fields, whole.seconds())
-            + "\nreport: " + (folder / "report.html").string() + "\n";
+            + "\nreport: " + (folder / "report.html").string() + "\n" + saved;
         outcome.exit_code = exit_code_of(fields);
         return outcome;
     }

@@ -17,6 +17,7 @@ void add_commands(retractor::ui::cli::Commands& commands)
     add_cut_command(commands);
     add_plan_command(commands);
     add_render_command(commands);
+    add_compare_command(commands);
     add_palpable_command(commands);
     add_palpate_command(commands);
     add_relay_command(commands);

@@ -3,6 +3,7 @@
 #include "mesh/base/assert.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text_format.h"
+#include "planner/case/target_site.h"
 #include "ui/plan_scene/label_surfaces.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/scene/label_colors.h"
@@ -19,9 +20,9 @@ namespace {
 
     constexpr double kLegendShare = 0.19;
 
-    std::string target_name(const planner::TargetSpec& target)
+    std::string caption_of_target(const planner::TargetSpec& target)
     {
-        return target.is_sphere() ? "target sphere" : "target: " + readable(target.label);
+        return target.is_sphere() ? "target sphere" : "target: " + readable(planner::target_name(target));
     }
 
     /// The labels on the three planes.
@@ -73,12 +74,12 @@ namespace {
         planner::Patient& patient, const std::optional<planner::TargetSpec>& target, int width, int height)
     {
         std::map<Label, Color> colors = label_colors(patient.planned_case().label_table);
-        const std::string target_label = target ? target->label : "";
+        const std::string target_label = target && !target->is_site() ? target->label : "";
         if (const mesh::LabelInfo* info = mesh::find_label(patient.planned_case().label_table, target_label))
             colors[info->id] = target_color();
         std::vector<LegendLine> lines;
         if (target)
-            lines.push_back({ target_name(*target), " ", target_color() });
+            lines.push_back({ caption_of_target(*target), " ", target_color() });
         std::vector<Scene> scenes = target ? slice_scenes(patient, *target, colors)
                                            : slice_scenes(patient, middle_of(*patient.labels()), colors);
         RETRACTOR_ASSERT(!scenes.empty() && !scenes.front().slices.empty());
@@ -107,14 +108,18 @@ namespace {
         const auto labels = patient.labels();
         scene.surfaces = label_surfaces(*labels, patient.job());
         if (target) {
-            std::erase_if(scene.surfaces, [&](const SurfaceItem& item) { return item.name == target->label; });
+            for (SurfaceItem& item : scene.surfaces)
+                if (item.name == target->label && target->is_site())
+                    item.mesh = std::make_shared<const TriMesh>(planner::surface_beside_site(*item.mesh, *target));
+            if (!target->is_site())
+                std::erase_if(scene.surfaces, [&](const SurfaceItem& item) { return item.name == target->label; });
             SurfaceItem item;
-            item.name = target_name(*target);
+            item.name = caption_of_target(*target);
             item.mesh = patient.target(*target);
             item.look.color = target_color();
             item.target = true;
             scene.surfaces.push_back(std::move(item));
-            scene.legend.push_back({ target_name(*target), " ", target_color() });
+            scene.legend.push_back({ caption_of_target(*target), " ", target_color() });
         }
         constexpr std::size_t kMostNamed = 24;
         for (const SurfaceItem& surface : scene.surfaces)

@@ -5,6 +5,7 @@
 #include "mesh/base/text_format.h"
 #include "mesh/surface/wound_surface.h"
 #include "planner/approach/approach_draft.h"
+#include "planner/case/target_site.h"
 #include "planner/measures/metrics.h"
 #include "planner/measures/volume_failures.h"
 #include "planner/plan/wound_view.h"
@@ -62,7 +63,9 @@ namespace {
     SurfaceItem target_item(planner::Patient& patient, const planner::TargetSpec& target)
     {
         SurfaceItem item;
-        item.name = target.is_sphere() ? "target" : name_in_picture(patient.planned_case(), target.label);
+        item.name = target.is_sphere() ? "target"
+            : target.is_site()         ? planner::target_name(target)
+                                       : name_in_picture(patient.planned_case(), target.label);
         item.mesh = patient.target(target);
         item.look.color = target_color();
         item.target = true;
@@ -100,11 +103,15 @@ namespace {
                 .look = { kImageEnd, Finish::matte, 0.0 },
                 .smooth = false });
         for (const mesh::LabelInfo& info : table) {
-            if (info.name == field.approach.target.label || !planner::stays_in_place(info, field.approach, patient))
+            const planner::TargetSpec& target = field.approach.target;
+            const bool is_target = info.name == target.label;
+            if ((is_target && !target.is_site()) || !planner::stays_in_place(info, field.approach, patient))
                 continue;
             SurfaceItem organ;
             organ.name = name_in_picture(patient.planned_case(), info.name);
             organ.mesh = patient.organ(info.name);
+            if (is_target)
+                organ.mesh = std::make_shared<const TriMesh>(planner::surface_beside_site(*organ.mesh, target));
             organ.look = organ_look(info.name, info.material);
             if (!planner::blocks_view(info, field.approach, patient))
                 organ.opacity = kOperatedOpacity;
@@ -131,7 +138,8 @@ namespace {
         const auto bar
             = [&](double value) { return bars ? "± " + number(value, value < 9.95 ? 1 : 0, "") : std::string(); };
         std::vector<LegendLine> lines;
-        const bool is_estimated = std::find(m.estimated.begin(), m.estimated.end(), m.target) != m.estimated.end();
+        const bool is_estimated = std::any_of(m.estimated.begin(), m.estimated.end(),
+            [&](const std::string& label) { return label == m.target || m.target.ends_with(" on " + label); });
         lines.push_back({ "target: " + m.target + (is_estimated ? " (estimated)" : ""),
             number(100.0 * m.seen_best_eye, 0,
                 bar(bars ? 100.0 * m.error->seen_best_eye : 0.0) + "% seen by the best eye"),
@@ -157,8 +165,8 @@ namespace {
         const std::size_t bones = m.bone_in_sight.size();
         lines.push_back({ "bone in sight",
             bones == 0       ? "none"
-                : bones == 1 ? m.bone_in_sight[0]
-                             : m.bone_in_sight[0] + " and " + std::to_string(bones - 1) + " more",
+                : bones == 1 ? readable(m.bone_in_sight[0])
+                             : readable(m.bone_in_sight[0]) + " and " + std::to_string(bones - 1) + " more",
             std::nullopt });
         const bool turned_over = m.inverted_elements > 0 && m.mechanics_status.starts_with("inverted");
         if (m.mechanics_status != "converged" && !turned_over)
@@ -215,7 +223,17 @@ namespace {
         return line;
     }
 
-    /// The circle in which a slice through its centre meets a spherical target.
+    /// Colours of the labels' outlines on slices.
+    std::map<Label, Color> outlines_of(planner::Patient& patient, const planner::TargetSpec& target)
+    {
+        std::map<Label, Color> outlines;
+        for (const mesh::LabelInfo& info : patient.planned_case().label_table)
+            outlines[info.id]
+                = info.name == target.label && !target.is_site() ? target_color() : tissue_look(info.material).color;
+        return outlines;
+    }
+
+    /// The circle in which a slice through its centre meets a spherical target, or a site.
     LineItem sphere_outline(const planner::TargetSpec& target, SlicePlane plane)
     {
         constexpr int kCorners = 96;
@@ -309,7 +327,7 @@ std::vector<Scene> slice_scenes(planner::Patient& patient, const Vec3& point, co
 std::vector<Scene> slice_scenes(
     planner::Patient& patient, const planner::TargetSpec& target, const std::map<Label, Color>& colors)
 {
-    if (!target.is_sphere())
+    if (!target.is_sphere() && !target.is_site())
         return slice_scenes(patient, planner::surface_centre(*patient.target(target)), colors);
     std::vector<Scene> scenes = slice_scenes(patient, target.centre, colors);
     for (Scene& scene : scenes)
@@ -319,9 +337,7 @@ std::vector<Scene> slice_scenes(
 
 std::vector<Scene> slice_scenes(planner::Patient& patient, const planner::Approach& approach)
 {
-    std::map<Label, Color> outlines;
-    for (const mesh::LabelInfo& info : patient.planned_case().label_table)
-        outlines[info.id] = info.name == approach.target.label ? target_color() : tissue_look(info.material).color;
+    const std::map<Label, Color> outlines = outlines_of(patient, approach.target);
     std::vector<Scene> scenes = slice_scenes(patient, approach.target, outlines);
     for (Scene& scene : scenes)
         scene.lines.push_back(projected_incision(approach, scene.slices.front().plane, scene.slices.front().point));
@@ -331,9 +347,7 @@ std::vector<Scene> slice_scenes(planner::Patient& patient, const planner::Approa
 std::vector<Scene> incision_slice_scenes(planner::Patient& patient, const planner::Approach& approach)
 {
     RETRACTOR_ASSERT(approach.incision.size() >= 2 && approach.directions.size() == approach.incision.size());
-    std::map<Label, Color> outlines;
-    for (const mesh::LabelInfo& info : patient.planned_case().label_table)
-        outlines[info.id] = info.name == approach.target.label ? target_color() : tissue_look(info.material).color;
+    const std::map<Label, Color> outlines = outlines_of(patient, approach.target);
     const auto scene_of
         = [&](const char* title, const Vec3& middle, const Vec3& along, const Vec3& inward, double half_width_mm) {
               const Vec3 up = -inward.normalized(), right = (along - along.dot(up) * up).normalized();

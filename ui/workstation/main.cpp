@@ -60,7 +60,7 @@ std::optional<int> parse(int argc, char** argv, Options& options)
         ->type_name("CASE.json|SCENE.json");
     auto* approach = app.add_option("--approach", options.approach, "Select this approach")->type_name("NAME");
     auto* view = app.add_option("--view", options.view, "View that the window shows first")
-                     ->check(CLI::IsMember({ "surgeon", "overview", "slices", "incision" }))
+                     ->check(CLI::IsMember({ "surgeon", "overview", "slices", "incision", "compare" }))
                      ->capture_default_str();
     auto* plan = app.add_flag("--plan", options.plan, "Plan the selected approach at once");
     app.add_option("--screenshot", options.screenshot,
@@ -84,7 +84,8 @@ std::optional<int> parse(int argc, char** argv, Options& options)
     app.footer(
         "Example: retractor-workstation patient/case.json --approach median --view overview\n"
         "Keys: 1 surgeon's eye, 2 overview, 3 slices (the wheel steps through them, Shift+1 to Shift+4 change\n"
-        "their greys), 4 slices along and across the incision, R measure, O opened field or patient before.\n"
+        "their greys), 4 slices along and across the incision, 5 compare the planned approaches, R measure,\n"
+        "T target where the slices meet, O opened field or patient before.\n"
         "Approaches: N new, D draw an incision on the skin, M move its points (Enter ends), E target and opening,\n"
         "Ctrl+D duplicate, Delete remove, P plan, Shift+P plan all, Esc cancel.\n"
         "Cutting: K knife (draw on the skin with the left button), L straight cut between two clicks, H hooks\n"
@@ -147,7 +148,9 @@ void take_screenshot(MainWindow& window, QTimer& timer, const Options& options)
         const auto* const view = window.model(); // null: the start page
         window.set_view(*view_from_string(options.view));
         if (view != nullptr && view->view() != *view_from_string(options.view) && window.error_line().empty()) {
-            QApplication::exit(fail("the view " + options.view + " needs a CT", 1));
+            QApplication::exit(fail("the view " + options.view
+                    + (options.view == "compare" ? " needs two planned approaches" : " needs a CT"),
+                1));
             return;
         }
         try {

@@ -61,8 +61,10 @@ void MainWindow::make_view_actions(QMenu& menu)
         menu, "Slices", Qt::Key_3, "Three planes of the CT and the overview", [this] { set_view(ViewPreset::slices); });
     incision_ = add_action(menu, "Incision", Qt::Key_4, "Slices along and across the incision, with the cut",
         [this] { set_view(ViewPreset::incision); });
+    compare_ = add_action(menu, "Compare", Qt::Key_5, "All planned approaches beside each other, with their numbers",
+        [this] { set_view(ViewPreset::compare); });
     auto* presets = new QActionGroup(this);
-    for (QAction* action : { surgeon_, overview_, slices_, incision_ }) {
+    for (QAction* action : { surgeon_, overview_, slices_, incision_, compare_ }) {
         action->setCheckable(true);
         presets->addAction(action);
     }
@@ -105,6 +107,9 @@ void MainWindow::make_approach_actions(QMenu& menu)
     menu.addSeparator();
     change_ = add_action(menu, "Target and opening…", Qt::Key_E, "Change the target, the retractor or the name",
         [this] { editor_->change_opening(); });
+    site_ = add_action(menu, "Target here…", Qt::Key_T,
+        "Make the place where the slices meet the target: an anastomosis, a clamp, a neck, an annulus",
+        [this] { editor_->choose_site(); });
     duplicate_ = add_action(menu, "Duplicate", QKeySequence("Ctrl+D"), "Add a copy", [this] { editor_->duplicate(); });
     remove_ = add_action(menu, "Remove", QKeySequence::Delete, "Remove this approach", [this] { editor_->remove(); });
     menu.addSeparator();
@@ -140,9 +145,9 @@ void MainWindow::make_tool_bar()
     bar->setMovable(false);
     bar->setContextMenuPolicy(Qt::PreventContextMenu);
     int key = 1;
-    for (QAction* action : { surgeon_, overview_, slices_, incision_ })
+    for (QAction* action : { surgeon_, overview_, slices_, incision_, compare_ })
         action->setIconText(QString::number(key++) + "  " + action->text());
-    bar->addActions({ surgeon_, overview_, slices_, incision_ });
+    bar->addActions({ surgeon_, overview_, slices_, incision_, compare_ });
     bar->addSeparator();
     bar->addActions({ opened_, measure_ });
     bar->addSeparator();

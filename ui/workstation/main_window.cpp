@@ -207,6 +207,10 @@ void MainWindow::make_panes()
         show_all();
     });
     connect(list_, &QListWidget::itemActivated, this, [this] { plan_selected(); });
+    connect(list_, &QListWidget::itemClicked, this, [this] { // leaves the comparison for this approach
+        if (model_ && model_->view() == ViewPreset::compare)
+            set_view(ViewPreset::surgeon);
+    });
 }
 
 /// The list of approaches with the buttons that change it.
@@ -717,6 +721,8 @@ void MainWindow::hand_out_work()
 {
     if (model_->planning_unwanted())
         planning_executor_.cancel();
+    if (const auto index = backend_.saved_plan ? model_->begin_saved() : std::nullopt)
+        read_saved_plan(*index);
     if (const auto work = model_->begin_closed())
         make_closed(*work);
     if (const auto index = model_->begin_plan())
@@ -745,6 +751,29 @@ void MainWindow::make_closed(const ClosedWork& work)
             show_all();
         });
     });
+}
+
+void MainWindow::read_saved_plan(std::size_t index)
+{
+    ++closed_running_;
+    closed_executor_.post(
+        [this, generation = generation_, backend = backend_, approach = model_->approach(index)](const Job&) {
+            auto found = std::make_shared<std::optional<FieldPictures>>();
+            std::optional<Failure> failure;
+            try {
+                *found = backend.saved_plan(approach);
+            } catch (...) {
+                failure = with_controls(current_failure());
+            }
+            post_back(generation, [this, found, failure] {
+                --closed_running_;
+                model_->saved_done(std::move(*found));
+                if (failure)
+                    show_error(*failure);
+                hand_out_work();
+                show_all();
+            });
+        });
 }
 
 void MainWindow::make_plan(std::size_t index)
@@ -817,9 +846,9 @@ void MainWindow::show_actions()
 {
     const bool any = model_ && model_->selected();
     const ApproachState* state = any ? &model_->state(*model_->selected()) : nullptr;
-    for (const auto& [action, view] :
-        { std::pair { surgeon_, ViewPreset::surgeon }, std::pair { overview_, ViewPreset::overview },
-            std::pair { slices_, ViewPreset::slices }, std::pair { incision_, ViewPreset::incision } }) {
+    for (const auto& [action, view] : { std::pair { surgeon_, ViewPreset::surgeon },
+             std::pair { overview_, ViewPreset::overview }, std::pair { slices_, ViewPreset::slices },
+             std::pair { incision_, ViewPreset::incision }, std::pair { compare_, ViewPreset::compare } }) {
         action->setEnabled(model_ && model_->view_available(view) && !(editor_->drawing() && shows_slices(view)));
         action->setChecked(model_ && model_->shown_view() == view);
     }
@@ -842,6 +871,8 @@ void MainWindow::show_actions()
     finish_->setEnabled(editor_->drawing());
     for (QAction* action : { change_, duplicate_, remove_ })
         action->setEnabled(any && !editor_->drawing());
+    site_->setEnabled(
+        any && model_->view() == ViewPreset::slices && model_->slice_place().has_value() && !editor_->drawing());
     banner_->setVisible(!not_saved_.empty());
 }
 

@@ -148,6 +148,7 @@ private:
 
     void hand_out_work();
     void make_closed(const ClosedWork& work);
+    void read_saved_plan(std::size_t index);
     void make_plan(std::size_t index);
     /// Runs `deliver` in the window's thread.
     void post_back(std::function<void()> deliver);
@@ -204,9 +205,10 @@ private:
     QAction *knife_action_ = nullptr, *line_action_ = nullptr, *hook_action_ = nullptr, *take_out_action_ = nullptr,
             *undo_ = nullptr, *redo_ = nullptr;
     QAction *new_approach_ = nullptr, *draw_ = nullptr, *move_ = nullptr, *finish_ = nullptr, *change_ = nullptr,
-            *duplicate_ = nullptr, *remove_ = nullptr, *close_case_ = nullptr;
+            *site_ = nullptr, *duplicate_ = nullptr, *remove_ = nullptr, *close_case_ = nullptr;
     QActionGroup* grey_windows_ = nullptr;
-    QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr, *incision_ = nullptr, *measure_ = nullptr;
+    QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr, *incision_ = nullptr, *compare_ = nullptr,
+            *measure_ = nullptr;
     QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr,
             *palpate_ = nullptr;
     QLabel* message_ = nullptr;

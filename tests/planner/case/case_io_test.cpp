@@ -76,6 +76,10 @@ namespace case_io_test {
             second.target = { .label = {}, .centre = Vec3(0.1, -1e-17, 1e3 / 7.0), .radius_mm = 0.3 };
             second.hooks.clear();
             add_approach(c, second);
+            Approach third = approach("third");
+            third.target
+                = { .label = "heart", .centre = Vec3(1.0, 2.0, -3.0), .radius_mm = 8.0, .site = "anastomosis site" };
+            add_approach(c, third);
             return c;
         }
 
@@ -111,6 +115,7 @@ namespace case_io_test {
         EXPECT_EQ(a.target.label, b.target.label);
         EXPECT_EQ(a.target.centre, b.target.centre);
         EXPECT_EQ(a.target.radius_mm, b.target.radius_mm);
+        EXPECT_EQ(a.target.site, b.target.site);
         EXPECT_EQ(a.retracted, b.retracted);
         EXPECT_EQ(a.uncut_labels, b.uncut_labels);
         EXPECT_EQ(a.loose_pieces, b.loose_pieces);
@@ -561,6 +566,12 @@ namespace case_io_test {
             { "/approaches/0/target/label", [](Json& j) { j["approaches"][0]["target"]["label"] = ""; } },
             { "/approaches/0/target/radius_mm", [](Json& j) { j["approaches"][0]["target"]["radius_mm"] = 1.0; } },
             { "/approaches/1/target/radius_mm", [](Json& j) { j["approaches"][1]["target"]["radius_mm"] = 0.0; } },
+            { "/approaches/2/target/radius_mm", [](Json& j) { j["approaches"][2]["target"]["radius_mm"] = 0.0; } },
+            { "/approaches/2/target/radius_mm", [](Json& j) { j["approaches"][2]["target"].erase("radius_mm"); } },
+            { "/approaches/2/target/centre_mm", [](Json& j) { j["approaches"][2]["target"].erase("centre_mm"); } },
+            { "/approaches/2/target/site", [](Json& j) { j["approaches"][2]["target"]["site"] = ""; } },
+            { "/approaches/2/target/site", [](Json& j) { j["approaches"][2]["target"]["site"] = "a\nb"; } },
+            { "/approaches/2/target/centre_mm", [](Json& j) { j["approaches"][2]["target"].erase("site"); } },
             { "/approaches/0/retracted/0", [](Json& j) { j["approaches"][0]["retracted"][0] = "spleen"; } },
             { "/approaches/0/uncut_labels/0", [](Json& j) { j["approaches"][0]["uncut_labels"][0] = "spleen"; } },
             { "/approaches/0/loose_pieces", [](Json& j) { j["approaches"][0]["loose_pieces"] = "floating"; } },

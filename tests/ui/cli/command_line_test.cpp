@@ -66,7 +66,7 @@ protected:
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
     for (const char* command : { "phantom", "import", "approach add", "hooks", "tension", "mesh", "cut", "plan",
-             "render", "demo", "doctor", "palpable", "palpate", "relay", "train", "train expert", "train test", "train report" }) {
+             "render", "compare", "demo", "doctor", "palpable", "palpate", "relay", "train", "train expert", "train test", "train report" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;
@@ -262,6 +262,58 @@ TEST_F(CommandLine, PlanWithoutRenderBuildsNoRenderer)
     EXPECT_GT(document.at("approaches").at(0).at("seen_best_eye").get<double>(), 0.0);
     std::ifstream file(fs::path(out("plan")) / "metrics.json");
     EXPECT_EQ(Json::parse(file).at("approaches").at(0).at("name"), "straight");
+}
+
+TEST_F(CommandLine, SavedPlansAreDrawnAndComparedWithoutPlanningAgain)
+{
+    const fs::path saved = folder / "saved";
+    fs::copy(folder / "c", saved, fs::copy_options::recursive);
+    fs::remove_all(saved / "plans");
+    const std::string file = (saved / "case.json").string();
+    const CommandRun alone = run("--json compare " + file);
+    EXPECT_EQ(alone.exit_code, 2);
+    EXPECT_NE(alone.error().find("a comparison needs two planned approaches, and the case has 0"), std::string::npos);
+    ASSERT_EQ(run("approach add " + file
+                  + " --name wider --points 1.3,0,-25 0.9,0,0 1.3,0,25 --target target --retract cavity --hooks 2 "
+                    "--opening 24")
+                  .exit_code,
+        0);
+    ASSERT_EQ(run("plan " + file + " --accuracy none --edge 6 --out " + out("saved_plan")).exit_code, 0);
+    EXPECT_FALSE(fs::exists(saved / "plans")) << "an option changed these plans";
+    const CommandRun plan = run("plan " + file + " --accuracy none --render --out " + out("saved_plan"));
+    ASSERT_EQ(plan.exit_code, 0) << plan.out;
+    EXPECT_NE(plan.out.find("saved with the case, for retractor render and the window: straight, wider"),
+        std::string::npos)
+        << plan.out;
+    const CommandRun render
+        = run("--json --profile render " + file + " --views surgeon,overview --out " + out("saved_render"));
+    ASSERT_EQ(render.exit_code, 0) << render.out;
+    EXPECT_TRUE(render.json().at("saved_plans").contains("wider"));
+    EXPECT_FALSE(parts_of(render.json()).count("factorisation"));
+    const auto bytes = [](const fs::path& picture) {
+        std::ifstream in(picture, std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(in), {});
+    };
+    for (const char* picture : { "straight-surgeon.png", "straight-overview.png", "wider-surgeon.png" })
+        EXPECT_TRUE(bytes(folder / "saved_render" / picture) == bytes(folder / "saved_plan" / picture)) << picture;
+
+    const CommandRun compared = run("compare " + file);
+    ASSERT_EQ(compared.exit_code, 0) << compared.out;
+    EXPECT_NE(compared.out.find("A  straight: "), std::string::npos) << compared.out;
+    EXPECT_NE(compared.out.find("Target seen, best eye"), std::string::npos) << compared.out;
+    const Json document = run("--json compare " + file).json();
+    EXPECT_EQ(document.at("approaches").size(), 2u);
+    std::ifstream metrics(fs::path(out("saved_plan")) / "metrics.json");
+    const Json fields = Json::parse(metrics).at("approaches");
+    for (const Json& row : document.at("measures")) {
+        if (row.at("key") != "seen_best_eye")
+            continue;
+        for (std::size_t n = 0; n < 2; ++n)
+            EXPECT_EQ(row.at("values").at(n), fields.at(n).at("seen_best_eye"));
+    }
+    ASSERT_EQ(run("approach remove " + file + " --name straight").exit_code, 0);
+    ASSERT_EQ(run("hooks " + file + " --approach wider --template 2 --opening 22").exit_code, 0);
+    EXPECT_EQ(run("compare " + file).exit_code, 2) << "no plan is of what the case holds now";
 }
 
 TEST_F(CommandLine, AnAccuracyIsReachedAndReported)

@@ -199,6 +199,66 @@ namespace main_window_test {
         EXPECT_EQ(window_.view().drawing_errors(), "");
     }
 
+    TEST_F(MainWindowTest, PlansOfAnEarlierSessionAreShown)
+    {
+        control_->saved_plans = { "lateral" };
+        open_synthetic();
+        EXPECT_EQ(status(0), FieldStatus::closed);
+        ASSERT_EQ(status(1), FieldStatus::planned);
+        EXPECT_EQ(control_->plans_made, 0);
+        click(1);
+        press(Qt::Key_1);
+        const QImage picture = window_.view().picture();
+        EXPECT_GT(target_pixels(picture), picture.height() * picture.height() / 50);
+        press(Qt::Key_P);
+        EXPECT_EQ(status(1), FieldStatus::planned) << "it is not planned again";
+        EXPECT_EQ(control_->plans_made, 0);
+    }
+
+    TEST_F(MainWindowTest, ADamagedSavedPlanIsToldAndTheOthersAreShown)
+    {
+        control_->saved_plans = { "broken", "lateral" };
+        open_synthetic();
+        EXPECT_NE(window_.error_line().find("this saved plan is damaged"), std::string::npos) << window_.error_line();
+        EXPECT_EQ(status(1), FieldStatus::planned);
+        EXPECT_EQ(status(2), FieldStatus::closed);
+        EXPECT_TRUE(window_.idle());
+    }
+
+    TEST_F(MainWindowTest, PlannedApproachesAreCompared)
+    {
+        open_synthetic();
+        press(Qt::Key_5);
+        EXPECT_NE(window_.model()->view(), ViewPreset::compare) << "nothing is planned";
+        press(Qt::Key_P);
+        ASSERT_TRUE(QTest::qWaitFor([&] { return status(0) == FieldStatus::planned; }, test_support::kPatienceMs));
+        press(Qt::Key_5);
+        EXPECT_NE(window_.model()->view(), ViewPreset::compare) << "one has nothing to be compared with";
+        click(1);
+        press(Qt::Key_P);
+        ASSERT_TRUE(QTest::qWaitFor([&] { return status(1) == FieldStatus::planned; }, test_support::kPatienceMs));
+        press(Qt::Key_5);
+        ASSERT_EQ(window_.model()->shown_view(), ViewPreset::compare);
+        const std::vector<Scene>& scenes = window_.view().scenes();
+        ASSERT_EQ(scenes.size(), 2U);
+        EXPECT_EQ(scenes[0].title, "A  median");
+        EXPECT_EQ(scenes[1].title, "B  lateral");
+        const auto* chart = window_.findChild<QWidget*>("comparison chart");
+        ASSERT_NE(chart, nullptr);
+        EXPECT_NE(chart->accessibleDescription().indexOf("A 45.6 %; B 45.6 %;"), -1)
+            << chart->accessibleDescription().toStdString();
+        const QImage picture = window_.view().picture();
+        EXPECT_GT(target_pixels(picture.copy(0, 0, picture.width() / 2, picture.height())), 500);
+        EXPECT_GT(target_pixels(picture.copy(picture.width() / 2, 0, picture.width() / 2, picture.height())), 500);
+        window_.save_screenshot(picture_folder() / "workstation_compare.png");
+        click(0);
+        EXPECT_EQ(window_.model()->shown_view(), ViewPreset::surgeon);
+        EXPECT_EQ(window_.view().scenes().size(), 1U);
+        press(Qt::Key_5);
+        press(Qt::Key_Delete); // the comparison has one left
+        EXPECT_NE(window_.model()->shown_view(), ViewPreset::compare);
+    }
+
     TEST_F(MainWindowTest, KeysChooseTheView)
     {
         open_synthetic();
@@ -508,6 +568,11 @@ namespace main_window_test {
         EXPECT_EQ(four[3].bottom, 0.0);
         EXPECT_EQ(four[3].right, 1.0);
         EXPECT_TRUE(arrange_scenes({}, 800.0, 600.0).empty());
+        const auto three = arrange_scenes(std::vector<Scene>(3), 800.0, 600.0);
+        ASSERT_EQ(three.size(), 3U);
+        EXPECT_EQ(three[1].right, 1.0);
+        EXPECT_EQ(three[2].left, 0.0);
+        EXPECT_EQ(three[2].right, 1.0) << "nothing stays empty";
     }
 
     /// The whole way: a phantom's files, a case, the planner, the window.

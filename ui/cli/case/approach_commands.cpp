@@ -77,7 +77,7 @@ namespace {
         std::string text = formatted("%-18s %-16s incision %4.0f mm, depth %3.0f mm, %starget %s\n",
             approach.name.c_str(), approach.template_name.c_str(), planner::incision_length(approach),
             approach.depth_mm, approach.retractor ? "" : formatted("%zu hooks, ", approach.hooks.size()).c_str(),
-            approach.target.is_sphere() ? "sphere" : approach.target.label.c_str());
+            planner::target_name(approach.target).c_str());
         if (const planner::Division& division = approach.division; division.extent == planner::DivisionExtent::full)
             text += "  divides intercostal muscle and pleura beyond the skin: forwards "
                 + distance_text(division.forwards_mm) + ", backwards " + distance_text(division.backwards_mm) + "\n";
@@ -412,7 +412,7 @@ namespace {
         CLI::Option* points = add_command->add_option("--points", options->points,
             "Points of the incision, x,y,z (mm, patient LPS) on or near the skin, in cutting order");
         add_command
-            ->add_option("--target", options->target, "Target to see: a label, or a sphere x,y,z,r (mm, patient LPS)")
+            ->add_option("--target", options->target, "Target to see: a label; a site on one, SITE:LABEL:x,y,z,r, such as \"anastomosis site:heart:31,-20,140,8\"; or a sphere x,y,z,r (mm, patient LPS)")
             ->required();
         add_command->add_option("--name", options->name, "Name of the approach (default: the template's)");
         add_command->add_option("--length", options->length_mm, "Length of the incision, mm (default: the template's)")

@@ -54,7 +54,16 @@ planner::TargetSpec parse_target(const std::string& text)
         target.label = text;
         return target;
     }
-    const std::vector<double> n = parse_numbers(text, 4, "--target");
+    std::string numbers = text;
+    if (const std::size_t colon = text.rfind(':'); colon != std::string::npos) {
+        const std::size_t first = text.find(':');
+        target.site = text.substr(0, first);
+        target.label = first == colon ? std::string() : text.substr(first + 1, colon - first - 1);
+        if (target.site.empty() || target.label.empty())
+            throw InputError("give LABEL, SITE:LABEL:X,Y,Z,RADIUS or X,Y,Z,RADIUS", "--target " + text);
+        numbers = text.substr(colon + 1);
+    }
+    const std::vector<double> n = parse_numbers(numbers, 4, "--target");
     RETRACTOR_ASSERT(n.size() == 4);
     target.centre = { n[0], n[1], n[2] };
     target.radius_mm = n[3];

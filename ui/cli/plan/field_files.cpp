@@ -204,8 +204,9 @@ void write_field_meshes(
         mesh::write_vtu(folder / (field.approach.name + ".vtu"), field.wall, values);
         mesh::write_vtp(folder / (field.approach.name + "-opened.vtp"),
             mesh::deformed_boundary(field.wall, field.opening.displacement));
-        const std::string target
-            = field.approach.target.is_sphere() ? "sphere-" + field.approach.name : field.metrics.target;
+        const std::string target = field.approach.target.is_sphere() ? "sphere-" + field.approach.name
+            : field.approach.target.is_site()                        ? "site-" + field.approach.name
+                                                                     : field.metrics.target;
         if (targets.insert(target).second)
             mesh::write_vtp(folder / ("target-" + target + ".vtp"), *patient.target(field.approach.target));
     }

@@ -4,6 +4,7 @@
 #include "ui/cli/framework/out_folder.h"
 #include "ui/cli/framework/staged_results.h"
 #include "ui/cli/plan/field_files.h"
+#include "ui/cli/plan/saved_plans.h"
 
 #include "fem/error_estimation/error_estimate.h"
 #include "mesh/base/atomic_file.h"
@@ -11,6 +12,7 @@
 #include "mesh/base/text_format.h"
 #include "mesh/tetrahedra/mesh_io.h"
 #include "planner/approach/space_division.h"
+#include "planner/case/case_io.h"
 #include "planner/plan/opened_wound.h"
 #include "planner/plan/plan.h"
 #include "planner/wall/parted_bones.h"
@@ -230,7 +232,8 @@ namespace {
             , folder(options.out)
             , made(folder)
         {
-            fields = plan_all(patient, job, checks);
+            drawn = rounds == Rounds::one ? saved_or_planned(patient, job, checks)
+                                          : DrawnFields { .fields = plan_all(patient, job, checks), .saved = {} };
             refuse_if_cancelled(job);
         }
         planner::Patient patient;
@@ -238,7 +241,7 @@ namespace {
         planner::PlanChecks checks;
         fs::path folder;
         OutFolder made;
-        std::vector<planner::PlannedField> fields;
+        DrawnFields drawn;
     };
 
     /// The field's problem for programs without contact and without elements of which some edges are straight.
@@ -288,7 +291,8 @@ namespace {
         const fs::path ccx = options.reference.empty() ? fs::path() : find_calculix();
         const std::vector<std::string> formats = export_formats(options);
         PlannedCase planned(options, Rounds::to_accuracy, job);
-        auto& [patient, request, checks, folder, made, fields] = planned;
+        auto& [patient, request, checks, folder, made, drawn] = planned;
+        std::vector<planner::PlannedField>& fields = drawn.fields;
         const planner::Provenance computed = provenance_now(patient.planned_case());
         StagedResults staged(folder);
         write_field_meshes(staged.folder(), patient, fields);
@@ -313,7 +317,8 @@ namespace {
         const std::vector<std::string> kept = keep_earlier_metrics(folder, staged.folder(), fields);
         outcome.document = write_metrics(staged.folder(), computed, fields);
         staged.publish("metrics.json");
-        outcome.text = field_table(fields) + exported;
+        const planner::Case in_file = planner::read_case(options.case_file, { .verify_checksums = false });
+        outcome.text = field_table(fields) + exported + save_plans(in_file, patient.planned_case(), fields);
         if (!kept.empty()) {
             const std::string file = (folder / "metrics-earlier.json").string();
             outcome.text += file + " keeps the earlier results of " + joined(kept) + "\n";
@@ -340,10 +345,15 @@ namespace {
     Outcome render_fields_of(const PlanOptions& options, const Job& job)
     {
         PlannedCase planned(options, Rounds::one, job);
-        auto& [patient, request, checks, folder, made, fields] = planned;
+        auto& [patient, request, checks, folder, made, drawn] = planned;
+        std::vector<planner::PlannedField>& fields = drawn.fields;
         const std::vector<planner::ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
         refuse_if_cancelled(job);
         Outcome outcome = picture_outcome(pictures);
+        for (const auto& [name, date] : drawn.saved) {
+            outcome.text += name + ": drawn from the plan of " + date + ", saved with the case\n";
+            outcome.document["saved_plans"][name] = date;
+        }
         if (const Json refused = refused_document(fields); !refused.empty())
             outcome.document["refused"] = refused;
         outcome.exit_code = exit_code_of(fields);

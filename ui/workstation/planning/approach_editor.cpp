@@ -1,7 +1,9 @@
 #include "ui/workstation/planning/approach_editor.h"
 
 #include "mesh/base/text_format.h"
+#include "planner/case/target_site.h"
 #include "ui/workstation/planning/approach_dialog.h"
+#include "ui/workstation/planning/site_dialog.h"
 
 #include <QWidget>
 
@@ -284,6 +286,39 @@ void ApproachEditor::change_opening()
             model_->replace_approach(*selected, std::move(changed_approach), "change " + name.toStdString());
             changed("Changed " + name);
         });
+}
+
+void ApproachEditor::choose_site()
+{
+    if (model_ == nullptr || !model_->selected() || !model_->slice_place())
+        return;
+    const std::size_t id = model_->id(*model_->selected());
+    const auto labels = model_->shown_state().closed->slices.front().slices.front().labels;
+    if (labels == nullptr)
+        return on_message("The slices have no labels: nothing is known of this place.");
+    planner::TargetSpec site;
+    try {
+        site = planner::site_at(*labels, *model_->slice_place());
+    } catch (...) {
+        return on_failure(current_failure());
+    }
+    auto* dialog = new SiteDialog(site, &window_);
+    dialog->setAttribute(Qt::WA_DeleteOnClose);
+    connect(dialog, &QDialog::accepted, this, [this, dialog, id] {
+        const auto selected = model_ != nullptr ? model_->selected() : std::nullopt;
+        if (!selected || model_->id(*selected) != id)
+            return;
+        planner::Approach approach = model_->approach(*selected);
+        approach.target = dialog->target();
+        const std::string name = planner::target_name(approach.target);
+        try {
+            model_->replace_approach(*selected, std::move(approach), "choose the target");
+            changed("The target is the " + QString::fromStdString(readable(name)));
+        } catch (...) {
+            on_failure(current_failure());
+        }
+    });
+    dialog->open();
 }
 
 void ApproachEditor::duplicate()

@@ -39,6 +39,8 @@ public:
     /// Takes the last point back. @return false when there is none
     bool undo_point() { return tool_.undo(); }
     void change_opening();
+    /// Asks what is done where the slices meet, and makes this site the target. @pre slices are shown
+    void choose_site();
     void duplicate();
     void remove();
 

@@ -84,7 +84,7 @@ namespace {
                 { "Seen with organs " + number(shifted.shift_mm, 0, "mm higher"), percent(shifted.seen_best_eye),
                     "Seen by the best eye with the organs nearer to the head, as in expiration." });
         section.rows.push_back(
-            { "Bone in sight", joined(field.bone_in_sight), "Bones that block the view of the target." });
+            { "Bone in sight", joined(planner::bones_in_sight(field)), "Bones that block the view of the target." });
         section.rows.push_back(
             { "Held aside", joined(field.retracted), "Organs that are held aside in this approach." });
         for (std::size_t i = 0; i < std::min<std::size_t>(3, field.best_eye.hidden_by.size()); ++i)
@@ -327,7 +327,7 @@ std::vector<MetricSection> approach_rows(const planner::Approach& approach)
             { "Template", approach.template_name, {} },
             { "Target",
                 approach.target.is_sphere() ? "sphere of " + number(approach.target.radius_mm, 0, "mm")
-                                            : approach.target.label,
+                                            : planner::target_name(approach.target),
                 {} },
             asked_row("incision_length_mm", planner::incision_length(approach)),
             asked_row("cut_depth_mm", approach.depth_mm),

@@ -2,6 +2,7 @@
 #include "ui/workstation/view/theme.h"
 
 #include "planner/approach/approach_draft.h"
+#include "ui/workstation/planning/comparison_chart.h"
 #include "ui/workstation/planning/metric_rows.h"
 
 #include <QGridLayout>
@@ -137,6 +138,33 @@ namespace {
         }
     }
 
+    /// The verdicts of the planned approaches, and the chart that compares them.
+    void add_comparison(QVBoxLayout& column, const SessionModel& model)
+    {
+        std::vector<planner::FieldMetrics> fields;
+        for (const std::size_t index : model.planned()) {
+            const std::size_t n = fields.size();
+            fields.push_back(model.state(index).field->metrics);
+            const planner::Verdict verdict = planner::verdict_of(fields.back());
+            const LightLook look = light_look(verdict.light);
+            column.addSpacing(6);
+            column.addWidget(label(compared_letter(n) + "  " + planner::spoken_name(model.approach(index)),
+                QString("color: %1;").arg(compared_color(n).name()), 11.0, true));
+            column.addWidget(
+                label(std::string("\u25cf  ") + look.word, QString("color: %1;").arg(look.color), 10.0, true));
+            if (!verdict.sentences.empty())
+                column.addWidget(label(verdict.sentences.front(), "color: white;"));
+        }
+        column.addSpacing(10);
+        auto* chart = new ComparisonChart;
+        chart->show_fields(fields);
+        column.addWidget(chart);
+        column.addWidget(label("Green: better than every other by more than both errors together.", kFaint));
+        if (!planner::have_one_target(fields))
+            column.addWidget(
+                label("The approaches have different targets, so what is seen of them is not compared.", kWarning));
+    }
+
 } // namespace
 
 MetricsPanel::MetricsPanel(QWidget* parent)
@@ -156,7 +184,10 @@ void MetricsPanel::show_model(const SessionModel* model)
     auto* column = new QVBoxLayout(page);
     column->setContentsMargins(14, 12, 14, 12);
     column->setSpacing(4);
-    if (model != nullptr && model->selected()) {
+    if (model != nullptr && model->shown_view() == ViewPreset::compare) {
+        column->addWidget(label("Comparison", "color: white;", 13.0, true));
+        add_comparison(*column, *model);
+    } else if (model != nullptr && model->selected()) {
         const std::size_t index = *model->selected();
         column->addWidget(label(planner::spoken_name(model->approach(index)), "color: white;", 13.0, true));
         if (model->state(index).field != nullptr) {

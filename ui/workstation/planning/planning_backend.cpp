@@ -8,6 +8,7 @@
 #include "planner/case/case.h"
 #include "planner/case/patient.h"
 #include "planner/plan/plan.h"
+#include "planner/plan/saved/saved_plan.h"
 #include "planner/session/saved_cuts.h"
 #include "planner/wall/parted_bones.h"
 #include "planner/wall/supports.h"
@@ -26,16 +27,37 @@ namespace retractor::ui {
 
 namespace {
 
-    PlanOutcome planned_outcome(planner::Patient& patient, const planner::PlannedField& field)
+    FieldPictures pictures_of(planner::Patient& patient, const planner::PlannedField& field)
     {
-        PlanOutcome outcome;
-        outcome.field.metrics = field.metrics;
-        outcome.field.warning = field.message;
-        outcome.field.surgeon = surgeon_scene(patient, field);
-        outcome.field.overview = overview_scene(patient, field);
+        FieldPictures pictures;
+        pictures.metrics = field.metrics;
+        pictures.warning = field.message;
+        pictures.surgeon = surgeon_scene(patient, field);
+        pictures.overview = overview_scene(patient, field);
         // No legend: the numbers stand beside the picture.
-        outcome.field.surgeon.legend.clear();
-        outcome.field.overview.legend.clear();
+        pictures.surgeon.legend.clear();
+        pictures.overview.legend.clear();
+        return pictures;
+    }
+
+    /// The patient's case with this approach alone, which the case may hold in another state.
+    planner::Case case_with(const planner::Patient& patient, const planner::Approach& approach)
+    {
+        planner::Case planned_case = patient.planned_case();
+        planned_case.approaches = { approach };
+        return planned_case;
+    }
+
+    PlanOutcome saved_outcome(
+        planner::Patient& patient, const planner::Approach& approach, const planner::PlannedField& field)
+    {
+        PlanOutcome outcome { .message = {}, .field = pictures_of(patient, field) };
+        try {
+            planner::save_plan(case_with(patient, approach), field);
+        } catch (const Error&) {
+            remark(outcome.field.warning,
+                "this plan is not saved, and is lost when the case is closed (" + to_string(current_failure()) + ")");
+        }
         return outcome;
     }
 
@@ -170,13 +192,18 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case)
         return make_surgery_input(*patient, approach, job);
     };
     backend.plan = [patient](const planner::Approach& approach, const Job& job) -> PlanOutcome {
+        try { // what was planned before in the same way has the same result
+            if (const auto saved = planner::read_saved_plan(case_with(*patient, approach), approach.name))
+                return { .message = {}, .field = pictures_of(*patient, saved->field) };
+        } catch (const InputError&) { // damaged: the new plan takes its place
+        }
         const planner::PlannedField field = planner::plan_approach(*patient, approach, job);
         switch (field.status) {
         case planner::PlanStatus::done:
         case planner::PlanStatus::not_converged:
         case planner::PlanStatus::inverted:
             job.report("pictures", 0.0);
-            return planned_outcome(*patient, field);
+            return saved_outcome(*patient, approach, field);
         case planner::PlanStatus::cancelled:
             return { .status = PlanOutcome::Status::cancelled, .message = {}, .field = {} };
         case planner::PlanStatus::nothing_to_mesh:
@@ -184,6 +211,11 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case)
             break;
         }
         return { .status = PlanOutcome::Status::refused, .message = field.message, .field = {} };
+    };
+    backend.saved_plan = [patient](const planner::Approach& approach) -> std::optional<FieldPictures> {
+        const std::optional<planner::SavedPlan> saved
+            = planner::read_saved_plan(case_with(*patient, approach), approach.name);
+        return saved ? std::optional(pictures_of(*patient, saved->field)) : std::nullopt;
     };
     return backend;
 }

@@ -7,6 +7,7 @@
 #include "ui/workstation/planning/session_model.h"
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,11 @@ struct PlanningBackend {
     std::function<ClosedPictures(const planner::Approach&, const Job&)> closed_pictures;
     /// The patient without an approach.
     std::function<ClosedPictures(const Job&)> patient_pictures;
+    /// The plan is saved beside the case. Where that fails, its warning says so.
     std::function<PlanOutcome(const planner::Approach&, const Job&)> plan;
+    /// The plan of an earlier session; nothing: there is none of the approach as it is now. The function throws when
+    /// the file is damaged. Not set: nothing is saved.
+    std::function<std::optional<FieldPictures>(const planner::Approach&)> saved_plan {};
     /// A new approach for the case, which may have other approaches by now. See planner::approach_from_draft().
     std::function<planner::Approach(const planner::Case&, const planner::ApproachDraft&)> make_approach;
     /// See planner::with_incision_through().

@@ -1,6 +1,7 @@
 #include "ui/workstation/planning/session_model.h"
 
 #include "mesh/base/assert.h"
+#include "planner/approach/approach_draft.h"
 #include "ui/scene/linked_slices.h"
 
 #include <algorithm>
@@ -65,6 +66,8 @@ std::optional<ViewPreset> view_from_string(std::string_view text)
         return ViewPreset::overview;
     if (text == "slices")
         return ViewPreset::slices;
+    if (text == "compare")
+        return ViewPreset::compare;
     return text == "incision" ? std::optional(ViewPreset::incision) : std::nullopt;
 }
 
@@ -192,8 +195,19 @@ void SessionModel::withdraw_absent()
         states_.at(*planning_).status = FieldStatus::cancelling;
 }
 
+std::vector<std::size_t> SessionModel::planned() const
+{
+    std::vector<std::size_t> indices;
+    for (std::size_t i = 0; i < ids_.size(); ++i)
+        if (state(i).field != nullptr)
+            indices.push_back(i);
+    return indices;
+}
+
 bool SessionModel::view_available(ViewPreset view) const
 {
+    if (view == ViewPreset::compare)
+        return planned().size() >= 2;
     if (view == ViewPreset::surgeon)
         return selected_.has_value();
     const auto& closed = shown_state().closed;
@@ -297,10 +311,47 @@ void SessionModel::closed_failed(Failure failure)
     states_.at(*std::exchange(making_closed_, std::nullopt)).failure = std::move(failure);
 }
 
+std::optional<std::size_t> SessionModel::begin_saved()
+{
+    if (reading_saved_)
+        return std::nullopt;
+    for (std::size_t i = 0; i < ids_.size(); ++i) {
+        const std::size_t index = (*selected_ + i) % ids_.size();
+        ApproachState& wanted = state_of(index);
+        if (wanted.saved_tried || wanted.closed == nullptr || wanted.status != FieldStatus::closed)
+            continue;
+        wanted.saved_tried = true;
+        reading_saved_ = ids_[index];
+        return index;
+    }
+    return std::nullopt;
+}
+
+void SessionModel::saved_done(std::optional<FieldPictures> field)
+{
+    RETRACTOR_ASSERT(reading_saved_);
+    const std::size_t id = *std::exchange(reading_saved_, std::nullopt);
+    ApproachState& state = states_.at(id);
+    // A plan that was asked for meanwhile says the same, and waits no longer.
+    if (!field || (state.status != FieldStatus::closed && state.status != FieldStatus::waiting))
+        return;
+    std::erase(waiting_, id);
+    state.field = std::make_shared<const FieldPictures>(std::move(*field));
+    state.status = FieldStatus::planned;
+}
+
 void SessionModel::set_grey_window(std::size_t index)
 {
     RETRACTOR_ASSERT(index < kGreyWindows.size());
     grey_window_ = index;
+}
+
+std::optional<Vec3> SessionModel::slice_place() const
+{
+    const ApproachState& state = shown_state();
+    if (state.closed == nullptr || state.closed->slices.empty())
+        return std::nullopt;
+    return state.slice_point.value_or(state.closed->slices.front().slices.front().point);
 }
 
 void SessionModel::set_slice_point(const Vec3& point) { states_.at(shown_id()).slice_point = point; }
@@ -309,6 +360,13 @@ ShownSource SessionModel::shown_source() const
 {
     const ApproachState& state = shown_state();
     const bool opened = state.field != nullptr && (show_opened_ || shows_slices(view_) || state.closed == nullptr);
+    if (shown_view() == ViewPreset::compare) {
+        ShownSource source { .pictures = nullptr, .opened = true, .view = view_, .approach = std::nullopt };
+        for (const std::size_t index : planned())
+            source.compared.push_back(this->state(index).field);
+        source.pictures = source.compared.front();
+        return source;
+    }
     ShownSource source { .pictures = nullptr, .opened = opened, .view = view_, .approach = std::nullopt };
     if (selected_)
         source.approach = shown_id();
@@ -326,13 +384,13 @@ std::vector<Scene> SessionModel::unmeasured_scenes() const
     const ShownSource source = shown_source();
     if (source.pictures == nullptr)
         return {};
+    if (shown_view() == ViewPreset::compare)
+        return compared_scenes();
     const ApproachState& state = shown_state();
     const Scene& overview = source.opened ? state.field->overview : state.closed->patient;
     std::vector<Scene> scenes;
     if (view_ == ViewPreset::slices && state.closed != nullptr && !state.closed->slices.empty()) {
-        const std::vector<Scene>& slices = state.closed->slices;
-        scenes = slices_at(
-            slices, state.slice_point.value_or(slices.front().slices.front().point), state.closed->label_names);
+        scenes = slices_at(state.closed->slices, *slice_place(), state.closed->label_names);
     } else if (shown_view() == ViewPreset::incision && state.closed != nullptr) {
         scenes = state.closed->incision_slices;
     }
@@ -349,6 +407,17 @@ std::vector<Scene> SessionModel::unmeasured_scenes() const
     scenes.push_back(source.opened ? state.field->surgeon : overview);
     if (!source.opened)
         scenes.back().camera = surgeon_camera(approach(*selected_), overview.camera.up);
+    return scenes;
+}
+
+std::vector<Scene> SessionModel::compared_scenes() const
+{
+    std::vector<Scene> scenes;
+    for (const std::size_t index : planned()) {
+        const std::string letter = compared_letter(scenes.size());
+        scenes.push_back(state(index).field->surgeon);
+        scenes.back().title = letter + "  " + planner::spoken_name(approach(index));
+    }
     return scenes;
 }
 

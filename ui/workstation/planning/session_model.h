@@ -22,12 +22,25 @@
 
 namespace retractor::ui {
 
-enum class ViewPreset { surgeon, overview, slices, incision };
+enum class ViewPreset {
+    surgeon,
+    overview,
+    slices,
+    incision,
+    compare, ///< the surgeon's view of all planned approaches beside each other
+};
+
+/// Letter of the n-th planned approach in a comparison, the same in pictures and chart: "A", "B".
+inline std::string compared_letter(std::size_t n)
+{
+    constexpr std::size_t kLetters = 26;
+    return std::string(1, static_cast<char>('A' + n % kLetters));
+}
 
 /// Whether the view shows slices of the CT: three planes, or the planes along and across the incision.
 inline bool shows_slices(ViewPreset view) { return view == ViewPreset::slices || view == ViewPreset::incision; }
 
-/// Reads "surgeon", "overview", "slices" or "incision".
+/// Reads "surgeon", "overview", "slices", "incision" or "compare".
 std::optional<ViewPreset> view_from_string(std::string_view text);
 
 /// A planned field for the window: numbers and pictures.
@@ -69,6 +82,7 @@ struct ApproachState {
     std::shared_ptr<const FieldPictures> field; ///< null unless planned
     std::optional<Failure> failure; ///< failure of the plan, or of the closed picture
     bool closed_tried = false; ///< the closed picture was started
+    bool saved_tried = false; ///< a plan of an earlier session was looked for
 };
 
 /// Identifies the shown picture without its scenes. Two equal values mean that the picture is still valid.
@@ -78,6 +92,7 @@ struct ShownSource {
     ViewPreset view = ViewPreset::surgeon;
     std::optional<std::size_t> approach; ///< its id
     std::shared_ptr<const void> slices {}; ///< the ClosedPictures, in the view of slices
+    std::vector<std::shared_ptr<const void>> compared {}; ///< the FieldPictures, in a comparison
     bool operator==(const ShownSource&) const = default;
 };
 
@@ -125,12 +140,18 @@ public:
     /// The view that is shown: without an approach, the patient from outside in place of the surgeon's eye.
     ViewPreset shown_view() const
     {
+        if (view_ == ViewPreset::compare && !view_available(view_))
+            return selected_ ? ViewPreset::surgeon : ViewPreset::overview;
         const bool of_approach = view_ == ViewPreset::surgeon || view_ == ViewPreset::incision;
         return of_approach && !selected_ ? ViewPreset::overview : view_;
     }
     void set_view(ViewPreset view) { view_ = view; }
-    /// Whether the view can be shown: slices need a CT; the surgeon's eye and the incision's slices an approach.
+    /// Whether the view can be shown: slices need a CT; the surgeon's eye and the incision's slices an approach; a
+    /// comparison two planned approaches.
     bool view_available(ViewPreset view) const;
+
+    /// The planned approaches, by index.
+    std::vector<std::size_t> planned() const;
 
     /// Whether a planned approach is shown opened, or as before the cut.
     bool show_opened() const { return show_opened_; }
@@ -159,9 +180,17 @@ public:
     void closed_done(ClosedPictures pictures);
     void closed_failed(Failure failure);
 
+    /// The approach whose plan of an earlier session to look for now: one that has its closed picture and no plan, the
+    /// selected approach first.
+    std::optional<std::size_t> begin_saved();
+    /// @param field nothing: there is no saved plan
+    void saved_done(std::optional<FieldPictures> field);
+
     /// @param index of kGreyWindows, for the slices of all approaches
     void set_grey_window(std::size_t index);
     std::size_t grey_window() const { return grey_window_; }
+    /// Where the slices of the selected approach, or of the patient alone, meet; nothing: there are none yet.
+    std::optional<Vec3> slice_place() const;
     /// Moves the slices that are shown.
     void set_slice_point(const Vec3& point);
 
@@ -179,6 +208,7 @@ public:
 
 private:
     std::vector<Scene> unmeasured_scenes() const;
+    std::vector<Scene> compared_scenes() const;
     static constexpr std::size_t kPatientAlone = 0; ///< id
 
     /// The list of approaches at one time.
@@ -207,7 +237,7 @@ private:
     std::size_t grey_window_ = 0;
     std::vector<Measurement> measurements_;
     std::deque<std::size_t> waiting_; ///< ids
-    std::optional<std::size_t> planning_, making_closed_; ///< ids
+    std::optional<std::size_t> planning_, making_closed_, reading_saved_; ///< ids
 };
 
 /// The camera of the surgeon: along the blade direction at the middle of the incision.

@@ -12,8 +12,8 @@ namespace retractor::ui {
 namespace {
 
     constexpr const char* kSheet = R"(
-QToolBar { background: #262b30; border: none; border-bottom: 1px solid #15181b; padding: 4px; spacing: 4px; }
-QToolBar QToolButton { padding: 6px 8px; border-radius: 4px; color: #e4e8eb; }
+QToolBar { background: #262b30; border: none; border-bottom: 1px solid #15181b; padding: 4px; spacing: 2px; }
+QToolBar QToolButton { padding: 6px 5px; border-radius: 4px; color: #e4e8eb; }
 QToolBar QToolButton:hover { background: #353c43; }
 QToolBar QToolButton:checked { background: #2d6da8; color: white; }
 QToolBar QToolButton:disabled { color: #6d757d; }

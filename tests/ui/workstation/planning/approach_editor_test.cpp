@@ -8,6 +8,7 @@
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/planning/approach_dialog.h"
 #include "ui/workstation/planning/approach_list.h"
+#include "ui/workstation/planning/site_dialog.h"
 #include "ui/workstation/view/picture_view.h"
 
 #include <gtest/gtest.h>
@@ -15,6 +16,7 @@
 #include <QAbstractButton>
 #include <QComboBox>
 #include <QDialogButtonBox>
+#include <QDoubleSpinBox>
 #include <QLineEdit>
 #include <QPushButton>
 #include <QTest>
@@ -278,6 +280,40 @@ namespace approach_editor_test {
         EXPECT_EQ(window_.knife().mode(), KnifeMode::freehand);
         test_support::wait_until_idle(window_);
         EXPECT_EQ(window_.view().cursor().shape(), Qt::CrossCursor) << "the mouse is the knife's";
+    }
+
+    TEST_F(ApproachEditorTest, TheTargetIsChosenWhereTheSlicesMeet)
+    {
+        press(Qt::Key_T);
+        EXPECT_EQ(window_.findChild<SiteDialog*>(), nullptr) << "no slices are shown";
+        const auto accept = [&](int site, double reach) {
+            auto* asked = window_.findChild<SiteDialog*>();
+            ASSERT_NE(asked, nullptr) << window_.error_line();
+            asked->findChild<QComboBox*>("site")->setCurrentIndex(site);
+            if (reach > 0.0)
+                asked->findChild<QDoubleSpinBox*>("reach")->setValue(reach);
+            asked->accept();
+            test_support::wait_until_idle(window_);
+            QCoreApplication::sendPostedEvents(nullptr, QEvent::DeferredDelete);
+            QApplication::setActiveWindow(&window_);
+        };
+        press(Qt::Key_3);
+        press(Qt::Key_T);
+        accept(1, 9.0);
+        const planner::TargetSpec site = window_.model()->approach(0).target;
+        EXPECT_EQ(site.label, "target");
+        EXPECT_EQ(site.site, "clamp site");
+        EXPECT_EQ(site.radius_mm, 9.0);
+        EXPECT_NEAR((site.centre - Vec3(0.0, 50.0, 0.0)).norm(), 0.0, 1e-9) << "where the slices meet";
+        EXPECT_NE(file_text().find("\"clamp site\""), std::string::npos);
+        press(Qt::Key_Z, Qt::ControlModifier);
+        EXPECT_FALSE(window_.model()->approach(0).target.is_site());
+        press(Qt::Key_3);
+        test_support::wait_until_idle(window_);
+        press(Qt::Key_T);
+        accept(static_cast<int>(std::size(planner::kSites)), 0.0);
+        EXPECT_EQ(window_.model()->approach(0).target.label, "target") << "the whole";
+        EXPECT_FALSE(window_.model()->approach(0).target.is_site());
     }
 
 } // namespace approach_editor_test

@@ -1,0 +1,138 @@
+#include "planner/plan/saved/saved_plan.h"
+
+#include "mesh/base/atomic_file.h"
+#include "mesh/base/error.h"
+#include "planner/case/approach_file.h"
+#include "planner/case/case_io.h"
+#include "planner/measures/provenance.h"
+#include "planner/plan/saved/metrics_archive.h"
+
+#include <cereal/archives/portable_binary.hpp>
+
+#include <boost/crc.hpp>
+
+#include <chrono>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+namespace retractor::planner {
+
+namespace {
+
+    namespace fs = std::filesystem;
+
+    // A change of what is stored, or of how plans are made, needs another mark.
+    constexpr std::string_view kMark = "retractor plan 1\n";
+
+    constexpr std::string_view kProgram = "retractor " RETRACTOR_VERSION;
+
+    std::uint32_t crc(std::string_view bytes)
+    {
+        boost::crc_32_type sum;
+        sum.process_bytes(bytes.data(), bytes.size());
+        return sum.checksum();
+    }
+
+    /// What a plan's pictures, tables and reports are made from.
+    template <class Archive, class Field> void archive_field(Archive& archive, Field& field)
+    {
+        archive(field.status, field.message, field.approach, field.contact_was_lost, field.wall, field.hooks,
+            field.opening.displacement, field.opening.strain, field.geometry, field.best_eye, field.remaining_wall,
+            field.metrics);
+    }
+
+    std::string content_of(const fs::path& file)
+    {
+        std::ifstream in(file, std::ios::binary);
+        std::string content(std::istreambuf_iterator<char>(in), {});
+        if (in.bad() || !in.is_open())
+            throw IoError("cannot be read", file.string());
+        return content;
+    }
+
+    /// Checks the mark and the sum, and leaves what was archived.
+    void strip_header(std::string& content, const fs::path& file)
+    {
+        constexpr std::size_t kHeader = kMark.size() + sizeof(std::uint32_t);
+        std::uint32_t sum = 0;
+        if (content.size() >= kHeader)
+            std::memcpy(&sum, content.data() + kMark.size(), sizeof sum);
+        if (content.size() < kHeader || crc(std::string_view(content).substr(kHeader)) != sum)
+            throw InputError("this saved plan is damaged: plan the approach again", file.string());
+        content.erase(0, kHeader);
+    }
+
+} // namespace
+
+fs::path plan_file(const fs::path& case_file, std::string_view approach)
+{
+    return approach_file(case_file, "plans", approach, ".plan");
+}
+
+std::string plan_inputs(const Case& planned_case, std::string_view approach)
+{
+    Case alone = planned_case;
+    alone.approaches = { find_approach(planned_case, approach) };
+    alone.patient.reset();
+    alone.views = Case {}.views;
+    alone.sizing = {};
+    const SizingSpec& sizing = alone.approaches.front().sizing;
+    // Once through a file, as the case is when it is read again: reading makes directions unit vectors.
+    const std::string text = case_to_json(case_from_json(case_to_json(alone), alone.folder));
+    return text + "mesh seed " + std::to_string(sizing.mesh_seed) + ", coarse beyond "
+        + std::to_string(sizing.coarse_beyond_mm) + "\n" + std::string(kProgram) + "\n";
+}
+
+void save_plan(const Case& planned_case, const PlannedField& field)
+{
+    const std::string& name = field.approach.name;
+    std::ostringstream archived(std::ios::binary);
+    {
+        cereal::PortableBinaryOutputArchive archive(archived);
+        archive(plan_inputs(planned_case, name),
+            provenance_of(planned_case, std::string(kProgram), std::chrono::system_clock::now()).date);
+        archive_field(archive, field);
+    }
+    const std::string bytes = archived.str();
+    const std::uint32_t sum = crc(bytes);
+    std::string content(kMark);
+    content.append(reinterpret_cast<const char*>(&sum), sizeof sum);
+    content += bytes;
+    const fs::path file = plan_file(planned_case.file(), name);
+    std::error_code code;
+    fs::create_directories(file.parent_path(), code);
+    if (code)
+        throw IoError("cannot be made: " + code.message(), file.parent_path().string());
+    write_file_atomically(file, content);
+}
+
+std::optional<SavedPlan> read_saved_plan(const Case& planned_case, std::string_view approach)
+{
+    const fs::path file = plan_file(planned_case.file(), approach);
+    std::error_code code;
+    if (!fs::exists(file, code))
+        return std::nullopt;
+    std::string content = content_of(file);
+    if (!content.starts_with(kMark) && content.starts_with("retractor plan "))
+        return std::nullopt; // by another version
+    strip_header(content, file);
+    std::istringstream archived(std::move(content), std::ios::binary);
+    try {
+        cereal::PortableBinaryInputArchive archive(archived);
+        std::string inputs;
+        SavedPlan saved;
+        archive(inputs, saved.date);
+        if (inputs != plan_inputs(planned_case, approach))
+            return std::nullopt;
+        archive_field(archive, saved.field);
+        return saved;
+    } catch (const cereal::Exception& exception) {
+        throw InputError(std::string("this saved plan is damaged (") + exception.what() + "): plan the approach again",
+            file.string());
+    }
+}
+
+} // namespace retractor::planner

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <climits>
 #include <cmath>
 #include <cstddef>
 #include <functional>
@@ -27,12 +28,37 @@ namespace {
     /// clavicle smaller than a rib without a number.
     constexpr double kLeastLostMl = 2.5, kLeastUnnumberedMl = 6.0;
 
+    /// A part of a grid: first and last voxel along each axis.
+    struct VoxelBox {
+        std::array<int, 3> first { INT_MAX, INT_MAX, INT_MAX }, last { -1, -1, -1 };
+
+        void take(int i, int j, int k)
+        {
+            const std::array at { i, j, k };
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                first[axis] = std::min(first[axis], at[axis]);
+                last[axis] = std::max(last[axis], at[axis]);
+            }
+        }
+        std::size_t offset(const std::array<int, 3>& at) const
+        {
+            std::size_t offset = 0;
+            for (std::size_t axis = 3; axis-- > 0;)
+                offset = offset * static_cast<std::size_t>(last[axis] - first[axis] + 1)
+                    + static_cast<std::size_t>(at[axis] - first[axis]);
+            return offset;
+        }
+    };
+
     /// Ways inside one label, voxel by voxel.
     class Walk {
     public:
-        explicit Walk(const mesh::LabelVolume& labels)
+        /// @param box that holds all voxels of the label
+        Walk(const mesh::LabelVolume& labels, Label label, const VoxelBox& box)
             : labels_(labels)
-            , way_(labels.voxels.size(), kUnseen)
+            , label_(label)
+            , box_(box)
+            , way_(box.offset(box.last) + 1, kUnseen)
         {
             for (int k = -1; k <= 1; ++k)
                 for (int j = -1; j <= 1; ++j)
@@ -40,43 +66,47 @@ namespace {
                         if (i != 0 || j != 0 || k != 0)
                             steps_.push_back({ { i, j, k }, Vec3(i, j, k).cwiseProduct(labels.grid.spacing).norm() });
         }
-        bool seen(std::size_t voxel) const { return way_[voxel] != kUnseen; }
+        bool is_new(const std::array<int, 3>& voxel) const
+        {
+            return has_label(voxel) && way_[box_.offset(voxel)] == kUnseen;
+        }
 
         struct Reached {
             std::vector<std::array<int, 3>> voxels;
             std::array<int, 3> farthest {};
             double farthest_mm = 0.0;
         };
-        /// All voxels of the label that hang together with the first, by Dijkstra's algorithm.
+        /// All voxels of the label that hang together with the first, by Dijkstra's algorithm. A cancelled job ends
+        /// early.
         /// @param again the piece was walked before
-        Reached from(const std::array<int, 3>& first, const std::vector<std::array<int, 3>>& again = {})
+        Reached from(const std::array<int, 3>& first, const Job& job, const std::vector<std::array<int, 3>>& again = {})
         {
-            const mesh::ImageGrid& grid = labels_.grid;
-            for (const auto& [i, j, k] : again)
-                way_[grid.offset(i, j, k)] = kUnseen;
-            const Label label = labels_.voxels[grid.offset(first[0], first[1], first[2])];
+            for (const std::array<int, 3>& voxel : again)
+                way_[box_.offset(voxel)] = kUnseen;
             using Entry = std::pair<float, std::array<int, 3>>;
             std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-            way_[grid.offset(first[0], first[1], first[2])] = 0.0F;
+            way_[box_.offset(first)] = 0.0F;
             open.push({ 0.0F, first });
             Reached reached;
             while (!open.empty()) {
                 const auto [way, at] = open.top();
                 open.pop();
-                if (way > way_[grid.offset(at[0], at[1], at[2])])
+                if (way > way_[box_.offset(at)])
                     continue;
+                if (reached.voxels.size() % 65536 == 0 && job.cancelled())
+                    break;
                 reached.voxels.push_back(at);
                 reached.farthest = at;
                 reached.farthest_mm = way;
                 for (const auto& [step, length] : steps_) {
                     const std::array next { at[0] + step[0], at[1] + step[1], at[2] + step[2] };
-                    if (!grid.contains(next[0], next[1], next[2]))
+                    if (!has_label(next))
                         continue;
-                    const std::size_t voxel = grid.offset(next[0], next[1], next[2]);
+                    float& known = way_[box_.offset(next)];
                     const float there = way + static_cast<float>(length);
-                    if (labels_.voxels[voxel] != label || (way_[voxel] != kUnseen && way_[voxel] <= there))
+                    if (known != kUnseen && known <= there)
                         continue;
-                    way_[voxel] = there;
+                    known = there;
                     open.push({ there, next });
                 }
             }
@@ -89,16 +119,25 @@ namespace {
             std::array<int, 3> by;
             double length = 0.0;
         };
+        bool has_label(const std::array<int, 3>& voxel) const
+        {
+            const mesh::ImageGrid& grid = labels_.grid;
+            return grid.contains(voxel[0], voxel[1], voxel[2])
+                && labels_.voxels[grid.offset(voxel[0], voxel[1], voxel[2])] == label_;
+        }
+
         const mesh::LabelVolume& labels_;
+        Label label_ = 0;
+        VoxelBox box_;
         std::vector<float> way_;
         std::vector<Step> steps_;
     };
 
-    BonePiece measured(Walk& walk, const mesh::LabelVolume& labels, const std::array<int, 3>& first)
+    BonePiece measured(Walk& walk, const mesh::LabelVolume& labels, const std::array<int, 3>& first, const Job& job)
     {
         const mesh::ImageGrid& grid = labels.grid;
-        const Walk::Reached whole = walk.from(first);
-        const Walk::Reached along = walk.from(whole.farthest, whole.voxels);
+        const Walk::Reached whole = walk.from(first, job);
+        const Walk::Reached along = walk.from(whole.farthest, job, whole.voxels);
         BonePiece piece { .label = labels.voxels[grid.offset(first[0], first[1], first[2])] };
         piece.volume_ml = 1e-3 * static_cast<double>(whole.voxels.size()) * grid.voxel_volume();
         piece.length_mm = along.farthest_mm;
@@ -137,7 +176,7 @@ namespace {
     /// What the rib's length is short of; empty: nothing.
     std::string short_of(const Ribs& ribs, const RibName& rib)
     {
-        constexpr int kFirstLong = 2, kLastLong = 10; // ribs 1, 11 and 12 are short by nature
+        constexpr int kShortFromAbove = 2, kShortFromBelow = 10; // ribs 1, 2 and 10 to 12 are shorter than the next
         const double length = length_of(ribs, rib);
         if (length == 0.0)
             return {};
@@ -147,7 +186,7 @@ namespace {
                 + in_words(mirrored) + " mm";
         const double above = length_of(ribs, { rib.left, rib.number - 1 }),
                      below = length_of(ribs, { rib.left, rib.number + 1 });
-        if (rib.number <= kFirstLong || rib.number >= kLastLong || above == 0.0 || below == 0.0
+        if (rib.number <= kShortFromAbove || rib.number >= kShortFromBelow || above == 0.0 || below == 0.0
             || length >= kShorterThanNeighbours * std::min(above, below))
             return {};
         return rib_in_words(rib) + " is " + in_words(length) + " mm long, and its neighbours " + in_words(above)
@@ -173,16 +212,22 @@ double BonePiece::thickness_mm() const
 
 std::vector<BonePiece> bone_pieces(const mesh::LabelVolume& labels, const mesh::LabelFlags& flags, const Job& job)
 {
-    Walk walk(labels);
+    std::map<Label, VoxelBox> boxes;
+    mesh::visit_voxels(labels, [&](int i, int j, int k, Label label) {
+        if (flags[label] != 0)
+            boxes[label].take(i, j, k);
+    });
     std::vector<BonePiece> pieces;
-    std::size_t voxel = 0;
-    for (int k = 0; k < labels.grid.size[2]; ++k) {
-        if (job.cancelled())
-            return {};
-        for (int j = 0; j < labels.grid.size[1]; ++j)
-            for (int i = 0; i < labels.grid.size[0]; ++i, ++voxel)
-                if (flags[labels.voxels[voxel]] != 0 && !walk.seen(voxel))
-                    pieces.push_back(measured(walk, labels, { i, j, k }));
+    for (const auto& [label, box] : boxes) {
+        Walk walk(labels, label, box);
+        for (int k = box.first[2]; k <= box.last[2]; ++k)
+            for (int j = box.first[1]; j <= box.last[1]; ++j)
+                for (int i = box.first[0]; i <= box.last[0]; ++i) {
+                    if (job.cancelled())
+                        return {};
+                    if (walk.is_new({ i, j, k }))
+                        pieces.push_back(measured(walk, labels, { i, j, k }, job));
+                }
     }
     std::stable_sort(pieces.begin(), pieces.end(), [](const BonePiece& a, const BonePiece& b) {
         return a.label != b.label ? a.label < b.label : a.volume_ml > b.volume_ml;
@@ -208,9 +253,8 @@ std::vector<std::string> rib_doubts(const mesh::LabelVolume& labels, const Job& 
     for (const auto& [name, pieces] : ribs) {
         for (std::size_t n = 1; n < pieces.size(); ++n)
             if (pieces[n].volume_ml >= kLeastPieceMl)
-                doubts.push_back(rib_in_words(name) + " is in pieces: " + in_words(pieces[n].volume_ml, 1) + " ml lie "
-                    + in_words(gap_between(pieces.front(), pieces[n])) + " mm from the other "
-                    + in_words(pieces.front().volume_ml, 1) + " ml");
+                doubts.push_back(rib_in_words(name) + " is in pieces: " + in_words(pieces[n].volume_ml, 1)
+                    + " ml lie apart from the other " + in_words(pieces.front().volume_ml, 1) + " ml");
         if (const std::string words = short_of(ribs, name); !words.empty())
             doubts.push_back(words + ": it may be cut in two");
     }

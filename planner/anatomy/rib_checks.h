@@ -26,8 +26,8 @@ struct BonePiece {
 /// @param flags one per label id; @returns nothing when the job was cancelled
 std::vector<BonePiece> bone_pieces(const mesh::LabelVolume& labels, const mesh::LabelFlags& flags, const Job& job = {});
 
-/// Doubts about the ribs, one sentence each: "rib 8, right, is 118 mm long, and rib 8, left, 205 mm: it may be cut in
-/// two". Empty: none, or there are no ribs.
+/// Doubts about the ribs, one sentence each: "rib 8 on the right is 118 mm long, and rib 8 on the left 205 mm: it may
+/// be cut in two". Empty: none, or there are no ribs.
 std::vector<std::string> rib_doubts(const mesh::LabelVolume& labels, const Job& job = {});
 
 } // namespace retractor::planner

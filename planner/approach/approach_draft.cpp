@@ -153,6 +153,15 @@ Approach with_incision_through(Patient& patient, const Approach& approach, const
     return moved;
 }
 
+Approach with_target(Approach approach, TargetSpec target)
+{
+    if (const std::size_t at = approach.rationale.find(kTargetWords); at != std::string::npos)
+        approach.rationale.erase(at, approach.rationale.find('.', at) - at + 1);
+    std::erase(approach.retracted, target.label);
+    approach.target = std::move(target);
+    return approach;
+}
+
 std::vector<Vec3> incision_handles(const Approach& approach, double spacing_mm)
 {
     const double length = incision_length(approach);

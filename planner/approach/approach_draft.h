@@ -49,6 +49,10 @@ Approach opened_by(Approach approach, const OpenedBy& opening);
 /// placed by a template
 Approach with_incision_through(Patient& patient, const Approach& approach, const std::vector<Vec3>& points);
 
+/// The same approach with another target. An organ that is operated on is not held aside, and what the rationale says
+/// of the old target goes.
+Approach with_target(Approach approach, TargetSpec target);
+
 /// A few points of the incision, by which it can be moved: its ends, and points about `spacing_mm` apart between them.
 std::vector<Vec3> incision_handles(const Approach& approach, double spacing_mm = 25.0);
 

@@ -544,7 +544,7 @@ namespace {
         for (const Vec3& point : approach.incision)
             nearest = std::min(nearest, (point - target).norm());
         approach.rationale
-            += " The target's centre lies " + in_words(nearest) + " mm from the nearest point of the incision.";
+            += std::string(kTargetWords) + in_words(nearest) + " mm from the nearest point of the incision.";
     }
 
 } // namespace

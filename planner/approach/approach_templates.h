@@ -19,6 +19,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace retractor::planner {
@@ -33,6 +34,9 @@ struct ApproachRequest {
     SizingSpec sizing;
     ViewSpec view;
 };
+
+/// Begin of the sentence of a rationale that speaks of the target; it ends with the next full stop.
+inline constexpr std::string_view kTargetWords = " The target's centre lies ";
 
 /// The organs that stand in front of the target and are held aside: lungs of the given sides, the fat of the
 /// mediastinum, and the pericardium. Lungs may be one label per lung or per lobe ("lung_upper_lobe_left").
@@ -50,9 +54,9 @@ struct PointsApproach {
     std::vector<double> moved_mm; ///< distance of each given point from the skin
 };
 
-/// Makes an incision through the given points, which are moved onto the skin. The blade goes in square to the skin. Where
-/// the skin bends so sharply that the blade would fold over itself, its directions are turned towards their mean, as far
-/// as needed and by at most 35 degrees.
+/// Makes an incision through the given points, which are moved onto the skin. The blade goes in square to the skin.
+/// Where the skin bends so sharply that the blade would fold over itself, its directions are turned towards their mean,
+/// as far as needed and by at most 35 degrees.
 /// @param depth_mm depth of the blade; 0: through the wall, as measured
 /// @throws InputError when a point is more than `reach_mm` from the skin, or when no cavity lies behind the wall and no
 /// depth is given

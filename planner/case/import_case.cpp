@@ -265,9 +265,9 @@ namespace {
     void check_plausibility(
         const mesh::Volume& ct, const mesh::LabelVolume& labels, bool insisted, ImportedCase& imported)
     {
-        constexpr std::size_t kEnoughVoxels = 100;
+        constexpr std::size_t kEnoughVoxels = 100, kEnoughLabels = 3;
         constexpr double kMuchOutside = 0.05, kMost = 0.5;
-        const std::string kInsist = "; if they are right, import them as labels that are accepted although implausible";
+        const std::string kInsist = "; if they are of this CT, insist on them";
         const std::vector<LabelValues> values = values_of_labels(ct, labels);
         std::vector<std::string> odd;
         std::size_t inside = 0, outside = 0, known = 0;
@@ -283,11 +283,11 @@ namespace {
         if (share > kMost && !insisted)
             throw InputError("these labels belong to other images: " + in_words(100.0 * share)
                     + " % of their voxels lie outside the CT" + kInsist,
-                "labels", { "accept_implausible" });
-        if (static_cast<double>(odd.size()) > kMost * static_cast<double>(known) && !insisted)
+                "labels", { "accept_labels" });
+        if (known >= kEnoughLabels && static_cast<double>(odd.size()) > kMost * static_cast<double>(known) && !insisted)
             throw InputError("these labels belong to another patient or to other images: " + std::to_string(odd.size())
                     + " of " + std::to_string(known) + " are not what the CT shows: " + first_names(odd) + kInsist,
-                "labels", { "accept_implausible" });
+                "labels", { "accept_labels" });
         if (!odd.empty())
             imported.warnings.push_back(
                 "the CT does not show what these labels say; are both of the same images? " + first_names(odd));
@@ -330,7 +330,7 @@ namespace {
             imported.warnings.push_back("no label has the role wall (bones alone are none): the case can be looked at, "
                                         "but no approach can be planned through it");
         if (imported.ct != nullptr)
-            check_plausibility(*imported.ct, labels, request.accept_implausible, imported);
+            check_plausibility(*imported.ct, labels, request.accept_labels, imported);
         withhold_identity(request, imported);
         imported.labels = std::make_shared<const mesh::LabelVolume>(std::move(labels));
     }

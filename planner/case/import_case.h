@@ -28,6 +28,8 @@ struct ImportRequest {
     bool autosegment = false; ///< segment the CT; given labels count as the correct parts of the segmentation
     double autosegment_spacing_mm = datasets::AutosegmentOptions {}.spacing_mm;
     bool with_identity = false; ///< keep the patient's name and id in the case file
+    /// Warns of labels that the CT contradicts instead of refusing them.
+    bool accept_labels = false;
     /// Warns about an image of an implausible extent instead of refusing it. The case then accepts implausible numbers
     /// (Case::accept_implausible).
     bool accept_implausible = false;

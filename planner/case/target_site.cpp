@@ -89,11 +89,15 @@ TriMesh site_surface(const TriMesh& organ, const TargetSpec& site)
 void check_site(const mesh::LabelVolume& labels, const TargetSpec& site)
 {
     const Label organ = mesh::label_named(labels.table, site.label).id;
-    bool found = false;
-    visit_round(labels, site.centre, site.radius_mm, [&](double, Label label) { found = found || label == organ; });
-    if (!found)
-        throw InputError("the " + site.site + " reaches " + in_words(site.radius_mm) + " mm, and there is no \""
-                + site.label + "\" within: choose a place on it",
+    // A radius that holds a voxel of the organ and one of something else holds a piece of the surface.
+    bool inside = false, outside = false;
+    visit_round(labels, site.centre, site.radius_mm, [&](double, Label label) {
+        inside = inside || label == organ;
+        outside = outside || label != organ;
+    });
+    if (!inside || !outside)
+        throw InputError("the " + site.site + " reaches " + in_words(site.radius_mm) + " mm, and the surface of \""
+                + site.label + "\" is farther away: choose a place nearer to it, or let the site reach farther",
             "target", { "target" });
 }
 
@@ -101,19 +105,24 @@ TargetSpec site_at(const mesh::LabelVolume& labels, const Vec3& place)
 {
     constexpr double kFarthestMm = 60.0; // half the width of any vessel, and of a heart
     constexpr double kRoundMm = 3.0; // beyond the surface, so that the site is a patch and not a point
-    const mesh::LabelFlags is_organ
-        = mesh::flagged_labels(labels.table, [](const mesh::LabelInfo& info) { return info.role != mesh::Role::wall; });
-    Label organ = mesh::label_at(labels, place);
-    if (!is_organ[organ]) {
-        organ = 0;
-        double nearest = kSiteMm;
+    const auto nearest_of = [&](const mesh::LabelFlags& wanted) {
+        Label found = mesh::label_at(labels, place);
+        double nearest = wanted[found] != 0 ? 0.0 : kSiteMm;
+        found = wanted[found] != 0 ? found : Label { 0 };
         visit_round(labels, place, kSiteMm, [&](double distance, Label label) {
-            if (is_organ[label] && distance < nearest) {
+            if (wanted[label] != 0 && distance < nearest) {
                 nearest = distance;
-                organ = label;
+                found = label;
             }
         });
-    }
+        return found;
+    };
+    Label organ = nearest_of(mesh::flagged_labels(labels.table, [](const mesh::LabelInfo& info) {
+        return info.role == mesh::Role::target || info.role == mesh::Role::at_risk;
+    }));
+    if (organ == 0)
+        organ = nearest_of(mesh::flagged_labels(labels.table,
+            [](const mesh::LabelInfo& info) { return info.role == mesh::Role::voxel && info.material != "bone"; }));
     const mesh::LabelInfo* info = organ == 0 ? nullptr : mesh::find_label(labels.table, organ);
     if (info == nullptr)
         throw InputError("there is no organ or vessel here: choose a place on one", "target", { "target" });

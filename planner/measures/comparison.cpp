@@ -86,8 +86,17 @@ std::vector<ComparedMeasure> compared_measures(const std::vector<FieldMetrics>& 
 
 bool have_one_target(const std::vector<FieldMetrics>& fields)
 {
-    return std::all_of(
-        fields.begin(), fields.end(), [&](const FieldMetrics& field) { return field.target == fields.front().target; });
+    return std::all_of(fields.begin(), fields.end(), [&](const FieldMetrics& field) {
+        const TargetSpec &one = field.target_spec, &first = fields.front().target_spec;
+        return field.target == fields.front().target && one.label == first.label && one.site == first.site
+            && one.centre == first.centre && one.radius_mm == first.radius_mm;
+    });
+}
+
+std::string compared_letter(std::size_t n)
+{
+    constexpr std::size_t kLetters = 26;
+    return std::string(1, static_cast<char>('A' + n % kLetters));
 }
 
 } // namespace retractor::planner

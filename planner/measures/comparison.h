@@ -6,6 +6,8 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace retractor::planner {
@@ -40,7 +42,14 @@ struct ComparedMeasure {
 /// targets none leads in what is seen.
 std::vector<ComparedMeasure> compared_measures(const std::vector<FieldMetrics>& fields);
 
-/// Whether all fields have the same target.
+/// Whether all fields have the same target, at the same place.
 bool have_one_target(const std::vector<FieldMetrics>& fields);
+
+/// The sentence for people where they do not.
+inline constexpr std::string_view kDifferentTargets
+    = "The approaches have different targets, so what is seen of them is not compared.";
+
+/// Letter of the n-th field, the same in pictures and tables: "A", "B".
+std::string compared_letter(std::size_t n);
 
 } // namespace retractor::planner

@@ -353,7 +353,8 @@ struct ShiftedSight {
 
 struct FieldMetrics {
     std::string name; ///< name of the approach
-    std::string target;
+    std::string target; ///< target_name() of the target
+    TargetSpec target_spec {}; ///< the target, as the approach gives it
 
     // Shares of the largest area that the wall's removal would show to an eye, at less than 60 degrees of incidence.
     double seen_best_eye = 0.0; ///< from the best place of the eye

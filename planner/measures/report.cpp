@@ -118,7 +118,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << " of its width. Leads in these shares are compared with this bar or that of the best eye, whichever is "
                "larger.";
         if (!have_one_target(fields))
-            out << " The approaches have different targets, so what is seen of them is not compared.";
+            out << " " << kDifferentTargets;
         out << "</p>";
     }
 

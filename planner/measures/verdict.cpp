@@ -134,8 +134,8 @@ namespace {
                 say(said, Light::caution,
                     "The " + readable(risk.from) + " lies against the " + readable(risk.name) + ".");
         for (const std::string& estimated : field.estimated)
-            if (estimated == field.target || field.target.ends_with(" on " + estimated))
-                say(said, Light::caution, "The " + readable(field.target) + " is only estimated.");
+            if (estimated == field.target_spec.label)
+                say(said, Light::caution, "The " + readable(estimated) + " is only estimated.");
     }
 
 } // namespace

@@ -52,6 +52,8 @@ namespace {
             check_range(*request.poissons_ratio, 0.0, 0.495, "Poisson's ratio", "poissons_ratio");
         for (const StiffPlace& place : request.stiff) {
             check_range(place.youngs_modulus_MPa, 1e-4, 1e4, "Young's modulus of a stiff place (MPa)", "stiff");
+            if (place.where.is_site())
+                throw InputError("a stiff place is a label or a ball, not a site on a label", "stiff", { "stiff" });
             if (!place.where.is_sphere())
                 label_of(labels, place.where.label, "stiff");
             else if (!(place.where.centre.allFinite() && place.where.radius_mm > 0.0))

@@ -292,7 +292,7 @@ namespace {
             if (is_estimated(planned_case, name) && std::find(names.begin(), names.end(), name) == names.end())
                 names.push_back(name);
         };
-        add(m.target);
+        add(m.target_spec.label);
         for (const SightBlocker& blocker : m.best_eye.hidden_by)
             add(blocker.name);
         for (const RiskDistance& risk : m.at_risk)
@@ -305,6 +305,7 @@ namespace {
         FieldMetrics& m = field.metrics;
         m.name = field.approach.name;
         m.target = target_name(field.approach.target);
+        m.target_spec = field.approach.target;
         fill_best_eye(m, field, patient.frame(), patient.planned_case().label_table);
         fill_sight(m, field.exposure, patient.planned_case().label_table);
         m.at_risk = risks_of(field.approach, patient);

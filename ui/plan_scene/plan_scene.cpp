@@ -138,9 +138,9 @@ namespace {
         const auto bar
             = [&](double value) { return bars ? "± " + number(value, value < 9.95 ? 1 : 0, "") : std::string(); };
         std::vector<LegendLine> lines;
-        const bool is_estimated = std::any_of(m.estimated.begin(), m.estimated.end(),
-            [&](const std::string& label) { return label == m.target || m.target.ends_with(" on " + label); });
-        lines.push_back({ "target: " + m.target + (is_estimated ? " (estimated)" : ""),
+        const bool is_estimated
+            = std::find(m.estimated.begin(), m.estimated.end(), m.target_spec.label) != m.estimated.end();
+        lines.push_back({ "target: " + readable(m.target) + (is_estimated ? " (estimated)" : ""),
             number(100.0 * m.seen_best_eye, 0,
                 bar(bars ? 100.0 * m.error->seen_best_eye : 0.0) + "% seen by the best eye"),
             target_color() });

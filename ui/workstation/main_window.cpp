@@ -159,7 +159,7 @@ void MainWindow::make_panes()
     view_->on_drawing_error = [this] { show_error({ view_->drawing_errors(), "drawing" }); };
     view_->on_slice_point = [this](const Vec3& point) { move_slices(point); };
     view_->on_full_picture = [this](const QImage& picture) {
-        if (!remembers_ || !model_ || shows_slices(model_->view()) || pictured_ == model_->planned_case().file())
+        if (!remembers_ || !model_ || !is_drawn_on(model_->shown_view()) || pictured_ == model_->planned_case().file())
             return;
         pictured_ = model_->planned_case().file();
         keep_case_picture(pictured_, picture);
@@ -507,7 +507,8 @@ void MainWindow::open_as_read(planner::Case planned_case, std::optional<std::fil
     ++generation_;
     closed_running_ = 0;
     plans_running_ = 0;
-    const ViewPreset view = model_ ? model_->view() : ViewPreset::surgeon;
+    const ViewPreset before = model_ ? model_->view() : ViewPreset::surgeon;
+    const ViewPreset view = before == ViewPreset::compare ? ViewPreset::surgeon : before;
     backend_ = factory_(planned_case);
     const std::size_t grey_window = model_ ? model_->grey_window() : 0;
     editor_->set_case(nullptr, {});
@@ -663,7 +664,7 @@ void MainWindow::select(const std::string& approach)
 
 void MainWindow::set_view(ViewPreset view)
 {
-    if (!model_ || !model_->view_available(view) || (editor_->drawing() && shows_slices(view)))
+    if (!model_ || !model_->view_available(view) || (editor_->drawing() && !is_drawn_on(view)))
         return;
     model_->set_view(view);
     show_all();
@@ -849,12 +850,13 @@ void MainWindow::show_actions()
     for (const auto& [action, view] : { std::pair { surgeon_, ViewPreset::surgeon },
              std::pair { overview_, ViewPreset::overview }, std::pair { slices_, ViewPreset::slices },
              std::pair { incision_, ViewPreset::incision }, std::pair { compare_, ViewPreset::compare } }) {
-        action->setEnabled(model_ && model_->view_available(view) && !(editor_->drawing() && shows_slices(view)));
+        action->setEnabled(model_ && model_->view_available(view) && !(editor_->drawing() && !is_drawn_on(view)));
         action->setChecked(model_ && model_->shown_view() == view);
     }
     grey_windows_->setEnabled(slices_->isEnabled());
     grey_windows_->actions().at(static_cast<int>(model_ ? model_->grey_window() : 0))->setChecked(true);
-    opened_->setEnabled(any && state->field != nullptr && !editor_->drawing());
+    const bool compares = model_ && model_->shown_view() == ViewPreset::compare;
+    opened_->setEnabled(any && state->field != nullptr && !editor_->drawing() && !compares);
     opened_->setChecked(opened_->isEnabled() && model_->show_opened());
     plan_->setEnabled(any && (state->status == FieldStatus::closed || state->status == FieldStatus::failed));
     plan_all_->setEnabled(any);
@@ -862,7 +864,7 @@ void MainWindow::show_actions()
     close_case_->setEnabled(model_ != nullptr);
     palpate_->setEnabled(model_ != nullptr && static_cast<bool>(on_palpable));
     new_approach_->setEnabled(model_ != nullptr);
-    measure_->setEnabled(model_ && shown_.pictures != nullptr && !knife_tab_open() && !editor_->drawing());
+    measure_->setEnabled(model_ && shown_.pictures != nullptr && !knife_tab_open() && !editor_->drawing() && !compares);
     measure_->setChecked(measuring_);
     draw_->setEnabled(editor_->draw_possible());
     draw_->setChecked(editor_->drawing() && !editor_->moving());

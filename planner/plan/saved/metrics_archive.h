@@ -56,7 +56,7 @@ RETRACTOR_ARCHIVE(TetMesh, vertices, nodes_per_tet, nodes, labels)
 namespace retractor::fem {
 RETRACTOR_ARCHIVE(PreStrain, kind, strain, pull, normal, across)
 RETRACTOR_ARCHIVE(HookPatch, name, side, nodes, displacement, rotation, pivot)
-}
+} // namespace retractor::fem
 
 namespace retractor::planner {
 RETRACTOR_ARCHIVE(AccuracyGoal, force, opening_mm, time_s)
@@ -125,7 +125,7 @@ RETRACTOR_ARCHIVE(LipDeviation, side, largest_mm, mean_mm, at_mm, from_mm, to_mm
 RETRACTOR_ARCHIVE(UninjuredOpening, message, opening_mm, bone, utilisation, hook_force_N, solves, seconds)
 RETRACTOR_ARCHIVE(BestEye, at, aim, distance_mm, incidence_deg, bound_area_mm2, hidden_by)
 RETRACTOR_ARCHIVE(ShiftedSight, shift_mm, seen_best_eye)
-RETRACTOR_ARCHIVE(FieldMetrics, name, target, seen_best_eye, seen_two_eyes, reached_by_two_instruments,
+RETRACTOR_ARCHIVE(FieldMetrics, name, target, target_spec, seen_best_eye, seen_two_eyes, reached_by_two_instruments,
     best_eye_picture, best_eye_pixels, best_eye, access_horizontal_deg, access_vertical_deg, coaxiality_deg,
     visible_fraction, visible_fraction_mean_eye, visible_fraction_central_eye, visible_fraction_wall_removed,
     eye_distance_mm, cone_half_angle_deg, eyes, target_samples, blockers, bone_in_sight, if_organs_shift, estimated,

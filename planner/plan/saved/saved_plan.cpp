@@ -11,12 +11,17 @@
 
 #include <boost/crc.hpp>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <sstream>
+#include <utility>
+#include <vector>
 
 namespace retractor::planner {
 
@@ -25,7 +30,8 @@ namespace {
     namespace fs = std::filesystem;
 
     // A change of what is stored, or of how plans are made, needs another mark.
-    constexpr std::string_view kMark = "retractor plan 1\n";
+    constexpr std::string_view kMark = "retractor plan 2\n";
+    constexpr std::string_view kEnding = ".plan";
 
     constexpr std::string_view kProgram = "retractor " RETRACTOR_VERSION;
 
@@ -34,6 +40,33 @@ namespace {
         boost::crc_32_type sum;
         sum.process_bytes(bytes.data(), bytes.size());
         return sum.checksum();
+    }
+
+    std::string hexadecimal(std::uint32_t number)
+    {
+        std::array<char, 9> text {};
+        std::snprintf(text.data(), text.size(), "%08x", static_cast<unsigned>(number));
+        return text.data();
+    }
+
+    /// Removes the oldest plans of the approach whose plan was just written. A plan that cannot be removed stays.
+    void remove_oldest(const fs::path& written)
+    {
+        constexpr std::size_t kSum = 8;
+        const std::string name = written.filename().string();
+        const std::string begin = name.substr(0, name.size() - kEnding.size() - kSum);
+        const auto is_of_it = [&](const std::string& other) {
+            return other.size() == name.size() && other.starts_with(begin) && other.ends_with(kEnding)
+                && other.find_first_not_of("0123456789abcdef", begin.size()) == begin.size() + kSum;
+        };
+        std::error_code code;
+        std::vector<std::pair<fs::file_time_type, fs::path>> plans;
+        for (const fs::directory_entry& entry : fs::directory_iterator(written.parent_path(), code))
+            if (is_of_it(entry.path().filename().string()))
+                plans.emplace_back(entry.last_write_time(code), entry.path());
+        std::sort(plans.rbegin(), plans.rend());
+        for (std::size_t n = kKeptPlans; n < plans.size(); ++n)
+            fs::remove(plans[n].second, code);
     }
 
     /// What a plan's pictures, tables and reports are made from.
@@ -67,11 +100,6 @@ namespace {
 
 } // namespace
 
-fs::path plan_file(const fs::path& case_file, std::string_view approach)
-{
-    return approach_file(case_file, "plans", approach, ".plan");
-}
-
 std::string plan_inputs(const Case& planned_case, std::string_view approach)
 {
     Case alone = planned_case;
@@ -84,6 +112,13 @@ std::string plan_inputs(const Case& planned_case, std::string_view approach)
     const std::string text = case_to_json(case_from_json(case_to_json(alone), alone.folder));
     return text + "mesh seed " + std::to_string(sizing.mesh_seed) + ", coarse beyond "
         + std::to_string(sizing.coarse_beyond_mm) + "\n" + std::string(kProgram) + "\n";
+}
+
+fs::path plan_file(const Case& planned_case, std::string_view approach)
+{
+    const std::string inputs = plan_inputs(planned_case, approach);
+    const fs::path plain = approach_file(planned_case.file(), "plans", approach, "");
+    return plain.parent_path() / (plain.filename().string() + "-" + hexadecimal(crc(inputs)) + std::string(kEnding));
 }
 
 void save_plan(const Case& planned_case, const PlannedField& field)
@@ -101,17 +136,21 @@ void save_plan(const Case& planned_case, const PlannedField& field)
     std::string content(kMark);
     content.append(reinterpret_cast<const char*>(&sum), sizeof sum);
     content += bytes;
-    const fs::path file = plan_file(planned_case.file(), name);
+    const fs::path file = plan_file(planned_case, name);
     std::error_code code;
     fs::create_directories(file.parent_path(), code);
     if (code)
         throw IoError("cannot be made: " + code.message(), file.parent_path().string());
     write_file_atomically(file, content);
+    remove_oldest(file);
 }
 
 std::optional<SavedPlan> read_saved_plan(const Case& planned_case, std::string_view approach)
 {
-    const fs::path file = plan_file(planned_case.file(), approach);
+    const auto has_name = [&](const Approach& one) { return one.name == approach; };
+    if (std::none_of(planned_case.approaches.begin(), planned_case.approaches.end(), has_name))
+        return std::nullopt;
+    const fs::path file = plan_file(planned_case, approach);
     std::error_code code;
     if (!fs::exists(file, code))
         return std::nullopt;

@@ -111,6 +111,20 @@ namespace approach_draft_test {
         EXPECT_THROW((void)with_incision_through(patient(), spread, { handles.front() }), InputError);
     }
 
+    TEST(ApproachDraft, AnotherTargetIsNotHeldAsideAndNotSpokenOfAsTheOld)
+    {
+        Approach approach = approach_from_draft(patient(), patient().planned_case(), drawn());
+        ASSERT_NE(approach.rationale.find("The target's centre lies"), std::string::npos) << approach.rationale;
+        approach.retracted = { "cavity", "lung_left" };
+        const std::string before = approach.rationale.substr(0, approach.rationale.find(" The target's centre lies"));
+        const Approach other = with_target(
+            approach, { .label = "cavity", .centre = Vec3(0.0, 40.0, 0.0), .radius_mm = 8.0, .site = "clamp site" });
+        EXPECT_EQ(other.target.site, "clamp site");
+        EXPECT_EQ(other.retracted, std::vector<std::string> { "lung_left" });
+        EXPECT_EQ(other.rationale, before);
+        EXPECT_EQ(with_target(other, approach.target).rationale, before) << "there is nothing more to drop";
+    }
+
     TEST(SurgicalName, IsWhatSurgeonsSay)
     {
         Approach approach;

@@ -117,7 +117,8 @@ namespace target_site_test {
         EXPECT_EQ(back.metrics.seen_best_eye, 0.0);
         EXPECT_EQ(back.metrics.best_eye_picture, 0.0);
         const auto& hidden_by = back.metrics.best_eye.hidden_by;
-        EXPECT_TRUE(hidden_by.empty() || hidden_by.front().name == "target") << "by the ball itself";
+        ASSERT_FALSE(hidden_by.empty());
+        EXPECT_EQ(hidden_by.front().name, "target") << "by the ball itself";
     }
 
 } // namespace target_site_test

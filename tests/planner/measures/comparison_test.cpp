@@ -70,5 +70,21 @@ namespace comparison_test {
         EXPECT_EQ(measure(measures, "seen_best_eye").numbers[1].bar, 0.01);
     }
 
+    TEST(Comparison, SitesOfOneNameAtTwoPlacesAreTwoTargets)
+    {
+        std::vector<FieldMetrics> both { field(0.9, 0.01), field(0.1, 0.01) };
+        for (FieldMetrics& one : both) {
+            one.target = "anastomosis site on heart";
+            one.target_spec = { .label = "heart", .centre = Vec3(1.0, 2.0, 3.0), .radius_mm = 8.0, .site = "annulus" };
+        }
+        EXPECT_TRUE(have_one_target(both));
+        both.back().target_spec.centre.x() += 60.0;
+        EXPECT_FALSE(have_one_target(both));
+        EXPECT_FALSE(measure(compared_measures(both), "seen_best_eye").leader);
+        both.back().target_spec = both.front().target_spec;
+        both.back().target_spec.radius_mm = 20.0;
+        EXPECT_FALSE(have_one_target(both));
+    }
+
 } // namespace comparison_test
 } // namespace retractor::planner

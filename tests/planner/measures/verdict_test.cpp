@@ -16,6 +16,7 @@ namespace verdict_test {
     {
         FieldMetrics field;
         field.target = "left_atrium";
+        field.target_spec.label = "left_atrium";
         field.seen_best_eye = 0.337;
         field.mechanics_status = "converged";
         field.attainable = Attainable::yes;
@@ -144,6 +145,8 @@ namespace verdict_test {
         field = good_field();
         field.estimated = { "left_atrium" };
         EXPECT_EQ(verdict_of(field).light, Light::caution);
+        EXPECT_TRUE(says(verdict_of(field), "The left atrium is only estimated."));
+        field.target = "annulus on left_atrium"; // of a site, the organ is estimated
         EXPECT_TRUE(says(verdict_of(field), "The left atrium is only estimated."));
     }
 

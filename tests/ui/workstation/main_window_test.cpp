@@ -98,7 +98,7 @@ namespace main_window_test {
             ApproachList& list = window_.approach_list();
             QTest::mouseClick(list.viewport(), Qt::LeftButton, {}, list.visualItemRect(list.item(row)).center());
         }
-        void press(Qt::Key key) { QTest::keyClick(&window_, key); }
+        void press(Qt::Key key, Qt::KeyboardModifiers with = {}) { QTest::keyClick(&window_, key, with); }
         FieldStatus status(std::size_t index) const { return window_.model()->state(index).status; }
 
         std::shared_ptr<test_support::SyntheticControl> control_ = std::make_shared<test_support::SyntheticControl>();
@@ -255,8 +255,18 @@ namespace main_window_test {
         EXPECT_EQ(window_.model()->shown_view(), ViewPreset::surgeon);
         EXPECT_EQ(window_.view().scenes().size(), 1U);
         press(Qt::Key_5);
+        press(Qt::Key_D); // an incision is drawn on one picture
+        EXPECT_TRUE(window_.editor().drawing());
+        EXPECT_EQ(window_.view().scenes().size(), 1U);
+        press(Qt::Key_5);
+        EXPECT_NE(window_.model()->shown_view(), ViewPreset::compare) << "while drawing";
+        press(Qt::Key_Escape);
+        press(Qt::Key_5);
+        EXPECT_EQ(window_.model()->shown_view(), ViewPreset::compare);
         press(Qt::Key_Delete); // the comparison has one left
-        EXPECT_NE(window_.model()->shown_view(), ViewPreset::compare);
+        EXPECT_NE(window_.model()->view(), ViewPreset::compare);
+        press(Qt::Key_Z, Qt::ControlModifier);
+        EXPECT_NE(window_.model()->shown_view(), ViewPreset::compare) << "it does not come back by itself";
     }
 
     TEST_F(MainWindowTest, KeysChooseTheView)

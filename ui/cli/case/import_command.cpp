@@ -28,7 +28,8 @@ namespace {
         std::vector<std::string> labels;
         double spacing_mm = datasets::AutosegmentOptions {}.spacing_mm;
         bool autosegment = false, repair_labels = false, keep_tilt = false, with_identity = false;
-        bool list_series = false, contact_sheet = true, replace = false, accept_implausible = false;
+        bool list_series = false, contact_sheet = true, replace = false, accept_implausible = false,
+             accept_labels = false;
     };
 
     planner::ImportRequest request_of(const ImportOptions& options)
@@ -44,6 +45,7 @@ namespace {
         request.autosegment_spacing_mm = options.spacing_mm;
         request.with_identity = options.with_identity;
         request.accept_implausible = options.accept_implausible;
+        request.accept_labels = options.accept_labels;
         return request;
     }
 
@@ -297,6 +299,10 @@ void add_import_command(Commands& commands)
     command->add_flag("--accept-implausible", options->accept_implausible,
         "Import an image whose size is no patient's, and let the case hold numbers that no tissue and no operation "
         "has; each is recorded in metrics.json. Without this option, such input is refused as a slip of units");
+    command->add_flag("--accept-labels", options->accept_labels,
+        "Import labels of which most lie outside the CT, or do not show what the CT shows. Without this option they "
+        "are "
+        "refused as another patient's");
     command->add_flag(
         "!--no-contact-sheet", options->contact_sheet, "Do not draw the picture of the images beside the case file");
     command->add_option("--out", options->out,

@@ -18,6 +18,7 @@ namespace {
     /// Fields and options. A field with different options in two commands comes twice.
     constexpr FieldOption kFieldOptions[] = {
         { "accept_implausible", "--accept-implausible" },
+        { "accept_labels", "--accept-labels" },
         { "accuracy", "--accuracy" },
         { "autosegment", "--autosegment" },
         { "check", "--check" },

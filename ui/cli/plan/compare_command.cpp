@@ -29,9 +29,15 @@ namespace {
     {
         Compared compared;
         for (const planner::Approach& approach : planned_case.approaches) {
-            std::optional<planner::SavedPlan> saved = planner::read_saved_plan(planned_case, approach.name);
+            std::optional<planner::SavedPlan> saved;
+            std::string why;
+            try {
+                saved = planner::read_saved_plan(planned_case, approach.name);
+            } catch (const Error& error) {
+                why = std::string(" (") + error.what() + ")";
+            }
             if (!saved) {
-                compared.unplanned.push_back(approach.name);
+                compared.unplanned.push_back(approach.name + why);
                 continue;
             }
             compared.fields.push_back(std::move(saved->field.metrics));
@@ -39,8 +45,6 @@ namespace {
         }
         return compared;
     }
-
-    std::string letter(std::size_t n) { return std::string(1, static_cast<char>('A' + n % 26)); }
 
     std::string cell(const planner::ComparedMeasure& measure, std::size_t n)
     {
@@ -67,7 +71,7 @@ namespace {
     {
         std::vector<std::vector<std::string>> rows { { "" } };
         for (std::size_t n = 0; n < fields; ++n)
-            rows.front().push_back(letter(n));
+            rows.front().push_back(planner::compared_letter(n));
         for (const planner::ComparedMeasure& measure : measures) {
             rows.push_back({ measure.metric->caption });
             for (std::size_t n = 0; n < fields; ++n)
@@ -102,7 +106,7 @@ namespace {
         outcome.document["approaches"] = Json::array();
         for (std::size_t n = 0; n < compared.fields.size(); ++n) {
             const planner::Verdict verdict = planner::verdict_of(compared.fields[n]);
-            outcome.text += letter(n) + "  " + compared.names[n] + ":";
+            outcome.text += planner::compared_letter(n) + "  " + compared.names[n] + ":";
             for (const std::string& sentence : verdict.sentences)
                 outcome.text += " " + sentence;
             outcome.text += "\n";
@@ -113,7 +117,7 @@ namespace {
             + "* better than every other by more than both errors together\n";
         const bool one_target = planner::have_one_target(compared.fields);
         if (!one_target)
-            outcome.text += "The approaches have different targets, so what is seen of them is not compared.\n";
+            outcome.text += std::string(planner::kDifferentTargets) + "\n";
         if (!compared.unplanned.empty())
             outcome.text += "not planned: " + joined(compared.unplanned) + "\n";
         outcome.document["one_target"] = one_target;

@@ -232,8 +232,9 @@ namespace {
             , folder(options.out)
             , made(folder)
         {
-            drawn = rounds == Rounds::one ? saved_or_planned(patient, job, checks)
-                                          : DrawnFields { .fields = plan_all(patient, job, checks), .saved = {} };
+            drawn = rounds == Rounds::one
+                ? saved_or_planned(patient, job, checks)
+                : DrawnFields { .fields = plan_all(patient, job, checks), .saved = {}, .remarks = {} };
             refuse_if_cancelled(job);
         }
         planner::Patient patient;
@@ -290,6 +291,7 @@ namespace {
         // Missing programs and wrong options are reported before the long work.
         const fs::path ccx = options.reference.empty() ? fs::path() : find_calculix();
         const std::vector<std::string> formats = export_formats(options);
+        const planner::Case in_file = planner::read_case(options.case_file, { .verify_checksums = false });
         PlannedCase planned(options, Rounds::to_accuracy, job);
         auto& [patient, request, checks, folder, made, drawn] = planned;
         std::vector<planner::PlannedField>& fields = drawn.fields;
@@ -317,8 +319,9 @@ namespace {
         const std::vector<std::string> kept = keep_earlier_metrics(folder, staged.folder(), fields);
         outcome.document = write_metrics(staged.folder(), computed, fields);
         staged.publish("metrics.json");
-        const planner::Case in_file = planner::read_case(options.case_file, { .verify_checksums = false });
-        outcome.text = field_table(fields) + exported + save_plans(in_file, patient.planned_case(), fields);
+        outcome.text = field_table(fields) + exported;
+        if (!options.accuracy && !options.time_s) // a plan that was hurried takes no better one's place
+            outcome.text += save_plans(in_file, patient.planned_case(), fields);
         if (!kept.empty()) {
             const std::string file = (folder / "metrics-earlier.json").string();
             outcome.text += file + " keeps the earlier results of " + joined(kept) + "\n";
@@ -350,6 +353,7 @@ namespace {
         const std::vector<planner::ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
         refuse_if_cancelled(job);
         Outcome outcome = picture_outcome(pictures);
+        outcome.text += drawn.remarks;
         for (const auto& [name, date] : drawn.saved) {
             outcome.text += name + ": drawn from the plan of " + date + ", saved with the case\n";
             outcome.document["saved_plans"][name] = date;
@@ -598,8 +602,9 @@ void add_render_command(Commands& commands)
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option("--approach", options->approach, "Only this approach (default: all)");
     command->add_option("--target", options->target,
-        "Show the case without its approaches, and look at this label or sphere x,y,z,r (default when the case has no "
-        "approach: the first label of role target or at-risk)");
+        "Show the case without its approaches, and look at this label, site SITE:LABEL:x,y,z,r or sphere x,y,z,r "
+        "(default "
+        "when the case has no approach: the first label of role target or at-risk)");
     command->add_option("--out", options->out, "Folder for the PNG files")->required();
     command->add_option(
         "--views", options->views, "surgeon, overview, slices, separated by commas (default: the case's)");

@@ -49,12 +49,18 @@ DrawnFields saved_or_planned(planner::Patient& patient, const Job& job, const pl
     planner::Case rest = planned_case;
     rest.approaches.clear();
     for (const planner::Approach& approach : planned_case.approaches) {
-        if (std::optional<planner::SavedPlan> saved = planner::read_saved_plan(planned_case, approach.name)) {
-            drawn.saved[approach.name] = saved->date;
-            known[approach.name] = std::move(saved->field);
-        } else {
-            rest.approaches.push_back(approach);
+        std::optional<planner::SavedPlan> saved;
+        try {
+            saved = planner::read_saved_plan(planned_case, approach.name);
+        } catch (const Error&) {
+            drawn.remarks += to_string(current_failure()) + "\n"; // it is planned again
         }
+        if (!saved) {
+            rest.approaches.push_back(approach);
+            continue;
+        }
+        drawn.saved[approach.name] = saved->date;
+        known[approach.name] = std::move(saved->field);
     }
     if (known.empty()) {
         drawn.fields = plan_all(patient, job, checks);

@@ -21,10 +21,11 @@ std::string save_plans(
 struct DrawnFields {
     std::vector<planner::PlannedField> fields; ///< in the order of the approaches
     std::map<std::string, std::string> saved; ///< approaches that were not planned anew, and the date of their plan
+    std::string remarks {}; ///< saved plans that could not be read, one line each
 };
 
-/// The saved plans of the patient's approaches; approaches without one are planned.
-/// @throws as plan_all() and read_saved_plan() do
+/// The saved plans of the patient's approaches; approaches without one, or with a damaged one, are planned.
+/// @throws as plan_all() does
 DrawnFields saved_or_planned(planner::Patient& patient, const Job& job, const planner::PlanChecks& checks);
 
 } // namespace retractor::ui::cli

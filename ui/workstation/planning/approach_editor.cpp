@@ -145,7 +145,7 @@ void ApproachEditor::begin(std::vector<Vec3> points, const QString& message)
     opened_before_ = model_->show_opened();
     ++drawings_;
     model_->set_show_opened(false); // the skin is drawn on before it is cut
-    if (shows_slices(model_->view()) || !model_->view_available(model_->view()))
+    if (!is_drawn_on(model_->view()) || !model_->view_available(model_->view()))
         model_->set_view(ViewPreset::overview);
     on_state(); // shows the closed patient
     tool_.begin(std::move(points), model_->shown_state().closed->skin_under);
@@ -261,20 +261,25 @@ void ApproachEditor::change_opening()
     const std::size_t id = model_->id(*model_->selected());
     const planner::Approach approach = model_->approach(*model_->selected());
     std::vector<ApproachDialog::Target> targets = possible_targets(model_->planned_case());
-    const std::string& target = approach.target.label;
+    const std::string target
+        = approach.target.is_site() ? planner::target_name(approach.target) : approach.target.label;
     if (std::ranges::none_of(targets, [&](const auto& other) { return other.first == target; }))
-        targets.insert(targets.begin(), { target, approach.target.is_sphere() ? "a ball, as it is" : target });
+        targets.insert(targets.begin(),
+            { target,
+                approach.target.is_sphere()     ? "a ball, as it is"
+                    : approach.target.is_site() ? readable(target) + ", as it is"
+                                                : target });
     auto* dialog = new ApproachDialog(ApproachDialog::Asks::opening, targets, &window_);
     dialog->show_draft({ .name = approach.name, .target = target });
     ask(
         dialog,
-        [approach, dialog](const planner::ApproachDraft& draft) -> Make {
-            return [approach, draft, keeps = dialog->keeps_opening()] {
+        [approach, target, dialog](const planner::ApproachDraft& draft) -> Make {
+            return [approach, target, draft, keeps = dialog->keeps_opening()] {
                 planner::Approach changed = approach;
                 if (!draft.name.empty())
                     changed.name = draft.name;
-                if (draft.target != approach.target.label)
-                    changed.target = { .label = draft.target };
+                if (draft.target != target)
+                    changed = planner::with_target(std::move(changed), { .label = draft.target });
                 return keeps ? changed : planner::opened_by(std::move(changed), draft.opened_by);
             };
         },
@@ -302,16 +307,19 @@ void ApproachEditor::choose_site()
     } catch (...) {
         return on_failure(current_failure());
     }
-    auto* dialog = new SiteDialog(site, &window_);
+    const mesh::LabelInfo* const here
+        = mesh::find_label(labels->table, mesh::label_at(*labels, *model_->slice_place()));
+    auto* dialog = new SiteDialog(site, here != nullptr && here->name == site.label, &window_);
     dialog->setAttribute(Qt::WA_DeleteOnClose);
-    connect(dialog, &QDialog::accepted, this, [this, dialog, id] {
+    connect(dialog, &QDialog::accepted, this, [this, dialog, labels, id] {
         const auto selected = model_ != nullptr ? model_->selected() : std::nullopt;
         if (!selected || model_->id(*selected) != id)
             return;
-        planner::Approach approach = model_->approach(*selected);
-        approach.target = dialog->target();
+        planner::Approach approach = planner::with_target(model_->approach(*selected), dialog->target());
         const std::string name = planner::target_name(approach.target);
         try {
+            if (approach.target.is_site())
+                planner::check_site(*labels, approach.target);
             model_->replace_approach(*selected, std::move(approach), "choose the target");
             changed("The target is the " + QString::fromStdString(readable(name)));
         } catch (...) {

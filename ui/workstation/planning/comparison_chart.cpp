@@ -1,7 +1,5 @@
 #include "ui/workstation/planning/comparison_chart.h"
 
-#include "ui/workstation/planning/session_model.h"
-
 #include <QHelpEvent>
 #include <QPainter>
 #include <QToolTip>
@@ -69,7 +67,7 @@ void ComparisonChart::show_fields(const std::vector<planner::FieldMetrics>& fiel
         height += height_of(measure);
         spoken += QString(measure.metric->caption) + ":";
         for (std::size_t n = 0; n < measure.numbers.size(); ++n)
-            spoken += " " + QString::fromStdString(compared_letter(n)) + " " + text_of(measure, n) + ";";
+            spoken += " " + QString::fromStdString(planner::compared_letter(n)) + " " + text_of(measure, n) + ";";
         spoken += "\n";
     }
     setAccessibleDescription(spoken);
@@ -95,8 +93,8 @@ void ComparisonChart::paintEvent(QPaintEvent*)
             font.setBold(leads);
             painter.setFont(font);
             painter.setPen(compared_color(n));
-            painter.drawText(
-                QRectF(0.0, y, left, kRowHeight), Qt::AlignVCenter, QString::fromStdString(compared_letter(n)));
+            painter.drawText(QRectF(0.0, y, left, kRowHeight), Qt::AlignVCenter,
+                QString::fromStdString(planner::compared_letter(n)));
             const planner::ComparedNumber& number = measure.numbers[n];
             const double end = left + scale * std::abs(number.value), middle = y + kRowHeight / 2.0;
             painter.fillRect(QRectF(left, middle - 5.0, end - left, 10.0), compared_color(n));

@@ -74,7 +74,8 @@ namespace {
 
     MetricSection sight_section(const planner::FieldMetrics& field)
     {
-        MetricSection section { "Sight", { { "Target", field.target, "Structure that the surgeon wants to see." } } };
+        MetricSection section { "Sight",
+            { { "Target", readable(field.target), "Structure that the surgeon wants to see." } } };
         add_rows(section, field, planner::MetricGroup::sight);
         if (const std::string estimated = planner::estimated_text(field); !estimated.empty())
             section.rows.push_back({ "Estimated", joined(field.estimated),
@@ -327,7 +328,7 @@ std::vector<MetricSection> approach_rows(const planner::Approach& approach)
             { "Template", approach.template_name, {} },
             { "Target",
                 approach.target.is_sphere() ? "sphere of " + number(approach.target.radius_mm, 0, "mm")
-                                            : planner::target_name(approach.target),
+                                            : readable(planner::target_name(approach.target)),
                 {} },
             asked_row("incision_length_mm", planner::incision_length(approach)),
             asked_row("cut_depth_mm", approach.depth_mm),

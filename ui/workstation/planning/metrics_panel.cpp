@@ -148,7 +148,7 @@ namespace {
             const planner::Verdict verdict = planner::verdict_of(fields.back());
             const LightLook look = light_look(verdict.light);
             column.addSpacing(6);
-            column.addWidget(label(compared_letter(n) + "  " + planner::spoken_name(model.approach(index)),
+            column.addWidget(label(planner::compared_letter(n) + "  " + planner::spoken_name(model.approach(index)),
                 QString("color: %1;").arg(compared_color(n).name()), 11.0, true));
             column.addWidget(
                 label(std::string("\u25cf  ") + look.word, QString("color: %1;").arg(look.color), 10.0, true));

@@ -195,7 +195,7 @@ PlanningBackend make_planning_backend(const planner::Case& planned_case)
         try { // what was planned before in the same way has the same result
             if (const auto saved = planner::read_saved_plan(case_with(*patient, approach), approach.name))
                 return { .message = {}, .field = pictures_of(*patient, saved->field) };
-        } catch (const InputError&) { // damaged: the new plan takes its place
+        } catch (const Error&) { // damaged: the new plan takes its place
         }
         const planner::PlannedField field = planner::plan_approach(*patient, approach, job);
         switch (field.status) {

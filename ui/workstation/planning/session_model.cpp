@@ -2,6 +2,7 @@
 
 #include "mesh/base/assert.h"
 #include "planner/approach/approach_draft.h"
+#include "planner/measures/comparison.h"
 #include "ui/scene/linked_slices.h"
 
 #include <algorithm>
@@ -193,6 +194,8 @@ void SessionModel::withdraw_absent()
     std::erase_if(waiting_, absent);
     if (planning_ && absent(*planning_))
         states_.at(*planning_).status = FieldStatus::cancelling;
+    if (view_ == ViewPreset::compare && !view_available(view_))
+        view_ = shown_view(); // or the comparison would come back by itself
 }
 
 std::vector<std::size_t> SessionModel::planned() const
@@ -414,7 +417,7 @@ std::vector<Scene> SessionModel::compared_scenes() const
 {
     std::vector<Scene> scenes;
     for (const std::size_t index : planned()) {
-        const std::string letter = compared_letter(scenes.size());
+        const std::string letter = planner::compared_letter(scenes.size());
         scenes.push_back(state(index).field->surgeon);
         scenes.back().title = letter + "  " + planner::spoken_name(approach(index));
     }

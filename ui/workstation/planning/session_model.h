@@ -30,15 +30,11 @@ enum class ViewPreset {
     compare, ///< the surgeon's view of all planned approaches beside each other
 };
 
-/// Letter of the n-th planned approach in a comparison, the same in pictures and chart: "A", "B".
-inline std::string compared_letter(std::size_t n)
-{
-    constexpr std::size_t kLetters = 26;
-    return std::string(1, static_cast<char>('A' + n % kLetters));
-}
-
 /// Whether the view shows slices of the CT: three planes, or the planes along and across the incision.
 inline bool shows_slices(ViewPreset view) { return view == ViewPreset::slices || view == ViewPreset::incision; }
+
+/// Whether an incision can be drawn in the view: on one picture of the patient in space.
+inline bool is_drawn_on(ViewPreset view) { return view == ViewPreset::surgeon || view == ViewPreset::overview; }
 
 /// Reads "surgeon", "overview", "slices", "incision" or "compare".
 std::optional<ViewPreset> view_from_string(std::string_view text);

@@ -30,7 +30,7 @@ namespace {
 
 } // namespace
 
-SiteDialog::SiteDialog(const planner::TargetSpec& proposed, QWidget* parent)
+SiteDialog::SiteDialog(const planner::TargetSpec& proposed, bool met, QWidget* parent)
     : QDialog(parent)
     , proposed_(proposed)
 {
@@ -39,7 +39,7 @@ SiteDialog::SiteDialog(const planner::TargetSpec& proposed, QWidget* parent)
     const QString organ = QString::fromStdString(readable(proposed.label));
     auto* column = new QVBoxLayout(this);
     QLabel* const where = plain_label({});
-    where->setText("The slices meet in the " + organ + ". What is done here?");
+    where->setText((met ? "The slices meet in the " : "The slices meet beside the ") + organ + ". What is done here?");
     column->addWidget(where);
     auto* form = new QFormLayout;
     form->setHorizontalSpacing(16);

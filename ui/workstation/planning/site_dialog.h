@@ -13,7 +13,8 @@ namespace retractor::ui {
 class SiteDialog : public QDialog {
 public:
     /// @param proposed label, place and radius; see planner::site_at()
-    SiteDialog(const planner::TargetSpec& proposed, QWidget* parent);
+    /// @param met whether the place lies in the label, and not beside it
+    SiteDialog(const planner::TargetSpec& proposed, bool met, QWidget* parent);
 
     /// The chosen site, or the whole label.
     planner::TargetSpec target() const;

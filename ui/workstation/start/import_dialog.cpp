@@ -22,6 +22,7 @@
 #include <QStackedWidget>
 #include <QVBoxLayout>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -100,6 +101,10 @@ ImportDialog::ImportDialog(QWidget* parent)
     failure_->setTextInteractionFlags(Qt::TextSelectableByMouse);
     failure_->hide();
     column->addWidget(failure_);
+    insist_ = new QCheckBox("These labels are of this CT");
+    insist_->setObjectName("insist");
+    insist_->hide(); // until labels are refused
+    column->addWidget(insist_);
     auto* row = new QHBoxLayout;
     work_ = new QLabel;
     progress_ = new QProgressBar;
@@ -282,7 +287,11 @@ void ImportDialog::work(const QString& what, std::function<std::function<void()>
         try {
             deliver = task(job);
         } catch (...) {
-            deliver = [this, failure = current_failure()] { show_failure(QString::fromStdString(to_string(failure))); };
+            deliver = [this, failure = current_failure()] {
+                show_failure(QString::fromStdString(to_string(failure)));
+                if (std::ranges::find(failure.fields, "accept_labels") != failure.fields.end())
+                    insist_->show();
+            };
         }
         QMetaObject::invokeMethod(
             this,
@@ -364,6 +373,7 @@ planner::ImportRequest ImportDialog::request() const
         request.labels.emplace_back(labels_->item(n)->text().toStdString());
     if (!request.labels.empty())
         request.preset = preset_->currentData().toString().toStdString();
+    request.accept_labels = insist_->isChecked();
     request.autosegment = find_labels_->isChecked() && !request.ct.empty();
     return request;
 }

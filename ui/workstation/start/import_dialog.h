@@ -79,6 +79,7 @@ private:
     QLineEdit *path_ = nullptr, *case_folder_ = nullptr;
     QListWidget *images_ = nullptr, *labels_ = nullptr;
     QCheckBox* find_labels_ = nullptr;
+    QCheckBox* insist_ = nullptr; ///< on labels that do not fit the CT
     QComboBox* preset_ = nullptr;
     QLabel *failure_ = nullptr, *work_ = nullptr;
     QProgressBar* progress_ = nullptr;

@@ -57,7 +57,7 @@ namespace saved_plan_test {
         {
             here.folder = folder_.path;
         }
-        fs::path file() const { return plan_file(here.file(), "straight"); }
+        fs::path file() const { return plan_file(here, "straight"); }
         std::string content() const
         {
             std::ifstream in(file(), std::ios::binary);
@@ -126,6 +126,33 @@ namespace saved_plan_test {
         EXPECT_FALSE(is_read([](Case& c) { c.materials.front().youngs_modulus_MPa *= 1.1; }));
         EXPECT_FALSE(is_read([](Case& c) { c.labels.sha256.front() = c.labels.sha256.front() == '0' ? '1' : '0'; }));
         EXPECT_FALSE(read_saved_plan(here, "nobody"));
+    }
+
+    TEST_F(SavedPlan, WhatIsTriedAndUndoneDoesNotCostThePlanBefore)
+    {
+        save_plan(here, planned().field);
+        const double opening = here.approaches.front().retractor->opening_mm;
+        const auto with_opening = [&](double more) {
+            Case changed = here;
+            changed.approaches.front().retractor->opening_mm = opening + more;
+            return changed;
+        };
+        save_plan(with_opening(1.0), planned().field);
+        EXPECT_TRUE(read_saved_plan(here, "straight"));
+        EXPECT_TRUE(read_saved_plan(with_opening(1.0), "straight"));
+        // Another approach whose name begins alike keeps its own.
+        Case longer = here;
+        longer.approaches.front().name = "straight-01234567";
+        PlannedField renamed = planned().field;
+        renamed.approach.name = longer.approaches.front().name;
+        save_plan(longer, renamed);
+        for (std::size_t n = 2; n < 2 + kKeptPlans; ++n)
+            save_plan(with_opening(static_cast<double>(n)), planned().field);
+        EXPECT_FALSE(read_saved_plan(here, "straight")) << "the oldest goes";
+        EXPECT_TRUE(read_saved_plan(with_opening(1.0 + kKeptPlans), "straight"));
+        EXPECT_TRUE(read_saved_plan(longer, longer.approaches.front().name));
+        const auto files = std::distance(fs::directory_iterator(file().parent_path()), fs::directory_iterator());
+        EXPECT_EQ(files, static_cast<std::ptrdiff_t>(kKeptPlans) + 1);
     }
 
     TEST_F(SavedPlan, HoldsNoIdentity)

@@ -334,9 +334,9 @@ namespace import_test {
         const test_support::CommandRun refused = run(import);
         EXPECT_EQ(refused.exit_code, 2);
         EXPECT_NE(refused.error().find("another patient"), std::string::npos) << refused.out;
-        EXPECT_NE(refused.error().find("--accept-implausible"), std::string::npos) << refused.out;
+        EXPECT_NE(refused.error().find("--accept-labels"), std::string::npos) << refused.out;
         EXPECT_FALSE(fs::exists(folder / "foreign" / "case.json"));
-        EXPECT_EQ(run(import + " --accept-implausible").exit_code, 0);
+        EXPECT_EQ(run(import + " --accept-labels").exit_code, 0);
     }
 
     TEST_F(Import, ACaseWithoutAWallIsShownAndNotPlanned)

@@ -300,10 +300,15 @@ namespace approach_editor_test {
         press(Qt::Key_3);
         press(Qt::Key_T);
         accept(1, 9.0);
+        EXPECT_FALSE(window_.model()->approach(0).target.is_site());
+        EXPECT_NE(window_.error_line().find("the surface of \"target\" is farther away"), std::string::npos)
+            << window_.error_line();
+        press(Qt::Key_T);
+        accept(1, 24.0);
         const planner::TargetSpec site = window_.model()->approach(0).target;
         EXPECT_EQ(site.label, "target");
         EXPECT_EQ(site.site, "clamp site");
-        EXPECT_EQ(site.radius_mm, 9.0);
+        EXPECT_EQ(site.radius_mm, 24.0);
         EXPECT_NEAR((site.centre - Vec3(0.0, 50.0, 0.0)).norm(), 0.0, 1e-9) << "where the slices meet";
         EXPECT_NE(file_text().find("\"clamp site\""), std::string::npos);
         press(Qt::Key_Z, Qt::ControlModifier);
